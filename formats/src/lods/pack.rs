@@ -69,6 +69,7 @@ struct ObjectWriter<'a> {
     scale: f64,
     started: bool,
     bytes: u64,
+    exact_levels: u32,
 }
 
 /// Packs a file.
@@ -200,12 +201,13 @@ impl<'a> ObjectWriter<'a> {
     fn new<M>(object: &'a LodObject<M>, simplified: &'a Simplified, options: &PackOptions) -> Self {
         let mut layout = VertexLayout::choose(simplified);
         let bounds = options.quantize.apply(simplified.mesh(), &mut layout);
-        let mut encoder = MeshEncoder::new(simplified, layout.clone(), options.exact);
-        if encoder.header().exact && !std::ptr::eq(simplified, &*object.simplified) {
-            // It was reordered for nothing: the stars of hubs ask for parents of their own.
-            encoder = MeshEncoder::new(&object.simplified, layout, true);
-        }
-        Self { encoder, bounds, scale: object.info.world_scale, started: false, bytes: 0 }
+        let encoder = MeshEncoder::new(simplified, layout, options.exact);
+        // A hub may keep what was put into batches from being coded so: of its levels only the
+        // finest is sure to be one of the file.
+        let in_vain = encoder.header().exact && !std::ptr::eq(simplified, &*object.simplified);
+        let exact_levels = if in_vain { 1 } else { encoder.exact_levels() };
+        let scale = object.info.world_scale;
+        Self { encoder, bounds, scale, started: false, bytes: 0, exact_levels }
     }
 
     /// Returns a number that rises with the world error of the mesh so far; none if it is complete.
@@ -256,7 +258,7 @@ impl<'a> ObjectWriter<'a> {
             bytes: self.bytes,
             package_bytes,
             package_bytes_with_normals: package_bytes + 12 * u64::from(self.encoder.vertices()),
-            exact_levels: self.encoder.exact_levels(),
+            exact_levels: self.exact_levels,
             bounds: self.bounds,
         }
     }
