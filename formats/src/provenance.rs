@@ -2,6 +2,7 @@
 
 #[cfg(feature = "export")]
 use crate::GENERATOR;
+use lodc_mesh::Posture;
 
 /// A level of detail as its file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,9 @@ pub struct Provenance {
     pub levels: Vec<LevelFacts>,
     /// True if vertices were moved to where they fit best.
     pub refitted: bool,
+    /// For each object of the source the poses that its errors are the largest over, besides the
+    /// one at rest; none if that is not known.
+    pub poses: Option<Vec<Vec<Posture>>>,
 }
 
 impl Provenance {
@@ -61,6 +65,6 @@ impl Provenance {
                 _ => refitted |= part == "refitted",
             }
         }
-        Some(Self { source: source?, levels: vec![stated], refitted })
+        Some(Self { source: source?, levels: vec![stated], refitted, poses: None })
     }
 }

@@ -164,6 +164,17 @@ const DEFECTS: &[(&str, &str, Plant)] = &[
         let bytes = numbers[first..second].to_vec();
         numbers[second..second + bytes.len()].copy_from_slice(&bytes);
     }),
+    ("a triangle that is turned over", "triangles face as the input's", |d, numbers| {
+        let node = node_of_levels(d);
+        let ids = &d["nodes"][node]["extensions"]["MSFT_lod"]["ids"];
+        let mesh = number(&d["nodes"][number(&ids[1])]["mesh"]);
+        let indices = &d["meshes"][mesh]["primitives"][0]["indices"];
+        let (first, second, third) =
+            (place(d, indices, 6), place(d, indices, 7), place(d, indices, 8));
+        for i in 0..third - second {
+            numbers.swap(first + i, second + i);
+        }
+    }),
     ("a node that moved", "errors hold", |d, _| {
         let node = node_of_levels(d);
         d["nodes"][node]["translation"] = json!([0.5, 0.0, 0.0]);
@@ -247,6 +258,37 @@ fn planted_ranges_are_found() {
         planted(&f, |d, _| levels(d, level, key, by));
         let run = verify(&f, "d.gltf", "skinned_tube_u8.glb").ends(1);
         assert!(found(&run).iter().any(|c| c == "levels share vertices"), "{key}: {}", run.text());
+    }
+}
+
+/// The sphere bends far more at weight 1 than at rest.
+#[test]
+fn errors_are_measured_in_the_poses_that_they_are_over() {
+    let f = chained("morphing_sphere.glb", &[]);
+    let over = |d: &Value| d["extras"]["lodc"]["errors_over"].clone();
+    planted(&f, |d, _| {
+        assert_eq!(over(d), json!({ "rest": true, "poses": 2 }));
+        let poses = d["extras"]["lodc"]["poses"][0].as_array().expect("poses of the object");
+        assert!(poses.len() == 2 && poses.contains(&json!({ "target": 1 })), "{poses:?}");
+    });
+    let scaled = |d: &mut Value, by: f64| {
+        let error = &mut d["extras"]["lodc"]["levels"][1]["error"];
+        *error = (error.as_f64().expect("an error") * by).into();
+    };
+    let errors_hold = |run: Run| !found(&run).iter().any(|check| check == "errors hold");
+    for (by, with_poses, holds) in
+        [(1.0, true, true), (0.7, true, false), (2.0, true, false), (0.7, false, true)]
+    {
+        planted(&f, |d, _| {
+            scaled(d, by);
+            if !with_poses {
+                let lodc = d["extras"]["lodc"].as_object_mut().expect("facts");
+                lodc.remove("errors_over");
+                lodc.remove("poses");
+            }
+        });
+        let run = verify(&f, "d.gltf", "morphing_sphere.glb");
+        assert_eq!(errors_hold(run), holds, "{by} times, poses: {with_poses}");
     }
 }
 

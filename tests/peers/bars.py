@@ -45,19 +45,13 @@ def words(command):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def packers(folder):
-    """Programs named gltfpack, by what they are: from npm, and native ones."""
+def packers(folder, native):
+    """Programs named gltfpack, by what they are: from npm, and a native one."""
     found = {}
     script = os.path.join(folder, "node_modules/gltfpack/cli.js")
     if shutil.which("node") and os.path.exists(script):
         found["npm"] = ["node", script]
-    native = shutil.which("gltfpack")
-    if not native:
-        try:
-            files = metadata.files("dsts-extractor-gltfpack") or []
-            native = next((str(f.locate()) for f in files if f.name == "gltfpack"), None)
-        except metadata.PackageNotFoundError:
-            pass
+    native = native or shutil.which("gltfpack")
     if native:
         found["native"] = [native]
     return found
@@ -202,6 +196,7 @@ def main():
     told.add_argument("--lodc", default="target/release/lodc", help="the program")
     told.add_argument("--base", help="an older program, for bars on its times")
     told.add_argument("--npm", default="target/peers", help="folder with node_modules")
+    told.add_argument("--gltfpack", help="a native gltfpack, if it is not on the path")
     told.add_argument("--turns", type=int, default=3, help="turns, of which the least counts")
     given = told.parse_args()
     if hasattr(os, "sched_setaffinity"):
@@ -211,7 +206,7 @@ def main():
         at = lambda name: os.path.join(folder, name)
         models.write_all(folder)
         lodc = Lodc(given.lodc, folder)
-        tools = packers(given.npm)
+        tools = packers(given.npm, given.gltfpack)
         start = min(seconds(["node", "-e", "0"]) for _ in range(5)) if "npm" in tools else 0.0
         print(f"{words([given.lodc, '--version']).strip()}, {platform.machine()}, one core")
         for name, tool in tools.items():

@@ -8,7 +8,7 @@ use crate::samples::sources;
 use crate::work::{FLOOR, Work};
 use glam::DVec3;
 use lodc_mesh::NONE;
-use lodc_nearest::{Moving, Search, Seeker, Surface, area, centroid};
+use lodc_nearest::{Moving, Search, Seeker, Surface, area, centroid, point_at};
 
 /// A point is near enough within this share of the bound; a face with one beyond the second share
 /// is looked at as a whole.
@@ -17,6 +17,20 @@ const DOUBTFUL: f64 = 0.5;
 
 /// Where no more faces are left every one is looked at as a whole.
 const FEW: u32 = 600;
+
+/// Barycentric coordinates of the middle of a face, and of the middles of nine equal parts.
+const MIDDLE: [f64; 3] = [1.0 / 3.0; 3];
+const SPREAD: [[f64; 3]; 9] = [
+    [7.0 / 9.0, 1.0 / 9.0, 1.0 / 9.0],
+    [1.0 / 9.0, 7.0 / 9.0, 1.0 / 9.0],
+    [1.0 / 9.0, 1.0 / 9.0, 7.0 / 9.0],
+    [4.0 / 9.0, 4.0 / 9.0, 1.0 / 9.0],
+    [4.0 / 9.0, 1.0 / 9.0, 4.0 / 9.0],
+    [1.0 / 9.0, 4.0 / 9.0, 4.0 / 9.0],
+    [5.0 / 9.0, 2.0 / 9.0, 2.0 / 9.0],
+    [2.0 / 9.0, 5.0 / 9.0, 2.0 / 9.0],
+    [2.0 / 9.0, 2.0 / 9.0, 5.0 / 9.0],
+];
 
 /// State of a face, as far as this way needs it.
 #[derive(Clone, Copy, Debug)]
@@ -133,13 +147,16 @@ impl<'a> Backward<'a> {
                 Some(_) if now.step.live > FEW && !self.is_doubtful(entry, corners) => {}
                 _ => self.seek(entry, corners),
             }
-            match f64::from(entry.mean_square) {
-                mean if !mean.is_nan() => self.settle(entry.face, mean, area(corners) as f32),
-                _ if self.care.means => {
-                    let squared = self.middle(entry.face, corners);
-                    self.settle(entry.face, squared, area(corners) as f32);
-                }
-                _ => self.settle(entry.face, 0.0, 0.0),
+            let is_small = self.input.triangles.len() <= self.care.exhaustive;
+            let mean_square = match f64::from(entry.mean_square) {
+                _ if is_small => Some(self.mean_square(entry.face, corners, &SPREAD)),
+                mean if !mean.is_nan() => Some(mean),
+                _ if self.care.means => Some(self.mean_square(entry.face, corners, &[MIDDLE])),
+                _ => None,
+            };
+            match mean_square {
+                Some(mean) => self.settle(entry.face, mean, area(corners) as f32),
+                None => self.settle(entry.face, 0.0, 0.0),
             }
         }
     }
@@ -184,16 +201,20 @@ impl<'a> Backward<'a> {
         work.done += found.opened;
     }
 
-    /// Returns the squared distance of a face's middle.
-    fn middle(&mut self, face: u32, corners: [DVec3; 3]) -> f64 {
-        let Self { input, work, .. } = self;
+    /// Returns the mean squared distance of some points of a face.
+    fn mean_square(&mut self, face: u32, corners: [DVec3; 3], points: &[[f64; 3]]) -> f64 {
+        let Self { input, work, other, .. } = self;
         let near = &mut self.faces[face as usize].near;
         let to = Moving { triangles: *input, tree: &input.tree };
-        let (hit, opened) =
-            to.near(centroid(corners), *near, 0.0, (*work + self.other).patience(input));
-        *near = hit.triangle;
-        work.done += u64::from(opened) + 1;
-        hit.squared
+        let patience = (*work + *other).patience(input);
+        let mut sum = 0.0;
+        for &at in points {
+            let (hit, opened) = to.near(point_at(corners, at), *near, 0.0, patience);
+            *near = hit.triangle;
+            work.done += u64::from(opened) + 1;
+            sum += hit.squared;
+        }
+        sum / points.len() as f64
     }
 
     /// Notes the area and the mean squared distance of a face of the step.

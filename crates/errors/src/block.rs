@@ -10,7 +10,7 @@ pub(crate) struct Entry {
     pub(crate) is_live: bool,
     /// Its corners, as points.
     pub(crate) points: [u32; 3],
-    /// The mean squared distance of its samples; not a number if it has none.
+    /// The mean squared distance of its samples; not a number if they do not tell it.
     pub(crate) mean_square: f32,
     /// The origin of the sample that is nearest to its middle; [`NONE`] if it has none.
     pub(crate) hint: u32,

@@ -9,7 +9,8 @@ pub(crate) struct Care {
     pub(crate) samples: f64,
     /// Samples that faces keep where few are left, in all.
     pub(crate) kept: usize,
-    /// Meshes of up to so many triangles are searched as a whole after every step.
+    /// In meshes of up to so many triangles all are searched that a step may concern, and mean
+    /// distances are those of points spread over the faces.
     pub(crate) exhaustive: usize,
     /// Whether faces without samples are asked for their mean distance.
     pub(crate) means: bool,
@@ -18,7 +19,7 @@ pub(crate) struct Care {
 impl Care {
     /// For the shape that all steps are measured in.
     pub(crate) const AT_REST: Self =
-        Self { threads: 2, samples: 30_000.0, kept: 10_000, exhaustive: 100, means: true };
+        Self { threads: 2, samples: 30_000.0, kept: 10_000, exhaustive: 512, means: true };
 
     /// For shapes of which only what exceeds the errors of another one matters.
     pub(crate) const IN_POSES: Self =

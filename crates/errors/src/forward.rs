@@ -142,8 +142,7 @@ impl<'a> Forward<'a> {
         for &t in &changes.touched {
             let face = &faces.all[t as usize];
             block.entries.push(if face.is_live() {
-                let middle = centroid(self.input.at(face.points));
-                samples.entry(middle, t, face)
+                samples.entry(self.input.at(face.points), t, face)
             } else {
                 Entry::dead(t, face.points)
             });
@@ -174,7 +173,23 @@ impl<'a> Forward<'a> {
             self.thinning.thin(&mut self.samples, &mut self.faces.all, face, live, self.bound);
         }
         if self.input.triangles.len() <= self.care.exhaustive {
-            (0..self.input.triangles.len() as u32).for_each(|t| self.seek(t, t));
+            self.cover_around();
+        }
+    }
+
+    /// Looks for points beyond the bound in all triangles of the input that the step may have taken
+    /// the nearest face from: the old faces were within the bound of them.
+    fn cover_around(&mut self) {
+        let (input, Self { faces, changes, .. }) = (self.input, &*self);
+        let touched = changes.touched.iter().flat_map(|&t| faces.all[t as usize].points);
+        let places = touched.chain(changes.sources.iter().copied()).map(|p| input.place(p));
+        let (low, high) = extent(places);
+        let reach = self.bound.max(FLOOR).sqrt();
+        for (t, &points) in (0..).zip(&input.triangles) {
+            let (own_low, own_high) = extent(input.at(points).into_iter());
+            if (own_low - reach).cmple(high).all() && (own_high + reach).cmpge(low).all() {
+                self.seek(t, t);
+            }
         }
     }
 
@@ -338,4 +353,10 @@ impl<'a> Forward<'a> {
     fn enough(&self) -> f64 {
         (self.bound * (NEAR_ENOUGH * NEAR_ENOUGH)).max(FLOOR)
     }
+}
+
+/// Least and greatest coordinates.
+fn extent(places: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    let bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    places.fold(bounds, |(low, high), p| (low.min(p), high.max(p)))
 }

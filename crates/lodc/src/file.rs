@@ -180,7 +180,8 @@ impl<'a> Level<'a> {
         };
         let levels = vec![LevelFacts { lod, error: self.error, rms: self.rms }];
         let source = content.source.content_hash;
-        additions.provenance = Some(Provenance { source, levels, refitted: false });
+        let poses = Some(content.objects.iter().map(|o| o.info.poses.clone()).collect());
+        additions.provenance = Some(Provenance { source, levels, refitted: false, poses });
         let objects = level_mesh::exported(&content.objects, &self.meshes);
         let files = export_with(path, format, &content.document, &objects, &additions)?;
         lodc_formats::write_all(&files)?;

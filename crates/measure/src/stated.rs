@@ -12,9 +12,15 @@ const LEVELS: u32 = 8;
 /// Chooses the levels.
 const SEED: u64 = 0x6572_726f_7273;
 
-/// Fewer samples than [`Sampling::DEFAULT`]: a stored error that is half of the true one is found
-/// all the same.
-const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x5eed };
+/// Fewer samples than [`Sampling::DEFAULT`], and on small surfaces about one and the corners and
+/// middles of edges for a triangle: what samples find nearly too far is looked at closely.
+fn sampling(triangles: usize) -> Sampling {
+    Sampling {
+        samples: triangles.clamp(1_000, 20_000),
+        lattice: (6 * triangles).min(30_000),
+        seed: 0x5eed,
+    }
+}
 
 /// Measured distances may be so much larger than the stored ones, which know samples only.
 const TOLERANCE: f64 = 1.05;
@@ -29,10 +35,6 @@ const RMS_TOLERANCE: f64 = 1.9;
 /// Stored ones may be so many times the measured ones: samples that travel stop where they are near
 /// enough, and faces that lie on each other count once.
 const RMS_OVERSTATED: f64 = 8.0;
-
-/// Levels at which one must be too small, and three of four of those measured: single levels of
-/// small parts may state too little.
-const FEWEST: usize = 3;
 
 /// Samples of a root mean square distance: at first, and before it is refused.
 const RMS_SAMPLES: [u32; 2] = [2_000, 20_000];
@@ -79,27 +81,9 @@ fn first_difference(
     lods: &[Lod],
 ) -> Option<String> {
     let levels = Levels::new(simplified, shapes);
-    let said = |lod: Lod, wrong: String| format!("LOD {}: {wrong}", lod.0);
-    let (sure, small): (Vec<_>, Vec<_>) = lods
-        .par_iter()
-        .with_max_len(1)
-        .map(|&lod| {
-            let Wrong { sure, small } = levels.check(lod);
-            (sure.map(|wrong| said(lod, wrong)), small.map(|wrong| said(lod, wrong)))
-        })
-        .unzip();
-    let small: Vec<String> = small.into_iter().flatten().collect();
-    let mostly = small.len() >= FEWEST && 4 * small.len() >= 3 * lods.len();
-    sure.into_iter().flatten().next().or_else(|| small.into_iter().next().filter(|_| mostly))
-}
-
-/// What is wrong with the distances that a level states.
-#[derive(Default)]
-struct Wrong {
-    /// Enough for the sequence to be refused.
-    sure: Option<String>,
-    /// A root mean square distance that is too small.
-    small: Option<String>,
+    let check = |&lod: &Lod| Some(format!("LOD {}: {}", lod.0, levels.check(lod)?));
+    let wrong: Vec<Option<String>> = lods.par_iter().with_max_len(1).map(check).collect();
+    wrong.into_iter().flatten().next()
 }
 
 /// The levels of a sequence, ready to be measured.
@@ -142,23 +126,20 @@ impl<'a> Levels<'a> {
     }
 
     /// Returns what is wrong with the distances that a level states.
-    fn check(&self, lod: Lod) -> Wrong {
+    fn check(&self, lod: Lod) -> Option<String> {
         let changes = self.changes(lod);
-        match self.check_error(lod, &changes) {
-            Some(wrong) => Wrong { sure: Some(wrong), small: None },
-            None => self.check_rms(lod, &changes),
-        }
+        self.check_error(lod, &changes).or_else(|| self.check_rms(lod, &changes))
     }
 
     /// Returns what is wrong with the root mean square distance that a level states: it is looked
     /// at with more samples before it is refused.
-    fn check_rms(&self, lod: Lod, changes: &[Changes<'_>]) -> Wrong {
+    fn check_rms(&self, lod: Lod, changes: &[Changes<'_>]) -> Option<String> {
         let collapses = self.simplified.collapses();
-        let Some(stored) = collapses.rms_at(lod) else { return Wrong::default() };
+        let stored = collapses.rms_at(lod)?;
         let (rms, error) = (f64::from(stored), f64::from(collapses.error_at(lod)));
         let slack = self.shapes.iter().map(Shape::slack).fold(0.0, f64::max);
         let tiny = self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
-        let mut wrong = Wrong::default();
+        let mut measured = 0.0;
         for samples in RMS_SAMPLES {
             // No point is farther than the error, so what samples miss cannot matter more.
             let missed = MISSED_SLICES / f64::from(samples) * error * error;
@@ -173,17 +154,11 @@ impl<'a> Levels<'a> {
             };
             let is_tiny = rms <= tiny || rms <= RMS_OVERSTATED * (square + missed).sqrt();
             if !too_small && (is_tiny || rms <= RMS_OVERSTATED * most()) {
-                return Wrong::default();
+                return None;
             }
-            let measured = square.sqrt();
-            let what =
-                format!("the root mean square distance is {stored}, measured are {measured}");
-            wrong = match too_small {
-                true => Wrong { sure: None, small: Some(what) },
-                false => Wrong { sure: Some(what), small: None },
-            };
+            measured = square.sqrt();
         }
-        wrong
+        Some(format!("the root mean square distance is {stored}, measured are {measured}"))
     }
 
     /// Returns what is wrong with the errors that a level states. One shape that is far enough says
@@ -264,10 +239,11 @@ struct Changes<'a> {
 impl Changes<'_> {
     /// Returns the largest distance that samples find, either way, if it is more than `bound`.
     fn farther_than(&self, bound: f64) -> Option<f64> {
-        let (there, back) = rayon::join(
-            || farther_than(&self.before, &self.level, bound, &SAMPLING),
-            || farther_than(&self.after, self.input, bound, &SAMPLING),
-        );
+        let way = |from: &Surface, to: &TriangleTree| {
+            farther_than(from, to, bound, &sampling(from.triangles.len()))
+        };
+        let (there, back) =
+            rayon::join(|| way(&self.before, &self.level), || way(&self.after, self.input));
         there.into_iter().chain(back).max_by(f64::total_cmp)
     }
 

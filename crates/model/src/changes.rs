@@ -20,61 +20,55 @@ impl Changes for () {
     fn added(&mut self, _: OrientedTriangle) {}
 }
 
-/// The difference between what one strip draws before a move and after it.
+/// The difference between what some strips draw before a move and after it.
 #[derive(Clone, Debug, Default)]
 pub struct Difference {
+    /// Strip by strip.
     before: Vec<OrientedTriangle>,
+    ends: Vec<usize>,
     after: Vec<OrientedTriangle>,
 }
 
 impl Difference {
-    /// Keeps the triangles of a strip before a move.
-    pub fn before(&mut self, triangles: impl Iterator<Item = OrientedTriangle>) {
+    /// Forgets the strips of the last move.
+    pub fn clear(&mut self) {
         self.before.clear();
-        self.before.extend(triangles);
+        self.ends.clear();
     }
 
-    /// Reports what the move did. A triangle changes with it exactly if one of its corners at the
-    /// finer LOD is a vertex that is gone at the coarser one; the others keep their order, so they
-    /// are found again one after the other.
+    /// Keeps the triangles of one more strip before a move.
+    pub fn before(&mut self, triangles: impl Iterator<Item = OrientedTriangle>) {
+        self.before.extend(triangles);
+        self.ends.push(self.before.len());
+    }
+
+    /// Reports what the move did to the strip that was kept as the `number`-th, from 0.
     pub fn after(
         &mut self,
+        number: usize,
         triangles: impl Iterator<Item = OrientedTriangle>,
-        coarsens: bool,
-        coarse: u32,
         changes: &mut impl Changes,
     ) {
         self.after.clear();
         self.after.extend(triangles);
-        let (fine, other) =
-            if coarsens { (&self.before, &self.after) } else { (&self.after, &self.before) };
-        let moves = |t: &&OrientedTriangle| t.corners.iter().any(|&v| v < coarse);
-        let mut stays = fine.iter().filter(|t| !moves(t)).peekable();
-        for &t in fine.iter().filter(moves) {
-            if coarsens {
-                changes.removed(t);
-            } else {
-                changes.added(t);
-            }
-        }
-        for &t in other {
-            if stays.next_if(|&&s| s == t).is_none() {
-                if coarsens {
-                    changes.added(t);
-                } else {
-                    changes.removed(t);
-                }
-            }
-        }
+        let start = if number == 0 { 0 } else { self.ends[number - 1] };
+        report_difference(&mut self.before[start..self.ends[number]], &mut self.after, changes);
     }
 }
 
-/// Reports the multiset difference of two lists of triangles, and sorts both.
+/// Reports the multiset difference of two lists of triangles, and sorts what is between their
+/// first and last differences.
 pub fn report_difference(
     before: &mut [OrientedTriangle],
     after: &mut [OrientedTriangle],
     changes: &mut impl Changes,
 ) {
+    // Most of what a strip draws stays, in its order.
+    let first = before.iter().zip(after.iter()).take_while(|(b, a)| b == a).count();
+    let (before, after) = (&mut before[first..], &mut after[first..]);
+    let last = before.iter().rev().zip(after.iter().rev()).take_while(|(b, a)| b == a).count();
+    let (before_end, after_end) = (before.len() - last, after.len() - last);
+    let (before, after) = (&mut before[..before_end], &mut after[..after_end]);
     before.sort_unstable();
     after.sort_unstable();
     let (mut before, mut after) = (before.iter().peekable(), after.iter().peekable());

@@ -14,10 +14,10 @@ use std::sync::Arc;
 /// Triangles of meshes that are mutated.
 const MOST: usize = 700;
 
-/// Of the first 10,000 these are refused: two state errors that are too small by 6 % (3444, 4643),
-/// the others root mean square distances beyond 8 times the sampled ones, for reasons not known
-/// yet. They are to become fewer.
-const KNOWN: [u64; 10] = [648, 1368, 3444, 4643, 6158, 6535, 6651, 8768, 9474, 9551];
+/// These were refused once: errors too small by 6 %, where a triangle stood out between its corners
+/// (3444, 4643); root mean square distances of parts that were gone, counted for faces that were
+/// none (the others), and one of 0 for a face with none but near samples (229).
+const ONCE_WRONG: [u64; 11] = [229, 648, 1368, 3444, 4643, 6158, 6535, 6651, 8768, 9474, 9551];
 
 /// What a build makes of a mesh.
 fn built(mesh: &Mesh) -> Vec<LodObject> {
@@ -50,6 +50,7 @@ fn checks(mesh: &Mesh) -> Vec<CheckReport> {
 fn mutated_meshes_are_stated_as_they_are() {
     let given = std::env::var("LODC_MUTATIONS").ok().and_then(|n| n.parse().ok());
     let seeds = given.map_or_else(|| lodc_fixtures::seeds(20, 150), |n: u64| 0..n);
+    let seeds: Vec<u64> = seeds.chain(ONCE_WRONG).collect();
     let shapes: Vec<Mesh> = lodc_fixtures::ALL
         .iter()
         .map(|(_, make)| make())
@@ -57,7 +58,6 @@ fn mutated_meshes_are_stated_as_they_are() {
         .collect();
     let wrong: Vec<String> = seeds
         .into_par_iter()
-        .filter(|seed| !KNOWN.contains(seed))
         .filter_map(|seed| {
             let mesh = lodc_fixtures::mutated(&shapes[seed as usize % shapes.len()], seed);
             let wrong = checks(&mesh).into_iter().find(|check| check.ok == Some(false))?;

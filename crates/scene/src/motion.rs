@@ -46,8 +46,9 @@ impl Motion {
         shapes
     }
 
-    /// Returns a placement in a posture; none if the posture says nothing.
-    fn placed(&self, rest: &Placement, posture: Posture) -> Option<Placement> {
+    /// Returns a placement at rest in a posture; none if the posture says nothing.
+    #[must_use]
+    pub fn placed(&self, rest: &Placement, posture: Posture) -> Option<Placement> {
         match posture {
             Posture::Moment { animation, seconds } => {
                 let animation = self.animations.get(animation as usize)?;

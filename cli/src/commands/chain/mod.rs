@@ -193,6 +193,7 @@ fn provenance(args: &ChainArgs, asset: &asset::Asset, levels: &[Level]) -> Prove
         source: asset.source.content_hash,
         levels: levels.iter().map(facts).collect(),
         refitted: args.refit,
+        poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
     }
 }
 

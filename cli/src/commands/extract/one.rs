@@ -194,6 +194,7 @@ fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
         source: asset.source.content_hash,
         levels: vec![LevelFacts { lod: report.lod, error, rms: report.rms }],
         refitted: report.refitted,
+        poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
     }
 }
 

@@ -161,13 +161,13 @@ impl LodStrips {
             return walk(cursor);
         }
         let affected = self.affected(fine, coarse);
-        let before: Vec<Vec<_>> =
-            affected.iter().map(|&s| self.drawn(cursor, s as usize).collect()).collect();
-        let traffic = walk(cursor);
         let mut difference = Difference::default();
-        for (before, strip) in before.into_iter().zip(affected) {
-            difference.before(before.into_iter());
-            difference.after(self.drawn(cursor, strip as usize), to > from, coarse, changes);
+        for &strip in &affected {
+            difference.before(self.drawn(cursor, strip as usize));
+        }
+        let traffic = walk(cursor);
+        for (number, &strip) in affected.iter().enumerate() {
+            difference.after(number, self.drawn(cursor, strip as usize), changes);
         }
         traffic
     }

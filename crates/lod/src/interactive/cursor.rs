@@ -11,8 +11,8 @@ use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::{Changes, Traffic};
 use std::sync::Arc;
 
-/// Going near costs 30 to 50 ns a record where caches hold the mesh and more elsewhere, going far
-/// 0.4 to 0.6 ns a vertex below the coarser LOD: about so many vertices are a record.
+/// Vertices below the coarser LOD that cost as much as a record: going near takes 30 to 50 ns a
+/// record where caches hold the mesh and more elsewhere, going far 0.4 to 0.6 ns a vertex.
 const FAR: u32 = 128;
 
 /// The moving part of an [`Interactive`](super::Interactive) mesh.

@@ -7,8 +7,7 @@
 use super::Masking;
 use super::updates::{ROOM, Refiltered, whole};
 use lodc_mesh::{Lod, OrientedTriangle};
-use lodc_model::report_difference;
-use lodc_model::{Changes, Traffic};
+use lodc_model::{Changes, Difference, Traffic};
 use lodc_strip::live_triangles;
 use std::hint::black_box;
 use std::ops::Range;
@@ -35,6 +34,8 @@ pub struct Cursor {
     stale_count: usize,
     /// The vertex that each removed one has become: made for far jumps.
     shown: Vec<u32>,
+    /// Kept to save allocating.
+    difference: Difference,
 }
 
 impl Cursor {
@@ -55,6 +56,7 @@ impl Cursor {
             stale: vec![false; strips],
             stale_count: 0,
             shown: Vec::new(),
+            difference: Difference::default(),
         }
     }
 
@@ -99,14 +101,16 @@ impl Cursor {
         let mut strips = model.updates.of(&records).strips.to_vec();
         strips.sort_unstable();
         strips.dedup();
-        let before: Vec<Vec<_>> =
-            strips.iter().map(|&s| self.drawn_by(model, s as usize).collect()).collect();
-        let rewritten = self.move_to(model, to, &records);
-        for (mut before, strip) in before.into_iter().zip(strips) {
-            // Two filters of a strip may draw the same triangles in different order.
-            let mut after: Vec<_> = self.drawn_by(model, strip as usize).collect();
-            report_difference(&mut before, &mut after, changes);
+        let mut difference = std::mem::take(&mut self.difference);
+        difference.clear();
+        for &strip in &strips {
+            difference.before(self.drawn_by(model, strip as usize));
         }
+        let rewritten = self.move_to(model, to, &records);
+        for (number, &strip) in strips.iter().enumerate() {
+            difference.after(number, self.drawn_by(model, strip as usize), changes);
+        }
+        self.difference = difference;
         traffic(rewritten)
     }
 

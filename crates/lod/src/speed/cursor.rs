@@ -45,6 +45,8 @@ pub struct Cursor {
     heads: Vec<Head>,
     /// For far moves, what each vertex has become.
     shown: Vec<u32>,
+    /// Kept to save allocating.
+    difference: Difference,
 }
 
 impl Cursor {
@@ -61,6 +63,7 @@ impl Cursor {
             indices: strips.indices().to_vec(),
             heads: (0..strips.len()).map(head).collect(),
             shown: Vec::new(),
+            difference: Difference::default(),
         }
     }
 
@@ -104,14 +107,16 @@ impl Cursor {
         let mut strips: Vec<u32> = model.edits().affected(&records).collect();
         strips.sort_unstable();
         strips.dedup();
-        let before: Vec<Vec<_>> =
-            strips.iter().map(|&s| self.drawn_by(model, s as usize).collect()).collect();
-        self.move_to(model, to, &records, &mut traffic);
-        let mut difference = Difference::default();
-        for (before, strip) in before.into_iter().zip(strips) {
-            difference.before(before.into_iter());
-            difference.after(self.drawn_by(model, strip as usize), to > from, records.end, changes);
+        let mut difference = std::mem::take(&mut self.difference);
+        difference.clear();
+        for &strip in &strips {
+            difference.before(self.drawn_by(model, strip as usize));
         }
+        self.move_to(model, to, &records, &mut traffic);
+        for (number, &strip) in strips.iter().enumerate() {
+            difference.after(number, self.drawn_by(model, strip as usize), changes);
+        }
+        self.difference = difference;
         traffic
     }
 

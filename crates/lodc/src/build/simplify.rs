@@ -1,18 +1,18 @@
 //! The stage that simplifies. Where objects are to look good, pictures decide how.
 
-use super::estimate::Size;
 use super::judge::{Judge, Verdict, verdict};
 use super::watch::staged;
 use super::{Known, SimplifiedObjects, Watch};
 use crate::Error;
 use lodc_formats::SceneObject;
+use lodc_mesh::{Mesh, PositionIds};
 use lodc_simplify::{Guidance, MetricKind, Options, SurfaceColours, simplify_guided};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer triangles are small: there is time to look at more samples first, so many in
-/// all. They help most models and harm some.
+/// Scenes of fewer faces, of those that lie on each other one, are small: there is time to look at
+/// more samples first, so many in all. They help most models and harm some.
 const SMALL: u64 = 16_000;
 const SAMPLES_OF_SMALL: u64 = 64_000;
 
@@ -67,13 +67,27 @@ fn best(
 /// The options of the objects of a small scene with more samples, shared out by their triangles;
 /// nothing if the scene is not small.
 fn with_samples(options: &[Options], objects: &[SceneObject]) -> Option<Vec<Options>> {
-    let triangles = |o: &SceneObject| o.mesh.triangles().len() as u64;
-    let all = Size::of_objects(objects).triangles;
-    let more = |(o, object): (&Options, &SceneObject)| {
-        let share = SAMPLES_OF_SMALL * triangles(object) / all.max(1);
+    let faces: Vec<u64> = objects.par_iter().map(|o| distinct_faces(&o.mesh)).collect();
+    let all: u64 = faces.iter().sum();
+    let more = |(o, faces): (&Options, &u64)| {
+        let share = SAMPLES_OF_SMALL * faces / all.max(1);
         Options { hybrid_samples: o.hybrid_samples.max(share as u32), ..*o }
     };
-    (all < SMALL).then(|| options.iter().zip(objects).map(more).collect())
+    (all < SMALL).then(|| options.iter().zip(&faces).map(more).collect())
+}
+
+/// The number of faces of a mesh, of those at the same three positions one.
+fn distinct_faces(mesh: &Mesh) -> u64 {
+    let positions = PositionIds::new(mesh.positions()).of_vertex;
+    let of_face = |t: &[u32; 3]| {
+        let mut face = t.map(|v| positions[v as usize]);
+        face.sort_unstable();
+        face
+    };
+    let mut faces: Vec<[u32; 3]> = mesh.triangles().iter().map(of_face).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces.len() as u64
 }
 
 fn is_hybrid(options: &Options) -> bool {

@@ -1,14 +1,15 @@
 //! The checks of what was shipped: levels of a mesh in the files that engines load.
 
+use super::facing::{Facing, Moved};
 use super::report::CheckReport;
 use glam::DVec3;
 use lodc_formats::import::document_difference;
 use lodc_formats::{
-    Document, FormatError, Limits, ObjectInfo, Scene, SceneObject, ShippedLevels, scene_graph,
+    Document, FormatError, Limits, ObjectInfo, Scene, SceneObject, ShippedLevels, scene_motion,
 };
 use lodc_measure::{Original, Sampling, Surface};
-use lodc_mesh::{Attribute, Mesh, Semantic};
-use lodc_scene::{Arrangement, Placement, posed, representative};
+use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
+use lodc_scene::{Arrangement, Motion, Placement, posed, representative};
 
 /// Measured distances may be so much larger than what a level states.
 const TOLERANCE: f64 = 1.05;
@@ -42,7 +43,7 @@ pub fn check_levels(
     let report = |check| CheckReport::new(None, "levels", check);
     let count = shipped.levels.len() as u64;
 
-    let measure = Measure::new(source, limits)?;
+    let measure = Measure::new(source, stated.poses.as_deref(), limits)?;
     let error = |number: usize, level: &Scene| {
         measure.difference(level, stated.levels[number].error, limits)
     };
@@ -58,6 +59,10 @@ pub fn check_levels(
         let why = "values were refitted, quantised, compressed or put into another format";
         CheckReport { skipped: Some(why.to_owned()), ..report("vertices are the input's") }
     });
+
+    let facings: Vec<Facing> = source.objects.iter().map(|o| Facing::of(&o.mesh)).collect();
+    let turned = |_, level: &Scene| Ok(turned(level, source, &facings, stated.refitted));
+    checks.push(report("triangles face as the input's").of(count, first(shipped, turned)?));
 
     let rest = |_, level: &Scene| document_difference(&source.document, &level.document, limits);
     checks.push(report("nothing else changed").of(count, first(shipped, rest)?));
@@ -83,7 +88,9 @@ fn first(
 /// The source, ready for levels to be measured.
 struct Measure<'a> {
     source: &'a Scene,
-    arrangement: Arrangement,
+    motion: Motion,
+    /// The poses of each object that its errors are the largest over; none if that is not known.
+    poses: Option<&'a [Vec<Posture>]>,
     units: Units,
     diagonal: f64,
 }
@@ -98,18 +105,22 @@ struct Units {
 }
 
 impl<'a> Measure<'a> {
-    fn new(source: &'a Scene, limits: &Limits) -> Result<Self, FormatError> {
-        let arrangement = arrangement(source, limits)?;
+    fn new(
+        source: &'a Scene,
+        poses: Option<&'a [Vec<Posture>]>,
+        limits: &Limits,
+    ) -> Result<Self, FormatError> {
+        let motion = motion(source, limits)?;
         let world = match &source.objects[..] {
             [one] => one.info.world_scale,
             _ => 1.0,
         };
-        let first = arrangement.placements().first();
+        let first = motion.rest().placements().first();
         let first = first.map(|at| posed(&source.objects[at.object].mesh, at).positions);
         let origin = first.and_then(|places| places.first().copied()).unwrap_or_default();
         let units = Units { origin, world };
-        let diagonal = whole(source, &arrangement, units).diagonal();
-        Ok(Self { source, arrangement, units, diagonal })
+        let diagonal = whole(source, motion.rest(), units).diagonal();
+        Ok(Self { source, motion, poses, units, diagonal })
     }
 
     /// Returns how a level errs more than it states, or far less.
@@ -123,7 +134,7 @@ impl<'a> Measure<'a> {
             // What is gone altogether is infinitely far.
             return Ok(None);
         }
-        let shown = arrangement(level, limits)?;
+        let shown = motion(level, limits)?;
         let pairs = self.pairs(level, &shown);
         let pairs: Vec<_> =
             pairs.iter().map(|[from, to]| (Original::new(from, &SAMPLING), to)).collect();
@@ -135,10 +146,11 @@ impl<'a> Measure<'a> {
         if largest > TOLERANCE * stated + tiny {
             return Ok(Some(format!("the error is {stated}, measured are {largest}")));
         }
-        let allowed = |distance| OVERSTATED * distance + self.rounding(level, &shown) + tiny;
-        // Of objects that bend errors are the largest over poses that the files do not name.
+        let allowed = |distance| OVERSTATED * distance + self.rounding(level, shown.rest()) + tiny;
+        // Errors may be the largest over poses that are not known, as in an OBJ.
         let bends = self.source.objects.iter().any(|o| bends(&o.mesh));
-        if bends || stated <= allowed(largest) || pairs.len() < self.source.objects.len() {
+        let is_known = !bends || self.poses.is_some() && !self.is_flattened(level);
+        if !is_known || stated <= allowed(largest) || pairs.len() < self.source.objects.len() {
             return Ok(None);
         }
         // Samples may miss a small part: only a bound tells that there is none.
@@ -160,28 +172,43 @@ impl<'a> Measure<'a> {
         0.5 * 3f64.sqrt() * largest / self.units.world
     }
 
-    /// Surfaces of the source and of a level that belong together.
-    fn pairs(&self, level: &Scene, shown: &Arrangement) -> Vec<[Surface; 2]> {
-        let flattened = !level.source.format.is_gltf();
-        if flattened || level.objects.len() != self.source.objects.len() {
-            return vec![[
-                whole(self.source, &self.arrangement, self.units),
-                whole(level, shown, self.units),
-            ]];
+    /// Returns whether a level has not the objects of the source, each by itself.
+    fn is_flattened(&self, level: &Scene) -> bool {
+        let is_one = !level.source.format.is_gltf();
+        is_one || level.objects.len() != self.source.objects.len()
+    }
+
+    /// Surfaces of the source and of a level that belong together: of each object at rest and in
+    /// the poses that its errors are the largest over.
+    fn pairs(&self, level: &Scene, shown: &Motion) -> Vec<[Surface; 2]> {
+        if self.is_flattened(level) {
+            let [source, level] = [(self.source, &self.motion), (level, shown)];
+            return vec![[source, level].map(|(s, motion)| whole(s, motion.rest(), self.units))];
         }
-        let pair = |object: usize| {
-            let [source, own] = [&self.source.objects[object].mesh, &level.objects[object].mesh];
-            let (at, _) = representative(source, object, &self.arrangement);
+        let of_object = |object: usize| {
+            let meshes = [&self.source.objects[object].mesh, &level.objects[object].mesh];
             let as_modelled = Placement::as_modelled(object);
+            let (at, _) = representative(meshes[0], object, self.motion.rest());
             let at = at.unwrap_or(&as_modelled);
-            let level_at = same_place(at, &self.arrangement, shown).unwrap_or(&as_modelled);
-            [(source, at), (own, level_at)].map(|(mesh, at)| {
-                let mut surface = Surface::default();
-                add(&mut surface, mesh, at, self.units);
-                surface
-            })
+            let level_at = same_place(at, self.motion.rest(), shown.rest()).unwrap_or(&as_modelled);
+            let pair = |placements: [&Placement; 2]| {
+                [0, 1].map(|side| {
+                    let mut surface = Surface::default();
+                    add(&mut surface, meshes[side], placements[side], self.units);
+                    surface
+                })
+            };
+            let in_pose = |&pose: &Posture| {
+                let placements = [self.motion.placed(at, pose)?, shown.placed(level_at, pose)?];
+                Some(pair(placements.each_ref()))
+            };
+            let poses =
+                self.poses.and_then(|poses| poses.get(object)).map_or(&[][..], Vec::as_slice);
+            std::iter::once(pair([at, level_at]))
+                .chain(poses.iter().filter_map(in_pose))
+                .collect::<Vec<_>>()
         };
-        (0..level.objects.len()).map(pair).collect()
+        (0..level.objects.len()).flat_map(of_object).collect()
     }
 }
 
@@ -196,10 +223,9 @@ fn same_place<'a>(
     level.of(at.object).nth(number).or_else(|| level.of(at.object).next())
 }
 
-fn arrangement(scene: &Scene, limits: &Limits) -> Result<Arrangement, FormatError> {
+fn motion(scene: &Scene, limits: &Limits) -> Result<Motion, FormatError> {
     let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(&scene.document, &infos, limits)?;
-    Ok(Arrangement::new(&graph, &graph.rest_pose(), infos.len()))
+    scene_motion(&scene.document, &infos, limits)
 }
 
 /// Returns whether joints or morph targets may give a mesh another shape.
@@ -233,6 +259,29 @@ fn keeps_values(level: &Scene, source: &Scene) -> bool {
         _ => false,
     };
     same_kind && (!level.compressed || source.compressed)
+}
+
+/// Returns which triangle of a level is turned over. An object that is not the source's of that
+/// number or name is held to nothing unless all of the source is closed.
+fn turned(level: &Scene, source: &Scene, facings: &[Facing], is_refitted: bool) -> Option<String> {
+    let moved = match level.quantized && !source.quantized {
+        true => Moved::IntoOtherUnits,
+        false if is_refitted || !keeps_values(level, source) => Moved::Freely,
+        false => Moved::ToPositions,
+    };
+    let of_name = |object: &SceneObject| {
+        let mut same =
+            (0..source.objects.len()).filter(|&o| source.objects[o].info.name == object.info.name);
+        same.next().filter(|_| same.next().is_none())
+    };
+    let all_closed = facings.iter().all(Facing::is_closed);
+    let all_there = level.objects.len() == source.objects.len();
+    level.objects.iter().enumerate().find_map(|(o, object)| {
+        let own = if all_there { Some(o) } else { of_name(object) };
+        let facing = &facings[own.or(all_closed.then_some(0))?];
+        let triangle = facing.turned(&object.mesh, moved)?;
+        Some(format!("{}: triangle {triangle} is turned over", object.info.name))
+    })
 }
 
 /// Every vertex of the source, object by object: the bytes of its position, and those of its

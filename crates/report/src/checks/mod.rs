@@ -1,5 +1,6 @@
 //! What is checked of a file, and what came of it.
 
+mod facing;
 mod levels;
 mod models;
 mod report;

@@ -15,7 +15,7 @@ use crate::options::ImportOptions;
 use crate::provenance::{LevelFacts, Provenance};
 use crate::shipped::ShippedLevels;
 use crate::{Assets, FormatError};
-use lodc_mesh::Component;
+use lodc_mesh::{Component, Posture};
 use std::collections::BTreeMap;
 
 /// Keys of a node that place and deform what it shows.
@@ -74,7 +74,21 @@ fn stated(root: &Object) -> Result<Provenance, FormatError> {
         [] => vec![facts(all)],
         several => several.iter().map(facts).collect(),
     };
-    Ok(Provenance { source, levels, refitted: all["refitted"].as_bool().unwrap_or(false) })
+    let refitted = all["refitted"].as_bool().unwrap_or(false);
+    let poses_of = |object: &Json| object.list().iter().filter_map(posture).collect();
+    let is_known = all["errors_over"]["rest"].as_bool() == Some(true);
+    let poses = is_known.then(|| all["poses"].list().iter().map(poses_of).collect());
+    Ok(Provenance { source, levels, refitted, poses })
+}
+
+/// A pose that errors are the largest over.
+fn posture(pose: &Json) -> Option<Posture> {
+    let number = |key: &str| pose[key].as_u64().and_then(|n| u32::try_from(n).ok());
+    let moment = || {
+        let seconds = pose["seconds"].as_f64().filter(|seconds| *seconds >= 0.0)?;
+        Some(Posture::Moment { animation: number("animation")?, seconds })
+    };
+    number("target").map(Posture::Target).or_else(moment)
 }
 
 /// Where a document has several levels.

@@ -14,7 +14,7 @@ use super::{glb, prune, schema, uri};
 use crate::options::{Additions, ExportObject, Precision};
 use crate::provenance::{LevelFacts, Provenance};
 use crate::{Document, FormatError, GENERATOR, Limits, ObjectInfo, OutputFile, SubmeshInfo};
-use lodc_mesh::Mesh;
+use lodc_mesh::{Mesh, Posture};
 use std::borrow::Cow;
 use std::path::Path;
 use writer::Writer;
@@ -109,8 +109,25 @@ fn put_provenance(root: &mut Object, provenance: &Provenance) {
     };
     all["refitted"] = provenance.refitted.into();
     all["source"] = format!("{:032x}", provenance.source).into();
+    if let Some(poses) = &provenance.poses {
+        let most = poses.iter().map(Vec::len).max().unwrap_or(0);
+        all["errors_over"] = object! { "rest" => true, "poses" => most };
+        if most > 0 {
+            let of_object = |poses: &Vec<Posture>| poses.iter().map(posture).collect::<Json>();
+            all["poses"] = poses.iter().map(of_object).collect::<Json>();
+        }
+    }
     if root.get("extras").is_none_or(Json::is_object) {
         root["extras"]["lodc"] = all;
+    }
+}
+
+fn posture(pose: &Posture) -> Json {
+    match *pose {
+        Posture::Moment { animation, seconds } => {
+            object! { "animation" => animation, "seconds" => seconds }
+        }
+        Posture::Target(target) => object! { "target" => target },
     }
 }
 

@@ -5,6 +5,7 @@ mod every_step;
 mod geometry_first;
 mod golden;
 mod hubs;
+mod planted;
 mod points;
 mod prefixes;
 mod quantize;

@@ -26,7 +26,7 @@ pub(super) struct Notes {
 }
 
 impl Notes {
-    /// Adds those of lines that follow, which have so many line ends before them.
+    /// Adds those of lines that follow `lines` line ends.
     pub(super) fn add(&mut self, more: &Self, lines: u32) {
         if self.unknown.times == 0 {
             self.unknown_first.clone_from(&more.unknown_first);
@@ -58,7 +58,7 @@ impl Count {
         self.times += 1;
     }
 
-    /// Adds those of lines that follow, which have so many line ends before them.
+    /// Adds those of lines that follow `lines` line ends.
     fn append(&mut self, more: Self, lines: u32) {
         if self.times == 0 && more.times > 0 {
             self.line = lines.saturating_add(more.line);
