@@ -141,10 +141,10 @@ fn streams_are_measured_where_they_are_asked_for() {
     assert!(measured(&f, &["g.obj", "--no-times"])["files"][0]["objects"][0]["stream"].is_null());
     let report = measured(&f, &["g.obj", "--streams"]);
     let stream = &report["files"][0]["objects"][0]["stream"];
-    let bits = ["lossless", "lossless_strips", "packages", "packages_normals"]
+    let bits = ["lossless", "lossless_exact", "packages", "packages_normals"]
         .map(|key| number(stream, &format!("/{key}")));
     assert!(bits.is_sorted() && bits[0] > 0.0, "{bits:?}");
-    assert!(number(stream, "/quantized_strips") > 0.0);
+    assert!(number(stream, "/quantized") > 0.0);
     assert!(
         number(stream, "/speed/decode_ms") > 0.0
             && number(stream, "/speed/encode_million_triangles_per_second") > 0.0

@@ -6,21 +6,16 @@ use crate::bits;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{BECOMES, MORE, OUTPUT};
-use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::LimitArgs;
 use crate::output::{self, Target};
 use crate::stages::Stages;
 use clap::Args;
-use clap::builder::TypedValueParser;
 use lodc::{LodFile, LodObject};
 use lodc_formats::Limits;
 use lodc_formats::lods::{ErrorBound, PackOptions, Packed, PackedObject, Quantize, Unpacker, pack};
-use lodc_lod::AnyModel;
 use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::{BoundReport, PackReport, PackedReport, StreamBits};
 use lodc_report::text::{count, distance, size};
-use lodc_strip::{Effort, StripKind, Strips};
-use rayon::prelude::*;
 use std::path::PathBuf;
 
 /// Options of `pack`.
@@ -35,16 +30,12 @@ pub(crate) struct PackArgs {
     /// the whole stream gives back every bit.
     #[arg(long, value_name = "KIND=BITS,…", value_parser = quantize, help_heading = BECOMES)]
     quantize: Option<Quantize>,
-    /// Strips to stream with the triangles
+    /// Keep the order of all steps
     ///
-    /// Those of the file if it has that kind, else new ones.
-    #[arg(long, value_parser = stream_strips(), default_value = StripKind::FEWEST_MISSES.name(),
-          help_heading = BECOMES)]
-    strips: Choice<StripKind>,
-    /// Effort of the search for strips
-    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name(),
-          help_heading = BECOMES)]
-    effort: Effort,
+    /// Every level of the file is then in the stream, which is a quarter to a half larger. Else
+    /// steps come in batches, and the levels at their ends are those of the file.
+    #[arg(long, help_heading = BECOMES)]
+    exact: bool,
     /// Stream, a .lods file, or folder; - for standard output
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
     output: PathBuf,
@@ -62,11 +53,6 @@ Examples:
   lodc pack chair.lodc -o chair.lods
   lodc pack chair.lodc -o chair.lods --quantize pos=14,normal=10,uv=12";
 
-/// The names of strips that a stream can have.
-fn stream_strips() -> impl TypedValueParser<Value = Choice<StripKind>> {
-    parser_with("none", "Triangles only")
-}
-
 fn quantize(text: &str) -> Result<Quantize, String> {
     let [position, normal, uv] = bits::by_kind(text, ["pos", "normal", "uv"], &(2..=24))?;
     Ok(Quantize { position, normal, uv })
@@ -80,13 +66,11 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
     }
     let mut stages = Stages::default();
     let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
-    let strips = stages.run("strips", || strips(args, &file));
-    let coded: Vec<Option<&Strips>> = strips.iter().map(Option::as_ref).collect();
-    let options =
-        PackOptions { quantize: args.quantize.unwrap_or_default(), ..PackOptions::default() };
-    let packed = stages.run("pack", || pack(&file, &coded, &options))?;
+    let quantize = args.quantize.unwrap_or_default();
+    let options = PackOptions { quantize, exact: args.exact, ..PackOptions::default() };
+    let packed = stages.run("pack", || pack(&file, &options))?;
     stages.run("check", || check(&packed))?;
-    let report = report(args, &file, &strips, &packed, &target);
+    let report = report(args, &file, &packed, &target);
     stages.run("write", || output::write(&target, packed.bytes))?;
     if args.json {
         return console::json(&report);
@@ -95,17 +79,6 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
         note(&text(&report));
     }
     Ok(())
-}
-
-/// Returns the strips of every object: those of the file if it has any of this kind, else new ones.
-fn strips(args: &PackArgs, file: &LodFile) -> Vec<Option<Strips>> {
-    let Some(kind) = args.strips.kind() else { return vec![None; file.objects.len()] };
-    let of = |o: &LodObject| {
-        let stored = o.models.iter().filter_map(AnyModel::strips).find(|s| s.kind == kind);
-        let make = || Strips::generate(&o.simplified, kind, args.effort);
-        Some(stored.cloned().unwrap_or_else(make))
-    };
-    file.objects.par_iter().map(of).collect()
 }
 
 /// Unpacks what was packed, so that no wrong output is written.
@@ -118,20 +91,14 @@ fn check(packed: &Packed) -> Outcome<()> {
     if unpacker.is_complete() { Ok(()) } else { Err(bug("something is missing")) }
 }
 
-fn report(
-    args: &PackArgs,
-    file: &LodFile,
-    strips: &[Option<Strips>],
-    packed: &Packed,
-    target: &Target,
-) -> PackReport {
+fn report(args: &PackArgs, file: &LodFile, packed: &Packed, target: &Target) -> PackReport {
     let bound = |b: &ErrorBound| BoundReport {
         stream: b.stream.clone(),
         bits: b.bits,
         coordinate: b.coordinate,
         distance: b.distance,
     };
-    let object = |((o, p), strips): ((&LodObject, &PackedObject), &Option<Strips>)| {
+    let object = |(o, p): (&LodObject, &PackedObject)| {
         let counts = counts(&o.info, &o.simplified);
         let per_vertex = |bytes: u64| {
             if counts.referenced_vertices == 0 {
@@ -148,7 +115,8 @@ fn report(
         let bounds = p.bounds.iter().map(bound).collect();
         PackedReport {
             counts,
-            strips: strips.as_ref().map(|s| s.set.len() as u64),
+            exact_levels: p.exact_levels,
+            levels: o.simplified.collapses().steps() as u32,
             bytes: p.bytes,
             bits_per_vertex,
             bounds,
@@ -160,7 +128,7 @@ fn report(
         output: target.name(),
         bytes: packed.bytes.len() as u64,
         head_bytes: packed.head_bytes,
-        objects: file.objects.iter().zip(&packed.objects).zip(strips).map(object).collect(),
+        objects: file.objects.iter().zip(&packed.objects).map(object).collect(),
     }
 }
 
@@ -174,7 +142,13 @@ fn text(report: &PackReport) -> String {
     for o in &report.objects {
         let name = crate::exit::one_line(&o.counts.name);
         let vertices = count(o.counts.referenced_vertices, "vertex");
-        lines.push(format!("  {name}: {vertices}, {:.1} bits each", o.bits_per_vertex.stream));
+        let levels = if o.exact_levels < o.levels {
+            format!(", {} of {} levels as in the file", o.exact_levels, o.levels)
+        } else {
+            String::new()
+        };
+        let bits = o.bits_per_vertex.stream;
+        lines.push(format!("  {name}: {vertices}, {bits:.1} bits each{levels}"));
         for b in &o.bounds {
             let (coordinate, far) = (distance(b.coordinate), distance(b.distance));
             lines.push(format!(

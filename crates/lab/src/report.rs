@@ -48,12 +48,13 @@ pub struct BenchObject {
 /// An object as a progressive stream. Bits are per vertex of LOD 0, without the stream's head.
 #[derive(Debug, Serialize)]
 pub(crate) struct StreamReport {
-    /// Of the lossless stream with strips, its head included.
+    /// Of the lossless stream, its head included.
     pub(crate) bytes: u64,
     pub(crate) lossless: f64,
-    pub(crate) lossless_strips: f64,
+    /// With each step in its order.
+    pub(crate) lossless_exact: f64,
     /// Positions in 16 bits, normals in 10, texture coordinates in 12.
-    pub(crate) quantized_strips: f64,
+    pub(crate) quantized: f64,
     /// The same packages as plain words and bytes (thesis, table 4.3), with positions only and with
     /// normals.
     pub(crate) packages: f64,
@@ -64,7 +65,7 @@ pub(crate) struct StreamReport {
     pub(crate) progressive_mesh_normals: f64,
     /// Null if nothing was timed.
     pub(crate) speed: Option<StreamTimings>,
-    /// Of the lossless stream with strips.
+    /// Of the lossless stream.
     pub(crate) prefixes: Vec<PrefixReport>,
 }
 
@@ -78,8 +79,6 @@ pub(crate) struct StreamTimings {
     pub(crate) decode_spread: Spread,
     pub(crate) encode_million_triangles_per_second: f64,
     pub(crate) decode_million_triangles_per_second: f64,
-    /// From a stream with strips, which are passed over.
-    pub(crate) decode_past_strips_million_triangles_per_second: f64,
 }
 
 /// The mesh that the first bytes of a stream show.

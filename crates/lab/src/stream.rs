@@ -12,7 +12,6 @@ use lodc_formats::lods::{PackOptions, Quantize, Unpacker, pack};
 use lodc_formats::{Document, FormatError, Limits, ObjDocument, Source, SourceFormat};
 use lodc_measure::{Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
 use lodc_mesh::Mesh;
-use lodc_strip::{StripKind, Strips};
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -22,7 +21,7 @@ use std::time::Instant;
 const SHARES: [u32; 6] = [1, 2, 5, 10, 25, 50];
 const SAMPLING: Sampling = Sampling { samples: 50_000, lattice: 50_000, ..Sampling::DEFAULT };
 
-/// Measures the streams of an object: lossless with and without strips, and positions on grids.
+/// Measures the streams of an object: lossless in batches and in the exact order, and quantised.
 ///
 /// # Errors
 /// If one cannot be packed or unpacked: a bug.
@@ -30,26 +29,24 @@ pub(crate) fn measure(prepared: &Prepared, rounds: Option<u32>) -> Result<Stream
     let object = &prepared.object;
     let file = alone(object);
     let bug = |e: FormatError| LabError::Bug(format!("{}: {e}", object.info.name));
-    let packed = |strips: Option<&Strips>, bits: Option<u8>| {
+    let packed = |bits: Option<u8>, exact: bool| {
         let quantize = Quantize {
             position: bits,
             normal: bits.map(|b| b.min(10)),
             uv: bits.map(|b| b.min(12)),
         };
-        pack(&file, &[strips], &PackOptions { quantize, ..PackOptions::default() }).map_err(bug)
+        pack(&file, &PackOptions { quantize, exact, ..PackOptions::default() }).map_err(bug)
     };
-    let strips = &**prepared.strips(StripKind::FEWEST_MISSES);
-    let (plain, whole) = (packed(None, None)?, packed(Some(strips), None)?);
-    let quantized = packed(Some(strips), Some(16))?;
+    let whole = packed(None, false)?;
+    let (exact, quantized) = (packed(None, true)?, packed(Some(16), false)?);
     let vertices = object.simplified.mesh().vertex_count().max(1) as f64;
     let bits = |bytes: u64| 8.0 * bytes as f64 / vertices;
     let speed = |rounds: u32| -> Result<StreamTimings, LabError> {
         let one = ThreadPoolBuilder::new().num_threads(1).build();
         let one = one.map_err(|e| LabError::Limit(format!("no thread to work with: {e}")))?;
-        let encode = one.install(|| timed(rounds, || packed(None, None).map(|p| p.bytes.len())))?;
-        let decode = one.install(|| timed(rounds, || index_list(&plain.bytes).map_err(bug)))?;
-        let decode_strips =
-            one.install(|| timed(rounds, || index_list(&whole.bytes).map_err(bug)))?;
+        let encode =
+            one.install(|| timed(rounds, || packed(None, false).map(|p| p.bytes.len())))?;
+        let decode = one.install(|| timed(rounds, || index_list(&whole.bytes).map_err(bug)))?;
         let triangles = object.simplified.mesh().triangles().len() as f64;
         let rate = |timings: &Timings| triangles / timings.best() / 1e3;
         Ok(StreamTimings {
@@ -59,16 +56,15 @@ pub(crate) fn measure(prepared: &Prepared, rounds: Option<u32>) -> Result<Stream
             decode_spread: decode.spread(),
             encode_million_triangles_per_second: rate(&encode),
             decode_million_triangles_per_second: rate(&decode),
-            decode_past_strips_million_triangles_per_second: rate(&decode_strips),
         })
     };
     let progressive = ProgressiveMesh::build(&object.simplified)
         .map_err(|e| LabError::Bug(format!("{}: {e}", object.info.name)))?;
     Ok(StreamReport {
         bytes: whole.bytes.len() as u64,
-        lossless: bits(plain.objects[0].bytes),
-        lossless_strips: bits(whole.objects[0].bytes),
-        quantized_strips: bits(quantized.objects[0].bytes),
+        lossless: bits(whole.objects[0].bytes),
+        lossless_exact: bits(exact.objects[0].bytes),
+        quantized: bits(quantized.objects[0].bytes),
         packages: bits(whole.objects[0].package_bytes),
         packages_normals: bits(whole.objects[0].package_bytes_with_normals),
         progressive_mesh: bits(progressive.packages(false)),
@@ -107,7 +103,7 @@ fn timed<T>(rounds: u32, work: impl Fn() -> Result<T, LabError>) -> Result<Timin
 
 /// A stream's bytes to the index list of what it shows.
 fn index_list(bytes: &[u8]) -> Result<Vec<[u32; 3]>, FormatError> {
-    let mut unpacker = Unpacker::new(Limits::DEFAULT).triangles_only();
+    let mut unpacker = Unpacker::new(Limits::DEFAULT);
     unpacker.feed(bytes)?;
     Ok(unpacker.decoder(0).triangles().collect())
 }
@@ -116,7 +112,7 @@ fn index_list(bytes: &[u8]) -> Result<Vec<[u32; 3]>, FormatError> {
 /// only.
 fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
     let shown = |bytes: &[u8]| -> Result<Option<Mesh>, FormatError> {
-        let mut unpacker = Unpacker::new(Limits::DEFAULT).triangles_only();
+        let mut unpacker = Unpacker::new(Limits::DEFAULT);
         unpacker.feed(bytes)?;
         (unpacker.objects() > 0).then(|| unpacker.mesh(0).map(|(mesh, _)| mesh)).transpose()
     };

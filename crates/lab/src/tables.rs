@@ -107,8 +107,8 @@ fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
 fn streams(text: &mut String, stream: &StreamReport) {
     let StreamReport {
         lossless,
-        lossless_strips,
-        quantized_strips,
+        lossless_exact,
+        quantized,
         packages,
         packages_normals,
         progressive_mesh,
@@ -117,18 +117,17 @@ fn streams(text: &mut String, stream: &StreamReport) {
     } = stream;
     let _ = writeln!(
         text,
-        "\n  stream, bits per vertex: {lossless:.1}, with strips {lossless_strips:.1}, \
-         in 16 bits {quantized_strips:.1}; as packages {packages:.0}, \
+        "\n  stream, bits per vertex: {lossless:.1}, exact {lossless_exact:.1}, \
+         in 16 bits {quantized:.1}; as packages {packages:.0}, \
          with normals {packages_normals:.0}; as Progressive Meshes {progressive_mesh:.0}, \
          with normals {progressive_mesh_normals:.0}"
     );
     if let Some(speed) = stream.speed {
         let (encode, decode) =
             (speed.encode_million_triangles_per_second, speed.decode_million_triangles_per_second);
-        let past = speed.decode_past_strips_million_triangles_per_second;
         let _ = writeln!(
             text,
-            "  encoded {encode:.2}, decoded {decode:.2}, past strips {past:.2} \
+            "  encoded {encode:.2}, decoded {decode:.2} \
              million triangles per second\n  encoded in {} ms, decoded in {} ms (mean ± deviation)",
             of_rounds(&speed.encode_spread),
             of_rounds(&speed.decode_spread)

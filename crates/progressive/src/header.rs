@@ -3,7 +3,6 @@
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use lodc_mesh::{Attribute, Simplified, Submesh};
-use lodc_strip::StripKind;
 
 /// The header of an object: everything but its vertices and triangles.
 #[derive(Clone, Debug)]
@@ -21,8 +20,8 @@ pub struct MeshHeader {
     /// Steps: one for each collapse behind the points, and one for each group with points that are
     /// left at the end.
     pub steps: u32,
-    /// The kind of the strips whose positions are coded, if there are any.
-    pub strips: Option<StripKind>,
+    /// True if steps come in an order of their own, each with its errors; else in batches.
+    pub exact: bool,
 }
 
 impl MeshHeader {
@@ -30,8 +29,8 @@ impl MeshHeader {
     pub(crate) fn new(
         simplified: &Simplified,
         layout: VertexLayout,
-        strips: Option<StripKind>,
         steps: u32,
+        exact: bool,
     ) -> Self {
         let mesh = simplified.mesh();
         let submesh = |s: &Submesh| Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
@@ -43,7 +42,7 @@ impl MeshHeader {
             vertices,
             triangles: mesh.triangles().len() as u32,
             steps,
-            strips,
+            exact,
         }
     }
 
@@ -55,12 +54,12 @@ impl MeshHeader {
             attributes: Vec::new(),
             layout: VertexLayout {
                 systems: vec![NumberSystem::Float; 3],
-                streams: VertexLayout::streams(&[]),
+                streams: VertexLayout::streams(&[], &[]),
             },
             vertices: 0,
             triangles: 0,
             steps: 0,
-            strips: None,
+            exact: true,
         }
     }
 }

@@ -3,26 +3,27 @@
 //! Thesis 4.3.3; the idea is Hoppe's progressive mesh (1996), the container is
 //! `lodc_formats::lods`, and `docs/STREAM.md` specifies every bit.
 //!
-//! # The stream in ten sentences
+//! # The stream in nine sentences
 //!
 //! 1. A collapse sequence, read backwards, is a sequence of *vertex splits* that turns one vertex
 //!    into the whole mesh. Vertices before its first triangle, *points*, come when a split needs
 //!    them.
-//! 2. Each split names the *parent* of the new vertex, as the distance from the one before.
-//! 3. It adds *new triangles*, mostly one on each side of the edge from parent to new vertex, coded
-//!    by the places of their third corners in the parent's link.
+//! 2. Splits come in *batches*, each a pass through a list of all wedge groups with a bit for
+//!    each, whether it is split; or each names its *parent*, if every level is wanted.
+//! 3. A split adds *new triangles*, mostly one on each side of the edge from parent to new vertex,
+//!    coded by the places of their third corners in the parent's link.
 //! 4. It *transfers* some triangles of the parent's star to the new vertex, which mostly follows
 //!    from the new triangles.
-//! 5. It gives the new vertex its *values*, coded as residuals to the mean of the vertices around.
-//! 6. Consecutive splits of one collapse, one for each wedge, are a *step*; it ends with the error
-//!    after it.
+//! 5. It gives the new vertex its *values*: those of a vertex nearby, or residuals to a prediction
+//!    from the vertices around.
+//! 6. Consecutive splits of one collapse, one for each wedge, are a *step*; a batch ends with the
+//!    error after it.
 //! 7. Every bit is coded with an *adaptive probability*, chosen by context and updated after each
 //!    use, or as it is where nothing is known about it.
 //! 8. The same generic code encodes and decodes, so that the two sides cannot differ; what only an
 //!    encoder knows it asks of a *split source*.
-//! 9. Strip positions have a substream of their own, which a decoder may skip.
-//! 10. Steps are bounded by their bytes in memory and time, so no crafted stream can exhaust a
-//!     decoder.
+//! 9. Steps are bounded by their bytes in memory and time, so no crafted stream can exhaust a
+//!    decoder.
 //!
 //! # A vertex split
 //!
@@ -49,7 +50,6 @@
 //! | `vertex_data` | number systems, layouts, quantisation, prediction of values |
 //! | `source` | what an encoder knows: the splits of a collapse sequence |
 //! | `vertex_split` | coding of splits: parent, new triangles, corner transfer, points, contexts |
-//! | `strips` | the drawing order, coding of positions, strips as indices |
 //!
 //! # Example
 //!
@@ -60,7 +60,7 @@
 //! VertexLayout};
 //!
 //! let sphere = lodc_fixtures::random_collapse(&lodc_fixtures::icosphere(2), 7);
-//! let mut encoder = MeshEncoder::new(&sphere, VertexLayout::choose(&sphere), None)?;
+//! let mut encoder = MeshEncoder::new(&sphere, VertexLayout::choose(&sphere), false);
 //! let header = encoder.header().clone();
 //! let (mut contexts, mut blocks, mut bytes) = (Contexts::new(), Vec::new(), 0);
 //! while !encoder.is_complete() {
@@ -74,7 +74,7 @@
 //! let (mut decoder, mut contexts) = (MeshDecoder::new(header), Contexts::new());
 //! let mut coarser = 0;
 //! for block in &blocks {
-//!     let steps = StepBlock { steps: block.steps, splits: &block.splits, strips: &[], bytes };
+//!     let steps = StepBlock { steps: block.steps, splits: &block.splits, bytes };
 //!     decoder.decode(&mut contexts, steps)?;
 //!     // Every prefix is a mesh: the one of a level of detail.
 //!     assert!(decoder.triangle_count() >= coarser);
@@ -93,7 +93,6 @@ mod mesh_decoder;
 mod mesh_encoder;
 mod partial_mesh;
 mod source;
-mod strips;
 #[cfg(test)]
 mod trace;
 mod vertex_data;
@@ -104,8 +103,9 @@ pub use header::MeshHeader;
 pub use invalid::InvalidStream;
 pub use mesh_decoder::{MeshDecoder, StepBlock};
 pub use mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};
-pub use source::strip_neighbors::StripMismatch;
+pub use source::batches::{in_batches, with_removals};
 pub use vertex_data::number_system::NumberSystem;
+pub use vertex_data::octahedral::Octahedral;
 pub use vertex_data::quantize::{ErrorBound, Quantize};
 pub use vertex_data::vertex_layout::{Prediction, Stream, VertexLayout};
 pub use vertex_split::contexts::Contexts;

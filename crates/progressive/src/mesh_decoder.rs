@@ -1,17 +1,14 @@
 //! The decoder of one object, which can be asked for its mesh after any step.
 
-use crate::entropy::coder::Substreams;
 use crate::entropy::decoder::Decoder;
 use crate::error_code::{error_value, rms_value};
 use crate::header::MeshHeader;
 use crate::invalid::InvalidStream;
 use crate::source::split_source::DecoderSource;
-use crate::strips::indices::strip_set;
 use crate::vertex_data::vertex_layout::Stream;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
 use lodc_mesh::{Attribute, MeshParts, Submesh};
-use lodc_strip::StripSet;
 
 /// Decodes the steps of one object.
 ///
@@ -23,7 +20,6 @@ pub struct MeshDecoder {
     header: MeshHeader,
     codec: ObjectCodec,
     steps: u32,
-    skips_strips: bool,
 }
 
 /// Some consecutive steps of an object as a block holds them.
@@ -33,8 +29,6 @@ pub struct StepBlock<'a> {
     pub steps: u32,
     /// The substream of vertex splits.
     pub splits: &'a [u8],
-    /// The substream of strip positions.
-    pub strips: &'a [u8],
     /// Bytes of the stream up to the end of this block: what it decodes to is bounded by them.
     pub bytes: usize,
 }
@@ -43,20 +37,9 @@ impl MeshDecoder {
     /// A decoder before the first step.
     #[must_use]
     pub fn new(header: MeshHeader) -> Self {
-        let strips = header.strips.is_some();
-        Self::with_strips(header, strips)
-    }
-
-    /// A decoder that skips strip positions, which is faster.
-    #[must_use]
-    pub fn triangles_only(header: MeshHeader) -> Self {
-        Self::with_strips(header, false)
-    }
-
-    fn with_strips(header: MeshHeader, strips: bool) -> Self {
         let submeshes = header.submeshes.len() as u32;
-        let codec = ObjectCodec::new(header.layout.clone(), submeshes, strips);
-        Self { skips_strips: !strips, header, codec, steps: 0 }
+        let codec = ObjectCodec::new(header.layout.clone(), submeshes, header.exact);
+        Self { header, codec, steps: 0 }
     }
 
     /// Decodes a block. After an error the decoder has the steps before the faulty one, and what
@@ -72,12 +55,11 @@ impl MeshDecoder {
         if block.steps == 0 || block.steps > self.header.steps - self.steps {
             return Err(InvalidStream("has no steps, or more than the header says"));
         }
-        let mut coders =
-            Substreams { splits: Decoder::new(block.splits), strips: Decoder::new(block.strips) };
+        let mut coder = Decoder::new(block.splits);
         let limits = StepLimits { vertices: self.header.vertices, bytes: block.bytes };
         for remaining in (0..block.steps).rev() {
-            let step = self.codec.code_step(&mut coders, &DecoderSource, contexts, limits);
-            let checked = step.and_then(|()| self.check_step(&coders, remaining == 0));
+            let step = self.codec.code_step(&mut coder, &DecoderSource, contexts, limits);
+            let checked = step.and_then(|()| self.check_step(&coder, remaining == 0));
             if let Err(e) = checked {
                 self.codec.complete_values();
                 return Err(e);
@@ -87,17 +69,11 @@ impl MeshDecoder {
         Ok(())
     }
 
-    fn check_step(
-        &self,
-        coders: &Substreams<Decoder<'_>>,
-        is_last: bool,
-    ) -> Result<(), InvalidStream> {
-        let Substreams { splits, strips } = coders;
-        if splits.is_exhausted() || strips.is_exhausted() {
+    fn check_step(&self, coder: &Decoder<'_>, is_last: bool) -> Result<(), InvalidStream> {
+        if coder.is_exhausted() {
             return Err(InvalidStream("ends before its steps do"));
         }
-        let strips_finished = self.skips_strips || strips.is_finished();
-        if is_last && !(splits.is_finished() && strips_finished) {
+        if is_last && !coder.is_finished() {
             return Err(InvalidStream("does not end with its steps"));
         }
         if self.triangle_count() > self.header.triangles {
@@ -191,13 +167,6 @@ impl MeshDecoder {
         &self.codec.continues
     }
 
-    /// The strips that draw the mesh so far, in drawing order; `None` if the stream has none or
-    /// they are skipped. While triangles are missing, what will be one strip may be several.
-    #[must_use]
-    pub fn strips(&self) -> Option<StripSet> {
-        strip_set(self.codec.strips.as_ref()?, &self.codec.mesh, self.header.submeshes.len())
-    }
-
     /// The mesh so far with all its vertices, in collapse order, and its triangles in stream order.
     /// A vertex that has not come has index 0 in each channel, and no triangle.
     /// It may be no valid mesh: quantisation can make triangles degenerate.
@@ -247,9 +216,7 @@ impl MeshDecoder {
         let mut bytes = Vec::with_capacity(self.vertex_count() as usize * attribute.stride());
         for v in self.vertices() {
             let indices = &self.indices(v)[stream.first..][..stream.channels];
-            for (channel, &index) in (stream.first..).zip(indices) {
-                self.header.layout.append(attribute.component, channel, index, &mut bytes);
-            }
+            self.header.layout.append(attribute.component, stream, indices, &mut bytes);
         }
         Attribute { bytes, ..attribute.described() }
     }

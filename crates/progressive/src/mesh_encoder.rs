@@ -1,16 +1,13 @@
 //! The encoder of one object.
 
-use crate::entropy::coder::Substreams;
 use crate::entropy::encoder::Encoder;
 use crate::header::MeshHeader;
 use crate::source::coding_parents::StarRule;
 use crate::source::encoder_source::EncoderSource;
-use crate::source::strip_neighbors::StripMismatch;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
 use lodc_mesh::{Lod, Simplified};
-use lodc_strip::Strips;
 
 /// Encodes the steps of one object, coarse to fine.
 pub struct MeshEncoder<'a> {
@@ -27,8 +24,6 @@ pub struct EncodedSteps {
     pub steps: u32,
     /// The substream of vertex splits.
     pub splits: Vec<u8>,
-    /// The substream of strip positions; empty if none are coded.
-    pub strips: Vec<u8>,
 }
 
 /// The size of a block, and its place in the stream.
@@ -46,32 +41,27 @@ pub struct BlockTarget {
 const PADDING: usize = 64;
 
 impl<'a> MeshEncoder<'a> {
-    /// Prepares a mesh, with the strips that draw it if strip positions are to be coded.
-    ///
-    /// # Errors
-    /// If the strips do not draw the mesh.
-    pub fn new(
-        simplified: &'a Simplified,
-        layout: VertexLayout,
-        strips: Option<&Strips>,
-    ) -> Result<Self, StripMismatch> {
-        Self::with_rule(simplified, layout, strips, StarRule::DEFAULT)
+    /// Prepares a mesh. Its steps are coded in batches if they are in such an order, see
+    /// [`in_batches`](crate::in_batches), and `exact` is false; else each with its parent.
+    #[must_use]
+    pub fn new(simplified: &'a Simplified, layout: VertexLayout, exact: bool) -> Self {
+        Self::with_rule(simplified, layout, exact, StarRule::DEFAULT)
     }
 
     /// Prepares a mesh of which other stars are large.
     pub(crate) fn with_rule(
         simplified: &'a Simplified,
         layout: VertexLayout,
-        strips: Option<&Strips>,
+        exact: bool,
         rule: StarRule,
-    ) -> Result<Self, StripMismatch> {
-        let source = EncoderSource::new(simplified, &layout, strips.map(|s| &s.set), rule)?;
+    ) -> Self {
+        let source = EncoderSource::new(simplified, &layout, exact, rule);
         let submeshes = simplified.mesh().submeshes().len() as u32;
-        let kind = strips.map(|s| s.kind);
-        let header = MeshHeader::new(simplified, layout.clone(), kind, source.steps());
-        let mut codec = ObjectCodec::new(layout, submeshes, strips.is_some());
+        let exact = source.batches().is_none();
+        let header = MeshHeader::new(simplified, layout.clone(), source.steps(), exact);
+        let mut codec = ObjectCodec::new(layout, submeshes, exact);
         codec.large_star = rule.large;
-        Ok(Self { simplified, source, codec, header })
+        Self { simplified, source, codec, header }
     }
 
     /// The header that a decoder needs before the first block.
@@ -84,6 +74,14 @@ impl<'a> MeshEncoder<'a> {
     #[must_use]
     pub fn vertices(&self) -> u32 {
         self.codec.mesh.vertex_count()
+    }
+
+    /// Number of levels that are those of the sequence for sure: the ends of batches, or of all
+    /// steps.
+    #[must_use]
+    pub fn exact_levels(&self) -> u32 {
+        let all = self.simplified.collapses().steps() as u32;
+        self.source.batches().map_or(all, |batches| batches.len() as u32)
     }
 
     /// Number of triangles encoded so far.
@@ -108,31 +106,30 @@ impl<'a> MeshEncoder<'a> {
     /// Encodes the next steps, at least one; the object must not be complete.
     pub fn encode(&mut self, contexts: &mut Contexts, target: BlockTarget) -> EncodedSteps {
         let limits = StepLimits { vertices: self.header.vertices, bytes: usize::MAX };
-        let mut coders = Substreams::<Encoder>::default();
+        let mut coder = Encoder::default();
         let mut steps = 0;
         loop {
-            let step = self.codec.code_step(&mut coders, &self.source, contexts, limits);
+            let step = self.codec.code_step(&mut coder, &self.source, contexts, limits);
             step.expect("an encoder's source has only valid splits");
             steps += 1;
-            let bytes = coders.splits.len() + coders.strips.len();
             let waits = target.until_triangle && self.triangles() == 0;
-            if bytes >= target.bytes && !waits || self.is_complete() {
+            if coder.len() >= target.bytes && !waits || self.is_complete() {
                 break;
             }
         }
-        let (splits, strips) = (coders.splits.finish(), coders.strips.finish());
+        let splits = coder.finish();
         // Splits that cost next to nothing are padded, so that a decoder can refuse those that
         // would cost nothing at all.
         let mut padding = 0;
-        let bytes = target.before + splits.len() + strips.len();
+        let bytes = target.before + splits.len();
         while !self.codec.cost().is_within_budget(bytes + padding) {
             padding += PADDING;
         }
-        EncodedSteps { steps, splits: splits.into_bytes(padding), strips: strips.into_bytes(0) }
+        EncodedSteps { steps, splits: splits.into_bytes(padding) }
     }
 
     /// Bytes of the thesis's packages for the steps so far: their plain words and bytes, positions
-    /// only (table 4.3), with what names the parent and the strips.
+    /// only (table 4.3), with what names the parent.
     #[must_use]
     pub fn package_bytes(&self) -> u64 {
         let ObjectCodec { package_bytes, points, .. } = &self.codec;

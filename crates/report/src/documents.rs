@@ -294,7 +294,9 @@ pub struct PackReport {
 pub struct PackedReport {
     #[serde(flatten)]
     pub counts: ObjectCounts,
-    pub strips: Option<u64>,
+    /// Levels of the file, and those of them that the stream is sure to have.
+    pub levels: u32,
+    pub exact_levels: u32,
     pub bytes: u64,
     pub bits_per_vertex: StreamBits,
     /// Largest changes that quantising may have made.

@@ -51,8 +51,7 @@ impl Session {
     /// `{"complete", "bytes", "objects": [{"vertices", "triangles", "steps", "error",
     /// "rms"}]}`, each count so far and in all.
     pub fn feed(&mut self) -> Status {
-        let stream =
-            self.stream.get_or_insert_with(|| Unpacker::new(Limits::DEFAULT).triangles_only());
+        let stream = self.stream.get_or_insert_with(|| Unpacker::new(Limits::DEFAULT));
         let fed = stream.feed(&self.input);
         let state = fed.map(|()| progress(stream).into_bytes());
         self.answer(state)

@@ -19,11 +19,9 @@ fuzz_target!(|bytes: &[u8]| {
         }
         for object in 0..unpacker.objects() {
             let _ = unpacker.mesh(object);
-            let _ = unpacker.strips(object);
             let _ = unpacker.progress(object);
             if unpacker.is_complete() {
                 let _ = unpacker.rebuilt(object);
-                let _ = unpacker.rebuilt_strips(object);
             }
         }
     }

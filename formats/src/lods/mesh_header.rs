@@ -2,8 +2,9 @@
 
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Submesh, put_leb128, take_leb128};
-use lodc_progressive::{MeshHeader, VertexLayout, text_codec};
-use lodc_strip::StripKind;
+use lodc_progressive::{
+    MeshHeader, NumberSystem, Octahedral, Prediction, VertexLayout, text_codec,
+};
 
 mod attribute;
 mod systems;
@@ -51,8 +52,7 @@ pub(super) fn take(bytes: &mut &[u8]) -> Result<MeshHeader, FormatError> {
 
 fn plain(mesh: &MeshHeader) -> Vec<u8> {
     let mut out = Vec::new();
-    let strips = mesh.strips.map_or(0, |kind| kind as u32 + 1);
-    for n in [mesh.vertices, mesh.triangles, mesh.steps, strips] {
+    for n in [mesh.vertices, mesh.triangles, mesh.steps, u32::from(mesh.exact)] {
         put_leb128(&mut out, n.into());
     }
     put_leb128(&mut out, mesh.attributes.len() as u64);
@@ -60,7 +60,12 @@ fn plain(mesh: &MeshHeader) -> Vec<u8> {
         if let Some(attribute) = i.checked_sub(1).and_then(|i| mesh.attributes.get(i)) {
             put_attribute(&mut out, attribute);
         }
-        systems::put(&mut out, &mesh.layout.systems[stream.first..][..stream.channels]);
+        let mut systems = &mesh.layout.systems[stream.first..][..stream.channels];
+        if let Prediction::Octahedral(Octahedral { bits }) = stream.prediction {
+            out.extend([systems::OCTAHEDRAL, bits]);
+            systems = &systems[2..];
+        }
+        systems::put(&mut out, systems);
     }
     put_leb128(&mut out, mesh.submeshes.len() as u64);
     let mut before: &[u32] = &[];
@@ -79,23 +84,28 @@ fn plain(mesh: &MeshHeader) -> Vec<u8> {
 fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
     let rest = &mut bytes;
     let [vertices, triangles, steps] = [number(rest)?, number(rest)?, number(rest)?];
-    let strips = match number(rest)? {
-        0 => None,
-        n => {
-            let kind = StripKind::ALL.get(n as usize - 1);
-            Some(*kind.ok_or_else(|| malformed("has strips of an unknown kind"))?)
-        }
+    let exact = match number(rest)? {
+        0 => false,
+        1 => true,
+        _ => return Err(malformed("has an unknown order of steps")),
     };
     let count = number(rest)?;
     let mut attributes: Vec<Attribute> = Vec::new();
     let mut systems = systems::take(rest, 3, Component::F32)?;
+    let mut octahedral = Vec::new();
     // Each takes bytes, so their number is bounded by those that are there.
     for _ in 0..count {
         let attribute = attribute(rest)?;
-        systems.extend(systems::take(rest, attribute.components.into(), attribute.component)?);
+        let mut channels = usize::from(attribute.components);
+        octahedral.push(systems::take_octahedral(rest, &attribute)?);
+        if octahedral.last() != Some(&None) {
+            systems.extend([NumberSystem::Integer; 2]);
+            channels -= 3;
+        }
+        systems.extend(systems::take(rest, channels, attribute.component)?);
         attributes.push(attribute);
     }
-    let layout = VertexLayout { systems, streams: VertexLayout::streams(&attributes) };
+    let layout = VertexLayout { systems, streams: VertexLayout::streams(&attributes, &octahedral) };
     let submeshes = submeshes(rest)?;
     if submeshes.is_empty() && vertices > 0 {
         return Err(malformed("has vertices without a submesh"));
@@ -103,7 +113,7 @@ fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
     if !bytes.is_empty() {
         return Err(malformed("has bytes left over"));
     }
-    Ok(MeshHeader { submeshes, attributes, layout, vertices, triangles, steps, strips })
+    Ok(MeshHeader { submeshes, attributes, layout, vertices, triangles, steps, exact })
 }
 
 fn submeshes(rest: &mut &[u8]) -> Result<Vec<Submesh>, FormatError> {

@@ -6,11 +6,12 @@ use super::head::Head;
 use super::mesh_header;
 use crate::lodc::{LodFile, LodObject};
 use crate::{Fault, FormatError};
-use lodc_mesh::put_leb128;
+use lodc_mesh::Simplified;
 use lodc_progressive::{
     BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, VertexLayout,
+    in_batches,
 };
-use lodc_strip::Strips;
+use std::borrow::Cow;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -19,6 +20,8 @@ use std::collections::BinaryHeap;
 pub struct PackOptions {
     /// Bits per value; lossless by default.
     pub quantize: Quantize,
+    /// Steps keep their order, and each shows its level: batches would be smaller.
+    pub exact: bool,
     /// The most bytes of a block, as far as whole steps allow; 0 for a block for each step.
     pub block_bytes: Option<u32>,
 }
@@ -40,10 +43,12 @@ pub struct PackedObject {
     /// Bytes of its blocks, without its header.
     pub bytes: u64,
     /// Bytes that the same packages would take as plain words and bytes, positions only: the
-    /// thesis's accounting (table 4.3), with what names the parent and the strips.
+    /// thesis's accounting (table 4.3), with what names the parent.
     pub package_bytes: u64,
     /// The same with normals: three words more for each vertex.
     pub package_bytes_with_normals: u64,
+    /// Levels that are those of the file: the ends of batches, or all steps.
+    pub exact_levels: u32,
     /// Bounds of the quantisation error.
     pub bounds: Vec<ErrorBound>,
 }
@@ -64,22 +69,19 @@ struct ObjectWriter<'a> {
     scale: f64,
     started: bool,
     bytes: u64,
+    exact_levels: u32,
 }
 
-/// Packs a file. `strips` are those of each object, where strip positions are to be coded.
+/// Packs a file.
 ///
 /// # Errors
-/// If strips do not draw their object, or something is larger than the format allows.
-pub fn pack<M>(
-    file: &LodFile<M>,
-    strips: &[Option<&Strips>],
-    options: &PackOptions,
-) -> Result<Packed, FormatError> {
-    let mut writers = Vec::new();
-    for (number, object) in file.objects.iter().enumerate() {
-        let strips = strips.get(number).copied().flatten();
-        writers.push(ObjectWriter::new(object, strips, options)?);
-    }
+/// If something is larger than the format allows.
+pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, FormatError> {
+    let ordered: Vec<Cow<'_, Simplified>> =
+        file.objects.iter().map(|o| in_stream_order(&o.simplified, options.exact)).collect();
+    let writer = |(object, simplified)| ObjectWriter::new(object, simplified, options);
+    let mut writers: Vec<_> =
+        file.objects.iter().zip(ordered.iter().map(Cow::as_ref)).map(writer).collect();
     let names = file.objects.iter().map(|o| (&o.info, sequence_facts(o)));
     let document = EncodedDocument::new(&file.source, &file.document, names)
         .ok_or_else(|| too_large("the names and the JSON of the scene have more than 4 GiB"))?;
@@ -121,6 +123,12 @@ pub fn pack<M>(
 const NOT_SHOWN: u64 = u64::MAX;
 /// Bytes of the block that ends a stream.
 const END_BYTES: u64 = 9;
+
+/// The mesh with its steps in the order in which they are packed.
+fn in_stream_order(simplified: &Simplified, exact: bool) -> Cow<'_, Simplified> {
+    let batches = if exact { None } else { in_batches(simplified) };
+    batches.map_or(Cow::Borrowed(simplified), Cow::Owned)
+}
 
 fn sequence_facts<M>(object: &LodObject<M>) -> SequenceFacts {
     let parts = object.simplified.collapses().parts();
@@ -190,19 +198,16 @@ impl<'a> StreamWriter<'a> {
 }
 
 impl<'a> ObjectWriter<'a> {
-    fn new<M>(
-        object: &'a LodObject<M>,
-        strips: Option<&Strips>,
-        options: &PackOptions,
-    ) -> Result<Self, FormatError> {
-        let simplified = &*object.simplified;
+    fn new<M>(object: &'a LodObject<M>, simplified: &'a Simplified, options: &PackOptions) -> Self {
         let mut layout = VertexLayout::choose(simplified);
         let bounds = options.quantize.apply(simplified.mesh(), &mut layout);
-        let encoder = MeshEncoder::new(simplified, layout, strips).map_err(|e| {
-            let place = format!("object \"{}\"", object.info.name);
-            FormatError::new(Fault::Malformed, place, e.to_string())
-        })?;
-        Ok(Self { encoder, bounds, scale: object.info.world_scale, started: false, bytes: 0 })
+        let encoder = MeshEncoder::new(simplified, layout, options.exact);
+        // A hub may keep what was put into batches from being coded so: of its levels only the
+        // finest is sure to be one of the file.
+        let in_vain = encoder.header().exact && !std::ptr::eq(simplified, &*object.simplified);
+        let exact_levels = if in_vain { 1 } else { encoder.exact_levels() };
+        let scale = object.info.world_scale;
+        Self { encoder, bounds, scale, started: false, bytes: 0, exact_levels }
     }
 
     /// Returns a number that rises with the world error of the mesh so far; none if it is complete.
@@ -239,12 +244,8 @@ impl<'a> ObjectWriter<'a> {
         let mut encoded = EncodedSteps::default();
         if !self.encoder.is_complete() {
             encoded = self.encoder.encode(contexts, target);
-            if self.encoder.header().strips.is_some() {
-                put_leb128(&mut payload, encoded.splits.len() as u64);
-            }
         }
         payload.extend(encoded.splits);
-        payload.extend(encoded.strips);
         if payload.len() > block::MAX_PAYLOAD {
             return Err(too_large("a single block has more than 16 MiB"));
         }
@@ -257,6 +258,7 @@ impl<'a> ObjectWriter<'a> {
             bytes: self.bytes,
             package_bytes,
             package_bytes_with_normals: package_bytes + 12 * u64::from(self.encoder.vertices()),
+            exact_levels: self.exact_levels,
             bounds: self.bounds,
         }
     }

@@ -2,11 +2,8 @@
 
 use super::document::SequenceFacts;
 use crate::{Fault, FormatError};
-use lodc_mesh::{
-    CollapseSequence, Lod, Mesh, PositionIds, SequenceParts, Simplified, removal_lods,
-};
-use lodc_progressive::MeshDecoder;
-use lodc_strip::StripSet;
+use lodc_mesh::{CollapseSequence, Lod, Mesh, SequenceParts, Simplified};
+use lodc_progressive::{MeshDecoder, with_removals};
 use std::fmt::Display;
 
 /// A simplified mesh that came as a stream.
@@ -26,7 +23,8 @@ pub(super) fn rebuild(decoder: &MeshDecoder, facts: SequenceFacts) -> Result<Reb
     let parts = sequence_parts(decoder, facts, mesh.triangles().len() as u32);
     let sequence = CollapseSequence::try_from(parts).map_err(malformed)?;
     let simplified = Simplified::new(mesh, sequence).map_err(malformed)?;
-    Ok(Rebuilt { simplified: with_removals(simplified)?, degenerate_triangles })
+    let simplified = with_removals(simplified).ok_or_else(|| malformed("has no levels"))?;
+    Ok(Rebuilt { simplified, degenerate_triangles })
 }
 
 fn malformed(what: impl Display) -> FormatError {
@@ -53,40 +51,4 @@ fn sequence_parts(decoder: &MeshDecoder, facts: SequenceFacts, triangles: u32) -
         topology_changes: facts.topology_changes,
         first_topology_change: facts.first_topology_change.map(Lod),
     }
-}
-
-/// Counts the triangles after each step, and puts triangles that are removed first last. They come
-/// so unless positions were quantised.
-fn with_removals(simplified: Simplified) -> Result<Simplified, FormatError> {
-    let removals = removal_lods(&simplified, &PositionIds::new(simplified.mesh().positions()));
-    let (mesh, sequence) = simplified.into_parts();
-    let (mut mesh, mut sequence) = (mesh.into_parts(), sequence.into_parts());
-    let mut sorted = removals.clone();
-    sorted.sort_unstable();
-    let live =
-        |&end: &u32| (sorted.len() - sorted.partition_point(|&removal| removal <= end)) as u32;
-    sequence.step_triangles = sequence.step_ends.iter().map(live).collect();
-    for submesh in &mesh.submeshes {
-        let range = submesh.triangles();
-        let mut order: Vec<usize> = range.clone().collect();
-        order.sort_by_key(|&t| std::cmp::Reverse(removals[t]));
-        let triangles: Vec<[u32; 3]> = order.into_iter().map(|t| mesh.triangles[t]).collect();
-        mesh.triangles[range].copy_from_slice(&triangles);
-    }
-    let mesh = Mesh::try_from(mesh).map_err(malformed)?;
-    let sequence = CollapseSequence::try_from(sequence).map_err(malformed)?;
-    Simplified::new(mesh, sequence).map_err(malformed)
-}
-
-/// Returns strips with their vertices in collapse order; none if the stream has none.
-pub(super) fn strips(decoder: &MeshDecoder) -> Option<StripSet> {
-    let coded = decoder.strips()?;
-    let last = decoder.vertex_count().saturating_sub(1);
-    let (mut indices, mut ends) = (Vec::new(), Vec::new());
-    for strip in coded.iter() {
-        indices.extend(strip.iter().map(|&v| last - v));
-        ends.push(indices.len() as u32);
-    }
-    let submesh_ends = (0..coded.submesh_count()).map(|s| coded.submesh(s).end as u32).collect();
-    StripSet::from_parts(indices, ends, submesh_ends).ok()
 }

@@ -21,15 +21,13 @@ pub(super) struct Received {
     pub(super) objects: Vec<ReceivedObject>,
     /// Objects whose header has come: the first ones.
     announced: usize,
-    triangles_only: bool,
 }
 
 impl Received {
     /// A scene of which the first block has come.
-    pub(super) fn new(payload: &[u8], triangles_only: bool) -> Result<Self, FormatError> {
+    pub(super) fn new(payload: &[u8]) -> Result<Self, FormatError> {
         let (head, document) = (Head::parse(payload)?, ReceivedDocument::default());
-        let mut received =
-            Self { head, document, objects: Vec::new(), announced: 0, triangles_only };
+        let mut received = Self { head, document, objects: Vec::new(), announced: 0 };
         // A document without bytes has no blocks.
         received.read_document(&[])?;
         Ok(received)
@@ -73,8 +71,7 @@ impl Received {
             return Err(FormatError::new(Fault::Limit, "objects", what));
         }
         let submeshes = header.submeshes.len();
-        let new = if self.triangles_only { MeshDecoder::triangles_only } else { MeshDecoder::new };
-        let decoder = new(header);
+        let decoder = MeshDecoder::new(header);
         let number = self.announced;
         self.announced += 1;
         if let Some(object) = self.objects.get_mut(number) {

@@ -7,9 +7,8 @@ use super::mesh_header;
 use super::rebuild::{self, Rebuilt};
 use super::received::{Received, ReceivedObject};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
-use lodc_mesh::{Cleaning, Mesh, MeshParts, take_leb128};
+use lodc_mesh::{Cleaning, Mesh, MeshParts};
 use lodc_progressive::{Contexts, MeshDecoder, StepBlock};
-use lodc_strip::{StripKind, StripSet, Strips};
 
 /// Reads a stream from wherever its bytes come.
 ///
@@ -39,7 +38,6 @@ pub struct Unpacker {
     received: Option<Received>,
     contexts: Box<Contexts>,
     complete: bool,
-    triangles_only: bool,
     failed: Option<FormatError>,
 }
 
@@ -72,16 +70,8 @@ impl Unpacker {
             received: None,
             contexts: Box::new(Contexts::new()),
             complete: false,
-            triangles_only: false,
             failed: None,
         }
-    }
-
-    /// Skips strips, which is faster. To be called before anything is fed.
-    #[must_use]
-    pub fn triangles_only(mut self) -> Self {
-        self.triangles_only = true;
-        self
     }
 
     /// Takes the next bytes of the stream and reads all blocks that they complete. Keeps at most
@@ -175,12 +165,6 @@ impl Unpacker {
         self.object(object).facts
     }
 
-    /// The kind of an object's strips; none if the stream has none.
-    #[must_use]
-    pub fn strip_kind(&self, object: usize) -> Option<StripKind> {
-        self.object(object).decoder.header().strips
-    }
-
     fn object(&self, object: usize) -> &ReceivedObject {
         &self.received.as_ref().expect("objects come after the first block").objects[object]
     }
@@ -203,12 +187,6 @@ impl Unpacker {
     #[must_use]
     pub fn decoder(&self, object: usize) -> &MeshDecoder {
         &self.object(object).decoder
-    }
-
-    /// The strips that draw an object so far, see [`MeshDecoder::strips`].
-    #[must_use]
-    pub fn strips(&self, object: usize) -> Option<StripSet> {
-        self.object(object).decoder.strips()
     }
 
     /// The mesh of an object so far: vertices in collapse order, without those that no triangle
@@ -242,13 +220,6 @@ impl Unpacker {
             e.place = format!("object \"{}\"", info.name);
             e
         })
-    }
-
-    /// The strips of an object with the vertices of [`Self::rebuilt`]; none if the stream has none.
-    #[must_use]
-    pub fn rebuilt_strips(&self, object: usize) -> Option<Strips> {
-        let kind = self.strip_kind(object)?;
-        Some(Strips { kind, set: rebuild::strips(self.decoder(object))? })
     }
 
     /// The mesh of an object so far with all its vertices, valid or not.
@@ -289,7 +260,7 @@ impl Unpacker {
         if (block.tag, block.steps) != (0, 0) {
             return Err(malformed("is not a head"));
         }
-        self.received = Some(Received::new(block.payload, self.triangles_only)?);
+        self.received = Some(Received::new(block.payload)?);
         Ok(())
     }
 
@@ -319,10 +290,8 @@ impl Unpacker {
         if is_first && block.steps == 0 && payload.is_empty() && decoder.header().steps == 0 {
             return Ok(());
         }
-        let (splits, strips) = substreams(payload, decoder.header().strips.is_some())
-            .ok_or_else(|| malformed("has a substream that is longer than it"))?;
         let bytes = self.bytes as usize + block.payload.len();
-        let steps = StepBlock { steps: block.steps, splits, strips, bytes };
+        let steps = StepBlock { steps: block.steps, splits: payload, bytes };
         decoder.decode(&mut self.contexts, steps).map_err(|e| malformed(e.0))
     }
 }
@@ -339,14 +308,4 @@ fn in_block(mut error: FormatError, number: u64) -> FormatError {
         error.what = format!("{place}: {}", error.what);
     }
     error
-}
-
-/// Returns the two substreams of a payload; the second is empty without strips.
-fn substreams(payload: &[u8], strips: bool) -> Option<(&[u8], &[u8])> {
-    if !strips {
-        return Some((payload, &[]));
-    }
-    let mut rest = payload;
-    let splits = take_leb128(&mut rest, u64::from(u32::MAX))?;
-    rest.split_at_checked(splits as usize)
 }

@@ -18,7 +18,7 @@ pub(super) fn report(
     bytes: &[u8],
     limits: Limits,
 ) -> Outcome<(StreamInfoReport, Option<Failure>)> {
-    let mut unpacker = Unpacker::new(limits).triangles_only();
+    let mut unpacker = Unpacker::new(limits);
     let damaged = unpacker.feed(bytes).err();
     let failure = damaged.as_ref().map(|e| Failure::from(e.clone().in_file(name)));
     if let (Some(failure), None) = (&failure, unpacker.all_objects()) {

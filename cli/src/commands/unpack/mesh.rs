@@ -23,7 +23,7 @@ pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
     let target = output::target(&args.input, Some(&args.output), format.extension())?;
     output::prepare([&target], output::is_folder(&args.output))?;
     let mut stages = Stages::default();
-    let unpacker = Unpacker::new(args.limits.limits()).triangles_only();
+    let unpacker = Unpacker::new(args.limits.limits());
     let stream = read(args, unpacker, &mut stages)?;
     let arrived = arrived(args, &stream)?;
     let (meshes, warnings) = meshes(&stream.unpacker).map_err(|e| e.in_file(&stream.name))?;

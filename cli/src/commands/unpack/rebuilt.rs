@@ -86,9 +86,8 @@ fn file(
     let bug = |error: lodc::Error| {
         Failure::new(Status::Bug, format!("{name}: {error}; nothing was written"))
     };
-    let strips = (0..unpacker.objects()).map(|i| unpacker.rebuilt_strips(i)).collect();
     let options = StripOptions::default();
-    let objects = build_models(measured, &kinds, options, strips, &watch).map_err(bug)?;
+    let objects = build_models(measured, &kinds, options, Vec::new(), &watch).map_err(bug)?;
     check_models(&objects, &watch).map_err(bug)?;
     let source = unpacker.source().expect("a complete stream has a source").clone();
     let (layout, left_out) = (args.models.layout(), Vec::new());

@@ -33,10 +33,3 @@ pub(crate) trait Coder {
         if high < short { high } else { (high << 1 | self.raw(1, last)).wrapping_sub(short) }
     }
 }
-
-/// The coders of the two substreams of a block: vertex splits, and strip positions.
-#[derive(Debug, Default)]
-pub(crate) struct Substreams<C> {
-    pub(crate) splits: C,
-    pub(crate) strips: C,
-}

@@ -6,14 +6,14 @@ use crate::entropy::adaptive_probability::{
 use crate::entropy::coder::Coder;
 
 /// Least normalised state: below it a decoder takes the next two bytes.
-pub(crate) const MIN_STATE: u64 = 1 << 23;
+pub(crate) const MIN_STATE: u32 = 1 << 16;
 /// Bytes of the state at the front.
-pub(crate) const STATE_BYTES: usize = 5;
+pub(crate) const STATE_BYTES: usize = 4;
 
 /// Reads a substream, and zeros beyond its ends.
 #[derive(Debug)]
 pub(crate) struct Decoder<'a> {
-    state: u64,
+    state: u32,
     bytes: &'a [u8],
     /// Bytes taken from the front.
     front: usize,
@@ -28,7 +28,7 @@ impl<'a> Decoder<'a> {
         let mut decoder =
             Self { state: MIN_STATE, bytes, front: 0, back: 0, pending: 0, pending_bits: 0 };
         if let Some(state) = bytes.get(..STATE_BYTES) {
-            decoder.state = state.iter().rev().fold(0, |all, &byte| all << 8 | u64::from(byte));
+            decoder.state = state.iter().rev().fold(0, |all, &byte| all << 8 | u32::from(byte));
             decoder.front = STATE_BYTES;
         }
         decoder
@@ -46,8 +46,8 @@ impl<'a> Decoder<'a> {
 
     #[inline]
     fn advance(&mut self, interval: Interval, slot: u16) {
-        self.state = u64::from(interval.frequency) * (self.state >> PROBABILITY_BITS)
-            + u64::from(slot.wrapping_sub(interval.start));
+        self.state = u32::from(interval.frequency) * (self.state >> PROBABILITY_BITS)
+            + u32::from(slot.wrapping_sub(interval.start));
         if self.state < MIN_STATE {
             let word = self
                 .bytes
@@ -55,7 +55,7 @@ impl<'a> Decoder<'a> {
                 .and_then(<[u8]>::first_chunk)
                 .copied()
                 .unwrap_or_default();
-            self.state = self.state << 16 | u64::from(u16::from_le_bytes(word));
+            self.state = self.state << 16 | u32::from(u16::from_le_bytes(word));
             self.front += 2;
         }
     }

@@ -31,15 +31,15 @@ impl Encoder {
         let mut state = MIN_STATE;
         let mut words: Vec<u16> = Vec::new();
         for interval in self.intervals.iter().rev() {
-            let frequency = u64::from(interval.frequency);
-            if state >= frequency << (39 - PROBABILITY_BITS) {
+            let frequency = u32::from(interval.frequency);
+            if state >> (32 - PROBABILITY_BITS) >= frequency {
                 words.push(state as u16);
                 state >>= 16;
             }
-            let slot = state % frequency + u64::from(interval.start);
+            let slot = state % frequency + u32::from(interval.start);
             state = (state / frequency) << PROBABILITY_BITS | slot;
         }
-        let mut front = state.to_le_bytes()[..STATE_BYTES].to_vec();
+        let mut front = state.to_le_bytes().to_vec();
         front.extend(words.iter().rev().flat_map(|w| w.to_le_bytes()));
         if self.intervals.is_empty() && self.plain.is_empty() && self.pending_bits == 0 {
             front.clear();

@@ -7,7 +7,7 @@
 //! ```text
 //!  byte 0                                                        last byte
 //!  +--------------+--------------------+ - - - - +-----------------------+
-//!  | state, 5 B   | renormalisation    | padding |            plain bits |
+//!  | state, 4 B   | renormalisation    | padding |            plain bits |
 //!  |              | words, 2 B each -> |         | <- lowest bit of the  |
 //!  |              |                    |         |    last byte first    |
 //!  +--------------+--------------------+ - - - - +-----------------------+

@@ -24,15 +24,6 @@ impl Side {
             Self::Detached
         }
     }
-
-    /// Orders what stands at the outgoing and at the incoming link edge of an apex: first that of
-    /// the triangle which the parent is expected to keep, then that of the transferred one.
-    pub(crate) fn kept_first<T>(self, [outgoing, incoming]: [T; 2]) -> [T; 2] {
-        match self {
-            Self::Left => [outgoing, incoming],
-            Self::Right | Self::Detached => [incoming, outgoing],
-        }
-    }
 }
 
 /// A triangle that a vertex split adds: (new, next, previous), counter-clockwise.

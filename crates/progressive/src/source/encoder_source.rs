@@ -4,14 +4,13 @@
 
 use crate::error_code::{error_code, rms_code};
 use crate::partial_mesh::new_triangle::Side;
+use crate::source::batches::{StepTree, continues, fixed_levels, wedge_groups};
 use crate::source::coding_parents::{SplitPlan, Splits, StarRule};
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
 use crate::source::named_stars::{NamedStars, Transfers};
-use crate::source::split_source::{DecoderSource, SourceTriangle, SplitSource, StripPosition};
-use crate::source::strip_neighbors::{StripMismatch, StripNeighbors};
+use crate::source::split_source::{SourceTriangle, SplitSource};
 use crate::vertex_data::vertex_layout::VertexLayout;
 use lodc_mesh::{CollapseSequence, Csr, Lod, NONE, Simplified};
-use lodc_strip::StripSet;
 use std::ops::Range;
 
 /// All splits of a simplified mesh.
@@ -35,17 +34,21 @@ pub(crate) struct EncoderSource {
     named_stars: NamedStars,
     error_codes: Vec<[u32; 2]>,
     points: u32,
-    strips: Option<StripNeighbors>,
+    /// The first vertex of the wedge group of each one.
+    groups: Vec<u32>,
+    /// The first vertex and the number of steps of each batch; none if the order is exact.
+    batches: Option<Vec<[u32; 2]>>,
 }
 
 impl EncoderSource {
-    /// Derives the splits. Fails if `strips` do not draw the mesh.
+    /// Derives the splits. They come in batches if that is how they are ordered, unless each step
+    /// is to be shown.
     pub(crate) fn new(
         simplified: &Simplified,
         layout: &VertexLayout,
-        strips: Option<&StripSet>,
+        exact: bool,
         rule: StarRule,
-    ) -> Result<Self, StripMismatch> {
+    ) -> Self {
         let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
         let vertices = mesh.vertex_count();
         let last = collapses.records();
@@ -69,10 +72,6 @@ impl EncoderSource {
             let [_, next, previous] = appearances[t as usize].vertices;
             SourceTriangle { next, previous }
         };
-        let strips = match strips {
-            Some(strips) => Some(StripNeighbors::new(mesh, strips, &order)?),
-            None => None,
-        };
         let first_triangle = by_vertex.offsets;
         let final_vertices = final_vertices(mesh.triangles(), &appearances, &order, last);
         let transfers = Transfers {
@@ -80,26 +79,40 @@ impl EncoderSource {
             first_triangle: &first_triangle,
             final_vertices: &final_vertices,
         };
-        Ok(Self {
+        let (channels, indices) = (layout.systems.len(), layout.indices(mesh));
+        let position = |v: usize| &indices[v * channels..][..3];
+        let groups = wedge_groups(&continues, |a, b| position(a) == position(b));
+        let fixed = fixed_levels(simplified);
+        let (targets_, continues_) = (&targets[..], &continues[..]);
+        let tree =
+            StepTree { targets: targets_, continues: continues_, groups: &groups, points, fixed };
+        let batches = if exact || parents != targets { None } else { tree.batches() };
+        Self {
             named_stars: transfers.named_stars(named),
             points,
             subtree: subtrees(&targets),
             continues,
             submesh: mesh.vertex_submesh().iter().rev().copied().collect(),
-            channels: layout.systems.len(),
-            indices: layout.indices(mesh),
+            channels,
+            indices,
             triangles: order.iter().map(triangle).collect(),
             first_triangle,
             final_vertices,
             error_codes: error_codes(collapses),
             targets,
             parents,
-            strips,
-        })
+            groups,
+            batches,
+        }
     }
 }
 
 impl EncoderSource {
+    /// The first vertex and the number of steps of each batch; none if the order is exact.
+    pub(crate) fn batches(&self) -> Option<&[[u32; 2]]> {
+        self.batches.as_deref()
+    }
+
     /// Returns the number of steps as a stream counts them: those behind the points, and one for
     /// each group with points that are left when all vertices have come.
     pub(crate) fn steps(&self) -> u32 {
@@ -111,20 +124,25 @@ impl EncoderSource {
             let come = if vertex <= first_step { &mut come } else { &mut group_comes };
             let corners =
                 self.new_triangles(vertex as u32).iter().flat_map(|t| [t.next, t.previous]);
-            for needed in corners.chain([self.parents[vertex]]) {
+            // In a batch the first of the parent's group comes, too.
+            let parent = self.parents[vertex];
+            let of_group =
+                if self.batches.is_some() && (vertex == points || !self.continues[vertex - 1]) {
+                    self.groups[parent as usize]
+                } else {
+                    parent
+                };
+            for needed in corners.chain([parent, of_group]) {
                 if let Some(come) = come.get_mut(needed as usize) {
                     *come = true;
                 }
             }
         }
-        let position = |v: usize| &self.indices[v * self.channels..][..3];
-        let is_wedge = |v: usize| self.continues[v - 1] && position(v - 1) == position(v);
         let (mut left, mut first) = (0, 0);
         for end in 1..=points {
-            if end == points || !is_wedge(end) {
-                let group = first..end;
-                let is_whole = come[group.clone()].iter().all(|&come| come)
-                    || group_comes[group].iter().any(|&comes| comes);
+            if end == points || self.groups[end] as usize == end {
+                let is_whole = come[first..end].iter().all(|&come| come)
+                    || group_comes[first..end].contains(&true);
                 left += u32::from(!is_whole);
                 first = end;
             }
@@ -139,6 +157,14 @@ impl SplitSource for EncoderSource {
     }
     fn parent(&self, new: u32) -> u32 {
         self.parents[new as usize]
+    }
+    fn group(&self, vertex: u32) -> u32 {
+        self.groups[vertex as usize]
+    }
+    fn batch(&self, new: u32) -> u32 {
+        let batches = self.batches.as_deref().unwrap_or_default();
+        let at = batches.partition_point(|&[first, _]| first < new);
+        batches.get(at).map_or(1, |&[_, steps]| steps)
     }
     fn repeats_target(&self, new: u32) -> bool {
         self.parents[new as usize] != self.targets[new as usize]
@@ -163,17 +189,6 @@ impl SplitSource for EncoderSource {
     fn indices(&self, new: u32) -> &[i32] {
         &self.indices[new as usize * self.channels..][..self.channels]
     }
-    fn strip_position(
-        &self,
-        face: u32,
-        strips: u32,
-        strip_of: &dyn Fn(u32) -> u32,
-    ) -> StripPosition {
-        match &self.strips {
-            Some(neighbors) => neighbors.position(face, strips, strip_of),
-            None => DecoderSource.strip_position(face, strips, strip_of),
-        }
-    }
     fn error_codes(&self, new: u32) -> [u32; 2] {
         self.error_codes[new as usize]
     }
@@ -187,20 +202,6 @@ fn points(first_triangle: &[u32], continues: &[bool]) -> u32 {
         points -= 1;
     }
     points as u32
-}
-
-/// Returns for each vertex whether its step continues with the next one.
-fn continues(simplified: &Simplified) -> Vec<bool> {
-    let collapses = simplified.collapses();
-    let last = collapses.records();
-    let mut continues = vec![true; simplified.mesh().vertex_count()];
-    for &end in std::iter::once(&0).chain(&collapses.parts().step_ends) {
-        // The first record of a step is the last vertex that comes with it.
-        if let Some(c) = continues.get_mut((last - end.min(last)) as usize) {
-            *c = false;
-        }
-    }
-    continues
 }
 
 /// Returns the vertex of LOD 0 at each corner of each triangle in stream order; the fourth is none.

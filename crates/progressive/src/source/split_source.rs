@@ -1,22 +1,11 @@
 //! The interface to the splits of an object, and the side that knows none of them.
 
-use lodc_mesh::NONE;
-
 /// A triangle that comes with a vertex: its two other corners, (new, next, previous)
 /// counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) struct SourceTriangle {
     pub(crate) next: u32,
     pub(crate) previous: u32,
-}
-
-/// The position of a new triangle in the drawing order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct StripPosition {
-    /// The live triangle drawn before it, or [`NONE`].
-    pub(crate) after: u32,
-    /// Its strip, in the order of first triangles; the number of strips for a new one.
-    pub(crate) strip: u32,
 }
 
 /// The splits of an object. Vertices and triangles are numbered in stream order. The answers of a
@@ -26,6 +15,10 @@ pub(crate) trait SplitSource {
     fn points(&self) -> u32;
     /// Returns the vertex that a new one splits off.
     fn parent(&self, new: u32) -> u32;
+    /// Returns the first vertex of the wedge group of a vertex.
+    fn group(&self, vertex: u32) -> u32;
+    /// Returns the number of steps of the batch that begins with a vertex.
+    fn batch(&self, new: u32) -> u32;
     /// Returns whether the target of a new vertex is that of its parent, and not its parent.
     fn repeats_target(&self, new: u32) -> bool;
     /// Returns whether the step continues after a vertex.
@@ -40,14 +33,6 @@ pub(crate) trait SplitSource {
     fn named_star(&self, new: u32) -> Option<&[u32]>;
     /// Returns the indices of all channels of a vertex; none for a decoder.
     fn indices(&self, new: u32) -> &[i32];
-    /// Returns where a new triangle is drawn, given the number of strips and the strip of each live
-    /// triangle.
-    fn strip_position(
-        &self,
-        face: u32,
-        strips: u32,
-        strip_of: &dyn Fn(u32) -> u32,
-    ) -> StripPosition;
     /// Returns the codes of the error and of the root mean square distance after the step that ends
     /// with a vertex.
     fn error_codes(&self, new: u32) -> [u32; 2];
@@ -62,6 +47,12 @@ impl SplitSource for DecoderSource {
     }
     fn parent(&self, _: u32) -> u32 {
         0
+    }
+    fn group(&self, _: u32) -> u32 {
+        0
+    }
+    fn batch(&self, _: u32) -> u32 {
+        1
     }
     fn repeats_target(&self, _: u32) -> bool {
         false
@@ -83,9 +74,6 @@ impl SplitSource for DecoderSource {
     }
     fn indices(&self, _: u32) -> &[i32] {
         &[]
-    }
-    fn strip_position(&self, _: u32, _: u32, _: &dyn Fn(u32) -> u32) -> StripPosition {
-        StripPosition { after: NONE, strip: 0 }
     }
     fn error_codes(&self, _: u32) -> [u32; 2] {
         [0; 2]

@@ -94,8 +94,7 @@ fn chains_and_hubs_take_near_linear_time() {
     let n = 100_000;
     for simplified in [chain(n), hub(n)] {
         let layout = VertexLayout::choose(&simplified);
-        let source = EncoderSource::new(&simplified, &layout, None, StarRule::DEFAULT)
-            .expect("no strips to mismatch");
+        let source = EncoderSource::new(&simplified, &layout, true, StarRule::DEFAULT);
         let triangles: usize = (0..n).map(|v| source.new_triangles(v).len()).sum();
         assert_eq!(triangles, n as usize - 2);
         assert!((1..n).all(|v| source.parent(v) < v && source.indices(v).len() == 3));
@@ -112,8 +111,7 @@ fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
     let target_of = |v: u32| if v.is_multiple_of(2) || v == n - 2 { n - 1 } else { n - 2 };
     let book = simplified(positions, triangles, (0..n - 1).map(target_of).collect());
     let layout = VertexLayout::choose(&book);
-    let source =
-        EncoderSource::new(&book, &layout, None, StarRule::DEFAULT).expect("no strips to mismatch");
+    let source = EncoderSource::new(&book, &layout, true, StarRule::DEFAULT);
     let target = |new: u32| n - 1 - target_of(n - 1 - new);
     for new in 2..n {
         // Each of the first 256 triangles leaves the stars of both hubs small enough.
@@ -122,13 +120,13 @@ fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
         assert_eq!(source.repeats_target(new), new >= 2 + 257, "{new}");
     }
     // The thesis's packages have a bit for each triangle of a star.
-    let mut encoder = MeshEncoder::new(&book, layout, None).expect("no strips to mismatch");
+    let mut encoder = MeshEncoder::new(&book, layout, true);
     let (mut contexts, mut decoded) = (Contexts::new(), Contexts::new());
     let mut decoder = MeshDecoder::new(encoder.header().clone());
     while !encoder.is_complete() {
         let target = BlockTarget { bytes: 1000, before: 1 << 20, until_triangle: false };
-        let EncodedSteps { steps, splits, strips } = encoder.encode(&mut contexts, target);
-        let block = StepBlock { steps, splits: &splits, strips: &strips, bytes: 1 << 20 };
+        let EncodedSteps { steps, splits } = encoder.encode(&mut contexts, target);
+        let block = StepBlock { steps, splits: &splits, bytes: 1 << 20 };
         decoder.decode(&mut decoded, block).expect("a sound block");
     }
     assert!(encoder.package_bytes() < 40 * u64::from(n), "{}", encoder.package_bytes());

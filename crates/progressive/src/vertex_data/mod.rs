@@ -8,6 +8,9 @@
 //! ```
 
 pub(crate) mod number_system;
+pub(crate) mod octahedral;
+pub(crate) mod prediction;
 pub(crate) mod quantize;
 pub(crate) mod values;
 pub(crate) mod vertex_layout;
+pub(crate) mod vertex_values;

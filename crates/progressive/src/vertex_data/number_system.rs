@@ -131,6 +131,11 @@ impl NumberSystem {
         }
     }
 
+    /// Returns whether neighbours are everywhere as far apart, −0 aside.
+    pub(crate) fn has_fixed_step(self) -> bool {
+        matches!(self, Self::Decimal(_) | Self::Integer | Self::Grid { .. })
+    }
+
     /// Returns whether the list holds this float, bit for bit.
     #[must_use]
     pub fn contains(self, value: f32) -> bool {
@@ -179,6 +184,12 @@ fn significant(value: f64, digits: i32) -> i32 {
         decade += 1;
     }
     (decade - LEAST_DECADE) * 9 * first + m.max(first) - first + 1
+}
+
+/// Rounds half up, into the range of an i32; 0 for what is no number.
+#[inline]
+pub(crate) fn round(at: f64) -> i32 {
+    (at + 0.5).floor() as i32
 }
 
 #[cfg(test)]

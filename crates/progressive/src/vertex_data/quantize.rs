@@ -1,6 +1,7 @@
 //! Quantisation: streams on a regular grid, with bounds of the error.
 
 use crate::vertex_data::number_system::NumberSystem;
+use crate::vertex_data::octahedral::Octahedral;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use lodc_mesh::{Component, Mesh, Semantic};
 
@@ -9,7 +10,8 @@ use lodc_mesh::{Component, Mesh, Semantic};
 pub struct Quantize {
     /// Positions: the longest side of an object's bounding box has 2^n − 1 steps.
     pub position: Option<u8>,
-    /// Normals and tangents: −1 to 1 has 2^n − 2 steps, 0 being one of them.
+    /// Normals and tangents: two numbers on an octahedron of 2^n − 2 steps; three from −1 to 1 if
+    /// they have other lengths than 1.
     pub normal: Option<u8>,
     /// Texture coordinates: the longest side of their range has 2^n − 1 steps.
     pub uv: Option<u8>,
@@ -33,6 +35,7 @@ impl Quantize {
     #[must_use = "the error bounds are for the user"]
     pub fn apply(&self, mesh: &Mesh, layout: &mut VertexLayout) -> Vec<ErrorBound> {
         let mut bounds = Vec::new();
+        let mut octahedral = vec![None; mesh.attributes().len()];
         if let Some(bits) = self.position {
             let values = mesh.positions().iter().map(|p| &p[..]);
             bounds.extend(grid(layout, 0, bits, &range(values, 3), "position".to_owned()));
@@ -50,21 +53,58 @@ impl Quantize {
             let span = range(all.chunks_exact(channels), channels);
             let unit = span.iter().all(|(lo, hi)| *lo >= -1.0 && *hi <= 1.0);
             let whole = vec![(-1.0, 1.0); channels];
+            let mut direction = |bits, name: &str| {
+                let on_grid = grid(layout, i + 1, bits, &whole, name.to_owned())?;
+                let values = all.chunks_exact(channels);
+                let bound = octahedral_bound(values, Octahedral { bits }, &on_grid);
+                octahedral[i] = bound.is_some().then_some(Octahedral { bits });
+                Some(bound.unwrap_or(on_grid))
+            };
             bounds.extend(match (&a.semantic, self.normal, self.uv) {
-                (Semantic::Normal, Some(bits), _) if unit => {
-                    grid(layout, i + 1, bits, &whole, "normal".to_owned())
-                }
-                (Semantic::Tangent, Some(bits), _) if unit => {
-                    grid(layout, i + 1, bits, &whole, "tangent".to_owned())
-                }
+                (Semantic::Normal, Some(bits), _) if unit => direction(bits, "normal"),
+                (Semantic::Tangent, Some(bits), _) if unit => direction(bits, "tangent"),
                 (Semantic::TexCoord(set), _, Some(bits)) => {
                     grid(layout, i + 1, bits, &span, format!("uv {set}"))
                 }
                 _ => None,
             });
         }
+        layout.set_octahedral(mesh.attributes(), &octahedral);
         bounds
     }
+}
+
+/// How far from 1 the length of a direction may be for it to be kept as a direction only.
+const UNIT: f64 = 0.01;
+
+/// Returns by how much directions change on an octahedron, with what follows them on a grid;
+/// `None` if they are not all of length 1.
+fn octahedral_bound<'a>(
+    values: impl Iterator<Item = &'a [f32]>,
+    octahedral: Octahedral,
+    rest: &ErrorBound,
+) -> Option<ErrorBound> {
+    // Rounded to floats, a change may be larger by this share.
+    const ROUNDING: f64 = 1.0 + 1e-6;
+    let mut bound = ErrorBound { coordinate: 0.0, distance: 0.0, ..rest.clone() };
+    for value in values {
+        let direction = <[f32; 3]>::try_from(value.get(..3)?).ok()?.map(f64::from);
+        let length = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
+        if (length - 1.0).abs() > UNIT || length.is_nan() {
+            return None;
+        }
+        let shown = octahedral.direction(octahedral.indices(direction)).map(|c| c as f32);
+        let off = [0, 1, 2].map(|c| (direction[c] - f64::from(shown[c])).abs() * ROUNDING);
+        bound.coordinate = off.iter().copied().fold(bound.coordinate, f64::max);
+        bound.distance = bound.distance.max(off.iter().map(|c| c * c).sum::<f64>().sqrt());
+        if value.len() > 3 {
+            bound.coordinate = bound.coordinate.max(rest.coordinate);
+        }
+    }
+    if bound.coordinate == rest.coordinate {
+        bound.distance += rest.coordinate;
+    }
+    Some(bound)
 }
 
 /// Returns the least and greatest value of each channel; NaN for a channel that is not finite.

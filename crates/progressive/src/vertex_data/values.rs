@@ -1,259 +1,317 @@
-//! Coding of a new vertex's values, as residuals to a prediction from its neighbours.
+//! Coding of a new vertex's values: those of a vertex nearby again, or residuals to a prediction.
 
-use crate::entropy::adaptive_probability::AdaptiveBit;
+use crate::entropy::adaptive_probability::AdaptiveSymbol;
 use crate::entropy::coder::Coder;
 use crate::entropy::integer_codes::{ResidualCode, bit_length};
 use crate::vertex_data::number_system::NumberSystem;
-use crate::vertex_data::vertex_layout::{Prediction, Stream, VertexLayout};
+use crate::vertex_data::prediction::{Around, Guess, Position, nearest_index};
+use crate::vertex_data::vertex_layout::{Prediction, Stream};
+use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
 
 /// Streams with contexts of their own; all further ones share those of stream 0.
 const STREAM_SLOTS: usize = 8;
+/// The slot of positions of which the last channel follows from a plane.
+const PLANE_SLOT: usize = STREAM_SLOTS;
 /// Channels of a stream with contexts of their own; further ones share the last.
 const CHANNEL_SLOTS: usize = 4;
+/// Classes of how well the channel before was predicted.
+const ACCURACIES: usize = 3;
+/// The most vertices among whose values a value is looked for: those that a symbol can name.
+const MOST_SOURCES: usize = 15;
+
+/// The source of an attribute: how it is coded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Source {
+    /// It is that of another wedge of the group.
+    Mate = 0,
+    /// It is that of the parent.
+    Parent = 1,
+    /// It is that of a vertex in the link.
+    Link = 2,
+    /// Residuals follow.
+    Coded = 3,
+}
 
 /// Contexts of values.
 #[derive(Clone, Debug)]
 pub(crate) struct ValueContexts {
-    /// By stream, and whether the stream's previous vertex repeated its parent: it repeats the
-    /// parent's value.
-    pub(crate) repeats: [[AdaptiveBit; 2]; STREAM_SLOTS],
-    previous_repeats: [bool; STREAM_SLOTS],
-    /// By stream and channel, and how well the channel before was predicted.
-    pub(crate) residual: [[ResidualCode; 3]; STREAM_SLOTS * CHANNEL_SLOTS],
+    /// The source of an attribute: by stream; whether there are mates (1) and link vertices (2) to
+    /// take it from; the source of the stream's last vertex; that of the stream before (4: none).
+    pub(crate) source: [[[[AdaptiveSymbol; 5]; 4]; 4]; STREAM_SLOTS],
+    /// Which mate or link vertex: by its kind, and their number less one, up to 7.
+    pub(crate) which: [[AdaptiveSymbol; 8]; 2],
+    last_source: [usize; STREAM_SLOTS],
+    /// By stream and channel, how well the channel before was predicted, and the second bit of the
+    /// expected magnitude.
+    pub(crate) residual: [[[ResidualCode; 2]; ACCURACIES]; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
     /// Sixteen times the mean bit length of the residuals of a stream and channel.
-    mean_bits: [u32; STREAM_SLOTS * CHANNEL_SLOTS],
+    mean_bits: [u32; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
+    /// 64 times the mean bit length of the residuals of a position by each [`Mode`].
+    mode_bits: [u32; 3],
 }
 
 impl ValueContexts {
     pub(crate) fn new() -> Self {
         Self {
-            repeats: [[AdaptiveBit::NEW; 2]; STREAM_SLOTS],
-            previous_repeats: [false; STREAM_SLOTS],
-            residual: [[ResidualCode::NEW; 3]; STREAM_SLOTS * CHANNEL_SLOTS],
-            mean_bits: [16 * 16; STREAM_SLOTS * CHANNEL_SLOTS],
+            source: [[[[AdaptiveSymbol::NEW; 5]; 4]; 4]; STREAM_SLOTS],
+            which: [[AdaptiveSymbol::NEW; 8]; 2],
+            last_source: [Source::Coded as usize; STREAM_SLOTS],
+            residual: [[[ResidualCode::NEW; 2]; ACCURACIES]; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
+            mean_bits: [16 * 16; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
+            mode_bits: [64 * 48; 3],
         }
+    }
+
+    /// Codes an index whose prediction is known. `spread` is the range of those around; without
+    /// it the mean length of the residuals before is expected.
+    #[inline]
+    fn code<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        slot: usize,
+        accuracy: &mut usize,
+        guess: Guess,
+        wanted: i32,
+    ) -> i32 {
+        let (expected, half) = match guess.spread {
+            Some(spread) => (bit_length(spread), second_bit(spread)),
+            None => ((self.mean_bits[slot] + 8) / 16, 0),
+        };
+        let residual = i64::from(wanted) - i64::from(guess.index);
+        let context = &mut self.residual[slot][*accuracy][half];
+        let residual = context.code(coder, expected.min(32), residual);
+        self.mean_bits[slot] = (self.mean_bits[slot] * 15 + residual.bits * 16 + 8) / 16;
+        *accuracy = match residual.bits + 2 {
+            bits if bits < expected => 0,
+            bits if bits < expected + 2 => 1,
+            _ => 2,
+        };
+        // Wraps only in a stream that no encoder writes.
+        (i64::from(guess.index) + residual.value) as i32
     }
 }
 
-/// The vertices from which the values of a new one are predicted.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Neighborhood<'a> {
-    pub(crate) parent: u32,
-    /// A vertex of the same step at the same position.
-    pub(crate) wedge: Option<u32>,
-    /// The vertices around the new one.
-    pub(crate) link: &'a [u32],
-}
-
-/// The values of all vertices so far.
-#[derive(Clone, Debug)]
-pub(crate) struct VertexValues {
-    pub(crate) layout: VertexLayout,
-    /// The channels of each vertex as indices of their number systems.
-    pub(crate) indices: Vec<i32>,
-}
-
-/// A predicted index and an estimate of the residual.
-#[derive(Clone, Copy, Debug, Default)]
-struct Predicted {
-    index: i32,
-    /// Bit length of the spread of the indices around.
-    spread_bits: u32,
+/// The bit below the highest one.
+fn second_bit(spread: u32) -> usize {
+    let bits = bit_length(spread);
+    if bits < 2 { 0 } else { (spread >> (bits - 2)) as usize & 1 }
 }
 
 impl VertexValues {
-    pub(crate) fn new(layout: VertexLayout) -> Self {
-        Self { layout, indices: Vec::new() }
-    }
-
-    pub(crate) fn channels(&self) -> usize {
-        self.layout.systems.len()
-    }
-
     /// Codes the values of a vertex into `coded`. `wanted` has all its channels for an encoder and
     /// none for a decoder.
     pub(crate) fn code<C: Coder>(
         &self,
         coder: &mut C,
         contexts: &mut ValueContexts,
-        neighborhood: Neighborhood<'_>,
+        neighborhood: &Neighborhood<'_>,
         wanted: &[i32],
         coded: &mut Vec<i32>,
     ) {
         coded.clear();
-        for (s, stream) in self.layout.streams.iter().enumerate() {
-            let of = |v: u32| {
-                self.indices[v as usize * self.channels() + stream.first..][..stream.channels]
-                    .iter()
-                    .copied()
-            };
-            let wanted = wanted.get(stream.first..).unwrap_or_default();
-            let wanted = &wanted[..stream.channels.min(wanted.len())];
-            if let (0, Some(wedge)) = (s, neighborhood.wedge) {
-                coded.extend(of(wedge));
-                continue;
-            }
-            let slot = if s < STREAM_SLOTS { s } else { 0 };
-            if s > 0 {
-                let context =
-                    &mut contexts.repeats[slot][usize::from(contexts.previous_repeats[slot])];
-                let repeats = wanted.iter().copied().eq(of(neighborhood.parent));
-                let repeats = coder.bit(context, repeats);
-                contexts.previous_repeats[slot] = repeats;
-                if repeats {
-                    coded.extend(of(neighborhood.parent));
-                    continue;
-                }
-            }
-            let stream = StreamCoding { values: self, stream, slot, neighborhood };
-            stream.code(coder, contexts, wanted, coded);
+        let mut vertex =
+            VertexCode { values: self, neighborhood, mate: None, before: 4, sources: Vec::new() };
+        if let Some(wedge) = neighborhood.mates.clone().next_back() {
+            coded.extend(self.of(wedge, &self.layout.streams[0]));
+        } else {
+            let position = vertex.code_position(coder, contexts, wanted);
+            coded.extend(position);
+        }
+        for s in 1..self.layout.streams.len() {
+            vertex.code_attribute(coder, contexts, s, wanted, coded);
         }
     }
 }
 
-/// One stream of a new vertex.
-struct StreamCoding<'a> {
+/// The values of one vertex while they are coded.
+struct VertexCode<'a> {
     values: &'a VertexValues,
-    stream: &'a Stream,
-    slot: usize,
-    neighborhood: Neighborhood<'a>,
+    neighborhood: &'a Neighborhood<'a>,
+    /// The mate whose value the stream before had.
+    mate: Option<u32>,
+    /// The source of the stream before; 4 for none.
+    before: usize,
+    sources: Vec<u32>,
 }
 
-impl StreamCoding<'_> {
-    /// Codes the channels and appends them to `coded`.
-    fn code<C: Coder>(
+impl VertexCode<'_> {
+    fn code_position<C: Coder>(
         &self,
         coder: &mut C,
         contexts: &mut ValueContexts,
         wanted: &[i32],
+    ) -> [i32; 3] {
+        let (values, n) = (self.values, self.neighborhood);
+        let wanted = |axis: usize| wanted.get(axis).copied().unwrap_or_default();
+        let position = Position::predict(&values.layout.systems, n, |v| {
+            let at = v as usize * values.channels();
+            values.indices[at..].first_chunk().copied().unwrap_or_default()
+        });
+        let (mut coded, mut accuracy) = ([0; 3], 0);
+        match (contexts.mode(), position.plane) {
+            (2, Some(plane)) => {
+                let slot = PLANE_SLOT * CHANNEL_SLOTS;
+                for (channel, axis) in plane.axes.into_iter().enumerate() {
+                    let index = match channel {
+                        2 => plane.guess(&position, &coded),
+                        _ => position.weighted[axis],
+                    };
+                    let guess = Guess { index, spread: Some(plane.spread) };
+                    let slot = slot + channel;
+                    coded[axis] = contexts.code(coder, slot, &mut accuracy, guess, wanted(axis));
+                }
+            }
+            (mode, _) => {
+                for (axis, coded) in coded.iter_mut().enumerate() {
+                    let index = if mode == 0 { position.mean } else { position.weighted }[axis];
+                    let guess = Guess { index, spread: position.spread[axis] };
+                    *coded = contexts.code(coder, axis, &mut accuracy, guess, wanted(axis));
+                }
+            }
+        }
+        if position.spread[0].is_some() {
+            contexts.note(&position, &coded);
+        }
+        coded
+    }
+
+    /// Codes an attribute and appends its channels.
+    fn code_attribute<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        contexts: &mut ValueContexts,
+        s: usize,
+        wanted: &[i32],
         coded: &mut Vec<i32>,
     ) {
-        let stream = self.stream;
-        let link = self.neighborhood.link;
-        let smooth = stream.prediction != Prediction::Parent && !link.is_empty();
-        let direction = smooth && stream.prediction == Prediction::Direction;
-        let mut accuracy = 0;
-        let mut direction_xy = [0.0f64; 2];
-        let mut predicted = [Predicted::default(); CHANNEL_SLOTS];
-        for channel in 0..stream.channels {
-            let slot = self.slot * CHANNEL_SLOTS + channel.min(CHANNEL_SLOTS - 1);
-            if channel % CHANNEL_SLOTS == 0 {
-                let batch = (stream.channels - channel).min(CHANNEL_SLOTS);
-                self.predict(stream.first + channel, smooth, &mut predicted[..batch]);
+        let values = self.values;
+        let stream = &values.layout.streams[s];
+        let slot = if s < STREAM_SLOTS { s } else { 0 };
+        let wanted = wanted.get(stream.first..).unwrap_or_default();
+        let wanted = &wanted[..stream.channels.min(wanted.len())];
+        let [mates, parents] = self.find_sources(stream);
+        let available = usize::from(mates > 0) + 2 * usize::from(parents < self.sources.len());
+        let found = self.sources.iter().position(|&v| values.of(v, stream) == wanted);
+        let source = match found {
+            Some(at) if at < mates => Source::Mate,
+            Some(at) if at < parents => Source::Parent,
+            Some(_) => Source::Link,
+            None => Source::Coded,
+        };
+        let last = contexts.last_source[slot];
+        let context = &mut contexts.source[slot][available][last][self.before];
+        let source = coder.symbol(context, source as u32).min(3) as usize;
+        (contexts.last_source[slot], self.before) = (source, source);
+        let range = match source {
+            0 => 0..mates,
+            1 => mates..parents,
+            2 => parents..self.sources.len(),
+            _ => 0..0,
+        };
+        if range.is_empty() {
+            // Also a source that only a crafted stream names.
+            let around = Around { values, neighborhood: self.neighborhood, position: coded };
+            let guesses = around.predict(stream);
+            self.code_residuals(coder, contexts, [s, slot], &guesses, wanted, coded);
+            return;
+        }
+        let mut at = 0;
+        if range.len() > 1 {
+            let context = &mut contexts.which[source >> 1][(range.len() - 1).min(7)];
+            let which = found.unwrap_or_default().wrapping_sub(range.start) as u32;
+            at = (coder.symbol(context, which) as usize).min(range.len() - 1);
+        }
+        let vertex = self.sources[range.start + at];
+        self.mate = if source == 0 { Some(vertex) } else { self.mate };
+        coded.extend_from_slice(values.of(vertex, stream));
+    }
+
+    /// Collects vertices with different values: mates, the parent, the link. Returns where the
+    /// first two end.
+    fn find_sources(&mut self, stream: &Stream) -> [usize; 2] {
+        let (values, n) = (self.values, self.neighborhood);
+        let sources = &mut self.sources;
+        sources.clear();
+        let mut add = |v: u32, most: usize| {
+            let is_new = sources.len() < most
+                && sources.iter().all(|&s| values.of(s, stream) != values.of(v, stream));
+            if is_new {
+                sources.push(v);
             }
-            let Predicted { index: mut guess, spread_bits } = predicted[channel % CHANNEL_SLOTS];
-            let mean_bits = (contexts.mean_bits[slot] + 8) / 16;
-            let mut expected = if smooth && link.len() > 1 { spread_bits } else { mean_bits };
-            if direction
-                && channel == 2
-                && let Some(index) = self.third_component(direction_xy, guess)
-            {
-                (guess, expected) = (index, mean_bits);
+            sources.len()
+        };
+        let mut ends = [0; 2];
+        let latest = n.mates.clone().rev().take(MOST_SOURCES);
+        for v in self.mate.into_iter().chain(latest) {
+            ends[0] = add(v, MOST_SOURCES);
+        }
+        ends[1] = add(n.parent, MOST_SOURCES + 1);
+        for &v in n.link.iter().take(MOST_SOURCES) {
+            add(v, usize::MAX);
+        }
+        ends
+    }
+
+    fn code_residuals<C: Coder>(
+        &self,
+        coder: &mut C,
+        contexts: &mut ValueContexts,
+        [s, slot]: [usize; 2],
+        guesses: &[Guess],
+        wanted: &[i32],
+        coded: &mut Vec<i32>,
+    ) {
+        let stream = &self.values.layout.streams[s];
+        let systems = &self.values.layout.systems[stream.first..];
+        let is_direction =
+            stream.prediction == Prediction::Direction && !self.neighborhood.link.is_empty();
+        let mut accuracy = 0;
+        for (channel, &guess) in guesses.iter().enumerate() {
+            let slot = slot * CHANNEL_SLOTS + channel.min(CHANNEL_SLOTS - 1);
+            let mut guess = guess;
+            if is_direction && channel == 2 {
+                let x = f64::from(systems[0].value(coded[stream.first]));
+                let y = f64::from(systems[1].value(coded[stream.first + 1]));
+                guess = third_component(systems[2], [x, y], guess);
             }
             let wanted = wanted.get(channel).copied().unwrap_or_default();
-            let residual = i64::from(wanted) - i64::from(guess);
-            let context = &mut contexts.residual[slot][accuracy];
-            let residual = context.code(coder, expected.min(32), residual);
-            contexts.mean_bits[slot] =
-                (contexts.mean_bits[slot] * 15 + residual.bits * 16 + 8) / 16;
-            accuracy = match residual.bits + 2 {
-                bits if bits < expected => 0,
-                bits if bits < expected + 2 => 1,
-                _ => 2,
-            };
-            // Wraps only in a stream that no encoder writes.
-            let index = (i64::from(guess) + residual.value) as i32;
-            if direction && let Some(component) = direction_xy.get_mut(channel) {
-                let system = self.values.layout.systems[stream.first + channel];
-                *component = f64::from(system.value(index));
-            }
-            coded.push(index);
-        }
-    }
-
-    /// Returns the index of the third component of a unit vector with these first two, with the
-    /// sign of `guess`; `None` if they are too long.
-    fn third_component(&self, [x, y]: [f64; 2], guess: i32) -> Option<i32> {
-        let square = 1.0 - x * x - y * y;
-        if square < 0.0 || square.is_nan() {
-            return None;
-        }
-        let root = square.sqrt() as f32;
-        let system = self.values.layout.systems[self.stream.first + 2];
-        Some(system.index(if system.value(guess) < 0.0 { -root } else { root }))
-    }
-
-    /// Predicts some channels from number `first` on: by the mean over the link if `smooth`, else
-    /// by the parent.
-    #[inline]
-    fn predict(&self, first: usize, smooth: bool, predicted: &mut [Predicted]) {
-        let parent = self.neighborhood.parent as usize * self.values.channels() + first;
-        let parent = &self.values.indices[parent..][..predicted.len()];
-        for (predicted, &index) in predicted.iter_mut().zip(parent) {
-            *predicted = Predicted { index, spread_bits: 0 };
-        }
-        match predicted.len() {
-            _ if !smooth => {}
-            1 => self.link_means::<1>(first, predicted),
-            2 => self.link_means::<2>(first, predicted),
-            3 => self.link_means::<3>(first, predicted),
-            _ => self.link_means::<4>(first, predicted),
-        }
-    }
-
-    #[inline]
-    fn link_means<const N: usize>(&self, first: usize, predicted: &mut [Predicted]) {
-        let (values, link) = (self.values, self.neighborhood.link);
-        let channels = values.channels();
-        let at = |v: u32| v as usize * channels + first;
-        let (mut sum, mut least, mut most) = ([0i64; N], [i32::MAX; N], [i32::MIN; N]);
-        for &v in link {
-            let Some(indices) = values.indices[at(v)..].first_chunk::<N>() else { continue };
-            for i in 0..N {
-                sum[i] += i64::from(indices[i]);
-                (least[i], most[i]) = (least[i].min(indices[i]), most[i].max(indices[i]));
-            }
-        }
-        for (i, predicted) in predicted.iter_mut().enumerate().take(N) {
-            predicted.spread_bits = bit_length(most[i].abs_diff(least[i]));
-            let system = values.layout.systems[first + i];
-            if system.is_evenly_spaced(least[i], most[i]) {
-                predicted.index = mean_index(sum[i], link.len(), predicted.index);
-            } else {
-                let floats = link.iter().map(|&v| values.indices[at(v) + i]);
-                predicted.index = mean_value(system, floats).unwrap_or(predicted.index);
-            }
+            coded.push(contexts.code(coder, slot, &mut accuracy, guess, wanted));
         }
     }
 }
 
-/// Returns the index of the mean of floats, which are added in their order; `None` if it is not
-/// finite.
-#[inline]
-fn mean_value(system: NumberSystem, indices: impl ExactSizeIterator<Item = i32>) -> Option<i32> {
-    let count = indices.len() as f64;
-    let mean = (indices.map(|i| f64::from(system.value(i))).sum::<f64>() / count) as f32;
-    mean.is_finite().then(|| system.index(mean))
+impl ValueContexts {
+    /// The way in which positions were predicted best so far, the last of equals: 0 by the mean, 1
+    /// by weights, 2 by weights and a plane.
+    fn mode(&self) -> usize {
+        let [mean, weighted, plane] = self.mode_bits;
+        if plane <= mean.min(weighted) { 2 } else { usize::from(weighted <= mean) }
+    }
+
+    /// Notes how long the residuals are in each way.
+    fn note(&mut self, position: &Position, coded: &[i32; 3]) {
+        let bits = |guess: &[i32; 3]| -> u32 {
+            (0..3).map(|c| bit_length(coded[c].abs_diff(guess[c]))).sum()
+        };
+        let mut on_plane = position.weighted;
+        if let Some(plane) = position.plane {
+            on_plane[plane.axes[2]] = plane.guess(position, coded);
+        }
+        let ways = [&position.mean, &position.weighted, &on_plane];
+        for (mean, way) in self.mode_bits.iter_mut().zip(ways) {
+            *mean = (*mean * 63 + bits(way) * 64 + 32) / 64;
+        }
+    }
 }
 
-/// 2^24 / n, rounded down: division by small numbers.
-const RECIPROCALS: [i64; 33] = {
-    let mut reciprocals = [0; 33];
-    let mut n = 1;
-    while n < reciprocals.len() {
-        reciprocals[n] = (1 << 24) / n as i64;
-        n += 1;
+/// Predicts the third component of a unit vector with these first two, with the sign of `guess`,
+/// unless they are too long.
+fn third_component(system: NumberSystem, [x, y]: [f64; 2], guess: Guess) -> Guess {
+    let square = 1.0 - x * x - y * y;
+    if square < 0.0 || square.is_nan() {
+        return guess;
     }
-    reciprocals
-};
-
-/// Returns the mean of `count` indices with this sum, rounded relative to the parent's index.
-#[inline]
-fn mean_index(sum: i64, count: usize, parent: i32) -> i32 {
-    let offset = sum - count as i64 * i64::from(parent);
-    let offset = match RECIPROCALS.get(count) {
-        Some(reciprocal) => offset.wrapping_mul(*reciprocal).wrapping_add(1 << 23) >> 24,
-        None => offset / count as i64,
-    };
-    (i64::from(parent) + offset).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+    let root = square.sqrt();
+    let signed = if system.value(guess.index) < 0.0 { -root } else { root };
+    Guess { index: nearest_index(system, false, signed, guess.index), spread: None }
 }

@@ -1,6 +1,7 @@
 //! The layout of a vertex: streams, their channels and number systems.
 
 use crate::vertex_data::number_system::NumberSystem;
+use crate::vertex_data::octahedral::Octahedral;
 use lodc_mesh::{Attribute, Component, Mesh, Semantic, Simplified};
 
 /// The prediction of the channels of a stream.
@@ -10,6 +11,11 @@ pub enum Prediction {
     Smooth,
     /// Like [`Self::Smooth`], as a unit vector: the third channel follows from the first two.
     Direction,
+    /// By a linear function over the positions around.
+    Fit,
+    /// The first two channels are a direction, and predicted as one; three components follow from
+    /// them. Further ones like [`Self::Smooth`].
+    Octahedral(Octahedral),
     /// By the parent's value.
     Parent,
 }
@@ -35,14 +41,20 @@ pub struct VertexLayout {
 }
 
 impl VertexLayout {
-    /// Returns the streams of a mesh with such attributes.
+    /// Returns the streams of a mesh with such attributes, of which some may be directions on an
+    /// octahedron.
     #[must_use]
-    pub fn streams(attributes: &[Attribute]) -> Vec<Stream> {
+    pub fn streams(attributes: &[Attribute], octahedral: &[Option<Octahedral>]) -> Vec<Stream> {
         let mut first = 3;
         let mut streams = vec![Stream { first: 0, channels: 3, prediction: Prediction::Smooth }];
-        for a in attributes {
-            let channels = usize::from(a.components);
+        for (i, a) in attributes.iter().enumerate() {
+            let mut channels = usize::from(a.components);
             let prediction = match (&a.semantic, a.morph_target) {
+                _ if let Some(Some(octahedral)) = octahedral.get(i) => {
+                    channels -= 1;
+                    Prediction::Octahedral(*octahedral)
+                }
+                (Semantic::TexCoord(_), None) => Prediction::Fit,
                 (Semantic::Normal | Semantic::Tangent, None)
                     if a.component == Component::F32 && channels >= 3 =>
                 {
@@ -63,7 +75,7 @@ impl VertexLayout {
     #[must_use]
     pub fn choose(simplified: &Simplified) -> Self {
         let mesh = simplified.mesh();
-        let streams = Self::streams(mesh.attributes());
+        let streams = Self::streams(mesh.attributes(), &[]);
         let positions = |v: u32, c: usize| mesh.positions()[v as usize][c];
         let mut systems = vec![best(simplified, 3, positions); 3];
         for a in mesh.attributes() {
@@ -86,9 +98,16 @@ impl VertexLayout {
             let position = mesh.positions()[v as usize];
             indices.extend(position.iter().zip(&self.systems).map(|(&p, s)| s.index(p)));
             for (a, stream) in mesh.attributes().iter().zip(&self.streams[1..]) {
-                for c in 0..stream.channels {
+                let mut components = 0..usize::from(a.components);
+                if let Prediction::Octahedral(octahedral) = stream.prediction {
+                    let direction = [0, 1, 2].map(|c| f64::from(float(a, v, c)));
+                    indices.extend(octahedral.indices(direction));
+                    components.start = 3;
+                }
+                let channel = |c: usize| stream.first + stream.channels - components.end + c;
+                for (c, channel) in components.clone().map(|c| (c, channel(c))) {
                     indices.push(match a.component {
-                        Component::F32 => self.systems[stream.first + c].index(float(a, v, c)),
+                        Component::F32 => self.systems[channel].index(float(a, v, c)),
                         _ => integer(a, v, c),
                     });
                 }
@@ -97,18 +116,45 @@ impl VertexLayout {
         indices
     }
 
-    /// Appends the bytes of an attribute's channel with this index.
+    /// Appends the bytes of an attribute whose stream has these indices.
     pub(crate) fn append(
         &self,
         component: Component,
-        channel: usize,
-        index: i32,
+        stream: &Stream,
+        indices: &[i32],
         bytes: &mut Vec<u8>,
     ) {
-        match component {
-            Component::F32 => bytes.extend(self.systems[channel].value(index).to_le_bytes()),
-            _ => bytes.extend_from_slice(&index.to_le_bytes()[..component.size()]),
+        let mut channels = 0..indices.len();
+        if let Prediction::Octahedral(octahedral) = stream.prediction {
+            let direction = octahedral.direction([indices[0], indices[1]]);
+            direction.iter().for_each(|&c| bytes.extend((c as f32).to_le_bytes()));
+            channels.start = 2;
         }
+        for channel in channels {
+            let (system, index) = (self.systems[stream.first + channel], indices[channel]);
+            match component {
+                Component::F32 => bytes.extend(system.value(index).to_le_bytes()),
+                _ => bytes.extend_from_slice(&index.to_le_bytes()[..component.size()]),
+            }
+        }
+    }
+
+    /// Makes some attributes directions on an octahedron.
+    pub(crate) fn set_octahedral(
+        &mut self,
+        attributes: &[Attribute],
+        octahedral: &[Option<Octahedral>],
+    ) {
+        let streams = Self::streams(attributes, octahedral);
+        let mut systems = Vec::new();
+        for (old, new) in self.streams.iter().zip(&streams) {
+            let mut of = self.systems[old.first..][..old.channels].to_vec();
+            if old.channels > new.channels {
+                of.splice(..3, [NumberSystem::Integer; 2]);
+            }
+            systems.extend(of);
+        }
+        (self.systems, self.streams) = (systems, streams);
     }
 }
 

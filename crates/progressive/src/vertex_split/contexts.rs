@@ -2,9 +2,9 @@
 
 use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 use crate::entropy::integer_codes::{BoundedCode, GammaCode};
-use crate::strips::position_code::StripContexts;
 use crate::vertex_data::values::ValueContexts;
 use crate::vertex_split::corner_transfer::TransferContexts;
+use crate::vertex_split::group_list::BatchContexts;
 use crate::vertex_split::named_star::NamedStarContexts;
 use crate::vertex_split::new_triangles::TriangleContexts;
 use crate::vertex_split::point_contexts::PointContexts;
@@ -17,10 +17,11 @@ pub struct Contexts {
     pub(crate) first_index: GammaCode,
     /// Distance to the parent.
     pub(crate) parent: BoundedCode,
-    /// Distance along the circle of wedges to the parent.
-    pub(crate) wedge_distance: AdaptiveSymbol,
+    /// Distance along the circle of wedges to the parent: by whether it is a step's first.
+    pub(crate) wedge_distance: [AdaptiveSymbol; 2],
     /// The submesh is the parent's.
     pub(crate) same_submesh: AdaptiveBit,
+    pub(crate) batches: BatchContexts,
     pub(crate) named_star: NamedStarContexts,
     pub(crate) triangles: TriangleContexts,
     pub(crate) transfer: TransferContexts,
@@ -28,8 +29,9 @@ pub struct Contexts {
     pub(crate) repeats_target: AdaptiveBit,
     /// The position is that of the vertex before.
     pub(crate) same_position: AdaptiveBit,
-    /// By whether the step continued with this vertex: it continues with the next.
-    pub(crate) continues: [AdaptiveBit; 2],
+    /// By the number of the vertex in its step, up to 3, and the wedges of the parent's circle less
+    /// one, up to 3: the step continues with the next vertex.
+    pub(crate) continues: [[AdaptiveBit; 4]; 4],
     /// The error falls.
     pub(crate) error_falls: AdaptiveBit,
     pub(crate) error_drop: GammaCode,
@@ -38,7 +40,6 @@ pub struct Contexts {
     pub(crate) rms_drop: GammaCode,
     pub(crate) values: ValueContexts,
     pub(crate) points: PointContexts,
-    pub(crate) strips: StripContexts,
 }
 
 impl Contexts {
@@ -48,21 +49,21 @@ impl Contexts {
         Self {
             first_index: GammaCode::NEW,
             parent: BoundedCode::NEW,
-            wedge_distance: AdaptiveSymbol::NEW,
+            wedge_distance: [AdaptiveSymbol::NEW; 2],
             same_submesh: AdaptiveBit::NEW,
+            batches: BatchContexts::NEW,
             named_star: NamedStarContexts::NEW,
             triangles: TriangleContexts::NEW,
             transfer: TransferContexts::NEW,
             repeats_target: AdaptiveBit::NEW,
             same_position: AdaptiveBit::NEW,
-            continues: [AdaptiveBit::NEW; 2],
+            continues: [[AdaptiveBit::NEW; 4]; 4],
             error_falls: AdaptiveBit::NEW,
             error_drop: GammaCode::NEW,
             rms_falls: AdaptiveBit::NEW,
             rms_drop: GammaCode::NEW,
             values: ValueContexts::new(),
             points: PointContexts::new(),
-            strips: StripContexts::NEW,
         }
     }
 }

@@ -3,9 +3,10 @@
 //! Thesis 4.3.3, UpdatePackage. The order in which the parts of a split are coded:
 //!
 //! ```text
-//!  step   = vertex, vertex, ... , error
-//!  vertex = parent | submesh | continues | next parent | named star | pattern | new triangles
-//!           | corner transfer | same position | values        (strip positions: other substream)
+//!  batch  = number of steps, step, step, ... , errors
+//!  step   = group, vertex, vertex, ...
+//!  vertex = parent | submesh | continues | named star | pattern | new triangles | corner transfer
+//!           | same position | values
 //! ```
 //!
 //! Vertices before the first triangle are points: one comes behind what first needs it, a parent or
@@ -14,6 +15,7 @@
 pub(crate) mod budget;
 pub(crate) mod contexts;
 pub(crate) mod corner_transfer;
+pub(crate) mod group_list;
 pub(crate) mod named_star;
 #[cfg(test)]
 mod named_star_tests;

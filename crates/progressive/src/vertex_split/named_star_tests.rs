@@ -17,22 +17,19 @@ use lodc_fixtures as fixtures;
 use lodc_mesh::{
     CollapseSequence, Lod, Mesh, MeshParts, OrientedTriangle, SequenceParts, Simplified, Submesh,
 };
-use lodc_strip::{Effort, StripKind, Strips};
 
 /// Encodes with this rule and decodes block by block; each shows its level of the reference.
 /// Returns whether a star was named.
 fn check(simplified: &Simplified, rule: StarRule, what: &str) -> bool {
-    let strips = Strips::generate(simplified, StripKind::Cache, Effort::Fast);
     let layout = VertexLayout::choose(simplified);
-    let encoder = MeshEncoder::with_rule(simplified, layout, Some(&strips), rule);
-    let mut encoder = encoder.expect("strips of this mesh");
+    let mut encoder = MeshEncoder::with_rule(simplified, layout, true, rule);
     let mut decoder = MeshDecoder::new(encoder.header().clone());
     decoder.set_large_star(rule.large);
     let (mut encoded, mut decoded) = (Contexts::new(), Contexts::new());
     while !encoder.is_complete() {
         let target = BlockTarget { bytes: 60, before: 1 << 20, until_triangle: false };
-        let EncodedSteps { steps, splits, strips } = encoder.encode(&mut encoded, target);
-        let block = StepBlock { steps, splits: &splits, strips: &strips, bytes: 1 << 20 };
+        let EncodedSteps { steps, splits } = encoder.encode(&mut encoded, target);
+        let block = StepBlock { steps, splits: &splits, bytes: 1 << 20 };
         decoder.decode(&mut decoded, block).unwrap_or_else(|e| panic!("{what}: {}", e.0));
         let lod = Lod(encoder.header().vertices - decoder.vertex_count());
         let last = decoder.vertex_count() - 1;
@@ -46,13 +43,11 @@ fn check(simplified: &Simplified, rule: StarRule, what: &str) -> bool {
     }
     assert!(decoder.is_complete(), "{what}");
     assert_eq!(decoder.mesh_parts().positions, simplified.mesh().positions(), "{what}");
-    let drawn = decoder.strips().map(|s| s.triangles().count());
-    assert_eq!(drawn, Some(simplified.mesh().triangles().len()), "{what}");
     let last = simplified.collapses().records();
     let targets = simplified.collapses().targets().iter().rev().map(|t| last - t);
     assert!(targets.eq(decoder.targets().iter().skip(1).copied()), "{what}");
     let layout = &encoder.header().layout;
-    let source = EncoderSource::new(simplified, layout, None, rule).expect("no strips");
+    let source = EncoderSource::new(simplified, layout, true, rule);
     (0..encoder.header().vertices).any(|v| source.named_star(v).is_some())
 }
 
@@ -119,8 +114,7 @@ fn hubs_that_are_named_are_not_walked_around() {
     let layout = VertexLayout::choose(&flaps);
     let [named, walked] = [32, 1 << 30].map(|worth| {
         let rule = StarRule { worth, ..StarRule::DEFAULT };
-        let encoder = MeshEncoder::with_rule(&flaps, layout.clone(), None, rule);
-        let mut encoder = encoder.expect("no strips to mismatch");
+        let mut encoder = MeshEncoder::with_rule(&flaps, layout.clone(), true, rule);
         let target = BlockTarget { bytes: usize::MAX, before: 0, until_triangle: false };
         encoder.encode(&mut Contexts::new(), target);
         encoder.package_bytes()

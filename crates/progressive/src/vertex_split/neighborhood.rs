@@ -19,6 +19,8 @@ pub(crate) struct SplitNeighborhood {
     pub(crate) parent: u32,
     /// True if the step continued with this vertex.
     pub(crate) continued: bool,
+    /// The sides of the triangles that the vertices of the step before it brought: 1 left, 2 right.
+    pub(crate) sides: usize,
     /// The parent's star, and whether it is a single closed fan. A star that is named has only the
     /// triangles that are transferred.
     pub(crate) star: Vec<StarFace>,
@@ -36,6 +38,14 @@ pub(crate) struct SplitNeighborhood {
 impl SplitNeighborhood {
     /// Starts a split, of which the star is still to come.
     pub(crate) fn start(&mut self, new: u32, parent: u32, continued: bool) {
+        let before = if continued { self.sides } else { 0 };
+        let side = |t: &NewTriangle| match t.side {
+            Side::Left => 1,
+            Side::Right => 2,
+            Side::Detached => 0,
+        };
+        let sides = self.triangles.iter().map(side);
+        self.sides = if continued { sides.fold(before, |all, side| all | side) } else { 0 };
         (self.new, self.parent, self.continued) = (new, parent, continued);
         self.triangles.clear();
     }

@@ -57,8 +57,9 @@ impl SplitPattern {
 /// Contexts of new triangles.
 #[derive(Clone, Debug)]
 pub(crate) struct TriangleContexts {
-    /// By the size of the star (up to 3), whether it is closed, and whether the step continued.
-    pub(crate) pattern: [[[AdaptiveSymbol; 2]; 2]; 4],
+    /// By the size of the star (up to 3), whether it is closed, and for a further vertex of a step
+    /// 1 + the sides of the triangles before.
+    pub(crate) pattern: [[[AdaptiveSymbol; 5]; 2]; 4],
     /// By whether the step continued.
     pub(crate) count: [AdaptiveSymbol; 2],
     pub(crate) more: GammaCode,
@@ -72,7 +73,7 @@ pub(crate) struct TriangleContexts {
 
 impl TriangleContexts {
     pub(crate) const NEW: Self = Self {
-        pattern: [[[AdaptiveSymbol::NEW; 2]; 2]; 4],
+        pattern: [[[AdaptiveSymbol::NEW; 5]; 2]; 4],
         count: [AdaptiveSymbol::NEW; 2],
         more: GammaCode::NEW,
         side: [[[AdaptiveBit::NEW; 2]; 4]; 3],
@@ -99,8 +100,9 @@ impl<C: Coder> TriangleCode<'_, C> {
         let triangles = source.new_triangles(self.split.new);
         let pattern = if C::ENCODES { self.choose_pattern(source) } else { SplitPattern::General };
         let size = self.split.star.len().min(3);
-        let [closed, continued] = [self.split.closed, self.split.continued].map(usize::from);
-        let context = &mut self.contexts.pattern[size][closed][continued];
+        let closed = usize::from(self.split.closed);
+        let before = if self.split.continued { 1 + self.split.sides } else { 0 };
+        let context = &mut self.contexts.pattern[size][closed][before];
         let pattern = SplitPattern::of_symbol(self.coder.symbol(context, pattern as u32));
         self.split.triangles.clear();
         match pattern {

@@ -2,20 +2,20 @@
 //!
 //! Written once for both sides, see `entropy/coder.rs`.
 
-use crate::entropy::coder::{Coder, Substreams};
+use crate::entropy::coder::Coder;
 use crate::entropy::integer_codes::GammaCode;
 use crate::invalid::InvalidStream;
 use crate::partial_mesh::mesh::PartialMesh;
+use crate::partial_mesh::new_triangle::{NewTriangle, Side};
 use crate::partial_mesh::split::{ParentStar, SplitBuffers, SplitEdge};
 use crate::partial_mesh::star::{LARGE_STAR, LinkVertex, StarFace, collect_link};
 use crate::source::split_source::SplitSource;
-use crate::strips::position_code::{StripContexts, code_position};
-use crate::strips::strip_order::StripOrder;
-use crate::vertex_data::values::{Neighborhood, VertexValues};
 use crate::vertex_data::vertex_layout::VertexLayout;
+use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
 use crate::vertex_split::budget::Cost;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::corner_transfer::TransferRule;
+use crate::vertex_split::group_list::GroupList;
 use crate::vertex_split::neighborhood::SplitNeighborhood;
 use crate::vertex_split::new_triangles::{SplitPattern, TriangleCode};
 use crate::vertex_split::parent_distance::ParentDistance;
@@ -39,7 +39,6 @@ pub(crate) struct StepLimits {
 pub(crate) struct ObjectCodec {
     pub(crate) mesh: PartialMesh,
     pub(crate) values: VertexValues,
-    pub(crate) strips: Option<StripOrder>,
     pub(super) submeshes: u32,
     /// Stars of more triangles are large: [`LARGE_STAR`], or another number in tests.
     pub(crate) large_star: u32,
@@ -59,8 +58,13 @@ pub(crate) struct ObjectCodec {
     pub(crate) package_bytes: u64,
     /// True if the step continues with the next vertex.
     continued: bool,
-    /// The parent of the next step's first vertex.
+    /// The first of the wedges that the newest vertex is one of.
+    first_mate: u32,
+    /// The parent of the next step's first vertex, if the order is exact; else the group that is
+    /// likely to be needed next.
     pub(super) next_parent: u32,
+    /// The list that batches are walked through; none if the order of steps is exact.
+    pub(super) groups: Option<GroupList>,
     pub(super) split: SplitNeighborhood,
     pub(super) buffers: Buffers,
 }
@@ -77,11 +81,10 @@ pub(super) struct Buffers {
 }
 
 impl ObjectCodec {
-    pub(crate) fn new(layout: VertexLayout, submeshes: u32, strips: bool) -> Self {
+    pub(crate) fn new(layout: VertexLayout, submeshes: u32, exact: bool) -> Self {
         Self {
             mesh: PartialMesh::default(),
             values: VertexValues::new(layout),
-            strips: strips.then(StripOrder::new),
             submeshes,
             large_star: LARGE_STAR,
             points: Points::default(),
@@ -92,7 +95,9 @@ impl ObjectCodec {
             work: 0,
             package_bytes: 0,
             continued: false,
+            first_mate: 0,
             next_parent: 0,
+            groups: (!exact).then(|| GroupList::new(0)),
             split: SplitNeighborhood::default(),
             buffers: Buffers::default(),
         }
@@ -110,33 +115,38 @@ impl ObjectCodec {
     /// Codes one step: its vertices, then the errors of the mesh with all of them.
     pub(crate) fn code_step<C: Coder, S: SplitSource>(
         &mut self,
-        coders: &mut Substreams<C>,
+        coder: &mut C,
         source: &S,
         contexts: &mut Contexts,
         limits: StepLimits,
     ) -> Result<(), InvalidStream> {
         if self.mesh.vertex_count() == 0 {
-            self.announce_points(&mut coders.splits, source, contexts, limits)?;
+            self.announce_points(coder, source, contexts, limits)?;
         }
         if self.mesh.vertex_count() == limits.vertices && !self.points.are_complete() {
-            self.code_left_points(&mut coders.splits, source, contexts);
+            self.code_left_points(coder, source, contexts);
             let errors = source.error_codes(limits.vertices - 1);
-            self.code_errors(&mut coders.splits, errors, contexts);
+            self.code_errors(coder, errors, contexts);
             return Ok(());
+        }
+        if self.groups.is_some() && self.mesh.vertex_count() < limits.vertices {
+            self.code_group(coder, source, contexts, limits)?;
         }
         loop {
             let new = self.mesh.vertex_count();
             if new >= limits.vertices {
                 return Err(InvalidStream("has more vertices than its header says"));
             }
-            self.code_vertex(coders, source, contexts, limits.vertices)?;
+            self.code_vertex(coder, source, contexts, limits.vertices)?;
             self.continues.push(self.continued);
             if !self.cost().is_within_budget(limits.bytes) {
                 return Err(InvalidStream("expands more than any real stream"));
             }
             if !self.continued {
-                self.code_errors(&mut coders.splits, source.error_codes(new), contexts);
                 self.points.one_by_one = false;
+                if self.groups.as_ref().is_none_or(|groups| groups.steps_left == 0) {
+                    self.code_errors(coder, source.error_codes(new), contexts);
+                }
                 return Ok(());
             }
         }
@@ -166,16 +176,15 @@ impl ObjectCodec {
 
     fn code_vertex<C: Coder, S: SplitSource>(
         &mut self,
-        coders: &mut Substreams<C>,
+        coder: &mut C,
         source: &S,
         contexts: &mut Contexts,
         vertices: u32,
     ) -> Result<(), InvalidStream> {
-        let coder = &mut coders.splits;
         let new = self.mesh.vertex_count();
         let continued = self.continued;
         let parent = if continued {
-            self.code_wedge_parent(coder, source, contexts)
+            self.code_wedge_parent(coder, source, contexts, self.split.parent)
         } else {
             self.next_parent
         };
@@ -185,9 +194,10 @@ impl ObjectCodec {
         self.parents.push(parent);
         let submesh = self.code_submesh(coder, source, contexts, parent);
         self.mesh.add_vertex(submesh);
-        let context = &mut contexts.continues[usize::from(continued)];
+        let number = if continued { self.continues_in_step() } else { 0 };
+        let context = &mut contexts.continues[number][self.circle_of(parent)];
         self.continued = coder.bit(context, source.continues(new));
-        if !self.continued && new + 1 < vertices {
+        if self.groups.is_none() && !self.continued && new + 1 < vertices {
             // Coded this early so that a decoder can load what it will need.
             let wanted = source.parent(new + 1);
             let distance = ParentDistance { from: parent, vertices: new + 1 };
@@ -210,29 +220,87 @@ impl ObjectCodec {
                 self.parents[new as usize] = target;
             }
         }
-        self.code_strip_positions(&mut coders.strips, source, &mut contexts.strips)?;
-        self.code_values(&mut coders.splits, source, contexts);
+        self.code_values(coder, source, contexts);
         Ok(())
     }
 
-    /// Codes the parent of a further vertex of a step: mostly the parent before, or one of its
-    /// wedges.
+    /// The number of vertices of the step before the newest, up to 3.
+    fn continues_in_step(&self) -> usize {
+        self.continues.iter().rev().take(3).take_while(|&&continues| continues).count()
+    }
+
+    /// The wedges in the circle of a vertex besides it, up to 3.
+    fn circle_of(&self, vertex: u32) -> usize {
+        let next = |v: u32| self.mesh.next_wedge[v as usize];
+        let others = std::iter::successors(Some(next(vertex)), |&v| Some(next(v)));
+        others.take(3).take_while(|&v| v != vertex).count()
+    }
+
+    /// Codes the group that the next step splits off, and its parent.
+    fn code_group<C: Coder, S: SplitSource>(
+        &mut self,
+        coder: &mut C,
+        source: &S,
+        contexts: &mut Contexts,
+        limits: StepLimits,
+    ) -> Result<(), InvalidStream> {
+        let Some(groups) = &mut self.groups else { return Ok(()) };
+        let new = self.mesh.vertex_count();
+        if groups.steps_left == 0 {
+            let more = contexts.batches.steps.code(coder, source.batch(new).wrapping_sub(1));
+            groups.begin(more.saturating_add(1));
+        }
+        let wanted = source.group(source.parent(new));
+        loop {
+            self.work += 1;
+            if groups.group == NONE {
+                return Err(InvalidStream("has a batch of more steps than there are"));
+            }
+            // Points whose group is known are no groups of their own.
+            let is_group = !self.points.is_further_wedge(groups.group);
+            let triangles = self.mesh.corners.count(groups.group);
+            let context = groups.context(&mut contexts.batches, triangles);
+            if is_group && coder.bit(context, groups.group == wanted) {
+                break;
+            }
+            groups.advance();
+            let cost = Cost { size: 0, work: self.work };
+            if !cost.is_within_budget(limits.bytes) {
+                return Err(InvalidStream("expands more than any real stream"));
+            }
+        }
+        groups.split();
+        let group = groups.group;
+        let following = groups.following();
+        if self.points.is_missing(group) {
+            self.code_points(coder, source, contexts, group);
+        }
+        self.next_parent = group;
+        if self.mesh.next_wedge[group as usize] != group {
+            self.next_parent = self.code_wedge_parent(coder, source, contexts, group);
+        }
+        self.mesh.prefetch_corners(following.unwrap_or(group));
+        Ok(())
+    }
+
+    /// Codes the parent of a vertex: mostly one of a group, or near another one among its wedges.
     fn code_wedge_parent<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
         source: &S,
         contexts: &mut Contexts,
+        from: u32,
     ) -> u32 {
         let vertices = self.mesh.vertex_count();
         let wanted = source.parent(vertices);
-        let from = self.split.parent;
         let next = |v: u32| self.mesh.next_wedge[v as usize];
         let (mut distance, mut v) = (0, from);
         while distance < FAR_WEDGE && v != wanted {
             v = next(v);
             distance = if v == from { FAR_WEDGE } else { distance + 1 };
         }
-        let distance = coder.symbol(&mut contexts.wedge_distance, distance);
+        let is_first = usize::from(!self.continued);
+        let distance = coder.symbol(&mut contexts.wedge_distance[is_first], distance);
         if distance < FAR_WEDGE {
             return (0..distance).fold(from, |v, _| next(v));
         }
@@ -315,28 +383,6 @@ impl ObjectCodec {
         Ok(keeps_all)
     }
 
-    /// Codes where the newest triangles are drawn, if strips are coded.
-    fn code_strip_positions<C: Coder, S: SplitSource>(
-        &mut self,
-        coder: &mut C,
-        source: &S,
-        contexts: &mut StripContexts,
-    ) -> Result<(), InvalidStream> {
-        let Some(order) = &mut self.strips else { return Ok(()) };
-        let split = &self.split;
-        let face_of = |i: u32| split.star.get(i as usize).map_or(NONE, |f| f.face());
-        let mut previous = NONE;
-        for t in &split.triangles {
-            let [outgoing, incoming] = [face_of(t.outgoing), face_of(t.incoming)];
-            let [kept, transferred] = t.side.kept_first([outgoing, incoming]);
-            let candidates = [kept, transferred, previous];
-            previous = order.face_count();
-            let explicit = code_position(order, coder, source, contexts, candidates)?;
-            self.package_bytes += if explicit { 5 } else { 1 };
-        }
-        Ok(())
-    }
-
     /// Codes whether the new vertex is a wedge of the one before, and its values.
     fn code_values<C: Coder, S: SplitSource>(
         &mut self,
@@ -352,14 +398,28 @@ impl ObjectCodec {
         if let Some(before) = wedge {
             self.mesh.add_wedge(new, before);
         }
+        if let Some(groups) = &mut self.groups {
+            groups.add_vertex(wedge.is_none());
+        }
         let channels = self.values.channels();
         let indices = &self.values.indices;
         let first_index = |v: u32| indices.get(v as usize * channels).copied().unwrap_or_default();
         self.mesh.prefetch_link(self.next_parent, first_index);
-        let neighborhood = Neighborhood { parent, wedge, link: &self.buffers.new_link };
+        if wedge.is_none() {
+            self.first_mate = new;
+        }
+        let apex = |side: Side, of: fn(&NewTriangle) -> u32| {
+            self.split.triangles.iter().find(|t| t.side == side).map_or(parent, of)
+        };
+        let neighborhood = Neighborhood {
+            parent,
+            mates: self.first_mate..new,
+            link: &self.buffers.new_link,
+            cut: [apex(Side::Left, |t| t.next), apex(Side::Right, |t| t.previous)],
+        };
         let wanted = if C::ENCODES { source.indices(new) } else { &[] };
         let coded = &mut self.buffers.indices;
-        self.values.code(coder, &mut contexts.values, neighborhood, wanted, coded);
+        self.values.code(coder, &mut contexts.values, &neighborhood, wanted, coded);
         self.values.indices.extend_from_slice(coded);
     }
 }

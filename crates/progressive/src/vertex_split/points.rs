@@ -83,6 +83,13 @@ impl Points {
         self.points.get(point as usize).map_or(0..0, |point| point.group.clone())
     }
 
+    /// Returns whether a vertex is a point of a group that is known, and not its first.
+    #[inline]
+    pub(super) fn is_further_wedge(&self, vertex: u32) -> bool {
+        let point = self.points.get(vertex as usize);
+        point.is_some_and(|point| point.group.start < vertex && !point.group.is_empty())
+    }
+
     /// Returns whether a vertex is a point whose group is not known yet.
     pub(super) fn is_free(&self, vertex: u32) -> bool {
         self.points.get(vertex as usize).is_some_and(|point| point.group.is_empty())

@@ -3,9 +3,10 @@
 use crate::entropy::coder::Coder;
 use crate::invalid::InvalidStream;
 use crate::source::split_source::SplitSource;
-use crate::vertex_data::values::Neighborhood;
+use crate::vertex_data::vertex_values::Neighborhood;
 use crate::vertex_split::budget::Cost;
 use crate::vertex_split::contexts::Contexts;
+use crate::vertex_split::group_list::GroupList;
 use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
 use crate::vertex_split::parent_distance::ParentDistance;
 use crate::vertex_split::point_contexts::PointContexts;
@@ -48,7 +49,9 @@ impl ObjectCodec {
         self.parents.resize(count as usize, 0);
         self.continues.resize(count as usize, false);
         self.complete_values();
-        if count < limits.vertices {
+        if let Some(groups) = &mut self.groups {
+            *groups = GroupList::new(count);
+        } else if count < limits.vertices {
             let distance = ParentDistance { from: 0, vertices: count };
             self.next_parent = distance.code(coder, contexts, source.parent(count));
         }
@@ -96,7 +99,7 @@ impl ObjectCodec {
         point: u32,
     ) {
         if self.points.is_free(point) {
-            self.code_group(coder, source, &mut contexts.points, point);
+            self.code_point_group(coder, source, &mut contexts.points, point);
         }
         let group = self.points.group(point);
         for point in if self.points.one_by_one { point..point + 1 } else { group } {
@@ -123,9 +126,10 @@ impl ObjectCodec {
         match reference {
             None => self.code_absolute(coder, wanted, contexts),
             Some(parent) => {
-                let neighborhood = Neighborhood { parent, wedge, link: &[] };
+                let mates = wedge.map_or(0..0, |wedge| wedge..wedge + 1);
+                let neighborhood = Neighborhood { parent, mates, link: &[], cut: [parent; 2] };
                 let (values, coded) = (&mut contexts.points.values, &mut self.buffers.indices);
-                self.values.code(coder, values, neighborhood, wanted, coded);
+                self.values.code(coder, values, &neighborhood, wanted, coded);
             }
         }
         let channels = self.values.channels();
@@ -136,7 +140,7 @@ impl ObjectCodec {
 
     /// Codes which points are of one wedge group with a point: those of its step and position whose
     /// numbers follow one another; and whether the step of the point before goes on with them.
-    fn code_group<C: Coder, S: SplitSource>(
+    fn code_point_group<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
         source: &S,

@@ -35,14 +35,14 @@ fn two_triangles_and_a_point() -> Simplified {
 fn points_come_when_a_split_or_a_triangle_needs_them_and_the_others_last() {
     let simplified = two_triangles_and_a_point();
     let layout = VertexLayout::choose(&simplified);
-    let mut encoder = MeshEncoder::new(&simplified, layout, None).expect("no strips to mismatch");
+    let mut encoder = MeshEncoder::new(&simplified, layout, true);
     let mut decoder = MeshDecoder::new(encoder.header().clone());
     let (mut encoded, mut decoded) = (Contexts::new(), Contexts::new());
     let mut come = Vec::new();
     while !encoder.is_complete() {
         let target = BlockTarget { bytes: 0, before: 0, until_triangle: false };
         let block = encoder.encode(&mut encoded, target);
-        let steps = StepBlock { steps: 1, splits: &block.splits, strips: &[], bytes: 1000 };
+        let steps = StepBlock { steps: 1, splits: &block.splits, bytes: 1000 };
         decoder.decode(&mut decoded, steps).expect("a sound block");
         let vertices = decoder.vertex_count();
         come.push((vertices, (0..vertices).filter(|&v| decoder.has_come(v)).collect::<Vec<_>>()));
@@ -62,7 +62,7 @@ fn announced(points: u32, vertices: u32) -> &'static str {
     let splits = coder.finish().into_bytes(0);
     let header = MeshHeader { vertices, triangles: 1, steps: 1, ..MeshHeader::unknown(1) };
     let mut decoder = MeshDecoder::new(header);
-    let block = StepBlock { steps: 1, splits: &splits, strips: &[], bytes: splits.len() };
+    let block = StepBlock { steps: 1, splits: &splits, bytes: splits.len() };
     decoder.decode(&mut Contexts::new(), block).expect_err("a crafted block").0
 }
 

@@ -2,12 +2,14 @@
 
 use super::{byte, malformed};
 use crate::FormatError;
-use lodc_mesh::Component;
-use lodc_progressive::NumberSystem;
+use lodc_mesh::{Attribute, Component};
+use lodc_progressive::{NumberSystem, Octahedral};
 
 const FLOAT: u8 = 0;
 const INTEGER: u8 = 1;
 const GRID: u8 = 2;
+/// Then the number of bits, and the system of what follows the direction.
+pub(super) const OCTAHEDRAL: u8 = 3;
 /// Plus the number of digits, up to 9.
 const DECIMAL: u8 = 16;
 const MOST_DECIMAL: u8 = DECIMAL + 9;
@@ -16,9 +18,10 @@ const SIGNIFICANT: u8 = 32;
 const LEAST_SIGNIFICANT: u8 = SIGNIFICANT + 1;
 const MOST_SIGNIFICANT: u8 = SIGNIFICANT + 7;
 
-/// Appends the system of a stream with these channels.
+/// Appends the system of a stream with these channels; nothing without any.
 pub(super) fn put(out: &mut Vec<u8>, channels: &[NumberSystem]) {
-    match channels[0] {
+    let Some(first) = channels.first() else { return };
+    match *first {
         NumberSystem::Float => out.push(FLOAT),
         NumberSystem::Integer => out.push(INTEGER),
         NumberSystem::Decimal(n) => out.push(DECIMAL + n),
@@ -37,13 +40,35 @@ pub(super) fn put(out: &mut Vec<u8>, channels: &[NumberSystem]) {
     }
 }
 
+/// Takes the system of directions off the front, if an attribute has it.
+pub(super) fn take_octahedral(
+    bytes: &mut &[u8],
+    attribute: &Attribute,
+) -> Result<Option<Octahedral>, FormatError> {
+    if bytes.first() != Some(&OCTAHEDRAL) {
+        return Ok(None);
+    }
+    byte(bytes)?;
+    let bits = byte(bytes)?;
+    if !(2..=24).contains(&bits)
+        || attribute.component != Component::F32
+        || attribute.components < 3
+    {
+        return Err(malformed("has a system of numbers that cannot be"));
+    }
+    Ok(Some(Octahedral { bits }))
+}
+
 /// Takes the system of a stream with so many channels of this component off the front: one for
-/// each channel.
+/// each channel; nothing without any.
 pub(super) fn take(
     bytes: &mut &[u8],
     channels: usize,
     component: Component,
 ) -> Result<Vec<NumberSystem>, FormatError> {
+    if channels == 0 {
+        return Ok(Vec::new());
+    }
     let wrong = || malformed("has a system of numbers that cannot be");
     let system = match (byte(bytes)?, component) {
         (INTEGER, component) if component != Component::F32 => NumberSystem::Integer,

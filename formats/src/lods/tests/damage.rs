@@ -8,7 +8,7 @@ use lodc_fixtures as fixtures;
 fn small() -> (LodFile, Vec<u8>) {
     let mesh = fixtures::coloured_cube();
     let file = obj(vec![object("cube", fixtures::random_collapse(&mesh, 3))]);
-    let bytes = stepwise(&file).0.bytes;
+    let bytes = stepwise(&file).bytes;
     (file, bytes)
 }
 
@@ -147,20 +147,17 @@ fn forged_blocks_do_no_harm() {
         let mesh = fixtures::random(seed);
         let objects = vec![object("random", fixtures::random_collapse(&mesh, seed))];
         let file = if seed % 2 == 0 { obj(objects) } else { gltf(objects) };
-        let strips = strips_of(&file);
         let options = PackOptions {
             block_bytes: Some([0, 60, 4096][seed as usize % 3]),
             ..PackOptions::default()
         };
-        let all: Vec<_> = strips.iter().map(Some).collect();
-        let bytes = pack(&file, &all, &options).expect("a sound file").bytes;
+        let bytes = pack(&file, &options).expect("a sound file").bytes;
         for _ in 0..150 {
             let mut unpacker = Unpacker::new(Limits::DEFAULT);
             refused += usize::from(unpacker.feed(&forged(&bytes, &mut random)).is_err());
             for object in 0..unpacker.objects() {
                 // They may show anything, but must not panic.
                 let _ = unpacker.mesh(object);
-                let _ = unpacker.strips(object);
                 let _ = unpacker.progress(object);
             }
         }
@@ -176,9 +173,7 @@ fn bytes_that_change_anywhere_do_no_harm() {
     for seed in 0..20 {
         let file =
             gltf(vec![object("random", fixtures::random_collapse(&fixtures::random(seed), seed))]);
-        let strips = strips_of(&file);
-        let all: Vec<_> = strips.iter().map(Some).collect();
-        let bytes = pack(&file, &all, &PackOptions::default()).expect("a sound file").bytes;
+        let bytes = pack(&file, &PackOptions::default()).expect("a sound file").bytes;
         for _ in 0..300 {
             let mut changed = bytes.clone();
             for _ in 0..=random.below(4) {
@@ -197,7 +192,6 @@ fn bytes_that_change_anywhere_do_no_harm() {
             );
             for object in 0..unpacker.objects() {
                 let _ = unpacker.mesh(object);
-                let _ = unpacker.strips(object);
                 let state = unpacker.progress(object);
                 assert!(state.vertices[0] <= state.vertices[1] && state.vertices[0] <= 1 << 20);
             }

@@ -2,12 +2,22 @@
 
 use super::*;
 use lodc_fixtures as fixtures;
-use lodc_mesh::{Mesh, SequenceParts};
-use lodc_strip::{StripSet, strip_triangles};
+use lodc_mesh::{CollapseSequence, Mesh, SequenceParts};
 
-/// Decodes a file's objects step by step and compares everything.
+/// Decodes a file's objects step by step and compares everything, with the steps in their order and
+/// in batches.
 pub(super) fn check_every_step(file: &LodFile, what: &str) {
-    let (packed, strips) = stepwise(file);
+    check_steps(file, &stepwise(file), &format!("{what}, exact"));
+    let ordered = in_stream_order(file);
+    let options = PackOptions { block_bytes: Some(0), ..PackOptions::default() };
+    let packed = pack(file, &options).expect("a sound file");
+    check_steps(&ordered, &packed, what);
+    check_levels(file, &ordered, what);
+    check_repacked(&ordered, &packed, &options, what);
+}
+
+/// Every step of the stream shows its level of the file.
+fn check_steps(file: &LodFile, packed: &Packed, what: &str) {
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
     let mut at = 0;
     for end in ends(&packed.bytes) {
@@ -22,21 +32,6 @@ pub(super) fn check_every_step(file: &LodFile, what: &str) {
             check(&unpacker, i, &o.simplified, what);
             let decoder = unpacker.decoder(i);
             assert!(decoder.triangles().flatten().all(|v| decoder.has_come(v)), "{what}");
-            let drawn = unpacker.strips(i).expect("strips are coded");
-            let mut drawn: Vec<_> = drawn.triangles().collect();
-            let last = unpacker.progress(i).vertices[1].saturating_sub(1);
-            drawn
-                .iter_mut()
-                .for_each(|t| *t = OrientedTriangle::new(t.submesh, t.corners.map(|v| last - v)));
-            drawn.sort_unstable();
-            let mut shown = shown(&unpacker, i);
-            shown.sort_unstable();
-            assert!(
-                drawn == shown,
-                "{what}: strips draw {} of {} triangles",
-                drawn.len(),
-                shown.len()
-            );
         }
     }
     assert!(unpacker.is_complete());
@@ -46,11 +41,45 @@ pub(super) fn check_every_step(file: &LodFile, what: &str) {
         assert_eq!(unpacker.info(i), &o.info);
         same_sequence(&unpacker, i, &o.simplified);
         same_mesh(&unpacker, i, o.simplified.mesh(), what);
-        same_strips(&unpacker, i, &strips[i].set, what);
     }
 }
 
-/// The object is a simplified mesh again: sequence, all vertices, triangle counts, strips.
+/// A file in batches has as many levels of the file before as it says, with the same errors.
+fn check_levels(file: &LodFile, ordered: &LodFile, what: &str) {
+    for (before, now) in file.objects.iter().zip(&ordered.objects) {
+        let [before, now] = [&before.simplified, &now.simplified];
+        assert_eq!(now.mesh().vertex_count(), before.mesh().vertex_count(), "{what}");
+        let facts = |s: &Simplified| {
+            let parts = s.collapses().parts();
+            (parts.last_legal_lod, parts.topology_changes, parts.first_topology_change)
+        };
+        assert_eq!(facts(now), facts(before), "{what}");
+        let legal = before.collapses().parts().last_legal_lod;
+        let [before, now] = [before, now].map(|s| by_position(s, legal));
+        assert!(before == now, "{what}: the last legal level");
+    }
+}
+
+/// What is unpacked is packed as it was: the errors are all that has to be measured.
+fn check_repacked(ordered: &LodFile, packed: &Packed, options: &PackOptions, what: &str) {
+    let unpacker = fed(&packed.bytes);
+    let mut again = in_stream_order(ordered);
+    for (i, o) in again.objects.iter_mut().enumerate() {
+        let (mesh, sequence) = unpacker.rebuilt(i).expect("a sound stream").simplified.into_parts();
+        let measured = o.simplified.collapses().parts();
+        let parts = SequenceParts {
+            step_errors: measured.step_errors.clone(),
+            step_rms: measured.step_rms.clone(),
+            ..sequence.into_parts()
+        };
+        let sequence = CollapseSequence::try_from(parts).expect("a sequence");
+        o.simplified = Arc::new(Simplified::new(mesh, sequence).expect("a simplified mesh"));
+    }
+    let repacked = pack(&again, options).expect("a sound file");
+    assert!(repacked.bytes == packed.bytes, "{what}: packed again it is another stream");
+}
+
+/// The object is a simplified mesh again: sequence, all vertices, triangle counts.
 fn same_sequence(unpacker: &Unpacker, object: usize, simplified: &Simplified) {
     let rebuilt = unpacker.rebuilt(object).expect("a sound stream");
     assert_eq!(rebuilt.degenerate_triangles, 0);
@@ -65,8 +94,6 @@ fn same_sequence(unpacker: &Unpacker, object: usize, simplified: &Simplified) {
         mesh.positions().iter().map(|p| p.map(|c| (c + 0.0).to_bits())).collect()
     };
     assert_eq!(bits(again), bits(mesh));
-    let strips = unpacker.rebuilt_strips(object).expect("strips are coded");
-    assert_eq!(strips.check(again), Ok(()));
 }
 
 /// All that the mesh has and a triangle uses, bit for bit.
@@ -88,28 +115,6 @@ pub(super) fn same_mesh(unpacker: &Unpacker, object: usize, mesh: &Mesh, what: &
     assert_eq!(decoded.submeshes(), wanted.submeshes(), "{what}");
     assert_eq!(decoded.vertex_submesh(), wanted.vertex_submesh(), "{what}");
     assert!(triangles(&decoded) == triangles(&wanted), "{what}: triangles");
-}
-
-/// The same strips, each drawing the same triangles one after the other, in no more indices.
-fn same_strips(unpacker: &Unpacker, object: usize, strips: &StripSet, what: &str) {
-    let decoded = unpacker.strips(object).expect("strips are coded");
-    let last = unpacker.progress(object).vertices[1].saturating_sub(1);
-    assert_eq!(decoded.submesh_count(), strips.submesh_count(), "{what}");
-    assert_eq!(decoded.len(), strips.len(), "{what}");
-    for s in 0..strips.submesh_count() {
-        assert_eq!(decoded.submesh(s), strips.submesh(s), "{what}");
-    }
-    for (i, (decoded, strip)) in decoded.iter().zip(strips.iter()).enumerate() {
-        let was = strip_triangles(strip).map(|t| OrientedTriangle::new(0, t));
-        let is = strip_triangles(decoded).map(|t| OrientedTriangle::new(0, t.map(|v| last - v)));
-        assert!(was.eq(is), "{what}: strip {i}");
-        assert!(
-            decoded.len() <= strip.len(),
-            "{what}: strip {i} takes {} indices, not {}",
-            decoded.len(),
-            strip.len()
-        );
-    }
 }
 
 #[test]
@@ -166,15 +171,49 @@ fn objects_of_a_scene_take_turns() {
 fn blocks_of_any_size_and_pieces_of_any_length_are_one_mesh() {
     let file = obj(vec![object("torus", fixtures::random_collapse(&fixtures::torus(), 1))]);
     for block_bytes in [Some(0), Some(100), None] {
-        let packed = pack(&file, &[], &PackOptions { block_bytes, ..PackOptions::default() })
-            .expect("a sound file");
+        let options = PackOptions { block_bytes, ..PackOptions::default() };
+        let packed = pack(&file, &options).expect("a sound file");
         for piece in [1, 2, 7, 1000] {
             let mut unpacker = Unpacker::new(Limits::DEFAULT);
             packed.bytes.chunks(piece).for_each(|p| unpacker.feed(p).expect("a sound stream"));
             assert!(unpacker.is_complete());
-            same_mesh(&unpacker, 0, file.objects[0].simplified.mesh(), "torus");
-            assert!(unpacker.strips(0).is_none());
+            let ordered = in_stream_order(&file);
+            same_mesh(&unpacker, 0, ordered.objects[0].simplified.mesh(), "torus");
         }
+    }
+}
+
+/// The triangles of a level by the positions of their corners.
+fn by_position(simplified: &Simplified, lod: Lod) -> Vec<Option<[[u32; 3]; 3]>> {
+    let at = |v: u32| simplified.mesh().positions()[v as usize].map(f32::to_bits);
+    let turned = |t: OrientedTriangle| {
+        let [a, b, c] = t.corners.map(at);
+        [[a, b, c], [b, c, a], [c, a, b]].into_iter().min()
+    };
+    let mut all: Vec<_> = simplified.triangles_at(lod).into_iter().map(turned).collect();
+    all.sort_unstable();
+    all
+}
+
+#[test]
+fn levels_at_the_ends_of_batches_are_those_of_the_file() {
+    for name in ["torus", "machine_part", "striped_sphere", "coloured_cube"] {
+        let mesh = fixtures::named(name).expect("a shape");
+        let options = lodc_simplify::Options::DEFAULT;
+        let file = obj(vec![object(name, lodc_simplify::simplify(&mesh, &options, &|_, _| {}))]);
+        let ordered = in_stream_order(&file);
+        let packed = pack(&file, &PackOptions::default()).expect("a sound file");
+        let [before, now] = [&file, &ordered].map(|f| &*f.objects[0].simplified);
+        let ends = |s: &Simplified| s.collapses().parts().step_ends.clone();
+        let same = |end: &&u32| {
+            let lod = Lod(**end);
+            ends(before).binary_search(end).is_ok()
+                && by_position(before, lod) == by_position(now, lod)
+        };
+        let same = ends(now).iter().filter(same).count() as u32;
+        let exact = packed.objects[0].exact_levels;
+        assert!(exact <= same + 1, "{name}: {same} levels are as they were, not {exact}");
+        assert!(same < before.collapses().steps() as u32 || name == "coloured_cube", "{name}");
     }
 }
 
@@ -190,7 +229,7 @@ fn errors_fall_and_are_rounded_up_a_little() {
     let measured = simplified.clone().with_distances(largest, rms).expect("a pair for each step");
     for (simplified, has_rms) in [(simplified, false), (measured, true)] {
         let file = obj(vec![object("sphere", simplified)]);
-        let (packed, _) = stepwise(&file);
+        let packed = stepwise(&file);
         for end in ends(&packed.bytes) {
             let unpacker = fed(&packed.bytes[..end]);
             if unpacker.objects() == 0 || unpacker.progress(0).vertices[0] == 0 {
@@ -210,13 +249,13 @@ fn errors_fall_and_are_rounded_up_a_little() {
     }
 }
 
-/// Bytes are a contract: they change with STREAM.md, or because the strips or sequences that go in
-/// are others.
+/// Bytes are a contract: they change with STREAM.md, or because the sequences that go in are
+/// others.
 #[test]
 fn the_bytes_are_those_of_the_page() {
     let objects = ["torus", "machine_part", "striped_sphere"].map(|name| {
         object(name, fixtures::random_collapse(&fixtures::named(name).expect("a shape"), 1))
     });
-    let hash = xxhash_rust::xxh3::xxh3_64(&stepwise(&gltf(objects.into())).0.bytes);
-    assert_eq!(hash, 0x5328_1e4f_3563_499d, "{hash:#x}");
+    let hash = xxhash_rust::xxh3::xxh3_64(&stepwise(&gltf(objects.into())).bytes);
+    assert_eq!(hash, 0xc284_44c3_ed6f_7b40, "{hash:#x}");
 }

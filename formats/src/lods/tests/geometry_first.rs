@@ -34,9 +34,7 @@ fn triangles_come_before_the_document_and_within_a_few_hundred_bytes() {
         let mut file = gltf(vec![object(name, simplified)]);
         let Document::Gltf(document) = &mut file.document else { unreachable!("made above") };
         document.blob = (0..40_000u32).map(|i| ((i * i) >> 7) as u8).collect();
-        let strips = strips_of(&file);
-        let all: Vec<_> = strips.iter().map(Some).collect();
-        let packed = pack(&file, &all, &PackOptions::default()).expect("a sound file");
+        let packed = pack(&file, &PackOptions::default()).expect("a sound file");
         let first = first_triangles(&packed.bytes);
         assert!(first <= 600, "{name}: {first} bytes before its first triangles");
         assert!(20 * first <= packed.bytes.len(), "{name}: {first} of {}", packed.bytes.len());
@@ -97,7 +95,7 @@ fn a_prefix_leaves_out_what_has_not_come_and_is_valid() {
     let mut file = gltf(vec![object("tube", fixtures::random_collapse(&mesh, 1))]);
     file.objects[0].info.document_mesh = 0;
     file.document = Document::Gltf(rigged(&mesh));
-    let packed = pack(&file, &[], &PackOptions::default()).expect("a sound file");
+    let packed = pack(&file, &PackOptions::default()).expect("a sound file");
     let mut seen = Vec::new();
     for end in ends(&packed.bytes).into_iter().skip(1) {
         let unpacker = fed(&packed.bytes[..end]);

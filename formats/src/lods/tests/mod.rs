@@ -18,7 +18,7 @@ use crate::{
     Document, GltfDocument, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo,
 };
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
-use lodc_strip::{Effort, StripKind, Strips};
+use lodc_progressive::in_batches;
 use std::sync::Arc;
 
 fn object(name: &str, simplified: Simplified) -> LodObject {
@@ -58,17 +58,26 @@ fn gltf(objects: Vec<LodObject>) -> LodFile {
     }
 }
 
-fn strips_of(file: &LodFile) -> Vec<Strips> {
-    let strips = |o: &LodObject| Strips::generate(&o.simplified, StripKind::Cache, Effort::Fast);
-    file.objects.iter().map(strips).collect()
+/// A stream that keeps the order of all steps, a block to each.
+fn stepwise(file: &LodFile) -> Packed {
+    let options = PackOptions { block_bytes: Some(0), exact: true, ..PackOptions::default() };
+    pack(file, &options).expect("a sound file")
 }
 
-/// A stream with strips, a block to each step.
-fn stepwise(file: &LodFile) -> (Packed, Vec<Strips>) {
-    let strips = strips_of(file);
-    let all: Vec<_> = strips.iter().map(Some).collect();
-    let options = PackOptions { block_bytes: Some(0), ..PackOptions::default() };
-    (pack(file, &all, &options).expect("a sound file"), strips)
+/// The file with its objects in the order in which a stream has them.
+fn in_stream_order(file: &LodFile) -> LodFile {
+    let ordered = |o: &LodObject| {
+        let simplified = in_batches(&o.simplified).map_or(Arc::clone(&o.simplified), Arc::new);
+        LodObject { info: o.info.clone(), simplified, models: Vec::new() }
+    };
+    LodFile {
+        source: file.source.clone(),
+        document: file.document.clone(),
+        objects: file.objects.iter().map(ordered).collect(),
+        made_from: None,
+        layout: file.layout,
+        left_out: Vec::new(),
+    }
 }
 
 fn fed(bytes: &[u8]) -> Unpacker {

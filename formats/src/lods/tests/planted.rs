@@ -89,7 +89,7 @@ fn seen(bytes: &[u8], whole: &Unpacker) -> Option<Seen> {
 fn planted_defects_are_seen() {
     let mesh = fixtures::named("machine_part").expect("a shape");
     let file = gltf(vec![object("part", fixtures::random_collapse(&mesh, 3))]);
-    let bytes = stepwise(&file).0.bytes;
+    let bytes = stepwise(&file).bytes;
     let whole = fed(&bytes);
     let planted = |plant: Plant| {
         let owned = |(_, b): (usize, Block<'_>)| Owned {

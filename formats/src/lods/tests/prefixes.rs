@@ -57,8 +57,8 @@ fn scene(names: &[&str]) -> LodFile {
 fn check_every_prefix(file: &LodFile, what: &str) {
     for block_bytes in [Some(0), None] {
         let options = PackOptions { block_bytes, ..PackOptions::default() };
-        let packed = pack(file, &[], &options).expect("a sound file");
-        let mut unpacker = Unpacker::new(Limits::DEFAULT).triangles_only();
+        let packed = pack(file, &options).expect("a sound file");
+        let mut unpacker = Unpacker::new(Limits::DEFAULT);
         let mut at = 0;
         for end in ends(&packed.bytes) {
             unpacker.feed(&packed.bytes[at..end]).expect("a sound stream");

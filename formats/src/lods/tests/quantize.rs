@@ -12,11 +12,12 @@ fn numbers_move_no_farther_than_the_bound() {
         let file = obj(vec![object(name, simplified)]);
         for bits in [4, 10, 16] {
             let quantize = Quantize { position: Some(bits), normal: Some(bits), uv: Some(bits) };
-            let packed = pack(&file, &[], &PackOptions { quantize, ..PackOptions::default() })
+            let packed = pack(&file, &PackOptions { quantize, ..PackOptions::default() })
                 .expect("a sound file");
             let unpacker = fed(&packed.bytes);
             assert!(unpacker.is_complete());
-            let mesh = file.objects[0].simplified.mesh();
+            let ordered = in_stream_order(&file);
+            let mesh = ordered.objects[0].simplified.mesh();
             let decoded = unpacker.mesh_parts(0);
             let bound = |stream: &str| packed.objects[0].bounds.iter().find(|b| b.stream == stream);
             let position = bound("position").expect("positions were quantised");
@@ -57,8 +58,8 @@ fn numbers_move_no_farther_than_the_bound() {
 fn triangles_that_quantising_flattens_are_counted() {
     let file = obj(vec![object("sphere", fixtures::random_collapse(&fixtures::icosphere(3), 1))]);
     let quantize = Quantize { position: Some(3), ..Quantize::default() };
-    let packed = pack(&file, &[], &PackOptions { quantize, ..PackOptions::default() })
-        .expect("a sound file");
+    let packed =
+        pack(&file, &PackOptions { quantize, ..PackOptions::default() }).expect("a sound file");
     let (mesh, cleaning) = fed(&packed.bytes).mesh(0).expect("a mesh");
     assert!(cleaning.degenerate_triangles > 0);
     assert_eq!(mesh.triangles().len() + cleaning.degenerate_triangles, 1280);

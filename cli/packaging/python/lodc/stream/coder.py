@@ -2,7 +2,7 @@
 (docs/STREAM.md, section 2)."""
 
 RATES = [655360 // (10 * n + 16) for n in range(161)]
-MIN_STATE = 1 << 23
+MIN_STATE = 1 << 16
 
 
 class Bit:
@@ -37,8 +37,8 @@ class Substream:
         self.data = data = bytes(data)
         self.front, self.bits = 0, 0
         self.state = MIN_STATE
-        if len(data) >= 5:
-            self.state, self.front = int.from_bytes(data[:5], "little"), 5
+        if len(data) >= 4:
+            self.state, self.front = int.from_bytes(data[:4], "little"), 4
 
     def is_finished(self):
         """Whether everything was used, and nothing else."""

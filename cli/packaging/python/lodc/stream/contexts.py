@@ -14,10 +14,12 @@ class Values:
     """Contexts of values, and states that go on in the same way."""
 
     def __init__(self):
-        self.repeats = table(Bit, 8, 2)
-        self.residual = table(Symbol, 8, 4, 3)
-        self.previous_repeats = [0] * 8
-        self.mean_bits = [[256] * 4 for _ in range(8)]
+        self.source = table(Symbol, 8, 4, 4, 5)
+        self.which = table(Symbol, 2, 8)
+        self.residual = table(Symbol, 9, 4, 3, 2)
+        self.last_source = [3] * 8
+        self.mean_bits = [[256] * 4 for _ in range(9)]
+        self.mode_bits = [64 * 48] * 3
 
 
 class Contexts:
@@ -26,12 +28,14 @@ class Contexts:
     def __init__(self):
         self.first_index = Gamma()
         self.parent = Symbol()
-        self.wedge_distance = Symbol()
+        self.wedge_distance = table(Symbol, 2)
+        self.batch = Gamma()
+        self.splits = table(Bit, 8, 8, 10)
         self.same_submesh = Bit()
-        self.continues = table(Bit, 2)
+        self.continues = table(Bit, 4, 4)
         self.is_named = Bit()
         self.named = Gamma()
-        self.pattern = table(Symbol, 4, 2, 2)
+        self.pattern = table(Symbol, 4, 2, 5)
         self.count = table(Symbol, 2)
         self.more = Gamma()
         self.detached = table(Bit, 3, 4)
@@ -54,8 +58,3 @@ class Contexts:
         self.error_drop = Gamma()
         self.rms_falls = Bit()
         self.rms_drop = Gamma()
-        self.between = Bit()
-        self.beside = table(Bit, 3, 2, 2, 2)
-        self.new_strip = table(Bit, 4)
-        self.beside_strip = table(Bit, 3, 2)
-        self.second = Bit()

@@ -146,6 +146,58 @@ class Grid:
         return True
 
 
+class Octahedral:
+    """One of the two numbers of a direction: the number itself."""
+
+    def __init__(self, bits):
+        self.steps = float((1 << bits) - 2)
+
+    def value(self, index):
+        return index
+
+    def index(self, x):
+        return _floor(x)
+
+    def is_even(self, least, most):
+        return True
+
+    def direction(self, u, v):
+        """The unit vector of two indices."""
+        x, y = u * 2.0 / self.steps - 1.0, v * 2.0 / self.steps - 1.0
+        z = 1.0 - abs(x) - abs(y)
+        if z < 0:
+            x, y = _folded(x, y)
+        length = math.sqrt(x * x + y * y + z * z)
+        return x / length, y / length, z / length
+
+    def indices(self, x, y, z):
+        """The two indices of a direction of any length."""
+        size = abs(x) + abs(y) + abs(z)
+        if not (size > 0 and math.isfinite(size)):
+            x = y = z = 0.0
+        else:
+            x, y = x / size, y / size
+            if z < 0:
+                x, y = _folded(x, y)
+        return [nearest((c + 1.0) / 2.0 * self.steps) for c in (x, y)]
+
+
+def _folded(x, y):
+    sign = lambda c: -1.0 if c < 0 else 1.0
+    return (1.0 - abs(y)) * sign(x), (1.0 - abs(x)) * sign(y)
+
+
+def nearest(x):
+    """A number rounded half up."""
+    return _floor(x + 0.5)
+
+
+def directions(system, u, v):
+    """The three components of many directions."""
+    three = [system.direction(int(a), int(b)) for a, b in zip(u, v)]
+    return list(np.array(three, np.float64).reshape(-1, 3).astype(np.float32).T)
+
+
 def values(system, indices, dtype):
     """The values of many indices as an array."""
     indices = np.asarray(indices, np.int64)

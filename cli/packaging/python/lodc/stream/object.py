@@ -9,9 +9,8 @@ from ..cursor import Cursor
 from ..errors import need
 from .coder import Substream, decode_text
 from .mesh import LONG, PartialMesh, Star
-from .numbers import Decimal, Float, Grid, Integer, Significant, values
+from .numbers import Decimal, Float, Grid, Integer, Octahedral, Significant, directions, values
 from .points import Points, announce, bring
-from .strips import StripOrder, indices
 from .values import Layout, code_values
 
 MAX_TRIANGLES = 1 << 20
@@ -20,9 +19,9 @@ MAX_TRIANGLES = 1 << 20
 class Header:
     """What is known of an object before its first vertex."""
 
-    def __init__(self, vertices, triangles, steps, strips, attributes, systems, streams):
+    def __init__(self, vertices, triangles, steps, exact, attributes, systems, streams):
         self.vertices, self.triangles, self.steps = vertices, triangles, steps
-        self.strips, self.attributes, self.streams = strips, attributes, streams
+        self.exact, self.attributes, self.streams = exact, attributes, streams
         self.layout = Layout(attributes, systems)
 
 
@@ -34,14 +33,14 @@ def read_header(cursor):
         data = decode_text(data, plain) if stored < plain else None
         need(data is not None, cursor.place, "has a header that cannot be decoded")
     c = Cursor(data, cursor.place)
-    vertices, triangles, steps, strips = (c.varint() for _ in range(4))
-    need(strips < 3, c.place, "has strips of an unknown kind")
+    vertices, triangles, steps, exact = (c.varint() for _ in range(4))
+    need(exact < 2, c.place, "has an unknown order of steps")
     count = c.varint()
     systems, attributes = [_system(c, 3, True)], []
     for _ in range(count):
         attribute = _attribute(c)
         attributes.append(attribute)
-        systems.append(_system(c, attribute.components, attribute.dtype.kind == "f"))
+        systems.append(_system(c, attribute.components, attribute.dtype.kind == "f", 3))
     streams, before, total = [], (), 0
     for _ in range(c.varint()):
         listed = c.varint()
@@ -51,8 +50,7 @@ def read_header(cursor):
         need(total <= 1 << 22, c.place, "has too many streams of submeshes")
         streams.append(before)
     need(c.at == len(data), c.place, "has a header with bytes left over")
-    kind = (None, "stripe", "cache")[strips]
-    return Header(vertices, triangles, steps, kind, attributes, systems, streams)
+    return Header(vertices, triangles, steps, bool(exact), attributes, systems, streams)
 
 
 def _attribute(c):
@@ -80,9 +78,17 @@ def _attribute(c):
     )
 
 
-def _system(c, channels, is_float):
-    """The systems of the channels of a stream."""
+def _system(c, channels, is_float, direction=None):
+    """The systems of the channels of a stream. A direction of three components is two."""
     code = c.u8()
+    if code == 3:
+        bits, rest = c.u8(), channels - 3
+        need(
+            direction and is_float and rest >= 0 and 2 <= bits <= 24,
+            c.place,
+            "has a number system that does not fit its attribute",
+        )
+        return [Octahedral(bits)] * 2 + (_system(c, rest, True) if rest else [])
     need((code == 1) != is_float, c.place, "has a number system that does not fit its attribute")
     if code == 2:
         step = c.f32()
@@ -116,11 +122,12 @@ class StreamObject:
         self.number, self.place, self.name = number, place, f"mesh{number}"
         self.world_scale, self.submeshes = 1.0, None
         self.header = None
-        self.mesh, self.order = PartialMesh(), None
+        self.mesh, self.groups = PartialMesh(), None
         self.indices, self.targets, self.continues = [], [], []
         self.steps, self.error_code, self.rms_code = 0, 0, 0
         self.next_parent, self._parent, self._continued = 0, 0, False
         self.points, self.used = Points(), 0
+        self._first_mate = self._work = self._sides = 0
 
     def start(self, header):
         """Takes the header."""
@@ -130,7 +137,6 @@ class StreamObject:
             need(
                 len(names) == len(header.streams), self.place, "has other submeshes than its name"
             )
-        self.order = StripOrder() if header.strips else None
         self._list_submeshes()
 
     def name_as(self, name, scale, submeshes):
@@ -210,15 +216,12 @@ class StreamObject:
         first, channels, _, systems = self.header.layout.streams[number]
         dtype = np.dtype("<f4") if number == 0 else self.header.attributes[number - 1].dtype
         all_indices = np.array(self.indices, np.int64).reshape(-1, self.header.layout.channels)
-        columns = [values(systems[c], all_indices[:, first + c], dtype) for c in range(channels)]
+        columns, of = [], lambda c: all_indices[:, first + c]
+        if isinstance(systems[0], Octahedral):
+            columns = directions(systems[0], of(0), of(1))
+        for c in range(2 if columns else 0, channels):
+            columns.append(values(systems[c], of(c), dtype))
         return np.stack(columns, axis=1).astype(dtype)
-
-    def strips(self):
-        """The strips that draw the mesh so far, each a list of vertices; None without strips."""
-        if self.order is None:
-            return None
-        triangles = self.mesh.triangles
-        return [s for part in self.order.strips() for s in indices([triangles[t] for t in part])]
 
     def is_complete(self):
         """Whether all that the header says has come."""
@@ -231,18 +234,11 @@ class StreamObject:
     def read(self, payload, steps, contexts, each_step=None):
         """Decodes the steps of a block; calls ``each_step`` after each. ``used`` is set before: the
         bytes of the stream up to the end of the block."""
-        cursor = Cursor(payload, self.place)
         need(0 < steps <= self.header.steps - self.steps, self.place, "has no steps, or too many")
-        splits = cursor.take(cursor.varint()) if self.header.strips else payload
-        strips = payload[cursor.at :] if self.header.strips else b""
-        splits, strips = Substream(splits), Substream(strips)
+        coder = Substream(payload)
         for _ in range(steps):
-            self._step(splits, strips, contexts)
-            need(
-                not splits.is_exhausted() and not strips.is_exhausted(),
-                self.place,
-                "ends before its steps do",
-            )
+            self._step(coder, contexts)
+            need(not coder.is_exhausted(), self.place, "ends before its steps do")
             need(
                 len(self.mesh.triangles) <= self.header.triangles,
                 self.place,
@@ -251,51 +247,89 @@ class StreamObject:
             self.steps += 1
             if each_step:
                 each_step(self)
-        need(
-            splits.is_finished() and strips.is_finished(),
-            self.place,
-            "does not end with its steps",
-        )
+        need(coder.is_finished(), self.place, "does not end with its steps")
 
-    def _step(self, splits, strips, contexts):
+    def _step(self, coder, contexts):
         if not self.mesh.corners:
-            announce(self, splits, contexts)
+            announce(self, coder, contexts)
         if len(self.mesh.corners) == self.header.vertices and self.points.left:
-            bring(self, splits, contexts, self.points.missing.index(True), alone=False)
+            bring(self, coder, contexts, self.points.missing.index(True), alone=False)
         else:
-            self._vertices(splits, strips, contexts)
-        if splits.bit(contexts.error_falls):
-            self.error_code = self.error_code - splits.gamma(contexts.error_drop) & 0xFFFFFFFF
-        if splits.bit(contexts.rms_falls):
-            self.rms_code = self.rms_code - splits.gamma(contexts.rms_drop) & 0xFFFFFFFF
+            if self.groups and len(self.mesh.corners) < self.header.vertices:
+                self._group(coder, contexts)
+            self._vertices(coder, contexts)
+            if self.groups and self.groups.steps_left:
+                return
+        if coder.bit(contexts.error_falls):
+            self.error_code = self.error_code - coder.gamma(contexts.error_drop) & 0xFFFFFFFF
+        if coder.bit(contexts.rms_falls):
+            self.rms_code = self.rms_code - coder.gamma(contexts.rms_drop) & 0xFFFFFFFF
 
-    def _vertices(self, splits, strips, contexts):
+    def _group(self, coder, contexts):
+        """The group that the next step splits off, and its parent."""
+        groups, mesh = self.groups, self.mesh
+        if groups.steps_left == 0:
+            groups.begin(coder.gamma(contexts.batch) + 1)
+        while True:
+            self._work += 1
+            group = groups.group
+            need(
+                group is not None, self.place, "has a batch of more steps than there are"
+            )
+            need(
+                self._work <= (1 << 26) + (self.used << 16),
+                self.place,
+                "expands more than any real stream",
+            )
+            if not self.points.is_further_wedge(group):
+                if coder.bit(groups.context(contexts, len(mesh.corners[group]))):
+                    break
+            groups.advance()
+        groups.split()
+        if self.points.is_missing(group):
+            bring(self, coder, contexts, group, alone=not self.steps)
+        self.next_parent = group
+        if mesh.next_wedge[group] != group:
+            self.next_parent = self._wedge_parent(coder, contexts, group)
+
+    def _vertices(self, coder, contexts):
         while True:
             need(
                 len(self.mesh.corners) < self.header.vertices,
                 self.place,
                 "has more vertices than its header says",
             )
-            self._vertex(splits, strips, contexts)
+            self._vertex(coder, contexts)
             self.continues.append(self._continued)
             if not self._continued:
                 break
 
-    def _vertex(self, coder, strips, contexts):
+    def _vertex(self, coder, contexts):
         mesh, new, continued = self.mesh, len(self.mesh.corners), self._continued
-        parent = self._wedge_parent(coder, contexts) if continued else self.next_parent
+        parent = self.next_parent
+        if continued:
+            parent = self._wedge_parent(coder, contexts, self._parent)
         if self.points.is_missing(parent):
             bring(self, coder, contexts, parent, alone=not self.steps)
         self._parent = parent
         submesh = mesh.submesh[parent]
         if len(self.header.streams) > 1 and not coder.bit(contexts.same_submesh):
             submesh = coder.uniform(len(self.header.streams))
-        self._continued = coder.bit(contexts.continues[continued])
-        if not self._continued and new + 1 < self.header.vertices:
+        number = others = 0
+        while number < 3 and number < new and self.continues[new - 1 - number]:
+            number += 1
+        wedge = mesh.next_wedge[parent]
+        while others < 3 and wedge != parent:
+            others, wedge = others + 1, mesh.next_wedge[wedge]
+        self._sides = self._sides if continued else 0
+        self._continued = coder.bit(contexts.continues[number if continued else 0][others])
+        if self.header.exact and not self._continued and new + 1 < self.header.vertices:
             self.next_parent = (parent + coder.bounded(contexts.parent, new + 1)) % (new + 1)
         star = Star(mesh, parent, self._named_star(coder, contexts, parent))
         mesh.add_vertex(submesh)
         pattern, triangles = self._triangles(coder, contexts, star, parent, new, continued)
+        for t in triangles:
+            self._sides |= {"left": 1, "right": 2, "detached": 0}[t[0]]
         for corner in [v for t in triangles for v in t[1:3]]:
             if self.points.is_missing(corner):
                 bring(self, coder, contexts, corner, alone=not self.steps)
@@ -312,16 +346,22 @@ class StreamObject:
                 self.place,
                 "adds a triangle over two submeshes",
             )
-        if self.order is not None:
-            self._positions(strips, contexts, star, first, triangles)
-        wedge = None
         if continued and coder.bit(contexts.same_position):
             wedge = new - 1
             mesh.next_wedge[new], mesh.next_wedge[wedge] = mesh.next_wedge[wedge], new
+        else:
+            self._first_mate = new
+        if self.groups:
+            self.groups.add_vertex(self._first_mate == new)
         link = [v for v, _, _ in Star(mesh, new).link]
-        layout = self.header.layout
+        mates = range(self._first_mate, new)
+        lefts = [t[1] for t in triangles if t[0] == "left"] or [parent]
+        rights = [t[2] for t in triangles if t[0] == "right"] or [parent]
+        cut, values = (lefts[0], rights[0]), contexts.values
         self.indices.append(
-            code_values(coder, contexts.values, layout, self.indices, parent, wedge, link)
+            code_values(
+                coder, values, self.header.layout, self.indices, parent, mates, link, cut
+            )
         )
 
     def _named_star(self, coder, contexts, parent):
@@ -337,9 +377,9 @@ class StreamObject:
         need(is_there, self.place, "names a triangle of another star")
         return named
 
-    def _wedge_parent(self, coder, contexts):
-        before, count = self._parent, len(self.mesh.corners)
-        distance = coder.symbol(contexts.wedge_distance)
+    def _wedge_parent(self, coder, contexts, before):
+        count = len(self.mesh.corners)
+        distance = coder.symbol(contexts.wedge_distance[not self._continued])
         if distance >= 8:
             return (before + coder.bounded(contexts.parent, count)) % count
         for _ in range(distance):
@@ -350,7 +390,8 @@ class StreamObject:
         """The pattern and the new triangles: side, next, previous, and the triangles of the star at
         the apex's outgoing and incoming link edges (−1 for none)."""
         link, closed = star.link, star.is_closed()
-        pattern = coder.symbol(contexts.pattern[min(len(star.faces), 3)][closed][continued])
+        before = 1 + self._sides if continued else 0
+        pattern = coder.symbol(contexts.pattern[min(len(star.faces), 3)][closed][before])
         first_left = None
         triangles = []
 
@@ -431,12 +472,3 @@ class StreamObject:
             transfer.append(moves)
             before = 2 if moves else 1
         return transfer
-
-    def _positions(self, coder, contexts, star, first, triangles):
-        """Where the new triangles are drawn."""
-        face = lambda i: star.faces[i][0] if i >= 0 else None
-        for i, (side, _, _, outgoing, incoming) in enumerate(triangles):
-            ends = (face(outgoing), face(incoming))
-            kept, moved = ends if side != "right" else ends[::-1]
-            before = first + i - 1 if i else None
-            self.order.code(coder, contexts, (kept, moved, before), self.place)

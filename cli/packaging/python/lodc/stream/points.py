@@ -2,6 +2,7 @@
 (docs/STREAM.md, section 4)."""
 
 from ..errors import need
+from .batches import Groups
 from .values import code_values
 
 
@@ -24,6 +25,10 @@ class Points:
     def is_free(self, vertex):
         return vertex < len(self.group) and self.group[vertex] is None
 
+    def is_further_wedge(self, vertex):
+        group = self.group[vertex] if vertex < len(self.group) else None
+        return group is not None and group[0] < vertex
+
     def come(self, point, parent):
         self.missing[point] = False
         self.left -= 1
@@ -39,7 +44,7 @@ def absolute(coder, contexts, channels):
 
 
 def announce(obj, coder, contexts):
-    """The number of points, and the parent of the first vertex behind them."""
+    """The number of points and, in an exact order, the parent of the first vertex behind them."""
     vertices, channels = obj.header.vertices, obj.header.layout.channels
     count = coder.gamma(contexts.point_count) + 1
     need(count <= vertices, obj.place, "has more vertices than its header says")
@@ -53,7 +58,8 @@ def announce(obj, coder, contexts):
         obj.mesh.add_vertex(0)
     obj.targets, obj.continues = [0] * count, [False] * count
     obj.indices = [[0] * channels for _ in range(count)]
-    if count < vertices:
+    obj.groups = None if obj.header.exact else Groups(count)
+    if obj.header.exact and count < vertices:
         obj.next_parent = coder.bounded(contexts.parent, count)
 
 
@@ -79,9 +85,9 @@ def _point(obj, coder, contexts, point):
     if reference is None:
         obj.indices[point] = absolute(coder, contexts, header.layout.channels)
     else:
-        values = contexts.point_values
+        values, mates = contexts.point_values, [] if wedge is None else [wedge]
         obj.indices[point] = code_values(
-            coder, values, header.layout, obj.indices, reference, wedge, []
+            coder, values, header.layout, obj.indices, reference, mates, [], (reference,) * 2
         )
     points.come(point, parent)
 

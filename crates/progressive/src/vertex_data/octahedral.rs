@@ -1,0 +1,69 @@
+//! Directions as two numbers: the octahedron |x| + |y| + |z| = 1, unfolded into a square (Meyer et
+//! al. 2010).
+
+use crate::vertex_data::number_system::round;
+
+/// A grid on the unfolded octahedron.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Octahedral {
+    /// Bits of each number, from 2 to 24: there are 2^n − 2 steps, so that 0 is one of them.
+    pub bits: u8,
+}
+
+impl Octahedral {
+    fn steps(self) -> f64 {
+        f64::from((1u32 << self.bits.clamp(2, 24)) - 2)
+    }
+
+    /// Returns the unit vector at a point of the grid.
+    pub(crate) fn direction(self, at: [i32; 2]) -> [f64; 3] {
+        let [x, y] = at.map(|i| f64::from(i) * 2.0 / self.steps() - 1.0);
+        let z = 1.0 - x.abs() - y.abs();
+        let [x, y] = if z < 0.0 { folded(x, y) } else { [x, y] };
+        let length = (x * x + y * y + z * z).sqrt();
+        [x / length, y / length, z / length]
+    }
+
+    /// Returns the point of the grid at a direction of any length; that of +z for none.
+    pub(crate) fn indices(self, [x, y, z]: [f64; 3]) -> [i32; 2] {
+        let size = x.abs() + y.abs() + z.abs();
+        if !(size > 0.0 && size.is_finite()) {
+            return [0.0; 2].map(|c| self.index(c));
+        }
+        let [x, y] = [x / size, y / size];
+        (if z < 0.0 { folded(x, y) } else { [x, y] }).map(|c| self.index(c))
+    }
+
+    fn index(self, coordinate: f64) -> i32 {
+        round((coordinate + 1.0) / 2.0 * self.steps())
+    }
+}
+
+/// Turns a triangle of the lower half over one of the upper half's edges, or back.
+fn folded(x: f64, y: f64) -> [f64; 2] {
+    let sign = |c: f64| if c < 0.0 { -1.0 } else { 1.0 };
+    [(1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_of_the_grid_lead_to_directions_and_back() {
+        for bits in [2, 5, 8] {
+            let octahedral = Octahedral { bits };
+            let steps = octahedral.steps() as i32;
+            for u in 0..=steps {
+                for v in 0..=steps {
+                    let direction = octahedral.direction([u, v]);
+                    let again = octahedral.direction(octahedral.indices(direction));
+                    let off: f64 = (0..3).map(|c| (direction[c] - again[c]).abs()).sum();
+                    assert!(off < 1e-9, "{u} {v} of {bits} bits: {direction:?}, {again:?}");
+                }
+            }
+        }
+        let up = Octahedral { bits: 10 }.indices([0.0; 3]);
+        assert_eq!(Octahedral { bits: 10 }.direction(up), [0.0, 0.0, 1.0]);
+    }
+}

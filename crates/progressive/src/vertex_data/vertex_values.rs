@@ -1,0 +1,39 @@
+//! The values of all vertices so far, and those that a new one has around it.
+
+use crate::vertex_data::vertex_layout::{Stream, VertexLayout};
+use std::ops::Range;
+
+/// The vertices from which the values of a new one are predicted.
+#[derive(Clone, Debug)]
+pub(crate) struct Neighborhood<'a> {
+    pub(crate) parent: u32,
+    /// Vertices of the same step at the same position, latest last.
+    pub(crate) mates: Range<u32>,
+    /// The vertices around the new one.
+    pub(crate) link: &'a [u32],
+    /// The apexes of the first left and right new triangle; the parent where there is none.
+    pub(crate) cut: [u32; 2],
+}
+
+/// The values of all vertices so far.
+#[derive(Clone, Debug)]
+pub(crate) struct VertexValues {
+    pub(crate) layout: VertexLayout,
+    /// The channels of each vertex as indices of their number systems.
+    pub(crate) indices: Vec<i32>,
+}
+
+impl VertexValues {
+    pub(crate) fn new(layout: VertexLayout) -> Self {
+        Self { layout, indices: Vec::new() }
+    }
+
+    pub(crate) fn channels(&self) -> usize {
+        self.layout.systems.len()
+    }
+
+    /// Returns the indices of a vertex in a stream.
+    pub(super) fn of(&self, vertex: u32, stream: &Stream) -> &[i32] {
+        &self.indices[vertex as usize * self.channels() + stream.first..][..stream.channels]
+    }
+}

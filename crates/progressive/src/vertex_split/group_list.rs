@@ -1,0 +1,114 @@
+//! The list of wedge groups that a batch is walked through (docs/STREAM.md, section 4).
+
+use crate::entropy::adaptive_probability::AdaptiveBit;
+use crate::entropy::integer_codes::{GammaCode, bit_length};
+use lodc_mesh::NONE;
+
+/// Classes of a group: by the splits of it in this batch (up to 3), and whether it is of the batch.
+const CLASSES: usize = 8;
+/// Triangles of its first vertex, up to one fewer.
+const TRIANGLES: usize = 10;
+/// How much more groups than splits are left, as a power of two, up to one fewer.
+const RATIOS: usize = 8;
+
+/// Contexts of batches.
+#[derive(Clone, Debug)]
+pub(crate) struct BatchContexts {
+    /// Number of steps.
+    pub(crate) steps: GammaCode,
+    /// A step splits off the group.
+    pub(crate) splits: [[[AdaptiveBit; TRIANGLES]; CLASSES]; RATIOS],
+}
+
+impl BatchContexts {
+    pub(crate) const NEW: Self =
+        Self { steps: GammaCode::NEW, splits: [[[AdaptiveBit::NEW; TRIANGLES]; CLASSES]; RATIOS] };
+}
+
+/// The list, and the place of a batch in it. A group is named by its first vertex.
+#[derive(Clone, Debug)]
+pub(crate) struct GroupList {
+    /// For each vertex the group behind it in the list; of those that are groups.
+    next: Vec<u32>,
+    groups: u32,
+    /// The group at hand; [`NONE`] behind the last.
+    pub(super) group: u32,
+    /// Splits of it in this batch.
+    splits: u32,
+    /// Groups from that one on.
+    groups_left: u32,
+    /// Steps of the batch that are left.
+    pub(super) steps_left: u32,
+    /// Vertices before the batch.
+    first_new: u32,
+}
+
+impl GroupList {
+    /// The list of an object that begins with so many points.
+    pub(super) fn new(points: u32) -> Self {
+        let mut next: Vec<u32> = (1..=points).collect();
+        if let Some(last) = next.last_mut() {
+            *last = NONE;
+        }
+        Self {
+            next,
+            groups: points,
+            group: NONE,
+            splits: 0,
+            groups_left: 0,
+            steps_left: 0,
+            first_new: points,
+        }
+    }
+
+    /// Begins a batch of so many steps.
+    pub(super) fn begin(&mut self, steps: u32) {
+        self.first_new = self.next.len() as u32;
+        (self.group, self.splits, self.groups_left) = (0, 0, self.groups);
+        self.steps_left = steps;
+    }
+
+    /// Goes on to the next group.
+    pub(super) fn advance(&mut self) {
+        self.group = self.next[self.group as usize];
+        self.splits = 0;
+        self.groups_left = self.groups_left.saturating_sub(1);
+    }
+
+    /// Notes a split of the group at hand.
+    pub(super) fn split(&mut self) {
+        self.splits += 1;
+        self.steps_left -= 1;
+    }
+
+    /// Adds a vertex: a group of its own behind the one at hand, or one of a group.
+    pub(super) fn add_vertex(&mut self, is_group: bool) {
+        let new = self.next.len() as u32;
+        self.next.push(NONE);
+        if is_group {
+            self.next.swap(new as usize, self.group as usize);
+            self.next[self.group as usize] = new;
+            self.groups += 1;
+            self.groups_left += 1;
+        }
+    }
+
+    /// Returns the group behind the one at hand.
+    pub(super) fn following(&self) -> Option<u32> {
+        self.next.get(self.group as usize).copied().filter(|&next| next != NONE)
+    }
+
+    /// Returns the context of whether the group at hand, of which the first vertex has so many
+    /// triangles, is split.
+    #[inline]
+    pub(super) fn context<'c>(
+        &self,
+        contexts: &'c mut BatchContexts,
+        triangles: u32,
+    ) -> &'c mut AdaptiveBit {
+        let ratio = bit_length(self.groups_left).saturating_sub(bit_length(self.steps_left));
+        let class = self.splits.min(3) + if self.group >= self.first_new { 4 } else { 0 };
+        let triangles = (triangles as usize).min(TRIANGLES - 1);
+        &mut contexts.splits[(ratio as usize).min(RATIOS - 1)][class as usize][triangles]
+    }
+}
