@@ -153,7 +153,7 @@ fn a_file_in_the_order_of_a_stream_comes_back_byte_for_byte() {
     let of = |key: &str| report["objects"][0][key].as_u64().expect("a number");
     let (levels, exact) = (of("levels"), of("exact_levels"));
     assert!(exact >= 10 && exact < levels, "{exact} of {levels} levels");
-    let said = f.lodc(["pack", "g.lodc", "-o", "g.lods"]).ends(0).text();
+    let said = f.lodc(["pack", "g.lodc", "-o", "g.lods"]).ends(0).err;
     assert!(said.contains(&format!("{exact} of {levels} levels as in the file")), "{said}");
     f.lodc(["unpack", "g.lods", "-o", "a.lodc", "-q"]).ends(0);
     f.lodc(["verify", "a.lodc", "-q"]).ends(0);

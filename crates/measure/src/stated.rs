@@ -32,6 +32,10 @@ const OVERSTATED: f64 = 3.0;
 /// of samples.
 const RMS_TOLERANCE: f64 = 1.9;
 
+/// Means below this share of the error are those of a hundredth of the surface, which the writer's
+/// samples may have missed: they are not refused for being stated too small.
+const RMS_OF_PARTS: f64 = 0.125;
+
 /// Stored ones may be so many times the measured ones: samples that travel stop where they are near
 /// enough, and faces that lie on each other count once.
 const RMS_OVERSTATED: f64 = 8.0;
@@ -145,7 +149,7 @@ impl<'a> Levels<'a> {
             let missed = MISSED_SLICES / f64::from(samples) * error * error;
             let square = mean_square_of(changes, samples);
             let least = (square - missed).max(0.0).sqrt();
-            let too_small = least > RMS_TOLERANCE * rms + slack;
+            let too_small = least > (RMS_TOLERANCE * rms).max(RMS_OF_PARTS * error) + slack;
             let most = || {
                 // It never falls: a finer level may be the one that is that far.
                 let rose = collapses.parts().step_rms.partition_point(|&r| r < stored);
