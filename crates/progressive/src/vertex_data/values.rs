@@ -46,7 +46,7 @@ pub(crate) struct ValueContexts {
     pub(crate) residual: [[[ResidualCode; 2]; ACCURACIES]; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
     /// Sixteen times the mean bit length of the residuals of a stream and channel.
     mean_bits: [u32; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
-    /// 64 times the mean bit length of the residuals of a position by each [`Mode`].
+    /// 64 times the mean bit length of the residuals of a position in each of the three ways.
     mode_bits: [u32; 3],
 }
 
