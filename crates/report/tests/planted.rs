@@ -368,7 +368,7 @@ const DEFECTS: &[Defect] = &[
     (
         "root mean squares that are 0",
         |p| p.scale_rms(0.0),
-        "the root mean square distance is 0, measured are 0.007",
+        "the root mean square distance is 0, measured are 0.07",
     ),
     (
         "root mean squares of 0.5 of the size",
