@@ -5,23 +5,10 @@
 //
 // MODULES is a node_modules folder with @babylonjs/core, @babylonjs/loaders and three; LIST.json an array of GLB files.
 import { readFileSync } from "node:fs";
-import { join, resolve } from "node:path";
-import { pathToFileURL } from "node:url";
+import { loaders } from "./loaders.mjs";
 
 const [modules, list] = process.argv.slice(2);
-const load = (path) => import(pathToFileURL(join(resolve(modules), path)).href);
-
-// Both expect a browser.
-globalThis.self = globalThis;
-globalThis.ProgressEvent ??= class {};
-
-const { NullEngine } = await load("@babylonjs/core/Engines/nullEngine.js");
-const { Scene } = await load("@babylonjs/core/scene.js");
-const { LoadAssetContainerAsync } = await load("@babylonjs/core/Loading/sceneLoader.js");
-const { Logger } = await load("@babylonjs/core/Misc/logger.js");
-await load("@babylonjs/loaders/glTF/index.js");
-const { GLTFLoader } = await load("three/examples/jsm/loaders/GLTFLoader.js");
-Logger.LogLevels = Logger.NoneLogLevel;
+const { NullEngine, Scene, LoadAssetContainerAsync, GLTFLoader } = await loaders(modules);
 
 /** Triangles of each level, the finest first: the loader leaves the finest of the `most` coarsest levels. */
 async function babylon(bytes, levels) {

@@ -3,21 +3,10 @@
 //
 //   node weights.mjs MODULES LIST.json
 import { readFileSync } from "node:fs";
-import { join, resolve } from "node:path";
-import { pathToFileURL } from "node:url";
+import { loaders } from "./loaders.mjs";
 
 const [modules, list] = process.argv.slice(2);
-const load = (path) => import(pathToFileURL(join(resolve(modules), path)).href);
-globalThis.self = globalThis;
-globalThis.ProgressEvent ??= class {};
-const { NullEngine } = await load("@babylonjs/core/Engines/nullEngine.js");
-const { Scene } = await load("@babylonjs/core/scene.js");
-const { LoadAssetContainerAsync } = await load("@babylonjs/core/Loading/sceneLoader.js");
-const { Logger } = await load("@babylonjs/core/Misc/logger.js");
-await load("@babylonjs/loaders/glTF/index.js");
-const { GLTFLoader } = await load("three/examples/jsm/loaders/GLTFLoader.js");
-const { Mesh, Vector3 } = await load("three/build/three.module.js");
-Logger.LogLevels = Logger.NoneLogLevel;
+const { NullEngine, Scene, LoadAssetContainerAsync, GLTFLoader, Mesh, Vector3 } = await loaders(modules);
 
 /** Area and first moments of a surface, and twice the vectors of its area. */
 function moments(positions, indices) {

@@ -98,3 +98,20 @@ impl Random {
         (self.next() >> 40) as f32 / (1u32 << 24) as f32
     }
 }
+
+/// Damages a file in one to three places: cut off, a byte changed, a bit turned, a number put in.
+/// What is empty then becomes the byte `first`.
+pub(crate) fn damage(bytes: &mut Vec<u8>, first: u8, random: &mut Random) {
+    for _ in 0..1 + random.below(3) {
+        let at = random.below(bytes.len());
+        match random.below(4) {
+            0 => bytes.truncate(at),
+            1 => bytes[at] = random.next() as u8,
+            2 => bytes[at] ^= 1 << random.below(8),
+            _ => drop(bytes.splice(at..at, *b" 9 ")),
+        }
+        if bytes.is_empty() {
+            bytes.push(first);
+        }
+    }
+}

@@ -35,7 +35,7 @@ fn built(mesh: &Mesh) -> Vec<LodObject> {
         poses: vec![],
     };
     let options = StripOptions::default();
-    let built = build_models(vec![(info, simplified)], &ModelKind::ALL, options, vec![], &());
+    let built = build_models(vec![(info, simplified)], &ModelKind::ALL, options, &());
     built.expect("every sequence can be modelled")
 }
 

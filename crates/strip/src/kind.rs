@@ -174,13 +174,6 @@ impl<'a> StripPool<'a> {
         self.simplified
     }
 
-    /// Adds strips that are there already, unless they do not draw the mesh.
-    pub fn add(&mut self, strips: Strips) {
-        if strips.set.check(self.simplified.mesh()).is_ok() {
-            self.made.push(Arc::new(strips));
-        }
-    }
-
     /// Returns strips by the generator of the options, or else by `default`.
     pub fn get(&mut self, default: StripKind) -> Arc<Strips> {
         let kind = self.options.kind.unwrap_or(default);

@@ -16,6 +16,9 @@ use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyReader};
 use std::io::{BufRead, ErrorKind, Read};
 use xxhash_rust::xxh3::xxh3_128;
 
+/// Place of what is wrong before the first element.
+const HEADER: &str = "header";
+
 /// Reads a PLY; `bytes` is the main file.
 ///
 /// # Errors
@@ -127,18 +130,17 @@ fn value<R: BufRead>(
 /// Checks counts against the size of the file and the limits, before memory is taken for them.
 fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), FormatError> {
     for (number, element) in header.elem_defs.iter().enumerate() {
-        let place = || "header".to_owned();
         let name = &element.name;
         let later = &header.elem_defs[number..];
         if name == "face" && later.iter().any(|e| e.name == "vertex") {
             let what = "element `face` stands before element `vertex`";
-            return Err(FormatError::new(Fault::Unsupported, place(), what));
+            return Err(FormatError::new(Fault::Unsupported, HEADER, what));
         }
         if matches!(name.as_str(), "vertex" | "face" | "tristrips")
             && header.elem_defs[..number].iter().any(|e| e.name == *name)
         {
             let what = format!("there are two elements `{name}`");
-            return Err(FormatError::new(Fault::Malformed, place(), what));
+            return Err(FormatError::new(Fault::Malformed, HEADER, what));
         }
         let least: u64 = match header.format {
             // A digit and white space.
@@ -148,11 +150,11 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
         let count = element.count as u64;
         if count > 0 && least == 0 {
             let what = format!("element `{name}` has no properties");
-            return Err(FormatError::new(Fault::Malformed, place(), what));
+            return Err(FormatError::new(Fault::Malformed, HEADER, what));
         }
         if count.saturating_mul(least) > bytes as u64 + 1 {
             let what = format!("{count} elements `{name}` do not fit into the file");
-            return Err(FormatError::new(Fault::Malformed, place(), what));
+            return Err(FormatError::new(Fault::Malformed, HEADER, what));
         }
         let limit = match name.as_str() {
             "vertex" => limits.vertices.min(u64::from(NONE) - 1),
@@ -161,7 +163,7 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
         };
         if count > limit {
             let what = format!("{count} elements `{name}`: the limit is {limit}");
-            return Err(FormatError::new(Fault::Limit, place(), what));
+            return Err(FormatError::new(Fault::Limit, HEADER, what));
         }
     }
     Ok(())
@@ -221,7 +223,7 @@ fn textures(header: &PlyHeader) -> Vec<ObjMaterial> {
 
 fn header_error(error: &DeserializeError) -> FormatError {
     let (fault, what) = said(error);
-    FormatError::new(fault, "header", what)
+    FormatError::new(fault, HEADER, what)
 }
 
 /// Whose fault an error is, and its words.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::Document;
-use crate::testing::{Random, Scratch};
+use crate::testing::{Random, Scratch, damage};
 use lodc_mesh::Semantic;
 use std::path::Path;
 
@@ -177,18 +177,7 @@ fn damaged_files_end_in_a_scene_or_an_error() {
             0 => SQUARE.as_bytes().to_vec(),
             kind => binary(kind == 1),
         };
-        for _ in 0..1 + random.below(3) {
-            let at = random.below(bytes.len());
-            match random.below(4) {
-                0 => bytes.truncate(at),
-                1 => bytes[at] = random.next() as u8,
-                2 => bytes[at] ^= 1 << random.below(8),
-                _ => drop(bytes.splice(at..at, *b" 9 ")),
-            }
-            if bytes.is_empty() {
-                bytes.push(b'p');
-            }
-        }
+        damage(&mut bytes, b'p', &mut random);
         match import_bytes(&bytes) {
             Ok(_) => good += 1,
             Err(_) => bad += 1,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::testing::Random;
+use crate::testing::{Random, damage};
 use std::path::Path;
 
 fn import_bytes(bytes: &[u8]) -> Result<Scene, FormatError> {
@@ -101,18 +101,7 @@ fn damaged_files_end_in_a_scene_or_an_error() {
     let (mut good, mut bad) = (0, 0);
     for round in 0..4000 {
         let mut bytes = if round % 2 == 0 { text("a").into_bytes() } else { binary(b"x") };
-        for _ in 0..1 + random.below(3) {
-            let at = random.below(bytes.len());
-            match random.below(4) {
-                0 => bytes.truncate(at),
-                1 => bytes[at] = random.next() as u8,
-                2 => bytes[at] ^= 1 << random.below(8),
-                _ => drop(bytes.splice(at..at, *b" 1 ")),
-            }
-            if bytes.is_empty() {
-                bytes.push(b's');
-            }
-        }
+        damage(&mut bytes, b's', &mut random);
         match import_bytes(&bytes) {
             Ok(_) => good += 1,
             Err(_) => bad += 1,

@@ -62,7 +62,7 @@ pub(super) fn make(
     };
     report.models = kinds.iter().map(|kind| kind.name()).collect();
     let strips = args.strips.options();
-    let objects = build_models(simplified, &kinds, strips, vec![], &watch).map_err(bug)?;
+    let objects = build_models(simplified, &kinds, strips, &watch).map_err(bug)?;
     fill_in(report, &objects);
 
     check_models(&objects, &watch).map_err(bug)?;

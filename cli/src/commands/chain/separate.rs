@@ -10,7 +10,7 @@ use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
 use lodc::build::refitted_meshes;
 use lodc::glide::{GlidingLevel, gliding_levels};
-use lodc::level_mesh::{self, LevelMesh, Shape};
+use lodc::level_mesh::{self, LevelMesh, Order, Shape};
 use lodc_formats::export::Additions;
 use lodc_formats::gltf::{ChainObject, ChainShape, Glide, export_chain};
 use lodc_mesh::{LevelTriangles, Mesh, Submesh};
@@ -25,16 +25,11 @@ pub(super) fn files(
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {
-    let limits = args.export.import.limits().limits();
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
     let order = Packing::of(&additions).order();
-    let shape = Shape { model: None, order };
     for (number, level) in levels.iter_mut().enumerate() {
-        let (objects, document, lods) = (&asset.objects, &asset.document, &level.lods);
-        let mut meshes = match args.refit {
-            true => refitted_meshes(objects, document, lods, order, &limits)?,
-            false => level_mesh::meshes(objects, lods, shape)?,
-        };
+        let (objects, document) = (&asset.objects, &asset.document);
+        let mut meshes = meshes(args, asset, level, order)?;
         level_mesh::round(objects, document, &mut meshes, additions.precision)?;
         // Of refitted meshes they are measured.
         (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
@@ -51,6 +46,16 @@ pub(super) fn files(
     Ok(Files { files, of_level })
 }
 
+/// The meshes of the objects at a level, refitted if that is asked for.
+fn meshes(args: &ChainArgs, asset: &Asset, level: &Level, order: Order) -> Outcome<Vec<LevelMesh>> {
+    let (objects, lods) = (&asset.objects, &level.lods);
+    let limits = args.export.import.limits().limits();
+    Ok(match args.refit {
+        true => refitted_meshes(objects, &asset.document, lods, order, &limits)?,
+        false => level_mesh::meshes(objects, lods, Shape { model: None, order })?,
+    })
+}
+
 /// The levels, each on its way to the next one's vertices: in its file the vertices that disappear
 /// last come first.
 pub(super) fn gliding_files(
@@ -63,13 +68,10 @@ pub(super) fn gliding_files(
 ) -> Outcome<Files> {
     let limits = args.export.import.limits().limits();
     let (objects, document) = (&asset.objects, &asset.document);
-    let order = level_mesh::Order::File;
+    let order = Order::File;
     let mut all: Vec<Vec<LevelMesh>> = Vec::new();
     for level in levels.iter_mut() {
-        let meshes = match args.refit {
-            true => refitted_meshes(objects, document, &level.lods, order, &limits)?,
-            false => level_mesh::meshes(objects, &level.lods, Shape { model: None, order })?,
-        };
+        let meshes = meshes(args, asset, level, order)?;
         if args.refit {
             (level.error, level.rms) = level_mesh::distance(objects, &meshes);
         }

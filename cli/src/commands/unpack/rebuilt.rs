@@ -87,7 +87,7 @@ fn file(
         Failure::new(Status::Bug, format!("{name}: {error}; nothing was written"))
     };
     let options = StripOptions::default();
-    let objects = build_models(measured, &kinds, options, Vec::new(), &watch).map_err(bug)?;
+    let objects = build_models(measured, &kinds, options, &watch).map_err(bug)?;
     check_models(&objects, &watch).map_err(bug)?;
     let source = unpacker.source().expect("a complete stream has a source").clone();
     let (layout, left_out) = (args.models.layout(), Vec::new());

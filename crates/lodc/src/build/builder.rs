@@ -99,7 +99,7 @@ impl Builder {
         warnings.extend(paints.warnings);
         let simplified = measure_all(simplified, &document, &limits, self.poses, &())?;
         let strips = StripOptions::default();
-        let objects = build_models(simplified, &self.kinds, strips, vec![], &())?;
+        let objects = build_models(simplified, &self.kinds, strips, &())?;
         check_models(&objects, &())?;
         let (layout, left_out) = (self.layout, vec![]);
         let content = LodFile { source, document, objects, layout, made_from: None, left_out };

@@ -7,11 +7,10 @@ use crate::{Error, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, PositionIds, Simplified, TriangleHash};
 use lodc_model::Model;
-use lodc_strip::{Report, StripKind, StripOptions, StripPool, Strips};
+use lodc_strip::{Report, StripKind, StripOptions, StripPool};
 use rayon::prelude::*;
 
-/// Makes models of some kinds of every object, and before them the strips that they need and that
-/// are not there: `strips` has some by object, or is empty.
+/// Makes models of some kinds of every object, and before them the strips that they need.
 ///
 /// # Errors
 /// If a model cannot be made of its sequence: a bug.
@@ -19,18 +18,12 @@ pub fn build_models(
     simplified: SimplifiedObjects,
     kinds: &[ModelKind],
     options: StripOptions,
-    strips: Vec<Option<Strips>>,
     watch: &dyn Watch,
 ) -> Result<Vec<LodObject>, Error> {
     let triangles = triangles(simplified.iter().map(|(_, s)| &**s));
     let report = &|triangles| watch.add(triangles);
     let mut pools: Vec<StripPool<'_>> =
         simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
-    for (pool, strips) in pools.iter_mut().zip(strips) {
-        if let Some(strips) = strips {
-            pool.add(strips);
-        }
-    }
     let generators: Vec<StripKind> = kinds.iter().filter_map(|kind| kind.strips()).collect();
     if !generators.is_empty() {
         let passes = pools.iter().map(|pool| pool.missing(&generators).len()).max().unwrap_or(0);

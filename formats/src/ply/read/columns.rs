@@ -106,38 +106,14 @@ impl<'de> Visitor<'de> for Numbers<'_> {
         f.write_str("numbers")
     }
 
-    fn visit_i8<E>(self, v: i8) -> Result<(), E> {
-        self.0.push(f64::from(v));
+    // Narrower numbers come here as well; none has more bits than an f64 holds.
+    fn visit_i64<E>(self, v: i64) -> Result<(), E> {
+        self.0.push(v as f64);
         Ok(())
     }
 
-    fn visit_u8<E>(self, v: u8) -> Result<(), E> {
-        self.0.push(f64::from(v));
-        Ok(())
-    }
-
-    fn visit_i16<E>(self, v: i16) -> Result<(), E> {
-        self.0.push(f64::from(v));
-        Ok(())
-    }
-
-    fn visit_u16<E>(self, v: u16) -> Result<(), E> {
-        self.0.push(f64::from(v));
-        Ok(())
-    }
-
-    fn visit_i32<E>(self, v: i32) -> Result<(), E> {
-        self.0.push(f64::from(v));
-        Ok(())
-    }
-
-    fn visit_u32<E>(self, v: u32) -> Result<(), E> {
-        self.0.push(f64::from(v));
-        Ok(())
-    }
-
-    fn visit_f32<E>(self, v: f32) -> Result<(), E> {
-        self.0.push(f64::from(v));
+    fn visit_u64<E>(self, v: u64) -> Result<(), E> {
+        self.0.push(v as f64);
         Ok(())
     }
 
@@ -315,8 +291,8 @@ pub(super) fn faces<'a>(
     let (mut corners, mut texcoords, mut texture) = (Vec::new(), Vec::new(), 0.0);
     move |column, values| {
         match columns[column] {
-            FaceColumn::Corners => corners.clone_from(&values.to_vec()),
-            FaceColumn::Texcoords => texcoords.clone_from(&values.to_vec()),
+            FaceColumn::Corners => values.clone_into(&mut corners),
+            FaceColumn::Texcoords => values.clone_into(&mut texcoords),
             FaceColumn::Texture => texture = values[0],
             FaceColumn::Unused => {}
         }
