@@ -2,17 +2,15 @@
 //! blocks of steps: first the text, then buffer 0 of a glTF.
 
 use super::head::Head;
+use crate::fields::{Field, fields, to_bytes};
 use crate::lodc::manifest::{DocumentEntry, format_code, source_of};
 use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source, SubmeshInfo};
 use lodc_progressive::text_codec;
-use serde::{Deserialize, Serialize};
 
-/// Bytes of the entries; a reader refuses more.
-const LIMIT: usize = 256 << 20;
 const PLACE: &str = "document";
 
 /// Facts of an object's collapse sequence that its steps do not say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SequenceFacts {
     /// The last LOD reached without breaking a rule of legality.
     pub last_legal_lod: u32,
@@ -21,6 +19,7 @@ pub struct SequenceFacts {
     /// The first LOD after such a step.
     pub first_topology_change: Option<u32>,
 }
+fields!(SequenceFacts { last_legal_lod, topology_changes, first_topology_change });
 
 /// The document and the names of a scene.
 #[derive(Clone, Debug)]
@@ -40,15 +39,14 @@ pub(super) struct EncodedDocument<'a> {
     pub(super) buffer: &'a [u8],
 }
 
-#[derive(Serialize, Deserialize)]
 struct TextEntry {
     format: u8,
     content_hash: u128,
     document: DocumentEntry,
     objects: Vec<ObjectEntry>,
 }
+fields!(TextEntry { format, content_hash, document, objects });
 
-#[derive(Serialize, Deserialize)]
 struct ObjectEntry {
     name: String,
     world_scale: f64,
@@ -56,13 +54,14 @@ struct ObjectEntry {
     facts: SequenceFacts,
     submeshes: Vec<SubmeshEntry>,
 }
+fields!(ObjectEntry { name, world_scale, document_mesh, facts, submeshes });
 
-#[derive(Serialize, Deserialize)]
 struct SubmeshEntry {
     name: String,
     material: Option<String>,
     document_primitive: u32,
 }
+fields!(SubmeshEntry { name, material, document_primitive });
 
 impl<'a> EncodedDocument<'a> {
     /// Encodes a document; `None` if its text would be too long.
@@ -77,8 +76,7 @@ impl<'a> EncodedDocument<'a> {
             document: DocumentEntry::of(document),
             objects: objects.map(|(info, facts)| object_entry(info, facts)).collect(),
         };
-        let mut text = bincode::serde::encode_to_vec(&entry, bincode::config::legacy())
-            .expect("plain data can be written to memory");
+        let mut text = to_bytes(&entry);
         let mut buffer: &[u8] = &[];
         if let Document::Gltf(gltf) = document {
             text.extend_from_slice(gltf.json.as_bytes());
@@ -164,15 +162,15 @@ impl Names {
                 .ok_or_else(|| malformed("cannot be decoded"))?;
             &decoded
         };
-        let config = bincode::config::legacy().with_limit::<LIMIT>();
-        let (entry, used) = bincode::serde::decode_from_slice::<TextEntry, _>(text, config)
-            .map_err(|e| malformed(&format!("cannot be decoded: {e}")))?;
+        let mut rest = text;
+        let entry = TextEntry::take(&mut rest)
+            .ok_or_else(|| malformed("ends too early or has what cannot be"))?;
         let source =
             source_of(entry.format, entry.content_hash).map_err(|what| malformed(&what))?;
         if source.format != head.format || entry.objects.len() != head.objects as usize {
             return Err(malformed("has another format or number of objects than the head"));
         }
-        let document = document(entry.document, &text[used..])?;
+        let document = document(entry.document, rest)?;
         let objects = entry.objects.into_iter().map(object_info).collect::<Result<_, _>>()?;
         Ok(Self { source, document, objects })
     }

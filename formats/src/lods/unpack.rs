@@ -121,12 +121,25 @@ impl Unpacker {
         self.received.as_ref()?.whole_document()
     }
 
+    /// The document as far as it has come, of a glTF with the first bytes of its buffer; none before
+    /// its text.
+    #[must_use]
+    pub fn document_so_far(&self) -> Option<&Document> {
+        Some(&self.received.as_ref()?.document.names.as_ref()?.document)
+    }
+
     /// The document and the names so far, fit to be written with the meshes so far.
     ///
     /// # Errors
     /// If the document of a crafted stream is malformed.
     pub fn arrived(&self) -> Result<Option<Arrived<'_>>, FormatError> {
         self.received.as_ref().map(Arrived::new).transpose()
+    }
+
+    /// Bytes of the document's buffer in all.
+    #[must_use]
+    pub fn buffer_bytes(&self) -> u64 {
+        self.received.as_ref().map_or(0, |r| r.head.buffer)
     }
 
     /// Bytes of the document so far, and in all: its text as it is stored, and its buffer.
@@ -141,6 +154,12 @@ impl Unpacker {
     #[must_use]
     pub fn objects(&self) -> usize {
         self.received.as_ref().map_or(0, |r| r.objects.len())
+    }
+
+    /// Returns whether the header of an object has come, and with it how large it will be.
+    #[must_use]
+    pub fn has_header(&self, object: usize) -> bool {
+        self.received.as_ref().is_some_and(|r| object < r.announced)
     }
 
     /// Number of objects in all; none before the first block.
@@ -199,7 +218,7 @@ impl Unpacker {
         let mut parts = self.mesh_parts(object);
         let cleaning = parts.clean();
         let mesh = Mesh::try_from(parts).map_err(|e| {
-            FormatError::new(Fault::Malformed, format!("object {object}"), e.to_string())
+            FormatError::new(Fault::Malformed, format!("object {object}"), format!("{e}"))
         })?;
         Ok((mesh, cleaning))
     }
