@@ -23,7 +23,7 @@ class Container:
 
     def __init__(self, data):
         need(len(data) >= HEADER, "header", "the file ends within its header")
-        check_header(data[:HEADER], MAGIC, ".lodc file")
+        check_header(data[:HEADER], MAGIC, ".lodc file", xxh3_64, 8)
         count, length, check = struct.unpack_from("<IQQ", data, 12)
         end = HEADER + 40 * count
         need(length == len(data), "header", f"the file has {len(data)} bytes, not {length}")

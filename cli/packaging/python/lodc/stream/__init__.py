@@ -6,26 +6,28 @@ from ..attribute import Source, read_document, source_format
 from ..cursor import Cursor
 from ..errors import FormatError, need
 from ..header import check_header
-from ..xxh3 import xxh3_64
-from .coder import decode_text
+from ..xxh32 import xxh32
 from .contexts import Contexts
 from .object import StreamObject, read_header
+from .text import TextCodec
 
 MAGIC = b"\x89LODS\r\n\x1a"
-HEADER = 20
+HEADER = 16
 MAX_PAYLOAD = 16 << 20
 
 
 class Stream:
     """A stream so far. :meth:`feed` it bytes; ``objects`` has the meshes of all whole blocks.
 
-    ``source``, ``obj`` and ``gltf`` are as those of a file, and None until they have come;
-    ``buffer`` grows. ``all_objects`` is how many objects there will be.
+    ``source``, ``obj``, ``gltf`` and ``buffer`` are as those of a file, and None until they have
+    come; :meth:`bytes_of` gives what has come of the buffer. ``all_objects`` is how many objects
+    there will be.
     """
 
     def __init__(self):
         self.source = self.obj = self.gltf = self.all_objects = None
-        self.objects, self.buffer, self.used = [], b"", 0
+        self.objects, self.buffer, self.used = [], None, 0
+        self._order, self._came, self._headers = [], b"", TextCodec()
         self.each_step = None
         self._waiting, self._blocks, self._contexts = b"", 0, Contexts()
         self._complete, self._announced, self._text = False, 0, b""
@@ -33,6 +35,16 @@ class Stream:
     def is_complete(self):
         """Whether the end has come."""
         return self._complete
+
+    def bytes_of(self, start, length):
+        """Bytes of the buffer, such as those of a buffer view; None if some have not come."""
+        at = 0
+        for first, end in self._order:
+            if first <= start and start + length <= end:
+                at += start - first
+                return self._came[at : at + length] if at + length <= len(self._came) else None
+            at += end - first
+        return None
 
     def feed(self, data):
         """Takes the next bytes and reads the blocks that they complete."""
@@ -42,7 +54,7 @@ class Stream:
                 magic = self._waiting[:8]
                 need(magic == MAGIC[: len(magic)], "header", "this is not a .lods stream")
                 return self
-            check_header(self._waiting[:HEADER], MAGIC, ".lods stream")
+            check_header(self._waiting[:HEADER], MAGIC, ".lods stream", xxh32, 4)
             self._waiting, self.used = self._waiting[HEADER:], HEADER
         while self._waiting and self._block():
             pass
@@ -59,9 +71,9 @@ class Stream:
         at = cursor.at
         if len(data) < at + 2:
             return False
-        check = xxh3_64(data[:at], self._blocks)
+        check = xxh32(data[:at], self._blocks)
         need(
-            data[at : at + 2] == check.to_bytes(8, "little")[:2],
+            data[at : at + 2] == check.to_bytes(4, "little")[:2],
             place,
             "has fields that do not match their checksum",
         )
@@ -70,7 +82,7 @@ class Stream:
         if len(data) < end:
             return False
         payload = data[at + 6 : end]
-        found = xxh3_64(payload, check).to_bytes(8, "little")[:4]
+        found = xxh32(payload, check).to_bytes(4, "little")
         need(data[at + 2 : at + 6] == found, place, "does not match its checksum")
         self._read(place, tag, steps, payload)
         self._waiting, self._blocks, self.used = data[end:], self._blocks + 1, self.used + end
@@ -104,7 +116,7 @@ class Stream:
             if number == len(self.objects):
                 self.objects.append(StreamObject(number, place))
             self.objects[number].place = place
-            self.objects[number].start(read_header(cursor))
+            self.objects[number].start(read_header(cursor, self._headers))
             self._announced += 1
         need(number < self._announced, place, "belongs to an object that does not exist")
         obj, payload = self.objects[number], payload[cursor.at :]
@@ -119,7 +131,8 @@ class Stream:
         c = Cursor(payload, place)
         self.format = source_format(c.u8(), place)
         self.all_objects, self._text_bytes, self._stored = c.varint(), c.varint(), c.varint()
-        self._document_left = self._stored + c.varint((1 << 64) - 1)
+        self._buffer_bytes = c.varint((1 << 64) - 1)
+        self._document_left = self._stored + self._buffer_bytes
         need(c.at == len(payload), place, "has bytes left over")
         need(self._stored <= self._text_bytes, place, "announces a document that cannot be")
 
@@ -128,14 +141,20 @@ class Stream:
         self._document_left -= len(payload)
         missing = self._stored - len(self._text)
         self._text += payload[:missing]
-        self.buffer += payload[missing:]
+        self._came += payload[missing:]
         if missing > 0 and len(self._text) == self._stored:
             self._read_text(place)
+        if self._document_left == 0:
+            parts, at = [], 0
+            for start, end in self._order:
+                parts.append((start, self._came[at : at + end - start]))
+                at += end - start
+            self.buffer = b"".join(part for _, part in sorted(parts))
 
     def _read_text(self, place):
         text = self._text
         if self._stored < self._text_bytes:
-            text = decode_text(text, self._text_bytes)
+            text = TextCodec().decode(text, self._text_bytes)
             need(text is not None, place, "has a text that cannot be decoded")
         c = Cursor(text, place)
         self._source(c)
@@ -144,6 +163,8 @@ class Stream:
             len(entries) == self.all_objects, place, "has another number of objects than the head"
         )
         need(self.source.format == self.format, place, "has another format than the head")
+        runs = c.many(lambda: (c.u64(), c.u64()))
+        self._order = _buffer_order(runs, self._buffer_bytes, place)
         for number, (name, scale, submeshes) in enumerate(entries):
             if number == len(self.objects):
                 self.objects.append(StreamObject(number, place))
@@ -163,6 +184,18 @@ class Stream:
             self.gltf = json.loads(bytes(text))
         except ValueError as e:
             raise FormatError(place, f"has JSON that cannot be read: {e}") from None
+
+
+def _buffer_order(runs, length, place):
+    """Starts and ends of the runs of the buffer in the order in which they come: those that are
+    named, then what is between them."""
+    order, end = [(start, start + size) for start, size in runs], 0
+    for first, last in sorted(order):
+        need(end <= first and last <= length, place, "has runs of the buffer that cannot be")
+        if end < first:
+            order.append((end, first))
+        end = last
+    return order + ([(end, length)] if end < length else [])
 
 
 def _has_fields(data):

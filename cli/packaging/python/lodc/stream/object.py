@@ -7,7 +7,7 @@ import numpy as np
 from ..attribute import COMPONENTS, MEANINGS, Attribute, Submesh, component
 from ..cursor import Cursor
 from ..errors import need
-from .coder import Substream, decode_text
+from .coder import Substream
 from .mesh import LONG, PartialMesh, Star
 from .numbers import Decimal, Float, Grid, Integer, Octahedral, Significant, directions, values
 from .points import Points, announce, bring
@@ -25,13 +25,11 @@ class Header:
         self.layout = Layout(attributes, systems)
 
 
-def read_header(cursor):
+def read_header(cursor, codec):
     """The header that the first block of an object begins with."""
-    plain, stored = cursor.varint(1 << 24), cursor.varint(1 << 24)
-    data = cursor.take(stored)
-    if stored != plain:
-        data = decode_text(data, plain) if stored < plain else None
-        need(data is not None, cursor.place, "has a header that cannot be decoded")
+    plain, coded = cursor.varint(1 << 24), cursor.varint(1 << 24)
+    data = codec.decode(cursor.take(coded), plain)
+    need(data is not None, cursor.place, "has a header that cannot be decoded")
     c = Cursor(data, cursor.place)
     vertices, triangles, steps, exact = (c.varint() for _ in range(4))
     need(exact < 2, c.place, "has an unknown order of steps")
