@@ -1,11 +1,15 @@
 """A .lods stream, fed bytes as they come (docs/STREAM.md)."""
 
 import json
+from typing import Any
 
 from ..attribute import Source, read_document, source_format
 from ..cursor import Cursor
 from ..errors import FormatError, need
 from ..header import check_header
+from ..level import Level, Origin
+from ..level_object import LevelObject
+from ..scene import Scene
 from ..xxh3 import xxh3_64
 from .coder import decode_text
 from .contexts import Contexts
@@ -20,22 +24,57 @@ class Stream:
     """A stream so far. :meth:`feed` it bytes; ``objects`` has the meshes of all whole blocks.
 
     ``source``, ``obj`` and ``gltf`` are as those of a file, and None until they have come;
-    ``buffer`` grows. ``all_objects`` is how many objects there will be.
+    ``buffer`` grows. ``all_objects`` is how many objects there will be, ``used`` the bytes of whole
+    blocks.
     """
 
-    def __init__(self):
+    source: Source | None
+    obj: dict[str, Any] | None
+    gltf: dict[str, Any] | None
+    all_objects: int | None
+    objects: list[StreamObject]
+    buffer: bytes
+    used: int
+
+    def __init__(self, folder: str | None = None) -> None:
         self.source = self.obj = self.gltf = self.all_objects = None
-        self.objects, self.buffer, self.used = [], b"", 0
+        self.objects, self.buffer, self.used, self.folder = [], b"", 0, folder
+        self._fed = bytearray()
         self.each_step = None
         self._waiting, self._blocks, self._contexts = b"", 0, Contexts()
         self._complete, self._announced, self._text = False, 0, b""
 
-    def is_complete(self):
+    def is_complete(self) -> bool:
         """Whether the end has come."""
         return self._complete
 
-    def feed(self, data):
+    @property
+    def triangles(self) -> int:
+        """Triangles so far, over all objects."""
+        return sum(len(o.mesh.triangles) for o in self.objects)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene so far; as long as the document is missing, every object stands at the
+        origin."""
+        meshes = [o.document_mesh for o in self.objects]
+        return Scene(self.gltf, self.buffer, self.obj, meshes, self.folder)
+
+    def level(self) -> Level:
+        """The mesh so far."""
+        upright = self.obj is not None and bool(self.obj)
+        objects: list[LevelObject] = [o.level(upright) for o in self.objects]
+        scales = [o.world_scale for o in self.objects]
+        origin = Origin("unpack", bytes(self._fed[: self.used]), self.folder)
+        return Level(objects, scales, self.scene, origin, [])
+
+    def __repr__(self) -> str:
+        state = "complete" if self._complete else "so far"
+        return f"<lodc stream: {self.used} bytes, {self.triangles} triangles {state}>"
+
+    def feed(self, data: bytes) -> "Stream":
         """Takes the next bytes and reads the blocks that they complete."""
+        self._fed += data
         self._waiting += bytes(data)
         if not self.used:
             if len(self._waiting) < HEADER:
@@ -144,10 +183,10 @@ class Stream:
             len(entries) == self.all_objects, place, "has another number of objects than the head"
         )
         need(self.source.format == self.format, place, "has another format than the head")
-        for number, (name, scale, submeshes) in enumerate(entries):
+        for number, (name, scale, mesh, submeshes) in enumerate(entries):
             if number == len(self.objects):
                 self.objects.append(StreamObject(number, place))
-            self.objects[number].name_as(name, scale, submeshes)
+            self.objects[number].name_as(name, scale, mesh, submeshes)
         self._json(text[c.at :], place)
 
     def _source(self, c):
@@ -178,8 +217,8 @@ def _has_fields(data):
 
 
 def _object_text(c):
-    name, scale, _ = c.string(), c.f64(), c.u32()
+    name, scale, mesh = c.string(), c.f64(), c.u32()
     c.u32(), c.u32(), c.optional(c.u32)
     need(0 < scale < float("inf"), c.place, "has an object whose scale is not a number above 0")
     submesh = lambda: (c.string(), c.optional(c.string), c.u32())
-    return name, scale, c.many(submesh)
+    return name, scale, mesh, c.many(submesh)
