@@ -33,9 +33,10 @@ class LevelObject(Mapping[Name, NDArray[Any]]):
 
     ``obj["TEXCOORD_0"]`` has a row for each vertex, as glTF means it: integers that stand for
     fractions as floats, V from the top down, zeros where a submesh has none.
-    ``obj["POSITION", 2]`` are the differences of morph target 2. ``triangles`` is *n* × 3, indices of these rows; ``submesh`` has the submesh of each,
-    ``vertices`` for each row the vertex of the whole object. ``error`` and ``rms`` are distances
-    from the input in the mesh's units (``rms`` may be None).
+    ``obj["POSITION", 2]`` are the differences of morph target 2. ``triangles`` is *n* × 3, indices
+    of these rows; ``submesh`` has the submesh of each, ``vertices`` for each row the vertex of the
+    whole object. ``error`` and ``rms`` are distances from the input in the mesh's units (``rms``
+    may be None).
     """
 
     def __init__(
