@@ -1,11 +1,15 @@
 """A .lods stream, fed bytes as they come (docs/STREAM.md)."""
 
 import json
+from typing import Any
 
 from ..attribute import Source, read_document, source_format
 from ..cursor import Cursor
 from ..errors import FormatError, need
 from ..header import check_header
+from ..level import Level, Origin
+from ..level_object import LevelObject
+from ..scene import Scene
 from ..xxh32 import xxh32
 from .contexts import Contexts
 from .object import StreamObject, read_header
@@ -19,24 +23,33 @@ MAX_PAYLOAD = 16 << 20
 class Stream:
     """A stream so far. :meth:`feed` it bytes; ``objects`` has the meshes of all whole blocks.
 
-    ``source``, ``obj``, ``gltf`` and ``buffer`` are as those of a file, and None until they have
-    come; :meth:`bytes_of` gives what has come of the buffer. ``all_objects`` is how many objects
-    there will be.
+    ``source``, ``obj`` and ``gltf`` are as those of a file, and None until they have come;
+    ``buffer`` is empty until all of it has come, and :meth:`bytes_of` gives what has.
+    ``all_objects`` is how many objects there will be, ``used`` the bytes of whole blocks.
     """
 
-    def __init__(self):
+    source: Source | None
+    obj: dict[str, Any] | None
+    gltf: dict[str, Any] | None
+    all_objects: int | None
+    objects: list[StreamObject]
+    buffer: bytes
+    used: int
+
+    def __init__(self, folder: str | None = None) -> None:
         self.source = self.obj = self.gltf = self.all_objects = None
-        self.objects, self.buffer, self.used = [], None, 0
+        self.objects, self.buffer, self.used, self.folder = [], b"", 0, folder
         self._order, self._came, self._headers = [], b"", TextCodec()
+        self._fed = bytearray()
         self.each_step = None
         self._waiting, self._blocks, self._contexts = b"", 0, Contexts()
         self._complete, self._announced, self._text = False, 0, b""
 
-    def is_complete(self):
+    def is_complete(self) -> bool:
         """Whether the end has come."""
         return self._complete
 
-    def bytes_of(self, start, length):
+    def bytes_of(self, start: int, length: int) -> bytes | None:
         """Bytes of the buffer, such as those of a buffer view; None if some have not come."""
         at = 0
         for first, end in self._order:
@@ -46,8 +59,45 @@ class Stream:
             at += end - first
         return None
 
-    def feed(self, data):
+    @property
+    def triangles(self) -> int:
+        """Triangles so far, over all objects."""
+        return sum(len(o.mesh.triangles) for o in self.objects)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene so far; as long as the document is missing, every object stands at the
+        origin."""
+        meshes = [o.document_mesh for o in self.objects]
+        return Scene(self.gltf, self.buffer or self._in_place(), self.obj, meshes, self.folder)
+
+    def _in_place(self) -> bytes:
+        """The buffer up to the last byte that has come, with zeros for what has not."""
+        at, placed = 0, bytearray()
+        for start, end in self._order:
+            part = self._came[at : at + end - start]
+            placed.extend(bytes(max(start + len(part) - len(placed), 0)))
+            placed[start : start + len(part)] = part
+            at += len(part)
+            if not part:
+                break
+        return bytes(placed)
+
+    def level(self) -> Level:
+        """The mesh so far."""
+        upright = self.obj is not None and bool(self.obj)
+        objects: list[LevelObject] = [o.level(upright) for o in self.objects]
+        scales = [o.world_scale for o in self.objects]
+        origin = Origin("unpack", bytes(self._fed[: self.used]), self.folder)
+        return Level(objects, scales, self.scene, origin, [])
+
+    def __repr__(self) -> str:
+        state = "complete" if self._complete else "so far"
+        return f"<lodc stream: {self.used} bytes, {self.triangles} triangles {state}>"
+
+    def feed(self, data: bytes) -> "Stream":
         """Takes the next bytes and reads the blocks that they complete."""
+        self._fed += data
         self._waiting += bytes(data)
         if not self.used:
             if len(self._waiting) < HEADER:
@@ -145,11 +195,7 @@ class Stream:
         if missing > 0 and len(self._text) == self._stored:
             self._read_text(place)
         if self._document_left == 0:
-            parts, at = [], 0
-            for start, end in self._order:
-                parts.append((start, self._came[at : at + end - start]))
-                at += end - start
-            self.buffer = b"".join(part for _, part in sorted(parts))
+            self.buffer = self._in_place()
 
     def _read_text(self, place):
         text = self._text
@@ -165,10 +211,10 @@ class Stream:
         need(self.source.format == self.format, place, "has another format than the head")
         runs = c.many(lambda: (c.u64(), c.u64()))
         self._order = _buffer_order(runs, self._buffer_bytes, place)
-        for number, (name, scale, submeshes) in enumerate(entries):
+        for number, (name, scale, mesh, submeshes) in enumerate(entries):
             if number == len(self.objects):
                 self.objects.append(StreamObject(number, place))
-            self.objects[number].name_as(name, scale, submeshes)
+            self.objects[number].name_as(name, scale, mesh, submeshes)
         self._json(text[c.at :], place)
 
     def _source(self, c):
@@ -211,8 +257,8 @@ def _has_fields(data):
 
 
 def _object_text(c):
-    name, scale, _ = c.string(), c.f64(), c.u32()
+    name, scale, mesh = c.string(), c.f64(), c.u32()
     c.u32(), c.u32(), c.optional(c.u32)
     need(0 < scale < float("inf"), c.place, "has an object whose scale is not a number above 0")
     submesh = lambda: (c.string(), c.optional(c.string), c.u32())
-    return name, scale, c.many(submesh)
+    return name, scale, mesh, c.many(submesh)
