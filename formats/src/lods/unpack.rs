@@ -8,7 +8,7 @@ use super::rebuild::{self, Rebuilt};
 use super::received::{Received, ReceivedObject};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
 use lodc_mesh::{Cleaning, Mesh, MeshParts};
-use lodc_progressive::{Contexts, MeshDecoder, StepBlock};
+use lodc_progressive::{Contexts, MeshDecoder, StepBlock, TextCodec};
 
 /// Reads a stream from wherever its bytes come.
 ///
@@ -37,6 +37,8 @@ pub struct Unpacker {
     /// Everything from the first block on.
     received: Option<Received>,
     contexts: Box<Contexts>,
+    /// Codes the headers of objects.
+    headers: TextCodec,
     complete: bool,
     failed: Option<FormatError>,
 }
@@ -69,6 +71,7 @@ impl Unpacker {
             blocks: 0,
             received: None,
             contexts: Box::new(Contexts::new()),
+            headers: TextCodec::default(),
             complete: false,
             failed: None,
         }
@@ -121,11 +124,16 @@ impl Unpacker {
         self.received.as_ref()?.whole_document()
     }
 
-    /// The document as far as it has come, of a glTF with the first bytes of its buffer; none before
-    /// its text.
+    /// The document without its buffer; none before its text.
     #[must_use]
-    pub fn document_so_far(&self) -> Option<&Document> {
+    pub fn text(&self) -> Option<&Document> {
         Some(&self.received.as_ref()?.document.names.as_ref()?.document)
+    }
+
+    /// Bytes of the document's buffer that have come, without the first `from` of them: where each
+    /// piece belongs, and the piece.
+    pub fn buffer_pieces(&self, from: usize) -> impl Iterator<Item = (u64, &[u8])> {
+        self.received.iter().flat_map(move |r| r.document.buffer_pieces(from))
     }
 
     /// The document and the names so far, fit to be written with the meshes so far.
@@ -299,7 +307,7 @@ impl Unpacker {
         let (object, mut payload) = (block.tag as usize - 1, block.payload);
         let is_first = received.awaits_header(object);
         if is_first {
-            received.announce(mesh_header::take(&mut payload)?, &self.limits)?;
+            received.announce(mesh_header::take(&mut payload, &mut self.headers)?, &self.limits)?;
         }
         let decoder = &mut received
             .objects

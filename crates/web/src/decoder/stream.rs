@@ -3,7 +3,7 @@
 use super::levels::{self, Level};
 use super::message::{Message, Tag};
 use lodc_formats::lods::Unpacker;
-use lodc_formats::{Document, FormatError, Limits};
+use lodc_formats::{FormatError, Limits};
 use lodc_progressive::MeshDecoder;
 use std::ops::Range;
 
@@ -71,20 +71,17 @@ impl Growing {
     /// A message with everything new.
     pub(super) fn message(&mut self) -> Message {
         let mut out = Message::default();
-        let Some(document) = self.unpacker.document_so_far() else { return out };
+        let Some(document) = self.unpacker.text() else { return out };
         if !std::mem::replace(&mut self.document, true) {
             let objects = self.unpacker.all_objects().unwrap_or_default();
             out.document(document, objects, self.unpacker.buffer_bytes() as u32);
         }
-        if let Document::Gltf(gltf) = document {
-            let new = &gltf.blob[self.buffer..];
-            if !new.is_empty() {
-                out.chunk(Tag::Buffer, |m| {
-                    m.word(self.buffer as u32);
-                    m.bytes.extend_from_slice(new);
-                });
-                self.buffer = gltf.blob.len();
-            }
+        for (at, piece) in self.unpacker.buffer_pieces(self.buffer) {
+            out.chunk(Tag::Buffer, |m| {
+                m.word(at as u32);
+                m.bytes.extend_from_slice(piece);
+            });
+            self.buffer += piece.len();
         }
         for (number, told) in self.objects.iter_mut().enumerate() {
             let (decoder, info) = (self.unpacker.decoder(number), self.unpacker.info(number));
