@@ -152,7 +152,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "serde_json",
         ],
     ),
-    ("crates/web", &["lodc-formats", "lodc-scene", "lodc-select"]),
+    ("crates/web", &["lodc-formats", "lodc-mesh", "lodc-progressive", "lodc-scene", "lodc-select"]),
     (
         "cli",
         &[

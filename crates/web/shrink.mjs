@@ -7,7 +7,9 @@ import { pathToFileURL } from 'node:url';
 const [from, to, folder] = process.argv.slice(2);
 const { default: binaryen } = await import(pathToFileURL(`${folder}/index.js`));
 const module = binaryen.readBinary(readFileSync(from));
-module.setFeatures(binaryen.Features.All);
+const { Features } = binaryen;
+module.setFeatures(Features.BulkMemory | Features.SignExt | Features.NontrappingFPToInt
+  | Features.MutableGlobals | Features.Multivalue | Features.ReferenceTypes);
 const FORMATTING = /core3fmt|core\.\.fmt|flt2dec|panic|_fail|unwrap_failed|handle_alloc_error|capacity_overflow/;
 const functions = Array.from({ length: module.getNumFunctions() }, (_, i) => (
   binaryen.getFunctionInfo(module.getFunctionByIndex(i))));

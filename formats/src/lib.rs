@@ -25,7 +25,10 @@
 //! Features: `import` (OBJ, glTF, PLY and STL in), `export` (glTF, OBJ and PLY out), `stream`
 //! (`.lods`); all of them by default, and without any the container alone.
 
-#![cfg_attr(feature = "terse", allow(unused_variables, reason = "values of messages are not formatted"))]
+#![cfg_attr(
+    feature = "terse",
+    allow(unused_variables, reason = "values of messages are not formatted")
+)]
 
 /// A message without its values: what formats them would be half of a browser's decoder.
 #[cfg(feature = "terse")]
@@ -44,8 +47,8 @@ mod error;
 pub mod export;
 #[cfg(feature = "import")]
 mod faces;
-mod file_header;
 mod fields;
+mod file_header;
 #[cfg(feature = "export")]
 mod flatten;
 #[cfg(feature = "json")]

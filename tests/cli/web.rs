@@ -1,4 +1,4 @@
-//! The browser package: its WebAssembly and modules under node, its example in a browser.
+//! The browser package: its modules under node, and as its users have it, in a browser.
 
 use crate::support::{LODC, outside};
 use std::path::Path;
@@ -7,10 +7,22 @@ use std::process::{Command, Stdio};
 #[test]
 fn the_package_gives_the_levels_of_the_program() {
     let Some(folder) = outside("LODC_WEB") else { return };
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/web/test/package.mjs");
+    node("package.mjs", &folder, 3);
+}
+
+#[test]
+fn the_package_is_bundled_and_shows_models_and_streams_in_a_browser() {
+    let Some(folder) = outside("LODC_WEB") else { return };
+    node("browser.mjs", &folder, 8);
+}
+
+/// Runs the tests of a script, of which there are so many. `LODC_WEB_TOOLS` names the packages that
+/// they use.
+fn node(script: &str, folder: &Path, tests: usize) {
+    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/web/test");
     let output = Command::new("node")
         .arg("--test")
-        .arg(script)
+        .arg(scripts.join(script))
         .env("LODC_WEB", folder)
         .env("LODC", LODC)
         .stdin(Stdio::null())
@@ -18,5 +30,5 @@ fn the_package_gives_the_levels_of_the_program() {
         .expect("node is there if the package is");
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{text}");
-    assert!(text.contains("pass 4"), "not all tests ran: {text}");
+    assert!(text.contains(&format!("pass {tests}")), "not all tests ran: {text}");
 }

@@ -1,17 +1,35 @@
 // The WebAssembly of files and streams, without three.js and without a worker.
 
-/** Decodes one `.lodc` file or `.lods` stream. Its memory goes with it. */
+export { read } from './message.js';
+
+const MAGIC = [0x89, 0x4c, 0x4f, 0x44, 0x53];
+/** Bytes that tell a stream from a file. */
+export const FIRST = MAGIC.length;
+
+/** Whether bytes are those of a `.lods` stream. */
+export function isStream(bytes) {
+  return MAGIC.every((byte, i) => bytes[i] === byte);
+}
+
+/** The addresses of the two WebAssemblies, each of which is loaded when it is needed. */
+export const WASM = {
+  file: new URL('./file.wasm', import.meta.url).href,
+  stream: new URL('./stream.wasm', import.meta.url).href,
+};
+
+/** Decodes one `.lodc` file or one `.lods` stream. Its memory goes with it. */
 export class Decoder {
-  /** @param wasm the address of `decoder.wasm`, or its `WebAssembly.Module` */
-  static async create(wasm = new URL('./decoder.wasm', import.meta.url)) {
+  /** @param wasm the address of `file.wasm` or `stream.wasm`, its bytes or `WebAssembly.Module` */
+  static async create(wasm) {
     const module = wasm instanceof WebAssembly.Module ? wasm : await Decoder.module(wasm);
     return new Decoder((await WebAssembly.instantiate(module, {})).exports);
   }
 
-  /** Compiles the WebAssembly, for several decoders. */
-  static async module(address) {
-    const response = await fetch(address);
-    if (!response.ok) throw new Error(`${address}: ${response.status}`);
+  /** Compiles a WebAssembly, for several decoders. */
+  static async module(wasm) {
+    if (wasm instanceof ArrayBuffer || ArrayBuffer.isView(wasm)) return WebAssembly.compile(wasm);
+    const response = await fetch(wasm);
+    if (!response.ok) throw new Error(`${wasm}: ${response.status}`);
     return WebAssembly.compile(await response.arrayBuffer());
   }
 

@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { WASM } from './decoder.js';
 import { read } from './message.js';
 import { documentOf } from './mtl.js';
 import { LodcMesh, LodcModel, LodcObject, LodcSkinnedMesh, materialsOf, texturesOf } from './model.js';
@@ -149,7 +150,7 @@ class Opening {
     });
     try {
       this.signal.throwIfAborted();
-      send({ wasm: new URL('./decoder.wasm', import.meta.url).href });
+      send({ wasm: WASM });
       await Promise.race([this.fetch(full, url, onProgress, send), ended]);
       await ended;
       await this.shown;
@@ -279,7 +280,8 @@ class Opening {
     const { model, animations } = this;
     if (animations) {
       model.parser.json.animations = animations;
-      model.animations.push(...await model.parser.getDependencies('animation'));
+      const clips = animations.map((_, i) => model.parser.getDependency('animation', i));
+      model.animations.push(...await Promise.all(clips));
       model.dispatchEvent({ type: 'animations' });
     }
     await Promise.all(this.textures);
@@ -335,7 +337,8 @@ class Plugin {
       // One for each picture: a large image takes a while to be uploaded.
       this.opening.uploads = (this.opening.uploads ?? Promise.resolve()).then(picture);
       await this.opening.uploads;
-      if (!real) throw new Error(`image of texture ${index} cannot be loaded`);
+      // three's loader has said so: the material's factors stay.
+      if (!real) return;
       const { source } = texture;
       const all = [...materialsOf(model)].flatMap(texturesOf);
       for (const user of new Set(all.filter((other) => other.source === source))) {

@@ -61,9 +61,10 @@ export class LodcObject {
       this.levels.push({ error, triangles: total, ranges, end: at });
     }
     const all = first === 0 && this.levels.at(-1)?.triangles === this.header.triangles;
-    // All levels together have less than three times the triangles of the last one.
+    // Those that stay have at most three times the triangles of the last of them; the present one
+    // comes behind them.
     this.index ??= new THREE.BufferAttribute(
-      all ? indices : new Uint32Array(9 * this.header.triangles), 1);
+      all ? indices : new Uint32Array(12 * this.header.triangles), 1);
     if (!all) put(this.index, first, indices);
     this.geometries.forEach((geometry, part) => this.grow(geometry, part));
   }

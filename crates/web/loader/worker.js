@@ -1,11 +1,11 @@
-// Decodes away from the page's thread. Takes `{ id, wasm }` to begin, `{ id, bytes }` with the next
+// Decodes away from the page's thread. Takes `{ id, wasm }` with the addresses to begin, `{ id, bytes }` with the next
 // ones, `{ id, end }`, `{ id, next }` for what has come since the last message, `{ id, drop }`.
 
-import { Decoder } from './decoder.js';
+import { Decoder, FIRST, isStream } from './decoder.js';
 import { read } from './message.js';
 
-const LODS = [0x89, 0x4c, 0x4f, 0x44, 0x53];
-let module = null;
+/** The WebAssemblies that were needed, by their addresses. */
+const modules = new Map();
 const files = new Map();
 
 /** Makes the sum of each vertex's joint weights one, as three.js does. */
@@ -24,32 +24,38 @@ function wholeWeights(array, width, normalized) {
 
 class File {
   constructor(id, wasm) {
-    this.id = id;
+    Object.assign(this, { id, wasm });
     this.headers = [];
     this.pieces = [];
-    this.isStream = null;
+    this.decoder = null;
     this.asked = true;
     this.told = true;
-    module ??= Decoder.module(wasm);
-    this.queue = module.then(Decoder.create).then((decoder) => {
-      this.decoder = decoder;
-    });
+    this.queue = Promise.resolve();
   }
 
-  /** Takes bytes; several pieces that wait are fed at once. */
-  take(bytes) {
-    if (this.isStream === null) {
-      const first = this.pieces.length ? joined([...this.pieces, bytes]) : bytes;
-      if (first.length >= LODS.length) this.isStream = LODS.every((byte, i) => first[i] === byte);
-    }
+  /** Takes bytes, of a stream at once. */
+  async take(bytes) {
     this.pieces.push(bytes);
+    if (!this.decoder) {
+      const first = joined(this.pieces);
+      if (first.length < FIRST) return;
+      await this.start(isStream(first));
+    }
     if (!this.isStream) return;
     this.told = false;
     this.decoder.feed(joined(this.pieces.splice(0)));
     this.tell();
   }
 
-  end() {
+  async start(stream) {
+    const address = stream ? this.wasm.stream : this.wasm.file;
+    if (!modules.has(address)) modules.set(address, Decoder.module(address));
+    this.isStream = stream;
+    this.decoder = await Decoder.create(await modules.get(address));
+  }
+
+  async end() {
+    if (!this.decoder) await this.start(false);
     if (this.isStream) {
       this.ended = true;
       this.told = false;
@@ -102,10 +108,10 @@ onmessage = ({ data }) => {
   const file = files.get(id);
   if (!file) return;
   if (data.drop) files.delete(id);
-  const act = () => {
+  const act = async () => {
     if (!files.has(id)) return;
-    if (data.bytes) file.take(data.bytes);
-    if (data.end) file.end();
+    if (data.bytes) await file.take(data.bytes);
+    if (data.end) await file.end();
     if (data.next) {
       file.asked = true;
       file.tell();

@@ -16,6 +16,7 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+#[cfg(any(feature = "file", feature = "stream"))]
 mod decoder;
 #[cfg(feature = "full")]
 mod levels;
@@ -24,6 +25,7 @@ mod modules;
 #[cfg(feature = "full")]
 mod session;
 
+#[cfg(any(feature = "file", feature = "stream"))]
 pub use decoder::Decoder;
 #[cfg(feature = "full")]
 pub use levels::levels;
@@ -41,8 +43,8 @@ pub enum Status {
     Failed = 1,
 }
 
-#[cfg(feature = "full")]
 /// Everything that a host has open, by number.
+#[cfg(feature = "full")]
 #[derive(Debug, Default)]
 pub struct Sessions(Vec<Option<Session>>);
 

@@ -84,28 +84,3 @@ test('damage is an error in one line and other sessions go on', () => {
   assert.throws(() => lodc.stream().feed(new TextEncoder().encode('not a stream')));
   assert.ok(lodc.open(built('terrain.obj')).selection.triangles > 0);
 });
-
-test('copies of a three.js model share buffers and differ in their ranges', async () => {
-  globalThis.self ??= globalThis;
-  const { LodcLoader, LodcMesh } = await module('three.js');
-  const THREE = await module('node_modules/three/build/three.module.js');
-  for (const input of ['machine_part.glb', 'skinned_tube_u8.glb', 'morphing_sphere.glb']) {
-    const model = await new LodcLoader(lodc).parse(built(input));
-    const [near, far] = [new LodcMesh(model), new LodcMesh(model)];
-    const size = new THREE.Box3().setFromObject(model.scene).getSize(new THREE.Vector3()).length();
-    far.position.z = -1000 * size;
-    const camera = new THREE.PerspectiveCamera(50, 1, size / 100, size * 1e4);
-    camera.position.z = size;
-    camera.updateMatrixWorld();
-    for (const copy of [near, far]) copy.update(camera, 1080);
-    assert.ok(near.triangles > 2 * far.triangles && far.triangles > 0, input);
-    near.meshes.forEach(({ mesh }, i) => {
-      const other = far.meshes[i].mesh;
-      assert.equal(mesh.geometry.attributes.position, other.geometry.attributes.position);
-      assert.equal(mesh.geometry.index, other.geometry.index);
-      assert.equal(mesh.material, other.material);
-      assert.notEqual(mesh.geometry.drawRange, other.geometry.drawRange);
-    });
-    assert.equal(near.meshes.some(({ mesh }) => mesh.isSkinnedMesh), input.startsWith('skinned'));
-  }
-});

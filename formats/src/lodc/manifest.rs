@@ -42,7 +42,17 @@ pub(super) struct ObjectEntry {
     pub(super) attributes: Vec<Record<AttributeEntry>>,
     pub(super) models: Vec<Record<ModelEntry>>,
 }
-fields!(ObjectEntry { name, world_scale, document_mesh, last_legal_lod, topology_changes, first_topology_change, submeshes, attributes, models });
+fields!(ObjectEntry {
+    name,
+    world_scale,
+    document_mesh,
+    last_legal_lod,
+    topology_changes,
+    first_topology_change,
+    submeshes,
+    attributes,
+    models
+});
 
 pub(super) struct SubmeshEntry {
     pub(super) name: String,

@@ -3,10 +3,10 @@
 use super::container::{Container, Writer};
 use super::left_out::{LeftOut, shortened};
 use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
-use crate::fields::Record;
 use super::streams::{self, ZeroBudget};
 use super::table::{Tag, place, tag};
 use super::{LodObject, StoredModel, arrays, poses, steps};
+use crate::fields::Record;
 use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
 use lodc_mesh::{
     Attribute, CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh,

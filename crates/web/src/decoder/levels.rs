@@ -2,16 +2,18 @@
 
 use super::message::{Message, Tag};
 
-/// A level has this many times the triangles of the one before: at most half of them are drawn for
-/// nothing, and all lists together are three times as long as that of the finest level.
+/// A level has at least this many times the triangles of the one before: all lists together are at
+/// most three times as long as that of the finest level, and a third of what is drawn is too much.
 const FACTOR: f64 = 1.5;
 
 /// Returns the most triangles of the next coarser level.
+#[cfg(feature = "file")]
 pub(super) fn coarser(triangles: u32) -> u32 {
     (f64::from(triangles) / FACTOR) as u32
 }
 
 /// Returns the least triangles of the next finer level.
+#[cfg(feature = "stream")]
 pub(super) fn finer(triangles: u32) -> u32 {
     (f64::from(triangles) * FACTOR).ceil() as u32
 }

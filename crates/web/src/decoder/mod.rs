@@ -3,14 +3,17 @@
 //! The output is a message of chunks (`message.rs`), which `js/message.js` reads. Vertices are in
 //! stream order, of files, too: those of a coarse level come first, so that arrays only grow.
 
+#[cfg(feature = "file")]
 mod file;
 mod levels;
 mod message;
+#[cfg(feature = "stream")]
 mod stream;
 
 use crate::Status;
 use lodc_formats::FormatError;
 use message::Message;
+#[cfg(feature = "stream")]
 use stream::Growing;
 
 /// A `.lodc` file, or a `.lods` stream that is fed piece by piece.
@@ -18,6 +21,7 @@ use stream::Growing;
 pub struct Decoder {
     input: Vec<u8>,
     output: Vec<u8>,
+    #[cfg(feature = "stream")]
     stream: Option<Box<Growing>>,
 }
 
@@ -36,12 +40,14 @@ impl Decoder {
     }
 
     /// Takes the input as a whole `.lodc` file. The output has all of it.
+    #[cfg(feature = "file")]
     pub fn open(&mut self) -> Status {
         let input = std::mem::take(&mut self.input);
         self.answer(file::message(&input))
     }
 
     /// Takes the input as the next bytes of a `.lods` stream. The output is empty.
+    #[cfg(feature = "stream")]
     pub fn feed(&mut self) -> Status {
         let stream = self.stream.get_or_insert_default();
         let fed = stream.feed(&self.input);
@@ -49,6 +55,7 @@ impl Decoder {
     }
 
     /// The output has everything of the stream that no output had so far.
+    #[cfg(feature = "stream")]
     pub fn grown(&mut self) -> Status {
         let message = self.stream.as_mut().map(|stream| stream.message());
         self.answer(Ok(message.unwrap_or_default()))

@@ -155,8 +155,14 @@ impl Told {
 }
 
 fn level(decoder: &MeshDecoder) -> Level {
+    // Within the first batch its error has not come yet, and 0 is stated; no level is taken for one
+    // without error, then, before all has come.
+    let error = match decoder.error() {
+        0.0 if !decoder.is_complete() => f32::INFINITY,
+        error => error,
+    };
     let submesh = |t: [u32; 3]| decoder.vertex_submesh()[t[0] as usize];
     let triangles = (0..decoder.triangle_count()).map(|t| decoder.triangle(t));
     let triangles = triangles.map(|t| (submesh(t), t));
-    Level::new(decoder.error(), decoder.header().submeshes.len(), triangles)
+    Level::new(error, decoder.header().submeshes.len(), triangles)
 }

@@ -18,18 +18,21 @@ pub extern "C" fn lodc_input(length: usize) -> usize {
 }
 
 /// Takes the input as a `.lodc` file; see `Decoder::open`. Returns a `Status`.
+#[cfg(feature = "file")]
 #[unsafe(no_mangle)]
 pub extern "C" fn lodc_open() -> u32 {
     with(Decoder::open) as u32
 }
 
 /// Takes the input as the next bytes of a stream; see `Decoder::feed`. Returns a `Status`.
+#[cfg(feature = "stream")]
 #[unsafe(no_mangle)]
 pub extern "C" fn lodc_feed() -> u32 {
     with(Decoder::feed) as u32
 }
 
 /// Makes a message of what has come of a stream; see `Decoder::grown`. Returns a `Status`.
+#[cfg(feature = "stream")]
 #[unsafe(no_mangle)]
 pub extern "C" fn lodc_grown() -> u32 {
     with(Decoder::grown) as u32

@@ -1,0 +1,238 @@
+// What the tests of the package do in a page that Vite has bundled: `test/browser.mjs` calls it.
+
+import * as THREE from 'three';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { LodcLoader } from 'lodc';
+
+const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
+renderer.setSize(640, 480, false);
+renderer.domElement.style.width = '640px';
+document.body.append(renderer.domElement);
+
+function stage() {
+  const scene = new THREE.Scene();
+  scene.background = new THREE.Color(0x334455);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0x998877, 4));
+  const sun = new THREE.DirectionalLight(0xffffff, 2);
+  sun.position.set(2, 3, 4);
+  scene.add(sun);
+  return scene;
+}
+
+/** A camera that sees all of an object. */
+function cameraFor(object, away = 1) {
+  object.updateWorldMatrix(true, true);
+  const sphere = new THREE.Box3().setFromObject(object).getBoundingSphere(new THREE.Sphere());
+  const camera = new THREE.PerspectiveCamera(45, 640 / 480, sphere.radius / 100, sphere.radius * 1000);
+  camera.position.set(0.6, 0.45, 1).normalize().multiplyScalar(2.6 * away * sphere.radius);
+  camera.position.add(sphere.center);
+  camera.lookAt(sphere.center);
+  camera.updateMatrixWorld();
+  return camera;
+}
+
+function pixels() {
+  const { width, height } = renderer.domElement;
+  const bytes = new Uint8Array(4 * width * height);
+  const gl = renderer.getContext();
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  return bytes;
+}
+
+function draw(object, camera) {
+  const scene = stage();
+  scene.add(object);
+  renderer.render(scene, camera);
+  return pixels();
+}
+
+/** Pixels that differ by more than 2 of 255, and those that are not the background's. */
+function difference(a, b) {
+  let [differ, drawn] = [0, 0];
+  for (let i = 0; i < a.length; i += 4) {
+    const most = Math.max(...[0, 1, 2].map((k) => Math.abs(a[i + k] - b[i + k])));
+    if (most > 2) differ += 1;
+    if (a[i] !== a[0] || a[i + 1] !== a[1] || a[i + 2] !== a[2]) drawn += 1;
+  }
+  return { differ, drawn };
+}
+
+/** Means of the colours of what is drawn: how far it is from grey. */
+function colourfulness(bytes) {
+  let [sum, count] = [0, 0];
+  for (let i = 0; i < bytes.length; i += 4) {
+    const [r, g, b] = [bytes[i], bytes[i + 1], bytes[i + 2]];
+    if (r === bytes[0] && g === bytes[1] && b === bytes[2]) continue;
+    sum += Math.max(r, g, b) - Math.min(r, g, b);
+    count += 1;
+  }
+  return count === 0 ? 0 : sum / count;
+}
+
+function pose(object, clip, seconds) {
+  if (!clip) return;
+  const mixer = new THREE.AnimationMixer(object);
+  mixer.clipAction(clip).play();
+  mixer.setTime(seconds);
+  object.updateMatrixWorld(true);
+}
+
+/** Draws a model and the same one as plain glTF, at the moment of an animation; how they differ. */
+async function compare(url, plain, seconds = 0) {
+  const model = await LodcLoader.load(url);
+  await model.whenComplete;
+  const gltf = await new GLTFLoader().loadAsync(plain);
+  model.pixels = -1;
+  const camera = cameraFor(gltf.scene);
+  pose(gltf.scene, gltf.animations[0], seconds);
+  const wanted = draw(gltf.scene, camera);
+  pose(model, model.animations[0], seconds);
+  const mine = draw(model, camera);
+  const copy = model.clone();
+  pose(copy, model.animations[0], seconds);
+  const copied = difference(draw(copy, camera), wanted).differ;
+  return {
+    ...difference(mine, wanted), copied, colours: [colourfulness(mine), colourfulness(wanted)],
+    clips: [model.animations.length, gltf.animations.length], triangles: model.triangles,
+  };
+}
+
+let streamed;
+
+/** Begins to load, and to draw whatever has come; resolves with the first picture. */
+async function begin(url, away) {
+  streamed = { pictures: 0, events: [], progress: 0, triangles: [] };
+  const begun = performance.now();
+  const model = await LodcLoader.load(url, { onProgress: ({ loaded, total }) => {
+    streamed.progress = loaded / total;
+  } });
+  streamed.model = model;
+  const scene = stage();
+  scene.add(model);
+  const frame = () => {
+    streamed.camera ??= cameraFor(model, away);
+    model.pixels = -1;
+    renderer.render(scene, streamed.camera);
+    streamed.pictures += 1;
+    const { triangles } = model;
+    if (triangles !== streamed.triangles.at(-1)) streamed.triangles.push(triangles);
+    if (!streamed.done) requestAnimationFrame(frame);
+  };
+  for (const type of ['grown', 'animations', 'complete']) {
+    model.addEventListener(type, () => streamed.events.push(type));
+  }
+  frame();
+  streamed.geometries = renderer.info.memory.geometries;
+  return { milliseconds: performance.now() - begun, triangles: model.triangles, progress: streamed.progress };
+}
+
+/** Waits until a share of a stream's bytes has come and is drawn. */
+async function until(share) {
+  while (streamed.progress < share) await new Promise((resolve) => setTimeout(resolve, 5));
+  if (share >= 1) await streamed.model.whenComplete;
+  await new Promise((resolve) => setTimeout(resolve, 60));
+  return { progress: streamed.progress, triangles: streamed.model.triangles };
+}
+
+/** Ends drawing; levels for a picture from afar and from near. */
+async function finish() {
+  streamed.done = true;
+  const { model, events, triangles, geometries } = streamed;
+  const [near, far] = [1, 40].map((away) => {
+    model.pixels = 1;
+    draw(model, cameraFor(model, away));
+    return model.triangles;
+  });
+  const result = {
+    near, far, triangles, pictures: streamed.pictures, complete: model.isComplete,
+    grown: events.filter((event) => event === 'grown').length, last: events.at(-1),
+    geometries: [geometries, renderer.info.memory.geometries],
+    colour: colourfulness(draw(model, cameraFor(model))),
+  };
+  model.dispose();
+  return result;
+}
+
+/** So many copies at growing distances; what they share, and what a ray hits. */
+async function crowd(url, count) {
+  const model = await LodcLoader.load(url);
+  await model.whenComplete;
+  const scene = stage();
+  const sphere = new THREE.Box3().setFromObject(model).getBoundingSphere(new THREE.Sphere());
+  const copies = [];
+  const side = Math.ceil(Math.sqrt(count));
+  for (let i = 0; i < count; i++) {
+    const copy = i === 0 ? model : model.clone();
+    copy.position.set((i % side) - side / 2, 0, -Math.floor(i / side)).multiplyScalar(2.4 * sphere.radius);
+    copies.push(copy);
+    scene.add(copy);
+  }
+  const camera = new THREE.PerspectiveCamera(45, 640 / 480, sphere.radius / 10, sphere.radius * 1000);
+  camera.position.set(0, 3 * sphere.radius, 5 * sphere.radius);
+  camera.lookAt(0, 0, -6 * sphere.radius);
+  camera.updateMatrixWorld();
+  renderer.render(scene, camera);
+  const counts = copies.map((copy) => copy.triangles);
+  const geometries = new Set(copies.flatMap((copy) => copy.meshes.map(({ geometry }) => geometry)));
+  const cast = (copy) => {
+    const box = new THREE.Box3().setFromObject(copy, true);
+    const from = box.getCenter(new THREE.Vector3()).add(new THREE.Vector3(0, 0, 100 * sphere.radius));
+    const ray = new THREE.Raycaster(from, new THREE.Vector3(0, 0, -1));
+    const most = Math.max(...ray.intersectObject(copy).map(({ faceIndex }) => faceIndex), -1);
+    return { hit: most >= 0, faces: most };
+  };
+  return {
+    near: Math.max(...counts.slice(0, side)), far: Math.min(...counts.slice(-side)),
+    drawn: renderer.info.render.triangles, sum: counts.reduce((a, b) => a + b), geometries: geometries.size,
+    all: Math.max(...model.objects.map(({ header }) => header.triangles)), hit: cast(model).hit,
+    memory: renderer.info.memory,
+  };
+}
+
+/** Opens a file in the page's sight; the longest task of the page's thread, in milliseconds. */
+async function longest(url) {
+  const tasks = [];
+  const observer = new PerformanceObserver((list) => {
+    tasks.push(...list.getEntries().map(({ duration }) => duration));
+  });
+  observer.observe({ type: 'longtask', buffered: false });
+  const begun = performance.now();
+  const { model } = await (async () => ({ model: await LodcLoader.load(url) }))();
+  await model.whenComplete;
+  const opened = performance.now() - begun;
+  await new Promise((resolve) => setTimeout(resolve, 300));
+  const opening = [...tasks];
+  tasks.length = 0;
+  draw(model, cameraFor(model, 3));
+  await new Promise((resolve) => setTimeout(resolve, 300));
+  const all = model.objects.reduce((sum, { header }) => sum + header.triangles, 0);
+  const shown = model.triangles;
+  model.dispose();
+  return { opened, opening: Math.max(0, ...opening), drawing: Math.max(0, ...tasks), all, shown };
+}
+
+/** Errors of all kinds: what is said, and that nothing goes on. */
+async function refused(url) {
+  try {
+    const model = await LodcLoader.load(url);
+    await model.whenComplete;
+    return 'loaded';
+  } catch (error) {
+    return error.message;
+  }
+}
+
+async function aborted(url) {
+  const controller = new AbortController();
+  const loading = LodcLoader.load(url, { signal: controller.signal });
+  controller.abort();
+  try {
+    await loading;
+    return 'loaded';
+  } catch (error) {
+    return error.name;
+  }
+}
+
+Object.assign(window, { compare, begin, until, finish, crowd, longest, refused, aborted });
+document.documentElement.dataset.ready = '';

@@ -1,0 +1,171 @@
+// Tests of the package as a user has it: packed, installed into a fresh folder, bundled by Vite,
+// opened in Chromium. `node --test` with LODC_WEB naming the built package, LODC_WEB_TOOLS the
+// node_modules with vite, typescript, three and axe-core, LODC the program (tests/cli/web.rs).
+
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import {
+  cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, symlinkSync, writeFileSync,
+} from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import test from 'node:test';
+import { gzipSync } from 'node:zlib';
+import { Chromium } from './chromium.mjs';
+import { separated } from './models.mjs';
+import { serve } from './serve.mjs';
+
+const { LODC_WEB, LODC_WEB_TOOLS, LODC } = process.env;
+const fixtures = new URL('../../../fixtures/', import.meta.url).pathname;
+const app = new URL('./app/', import.meta.url).pathname;
+const scratch = mkdtempSync(join(tmpdir(), 'lodc-package-'));
+const models = join(scratch, 'models');
+const fresh = join(scratch, 'fresh');
+const run = (cwd, program, ...args) => execFileSync(program, args, { cwd, encoding: 'utf8' });
+const lodc = (...args) => run(models, LODC, ...args);
+
+mkdirSync(models);
+cpSync(app, fresh, { recursive: true });
+const tarball = run(scratch, 'npm', 'pack', '--silent', LODC_WEB).trim().split('\n').at(-1);
+writeFileSync(join(fresh, 'package.json'), '{ "private": true, "type": "module" }');
+run(fresh, 'npm', 'install', '--silent', '--offline', '--no-audit', '--no-fund', '--legacy-peer-deps',
+  join(scratch, tarball));
+for (const name of readdirSync(LODC_WEB_TOOLS).filter((name) => !name.startsWith('.'))) {
+  symlinkSync(join(LODC_WEB_TOOLS, name), join(fresh, 'node_modules', name));
+}
+const tool = (name, ...args) => run(fresh, 'node', join(LODC_WEB_TOOLS, name), ...args);
+const installed = join(fresh, 'node_modules/lodc');
+
+/** A fixture as a file, and as a stream. */
+function built(name, ...options) {
+  const [stem] = name.split('.');
+  cpSync(join(fixtures, name), join(models, name));
+  lodc('build', name, '-o', `${stem}.lodc`, '-q', '--models', 'none', ...options);
+  lodc('pack', `${stem}.lodc`, '-o', `${stem}.lods`, '-q');
+}
+
+for (const name of ['machine_part.glb', 'skinned_tube_u8.glb', 'morphing_sphere.glb', 'terrain.glb']) built(name);
+separated(models);
+lodc('build', 'scene.gltf', '-o', 'scene.lodc', '-q', '--models', 'none');
+lodc('pack', 'scene.lodc', '-o', 'scene.lods', '-q');
+tool('vite/bin/vite.js', 'build', '--logLevel', 'error');
+const { server, url } = await serve(join(fresh, 'dist'), models);
+const browser = await Chromium.start();
+await browser.size(640, 480);
+await browser.goto(`${url}/index.html`);
+const isReady = "'ready' in document.documentElement.dataset";
+while (!await browser.value(isReady)) await new Promise((resolve) => setTimeout(resolve, 20));
+test.after(async () => {
+  await browser.close();
+  server.close();
+  rmSync(scratch, { recursive: true });
+});
+/** Calls a function of the page; nothing may be written to its console meanwhile. */
+async function page(name, ...args) {
+  browser.console.length = 0;
+  const value = await browser.value(`${name}(${args.map((arg) => JSON.stringify(arg)).join()})`);
+  const said = browser.console.filter((line) => !line.includes('GPU stall due to ReadPixels'));
+  assert.deepEqual(said, [], `${name} ${args}`);
+  return value;
+}
+/** Keeps a picture of the page where LODC_PICTURES says. */
+async function keep(name) {
+  const picture = await browser.picture();
+  const folder = process.env.LODC_PICTURES;
+  if (folder) writeFileSync(join(folder, `${name}.png`), picture);
+}
+
+test('the package is small', () => {
+  const size = (name) => gzipSync(readFileSync(join(installed, 'loader', name)), { level: 9 }).length;
+  const wasm = ['file.wasm', 'stream.wasm'].map(size);
+  const scripts = readdirSync(join(installed, 'loader')).filter((name) => name.endsWith('.js'));
+  const js = scripts.reduce((sum, name) => sum + size(name), 0);
+  console.log(`file.wasm and stream.wasm ${wasm} bytes, JavaScript ${js} bytes with gzip`);
+  // A page loads the one that its models need.
+  assert.ok(Math.max(...wasm) <= 60 << 10, `WebAssembly: ${wasm} bytes`);
+  assert.ok(js <= 15 << 10, `JavaScript: ${js} bytes`);
+});
+
+test('its declarations hold', () => {
+  const options = ['--noEmit', '--strict', '--target', 'esnext', '--module', 'esnext',
+    '--moduleResolution', 'bundler', '--lib', 'esnext,dom,dom.iterable'];
+  tool('typescript/bin/tsc', ...options, 'types.ts');
+});
+
+test('every entry of package.json is in the package', () => {
+  const { exports } = JSON.parse(readFileSync(join(installed, 'package.json')));
+  for (const entry of Object.values(exports)) {
+    for (const file of [entry].flatMap((e) => (typeof e === 'string' ? e : Object.values(e)))) {
+      assert.ok(readFileSync(join(installed, file)).length > 0, file);
+    }
+  }
+});
+
+test('models look like the glTF they are made of, in motion, too, and so do copies', async () => {
+  const cases = [
+    ['machine_part.lodc', 'machine_part.glb', 0], ['terrain.lodc', 'terrain.glb', 0],
+    ['skinned_tube_u8.lodc', 'skinned_tube_u8.glb', 0.4], ['morphing_sphere.lodc', 'morphing_sphere.glb', 0.4],
+    ['scene.lodc', 'scene.gltf', 0], ['scene.lods', 'scene.gltf', 0],
+    ['skinned_tube_u8.lods', 'skinned_tube_u8.glb', 0.4],
+    ['morphing_sphere.lods', 'morphing_sphere.glb', 0.4],
+  ];
+  for (const [mine, plain, seconds] of cases) {
+    const { differ, drawn, copied, clips, colours } = await page('compare', `/${mine}`, `/${plain}`, seconds);
+    await keep(mine);
+    assert.ok(drawn > 5000, `${mine}: ${drawn} pixels are drawn`);
+    // Of a stream only the order of triangles is another: seams of pixels may fall differently.
+    assert.ok(differ <= drawn / 1000, `${mine}: ${differ} of ${drawn} pixels differ`);
+    assert.ok(copied <= drawn / 1000, `${mine}: ${copied} pixels of a copy differ`);
+    assert.equal(clips[0], clips[1], mine);
+    if (mine.startsWith('scene')) assert.ok(colours[0] > 60, `${mine} is grey: ${colours}`);
+  }
+});
+
+test('a stream shows within its first block and grows in place', async () => {
+  const first = await page('begin', '/terrain.lods?slow=60');
+  assert.ok(first.triangles > 0 && first.progress < 0.12, JSON.stringify(first));
+  const shares = [];
+  for (const share of [0.05, 0.3, 1]) {
+    shares.push(await page('until', share));
+    await keep(`stream-${100 * share}`);
+  }
+  const [a, b, all] = shares.map(({ triangles }) => triangles);
+  assert.ok(0 < a && a < b && b < all, JSON.stringify(shares));
+  const end = await page('finish');
+  assert.equal(all, Math.max(...end.triangles));
+  assert.deepEqual(end.triangles, [...end.triangles].sort((x, y) => x - y), 'it only grows');
+  assert.ok(end.complete && end.last === 'complete');
+  assert.equal(end.geometries[0], end.geometries[1], 'geometries are made once');
+  assert.ok(end.near > end.far && end.far > 0, 'a stream that has come chooses levels');
+});
+
+test('a textured stream shows its images when they have come', async () => {
+  await page('begin', '/scene.lods?slow=30');
+  await page('until', 1);
+  const end = await page('finish');
+  assert.ok(end.colour > 60, `grey: ${end.colour}`);
+});
+
+test('a crowd of 200 shares one geometry, and each copy has a level of its own', async () => {
+  const crowd = await page('crowd', '/terrain.lodc', 200);
+  await keep('crowd');
+  assert.equal(crowd.geometries, 1);
+  assert.ok(crowd.near > 2 * crowd.far && crowd.far > 0, JSON.stringify(crowd));
+  assert.ok(crowd.hit, 'a ray hits');
+});
+
+test('damage, a cut, an abortion are errors', async () => {
+  const bytes = readFileSync(join(models, 'terrain.lodc'));
+  bytes[bytes.length >> 1] ^= 255;
+  writeFileSync(join(models, 'damaged.lodc'), bytes);
+  assert.match(await page('refused', '/damaged.lodc'), /^\/damaged\.lodc: section .*damaged/);
+  const stream = readFileSync(join(models, 'terrain.lods'));
+  writeFileSync(join(models, 'cut.lods'), stream.subarray(0, stream.length / 2));
+  assert.match(await page('refused', '/cut.lods'), /ends before everything has come/);
+  stream[stream.length >> 1] ^= 255;
+  writeFileSync(join(models, 'damaged.lods'), stream);
+  assert.match(await page('refused', '/damaged.lods'), /block \d*.*checksum|block .*checksum/);
+  writeFileSync(join(models, 'text.lodc'), 'not a model');
+  assert.match(await page('refused', '/text.lodc'), /this is not a/);
+  assert.equal(await page('aborted', '/terrain.lods?slow=20'), 'AbortError');
+});
