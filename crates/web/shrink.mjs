@@ -10,7 +10,8 @@ const module = binaryen.readBinary(readFileSync(from));
 const { Features } = binaryen;
 module.setFeatures(Features.BulkMemory | Features.SignExt | Features.NontrappingFPToInt
   | Features.MutableGlobals | Features.Multivalue | Features.ReferenceTypes);
-const FORMATTING = /core3fmt|core\.\.fmt|flt2dec|panic|_fail|unwrap_failed|handle_alloc_error|capacity_overflow/;
+const FORMATTING = new RegExp(['core3fmt', 'core\\.\\.fmt', 'flt2dec', 'panic', '_fail',
+  'unwrap_failed', 'handle_alloc_error', 'capacity_overflow'].join('|'));
 const functions = Array.from({ length: module.getNumFunctions() }, (_, i) => (
   binaryen.getFunctionInfo(module.getFunctionByIndex(i))));
 for (const { name, base, params, results } of functions) {

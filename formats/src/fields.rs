@@ -52,7 +52,7 @@ macro_rules! numbers {
         }
     )*};
 }
-numbers!(u8, u32, u64, u128, f64);
+numbers!(u8, u32, u64, u128, f32, f64);
 
 impl Field for bool {
     fn put(&self, out: &mut Vec<u8>) {
@@ -96,6 +96,15 @@ impl<T: Field> Field for Option<T> {
     }
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         if bool::take(bytes)? { T::take(bytes).map(Some) } else { Some(None) }
+    }
+}
+
+impl Field for [f32; 3] {
+    fn put(&self, out: &mut Vec<u8>) {
+        self.iter().for_each(|value| value.put(out));
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        Some([f32::take(bytes)?, f32::take(bytes)?, f32::take(bytes)?])
     }
 }
 

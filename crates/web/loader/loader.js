@@ -5,7 +5,9 @@ import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { WASM } from './decoder.js';
 import { read } from './message.js';
 import { documentOf } from './mtl.js';
-import { LodcMesh, LodcModel, LodcObject, LodcSkinnedMesh, materialsOf, texturesOf } from './model.js';
+import {
+  LodcMesh, LodcModel, LodcObject, LodcSkinnedMesh, materialsOf, texturesOf,
+} from './model.js';
 
 export { LodcMesh, LodcModel, LodcSkinnedMesh } from './model.js';
 
@@ -69,8 +71,8 @@ export class LodcLoader extends THREE.Loader {
   }
 
   /**
-   * `onLoad` is called with a `LodcModel` when it can be drawn, which of a stream is after its first
-   * blocks; `onProgress` as bytes come.
+   * `onLoad` is called with a `LodcModel` when it can be drawn, which of a stream is after its
+   * first blocks; `onProgress` as bytes come.
    */
   load(url, onLoad, onProgress, onError, { signal } = {}) {
     const report = (error) => {
@@ -172,7 +174,8 @@ class Opening {
   async fetch(full, url, onProgress, send) {
     const { requestHeader, withCredentials } = this.loader;
     const credentials = withCredentials ? 'include' : 'same-origin';
-    const response = await fetch(full, { headers: requestHeader, credentials, signal: this.signal });
+    const options = { headers: requestHeader, credentials, signal: this.signal };
+    const response = await fetch(full, options);
     if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`);
     const total = Number(response.headers.get('Content-Length') ?? 0);
     let loaded = 0;
@@ -251,7 +254,8 @@ class Opening {
   /** Makes the scene of what has come. */
   async build() {
     const { gltf } = this.loader;
-    const json = this.scene.document ?? documentOf(this.scene, this.headers[0] ?? { submeshes: [] });
+    const [first = { submeshes: [] }] = this.headers;
+    const json = this.scene.document ?? documentOf(this.scene, first);
     this.animations = json.animations;
     delete json.animations;
     splitOthers(json, this.headers);
@@ -345,8 +349,8 @@ class Plugin {
         user.dispose();
         const { magFilter, minFilter, wrapS, wrapT, generateMipmaps, format, mipmaps } = real;
         const { name, isCompressedTexture } = real;
-        Object.assign(user, { magFilter, minFilter, wrapS, wrapT, generateMipmaps, format, mipmaps });
-        Object.assign(user, { name, source: real.source });
+        Object.assign(user, { magFilter, minFilter, wrapS, wrapT, generateMipmaps });
+        Object.assign(user, { format, mipmaps, name, source: real.source });
         if (isCompressedTexture) user.isCompressedTexture = true;
         user.needsUpdate = true;
       }

@@ -6,7 +6,7 @@ const sphere = new THREE.Sphere();
 const point = new THREE.Vector3();
 const size = new THREE.Vector2();
 
-/** Vertices from which the extent of a skinned mesh is taken: those of a coarse level come first. */
+/** Vertices from which the extent of a skinned mesh is taken: a coarse level's come first. */
 const EXTENT = 1000;
 
 /** The error in world units that is `pixels` high at a distance from a camera. */

@@ -65,7 +65,8 @@ export function documentOf({ materials }, { submeshes }) {
     const at = materials.findIndex((material) => material.name === name);
     return at < 0 ? plain : at;
   };
-  const primitives = submeshes.map(({ material }) => ({ attributes: {}, material: number(material) }));
+  const primitives = submeshes.map(({ material }) => (
+    { attributes: {}, material: number(material) }));
   return {
     asset: { version: '2.0' },
     extensionsUsed: ['KHR_texture_transform'],

@@ -28,8 +28,8 @@ mkdirSync(models);
 cpSync(app, fresh, { recursive: true });
 const tarball = run(scratch, 'npm', 'pack', '--silent', LODC_WEB).trim().split('\n').at(-1);
 writeFileSync(join(fresh, 'package.json'), '{ "private": true, "type": "module" }');
-run(fresh, 'npm', 'install', '--silent', '--offline', '--no-audit', '--no-fund', '--legacy-peer-deps',
-  join(scratch, tarball));
+const quiet = ['--silent', '--offline', '--no-audit', '--no-fund', '--legacy-peer-deps'];
+run(fresh, 'npm', 'install', ...quiet, join(scratch, tarball));
 for (const name of readdirSync(LODC_WEB_TOOLS).filter((name) => !name.startsWith('.'))) {
   symlinkSync(join(LODC_WEB_TOOLS, name), join(fresh, 'node_modules', name));
 }
@@ -44,7 +44,9 @@ function built(name, ...options) {
   lodc('pack', `${stem}.lodc`, '-o', `${stem}.lods`, '-q');
 }
 
-for (const name of ['machine_part.glb', 'skinned_tube_u8.glb', 'morphing_sphere.glb', 'terrain.glb']) built(name);
+for (const stem of ['machine_part', 'skinned_tube_u8', 'morphing_sphere', 'terrain']) {
+  built(`${stem}.glb`);
+}
 separated(models);
 lodc('build', 'scene.gltf', '-o', 'scene.lodc', '-q', '--models', 'none');
 lodc('pack', 'scene.lodc', '-o', 'scene.lods', '-q');
@@ -76,7 +78,8 @@ async function keep(name) {
 }
 
 test('the package is small', () => {
-  const size = (name) => gzipSync(readFileSync(join(installed, 'loader', name)), { level: 9 }).length;
+  const bytes = (name) => readFileSync(join(installed, 'loader', name));
+  const size = (name) => gzipSync(bytes(name), { level: 9 }).length;
   const wasm = ['file.wasm', 'stream.wasm'].map(size);
   const scripts = readdirSync(join(installed, 'loader')).filter((name) => name.endsWith('.js'));
   const js = scripts.reduce((sum, name) => sum + size(name), 0);
@@ -104,13 +107,15 @@ test('every entry of package.json is in the package', () => {
 test('models look like the glTF they are made of, in motion, too, and so do copies', async () => {
   const cases = [
     ['machine_part.lodc', 'machine_part.glb', 0], ['terrain.lodc', 'terrain.glb', 0],
-    ['skinned_tube_u8.lodc', 'skinned_tube_u8.glb', 0.4], ['morphing_sphere.lodc', 'morphing_sphere.glb', 0.4],
+    ['skinned_tube_u8.lodc', 'skinned_tube_u8.glb', 0.4],
+    ['morphing_sphere.lodc', 'morphing_sphere.glb', 0.4],
     ['scene.lodc', 'scene.gltf', 0], ['scene.lods', 'scene.gltf', 0],
     ['skinned_tube_u8.lods', 'skinned_tube_u8.glb', 0.4],
     ['morphing_sphere.lods', 'morphing_sphere.glb', 0.4],
   ];
   for (const [mine, plain, seconds] of cases) {
-    const { differ, drawn, copied, clips, colours } = await page('compare', `/${mine}`, `/${plain}`, seconds);
+    const compared = await page('compare', `/${mine}`, `/${plain}`, seconds);
+    const { differ, drawn, copied, clips, colours } = compared;
     await keep(mine);
     assert.ok(drawn > 5000, `${mine}: ${drawn} pixels are drawn`);
     // Of a stream only the order of triangles is another: seams of pixels may fall differently.
@@ -168,4 +173,23 @@ test('damage, a cut, an abortion are errors', async () => {
   writeFileSync(join(models, 'text.lodc'), 'not a model');
   assert.match(await page('refused', '/text.lodc'), /this is not a/);
   assert.equal(await page('aborted', '/terrain.lods?slow=20'), 'AbortError');
+});
+
+test("the README's lines run", async () => {
+  const readme = readFileSync(new URL('../../../README.md', import.meta.url), 'utf8');
+  const [, lines] = /## In a browser\n[^]*?```js\n([^]*?)```/.exec(readme);
+  const script = "import { Scene } from 'three';\nconst scene = new Scene();\n"
+    + `${lines}\ndocument.body.textContent = scene.children.map((m) => m.isComplete).join();`;
+  writeFileSync(join(fresh, 'readme.js'), script);
+  const html = '<body><script type="module" src="./readme.js"></script>';
+  writeFileSync(join(fresh, 'index.html'), html);
+  cpSync(join(models, 'machine_part.lods'), join(models, 'part.lods'));
+  tool('vite/bin/vite.js', 'build', '--logLevel', 'error', '--outDir', 'readme');
+  const other = await serve(join(fresh, 'readme'), models);
+  await browser.goto(`${other.url}/index.html`);
+  while (await browser.value('document.body.textContent.trim()') === '') {
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+  assert.equal(await browser.value('document.body.textContent'), 'true,false');
+  other.server.close();
 });

@@ -21,7 +21,7 @@ export class Chromium {
     const { targetId } = await browser.send('Target.createTarget', { url: 'about:blank' });
     const attached = await browser.send('Target.attachToTarget', { targetId, flatten: true });
     browser.session = attached.sessionId;
-    for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await browser.send(`${domain}.enable`);
+    for (const domain of ['Page', 'Runtime', 'Log']) await browser.send(`${domain}.enable`);
     return browser;
   }
 
@@ -60,12 +60,14 @@ export class Chromium {
       const { exception, text } = params.exceptionDetails;
       this.console.push(`error: ${exception?.description ?? text}`);
     }
-    this.waits = this.waits.filter((wait) => !(wait.method === method && (wait.resolve(params), true)));
+    this.waits.filter((wait) => wait.method === method).forEach(({ resolve }) => resolve(params));
+    this.waits = this.waits.filter((wait) => wait.method !== method);
   }
 
   send(method, params = {}) {
     const id = this.next++;
-    const session = this.session && !method.startsWith('Target.') ? { sessionId: this.session } : {};
+    const isOfPage = this.session && !method.startsWith('Target.');
+    const session = isOfPage ? { sessionId: this.session } : {};
     return new Promise((resolve, reject) => {
       this.open.set(id, { resolve, reject });
       this.child.stdio[3].write(`${JSON.stringify({ id, method, params, ...session })}\0`);
@@ -94,13 +96,10 @@ export class Chromium {
     return result.value;
   }
 
-  /** Size of the page in pixels, and whether it is a phone's. */
-  size(width, height, mobile = false) {
-    const metrics = { width, height, deviceScaleFactor: 1, mobile };
-    return Promise.all([
-      this.send('Emulation.setDeviceMetricsOverride', metrics),
-      this.send('Emulation.setTouchEmulationEnabled', { enabled: mobile, maxTouchPoints: 1 + 4 * mobile }),
-    ]);
+  /** Size of the page in pixels. */
+  size(width, height) {
+    const metrics = { width, height, deviceScaleFactor: 1, mobile: false };
+    return this.send('Emulation.setDeviceMetricsOverride', metrics);
   }
 
   /** A picture of the page as PNG. */

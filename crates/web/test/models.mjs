@@ -19,7 +19,9 @@ function picture(size, colours) {
   const rows = [];
   for (let y = 0; y < size; y++) {
     rows.push(0);
-    for (let x = 0; x < size; x++) rows.push(...colours[(Math.floor(x / 16) + Math.floor(y / 16)) % colours.length]);
+    for (let x = 0; x < size; x++) {
+      rows.push(...colours[(Math.floor(x / 16) + Math.floor(y / 16)) % colours.length]);
+    }
   }
   const chunk = (type, data) => {
     const body = Buffer.concat([Buffer.from(type), data]);
@@ -29,10 +31,12 @@ function picture(size, colours) {
     out.writeUInt32BE(crc32(body), body.length + 4);
     return out;
   };
-  const header = Buffer.from([0, 0, size >> 8, size & 255, 0, 0, size >> 8, size & 255, 8, 2, 0, 0, 0]);
+  const side = [0, 0, size >> 8, size & 255];
+  const header = Buffer.from([...side, ...side, 8, 2, 0, 0, 0]);
   const signature = Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]);
   const data = deflateSync(Buffer.from(rows));
-  return Buffer.concat([signature, chunk('IHDR', header), chunk('IDAT', data), chunk('IEND', Buffer.alloc(0))]);
+  const end = chunk('IEND', Buffer.alloc(0));
+  return Buffer.concat([signature, chunk('IHDR', header), chunk('IDAT', data), end]);
 }
 
 /** A wavy sheet of n × n quads as arrays. */
@@ -56,7 +60,8 @@ function sheet(n) {
 /** Writes `scene.gltf`, `scene.bin` and its images into a folder. */
 export function separated(folder) {
   const { positions, uvs, normals, indices } = sheet(40);
-  const arrays = [new Float32Array(positions), new Float32Array(normals), new Float32Array(uvs), new Uint32Array(indices)];
+  const floats = [positions, normals, uvs].map((values) => new Float32Array(values));
+  const arrays = [...floats, new Uint32Array(indices)];
   const bytes = arrays.map((array) => Buffer.from(array.buffer));
   let at = 0;
   const bufferViews = bytes.map(({ length }) => {
@@ -64,19 +69,27 @@ export function separated(folder) {
     return { buffer: 0, byteOffset: at - length, byteLength: length };
   });
   const count = positions.length / 3;
-  const extreme = (of) => [0, 1, 2].map((k) => positions.filter((_, i) => i % 3 === k).reduce((a, b) => of(a, b)));
-  const accessor = (bufferView, componentType, type, number) => ({ bufferView, componentType, type, count: number });
+  const extreme = (of) => [0, 1, 2].map((k) => (
+    positions.filter((_, i) => i % 3 === k).reduce((a, b) => of(a, b))));
+  const accessor = (bufferView, componentType, type, number) => (
+    { bufferView, componentType, type, count: number });
   const accessors = [
     { ...accessor(0, 5126, 'VEC3', count), min: extreme(Math.min), max: extreme(Math.max) },
-    accessor(1, 5126, 'VEC3', count), accessor(2, 5126, 'VEC2', count), accessor(3, 5125, 'SCALAR', indices.length),
+    accessor(1, 5126, 'VEC3', count), accessor(2, 5126, 'VEC2', count),
+    accessor(3, 5125, 'SCALAR', indices.length),
   ];
   const attributes = { POSITION: 0, NORMAL: 1, TEXCOORD_0: 2 };
   const mesh = (material) => ({ primitives: [{ attributes, indices: 3, material }] });
-  const material = (index) => ({ pbrMetallicRoughness: { baseColorTexture: { index }, metallicFactor: 0 }, doubleSided: true });
+  const material = (index) => ({
+    pbrMetallicRoughness: { baseColorTexture: { index }, metallicFactor: 0 }, doubleSided: true,
+  });
   const board = Math.SQRT1_2;
   const gltf = {
     asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0, 1] }],
-    nodes: [{ mesh: 0, scale: [3, 3, 3] }, { mesh: 1, rotation: [board, 0, 0, board], translation: [0, 1, -0.5] }],
+    nodes: [
+      { mesh: 0, scale: [3, 3, 3] },
+      { mesh: 1, rotation: [board, 0, 0, board], translation: [0, 1, -0.5] },
+    ],
     meshes: [mesh(0), mesh(1)], materials: [material(0), material(1)],
     textures: [{ source: 0 }, { source: 1 }],
     images: [{ uri: 'images/red%20and%20blue.png' }, { uri: 'images/greens.png' }],
@@ -85,6 +98,7 @@ export function separated(folder) {
   writeFileSync(join(folder, 'scene.bin'), Buffer.concat(bytes));
   writeFileSync(join(folder, 'scene.gltf'), JSON.stringify(gltf));
   mkdirSync(join(folder, 'images'));
-  writeFileSync(join(folder, 'images/red and blue.png'), picture(128, [[220, 30, 30], [30, 40, 220]]));
+  const red = picture(128, [[220, 30, 30], [30, 40, 220]]);
+  writeFileSync(join(folder, 'images/red and blue.png'), red);
   writeFileSync(join(folder, 'images/greens.png'), picture(64, [[20, 200, 40], [240, 220, 30]]));
 }

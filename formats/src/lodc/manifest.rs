@@ -3,7 +3,7 @@
 //! These types are the file format: they are not those of the scene, so that the scene can change
 //! and the file not. Fields are only ever added, at the end of a record.
 
-use super::{LodFile, LodObject, StoredModel};
+use super::{Bounds, LodFile, LodObject, StoredModel};
 use crate::fields::{Field, Record, fields, to_bytes};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
 use lodc_mesh::{Attribute, Component, Semantic};
@@ -41,6 +41,7 @@ pub(super) struct ObjectEntry {
     pub(super) submeshes: Vec<Record<SubmeshEntry>>,
     pub(super) attributes: Vec<Record<AttributeEntry>>,
     pub(super) models: Vec<Record<ModelEntry>>,
+    pub(super) bounds: Bounds,
 }
 fields!(ObjectEntry {
     name,
@@ -51,7 +52,8 @@ fields!(ObjectEntry {
     first_topology_change,
     submeshes,
     attributes,
-    models
+    models,
+    bounds,
 });
 
 pub(super) struct SubmeshEntry {
@@ -228,6 +230,7 @@ fn object_entry<M>(object: &LodObject<M>, models: &[StoredModel], plan: &[bool])
         submeshes: submeshes.collect(),
         attributes: attributes.collect(),
         models: models.collect(),
+        bounds: Bounds::of(mesh.positions()),
     }
 }
 

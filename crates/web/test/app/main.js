@@ -23,7 +23,8 @@ function stage() {
 function cameraFor(object, away = 1) {
   object.updateWorldMatrix(true, true);
   const sphere = new THREE.Box3().setFromObject(object).getBoundingSphere(new THREE.Sphere());
-  const camera = new THREE.PerspectiveCamera(45, 640 / 480, sphere.radius / 100, sphere.radius * 1000);
+  const { radius } = sphere;
+  const camera = new THREE.PerspectiveCamera(45, 640 / 480, radius / 100, radius * 1000);
   camera.position.set(0.6, 0.45, 1).normalize().multiplyScalar(2.6 * away * sphere.radius);
   camera.position.add(sphere.center);
   camera.lookAt(sphere.center);
@@ -123,7 +124,8 @@ async function begin(url, away) {
   }
   frame();
   streamed.geometries = renderer.info.memory.geometries;
-  return { milliseconds: performance.now() - begun, triangles: model.triangles, progress: streamed.progress };
+  const milliseconds = performance.now() - begun;
+  return { milliseconds, triangles: model.triangles, progress: streamed.progress };
 }
 
 /** Waits until a share of a stream's bytes has come and is drawn. */
@@ -163,11 +165,13 @@ async function crowd(url, count) {
   const side = Math.ceil(Math.sqrt(count));
   for (let i = 0; i < count; i++) {
     const copy = i === 0 ? model : model.clone();
-    copy.position.set((i % side) - side / 2, 0, -Math.floor(i / side)).multiplyScalar(2.4 * sphere.radius);
+    copy.position.set((i % side) - side / 2, 0, -Math.floor(i / side));
+    copy.position.multiplyScalar(2.4 * sphere.radius);
     copies.push(copy);
     scene.add(copy);
   }
-  const camera = new THREE.PerspectiveCamera(45, 640 / 480, sphere.radius / 10, sphere.radius * 1000);
+  const { radius } = sphere;
+  const camera = new THREE.PerspectiveCamera(45, 640 / 480, radius / 10, radius * 1000);
   camera.position.set(0, 3 * sphere.radius, 5 * sphere.radius);
   camera.lookAt(0, 0, -6 * sphere.radius);
   camera.updateMatrixWorld();
@@ -176,14 +180,16 @@ async function crowd(url, count) {
   const geometries = new Set(copies.flatMap((copy) => copy.meshes.map(({ geometry }) => geometry)));
   const cast = (copy) => {
     const box = new THREE.Box3().setFromObject(copy, true);
-    const from = box.getCenter(new THREE.Vector3()).add(new THREE.Vector3(0, 0, 100 * sphere.radius));
+    const from = box.getCenter(new THREE.Vector3());
+    from.z += 100 * sphere.radius;
     const ray = new THREE.Raycaster(from, new THREE.Vector3(0, 0, -1));
     const most = Math.max(...ray.intersectObject(copy).map(({ faceIndex }) => faceIndex), -1);
     return { hit: most >= 0, faces: most };
   };
   return {
     near: Math.max(...counts.slice(0, side)), far: Math.min(...counts.slice(-side)),
-    drawn: renderer.info.render.triangles, sum: counts.reduce((a, b) => a + b), geometries: geometries.size,
+    drawn: renderer.info.render.triangles, geometries: geometries.size,
+    sum: counts.reduce((a, b) => a + b),
     all: Math.max(...model.objects.map(({ header }) => header.triangles)), hit: cast(model).hit,
     memory: renderer.info.memory,
   };
