@@ -10,6 +10,8 @@ mod blob;
 mod forest;
 mod glide;
 mod object;
+#[cfg(feature = "export")]
+mod plain;
 mod primitive;
 mod remainder;
 mod shipped;
@@ -27,6 +29,8 @@ use crate::{
 };
 use lodc_mesh::Mesh;
 use object::Reading;
+#[cfg(feature = "export")]
+pub(crate) use plain::plain;
 use primitive::{Primitive, Read};
 pub(crate) use shipped::{shipped, states_levels};
 
