@@ -1,9 +1,11 @@
 //! Reading meshes: the format is told by content.
 
+mod count;
 mod sniff;
 
 use crate::lodc::{self, LodFile};
 pub use crate::options::ImportOptions;
+pub use count::{Counted, count};
 use crate::provenance::Provenance;
 use crate::{
     Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, gltf, obj, ply, stl,

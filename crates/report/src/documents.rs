@@ -15,6 +15,29 @@ pub struct BuildReport {
     pub summary: Summary,
 }
 
+/// `build --estimate --report json`.
+#[derive(Debug, Serialize)]
+pub struct EstimateReport {
+    pub schema_version: u32,
+    pub tool_version: &'static str,
+    pub inputs: Vec<InputEstimate>,
+}
+
+/// What a build needs. Numbers are null if the input could not be read.
+#[derive(Debug, Default, Serialize)]
+pub struct InputEstimate {
+    pub input: String,
+    /// The exit status of this input alone.
+    pub status: u8,
+    pub triangles: Option<u64>,
+    pub vertices: Option<u64>,
+    /// Bytes of the file and of the buffers that it names, decompressed.
+    pub bytes: Option<u64>,
+    /// Bytes of memory at the peak, with one thread.
+    pub memory: Option<u64>,
+    pub error: Option<String>,
+}
+
 /// The last line of `build --report jsonl`.
 #[derive(Debug, Serialize)]
 pub struct SummaryReport {

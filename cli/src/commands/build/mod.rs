@@ -1,6 +1,7 @@
 //! `lodc build`: meshes to `.lodc`.
 
 mod counts;
+mod estimate;
 mod known;
 mod pipeline;
 mod summary;
@@ -66,6 +67,11 @@ pub(crate) struct BuildArgs {
     /// Contents are compared, never times.
     #[arg(long, help_heading = OUTPUT)]
     if_changed: bool,
+    /// Say how large inputs are and how much memory their builds need; build nothing
+    ///
+    /// Told by headers, for text by its lines. With --report, as JSON.
+    #[arg(long, help_heading = OUTPUT, hide_short_help = true)]
+    estimate: bool,
     /// Print a report on standard output: one document, or one in each line
     ///
     /// Also when inputs failed. jsonl prints as results come.
@@ -127,6 +133,9 @@ pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
     };
     let mut assets = batch::assets(sources, &args.batch)?;
     args.configuration.apply(program, "build", &mut assets)?;
+    if args.estimate {
+        return estimate::all(args, program, &assets);
+    }
     batch::check_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
     work::all(args, program, &assets)
 }

@@ -7,6 +7,7 @@
 //! (`views`, `accessor`), memory in all (`budget`).
 
 mod blob;
+mod count;
 mod forest;
 mod glide;
 mod object;
@@ -28,6 +29,7 @@ use crate::{
     SubmeshInfo,
 };
 use lodc_mesh::Mesh;
+pub(crate) use count::counted;
 use object::Reading;
 #[cfg(feature = "export")]
 pub(crate) use plain::plain;
