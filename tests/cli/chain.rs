@@ -93,6 +93,12 @@ fn separate_levels_are_files_of_their_own() {
     let levels = report["levels"].as_array().expect("levels").iter();
     let paths: Vec<&str> = levels.map(|l| l["output"].as_str().expect("a path")).collect();
     assert_eq!(paths, ["out/p_LOD0.glb", "out/p_LOD1.glb"]);
+    let shared = chained(&f, "part.glb", &["-o", "shared.glb", "--levels", "50%,25%"]);
+    for (level, own) in report["levels"].as_array().expect("levels").iter().enumerate() {
+        for key in ["lod", "error", "rms"] {
+            assert_eq!(own[key], shared["levels"][level][key], "level {level}: {key}");
+        }
+    }
     let refitted = chained(
         &f,
         "part.glb",

@@ -5,7 +5,8 @@ use crate::help::LEVEL;
 use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
 use lodc::build::LevelDistance;
-use lodc::{LodObject, SceneLevels, level_mesh};
+use lodc::level_mesh::{self, LevelMesh};
+use lodc::{LodObject, SceneLevels};
 use lodc_assets::Parts;
 use lodc_formats::export::GlideFacts;
 use lodc_mesh::Lod;
@@ -55,6 +56,8 @@ pub(super) struct Level {
     pub(super) rms: Option<f64>,
     /// The distances of each object by itself.
     pub(super) distances: Vec<LevelDistance>,
+    /// The meshes of the objects, until they are written; none of levels that are not refitted.
+    pub(super) refitted: Option<Vec<LevelMesh>>,
     /// Distance that the level was chosen for.
     pub(super) distance: Option<f64>,
     /// Where it moves to the next level, if it does.
@@ -173,16 +176,29 @@ pub(super) struct Chosen {
     warnings: Vec<String>,
 }
 
+/// A level, measured for each object.
+pub(super) enum Measured {
+    Plain(Vec<LevelDistance>),
+    Refitted(Vec<LevelMesh>),
+}
+
 /// Adds to levels how far they are from the input and what they no longer show; with all warnings.
 pub(super) fn described(
     objects: &[LodObject],
     chosen: Vec<Chosen>,
-    distances: Vec<Vec<LevelDistance>>,
+    measured: Vec<Measured>,
     roll: &Roll<'_>,
 ) -> (Vec<Level>, Vec<String>) {
     let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();
-    for (number, (chosen, distances)) in chosen.into_iter().zip(distances).enumerate() {
+    for (number, (chosen, measured)) in chosen.into_iter().zip(measured).enumerate() {
         let Chosen { lods, triangles, distance, warnings: unmet } = chosen;
+        let (distances, refitted) = match measured {
+            Measured::Plain(distances) => (distances, None),
+            Measured::Refitted(meshes) => {
+                let distance = |m: &LevelMesh| LevelDistance { error: m.error, rms: m.rms };
+                (meshes.iter().map(distance).collect(), Some(meshes))
+            }
+        };
         let gone = roll.gone_at(&lods, distances.iter().map(|d| d.error));
         warnings.extend(unmet);
         warnings.dedup();
@@ -195,6 +211,7 @@ pub(super) fn described(
             error,
             rms,
             distances,
+            refitted,
             distance,
             glide: None,
             gone,

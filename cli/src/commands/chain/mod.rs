@@ -21,7 +21,9 @@ use crate::results::reported;
 use crate::selector::bound;
 use crate::stages::Stages;
 use clap::Args;
-use levels::{Level, LevelArgs};
+use levels::{Level, LevelArgs, Measured};
+use lodc::build::refitted_meshes;
+use lodc::level_mesh::Order;
 use lodc::scene_levels;
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{OutputFile, Sought};
@@ -161,9 +163,23 @@ fn chain(
         args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)
     })?;
     let lods: Vec<&[Lod]> = chosen.iter().map(|level| &*level.lods).collect();
-    let distances = stages.run("errors", || asset.distances(&lods, &limits))?;
+    let packing = args.export.compress.wanted(format, asset.compressed)?;
+    let measured: Vec<Measured> = match args.refit {
+        // Refitted levels are measured as they are made.
+        true => {
+            let order = if args.glide.carried().is_some() { Order::File } else { packing.order() };
+            let refitted =
+                |lods| refitted_meshes(&asset.objects, &asset.document, lods, order, &limits);
+            let refit = || lods.iter().map(|lods| refitted(lods)).collect::<Result<Vec<_>, _>>();
+            stages.run("refit", refit)?.into_iter().map(Measured::Refitted).collect()
+        }
+        false => {
+            let distances = stages.run("errors", || asset.distances(&lods, &limits))?;
+            distances.into_iter().map(Measured::Plain).collect()
+        }
+    };
     let (mut levels, mut warnings) =
-        stages.run("gone", || levels::described(&asset.objects, chosen, distances, &roll));
+        stages.run("gone", || levels::described(&asset.objects, chosen, measured, &roll));
     warnings.splice(0..0, asset.warnings.iter().cloned());
     let target = Target::File(out.to_owned());
     let textures = stages.run("textures", || {
@@ -171,7 +187,6 @@ fn chain(
     });
     let (textures, images) = textures?;
     warnings.extend_from_slice(&textures.warnings);
-    let packing = args.export.compress.wanted(format, asset.compressed)?;
     let additions = packing.additions(textures, None);
     if args.glide.carried().is_some() {
         glide::check(&levels)?;

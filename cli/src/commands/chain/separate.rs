@@ -8,7 +8,6 @@ use crate::compression::Packing;
 use crate::exit::Outcome;
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
-use lodc::build::refitted_meshes;
 use lodc::glide::{GlidingLevel, gliding_levels};
 use lodc::level_mesh::{self, LevelMesh, Order, Shape};
 use lodc_formats::export::Additions;
@@ -29,9 +28,8 @@ pub(super) fn files(
     let order = Packing::of(&additions).order();
     for (number, level) in levels.iter_mut().enumerate() {
         let (objects, document) = (&asset.objects, &asset.document);
-        let mut meshes = meshes(args, asset, level, order)?;
+        let mut meshes = meshes(asset, level, order)?;
         level_mesh::round(objects, document, &mut meshes, additions.precision)?;
-        // Of refitted meshes they are measured.
         (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
         let objects = level_mesh::exported(&asset.objects, &meshes);
@@ -46,14 +44,17 @@ pub(super) fn files(
     Ok(Files { files, of_level })
 }
 
-/// The meshes of the objects at a level, refitted if that is asked for.
-fn meshes(args: &ChainArgs, asset: &Asset, level: &Level, order: Order) -> Outcome<Vec<LevelMesh>> {
-    let (objects, lods) = (&asset.objects, &level.lods);
-    let limits = args.export.import.limits().limits();
-    Ok(match args.refit {
-        true => refitted_meshes(objects, &asset.document, lods, order, &limits)?,
-        false => level_mesh::meshes(objects, lods, Shape { model: None, order })?,
-    })
+/// The meshes of the objects at a level, with its distances.
+fn meshes(asset: &Asset, level: &mut Level, order: Order) -> Outcome<Vec<LevelMesh>> {
+    if let Some(refitted) = level.refitted.take() {
+        return Ok(refitted);
+    }
+    let shape = Shape { model: None, order };
+    let mut meshes = level_mesh::meshes(&asset.objects, &level.lods, shape)?;
+    for (mesh, distance) in meshes.iter_mut().zip(&level.distances) {
+        (mesh.error, mesh.rms) = (distance.error, distance.rms);
+    }
+    Ok(meshes)
 }
 
 /// The levels, each on its way to the next one's vertices: in its file the vertices that disappear
@@ -71,10 +72,7 @@ pub(super) fn gliding_files(
     let order = Order::File;
     let mut all: Vec<Vec<LevelMesh>> = Vec::new();
     for level in levels.iter_mut() {
-        let meshes = meshes(args, asset, level, order)?;
-        if args.refit {
-            (level.error, level.rms) = level_mesh::distance(objects, &meshes);
-        }
+        let meshes = meshes(asset, level, order)?;
         let meshes_only = meshes.iter().map(|m| &m.mesh);
         let moved =
             level_mesh::rounding(objects, document, meshes_only, additions.precision)?.largest;
