@@ -5,11 +5,11 @@ mod sniff;
 
 use crate::lodc::{self, LodFile};
 pub use crate::options::ImportOptions;
-pub use count::{Counted, count};
 use crate::provenance::Provenance;
 use crate::{
     Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, gltf, obj, ply, stl,
 };
+pub use count::{Counted, count};
 use std::path::Path;
 
 /// A mesh file or a file of levels of detail.

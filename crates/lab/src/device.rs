@@ -3,9 +3,7 @@
 use crate::error::LabError;
 use crate::prepared::Prepared;
 use crate::primitives::{self, Primitive};
-use crate::report::{
-    CaseReport, DeviceCurve, DrawnCurve, GpuReport, MemoryReport, PrimitiveDraws,
-};
+use crate::report::{CaseReport, DeviceCurve, DrawnCurve, GpuReport, MemoryReport, PrimitiveDraws};
 use crate::subject::Subject;
 use crate::timings::Timings;
 use indexmap::IndexMap;
@@ -113,7 +111,8 @@ fn primitives(
     prepared: &Prepared,
 ) -> Result<IndexMap<&'static str, PrimitiveDraws>, LabError> {
     let [whole, fifth] = primitives::lods(&prepared.object.simplified);
-    let levels = primitives::all(prepared, whole)?.into_iter().zip(primitives::all(prepared, fifth)?);
+    let levels =
+        primitives::all(prepared, whole)?.into_iter().zip(primitives::all(prepared, fifth)?);
     let timed = |(whole, fifth): (Primitive, Primitive)| {
         let draw_ms = stage.draw_ms(whole.indices, whole.strips)?;
         let draw_ms_20 = stage.draw_ms(fifth.indices, fifth.strips)?;

@@ -82,10 +82,8 @@ pub(crate) fn all(prepared: &Prepared, lod: Lod) -> Result<Vec<Primitive>, LabEr
         let live = level.filter(|t| !is_degenerate(t.map(|v| positions.of_vertex[v as usize])));
         Primitive { name, indices: live.flatten().collect(), strips: false }
     };
-    let mut all = vec![
-        list("triangles", mesh.triangles()),
-        list("triangles_cache", &order(mesh, CACHE)),
-    ];
+    let mut all =
+        vec![list("triangles", mesh.triangles()), list("triangles_cache", &order(mesh, CACHE))];
     for strips in &prepared.strips {
         let indices = if lod == Lod(0) {
             restart_list(strips.iter())

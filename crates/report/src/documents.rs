@@ -2,7 +2,7 @@
 //! be added, none may change.
 #![expect(missing_docs, reason = "docs/CLI.md says what each key means")]
 
-use crate::{ErrorsOver, Gone};
+use crate::{Case, ErrorsOver, Gone, Suite, Verdict};
 use indexmap::IndexMap;
 use serde::Serialize;
 
@@ -77,6 +77,18 @@ pub struct InputReport {
     pub peak_bytes: u64,
     pub warnings: Vec<String>,
     pub error: Option<String>,
+}
+
+impl InputReport {
+    /// The build of one input as CI systems show it.
+    #[must_use]
+    pub fn suite(&self) -> Suite {
+        let verdict = match &self.error {
+            Some(what) => Verdict::Error(what.clone()),
+            None => Verdict::Passed,
+        };
+        Suite { name: self.input.clone(), cases: vec![Case { name: "build".to_owned(), verdict }] }
+    }
 }
 
 /// Seconds of one stage.

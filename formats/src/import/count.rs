@@ -30,7 +30,9 @@ pub fn count(path: &Path, options: &ImportOptions) -> Result<Counted, FormatErro
         Sniffed::Ply => Ok(ply(&bytes)),
         Sniffed::Stl => Ok(of_stl(&bytes)),
         // Refused as an import refuses it.
-        Sniffed::Other(_) => super::read(bytes, path, &mut assets, options).map(|_| Counted::default()),
+        Sniffed::Other(_) => {
+            super::read(bytes, path, &mut assets, options).map(|_| Counted::default())
+        }
     }
     .map_err(|e| e.in_file(&assets.main_name()))?;
     counted.bytes += path.metadata().map_or(0, |m| m.len());
@@ -41,7 +43,8 @@ fn obj(bytes: &[u8]) -> Counted {
     let (mut triangles, mut of_kind) = (0, [0; 3]);
     for line in bytes.split(|&b| b == b'\n') {
         let line = line.trim_ascii_start();
-        let (word, rest) = line.split_at(line.iter().position(u8::is_ascii_whitespace).unwrap_or(0));
+        let (word, rest) =
+            line.split_at(line.iter().position(u8::is_ascii_whitespace).unwrap_or(0));
         match word {
             b"f" => {
                 let corners = rest.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).count();
@@ -61,7 +64,8 @@ fn obj(bytes: &[u8]) -> Counted {
 fn ply(bytes: &[u8]) -> Counted {
     let mut counted = Counted::default();
     for line in bytes.split(|&b| b == b'\n').take_while(|line| !line.starts_with(b"end_header")) {
-        let mut words = line.split(u8::is_ascii_whitespace).map(|w| str::from_utf8(w).unwrap_or(""));
+        let mut words =
+            line.split(u8::is_ascii_whitespace).map(|w| str::from_utf8(w).unwrap_or(""));
         if words.next() != Some("element") {
             continue;
         }

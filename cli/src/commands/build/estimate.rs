@@ -67,20 +67,26 @@ fn one(asset: &Asset, options: &AssetOptions<BuildArgs>) -> (Status, InputEstima
         Ok((counted, memory))
     });
     match found {
-        Ok((counted, memory)) => (Status::Done, InputEstimate {
-            input: name,
-            status: Status::Done.code(),
-            triangles: Some(counted.triangles),
-            vertices: Some(counted.vertices),
-            bytes: Some(counted.bytes),
-            memory: Some(memory),
-            error: None,
-        }),
+        Ok((counted, memory)) => (
+            Status::Done,
+            InputEstimate {
+                input: name,
+                status: Status::Done.code(),
+                triangles: Some(counted.triangles),
+                vertices: Some(counted.vertices),
+                bytes: Some(counted.bytes),
+                memory: Some(memory),
+                error: None,
+            },
+        ),
         Err(failure) => {
             each::print(&failure);
             let status = failure.status;
             let error = Some(failure.message);
-            (status, InputEstimate { input: name, status: status.code(), error, ..Default::default() })
+            (
+                status,
+                InputEstimate { input: name, status: status.code(), error, ..Default::default() },
+            )
         }
     }
 }

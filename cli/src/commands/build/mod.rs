@@ -12,6 +12,7 @@ pub(crate) use known::importance;
 pub(crate) use pipeline::object_options;
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};
+use crate::commands::ci::CiArgs;
 use crate::commands::each;
 use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
@@ -81,6 +82,8 @@ pub(crate) struct BuildArgs {
     #[arg(long, value_name = "FILE", help_heading = OUTPUT, hide_short_help = true)]
     depfile: Option<PathBuf>,
     #[command(flatten)]
+    ci: CiArgs,
+    #[command(flatten)]
     batch: BatchArgs,
     #[command(flatten)]
     configuration: ConfigArgs,
@@ -130,12 +133,14 @@ pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
         output: args.output.as_deref(),
         reads: &MESHES,
         writes: "lodc",
+        allowed: args.import.allowed(),
     };
     let mut assets = batch::assets(sources, &args.batch)?;
     args.configuration.apply(program, "build", &mut assets)?;
     if args.estimate {
         return estimate::all(args, program, &assets);
     }
+    args.ci.check(assets.iter().map(|asset| &asset.input))?;
     batch::check_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
     work::all(args, program, &assets)
 }

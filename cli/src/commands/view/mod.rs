@@ -115,8 +115,7 @@ fn run_shipped(args: &PageArgs, levels: usize) -> Outcome<()> {
     let mut stages = Stages::default();
     let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let options = args.import.options();
-    let (glb, warnings) =
-        stages.run("export", || as_plain_glb(&mut assets, &options))?;
+    let (glb, warnings) = stages.run("export", || as_plain_glb(&mut assets, &options))?;
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
     let text = stages.run("page", || page::page(&title, &glb));
     let facts = [format!("{} as shipped, ", count(levels as u64, "level")), String::new()];

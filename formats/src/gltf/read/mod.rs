@@ -28,8 +28,8 @@ use crate::{
     Assets, Document, FormatError, ObjectInfo, Scene, SceneObject, Source, SourceFormat,
     SubmeshInfo,
 };
-use lodc_mesh::Mesh;
 pub(crate) use count::counted;
+use lodc_mesh::Mesh;
 use object::Reading;
 #[cfg(feature = "export")]
 pub(crate) use plain::plain;
