@@ -25,6 +25,17 @@
 //! Features: `import` (OBJ, glTF, PLY and STL in), `export` (glTF, OBJ and PLY out), `stream`
 //! (`.lods`); all of them by default, and without any the container alone.
 
+#![cfg_attr(feature = "terse", allow(unused_variables, reason = "values of messages are not formatted"))]
+
+/// A message without its values: what formats them would be half of a browser's decoder.
+#[cfg(feature = "terse")]
+macro_rules! format {
+    ($text:literal $(, $value:expr)* $(,)?) => {{
+        $(let _ = &$value;)*
+        String::from($text)
+    }};
+}
+
 #[cfg(feature = "import")]
 mod appearance;
 mod assets;
@@ -34,6 +45,7 @@ pub mod export;
 #[cfg(feature = "import")]
 mod faces;
 mod file_header;
+mod fields;
 #[cfg(feature = "export")]
 mod flatten;
 #[cfg(feature = "json")]

@@ -2,10 +2,9 @@
 
 use crate::Sought;
 use lodc_mesh::{Mesh, Posture};
-use serde::{Deserialize, Serialize};
 
 /// The format that a scene came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceFormat {
     /// Wavefront OBJ.
     Obj,
@@ -28,7 +27,7 @@ impl SourceFormat {
 }
 
 /// Origin of a scene; never a path, so that output does not depend on the folder.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
     /// Its format.
     pub format: SourceFormat,
@@ -82,7 +81,7 @@ pub struct ObjectInfo {
 }
 
 /// Description of a submesh besides its triangles.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SubmeshInfo {
     /// OBJ: the group or object name; STL: the solid's name; others: empty.
     pub name: String,
@@ -93,7 +92,7 @@ pub struct SubmeshInfo {
 }
 
 /// Everything of an asset that is not a triangle mesh, enough to write the whole scene again.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Document {
     /// From an OBJ, PLY or STL.
     Obj(ObjDocument),
@@ -116,7 +115,7 @@ impl Document {
 }
 
 /// The rest of an OBJ; of a PLY, its textures as materials; of an STL, nothing.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjDocument {
     /// Names of the material libraries, as the OBJ has them.
     pub libraries: Vec<String>,
@@ -125,7 +124,7 @@ pub struct ObjDocument {
 }
 
 /// One material of an MTL file.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjMaterial {
     /// Its name.
     pub name: String,
@@ -134,7 +133,7 @@ pub struct ObjMaterial {
 }
 
 /// The rest of a glTF.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct GltfDocument {
     /// The JSON document. Primitives that are objects' submeshes have no `indices` and no
     /// `attributes` or `targets` accessors any more; everything else is as it was, its buffer views

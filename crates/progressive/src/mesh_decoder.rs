@@ -9,6 +9,7 @@ use crate::vertex_data::vertex_layout::Stream;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
 use lodc_mesh::{Attribute, MeshParts, Submesh};
+use std::ops::Range;
 
 /// Decodes the steps of one object.
 ///
@@ -148,6 +149,23 @@ impl MeshDecoder {
         (0..self.triangle_count()).map(|f| self.codec.mesh.face(f))
     }
 
+    /// A triangle, numbered in the order in which they came.
+    #[must_use]
+    pub fn triangle(&self, number: u32) -> [u32; 3] {
+        self.codec.mesh.face(number)
+    }
+
+    /// Appends the values of some vertices, in stream order: their positions as `f32` for stream 0,
+    /// else the bytes of an attribute, of which stream 1 is the first.
+    pub fn put_stream(&self, stream: usize, vertices: Range<u32>, out: &mut Vec<u8>) {
+        let Some(attribute) = stream.checked_sub(1).map(|a| &self.header.attributes[a]) else {
+            let positions = vertices.flat_map(|v| self.position(v));
+            out.extend(positions.flat_map(f32::to_le_bytes));
+            return;
+        };
+        self.put_attribute(attribute, &self.header.layout.streams[stream], vertices, out);
+    }
+
     /// The submesh of each vertex; 0 for one that has not come.
     #[must_use]
     pub fn vertex_submesh(&self) -> &[u32] {
@@ -214,10 +232,20 @@ impl MeshDecoder {
 
     fn attribute(&self, attribute: &Attribute, stream: &Stream) -> Attribute {
         let mut bytes = Vec::with_capacity(self.vertex_count() as usize * attribute.stride());
-        for v in self.vertices() {
-            let indices = &self.indices(v)[stream.first..][..stream.channels];
-            self.header.layout.append(attribute.component, stream, indices, &mut bytes);
-        }
+        self.put_attribute(attribute, stream, self.vertices(), &mut bytes);
         Attribute { bytes, ..attribute.described() }
+    }
+
+    fn put_attribute(
+        &self,
+        attribute: &Attribute,
+        stream: &Stream,
+        vertices: impl Iterator<Item = u32>,
+        out: &mut Vec<u8>,
+    ) {
+        for v in vertices {
+            let indices = &self.indices(v)[stream.first..][..stream.channels];
+            self.header.layout.append(attribute.component, stream, indices, out);
+        }
     }
 }

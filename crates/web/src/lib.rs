@@ -16,18 +16,37 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+mod decoder;
+#[cfg(feature = "full")]
 mod levels;
+#[cfg(feature = "full")]
 mod modules;
+#[cfg(feature = "full")]
 mod session;
 
+pub use decoder::Decoder;
+#[cfg(feature = "full")]
 pub use levels::levels;
+#[cfg(feature = "full")]
 pub use modules::MODULES;
-pub use session::{Session, Status};
+#[cfg(feature = "full")]
+pub use session::Session;
 
+/// Result of a call; the output holds what it says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The output is the result.
+    Done = 0,
+    /// The output is a line that says what is wrong.
+    Failed = 1,
+}
+
+#[cfg(feature = "full")]
 /// Everything that a host has open, by number.
 #[derive(Debug, Default)]
 pub struct Sessions(Vec<Option<Session>>);
 
+#[cfg(feature = "full")]
 impl Sessions {
     /// Nothing is open.
     #[must_use]
@@ -55,5 +74,5 @@ impl Sessions {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "full"))]
 mod tests;

@@ -1,5 +1,6 @@
 //! One file or stream: its input, what has been read of it, and its output.
 
+use crate::Status;
 use lodc_formats::export::{ExportFormat, ExportObject, export};
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::LodFile;
@@ -7,15 +8,6 @@ use lodc_formats::lods::Unpacker;
 use lodc_formats::{FormatError, Limits, lodc};
 use std::fmt::Write;
 use std::path::Path;
-
-/// Result of a call; the output holds what it says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// The output is the result.
-    Done = 0,
-    /// The output is a line that says what is wrong.
-    Failed = 1,
-}
 
 /// A `.lodc` file, or a `.lods` stream that is fed piece by piece.
 #[derive(Debug, Default)]

@@ -6,14 +6,13 @@ use super::table::{
 };
 use crate::{Fault, FormatError};
 use lodc_model::{Array, Layout};
-use std::collections::BTreeMap;
 use xxhash_rust::xxh3::xxh3_64;
 
 /// A file whose header, table and checksums are right, and whose sections lie one after another
 /// without gaps.
 pub(super) struct Container<'a> {
-    /// Sections of known kinds that nobody has taken yet.
-    sections: BTreeMap<Id, Section<'a>>,
+    /// Sections of known kinds, in the order of their keys; none where one was taken.
+    sections: Vec<(Id, Option<Section<'a>>)>,
     /// Sections of unknown kinds, none of them required.
     unknown: Vec<Id>,
 }
@@ -28,7 +27,7 @@ pub(super) struct Section<'a> {
 impl<'a> Container<'a> {
     pub(super) fn read(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let table = table(bytes)?;
-        let (mut sections, mut unknown) = (BTreeMap::new(), Vec::new());
+        let (mut sections, mut unknown) = (Vec::new(), Vec::new());
         let mut end = HEADER + table.len();
         for entry in table.chunks_exact(ENTRY).map(Entry::read) {
             let content = entry.content(bytes, end)?;
@@ -37,9 +36,7 @@ impl<'a> Container<'a> {
             let (required, wide) = (entry.is_required(), entry.is_wide());
             if tag::KNOWN.contains(&entry.id.0) {
                 let section = Section { bytes: content, required, wide };
-                if sections.insert(entry.id, section).is_some() {
-                    return Err(entry.error(Fault::Malformed, "is there twice"));
-                }
+                sections.push((entry.id, Some(section)));
             } else if required {
                 let what = "is required, and this program does not know it: a newer one is needed";
                 return Err(entry.error(Fault::Unsupported, what));
@@ -51,17 +48,33 @@ impl<'a> Container<'a> {
             let what = format!("{} bytes follow the last section", bytes.len() - end);
             return Err(FormatError::new(Fault::Malformed, "header", what));
         }
+        sections.sort_unstable_by_key(|&(id, _)| id);
+        if let Some(twice) = sections.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            let (tag, object, index) = twice[0].0;
+            let place = place(tag, object, index);
+            return Err(FormatError::new(Fault::Malformed, place, "is there twice"));
+        }
         Ok(Self { sections, unknown })
     }
 
     /// Returns the layout that the file was written in.
     pub(super) fn layout(&self) -> Layout {
-        if self.sections.values().any(|s| s.wide) { Layout::Gpu } else { Layout::Packed }
+        if self.left().any(|(_, section)| section.wide) { Layout::Gpu } else { Layout::Packed }
     }
 
     /// The sections of known kinds, in the order of their keys.
     pub(super) fn into_sections(self) -> impl Iterator<Item = (Id, Section<'a>)> {
-        self.sections.into_iter()
+        self.sections.into_iter().filter_map(|(id, section)| Some((id, section?)))
+    }
+
+    /// The sections that were not taken.
+    fn left(&self) -> impl Iterator<Item = (Id, &Section<'a>)> {
+        self.sections.iter().filter_map(|(id, section)| Some((*id, section.as_ref()?)))
+    }
+
+    fn remove(&mut self, id: Id) -> Option<Section<'a>> {
+        let at = self.sections.binary_search_by_key(&id, |&(id, _)| id).ok()?;
+        self.sections[at].1.take()
     }
 
     /// The bytes of a section that has to be there.
@@ -83,29 +96,27 @@ impl<'a> Container<'a> {
     ) -> Result<Section<'a>, FormatError> {
         let missing =
             || FormatError::new(Fault::Malformed, place(tag, object, index), "is missing");
-        self.sections.remove(&(tag, object, index)).ok_or_else(missing)
+        self.remove((tag, object, index)).ok_or_else(missing)
     }
 
     /// A section that may be missing.
     pub(super) fn take_optional(&mut self, tag: Tag, object: u32, index: u32) -> Option<&'a [u8]> {
-        self.sections.remove(&(tag, object, index)).map(|section| section.bytes)
+        self.remove((tag, object, index)).map(|section| section.bytes)
     }
 
     /// Leaves a section out: what it belongs to is not known.
     pub(super) fn skip(&mut self, tag: Tag, object: u32, index: u32) {
-        self.sections.remove(&(tag, object, index));
+        self.remove((tag, object, index));
     }
 
     /// Every required section must have been taken. Names the others that were not.
     pub(super) fn finish(self, left_out: &mut LeftOut) -> Result<(), FormatError> {
         let nothing = "belongs to nothing that the manifest names";
-        if let Some(((tag, object, index), _)) =
-            self.sections.iter().find(|(_, section)| section.required)
-        {
-            return Err(FormatError::new(Fault::Malformed, place(*tag, *object, *index), nothing));
+        if let Some(((tag, object, index), _)) = self.left().find(|(_, section)| section.required) {
+            return Err(FormatError::new(Fault::Malformed, place(tag, object, index), nothing));
         }
-        let unknown = self.unknown.into_iter().map(|id| (id, "is not known to this version"));
-        let idle = self.sections.into_keys().map(|id| (id, nothing));
+        let unknown = self.unknown.iter().map(|&id| (id, "is not known to this version"));
+        let idle = self.left().map(|(id, _)| (id, nothing));
         for ((tag, object, index), what) in unknown.chain(idle) {
             left_out.tell(|| format!("{} {what} and was left out", place(tag, object, index)));
         }

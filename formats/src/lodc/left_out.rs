@@ -37,5 +37,5 @@ pub(super) fn shortened(name: &str) -> String {
     if short.len() < name.len() {
         short.push('…');
     }
-    short.escape_debug().to_string()
+    if cfg!(feature = "terse") { short } else { short.escape_debug().to_string() }
 }

@@ -1,14 +1,13 @@
 //! Origin of a file's content, so that a later run can see whether the file is up to date: by the
 //! content of everything that it was made from, as it was read, never by times.
 
-use super::record::LIMIT;
 use super::{VERSION, key};
+use crate::fields::{Field, fields, to_bytes};
 use crate::{Assets, Fault, FormatError, GENERATOR, Sought};
-use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Origin of a file's content: the optional section `MADE`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MadeFrom {
     /// A hash of everything that the content depends on: the input, the files that it names, the
     /// options, the versions of program and format.
@@ -21,6 +20,8 @@ pub struct MadeFrom {
     /// The program and its version that made it.
     pub program: String,
 }
+
+fields!(MadeFrom { key, files, warnings, program });
 
 impl MadeFrom {
     /// The origin of a result of `input`, for which `files` were looked for, with options as text
@@ -86,16 +87,13 @@ impl MadeFrom {
     }
 
     pub(super) fn bytes(&self) -> Vec<u8> {
-        bincode::serde::encode_to_vec(self, bincode::config::legacy())
-            .expect("plain data can be written to memory")
+        to_bytes(self)
     }
 
     /// Reads the section; what follows the known fields belongs to later versions.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
-        let config = bincode::config::legacy().with_limit::<LIMIT>();
-        let decoded = bincode::serde::decode_from_slice(bytes, config);
-        decoded.map(|(made, _)| made).map_err(|e| {
-            FormatError::new(Fault::Malformed, "section MADE", format!("cannot be decoded: {e}"))
+        Self::take(&mut &bytes[..]).ok_or_else(|| {
+            FormatError::new(Fault::Malformed, "section MADE", "ends too early or is no text")
         })
     }
 }

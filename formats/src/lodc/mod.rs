@@ -11,7 +11,6 @@ mod made_from;
 pub(crate) mod manifest;
 mod object;
 mod poses;
-mod record;
 mod sections;
 mod steps;
 mod streams;

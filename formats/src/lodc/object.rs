@@ -3,7 +3,7 @@
 use super::container::{Container, Writer};
 use super::left_out::{LeftOut, shortened};
 use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
-use super::record::Record;
+use crate::fields::Record;
 use super::streams::{self, ZeroBudget};
 use super::table::{Tag, place, tag};
 use super::{LodObject, StoredModel, arrays, poses, steps};
@@ -115,7 +115,7 @@ pub(super) fn read(
     }
     let mesh = read_mesh(container, number, &entry, zeros)?;
     let collapses = read_sequence(container, number, &entry, &mesh)?;
-    let simplified = Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(e.to_string()))?);
+    let simplified = Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(format!("{e}")))?);
 
     let models = read_models(container, number, entry.models, known, left_out)?;
     let submeshes = entry.submeshes.into_iter().map(|Record(s)| SubmeshInfo {
@@ -222,7 +222,7 @@ fn read_mesh(
     }
     let parts = MeshParts { positions, vertex_submesh, attributes, triangles, submeshes };
     let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {number}"), what);
-    Mesh::try_from(parts).map_err(|e| wrong(e.to_string()))
+    Mesh::try_from(parts).map_err(|e| wrong(format!("{e}")))
 }
 
 fn read_stream(
@@ -242,7 +242,7 @@ fn read_stream(
     }
     let stored = container.take(tag::ATTRIBUTE, number, i)?;
     let mut attribute = Attribute {
-        semantic: entry.semantic(),
+        semantic: entry.semantic.clone(),
         morph_target: entry.morph_target,
         component,
         components: entry.components,
@@ -294,5 +294,5 @@ fn read_sequence(
         topology_changes: entry.topology_changes,
         first_topology_change: entry.first_topology_change.map(Lod),
     })
-    .map_err(|e| FormatError::new(Fault::Malformed, format!("object {number}"), e.to_string()))
+    .map_err(|e| FormatError::new(Fault::Malformed, format!("object {number}"), format!("{e}")))
 }

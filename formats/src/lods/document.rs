@@ -2,19 +2,17 @@
 //! blocks of steps: first the text, then buffer 0 of a glTF, what is wanted first before the rest.
 
 use super::head::Head;
+use crate::fields::{Field, fields, to_bytes};
 use crate::gltf::{BufferRun, PartialBuffer, Purpose, buffer_runs};
 use crate::lodc::manifest::{DocumentEntry, format_code, source_of};
 use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source, SubmeshInfo};
 use lodc_progressive::TextCodec;
-use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Bytes of the entries; a reader refuses more.
-const LIMIT: usize = 256 << 20;
 const PLACE: &str = "document";
 
 /// Facts of an object's collapse sequence that its steps do not say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SequenceFacts {
     /// The last LOD reached without breaking a rule of legality.
     pub last_legal_lod: u32,
@@ -23,6 +21,7 @@ pub struct SequenceFacts {
     /// The first LOD after such a step.
     pub first_topology_change: Option<u32>,
 }
+fields!(SequenceFacts { last_legal_lod, topology_changes, first_topology_change });
 
 /// The document and the names of a scene.
 #[derive(Clone, Debug)]
@@ -54,7 +53,6 @@ const HEAD_SHARE: u64 = 20;
 /// without them it would lie about.
 const MOST_HEAD: u64 = 16 << 10;
 
-#[derive(Serialize, Deserialize)]
 struct TextEntry {
     format: u8,
     content_hash: u128,
@@ -63,8 +61,8 @@ struct TextEntry {
     /// Start and length of the runs of the buffer that come first, in their order.
     runs: Vec<(u64, u64)>,
 }
+fields!(TextEntry { format, content_hash, document, objects, runs });
 
-#[derive(Serialize, Deserialize)]
 struct ObjectEntry {
     name: String,
     world_scale: f64,
@@ -72,13 +70,14 @@ struct ObjectEntry {
     facts: SequenceFacts,
     submeshes: Vec<SubmeshEntry>,
 }
+fields!(ObjectEntry { name, world_scale, document_mesh, facts, submeshes });
 
-#[derive(Serialize, Deserialize)]
 struct SubmeshEntry {
     name: String,
     material: Option<String>,
     document_primitive: u32,
 }
+fields!(SubmeshEntry { name, material, document_primitive });
 
 impl EncodedDocument {
     /// Encodes a document for a stream whose steps have `step_bytes`; `None` if its text would be
@@ -152,8 +151,7 @@ const SLACK: u64 = 32;
 
 /// Returns the length of a text, and the text as it is stored.
 fn stored_text(entry: &TextEntry, json: &[u8]) -> Option<(u32, Vec<u8>)> {
-    let mut text = bincode::serde::encode_to_vec(entry, bincode::config::legacy())
-        .expect("plain data can be written to memory");
+    let mut text = to_bytes(entry);
     text.extend_from_slice(json);
     let length = u32::try_from(text.len()).ok()?;
     let coded = Some(TextCodec::default().encode(&text)).filter(|coded| coded.len() < text.len());
@@ -225,6 +223,27 @@ impl ReceivedDocument {
         self.names.is_some() && self.bytes == u64::from(head.stored) + head.buffer
     }
 
+    /// Bytes of the buffer that have come, without the first `from` of them: where each piece
+    /// belongs, and the piece.
+    pub(super) fn buffer_pieces(&self, from: usize) -> impl Iterator<Item = (u64, &[u8])> {
+        let whole = match self.names.as_ref().map(|names| &names.document) {
+            Some(Document::Gltf(gltf)) => gltf.blob.as_slice(),
+            _ => &[],
+        };
+        let mut before = 0;
+        self.order.iter().filter_map(move |run| {
+            let first = before;
+            before += (run.end - run.start) as usize;
+            let skipped = from.saturating_sub(first);
+            let start = run.start + skipped as u64;
+            let piece = match whole {
+                [] => self.buffer.get(first + skipped..self.buffer.len().min(before)),
+                whole => whole.get(start as usize..run.end as usize),
+            };
+            piece.filter(|piece| !piece.is_empty()).map(|piece| (start, piece))
+        })
+    }
+
     /// The bytes of the buffer that have come.
     pub(super) fn partial_buffer(&self) -> PartialBuffer {
         PartialBuffer::new(self.order.iter().cloned(), &self.buffer)
@@ -286,9 +305,9 @@ impl Names {
                 .ok_or_else(|| malformed("cannot be decoded"))?;
             &decoded
         };
-        let config = bincode::config::legacy().with_limit::<LIMIT>();
-        let (entry, used) = bincode::serde::decode_from_slice::<TextEntry, _>(text, config)
-            .map_err(|e| malformed(&format!("cannot be decoded: {e}")))?;
+        let mut rest = text;
+        let entry = TextEntry::take(&mut rest)
+            .ok_or_else(|| malformed("ends too early or has what cannot be"))?;
         let source =
             source_of(entry.format, entry.content_hash).map_err(|what| malformed(&what))?;
         if source.format != head.format || entry.objects.len() != head.objects as usize {
@@ -296,7 +315,7 @@ impl Names {
         }
         let order = buffer_order(&entry.runs, head.buffer)
             .ok_or_else(|| malformed("has runs of the buffer that cannot be"))?;
-        let document = document(entry.document, &text[used..])?;
+        let document = document(entry.document, rest)?;
         let objects = entry.objects.into_iter().map(object_info).collect::<Result<_, _>>()?;
         Ok((Self { source, document, objects }, order))
     }

@@ -28,7 +28,7 @@ pub(super) fn rebuild(decoder: &MeshDecoder, facts: SequenceFacts) -> Result<Reb
 }
 
 fn malformed(what: impl Display) -> FormatError {
-    FormatError::new(Fault::Malformed, "", what.to_string())
+    FormatError::new(Fault::Malformed, "", format!("{what}"))
 }
 
 /// The sequence backwards, as if no step removed a triangle: record *k* of *n* vertices is the

@@ -21,7 +21,7 @@ pub(super) struct Received {
     pub(super) document: ReceivedDocument,
     pub(super) objects: Vec<ReceivedObject>,
     /// Objects whose header has come: the first ones.
-    announced: usize,
+    pub(super) announced: usize,
 }
 
 impl Received {

@@ -124,12 +124,30 @@ impl Unpacker {
         self.received.as_ref()?.whole_document()
     }
 
+    /// The document without its buffer; none before its text.
+    #[must_use]
+    pub fn text(&self) -> Option<&Document> {
+        Some(&self.received.as_ref()?.document.names.as_ref()?.document)
+    }
+
+    /// Bytes of the document's buffer that have come, without the first `from` of them: where each
+    /// piece belongs, and the piece.
+    pub fn buffer_pieces(&self, from: usize) -> impl Iterator<Item = (u64, &[u8])> {
+        self.received.iter().flat_map(move |r| r.document.buffer_pieces(from))
+    }
+
     /// The document and the names so far, fit to be written with the meshes so far.
     ///
     /// # Errors
     /// If the document of a crafted stream is malformed.
     pub fn arrived(&self) -> Result<Option<Arrived<'_>>, FormatError> {
         self.received.as_ref().map(Arrived::new).transpose()
+    }
+
+    /// Bytes of the document's buffer in all.
+    #[must_use]
+    pub fn buffer_bytes(&self) -> u64 {
+        self.received.as_ref().map_or(0, |r| r.head.buffer)
     }
 
     /// Bytes of the document so far, and in all: its text as it is stored, and its buffer.
@@ -144,6 +162,12 @@ impl Unpacker {
     #[must_use]
     pub fn objects(&self) -> usize {
         self.received.as_ref().map_or(0, |r| r.objects.len())
+    }
+
+    /// Returns whether the header of an object has come, and with it how large it will be.
+    #[must_use]
+    pub fn has_header(&self, object: usize) -> bool {
+        self.received.as_ref().is_some_and(|r| object < r.announced)
     }
 
     /// Number of objects in all; none before the first block.
@@ -202,7 +226,7 @@ impl Unpacker {
         let mut parts = self.mesh_parts(object);
         let cleaning = parts.clean();
         let mesh = Mesh::try_from(parts).map_err(|e| {
-            FormatError::new(Fault::Malformed, format!("object {object}"), e.to_string())
+            FormatError::new(Fault::Malformed, format!("object {object}"), format!("{e}"))
         })?;
         Ok((mesh, cleaning))
     }

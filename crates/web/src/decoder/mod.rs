@@ -1,0 +1,66 @@
+//! What the loader of the npm package runs: bytes in, typed arrays out, as much as has come.
+//!
+//! The output is a message of chunks (`message.rs`), which `js/message.js` reads. Vertices are in
+//! stream order, of files, too: those of a coarse level come first, so that arrays only grow.
+
+mod file;
+mod levels;
+mod message;
+mod stream;
+
+use crate::Status;
+use lodc_formats::FormatError;
+use message::Message;
+use stream::Growing;
+
+/// A `.lodc` file, or a `.lods` stream that is fed piece by piece.
+#[derive(Debug, Default)]
+pub struct Decoder {
+    input: Vec<u8>,
+    output: Vec<u8>,
+    stream: Option<Box<Growing>>,
+}
+
+impl Decoder {
+    /// Room for the next input of `length` bytes.
+    pub fn input(&mut self, length: usize) -> &mut [u8] {
+        self.input.clear();
+        self.input.resize(length, 0);
+        &mut self.input
+    }
+
+    /// The result of the last call.
+    #[must_use]
+    pub fn output(&self) -> &[u8] {
+        &self.output
+    }
+
+    /// Takes the input as a whole `.lodc` file. The output has all of it.
+    pub fn open(&mut self) -> Status {
+        let input = std::mem::take(&mut self.input);
+        self.answer(file::message(&input))
+    }
+
+    /// Takes the input as the next bytes of a `.lods` stream. The output is empty.
+    pub fn feed(&mut self) -> Status {
+        let stream = self.stream.get_or_insert_default();
+        let fed = stream.feed(&self.input);
+        self.answer(fed.map(|()| Message::default()))
+    }
+
+    /// The output has everything of the stream that no output had so far.
+    pub fn grown(&mut self) -> Status {
+        let message = self.stream.as_mut().map(|stream| stream.message());
+        self.answer(Ok(message.unwrap_or_default()))
+    }
+
+    fn answer(&mut self, result: Result<Message, FormatError>) -> Status {
+        let (output, status) = match result {
+            Ok(message) => (message.bytes, Status::Done),
+            // Not by `Display`, whose escapes would be a tenth of the decoder.
+            Err(e) => ([e.place, e.what].join(": ").into_bytes(), Status::Failed),
+        };
+        self.output = output;
+        status
+    }
+}

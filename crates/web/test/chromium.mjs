@@ -1,0 +1,118 @@
+// Chromium without a window, spoken to over a pipe.
+
+import { spawn } from 'node:child_process';
+import { mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+const FLAGS = [
+  '--headless=new', '--no-sandbox', '--remote-debugging-pipe', '--no-first-run', '--mute-audio',
+  '--enable-unsafe-swiftshader', '--use-angle=swiftshader', '--hide-scrollbars',
+  '--disable-background-networking', '--disable-component-update', '--disable-dev-shm-usage',
+];
+
+/** A browser with one page. */
+export class Chromium {
+  static async start(...flags) {
+    const profile = mkdtempSync(join(tmpdir(), 'lodc-chromium-'));
+    const stdio = ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'];
+    const child = spawn('chromium', [...FLAGS, ...flags, `--user-data-dir=${profile}`], { stdio });
+    const browser = new Chromium(child, profile);
+    const { targetId } = await browser.send('Target.createTarget', { url: 'about:blank' });
+    const attached = await browser.send('Target.attachToTarget', { targetId, flatten: true });
+    browser.session = attached.sessionId;
+    for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await browser.send(`${domain}.enable`);
+    return browser;
+  }
+
+  constructor(child, profile) {
+    Object.assign(this, { child, profile });
+    this.next = 1;
+    this.open = new Map();
+    this.waits = [];
+    /** What the page wrote to its console, and errors. */
+    this.console = [];
+    let text = '';
+    child.stdio[4].setEncoding('utf8').on('data', (piece) => {
+      const messages = (text + piece).split('\0');
+      text = messages.pop();
+      for (const message of messages) this.take(JSON.parse(message));
+    });
+    child.on('exit', () => this.open.forEach(({ reject }) => reject(new Error('Chromium ended'))));
+  }
+
+  take({ id, result, error, method, params }) {
+    if (id) {
+      const { resolve, reject } = this.open.get(id);
+      this.open.delete(id);
+      if (error) reject(new Error(error.message));
+      else resolve(result);
+      return;
+    }
+    if (method === 'Runtime.consoleAPICalled') {
+      const words = params.args.map((arg) => arg.value ?? arg.description).join(' ');
+      this.console.push(`${params.type}: ${words}`);
+    }
+    if (method === 'Log.entryAdded') {
+      this.console.push(`${params.entry.level}: ${params.entry.text} ${params.entry.url ?? ''}`);
+    }
+    if (method === 'Runtime.exceptionThrown') {
+      const { exception, text } = params.exceptionDetails;
+      this.console.push(`error: ${exception?.description ?? text}`);
+    }
+    this.waits = this.waits.filter((wait) => !(wait.method === method && (wait.resolve(params), true)));
+  }
+
+  send(method, params = {}) {
+    const id = this.next++;
+    const session = this.session && !method.startsWith('Target.') ? { sessionId: this.session } : {};
+    return new Promise((resolve, reject) => {
+      this.open.set(id, { resolve, reject });
+      this.child.stdio[3].write(`${JSON.stringify({ id, method, params, ...session })}\0`);
+    });
+  }
+
+  event(method) {
+    return new Promise((resolve) => this.waits.push({ method, resolve }));
+  }
+
+  /** Opens an address and waits until it is loaded. */
+  async goto(url) {
+    const loaded = this.event('Page.loadEventFired');
+    await this.send('Page.navigate', { url });
+    await loaded;
+  }
+
+  /** The value of an expression, which may be a promise. */
+  async value(expression) {
+    const call = { expression, awaitPromise: true, returnByValue: true };
+    const { result, exceptionDetails } = await this.send('Runtime.evaluate', call);
+    if (exceptionDetails) {
+      const { exception, text } = exceptionDetails;
+      throw new Error(`${exception?.description ?? text}\n${this.console.join('\n')}`);
+    }
+    return result.value;
+  }
+
+  /** Size of the page in pixels, and whether it is a phone's. */
+  size(width, height, mobile = false) {
+    const metrics = { width, height, deviceScaleFactor: 1, mobile };
+    return Promise.all([
+      this.send('Emulation.setDeviceMetricsOverride', metrics),
+      this.send('Emulation.setTouchEmulationEnabled', { enabled: mobile, maxTouchPoints: 1 + 4 * mobile }),
+    ]);
+  }
+
+  /** A picture of the page as PNG. */
+  async picture() {
+    const { data } = await this.send('Page.captureScreenshot', { format: 'png' });
+    return Buffer.from(data, 'base64');
+  }
+
+  async close() {
+    const gone = new Promise((resolve) => this.child.once('exit', resolve));
+    this.child.kill();
+    await gone;
+    rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });
+  }
+}
