@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(decode(&encoded, text.len()).as_deref(), Some(text.as_bytes()));
         assert_eq!(decode(&encoded, 1 << 40), None);
         assert_eq!(decode(&encoded, 60_000), None, "longer than the text");
-        assert_eq!(encode(&[]), []);
+        assert!(encode(&[]).is_empty());
         assert_eq!(decode(&[], 0), Some(vec![]));
     }
 
