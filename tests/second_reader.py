@@ -88,18 +88,18 @@ def levels(folder):
             lod, wanted = words.one(), words.triangles()
             for structure in structures:
                 level = obj.level(lod, structure=structure)
-                found = oriented(level.triangles, level.submesh)
+                found = oriented(level.vertices[level.triangles], level.submesh)
                 assert np.array_equal(found, wanted), f"{path.stem}: LOD {lod} of {structure}"
             assert len(wanted) == obj.counts[np.searchsorted(obj.lods, lod)], path.stem
             glb_path = folder / f"{path.stem}@{lod}.glb"
             if glb_path.exists():
                 parts = [by_position(*part) for part in glb(glb_path)]
-                positions = obj.positions
+                part = obj.level(lod)
                 mine = [
-                    by_position(positions, obj.level(lod).of_submesh(s))
+                    by_position(part.positions, part.of_submesh(s))
                     for s in range(len(obj.submeshes))
                 ]
-                assert parts == [part for part in mine if part], f"{path.stem}: LOD {lod}, extract"
+                assert parts == [rows for rows in mine if rows], f"{path.stem}: LOD {lod}, extract"
                 extracted += 1
             count += 1
         files += 1
@@ -122,7 +122,7 @@ def streams(states, folder):
             come = obj.has_come[1:]
             assert (np.array(obj.targets[1:])[come] == targets[come]).all(), path.stem
 
-        stream, words = lodc.open_stream(), Words(path)
+        stream, words = lodc.stream(), Words(path)
         stream.each_step = step
         data, end = (folder / f"{path.stem}.lods").read_bytes(), 0
         while not words.is_read():
@@ -191,14 +191,14 @@ def damage(folder):
                 if path.suffix == ".lodc":
                     lodc.open(bytes(data))
                 else:
-                    lodc.open_stream(bytes(data) + bytes(1 << 17))
+                    lodc.stream(bytes(data) + bytes(1 << 17))
             except lodc.FormatError as e:
                 assert e.place and e.what, path
                 found += 1
             else:
                 raise AssertionError(f"{path}: byte {at} changed unnoticed")
     for prefix in range(0, 165, 7):
-        stream = lodc.open_stream((folder / "triangle.lods").read_bytes()[:prefix])
+        stream = lodc.stream((folder / "triangle.lods").read_bytes()[:prefix])
         assert not stream.is_complete()
     print(f"all {found} damaged files were refused")
 

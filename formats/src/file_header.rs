@@ -2,18 +2,15 @@
 //! the header alone, so that a flipped bit is not taken for a file of another version.
 
 use crate::{Fault, FormatError};
-use xxhash_rust::xxh3::xxh3_64;
 
 /// Bytes of the magic number.
 const MAGIC: usize = 8;
-/// Bytes of the checksum that ends a header.
-const CHECKSUM: usize = 8;
 /// Features without which a file cannot be read; the other bits are hints. No bit has a meaning
 /// yet.
 const REQUIRED: u16 = 0x00ff;
 
-/// The header of a format, of which one version exists.
-pub(crate) struct FileHeader {
+/// The header of a format, of which one version exists. It ends with a checksum of `CHECK` bytes.
+pub(crate) struct FileHeader<const CHECK: usize> {
     /// What such a file is called in messages.
     pub(crate) name: &'static str,
     /// Not text, not valid UTF-8, and damaged by a transfer that changes line ends.
@@ -21,9 +18,12 @@ pub(crate) struct FileHeader {
     pub(crate) version: u16,
     /// Its bytes.
     pub(crate) length: usize,
+    /// Returns the checksum of bytes. Each format has one algorithm, so that what reads streams
+    /// alone has no other.
+    pub(crate) checksum: fn(&[u8]) -> [u8; CHECK],
 }
 
-impl FileHeader {
+impl<const CHECK: usize> FileHeader<CHECK> {
     /// A header without features. Between them and the checksum are zeros: a caller fills them in
     /// and calls [`Self::seal`].
     pub(crate) fn start(&self) -> Vec<u8> {
@@ -34,8 +34,8 @@ impl FileHeader {
 
     /// Makes the checksum right of the header that `bytes` begin with.
     pub(crate) fn seal(&self, bytes: &mut [u8]) {
-        let (header, checksum) = bytes[..self.length].split_at_mut(self.length - CHECKSUM);
-        checksum.copy_from_slice(&xxh3_64(header).to_le_bytes());
+        let (header, checksum) = bytes[..self.length].split_at_mut(self.length - CHECK);
+        checksum.copy_from_slice(&(self.checksum)(header));
     }
 
     /// Checks the header that `bytes` begin with. Returns whether all of it is there.
@@ -47,9 +47,9 @@ impl FileHeader {
             return if bytes[..some] == self.magic[..some] { Ok(false) } else { stranger() };
         };
         let (magic, rest) = header.split_at(MAGIC);
-        let (fields, checksum) = rest.split_at(rest.len() - CHECKSUM);
+        let (fields, checksum) = rest.split_at(rest.len() - CHECK);
         // The magic bytes as they should be: a file of this kind is known by the rest, too.
-        let is_sound = xxh3_64(&[&self.magic, fields].concat()).to_le_bytes() == *checksum;
+        let is_sound = (self.checksum)(&[&self.magic, fields].concat())[..] == *checksum;
         match (magic == self.magic, is_sound) {
             (true, true) => {}
             (false, false) => return stranger(),

@@ -1,5 +1,5 @@
-//! Packages from outside: each has its reason, and the fuzz targets, a workspace of their own, are
-//! locked to the same ones.
+//! Packages from outside: each has its reason, and the fuzz targets and the plugin for Bevy,
+//! workspaces of their own, are locked to the same ones.
 
 use super::{DRAWING, read, root};
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,13 +28,14 @@ fn every_package_is_on_the_page_of_dependencies() {
 }
 
 #[test]
-fn fuzz_targets_are_locked_to_what_the_readers_use() {
-    let [ours, fuzz] =
-        ["Cargo.lock", "formats/fuzz/Cargo.lock"].map(|name| locked(&read(&root().join(name))));
+fn other_workspaces_are_locked_to_what_the_readers_use() {
+    let ours = locked(&read(&root().join("Cargo.lock")));
     let (_, used) = DRAWING.iter().find(|(folder, _)| *folder == "formats").expect("formats");
-    for name in *used {
-        let there =
-            fuzz.get(*name).unwrap_or_else(|| panic!("formats/fuzz/Cargo.lock lacks {name}"));
-        assert!(ours[*name].is_superset(there), "formats/fuzz/Cargo.lock has {name} {there:?}");
+    for lock in ["formats/fuzz/Cargo.lock", "crates/bevy/Cargo.lock"] {
+        let theirs = locked(&read(&root().join(lock)));
+        for name in used.iter().filter(|name| !name.starts_with("lodc")) {
+            let there = theirs.get(*name).unwrap_or_else(|| panic!("{lock} lacks {name}"));
+            assert!(ours[*name].is_subset(there), "{lock} has {name} {there:?}");
+        }
     }
 }

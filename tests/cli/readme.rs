@@ -86,21 +86,27 @@ fn the_tour_is_true() {
     assert_eq!(text.lines().count(), true_text.lines().count(), "README.md: run `just tour`");
 }
 
-/// The library's example is run as a test of package `lodc`; the README shows the same.
+/// The library's examples are run as tests of package `lodc`; the README shows the same.
 #[test]
-fn the_library_example_is_the_one_that_is_tested() {
+fn the_library_examples_are_those_that_are_tested() {
     let read = |path: &str| fs::read_to_string(root().join(path)).expect("a file of the project");
-    let block = |text: &str| {
-        let example = text.split("use lodc::{Metric, Select};").nth(1).expect("an example");
-        example.split("```").next().unwrap_or_default().to_owned()
-    };
-    let comment = block(&read("crates/lodc/src/lib.rs"));
-    let tested: Vec<&str> = comment
-        .lines()
-        .map(|line| line.trim_start_matches("//!").trim_start_matches(' ').trim_end())
-        .filter(|line| !line.is_empty() && !line.starts_with("# "))
-        .collect();
-    let readme = block(&read("README.md"));
-    let shown: Vec<&str> = readme.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
-    assert_eq!(tested.iter().map(|l| l.trim()).collect::<Vec<_>>(), shown);
+    let examples = [
+        ("crates/lodc/src/lib.rs", "use lodc::{Metric, Select};"),
+        ("crates/lodc/src/gpu.rs", "use lodc::gpu::{Device, Levels};"),
+    ];
+    for (file, first) in examples {
+        let block = |text: &str| {
+            let example = text.split(first).nth(1).expect("an example");
+            example.split("```").next().unwrap_or_default().to_owned()
+        };
+        let comment = block(&read(file));
+        let tested: Vec<&str> = comment
+            .lines()
+            .map(|line| line.trim_start_matches("//!").trim_start_matches(' ').trim_end())
+            .filter(|line| !line.is_empty() && !line.starts_with("# "))
+            .collect();
+        let readme = block(&read("README.md"));
+        let shown: Vec<&str> = readme.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
+        assert_eq!(tested.iter().map(|l| l.trim()).collect::<Vec<_>>(), shown, "{file}");
+    }
 }

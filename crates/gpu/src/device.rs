@@ -20,6 +20,17 @@ pub struct Adapter {
     pub software: bool,
 }
 
+impl Adapter {
+    fn of(info: &wgpu::AdapterInfo) -> Self {
+        Self {
+            name: info.name.clone(),
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+            backend: info.backend.to_str(),
+            software: info.device_type == wgpu::DeviceType::Cpu,
+        }
+    }
+}
+
 impl std::fmt::Display for Adapter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} ({}, {})", self.name, self.backend, self.driver)
@@ -36,7 +47,8 @@ pub struct LimitOverrides {
     pub workgroups_per_dimension: Option<u32>,
 }
 
-/// An open device.
+/// An open device. Clones are the same one.
+#[derive(Clone)]
 pub struct Device {
     adapter: Adapter,
     pub(crate) device: wgpu::Device,
@@ -89,14 +101,15 @@ impl Device {
         Self::of(&adapter, overrides)
     }
 
+    /// The device that a host has already. Its errors stay the host's: wgpu's own handler hears of
+    /// them.
+    #[must_use]
+    pub fn of_host(info: &wgpu::AdapterInfo, device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        Self { adapter: Adapter::of(info), device, queue, error: Arc::default() }
+    }
+
     fn of(adapter: &wgpu::Adapter, overrides: &LimitOverrides) -> Result<Self, GpuError> {
-        let info = adapter.get_info();
-        let described = Adapter {
-            name: info.name,
-            driver: [info.driver, info.driver_info].join(" ").trim().to_owned(),
-            backend: info.backend.to_str(),
-            software: info.device_type == wgpu::DeviceType::Cpu,
-        };
+        let described = Adapter::of(&adapter.get_info());
         // Without asking, WebGPU's small defaults apply.
         let mut required_limits = adapter.limits();
         let binding = &mut required_limits.max_storage_buffer_binding_size;
@@ -144,6 +157,27 @@ impl Device {
     #[must_use]
     pub fn has_clock(&self) -> bool {
         !self.adapter.software && self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
+    }
+
+    /// Returns the device and the queue themselves.
+    #[must_use]
+    pub fn host(&self) -> (&wgpu::Device, &wgpu::Queue) {
+        (&self.device, &self.queue)
+    }
+
+    /// Begins what is submitted next.
+    #[must_use]
+    pub fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// Submits it, and does not wait.
+    ///
+    /// # Errors
+    /// If the device has failed.
+    pub fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<(), GpuError> {
+        self.queue.submit([encoder.finish()]);
+        self.check()
     }
 
     /// Waits until everything submitted is done.

@@ -31,7 +31,7 @@ impl Canvas {
     ///
     /// # Errors
     /// If the device refuses.
-    pub(crate) fn new(session: &Session<'_>, drawn: &Drawn) -> Result<Self, GpuError> {
+    pub(crate) fn new(session: &Session, drawn: &Drawn) -> Result<Self, GpuError> {
         let gpu = &session.device.device;
         let position = wgpu::VertexBufferLayout {
             array_stride: 4 * drawn.stride as u64,
@@ -68,22 +68,14 @@ impl Canvas {
     /// the first of the two.
     pub(crate) fn encode(
         &self,
-        session: &Session<'_>,
+        session: &Session,
         encoder: &mut wgpu::CommandEncoder,
         clock: Option<(&wgpu::QuerySet, u32)>,
     ) {
-        let drawn = &self.drawn;
         let mut pass = self.targets.pass(encoder, clock);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);
-        pass.set_vertex_buffer(0, session.buffers[drawn.vertices.0].slice(..));
-        pass.set_index_buffer(
-            session.buffers[drawn.indices.0].slice(..),
-            wgpu::IndexFormat::Uint32,
-        );
-        for draw in 0..drawn.count {
-            pass.draw_indexed_indirect(&session.buffers[drawn.draws.0], 20 * draw as u64);
-        }
+        session.draw(&mut pass, &self.drawn);
     }
 }
 

@@ -80,7 +80,7 @@ pub fn replay(device: &Device, plan: Plan<'_>) -> Result<Replayed, GpuError> {
 
 /// The first word that differs: which check, which word of it, what was found.
 fn first_difference(
-    session: &mut Session<'_>,
+    session: &mut Session,
     checks: &[Expected],
     hardware: bool,
 ) -> Result<Option<(usize, usize, u32)>, GpuError> {

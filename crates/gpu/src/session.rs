@@ -1,7 +1,7 @@
 //! A program on a device: its buffers, its kernels, running passes and reading words back.
 
 use crate::{Device, GpuError};
-use lodc_plan::{BufferId, Contents, Kernel, KernelId, Pass, Program, WORKGROUP};
+use lodc_plan::{BufferId, Contents, Drawn, Kernel, KernelId, Pass, Program, WORKGROUP};
 use std::cell::OnceCell;
 
 /// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts
@@ -11,8 +11,8 @@ const SLOT: u64 = 256;
 const STAGING: u64 = 32 << 20;
 
 /// A program on a device.
-pub struct Session<'d> {
-    pub(crate) device: &'d Device,
+pub struct Session {
+    pub(crate) device: Device,
     names: Vec<&'static str>,
     pub(crate) buffers: Vec<wgpu::Buffer>,
     lengths: Vec<usize>,
@@ -22,12 +22,12 @@ pub struct Session<'d> {
     staging: wgpu::Buffer,
 }
 
-impl<'d> Session<'d> {
+impl Session {
     /// Makes buffers.
     ///
     /// # Errors
     /// If a buffer is larger than the device allows, or memory runs out.
-    pub fn new(device: &'d Device, program: &Program) -> Result<Self, GpuError> {
+    pub fn new(device: &Device, program: &Program) -> Result<Self, GpuError> {
         for b in &program.buffers {
             device.allows(b.name, bytes_of(&b.contents))?;
         }
@@ -43,7 +43,7 @@ impl<'d> Session<'d> {
         });
         device.check()?;
         Ok(Self {
-            device,
+            device: device.clone(),
             names: program.buffers.iter().map(|b| b.name).collect(),
             lengths: program.buffers.iter().map(|b| b.contents.len()).collect(),
             buffers,
@@ -51,6 +51,53 @@ impl<'d> Session<'d> {
             pipelines: program.kernels.iter().map(|_| OnceCell::new()).collect(),
             staging,
         })
+    }
+
+    /// Returns the same program once more: with copies of the buffers `own`, all others shared.
+    ///
+    /// # Errors
+    /// If memory runs out.
+    pub fn sharing(&self, own: &[BufferId]) -> Result<Self, GpuError> {
+        let device = self.device.clone();
+        let mut buffers = self.buffers.clone();
+        let mut encoder = device.encoder();
+        for &id in own {
+            let (from, size) = (&self.buffers[id.0], self.buffers[id.0].size());
+            buffers[id.0] = empty(&device, self.names[id.0], size);
+            encoder.copy_buffer_to_buffer(from, 0, &buffers[id.0], 0, size);
+        }
+        device.submit(encoder)?;
+        Ok(Self {
+            device,
+            names: self.names.clone(),
+            buffers,
+            lengths: self.lengths.clone(),
+            kernels: self.kernels.clone(),
+            pipelines: self.pipelines.clone(),
+            staging: self.staging.clone(),
+        })
+    }
+
+    /// Adds passes to what is submitted next, one after the other.
+    ///
+    /// # Errors
+    /// If a pass needs more than the device allows, or a kernel is not accepted.
+    pub fn encode_passes(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        passes: &[Pass],
+    ) -> Result<(), GpuError> {
+        self.encode(encoder, passes, None)
+    }
+
+    /// Draws what passes have made, with the pipeline that is set: vertex buffer 0, the index
+    /// buffer, an indirect draw for each submesh.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, drawn: &Drawn) {
+        pass.set_vertex_buffer(0, self.buffers[drawn.vertices.0].slice(..));
+        pass.set_index_buffer(self.buffers[drawn.indices.0].slice(..), wgpu::IndexFormat::Uint32);
+        for draw in 0..drawn.count {
+            pass.draw_indexed_indirect(&self.buffers[drawn.draws.0], 20 * draw as u64);
+        }
     }
 
     /// The name of a buffer.
@@ -69,11 +116,9 @@ impl<'d> Session<'d> {
     }
 
     fn submit(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
-        let mut encoder =
-            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.device.encoder();
         self.encode(&mut encoder, passes, None)?;
-        self.device.queue.submit([encoder.finish()]);
-        self.device.check()
+        self.device.submit(encoder)
     }
 
     /// Adds passes to what is submitted next, between two time stamps if there is room for them:
@@ -127,7 +172,7 @@ impl<'d> Session<'d> {
         if let Some(made) = cell.get() {
             return Ok(made);
         }
-        let made = pipeline(self.device, &self.kernels[kernel.0])?;
+        let made = pipeline(&self.device, &self.kernels[kernel.0])?;
         Ok(cell.get_or_init(|| made))
     }
 
@@ -194,6 +239,22 @@ impl<'d> Session<'d> {
         Ok(words)
     }
 
+    /// The places of the corners of all triangles that [`Self::draw`] draws, of triangle lists.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn drawn_triangles(&mut self, drawn: &Drawn) -> Result<Vec<[[f32; 3]; 3]>, GpuError> {
+        let [records, indices, draws] =
+            [self.read(drawn.vertices)?, self.read(drawn.indices)?, self.read(drawn.draws)?];
+        let place = |&v: &u32| -> [f32; 3] {
+            std::array::from_fn(|i| f32::from_bits(records[v as usize * drawn.stride + i]))
+        };
+        let of_submesh = |draw: &[u32; 5]| &indices[draw[2] as usize..][..draw[0] as usize];
+        let corners = draws.as_chunks::<5>().0.iter().flat_map(of_submesh);
+        let corners: Vec<[f32; 3]> = corners.map(place).collect();
+        Ok(corners.as_chunks::<3>().0.to_vec())
+    }
+
     /// Shows ranges of buffers (buffer, first word, number of words) piece by piece, several at
     /// once where they fit: the number of the range, the word in it at which the piece starts, the
     /// piece. Ends early if `see` returns false.
@@ -215,10 +276,7 @@ impl<'d> Session<'d> {
         let mut rest = pieces.as_slice();
         while !rest.is_empty() {
             let (mut used, mut batch) = (0, 0);
-            let mut encoder = self
-                .device
-                .device
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = self.device.encoder();
             while batch < rest.len() && used + rest[batch].2 <= room {
                 let (range, start, words) = rest[batch];
                 let (buffer, first, _) = ranges[range];
@@ -286,9 +344,17 @@ fn upload(device: &Device, name: &'static str, contents: &Contents) -> wgpu::Buf
         Contents::Words(words) if !words.is_empty() => Some(words),
         _ => None,
     };
-    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
+    let buffer = empty(device, name, bytes_of(contents));
+    if let Some(words) = words {
+        device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+    }
+    buffer
+}
+
+fn empty(device: &Device, name: &'static str, size: u64) -> wgpu::Buffer {
+    device.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(name),
-        size: bytes_of(contents),
+        size,
         usage: wgpu::BufferUsages::STORAGE
             | wgpu::BufferUsages::COPY_SRC
             | wgpu::BufferUsages::COPY_DST
@@ -296,11 +362,7 @@ fn upload(device: &Device, name: &'static str, contents: &Contents) -> wgpu::Buf
             | wgpu::BufferUsages::INDEX
             | wgpu::BufferUsages::VERTEX,
         mapped_at_creation: false,
-    });
-    if let Some(words) = words {
-        device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
-    }
-    buffer
+    })
 }
 
 fn pipeline(device: &Device, kernel: &Kernel) -> Result<wgpu::ComputePipeline, GpuError> {

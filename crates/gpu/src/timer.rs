@@ -11,7 +11,7 @@ pub(crate) type Now<'n> = &'n dyn Fn() -> Duration;
 /// Runs that are submitted at once: submitting takes longer than a small run does.
 const BATCH: usize = 256;
 
-impl Session<'_> {
+impl Session {
     /// Nanoseconds that the device worked on the passes of all runs, or, with a canvas, on drawing
     /// after each of them. By the host's clock if the device has none.
     ///
@@ -39,7 +39,7 @@ impl Session<'_> {
         runs: &[Vec<Pass>],
         canvas: Option<&Canvas>,
     ) -> Result<f64, GpuError> {
-        let clock = Clock::new(self.device, 2 * runs.len() as u32);
+        let clock = Clock::new(&self.device, 2 * runs.len() as u32);
         let mut encoder =
             self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for (ticks, passes) in (0..).step_by(2).zip(runs) {
@@ -53,7 +53,7 @@ impl Session<'_> {
         }
         clock.resolve(&mut encoder);
         self.device.queue.submit([encoder.finish()]);
-        clock.read(self.device)
+        clock.read(&self.device)
     }
 
     /// All runs in one go, so that submitting counts once.

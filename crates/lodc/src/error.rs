@@ -12,6 +12,9 @@ pub enum Error {
     Format(FormatError),
     /// A level that the scene does not have was asked for.
     Select(SelectError),
+    /// A graphics device does not do what it is asked.
+    #[cfg(feature = "gpu")]
+    Device(lodc_gpu::GpuError),
     /// What was asked for does not fit the file.
     Request(String),
     /// A bug of this library.
@@ -23,6 +26,8 @@ impl fmt::Display for Error {
         match self {
             Self::Format(error) => error.fmt(f),
             Self::Select(error) => error.fmt(f),
+            #[cfg(feature = "gpu")]
+            Self::Device(error) => error.fmt(f),
             Self::Request(what) => f.write_str(what),
             Self::Bug(what) => write!(f, "internal error: {what}"),
         }
@@ -40,5 +45,12 @@ impl From<FormatError> for Error {
 impl From<SelectError> for Error {
     fn from(error: SelectError) -> Self {
         Self::Select(error)
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl From<lodc_gpu::GpuError> for Error {
+    fn from(error: lodc_gpu::GpuError) -> Self {
+        Self::Device(error)
     }
 }

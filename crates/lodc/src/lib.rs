@@ -33,7 +33,7 @@
 //! | `import` | glTF, GLB, OBJ, PLY and STL as scenes |
 //! | `build` | files from meshes; takes `import` |
 //! | `export` | levels as glTF, GLB, OBJ and PLY |
-//! | `gpu` | models on a graphics device |
+//! | `gpu` | levels on a graphics device: `gpu::Levels` |
 
 #[cfg(feature = "build")]
 pub mod build;
@@ -41,6 +41,8 @@ mod container;
 mod error;
 mod file;
 pub mod glide;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 #[cfg(feature = "import")]
 mod input;
 pub mod level_mesh;
@@ -56,10 +58,9 @@ pub use file::{File, Level, LevelObject, open};
 #[cfg(feature = "import")]
 pub use input::{Input, read_input};
 pub use lodc_formats as formats;
-#[cfg(feature = "gpu")]
-pub use lodc_gpu as gpu;
 pub use lodc_lod as models;
 pub use lodc_mesh as mesh;
+pub use lodc_scene as scene;
 pub use lodc_select::SceneLevels;
 pub use lodc_select::Target as Select;
 #[cfg(feature = "build")]

@@ -98,7 +98,7 @@ mod trace;
 mod vertex_data;
 mod vertex_split;
 
-pub use entropy::text_codec;
+pub use entropy::text_codec::TextCodec;
 pub use header::MeshHeader;
 pub use invalid::InvalidStream;
 pub use mesh_decoder::{MeshDecoder, StepBlock};

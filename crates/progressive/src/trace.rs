@@ -178,7 +178,7 @@ impl Coder for Tracer<'_> {
 /// The blocks of steps of a stream with one object: their steps and payloads, without the header of
 /// the object.
 fn step_blocks(stream: &[u8]) -> Vec<(u32, &[u8])> {
-    let mut rest = &stream[20..];
+    let mut rest = &stream[16..];
     let mut blocks = Vec::new();
     while !rest.is_empty() {
         let mut field = || take_leb128(&mut rest, u64::from(u32::MAX)).expect("a number") as u32;

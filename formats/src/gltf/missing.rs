@@ -1,6 +1,7 @@
 //! Documents that have not come to their end: everything that refers to missing bytes is left out,
 //! so that the rest is a valid document.
 
+use super::buffer_runs::{PartialBuffer, view_bytes};
 use super::extensions;
 use super::json::{Json, Object, object, parse};
 use super::schema::{self, Pool, references, retain};
@@ -8,7 +9,7 @@ use crate::{FormatError, GltfDocument, Limits, ObjectInfo};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// Extensions that refer to images and textures in a way that is not listed.
-const UNLISTED: [&str; 5] = [
+pub(super) const UNLISTED: [&str; 5] = [
     "EXT_lights_image_based",
     "EXT_mesh_features",
     "EXT_structural_metadata",
@@ -19,21 +20,22 @@ const UNLISTED: [&str; 5] = [
 /// A document, and what was left out of it with counts.
 pub(crate) type Shortened = (GltfDocument, Vec<String>);
 
-/// Leaves out what refers to bytes behind the end of the document's buffer. Returns `None` if the
-/// document refers to its buffer in a way that is not known.
+/// Leaves out of a document what refers to bytes of its buffer that have not come. Returns `None`
+/// if the document refers to its buffer in a way that is not known.
 ///
 /// # Errors
 /// If the document is malformed.
 pub(crate) fn gltf_without_missing(
-    document: &GltfDocument,
+    json: &str,
+    buffer: PartialBuffer,
 ) -> Result<Option<Shortened>, FormatError> {
-    let mut root = parse(document.json.as_bytes(), &Limits::DEFAULT)?;
+    let mut root = parse(json.as_bytes(), &Limits::DEFAULT)?;
     schema::check(&mut root)?;
     let used = root.list("extensionsUsed").iter().filter_map(Json::as_str);
     if used.into_iter().any(|e| UNLISTED.contains(&e)) || extensions::opaque(&root).is_some() {
         return Ok(None);
     }
-    let missing = Missing::of(&root, document.blob.len() as u64);
+    let missing = Missing::of(&root, &buffer);
     let mut left_out = Vec::new();
     let mut note = |number: usize, what: &str| match number {
         0 => {}
@@ -46,15 +48,23 @@ pub(crate) fn gltf_without_missing(
     note(missing.drop_instances(&mut root), "set of instances");
     // Points and lines still need theirs.
     let mut is_free = missing.drop_arrays(&mut root);
-    if document.blob.is_empty() {
+    for view in root.objects_mut("bufferViews") {
+        let came = view_bytes(view).map(|bytes| (bytes.start, buffer.find(&bytes)));
+        if let Some((before, Some(now))) = came
+            && before != now
+        {
+            view.insert("byteOffset".to_owned(), now.into());
+        }
+    }
+    if buffer.is_empty() {
         root.shift_remove("buffers");
         is_free &= Pool::BufferViews.len(&root) == 0;
-    } else if let Some(buffer) = root.objects_mut("buffers").next() {
-        let length = buffer["byteLength"].as_u64().unwrap_or(0);
-        buffer["byteLength"] = length.min(document.blob.len() as u64).into();
     }
-    let shortened = || GltfDocument { json: root.to_string(), blob: document.blob.clone() };
-    Ok(is_free.then(|| (shortened(), left_out)))
+    let blob = buffer.into_bytes();
+    if let Some(buffer) = root.objects_mut("buffers").next() {
+        buffer["byteLength"] = (blob.len() as u64).into();
+    }
+    Ok(is_free.then(|| (GltfDocument { json: root.to_string(), blob }, left_out)))
 }
 
 /// A document with a mesh and a node for each object, whose numbers become those of this document.
@@ -92,14 +102,10 @@ struct Missing {
 }
 
 impl Missing {
-    /// Finds what refers to bytes from number `end` on.
-    fn of(root: &Object, end: u64) -> Self {
-        let ends = |view: &Object| {
-            let length = view["byteLength"].as_u64()?;
-            view["byteOffset"].as_u64().unwrap_or(0).checked_add(length)
-        };
-        let views = root.entries("bufferViews");
-        let views: Vec<bool> = views.map(|view| ends(view).is_none_or(|e| e > end)).collect();
+    /// Finds what refers to bytes that have not come.
+    fn of(root: &Object, buffer: &PartialBuffer) -> Self {
+        let came = |view| view_bytes(view).is_some_and(|bytes| buffer.find(&bytes).is_some());
+        let views: Vec<bool> = root.entries("bufferViews").map(|view| !came(view)).collect();
         let accessor = |a: &Object| {
             let sparse = ["indices", "values"].map(|key| &a["sparse"][key]["bufferView"]);
             [&a["bufferView"], sparse[0], sparse[1]].into_iter().any(|v| is_marked(&views, v))

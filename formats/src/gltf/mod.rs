@@ -14,6 +14,8 @@ mod animations;
 mod appearance;
 #[cfg(feature = "gltf")]
 mod budget;
+#[cfg(feature = "stream")]
+mod buffer_runs;
 #[cfg(feature = "import")]
 mod difference;
 #[cfg(feature = "gltf")]
@@ -57,6 +59,8 @@ pub(crate) mod write;
 pub use animations::{animation, animation_names, scene_motion};
 #[cfg(feature = "import")]
 pub(crate) use appearance::{appearance, coordinates};
+#[cfg(feature = "stream")]
+pub(crate) use buffer_runs::{BufferRun, PartialBuffer, Purpose, buffer_runs};
 #[cfg(feature = "import")]
 pub(crate) use difference::difference;
 #[cfg(feature = "gltf")]

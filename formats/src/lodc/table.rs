@@ -7,11 +7,12 @@ use xxhash_rust::xxh3::xxh3_64;
 
 /// Bytes of the header.
 pub(super) const HEADER: usize = 40;
-const FILE_HEADER: FileHeader = FileHeader {
+const FILE_HEADER: FileHeader<8> = FileHeader {
     name: ".lodc file",
     magic: *b"\x89LODC\r\n\x1a",
     version: VERSION,
     length: HEADER,
+    checksum: |header| xxh3_64(header).to_le_bytes(),
 };
 /// Bytes of an entry of the table.
 pub(super) const ENTRY: usize = 40;

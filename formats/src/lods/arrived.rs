@@ -26,8 +26,8 @@ impl<'a> Arrived<'a> {
         if let Some(document) = received.whole_document() {
             return Ok(Self { document: Cow::Borrowed(document), infos, left_out: Vec::new() });
         }
-        if let Some(gltf) = received.gltf()
-            && let Some((document, left_out)) = gltf_without_missing(gltf)?
+        if let Some((json, buffer)) = received.partial_gltf()
+            && let Some((document, left_out)) = gltf_without_missing(json, buffer)?
         {
             return Ok(Self { document: Cow::Owned(Document::Gltf(document)), infos, left_out });
         }

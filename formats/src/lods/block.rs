@@ -3,11 +3,16 @@
 use super::VERSION;
 use crate::file_header::FileHeader;
 use lodc_mesh::{put_leb128, take_leb128};
-use xxhash_rust::xxh3::xxh3_64_with_seed;
+use xxhash_rust::xxh32::xxh32;
 
 /// The bytes before the first block.
-pub(super) const FILE_HEADER: FileHeader =
-    FileHeader { name: ".lods stream", magic: *b"\x89LODS\r\n\x1a", version: VERSION, length: 20 };
+pub(super) const FILE_HEADER: FileHeader<4> = FileHeader {
+    name: ".lods stream",
+    magic: *b"\x89LODS\r\n\x1a",
+    version: VERSION,
+    length: 16,
+    checksum: |header| xxh32(header, 0).to_le_bytes(),
+};
 /// The most bytes of a payload of steps; that of the first block may be longer.
 pub(super) const MAX_PAYLOAD: usize = 16 << 20;
 const HEADER_CHECK: usize = 2;
@@ -34,16 +39,15 @@ pub(super) enum Parsed<'a> {
     Damaged(&'static str),
 }
 
-/// Appends a block. `number` counts the blocks of a stream.
+/// Appends a block. `number` counts the blocks of a stream; its low 32 bits are a seed.
 pub(super) fn put(out: &mut Vec<u8>, number: u64, block: Block<'_>) {
     let start = out.len();
     for n in [block.payload.len() as u32, block.tag, block.steps] {
         put_leb128(out, u64::from(n));
     }
-    let check = xxh3_64_with_seed(&out[start..], number);
+    let check = xxh32(&out[start..], number as u32);
     out.extend_from_slice(&check.to_le_bytes()[..HEADER_CHECK]);
-    let payload_check = xxh3_64_with_seed(block.payload, check);
-    out.extend_from_slice(&payload_check.to_le_bytes()[..PAYLOAD_CHECK]);
+    out.extend_from_slice(&xxh32(block.payload, check).to_le_bytes());
     out.extend_from_slice(block.payload);
 }
 
@@ -56,7 +60,7 @@ pub(super) fn parse(bytes: &[u8], number: u64) -> Parsed<'_> {
             return Parsed::Damaged("has a number that is not written as it should be");
         }
     };
-    let check = xxh3_64_with_seed(&bytes[..at], number);
+    let check = xxh32(&bytes[..at], number as u32);
     let Some(written) = bytes.get(at..at + HEADER_CHECK) else { return Parsed::Incomplete };
     if written != &check.to_le_bytes()[..HEADER_CHECK] {
         return Parsed::Damaged("has a header that does not match its checksum");
@@ -68,8 +72,7 @@ pub(super) fn parse(bytes: &[u8], number: u64) -> Parsed<'_> {
     let start = check_at + PAYLOAD_CHECK;
     let end = start + length as usize;
     let Some(payload) = bytes.get(start..end) else { return Parsed::Incomplete };
-    let payload_check = xxh3_64_with_seed(payload, check).to_le_bytes();
-    if bytes[check_at..start] != payload_check[..PAYLOAD_CHECK] {
+    if bytes[check_at..start] != xxh32(payload, check).to_le_bytes() {
         return Parsed::Damaged("does not match its checksum");
     }
     Parsed::Block(Block { tag, steps, payload }, end)

@@ -1,11 +1,13 @@
 //! The document of a stream: everything but the objects' meshes. Its bytes come in pieces between
-//! blocks of steps: first the text, then buffer 0 of a glTF.
+//! blocks of steps: first the text, then buffer 0 of a glTF, what is wanted first before the rest.
 
 use super::head::Head;
+use crate::gltf::{BufferRun, PartialBuffer, Purpose, buffer_runs};
 use crate::lodc::manifest::{DocumentEntry, format_code, source_of};
 use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source, SubmeshInfo};
-use lodc_progressive::text_codec;
+use lodc_progressive::TextCodec;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Bytes of the entries; a reader refuses more.
 const LIMIT: usize = 256 << 20;
@@ -32,13 +34,25 @@ pub(super) struct Names {
 
 /// A document as a stream has it.
 #[derive(Debug)]
-pub(super) struct EncodedDocument<'a> {
-    /// Bytes of the text, and the text as it is stored.
+pub(super) struct EncodedDocument {
+    /// Bytes of the text, and of the text as it is stored.
     pub(super) text_bytes: u32,
-    pub(super) text: Vec<u8>,
-    /// Buffer 0 of a glTF.
-    pub(super) buffer: &'a [u8],
+    pub(super) stored: u32,
+    /// The text as it is stored, then buffer 0 of a glTF in the order of the stream.
+    pub(super) bytes: Vec<u8>,
+    /// Bytes that come before everything else.
+    pub(super) head: usize,
+    /// Bytes up to which it says where everything stands.
+    pub(super) standing: usize,
+    /// Bytes up to which it is needed for a picture: animations follow.
+    pub(super) picture: usize,
 }
+
+/// What comes before the first triangles is at most this share of a stream ...
+const HEAD_SHARE: u64 = 20;
+/// ... and at most this many bytes. The nodes and skins of a rig come first, whatever their share:
+/// without them it would lie about.
+const MOST_HEAD: u64 = 16 << 10;
 
 #[derive(Serialize, Deserialize)]
 struct TextEntry {
@@ -46,6 +60,8 @@ struct TextEntry {
     content_hash: u128,
     document: DocumentEntry,
     objects: Vec<ObjectEntry>,
+    /// Start and length of the runs of the buffer that come first, in their order.
+    runs: Vec<(u64, u64)>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -64,41 +80,115 @@ struct SubmeshEntry {
     document_primitive: u32,
 }
 
-impl<'a> EncodedDocument<'a> {
-    /// Encodes a document; `None` if its text would be too long.
-    pub(super) fn new(
+impl EncodedDocument {
+    /// Encodes a document for a stream whose steps have `step_bytes`; `None` if its text would be
+    /// too long. The document of a rig has nodes and skins that its meshes do not stand without.
+    pub(super) fn new<'a>(
         source: &Source,
-        document: &'a Document,
-        objects: impl Iterator<Item = (&'a ObjectInfo, SequenceFacts)>,
+        document: &Document,
+        objects: impl Iterator<Item = (&'a ObjectInfo, SequenceFacts)> + Clone,
+        is_rig: bool,
+        step_bytes: u64,
     ) -> Option<Self> {
-        let entry = TextEntry {
+        let mut entry = TextEntry {
             format: format_code(source.format),
             content_hash: source.content_hash,
             document: DocumentEntry::of(document),
-            objects: objects.map(|(info, facts)| object_entry(info, facts)).collect(),
+            objects: objects.clone().map(|(info, facts)| object_entry(info, facts)).collect(),
+            runs: Vec::new(),
         };
-        let mut text = bincode::serde::encode_to_vec(&entry, bincode::config::legacy())
-            .expect("plain data can be written to memory");
-        let mut buffer: &[u8] = &[];
-        if let Document::Gltf(gltf) = document {
-            text.extend_from_slice(gltf.json.as_bytes());
-            buffer = &gltf.blob;
+        let (json, buffer, mut runs) = match document {
+            Document::Gltf(gltf) => {
+                let runs = buffer_runs(gltf, objects.map(|(info, _)| info));
+                (gltf.json.as_bytes(), gltf.blob.as_slice(), runs)
+            }
+            Document::Obj(_) => (&[][..], &[][..], Vec::new()),
+        };
+        entry.runs = named(&runs);
+        let length = |run: &BufferRun| run.bytes.end - run.bytes.start;
+        let (_, text) = stored_text(&entry, json)?;
+        let placement = runs.iter().filter(|r| r.purpose == Purpose::Placement);
+        let placement: u64 = placement.map(length).sum();
+        let total = step_bytes + text.len() as u64 + buffer.len() as u64;
+        let most_head = (total / HEAD_SHARE).min(MOST_HEAD);
+        let mut head = text.len() as u64 + placement;
+        let in_head = head <= if is_rig { MOST_HEAD } else { most_head };
+        // Small images follow, as far as they fit.
+        let mut is_first = |run: &BufferRun| match run.purpose {
+            Purpose::Placement => true,
+            Purpose::Animation => false,
+            Purpose::BaseColor | Purpose::Texture => {
+                let fits = in_head && head + length(run) + SLACK <= most_head;
+                head += if fits { length(run) } else { 0 };
+                fits
+            }
+        };
+        let (first, later): (Vec<_>, Vec<_>) = runs.drain(..).partition(|run| is_first(run));
+        let first_bytes: u64 = first.iter().map(length).sum();
+        let moving = later.iter().filter(|r| r.purpose == Purpose::Animation);
+        let moving: u64 = moving.map(length).sum();
+        runs.extend(first.into_iter().chain(later));
+        entry.runs = named(&runs);
+        let (text_bytes, mut bytes) = stored_text(&entry, json)?;
+        let stored = bytes.len();
+        for run in buffer_order(&entry.runs, buffer.len() as u64)? {
+            bytes.extend_from_slice(&buffer[run.start as usize..run.end as usize]);
         }
-        let text_bytes = u32::try_from(text.len()).ok()?;
-        if let Some(coded) = text_codec::encode(&text).filter(|coded| coded.len() < text.len()) {
-            text = coded;
-        }
-        Some(Self { text_bytes, text, buffer })
+        let rest = buffer.len() as u64 - runs.iter().map(length).sum::<u64>();
+        let unnamed = if runs.is_empty() { 0 } else { rest };
+        Some(Self {
+            text_bytes,
+            stored: u32::try_from(stored).ok()?,
+            head: if in_head { stored + first_bytes as usize } else { 0 },
+            standing: stored + placement as usize,
+            picture: bytes.len() - (moving + unnamed) as usize,
+            bytes,
+        })
     }
+}
 
-    /// Returns the next bytes, at most `most`, after so many that were put already.
-    pub(super) fn piece(&self, put: usize, most: usize) -> &[u8] {
-        let (part, put) = match put.checked_sub(self.text.len()) {
-            None => (&self.text[..], put),
-            Some(put) => (self.buffer, put),
-        };
-        &part[put..part.len().min(put.saturating_add(most))]
+/// Bytes that a text may grow by when runs change places.
+const SLACK: u64 = 32;
+
+/// Returns the length of a text, and the text as it is stored.
+fn stored_text(entry: &TextEntry, json: &[u8]) -> Option<(u32, Vec<u8>)> {
+    let mut text = bincode::serde::encode_to_vec(entry, bincode::config::legacy())
+        .expect("plain data can be written to memory");
+    text.extend_from_slice(json);
+    let length = u32::try_from(text.len()).ok()?;
+    let coded = Some(TextCodec::default().encode(&text)).filter(|coded| coded.len() < text.len());
+    Some((length, coded.unwrap_or(text)))
+}
+
+/// Returns start and length of runs, neighbours as one; none if that is the order of the buffer.
+fn named(runs: &[BufferRun]) -> Vec<(u64, u64)> {
+    let mut named: Vec<(u64, u64)> = Vec::new();
+    for Range { start, end } in runs.iter().map(|run| run.bytes.clone()) {
+        match named.last_mut() {
+            Some((first, length)) if *first + *length == start => *length = end - *first,
+            _ => named.push((start, end - start)),
+        }
     }
+    if matches!(named[..], [(0, _)]) { Vec::new() } else { named }
+}
+
+/// Returns the order in which the bytes of a buffer come: the runs that are named, then those
+/// between them. `None` if these share bytes, or are not in the buffer.
+fn buffer_order(named: &[(u64, u64)], length: u64) -> Option<Vec<Range<u64>>> {
+    let range = |&(start, length): &(u64, u64)| Some(start..start.checked_add(length)?);
+    let mut order: Vec<Range<u64>> = named.iter().map(range).collect::<Option<_>>()?;
+    let mut sorted = order.clone();
+    sorted.sort_unstable_by_key(|run| (run.start, run.end));
+    let mut end = 0;
+    for run in sorted {
+        if run.start < end || run.end > length {
+            return None;
+        }
+        order.extend((run.start > end).then_some(end..run.start));
+        end = run.end;
+    }
+    order.extend((length > end).then_some(end..length));
+    Some(order)
 }
 
 fn object_entry(info: &ObjectInfo, facts: SequenceFacts) -> ObjectEntry {
@@ -120,7 +210,11 @@ fn object_entry(info: &ObjectInfo, facts: SequenceFacts) -> ObjectEntry {
 #[derive(Debug, Default)]
 pub(super) struct ReceivedDocument {
     text: Vec<u8>,
+    /// Its buffer is there when all of it has come.
     pub(super) names: Option<Names>,
+    /// The order in which the buffer comes, and what has come of it.
+    order: Vec<Range<u64>>,
+    buffer: Vec<u8>,
     /// Bytes so far, text and buffer.
     pub(super) bytes: u64,
 }
@@ -129,6 +223,11 @@ impl ReceivedDocument {
     /// Returns whether everything that the head announces has come.
     pub(super) fn is_complete(&self, head: Head) -> bool {
         self.names.is_some() && self.bytes == u64::from(head.stored) + head.buffer
+    }
+
+    /// The bytes of the buffer that have come.
+    pub(super) fn partial_buffer(&self) -> PartialBuffer {
+        PartialBuffer::new(self.order.iter().cloned(), &self.buffer)
     }
 
     /// Takes the next piece. Returns whether the text became complete with it.
@@ -143,24 +242,47 @@ impl ReceivedDocument {
         self.text.extend_from_slice(text);
         let now_complete = self.names.is_none() && self.text.len() == head.stored as usize;
         if now_complete {
-            self.names = Some(Names::parse(&self.text, head)?);
+            let (names, order) = Names::parse(&self.text, head)?;
+            (self.names, self.order) = (Some(names), order);
         }
+        self.buffer.extend_from_slice(buffer);
+        let is_complete = self.is_complete(head);
         match self.names.as_mut().map(|n| &mut n.document) {
-            Some(Document::Gltf(gltf)) => gltf.blob.extend_from_slice(buffer),
-            _ if buffer.is_empty() => {}
-            _ => return Err(malformed("has a buffer, but is no glTF")),
+            Some(Document::Gltf(gltf)) if is_complete => {
+                gltf.blob = in_place(&self.order, std::mem::take(&mut self.buffer));
+            }
+            Some(Document::Obj(_)) if !self.buffer.is_empty() => {
+                return Err(malformed("has a buffer, but is no glTF"));
+            }
+            _ => {}
         }
         Ok(now_complete)
     }
 }
 
+/// Returns the bytes of runs at their places; the runs are a whole buffer.
+fn in_place(order: &[Range<u64>], came: Vec<u8>) -> Vec<u8> {
+    if order.len() <= 1 {
+        return came;
+    }
+    let (mut buffer, mut at) = (vec![0; came.len()], 0);
+    for run in order {
+        let (start, end) = (run.start as usize, run.end as usize);
+        buffer[start..end].copy_from_slice(&came[at..][..end - start]);
+        at += end - start;
+    }
+    buffer
+}
+
 impl Names {
-    fn parse(stored: &[u8], head: Head) -> Result<Self, FormatError> {
+    /// Parses a text. Returns with it the order in which the buffer comes.
+    fn parse(stored: &[u8], head: Head) -> Result<(Self, Vec<Range<u64>>), FormatError> {
         let decoded;
         let text = if stored.len() == head.text as usize {
             stored
         } else {
-            decoded = text_codec::decode(stored, head.text as usize)
+            decoded = TextCodec::default()
+                .decode(stored, head.text as usize)
                 .ok_or_else(|| malformed("cannot be decoded"))?;
             &decoded
         };
@@ -172,9 +294,11 @@ impl Names {
         if source.format != head.format || entry.objects.len() != head.objects as usize {
             return Err(malformed("has another format or number of objects than the head"));
         }
+        let order = buffer_order(&entry.runs, head.buffer)
+            .ok_or_else(|| malformed("has runs of the buffer that cannot be"))?;
         let document = document(entry.document, &text[used..])?;
         let objects = entry.objects.into_iter().map(object_info).collect::<Result<_, _>>()?;
-        Ok(Self { source, document, objects })
+        Ok((Self { source, document, objects }, order))
     }
 }
 
@@ -211,4 +335,20 @@ fn object_info(entry: ObjectEntry) -> Result<(ObjectInfo, SequenceFacts), Format
 
 fn malformed(what: &str) -> FormatError {
     FormatError::new(Fault::Malformed, PLACE, what)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_buffer_comes_in_runs_and_goes_to_its_place() {
+        let order = buffer_order(&[(4, 3), (0, 2)], 9).expect("runs that can be");
+        assert_eq!(order, [4..7, 0..2, 2..4, 7..9]);
+        assert_eq!(in_place(&order, vec![4, 5, 6, 0, 1, 2, 3, 7, 8]), (0..9).collect::<Vec<u8>>());
+        assert_eq!(buffer_order(&[], 0), Some(vec![]));
+        for wrong in [&[(0, 3), (2, 1)][..], &[(8, 2)], &[(u64::MAX, 2)], &[(3, 0), (2, 2)]] {
+            assert_eq!(buffer_order(wrong, 9), None, "{wrong:?}");
+        }
+    }
 }

@@ -2,9 +2,7 @@
 
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Submesh, put_leb128, take_leb128};
-use lodc_progressive::{
-    MeshHeader, NumberSystem, Octahedral, Prediction, VertexLayout, text_codec,
-};
+use lodc_progressive::{MeshHeader, NumberSystem, Octahedral, Prediction, TextCodec, VertexLayout};
 
 mod attribute;
 mod systems;
@@ -22,31 +20,27 @@ pub(super) fn malformed(what: &str) -> FormatError {
 }
 
 /// Returns the header as a payload begins with it; `None` if it would be too long.
-pub(super) fn to_bytes(mesh: &MeshHeader) -> Option<Vec<u8>> {
+pub(super) fn to_bytes(mesh: &MeshHeader, codec: &mut TextCodec) -> Option<Vec<u8>> {
     let entries: usize = mesh.submeshes.iter().map(|s| s.attributes.len()).sum();
     let (plain, mut out) = (plain(mesh), Vec::new());
     if entries > MAX_ENTRIES || plain.len() as u64 > MAX_BYTES {
         return None;
     }
-    let coded = text_codec::encode(&plain).filter(|coded| coded.len() < plain.len());
-    let stored = coded.as_ref().unwrap_or(&plain);
+    let coded = codec.encode(&plain);
     put_leb128(&mut out, plain.len() as u64);
-    put_leb128(&mut out, stored.len() as u64);
-    out.extend_from_slice(stored);
+    put_leb128(&mut out, coded.len() as u64);
+    out.extend_from_slice(&coded);
     Some(out)
 }
 
 /// Takes a header off the front of a payload.
-pub(super) fn take(bytes: &mut &[u8]) -> Result<MeshHeader, FormatError> {
+pub(super) fn take(bytes: &mut &[u8], codec: &mut TextCodec) -> Result<MeshHeader, FormatError> {
     let short = || malformed("is too short for what it should hold");
     let mut length = || take_leb128(bytes, MAX_BYTES).ok_or_else(short);
-    let [plain, stored] = [length()? as usize, length()? as usize];
-    let (header, rest) = bytes.split_at_checked(stored).ok_or_else(short)?;
+    let [plain, coded] = [length()? as usize, length()? as usize];
+    let (header, rest) = bytes.split_at_checked(coded).ok_or_else(short)?;
     *bytes = rest;
-    if stored == plain {
-        return parse(header);
-    }
-    let decoded = text_codec::decode(header, plain).filter(|_| stored < plain);
+    let decoded = codec.decode(header, plain);
     parse(&decoded.ok_or_else(|| malformed("cannot be decoded"))?)
 }
 

@@ -1,4 +1,5 @@
-//! Writing a stream: the head, then steps in the order of their errors, cut into blocks.
+//! Writing a stream: the head, then steps in the order of their errors, cut into blocks, and
+//! between them the document as it is wanted.
 
 use super::block::{self, Block, FILE_HEADER};
 use super::document::{EncodedDocument, SequenceFacts};
@@ -6,10 +7,10 @@ use super::head::Head;
 use super::mesh_header;
 use crate::lodc::{LodFile, LodObject};
 use crate::{Fault, FormatError};
-use lodc_mesh::Simplified;
+use lodc_mesh::{Semantic, Simplified};
 use lodc_progressive::{
-    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, VertexLayout,
-    in_batches,
+    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, TextCodec,
+    VertexLayout, in_batches,
 };
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -68,6 +69,7 @@ struct ObjectWriter<'a> {
     bounds: Vec<ErrorBound>,
     scale: f64,
     started: bool,
+    /// Bytes of its blocks, without its header.
     bytes: u64,
     exact_levels: u32,
 }
@@ -82,47 +84,94 @@ pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, Forma
     let writer = |(object, simplified)| ObjectWriter::new(object, simplified, options);
     let mut writers: Vec<_> =
         file.objects.iter().zip(ordered.iter().map(Cow::as_ref)).map(writer).collect();
-    let names = file.objects.iter().map(|o| (&o.info, sequence_facts(o)));
-    let document = EncodedDocument::new(&file.source, &file.document, names)
-        .ok_or_else(|| too_large("the names and the JSON of the scene have more than 4 GiB"))?;
-    let mut stream = StreamWriter::new(file, document);
     let block_bytes = options.block_bytes.unwrap_or(BLOCK_BYTES) as usize;
+    let blocks = step_blocks(&mut writers, block_bytes)?;
+    let step_bytes: usize = blocks.iter().map(|block| block.payload.len()).sum();
+    let names = file.objects.iter().map(|o| (&o.info, sequence_facts(o)));
+    let is_rig = file.objects.iter().any(|o| {
+        let attributes = o.simplified.mesh().attributes();
+        attributes.iter().any(|a| matches!(a.semantic, Semantic::Joints(_)))
+    });
+    let document =
+        EncodedDocument::new(&file.source, &file.document, names, is_rig, step_bytes as u64)
+            .ok_or_else(|| too_large("the names and the JSON of the scene have more than 4 GiB"))?;
+    let mut stream = StreamWriter::new(file, document);
+    stream.put_document(stream.document.head);
+    let triangles: u64 = writers.iter().map(|w| u64::from(w.encoder.triangles())).sum();
+    for block in blocks {
+        // Geometry first; then the document and the steps take turns.
+        if block.all_shown {
+            let is_a_tenth = 10 * block.triangles >= triangles;
+            stream.put_due_documents(is_a_tenth);
+        }
+        let StepsBlock { object, steps, ref payload, header_bytes, .. } = block;
+        let bytes = stream.put_steps(Block { tag: object as u32 + 1, steps, payload });
+        writers[object].bytes += bytes - header_bytes;
+    }
+    stream.put_document_up_to(stream.document.picture);
+    stream.put_document_up_to(stream.document.bytes.len());
+    stream.put(Block { tag: 0, steps: 0, payload: &[] });
+    let step_bytes: u64 = writers.iter().map(|w| w.bytes).sum();
+    let head_bytes = stream.bytes.len() as u64 - step_bytes - END_BYTES;
+    let objects = writers.into_iter().map(ObjectWriter::finish).collect();
+    Ok(Packed { bytes: stream.bytes, head_bytes, objects })
+}
+
+/// A block of steps, and what the blocks before it show.
+struct StepsBlock {
+    object: usize,
+    steps: u32,
+    payload: Vec<u8>,
+    /// Bytes of the object's header, with which the payload begins.
+    header_bytes: u64,
+    /// True if each object that has triangles shows some.
+    all_shown: bool,
+    /// Triangles of all objects.
+    triangles: u64,
+}
+
+/// Encodes all steps, in blocks of at most `block_bytes`, as far as whole steps allow.
+fn step_blocks(
+    writers: &mut [ObjectWriter<'_>],
+    block_bytes: usize,
+) -> Result<Vec<StepsBlock>, FormatError> {
     let mut contexts = Box::new(Contexts::new());
+    let mut headers = TextCodec::default();
     // The object that is farthest from its final mesh comes next, the first of equals.
     let mut queue: BinaryHeap<(u64, Reverse<usize>)> = BinaryHeap::new();
     queue.extend(
         (writers.iter().enumerate()).filter_map(|(i, w)| Some((w.priority()?, Reverse(i)))),
     );
-    while let Some(&(priority, Reverse(next))) = queue.peek() {
-        // Geometry first; then the document and the steps take turns.
-        if priority < NOT_SHOWN && stream.put_document_if_due() {
-            continue;
-        }
-        queue.pop();
-        let writer = &mut writers[next];
-        let before = stream.bytes.len();
+    let (mut blocks, mut bytes, mut triangles) = (Vec::new(), FILE_HEADER.length, 0);
+    while let Some((priority, Reverse(object))) = queue.pop() {
+        let writer = &mut writers[object];
         // The first block of an object ends as soon as it shows something.
-        let is_first = priority == NOT_SHOWN && block_bytes > 0;
-        let bytes = if is_first { 0 } else { stream.next_block_bytes().min(block_bytes) };
-        let target = BlockTarget { bytes, before, until_triangle: is_first };
-        let header = writer.start()?;
+        let until_triangle = priority == NOT_SHOWN && block_bytes > 0;
+        let most = if until_triangle { 0 } else { next_block_bytes(bytes).min(block_bytes) };
+        let target = BlockTarget { bytes: most, before: bytes, until_triangle };
+        let header = writer.start(&mut headers)?;
+        let before = writer.encoder.triangles();
         let (steps, payload) = writer.encode(&mut contexts, target, &header)?;
-        stream.put(Block { tag: next as u32 + 1, steps, payload: &payload });
-        let bytes = (stream.bytes.len() - before - header.len()) as u64;
-        (writer.bytes, stream.step_bytes) = (writer.bytes + bytes, stream.step_bytes + bytes);
-        queue.extend(writer.priority().map(|priority| (priority, Reverse(next))));
+        bytes += BLOCK_FIELDS + payload.len();
+        let (header_bytes, all_shown) = (header.len() as u64, priority < NOT_SHOWN);
+        blocks.push(StepsBlock { object, steps, payload, header_bytes, all_shown, triangles });
+        triangles += u64::from(writer.encoder.triangles() - before);
+        queue.extend(writer.priority().map(|priority| (priority, Reverse(object))));
     }
-    while stream.put_document() {}
-    stream.put(Block { tag: 0, steps: 0, payload: &[] });
-    let head_bytes = stream.bytes.len() as u64 - stream.step_bytes - END_BYTES;
-    let objects = writers.into_iter().map(ObjectWriter::finish).collect();
-    Ok(Packed { bytes: stream.bytes, head_bytes, objects })
+    Ok(blocks)
+}
+
+/// Returns how long the next block may be: blocks grow with the stream.
+fn next_block_bytes(before: usize) -> usize {
+    (before / GROWTH_SHARE).max(MIN_BLOCK_BYTES)
 }
 
 /// The priority of an object that has triangles, but none of them in the stream yet.
 const NOT_SHOWN: u64 = u64::MAX;
 /// Bytes of the block that ends a stream.
 const END_BYTES: u64 = 9;
+/// Bytes that a block has beside its payload, at least.
+const BLOCK_FIELDS: usize = 9;
 
 /// The mesh with its steps in the order in which they are packed.
 fn in_stream_order(simplified: &Simplified, exact: bool) -> Cow<'_, Simplified> {
@@ -140,36 +189,35 @@ fn sequence_facts<M>(object: &LodObject<M>) -> SequenceFacts {
 }
 
 /// The bytes of a stream so far.
-struct StreamWriter<'a> {
+struct StreamWriter {
     bytes: Vec<u8>,
     blocks: u64,
-    document: EncodedDocument<'a>,
+    document: EncodedDocument,
     /// Bytes of the document so far.
     document_bytes: usize,
-    /// Bytes of all blocks of steps, without headers of objects.
+    /// Bytes of all blocks of steps.
     step_bytes: u64,
+    /// Bytes of the document and of steps when the first tenth of the triangles was there.
+    at_a_tenth: Option<(usize, u64)>,
 }
 
-impl<'a> StreamWriter<'a> {
+impl StreamWriter {
     /// Starts a stream with its first block.
-    fn new<M>(file: &LodFile<M>, document: EncodedDocument<'a>) -> Self {
+    fn new<M>(file: &LodFile<M>, document: EncodedDocument) -> Self {
         let head = Head {
             format: file.source.format,
             objects: file.objects.len() as u32,
             text: document.text_bytes,
-            stored: document.text.len() as u32,
-            buffer: document.buffer.len() as u64,
+            stored: document.stored,
+            buffer: document.bytes.len() as u64 - u64::from(document.stored),
         };
         let mut bytes = FILE_HEADER.start();
         FILE_HEADER.seal(&mut bytes);
-        let mut stream = Self { bytes, blocks: 0, document, document_bytes: 0, step_bytes: 0 };
+        let (blocks, document_bytes, step_bytes) = (0, 0, 0);
+        let mut stream =
+            Self { bytes, blocks, document, document_bytes, step_bytes, at_a_tenth: None };
         stream.put(Block { tag: 0, steps: 0, payload: &head.to_bytes() });
         stream
-    }
-
-    /// Returns how long the next block may be: blocks grow with the stream.
-    fn next_block_bytes(&self) -> usize {
-        (self.bytes.len() / GROWTH_SHARE).max(MIN_BLOCK_BYTES)
     }
 
     fn put(&mut self, block: Block<'_>) {
@@ -177,23 +225,55 @@ impl<'a> StreamWriter<'a> {
         self.blocks += 1;
     }
 
-    /// Puts the next piece of the document unless it already has as many bytes as the steps.
-    /// Returns whether there was one to put.
-    fn put_document_if_due(&mut self) -> bool {
-        (self.document_bytes as u64) < self.step_bytes && self.put_document()
+    /// Returns the bytes of the block.
+    fn put_steps(&mut self, block: Block<'_>) -> u64 {
+        let before = self.bytes.len();
+        self.put(block);
+        let bytes = (self.bytes.len() - before) as u64;
+        self.step_bytes += bytes;
+        bytes
     }
 
-    /// Puts the next piece of the document. Returns whether there was one.
-    fn put_document(&mut self) -> bool {
-        let most = self.next_block_bytes().min(MAX_DOCUMENT_BLOCK);
-        let piece = self.document.piece(self.document_bytes, most);
-        let length = piece.len();
+    /// Puts what is due of the document before the next steps. What says where things stand takes
+    /// turns with steps, byte for byte, and so do images after a tenth of the triangles.
+    fn put_due_documents(&mut self, is_a_tenth: bool) {
+        let EncodedDocument { head, standing, picture, .. } = self.document;
+        while self.document_bytes < standing
+            && ((self.document_bytes - head) as u64) < self.step_bytes
+        {
+            self.put_next_document(standing);
+        }
+        if is_a_tenth && self.document_bytes >= standing {
+            let begun = (self.document_bytes, self.step_bytes);
+            let (document, steps) = *self.at_a_tenth.get_or_insert(begun);
+            while self.document_bytes < picture
+                && (self.document_bytes - document) as u64 <= self.step_bytes - steps
+            {
+                self.put_next_document(picture);
+            }
+        }
+    }
+
+    fn put_document_up_to(&mut self, end: usize) {
+        while self.document_bytes < end {
+            self.put_next_document(end);
+        }
+    }
+
+    /// Puts a block of the document, which goes at most up to `end`.
+    fn put_next_document(&mut self, end: usize) {
+        let most = next_block_bytes(self.bytes.len()).min(MAX_DOCUMENT_BLOCK);
+        self.put_document(most.min(end - self.document_bytes));
+    }
+
+    /// Puts the next bytes of the document as a block.
+    fn put_document(&mut self, length: usize) {
         if length > 0 {
-            block::put(&mut self.bytes, self.blocks, Block { tag: 0, steps: 0, payload: piece });
+            let payload = &self.document.bytes[self.document_bytes..][..length];
+            block::put(&mut self.bytes, self.blocks, Block { tag: 0, steps: 0, payload });
             self.blocks += 1;
             self.document_bytes += length;
         }
-        length > 0
     }
 }
 
@@ -223,11 +303,11 @@ impl<'a> ObjectWriter<'a> {
     }
 
     /// Returns the header if it is still to come, else nothing.
-    fn start(&mut self) -> Result<Vec<u8>, FormatError> {
+    fn start(&mut self, codec: &mut TextCodec) -> Result<Vec<u8>, FormatError> {
         if std::mem::replace(&mut self.started, true) {
             return Ok(Vec::new());
         }
-        mesh_header::to_bytes(self.encoder.header())
+        mesh_header::to_bytes(self.encoder.header(), codec)
             .ok_or_else(|| too_large("an object has too many submeshes and attributes"))
     }
 

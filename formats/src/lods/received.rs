@@ -2,7 +2,8 @@
 
 use super::document::{Names, ReceivedDocument, SequenceFacts};
 use super::head::Head;
-use crate::{Document, Fault, FormatError, GltfDocument, Limits, ObjectInfo, SubmeshInfo};
+use crate::gltf::PartialBuffer;
+use crate::{Document, Fault, FormatError, Limits, ObjectInfo, SubmeshInfo};
 use lodc_progressive::{MeshDecoder, MeshHeader};
 
 /// An object so far.
@@ -106,10 +107,10 @@ impl Received {
         self.document.is_complete(self.head).then_some(&names.document)
     }
 
-    /// A glTF's document so far; none before its text has come.
-    pub(super) fn gltf(&self) -> Option<&GltfDocument> {
+    /// The JSON of a glTF and what has come of its buffer; none before its text has come.
+    pub(super) fn partial_gltf(&self) -> Option<(&str, PartialBuffer)> {
         match &self.document.names.as_ref()?.document {
-            Document::Gltf(gltf) => Some(gltf),
+            Document::Gltf(gltf) => Some((&gltf.json, self.document.partial_buffer())),
             Document::Obj(_) => None,
         }
     }

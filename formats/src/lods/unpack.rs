@@ -8,7 +8,7 @@ use super::rebuild::{self, Rebuilt};
 use super::received::{Received, ReceivedObject};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
 use lodc_mesh::{Cleaning, Mesh, MeshParts};
-use lodc_progressive::{Contexts, MeshDecoder, StepBlock};
+use lodc_progressive::{Contexts, MeshDecoder, StepBlock, TextCodec};
 
 /// Reads a stream from wherever its bytes come.
 ///
@@ -37,6 +37,8 @@ pub struct Unpacker {
     /// Everything from the first block on.
     received: Option<Received>,
     contexts: Box<Contexts>,
+    /// Codes the headers of objects.
+    headers: TextCodec,
     complete: bool,
     failed: Option<FormatError>,
 }
@@ -69,6 +71,7 @@ impl Unpacker {
             blocks: 0,
             received: None,
             contexts: Box::new(Contexts::new()),
+            headers: TextCodec::default(),
             complete: false,
             failed: None,
         }
@@ -280,7 +283,7 @@ impl Unpacker {
         let (object, mut payload) = (block.tag as usize - 1, block.payload);
         let is_first = received.awaits_header(object);
         if is_first {
-            received.announce(mesh_header::take(&mut payload)?, &self.limits)?;
+            received.announce(mesh_header::take(&mut payload, &mut self.headers)?, &self.limits)?;
         }
         let decoder = &mut received
             .objects

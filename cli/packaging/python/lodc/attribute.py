@@ -1,10 +1,13 @@
-"""Descriptions that files and streams share: attributes, submeshes, documents."""
+"""Descriptions that files and streams share: attributes, sources, documents."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import FormatError
+from .scene import fractions
 
 MEANINGS = ("position", "normal", "tangent", "texcoord", "color", "joints", "weights", "custom")
 COMPONENTS = tuple(np.dtype(t) for t in ("i1", "u1", "<i2", "<u2", "<u4", "<f4"))
@@ -22,11 +25,41 @@ class Attribute:
     set: int
     name: str
     morph_target: int | None
-    dtype: np.dtype
+    dtype: "np.dtype[Any]"
     components: int
     normalized: bool
 
-    def label(self):
+    def gltf_name(self) -> str:
+        """The name that glTF has for it: ``NORMAL``, ``TEXCOORD_0``; that of a custom one."""
+        if self.meaning == "custom":
+            return self.name
+        name = self.meaning.upper()
+        has_sets = self.meaning in ("texcoord", "color", "joints", "weights")
+        return f"{name}_{self.set}" if has_sets else name
+
+    def as_gltf(self, values: NDArray[Any], upright: bool) -> NDArray[Any]:
+        """Its values as glTF means them: fractions as floats; with ``upright``, as OBJ and PLY have
+        them, V turned to go down, normals of unit length, colours from 0 to 1."""
+        if self.normalized:
+            return fractions(values)
+        if not upright or values.dtype.kind != "f":
+            return values
+        if self.meaning == "texcoord":
+            two = np.zeros((len(values), 2), np.float32)
+            two[:, : values.shape[1]] = values[:, :2]
+            two[:, 1] = np.float32(1) - two[:, 1]
+            return two
+        if self.meaning == "color":
+            return np.clip(np.nan_to_num(values, nan=0.0, posinf=1.0, neginf=0.0), 0, 1)
+        if self.meaning == "normal" and self.morph_target is None:
+            length = np.linalg.norm(values.astype(np.float64), axis=1, keepdims=True)
+            sound = np.isfinite(length) & (length > 0)
+            unit = np.where(sound, values / np.where(sound, length, 1), [[0.0, 0.0, 1.0]])
+            # What is a unit vector already stays bit for bit.
+            return np.where(np.abs(length - 1) > 1e-5, unit, values).astype(np.float32)
+        return values
+
+    def label(self) -> str:
         """A name for people, such as ``texcoord 0``."""
         base = self.name if self.meaning == "custom" else self.meaning
         if self.meaning in ("texcoord", "color", "joints", "weights"):
@@ -35,18 +68,9 @@ class Attribute:
 
 
 @dataclass(frozen=True)
-class Submesh:
-    """Names of a submesh, and the numbers of the attributes that its vertices have."""
-
-    name: str
-    material: str | None
-    primitive: int
-    attributes: tuple
-
-
-@dataclass(frozen=True)
 class Source:
-    """The file that a scene was made from: ``obj``, ``gltf`` or ``glb``, and its content hash."""
+    """The file that a scene was made from: ``obj``, ``gltf``, ``glb``, ``ply`` or ``stl``, and its
+    content hash."""
 
     format: str
     content_hash: int
@@ -54,9 +78,10 @@ class Source:
 
 def source_format(number, place):
     """The name of a source format."""
-    if number > 2:
+    names = ("obj", "gltf", "glb", "ply", "stl")
+    if number >= len(names):
         raise FormatError(place, f"names source format {number}, which is not known")
-    return ("obj", "gltf", "glb")[number]
+    return names[number]
 
 
 def component(number, components, place):

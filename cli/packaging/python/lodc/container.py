@@ -21,9 +21,9 @@ class Container:
     """The sections by tag, object and index. ``skipped`` names those that this reader does not
     know and need not know, ``wide`` holds the keys of those whose numbers are u32."""
 
-    def __init__(self, data):
+    def __init__(self, data: memoryview) -> None:
         need(len(data) >= HEADER, "header", "the file ends within its header")
-        check_header(data[:HEADER], MAGIC, ".lodc file")
+        check_header(data[:HEADER], MAGIC, ".lodc file", xxh3_64, 8)
         count, length, check = struct.unpack_from("<IQQ", data, 12)
         end = HEADER + 40 * count
         need(length == len(data), "header", f"the file has {len(data)} bytes, not {length}")
@@ -37,9 +37,7 @@ class Container:
         need(at == length, "section table", "the file goes on after its last section")
 
     def _section(self, data, entry, before):
-        tag, flags, obj, index, offset, length, check = struct.unpack_from(
-            "<4sIIIQQQ", data, entry
-        )
+        tag, flags, obj, index, offset, length, check = struct.unpack_from("<4sIIIQQQ", data, entry)
         name = tag.decode("ascii", "replace")
         place = f"section {name}" + ("" if obj == SCENE else f" of object {obj}")
         start = -(-before // 16) * 16
@@ -59,7 +57,7 @@ class Container:
             self.skipped.append(name)
         return start + length
 
-    def take(self, tag, obj=SCENE, index=0):
+    def take(self, tag: bytes, obj: int = SCENE, index: int = 0) -> memoryview:
         """A section that must be there."""
         content = self.sections.get((tag, obj, index))
         if content is None:

@@ -1,83 +1,111 @@
-"""A .lodc file: its manifest and its objects."""
+"""A .lodc file: every level of its objects."""
 
 import json
-from dataclasses import dataclass
+import os
+import tempfile
+from typing import Any
 
-from .attribute import Source, Submesh, read_attribute, read_document, source_format
+import numpy as np
+
 from .container import Container
-from .cursor import Cursor
-from .errors import need
+from .level import Level, Origin, table
+from .manifest import read_manifest
 from .object import Object
+from .scene import Scene
+from .selector import Selector, Wish, selector
 
-PLACE = "section MANI"
-
-
-@dataclass
-class ObjectEntry:
-    """An object as the manifest describes it."""
-
-    name: str
-    world_scale: float
-    document_mesh: int
-    last_legal_lod: int
-    topology_changes: int
-    first_topology_change: int | None
-    submeshes: list
-    triangle_counts: list
-    attributes: list
-    full: list
-    models: list
+SHARES = (1.0, 0.5, 0.25, 0.1, 0.05, 0.01)
 
 
 class LodFile:
     """An open .lodc file.
 
-    ``objects`` are its meshes, ``source`` says what it was made from, ``gltf`` is the JSON of a
-    glTF source and ``buffer`` its bytes; ``obj`` has the libraries and materials of an OBJ.
-    ``layout`` is ``packed`` or ``gpu``.
+    ``objects`` are its meshes, ``scene`` has nodes, materials and images, ``source`` says what it
+    was made from, ``layout`` is ``packed`` or ``gpu``, ``warnings`` are those of its build.
+    ``gltf`` is the JSON of a glTF source and ``buffer`` its bytes; ``obj`` has the libraries and
+    materials of an OBJ. ``folder`` is where images are looked for.
     """
 
-    def __init__(self, data):
+    def __init__(self, data: bytes, folder: str | None = None, warnings: list[str] = []) -> None:
         container = Container(memoryview(data))
+        self.data, self.folder, self.warnings = data, folder, list(warnings)
         self.skipped = container.skipped
         self.layout = "gpu" if container.wide else "packed"
-        cursor = Cursor(container.take(b"MANI"), PLACE)
-        kind, content_hash = cursor.u8(), cursor.u128()
-        self.source = Source(source_format(kind, PLACE), content_hash)
-        self.obj = read_document(cursor)
-        entries = cursor.many(lambda: cursor.record(lambda: _object(cursor)))
-        self.gltf, self.buffer = None, b""
+        self.source, self.obj, entries = read_manifest(container.take(b"MANI"))
+        self.gltf: dict[str, Any] | None = None
+        self.buffer = b""
         if not self.obj:
             self.gltf = json.loads(bytes(container.take(b"DJSN")))
             self.buffer = bytes(container.take(b"DBLB"))
-        self.objects = [Object(container, i, entry) for i, entry in enumerate(entries)]
+        upright = self.gltf is None
+        self.objects = [Object(container, i, e, upright) for i, e in enumerate(entries)]
+        meshes = [entry.document_mesh for entry in entries]
+        self.scene = Scene(self.gltf, self.buffer, self.obj, meshes, folder)
 
-    def __repr__(self):
+    @property
+    def triangles(self) -> int:
+        """Triangles of the input, over all objects."""
+        return sum(len(o.triangles) for o in self.objects)
+
+    def level(
+        self,
+        lod: Wish = None,
+        *,
+        ratio: Wish = None,
+        triangles: Wish = None,
+        error: Wish = None,
+        rms: Wish = None,
+    ) -> Level:
+        """One level of the whole scene, by exactly one selector: ``ratio`` (0.1 or ``"10%"``),
+        ``triangles`` (500 or ``"10k"``), ``error`` or ``rms`` (a distance, or ``"0.5%"`` of the
+        diagonal), or ``lod`` (of every object).
+
+        Over several objects triangles are shared out as the program does it: where least is lost.
+        """
+        wish = selector(lod=lod, ratio=ratio, triangles=triangles, error=error, rms=rms)
+        origin = Origin("extract", self.data, self.folder)
+        if len(self.objects) == 1:
+            lods = [self.objects[0].chosen(wish)]
+            words = ["--lod", str(lods[0])]
+        elif wish.name == "lod":
+            lods = [o.chosen(wish) for o in self.objects]
+            words = [*wish.words(), "--per-object"]
+        else:
+            words = wish.words()
+            lods = self._shared_out(wish, origin)
+        objects = [o.at(k) for o, k in zip(self.objects, lods)]
+        return Level(objects, [o.world_scale for o in self.objects], self.scene, origin, words)
+
+    def _shared_out(self, wish: Selector, origin: Origin) -> list[int]:
+        """The LOD of each object, as the program chooses them."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "level.glb")
+            words = [*wish.words(), "--json", "--textures", "keep", "--order", "file", "-o", path]
+            said = json.loads(origin.run(words))
+        return [int(o["lod"]) for o in said["objects"]]
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Writes the .lodc file."""
+        with open(path, "wb") as file:
+            file.write(self.data)
+
+    def facts(self) -> list[tuple[float, int, float]]:
+        """Shares of the triangles with the triangles and the error of those levels, by objects."""
+        found = []
+        for share in SHARES:
+            levels = [o.chosen(Selector("ratio", share)) for o in self.objects]
+            steps = [int(np.searchsorted(o.lods, k)) for o, k in zip(self.objects, levels)]
+            pairs = list(zip(self.objects, steps))
+            units = [o.world_scale if len(self.objects) > 1 else 1.0 for o in self.objects]
+            error = max((u * float(o.errors[s]) for u, (o, s) in zip(units, pairs)), default=0.0)
+            found.append((share, sum(int(o.counts[s]) for o, s in pairs), error))
+        return found
+
+    def __repr__(self) -> str:
         return f"<lodc file: {self.objects}>"
 
-
-def _object(cursor):
-    name, scale, mesh = cursor.string(), cursor.f64(), cursor.u32()
-    legal, changes = cursor.u32(), cursor.u32()
-    first = cursor.optional(cursor.u32)
-    submeshes = cursor.many(lambda: cursor.record(lambda: _submesh(cursor)))
-    attributes = cursor.many(lambda: cursor.record(lambda: read_attribute(cursor)))
-    models = cursor.many(lambda: cursor.record(lambda: _model(cursor)))
-    need(0 < scale < float("inf"), PLACE, "has an object whose scale is not a number above 0")
-    return ObjectEntry(
-        name, scale, mesh, legal, changes, first,
-        [s for s, _ in submeshes], [n for _, n in submeshes],
-        [a for a, _ in attributes], [full for _, full in attributes],
-        models,
-    )  # fmt: skip
-
-
-def _submesh(cursor):
-    name, material = cursor.string(), cursor.optional(cursor.string)
-    primitive, triangles = cursor.u32(), cursor.u32()
-    streams = tuple(cursor.many(cursor.u32))
-    return Submesh(name, material, primitive, streams), triangles
-
-
-def _model(cursor):
-    return cursor.string(), cursor.many(cursor.string)
+    def _repr_html_(self) -> str:
+        objects = [(o.name, len(o.positions), len(o.triangles)) for o in self.objects]
+        levels = [(f"{share:.0%}", n, f"{error:.4g}") for share, n, error in self.facts()]
+        first = table(("object", "vertices", "triangles"), objects)
+        return first + table(("share", "triangles", "error"), levels)

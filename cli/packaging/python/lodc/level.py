@@ -1,30 +1,142 @@
-"""One level of detail as arrays."""
+"""One level of detail of a file or stream."""
+
+import html
+import os
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+from .level_object import LevelObject, Name
+from .program import run
+from .scene import Scene
+from .trimeshes import to_trimesh
+
+if TYPE_CHECKING:
+    import trimesh
 
 
-class Level:
-    """The triangles of one LOD of an object.
+class Origin:
+    """What levels of a file or stream come out of: the command that writes one (``extract`` or
+    ``unpack``), the bytes that it reads, and the folder that images are looked for in."""
 
-    ``triangles`` is *n* × 3, indices of the object's vertices; ``submesh`` has the submesh of each.
-    ``error`` and ``rms`` are its distances from LOD 0 (``rms`` may be None).
+    def __init__(self, command: str, data: bytes, folder: str | None) -> None:
+        self.command, self.data, self.folder = command, data, folder
+
+    def run(self, words: list[str]) -> bytes:
+        """Runs the command; what it writes on standard output."""
+        suffix = ".lodc" if self.command == "extract" else ".lods"
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, f"file{suffix}")
+            with open(path, "wb") as file:
+                file.write(self.data)
+            if self.folder is not None and self.command == "extract":
+                words = ["--textures-from", self.folder, *words]
+            return run([self.command, path, "-q", *words])[0]
+
+
+class Level(Mapping[Name, NDArray[Any]]):
+    """One level of a scene: ``objects`` are its meshes, in the order of the file.
+
+    Of a scene with one object it has that object's arrays, too: ``level["POSITION"]``,
+    ``level.triangles``. ``error`` and ``rms`` are the largest distances from the input: in the
+    mesh's units for one object, in world units for several.
     """
 
-    def __init__(self, obj, lod, triangles, submesh):
-        self.object, self.lod, self.triangles, self.submesh = obj, lod, triangles, submesh
-        step = int(np.searchsorted(obj.lods, lod))
-        self.error = float(obj.errors[step])
-        self.rms = None if obj.rms is None else float(obj.rms[step])
+    def __init__(
+        self, objects: list[LevelObject], scales: list[float], scene: Scene, origin: Origin,
+        words: list[str],
+    ) -> None:  # fmt: skip
+        self.objects, self.scene = objects, scene
+        self._origin, self._words = origin, words
+        units = scales if len(objects) > 1 else [1.0]
+        pairs = list(zip(units, objects))
+        self.error: float = max((unit * o.error for unit, o in pairs), default=0.0)
+        means = [unit * o.rms for unit, o in pairs if o.rms is not None]
+        self.rms: float | None = max(means, default=0.0) if len(means) == len(objects) else None
 
-    def of_submesh(self, number):
-        """The triangles of one submesh."""
-        return self.triangles[self.submesh == number]
+    @property
+    def triangle_count(self) -> int:
+        """Triangles of all objects."""
+        return sum(len(o.triangles) for o in self.objects)
 
-    def compact(self):
-        """Positions, values of each attribute, and triangles over only the vertices in use."""
-        used, triangles = np.unique(self.triangles, return_inverse=True)
-        values = [value[used] for value in self.object.values]
-        return self.object.positions[used], values, triangles.reshape(-1, 3).astype(np.uint32)
+    @property
+    def only(self) -> LevelObject:
+        """The object, if there is one.
 
-    def __repr__(self):
-        return f"<LOD {self.lod} of {self.object.name!r}: {len(self.triangles)} triangles>"
+        Raises ValueError if there are several."""
+        if len(self.objects) != 1:
+            names = ", ".join(repr(o.name) for o in self.objects[:8])
+            raise ValueError(f"{len(self.objects)} objects: take one of level.objects ({names})")
+        return self.objects[0]
+
+    @property
+    def triangles(self) -> NDArray[np.uint32]:
+        """Those of the only object."""
+        return self.only.triangles
+
+    @property
+    def positions(self) -> NDArray[np.float32]:
+        """Those of the only object."""
+        return self.only.positions
+
+    @property
+    def submesh(self) -> NDArray[np.uint32]:
+        """The submesh of each triangle of the only object."""
+        return self.only.submesh
+
+    @property
+    def lod(self) -> int | None:
+        """The LOD of the only object; None of a stream."""
+        return self.only.lod
+
+    def __getitem__(self, name: Name) -> NDArray[Any]:
+        return self.only[name]
+
+    def __iter__(self) -> Iterator[Name]:
+        return iter(self.only)
+
+    def __len__(self) -> int:
+        return len(self.only)
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    __hash__ = object.__hash__
+
+    def to_trimesh(self) -> "trimesh.Trimesh":
+        """One mesh of everything as the scene places it at rest, in world units. Texture
+        coordinates and colours come along where every part has them; ``metadata["parts"]`` names
+        the object and the material of each number in ``face_attributes["part"]``. Needs trimesh."""
+        return to_trimesh(self.scene, self.objects)
+
+    def to_glb(self) -> bytes:
+        """The level as a GLB file: nodes, materials, skins and animations of the input, images
+        inside, the same bytes as ``lodc extract`` writes."""
+        return self._origin.run([*self._words, "-o", "-"])
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Writes the level as the extension says: .glb, .gltf, .obj, .ply."""
+        self._origin.run([*self._words, "-o", os.fspath(path)])
+
+    def __repr__(self) -> str:
+        objects = f"{len(self.objects)} objects, " if len(self.objects) != 1 else ""
+        return f"<level: {objects}{self.triangle_count} triangles, error {self.error:.4g}>"
+
+    def _repr_html_(self) -> str:
+        rows = [(o.name, o.lod, len(o.triangles), f"{o.error:.4g}") for o in self.objects]
+        return table(("object", "LOD", "triangles", "error"), rows)
+
+
+def table(head: tuple[str, ...], rows: Sequence[tuple[object, ...]]) -> str:
+    """A table for notebooks; of many rows the first ones."""
+
+    def cells(tag: str, row: tuple[object, ...]) -> str:
+        return "".join(f"<{tag}>{html.escape(str(c))}</{tag}>" for c in row)
+
+    shown = [f"<tr>{cells('td', row)}</tr>" for row in rows[:40]]
+    if len(rows) > 40:
+        shown.append(f"<tr><td colspan={len(head)}>{len(rows) - 40} more</td></tr>")
+    return f"<table><tr>{cells('th', head)}</tr>{''.join(shown)}</table>"

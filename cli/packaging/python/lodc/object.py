@@ -1,12 +1,19 @@
 """An object of a .lodc file: its vertices, its collapse sequence and its levels."""
 
 import struct
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .arrays import curve, lost_triangles, read_indices
+from .attribute import Attribute
+from .container import Container
 from .errors import need
-from .level import Level
+from .level_object import LevelObject, Whole
+from .manifest import ObjectEntry
+from .scene import Submesh
+from .selector import Selector, Wish, selector
 from .structures import Array, Interactive, Masking, Speed
 
 
@@ -19,10 +26,22 @@ class Object:
     ``lods``, ``errors``, ``rms`` and ``counts`` have LOD 0 and then the LOD after each step.
     """
 
-    def __init__(self, container, number, entry):
+    positions: NDArray[np.float32]
+    triangles: NDArray[np.uint32]
+    targets: NDArray[np.uint32]
+    lods: NDArray[np.int64]
+    errors: NDArray[np.float32]
+    rms: NDArray[np.float32] | None
+    counts: NDArray[np.int64]
+
+    def __init__(
+        self, container: Container, number: int, entry: ObjectEntry, upright: bool
+    ) -> None:
         self.number, self.entry, self.name = number, entry, entry.name
-        self.world_scale, self.submeshes = entry.world_scale, entry.submeshes
-        self.attributes, self.place = entry.attributes, f'object "{entry.name}"'
+        self.world_scale: float = entry.world_scale
+        self.submeshes: list[Submesh] = entry.submeshes
+        self.attributes: list[Attribute] = entry.attributes
+        self.place = f'object "{entry.name}"'
         take = lambda tag, index=0: container.take(tag, number, index)
         positions = take(b"POSI")
         need(len(positions) % 12 == 0, self.place, "has positions that are no whole number")
@@ -38,7 +57,10 @@ class Object:
             np.arange(len(self.submeshes), dtype=np.uint32), entry.triangle_counts
         )
         self._read_steps(container, take, v)
-        self.values = [self._values(take, i, v) for i in range(len(self.attributes))]
+        self.values: list[NDArray[Any]] = [
+            self._values(take, i, v) for i in range(len(self.attributes))
+        ]
+        self._whole = Whole(self.positions, self.attributes, self.values, self.submeshes, upright)
         self._check(v)
         self._models(container)
         # Positions by number: equal coordinates (−0 is +0) have equal numbers.
@@ -115,7 +137,8 @@ class Object:
 
     def _models(self, container):
         """Finds the arrays of each structure: they are numbered over all of them."""
-        self.structures, index = {}, 0
+        self.structures: dict[str, Any] = {}
+        index = 0
         known = {"interactive": Interactive, "speed": Speed, "masking": Masking}
         for name, arrays in self.entry.models:
             keys = [(b"MODA", self.number, index + i) for i in range(len(arrays))]
@@ -125,7 +148,7 @@ class Object:
                 need(name not in self.structures, self.place, f"has {name} twice")
                 self.structures[name] = known[name](self, dict(zip(arrays, sections)))
 
-    def shown(self, lod):
+    def shown(self, lod: int) -> NDArray[np.int64]:
         """For each vertex the vertex that it is shown as at a LOD."""
         shown = np.arange(len(self.positions))
         shown[:lod] = self.targets[:lod]
@@ -136,62 +159,93 @@ class Object:
                 return shown
             shown = further
 
-    def floor(self, lod):
+    def floor(self, lod: int) -> int:
         """The last LOD, from 0 to ``lod``, that ends a step."""
         return int(self.lods[np.searchsorted(self.lods, lod, side="right") - 1])
 
-    def select(self, *, lod=None, ratio=None, triangles=None, error=None, rms=None):
+    def select(
+        self,
+        lod: Wish = None,
+        *,
+        ratio: Wish = None,
+        triangles: Wish = None,
+        error: Wish = None,
+        rms: Wish = None,
+    ) -> int:
         """The LOD that a selector means; exactly one must be given.
 
-        ``lod`` is rounded down to a step. ``ratio`` stands for that share of the triangles,
-        ``triangles`` for the finest LOD with at most so many, ``error`` and ``rms`` for the
-        coarsest LOD within a distance in the mesh's units. But for ``lod``, a mesh with triangles
-        never comes back empty.
+        ``lod`` is rounded down to a step. ``ratio`` (0.1 or ``"10%"``) stands for that share of the
+        triangles, ``triangles`` (500 or ``"10k"``) for the finest LOD with at most so many,
+        ``error`` and ``rms`` for the coarsest LOD within a distance: in the mesh's units, or
+        ``"0.5%"`` of its diagonal. But for ``lod``, a mesh with triangles never comes back empty.
         """
-        given = [x for x in (lod, ratio, triangles, error, rms) if x is not None]
-        if len(given) != 1:
-            raise TypeError("give exactly one of lod, ratio, triangles, error and rms")
-        if lod is not None:
-            return self.floor(lod)
-        if ratio is not None:
-            triangles = int(np.floor(ratio * len(self.triangles)))
-        if triangles is not None:
-            step = int(np.searchsorted(-self.counts, -triangles, side="left"))
-        else:
-            curve = self.errors if error is not None else self.rms
-            if curve is None:
-                raise ValueError(f"{self.place} has no mean errors: they were not measured")
-            limit = error if error is not None else rms
-            step = int(np.searchsorted(curve, np.float64(limit), side="right")) - 1
-        last = int((self.counts > 0).sum()) - 1
-        return int(
-            self.lods[
-                min(max(step, 0), max(last, 0) if len(self.triangles) else len(self.lods) - 1)
-            ]
+        return self.chosen(
+            selector(lod=lod, ratio=ratio, triangles=triangles, error=error, rms=rms)
         )
 
-    def level(self, lod=None, *, structure=None, **selector):
-        """A :class:`Level`, by LOD or by a selector of :meth:`select`; ``structure`` names the
-        model that shows it (``interactive``, ``speed``, ``masking``), else the plain sequence."""
-        lod = self.select(lod=lod, **selector) if lod is not None else self.select(**selector)
+    def chosen(self, wish: Selector) -> int:
+        """As :meth:`select`."""
+        if wish.name == "lod":
+            return self.floor(int(min(wish.value, len(self.targets))))
+        if wish.name in ("ratio", "triangles"):
+            share = wish.value * len(self.triangles) if wish.name == "ratio" else wish.value
+            step = int(np.searchsorted(-self.counts, -np.floor(share), side="left"))
+        else:
+            curve = self.errors if wish.name == "error" else self.rms
+            if curve is None:
+                raise ValueError(f"{self.place} has no mean errors: they were not measured")
+            limit = wish.value * self.diagonal if wish.percent else wish.value
+            step = int(np.searchsorted(curve, np.float64(limit), side="right")) - 1
+        last = int((self.counts > 0).sum()) - 1
+        most = max(last, 0) if len(self.triangles) else len(self.lods) - 1
+        return int(self.lods[min(max(step, 0), most)])
+
+    @property
+    def diagonal(self) -> float:
+        """The diagonal of the bounding box of LOD 0, in the mesh's units."""
+        if not len(self.positions):
+            return 0.0
+        box = self.positions.max(axis=0).astype(np.float64) - self.positions.min(axis=0)
+        return float(np.linalg.norm(box))
+
+    def level(
+        self,
+        lod: Wish = None,
+        *,
+        ratio: Wish = None,
+        triangles: Wish = None,
+        error: Wish = None,
+        rms: Wish = None,
+        structure: str | None = None,
+    ) -> LevelObject:
+        """This object at one level, by a selector of :meth:`select`; ``structure`` names the model
+        that shows it (``interactive``, ``speed``, ``masking``), else the plain sequence."""
+        wish = selector(lod=lod, ratio=ratio, triangles=triangles, error=error, rms=rms)
+        return self.at(self.chosen(wish), structure)
+
+    def at(self, lod: int, structure: str | None = None) -> LevelObject:
+        """This object at a LOD that ends a step."""
         if structure is None:
             triangles, submesh = self.live_triangles(lod)
         else:
             if structure not in self.structures:
                 raise KeyError(f"{self.place} has no {structure}, only {list(self.structures)}")
             triangles, submesh = self.structures[structure].triangles(lod)
-        return Level(self, lod, triangles, submesh)
+        step = int(np.searchsorted(self.lods, lod))
+        rms = None if self.rms is None else float(self.rms[step])
+        distance = float(self.errors[step]), rms
+        return LevelObject(self.name, lod, distance, self._whole, triangles, submesh)
 
-    def live_triangles(self, lod):
+    def live_triangles(self, lod: int) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
         """The triangles of a LOD and the submesh of each."""
         moved = self.shown(lod)[self.triangles]
         live = self.is_live(moved)
         return moved[live].astype(np.uint32), self.triangle_submesh[live]
 
-    def is_live(self, triangles):
+    def is_live(self, triangles: NDArray[Any]) -> NDArray[np.bool_]:
         """For each triangle whether its corners are three positions."""
         a, b, c = self.position_ids[triangles].T
         return (a != b) & (b != c) & (c != a)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<{self.name!r}: {len(self.positions)} vertices, {len(self.triangles)} triangles>"

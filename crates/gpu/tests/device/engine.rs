@@ -1,19 +1,19 @@
 //! docs/ENGINE.md, followed to the letter by a host that has nothing but wgpu, the WGSL files and
-//! what a `.lodc` holds.
+//! what a `.lodc` holds; the page quotes it.
 
-/// The host that the page quotes.
-#[path = "../../examples/host/gpu.rs"]
-mod gpu;
-use gpu::Gpu;
+use crate::by_hand::Gpu;
 use lodc_fixtures as fixtures;
+use lodc_formats::lodc::{Layout, LodFile, LodObject, Section, sections, write};
+use lodc_formats::{Document, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
 use lodc_lod::ModelKind;
 use lodc_lod::interactive::view::{Point, Views};
-use lodc_mesh::{Lod, Simplified};
+use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_plan::VertexRecords;
+use std::sync::Arc;
 
 /// Reads a buffer of words back.
-fn read(engine: &Gpu, buffer: &wgpu::Buffer) -> Vec<u32> {
-    bytemuck::pod_collect_to_vec(&engine.read(buffer))
+fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<u32> {
+    bytemuck::pod_collect_to_vec(&gpu.read(buffer))
 }
 
 /// Triangles by submesh as the bytes of their corners, turned so that the smallest is first,
@@ -64,61 +64,92 @@ fn sample() -> (Simplified, VertexRecords) {
     (simplified, records)
 }
 
+/// A file of the gpu layout.
+fn file(simplified: &Simplified) -> Vec<u8> {
+    let submesh = |i| SubmeshInfo { name: String::new(), material: None, document_primitive: i };
+    let info = ObjectInfo {
+        name: "part".to_owned(),
+        submeshes: (0..simplified.mesh().submeshes().len() as u32).map(submesh).collect(),
+        world_scale: 1.0,
+        document_mesh: 0,
+        poses: vec![],
+    };
+    let file: LodFile = LodFile {
+        source: Source { format: SourceFormat::Obj, content_hash: 0 },
+        document: Document::Obj(ObjDocument::default()),
+        objects: vec![LodObject { info, simplified: Arc::new(simplified.clone()), models: vec![] }],
+        layout: Layout::Gpu,
+        made_from: None,
+        left_out: vec![],
+    };
+    write(&file, |model, _| model.clone())
+}
+
+/// The sections of a file.
+struct Sections<'a>(Vec<Section<'a>>);
+
+impl<'a> Sections<'a> {
+    /// The bytes of a section of the first object.
+    fn bytes(&self, tag: &[u8; 4]) -> &'a [u8] {
+        let is = |s: &&Section<'_>| (s.tag, s.object, s.index) == (*tag, Some(0), 0);
+        self.0.iter().find(is).expect("a file has it").bytes
+    }
+}
+
 #[test]
 fn the_guide_leads_to_every_lod() {
+    const STRIDE: u32 = 3;
     if crate::support::device().is_none() {
         return;
     }
-    let engine = Gpu::open().expect("a device");
-    let (simplified, records) = sample();
-    let (mesh, collapses, stride) =
-        (simplified.mesh(), simplified.collapses(), records.stride as u32);
-    let (v, last) = (mesh.vertex_count(), collapses.records());
-    let longest = |v: u32| {
-        (0..).scan(v, |v, _| (*v < last).then(|| *v = collapses.targets()[*v as usize])).count()
-    };
-    let lengths: Vec<usize> = (0..v as u32).map(|v| 1 + longest(v)).collect();
-
-    let (source, vertices) = (engine.words(&records.words), engine.words(&records.words));
-    let triangles = engine.words(mesh.triangles().as_flattened());
-    let collapse_to = engine.words(collapses.targets());
-    let (offsets, current, error_flag) = (engine.zeros(v + 1), engine.zeros(v), engine.zeros(1));
-    let entries = engine.zeros(lengths.iter().sum());
-    let ranges: Vec<u32> =
-        mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
-    let (submeshes, draws) = (engine.words(&ranges), engine.zeros(5 * ranges.len() / 2));
-    let count = ranges.len() as u32 / 2;
-
-    let longest = *lengths.iter().max().expect("vertices") as u32;
-    engine.run(
-        "lists_length",
-        &[],
-        v + 1,
-        &[v as u32, last, longest],
-        &[&collapse_to, &offsets, &error_flag],
-    );
-    engine.scan(&offsets, v + 1);
-    engine.run("lists_fill", &[], v, &[v as u32], &[&collapse_to, &offsets, &entries, &current]);
-
-    let mut old = 0;
-    for wanted in [last / 2, last / 4, last, 0, last * 9 / 10] {
-        let new = collapses.floor(Lod(wanted)).0;
-        let touched = old.max(new);
-        let buffers = [&offsets, &entries, &source, &current, &vertices, &error_flag];
-        engine.run("extract", &[], touched as usize, &[touched, new, stride], &buffers);
-        engine.run(
-            "live",
-            &[],
-            count as usize,
-            &[count, stride],
-            &[&submeshes, &triangles, &vertices, &draws],
-        );
-        old = new;
-        let (records_drawn, draws) = (read(&engine, &vertices), read(&engine, &draws));
-        let shown = drawn(&draws, mesh.triangles().as_flattened(), &records_drawn, records.stride);
-        assert!(shown == truth(&simplified, Lod(new), &records), "LOD {new}");
-        assert_eq!(read(&engine, &error_flag), [0]);
+    let gpu = Gpu::open().expect("a device");
+    let (simplified, _) = sample();
+    let whole = file(&simplified);
+    let file = Sections(sections(&whole).expect("a sound file"));
+    let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
+    let (v, records, targets) = (mesh.vertex_count(), collapses.records(), collapses.targets());
+    // Lengths of the lists: an entry, and one more than its target's list has.
+    let mut lengths = vec![1u32; v];
+    for i in (0..records as usize).rev() {
+        lengths[i] = 1 + lengths[targets[i] as usize];
     }
+    let longest = lengths.iter().copied().max().expect("vertices");
+
+    let source = &gpu.buffer(file.bytes(b"POSI"));
+    let triangles = &gpu.buffer(file.bytes(b"TRIS"));
+    let collapse_to = &gpu.buffer(file.bytes(b"TARG"));
+    let vertices = &gpu.buffer(file.bytes(b"POSI"));
+    let (offsets, current, error_flag) = (&gpu.zeros(v + 1), &gpu.zeros(v), &gpu.zeros(1));
+    let entries = &gpu.zeros(lengths.iter().map(|&l| l as usize).sum());
+    let ranges = ranges(mesh);
+    let count = ranges.len() as u32 / 2;
+    let (submeshes, draws) = (&gpu.words(&ranges), &gpu.zeros(5 * count as usize));
+
+    let parameters = [v as u32, records, longest];
+    gpu.run("lists_length", &[], v + 1, &parameters, &[collapse_to, offsets, error_flag]);
+    gpu.scan(offsets, v + 1);
+    gpu.run("lists_fill", &[], v, &[v as u32], &[collapse_to, offsets, entries, current]);
+
+    let positions = VertexRecords::positions(mesh);
+    let mut old = 0;
+    for wanted in [records / 2, records / 4, records, 0, records * 9 / 10] {
+        let lod = collapses.floor(Lod(wanted)).0;
+        let touched = old.max(lod);
+        let buffers = [offsets, entries, source, current, vertices, error_flag];
+        gpu.run("extract", &[], touched as usize, &[touched, lod, STRIDE], &buffers);
+        let buffers = [submeshes, triangles, vertices, draws];
+        gpu.run("live", &[], count as usize, &[count, STRIDE], &buffers);
+        old = lod;
+        let (records_drawn, draws) = (read(&gpu, vertices), read(&gpu, draws));
+        let shown = drawn(&draws, mesh.triangles().as_flattened(), &records_drawn, 3);
+        assert!(shown == truth(&simplified, Lod(lod), &positions), "LOD {lod}");
+        assert_eq!(read(&gpu, error_flag)[0], 0);
+    }
+}
+
+/// First triangle and number of triangles of each submesh.
+fn ranges(mesh: &Mesh) -> Vec<u32> {
+    mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect()
 }
 
 #[test]
@@ -126,54 +157,43 @@ fn the_guide_leads_to_views() {
     if crate::support::device().is_none() {
         return;
     }
-    let engine = Gpu::open().expect("a device");
+    let gpu = Gpu::open().expect("a device");
     let (simplified, records) = sample();
     let (mesh, collapses, stride) = (simplified.mesh(), simplified.collapses(), records.stride);
     let (v, f) = (mesh.vertex_count(), mesh.triangles().len());
     let views = Views::new(&simplified, records.clone());
     let words: Vec<u32> = views.points().iter().flat_map(Point::words).collect();
-    let (points, links) = (engine.words(&words), engine.words(views.links().as_flattened()));
+    let (points, links) = (&gpu.words(&words), &gpu.words(views.links().as_flattened()));
     let (by_error, lowest) = views.by_error();
-    let by_error = engine.words(by_error);
-    let (source, vertices) = (engine.words(&records.words), engine.words(&records.words));
+    let by_error = &gpu.words(by_error);
+    let (source, vertices) = (&gpu.words(&records.words), &gpu.words(&records.words));
     let mut padded = mesh.triangles().as_flattened().to_vec();
     padded.resize(padded.len().next_multiple_of(24), 0);
     let eights = f.div_ceil(8);
-    let triangles = engine.words(&padded);
-    let (live, places, indices) =
-        (engine.zeros(eights), engine.zeros(eights + 1), engine.zeros(3 * f));
-    let ranges: Vec<u32> =
-        mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
-    let (submeshes, draws) = (engine.words(&ranges), engine.zeros(5 * ranges.len() / 2));
+    let triangles = &gpu.words(&padded);
+    let (live, places, indices) = (&gpu.zeros(eights), &gpu.zeros(eights + 1), &gpu.zeros(3 * f));
+    let ranges = ranges(mesh);
     let count = ranges.len() / 2;
+    let (submeshes, draws) = (&gpu.words(&ranges), &gpu.zeros(5 * count));
 
     // A box around everything: one LOD, whose triangles are known.
     for part in [0, 2, 5, 9, 10] {
         let lod = collapses.floor(Lod(collapses.records() * part / 10));
+        let criterion = ("criterion", 3.0);
+        let stride = ("stride", stride as f64);
         let [low, high, one] = [f32::MIN, f32::MAX, 1.0].map(f32::to_bits);
         let parameters = [v as u32, lowest, lod.0, 0, low, low, low, one, high, high, high, 0];
-        let constants = [("criterion", 3.0), ("stride", stride as f64)];
-        let buffers = [&points, &links, &by_error, &source, &vertices];
-        engine.run("view", &constants, v, &parameters, &buffers);
-        let (eight, constants) = ([eights as u32], [("stride", stride as f64)]);
-        engine.run(
-            "filter_count",
-            &constants,
-            eights + 1,
-            &eight,
-            &[&triangles, &vertices, &live, &places],
-        );
-        engine.scan(&places, eights + 1);
-        engine.run("filter_write", &[], eights, &eight, &[&triangles, &live, &places, &indices]);
-        engine.run(
-            "filter_draws",
-            &[],
-            count,
-            &[count as u32],
-            &[&submeshes, &live, &places, &draws],
-        );
-        let (records_drawn, indices) = (read(&engine, &vertices), read(&engine, &indices));
-        let shown = drawn(&read(&engine, &draws), &indices, &records_drawn, stride);
+        let buffers = [points, links, by_error, source, vertices];
+        gpu.run("view", &[criterion, stride], v, &parameters, &buffers);
+        let eight = [eights as u32];
+        let buffers = [triangles, vertices, live, places];
+        gpu.run("filter_count", &[stride], eights + 1, &eight, &buffers);
+        gpu.scan(places, eights + 1);
+        gpu.run("filter_write", &[], eights, &eight, &[triangles, live, places, indices]);
+        let buffers = [submeshes, live, places, draws];
+        gpu.run("filter_draws", &[], count, &[count as u32], &buffers);
+        let (records_drawn, indices) = (read(&gpu, vertices), read(&gpu, indices));
+        let shown = drawn(&read(&gpu, draws), &indices, &records_drawn, records.stride);
         assert!(shown == truth(&simplified, lod, &records), "LOD {}", lod.0);
     }
 }
@@ -183,12 +203,39 @@ fn every_file_is_a_shader_by_itself() {
     if crate::support::device().is_none() {
         return;
     }
-    let engine = Gpu::open().expect("a device");
-    let refused = engine.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let gpu = Gpu::open().expect("a device");
+    let refused = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     for shader in ModelKind::ALL.into_iter().flat_map(ModelKind::shaders) {
         let source = wgpu::ShaderSource::Wgsl(shader.text().into());
         let label = Some(shader.name);
-        let _ = engine.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+        let _ = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
     }
     assert!(pollster::block_on(refused.pop()).is_none());
+}
+
+/// The page, and what it may quote.
+const PAGE: &str = include_str!("../../../../docs/ENGINE.md");
+const SOURCES: [&str; 3] = [
+    include_str!("engine.rs"),
+    include_str!("../../../lodc/examples/host/main.rs"),
+    include_str!("../../../web/example/webgpu.js"),
+];
+
+/// The lines of a text that are not empty, without what stands before and behind them.
+fn lines(text: &str) -> Vec<&str> {
+    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect()
+}
+
+#[test]
+fn the_page_quotes_hosts_as_they_are() {
+    let (page, _) = PAGE.split_once("### Levels in a GLB").expect("the last section has no host");
+    let sources = SOURCES.map(lines);
+    let fenced = page.split("```").skip(1).step_by(2);
+    let code = fenced.filter_map(|b| b.strip_prefix("rust\n").or(b.strip_prefix("js\n")));
+    let quotes: Vec<Vec<&str>> = code.map(lines).collect();
+    for quote in &quotes {
+        let found = sources.iter().any(|s| s.windows(quote.len()).any(|w| w == quote));
+        assert!(found, "no host has these lines: {quote:#?}");
+    }
+    assert!(quotes.len() >= 8, "{}", quotes.len());
 }

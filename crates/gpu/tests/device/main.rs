@@ -1,5 +1,6 @@
 //! Replays and pictures on a graphics device, compared with what must come out.
 
+mod by_hand;
 mod engine;
 mod faults;
 mod limits;

@@ -12,6 +12,7 @@ mod lists;
 mod live;
 mod measure;
 mod replay;
+mod resident;
 pub mod shaders;
 #[cfg(test)]
 mod tests;
@@ -23,6 +24,7 @@ pub use extract::Extraction;
 pub use lists::{CollapseLists, ListsTooLong};
 pub use live::Counting;
 pub use replay::Continuous;
+pub use resident::{Resident, ResidentView};
 
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};

@@ -116,6 +116,12 @@ impl Continuous {
         }
     }
 
+    /// The buffers that extraction writes to, but for the flag of errors.
+    #[must_use]
+    pub fn written(&self) -> [BufferId; 2] {
+        [self.current, self.vertices]
+    }
+
     /// Returns the words that the construction pass makes.
     #[must_use]
     pub fn constructed(&self, lists: &CollapseLists) -> Vec<Expected> {

@@ -20,4 +20,4 @@ pub(crate) mod encoder;
 pub(crate) mod integer_codes;
 #[cfg(test)]
 mod tests;
-pub mod text_codec;
+pub(crate) mod text_codec;

@@ -4,6 +4,7 @@ use super::*;
 use crate::Fault;
 use crate::testing::Random;
 use lodc_fixtures as fixtures;
+use lodc_progressive::TextCodec;
 
 fn small() -> (LodFile, Vec<u8>) {
     let mesh = fixtures::coloured_cube();
@@ -208,8 +209,10 @@ fn a_few_bytes_cannot_ask_for_much() {
     let mut file =
         obj(vec![object("grid", fixtures::random_collapse(&fixtures::coloured_cube(), 1))]);
     file.objects.truncate(1);
-    let mut bomb = bytes[..ends[2]].to_vec();
-    for number in 2..2000 {
+    let blocks = blocks(&bytes);
+    let first = blocks.iter().position(|(_, block)| block.steps > 0).expect("steps");
+    let mut bomb = bytes[..blocks[first].0].to_vec();
+    for number in first as u64 + 1..2000 {
         block::put(&mut bomb, number, Block { tag: 1, steps: 1, payload: &[0; 4] });
     }
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
@@ -218,7 +221,8 @@ fn a_few_bytes_cannot_ask_for_much() {
     // A header that announces as much as its numbers can hold.
     let mut header = bytes[..ends[1]].to_vec();
     let plain = [&[0xff, 0xff, 0xff, 0xff, 0x0f].repeat(3)[..], &[0; 3], &[1, 0]].concat();
-    let payload = [&[plain.len() as u8, plain.len() as u8], &plain[..]].concat();
+    let coded = TextCodec::default().encode(&plain);
+    let payload = [&[plain.len() as u8, coded.len() as u8], &coded[..]].concat();
     block::put(&mut header, 1, Block { tag: 1, steps: 1, payload: &payload });
     let error = Unpacker::new(Limits::DEFAULT).feed(&header).expect_err("too much");
     assert_eq!(error.fault, Fault::Limit, "{error}");

@@ -1,29 +1,39 @@
-//! Triangles come first, and a prefix leaves out what has not come.
+//! Triangles come right behind the head, and a prefix leaves out what has not come.
 
 use super::*;
 use crate::export::{ExportFormat, ExportObject, export};
 use crate::gltf::read::tests::read_bytes;
 use crate::import::ImportOptions;
+use crate::lods::Progress;
 use lodc_fixtures as fixtures;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Returns the bytes of a stream after which there are triangles.
-pub(super) fn first_triangles(bytes: &[u8]) -> usize {
+/// Returns the end of a stream's head, and the bytes after which there are triangles.
+pub(super) fn first_triangles(bytes: &[u8]) -> [usize; 2] {
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
-    let mut at = 0;
+    let (mut at, mut head) = (0, 0);
     for end in ends(bytes) {
         unpacker.feed(&bytes[at..end]).expect("a sound stream");
         at = end;
-        if (0..unpacker.objects()).any(|i| unpacker.progress(i).triangles[0] > 0) {
-            return end;
+        if unpacker.progress_of_all(|p| p.vertices[0]) == 0 {
+            head = end;
+        } else if unpacker.progress_of_all(|p| p.triangles[0]) > 0 {
+            return [head, end];
         }
     }
     panic!("no triangles at all")
 }
 
+impl Unpacker {
+    /// The sum of something over all objects so far.
+    fn progress_of_all(&self, of: fn(Progress) -> u32) -> u32 {
+        (0..self.objects()).map(|object| of(self.progress(object))).sum()
+    }
+}
+
 #[test]
-fn triangles_come_before_the_document_and_within_a_few_hundred_bytes() {
+fn triangles_come_within_a_few_hundred_bytes_of_a_small_head() {
     for (name, make) in fixtures::ALL {
         let mesh = make();
         if mesh.triangles().is_empty() {
@@ -35,9 +45,9 @@ fn triangles_come_before_the_document_and_within_a_few_hundred_bytes() {
         let Document::Gltf(document) = &mut file.document else { unreachable!("made above") };
         document.blob = (0..40_000u32).map(|i| ((i * i) >> 7) as u8).collect();
         let packed = pack(&file, &PackOptions::default()).expect("a sound file");
-        let first = first_triangles(&packed.bytes);
-        assert!(first <= 600, "{name}: {first} bytes before its first triangles");
-        assert!(20 * first <= packed.bytes.len(), "{name}: {first} of {}", packed.bytes.len());
+        let [head, first] = first_triangles(&packed.bytes);
+        assert!(first <= head + 600, "{name}: {first} bytes before its first triangles");
+        assert!(20 * head <= packed.bytes.len(), "{name}: {head} of {}", packed.bytes.len());
         assert!(fed(&packed.bytes).is_complete());
     }
 }
@@ -89,12 +99,51 @@ fn rigged(mesh: &lodc_mesh::Mesh) -> GltfDocument {
     }
 }
 
-#[test]
-fn a_prefix_leaves_out_what_has_not_come_and_is_valid() {
+/// A rigged tube.
+fn tube() -> LodFile {
     let mesh = fixtures::skinned_tube(lodc_mesh::Component::U8);
     let mut file = gltf(vec![object("tube", fixtures::random_collapse(&mesh, 1))]);
     file.objects[0].info.document_mesh = 0;
     file.document = Document::Gltf(rigged(&mesh));
+    file
+}
+
+#[test]
+fn a_rig_stands_from_its_first_triangles_is_painted_after_a_tenth_and_moves_in_the_end() {
+    let packed = pack(&tube(), &PackOptions::default()).expect("a sound file");
+    let [head, first] = first_triangles(&packed.bytes);
+    assert!(head < 16 << 10 && first <= head + 600, "{head} {first}");
+    let (mut painted, mut moves) = (None, None);
+    for end in ends(&packed.bytes).into_iter().filter(|&end| end >= first) {
+        let unpacker = fed(&packed.bytes[..end]);
+        let arrived = unpacker.arrived().expect("a sound document").expect("a head");
+        let Document::Gltf(gltf) = &*arrived.document else { panic!("a glTF") };
+        let root: Value = serde_json::from_str(&gltf.json).expect("JSON");
+        assert_eq!(
+            (&root["nodes"][0]["skin"], &root["nodes"][1]["name"]),
+            (&json!(0), &json!("joint"))
+        );
+        // The matrix is at its place among the bytes that have come.
+        let view = &root["bufferViews"][0];
+        let at = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let wanted: Vec<u8> = (0..64u32).map(|i| ((i * i) >> 5) as u8).collect();
+        assert!(gltf.blob[at..at + 64] == wanted, "{end} bytes");
+        let triangles = unpacker.progress(0).triangles;
+        if painted.is_none() && root["textures"][0]["source"].is_number() {
+            painted = Some(triangles);
+        }
+        if moves.is_none() && root["animations"][0].is_object() {
+            moves = Some(triangles);
+        }
+    }
+    let [some, all] = painted.expect("a texture comes");
+    assert!(10 * some >= all, "painted at {some} of {all}");
+    assert_eq!(moves.expect("animations come"), [all, all], "they come last");
+}
+
+#[test]
+fn a_prefix_leaves_out_what_has_not_come_and_is_valid() {
+    let file = tube();
     let packed = pack(&file, &PackOptions::default()).expect("a sound file");
     let mut seen = Vec::new();
     for end in ends(&packed.bytes).into_iter().skip(1) {
@@ -124,7 +173,10 @@ fn a_prefix_leaves_out_what_has_not_come_and_is_valid() {
     }
     let all = ["names, nodes, materials, textures, skins and animations"];
     assert_eq!(seen.first().expect("at least one"), &all, "{seen:?}");
-    assert!(seen.contains(&vec!["1 texture".to_owned(), "2 animations".to_owned()]), "{seen:?}");
+    for left_out in [&["1 texture", "2 animations"][..], &["2 animations"]] {
+        let left_out: Vec<String> = left_out.iter().map(|&s| s.to_owned()).collect();
+        assert!(seen.contains(&left_out), "{seen:?}");
+    }
     assert_eq!(seen.last(), Some(&Vec::new()), "{seen:?}");
 }
 

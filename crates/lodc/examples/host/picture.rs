@@ -1,11 +1,10 @@
-//! One picture off screen: indexed indirect draws of what the shaders have made.
+//! What every engine has already: a camera, a pipeline, something to draw into.
 
-use crate::gpu::Gpu;
-use crate::levels::{OnDevice, STRIDE};
-use lodc_mesh::Mesh;
-use lodc_scene::Image;
-
-pub(crate) use lodc_formats::images::png;
+use lodc::formats::images::png;
+use lodc::gpu::{CommandEncoder, Device, RenderPass, stride, wgpu};
+use lodc::mesh::Mesh;
+use lodc::scene::Image;
+use std::error::Error;
 
 /// Pixels across and down. Rows of 4 × 512 bytes are what a copy to a buffer allows.
 const SIZE: u32 = 512;
@@ -51,56 +50,39 @@ impl Camera {
     }
 }
 
-/// Pipeline and targets of every picture.
+/// A picture to draw into, and a pipeline for records of one length.
 pub(crate) struct Picture {
     pipeline: wgpu::RenderPipeline,
+    group: wgpu::BindGroup,
     colour: wgpu::Texture,
     depth: wgpu::Texture,
 }
 
 impl Picture {
-    pub(crate) fn new(gpu: &Gpu) -> Self {
-        Self { pipeline: pipeline(gpu), colour: target(gpu, COLOUR), depth: target(gpu, DEPTH) }
-    }
-
-    /// Draws all submeshes, black around them.
-    pub(crate) fn draw(&self, gpu: &Gpu, camera: &Camera, drawn: &OnDevice) -> Image {
-        let camera = gpu.buffer(bytemuck::cast_slice(&camera.matrix()));
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+    pub(crate) fn new(device: &Device, mesh: &Mesh, camera: &Camera) -> Self {
+        let (gpu, queue) = device.host();
+        let pipeline = pipeline(gpu, stride(mesh));
+        let matrix = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: None,
-            layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: camera.as_entire_binding() }],
-        });
-        let mut encoder =
-            gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.encode(&mut encoder, &group, drawn);
-        let pixels = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(4 * SIZE * SIZE),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+            size: 64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(4 * SIZE),
-            rows_per_image: None,
-        };
-        let to = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };
-        encoder.copy_texture_to_buffer(self.colour.as_image_copy(), to, extent());
-        gpu.queue.submit([encoder.finish()]);
-        Image { width: SIZE, height: SIZE, bytes: gpu.read(&pixels) }
+        queue.write_buffer(&matrix, 0, camera.matrix().map(f32::to_le_bytes).as_flattened());
+        let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: matrix.as_entire_binding() }],
+        });
+        Self { pipeline, group, colour: target(gpu, COLOUR), depth: target(gpu, DEPTH) }
     }
 
-    fn encode(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        group: &wgpu::BindGroup,
-        drawn: &OnDevice,
-    ) {
+    /// Begins to draw, black around everything.
+    pub(crate) fn begin<'e>(&self, encoder: &'e mut CommandEncoder) -> RenderPass<'e> {
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         let (colour, depth) = (view(&self.colour), view(&self.depth));
         let clear = wgpu::LoadOp::Clear(wgpu::Color::BLACK);
-        let mut render = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &colour,
                 depth_slice: None,
@@ -117,15 +99,35 @@ impl Picture {
             }),
             ..wgpu::RenderPassDescriptor::default()
         });
-        render.set_pipeline(&self.pipeline);
-        render.set_bind_group(0, group, &[]);
-        // [draw]
-        render.set_vertex_buffer(0, drawn.vertices.slice(..));
-        render.set_index_buffer(drawn.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for submesh in 0..drawn.submeshes {
-            render.draw_indexed_indirect(&drawn.draws, 20 * u64::from(submesh));
-        }
-        // [/draw]
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass
+    }
+
+    /// Writes what was drawn as a PNG file; the number of pixels that are not black.
+    pub(crate) fn write(&self, device: &Device, path: &str) -> Result<usize, Box<dyn Error>> {
+        let (gpu, _) = device.host();
+        let pixels = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(4 * SIZE * SIZE),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * SIZE),
+            rows_per_image: None,
+        };
+        let mut encoder = device.encoder();
+        let to = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };
+        encoder.copy_texture_to_buffer(self.colour.as_image_copy(), to, extent());
+        device.submit(encoder)?;
+        pixels.slice(..).map_async(wgpu::MapMode::Read, |_| {});
+        gpu.poll(wgpu::PollType::wait_indefinitely())?;
+        let bytes = pixels.slice(..).get_mapped_range()?.to_vec();
+        let covered = bytes.chunks(4).filter(|pixel| pixel[..3] != [0; 3]).count();
+        std::fs::write(path, png(&Image { width: SIZE, height: SIZE, bytes }))?;
+        Ok(covered)
     }
 }
 
@@ -133,8 +135,8 @@ fn extent() -> wgpu::Extent3d {
     wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 }
 }
 
-fn target(gpu: &Gpu, format: wgpu::TextureFormat) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
+fn target(gpu: &wgpu::Device, format: wgpu::TextureFormat) -> wgpu::Texture {
+    gpu.create_texture(&wgpu::TextureDescriptor {
         label: None,
         size: extent(),
         mip_level_count: 1,
@@ -146,8 +148,8 @@ fn target(gpu: &Gpu, format: wgpu::TextureFormat) -> wgpu::Texture {
     })
 }
 
-fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
-    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+fn pipeline(gpu: &wgpu::Device, stride: u64) -> wgpu::RenderPipeline {
+    let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("draw"),
         source: wgpu::ShaderSource::Wgsl(include_str!("draw.wgsl").into()),
     });
@@ -156,7 +158,7 @@ fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
         offset: 0,
         shader_location: 0,
     };
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("draw"),
         layout: None,
         vertex: wgpu::VertexState {
@@ -164,7 +166,7 @@ fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
             buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 4 * u64::from(STRIDE),
+                array_stride: stride,
                 step_mode: wgpu::VertexStepMode::Vertex,
                 attributes: &[position],
             })],

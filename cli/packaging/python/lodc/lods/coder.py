@@ -13,6 +13,16 @@ class Bit:
     def __init__(self):
         self.p, self.n = 32768, 0
 
+    def learn(self, is_set):
+        """Moves towards a value that was seen."""
+        rate = RATES[self.n]
+        if is_set:
+            self.p = min(self.p + ((65535 - self.p) * rate >> 16), 65511)
+        else:
+            self.p = max(self.p - (self.p * rate >> 16), 24)
+        if self.n < 160:
+            self.n += 1
+
 
 class Symbol:
     """The context of a symbol."""
@@ -21,6 +31,16 @@ class Symbol:
 
     def __init__(self):
         self.m, self.n = [2044 * i for i in range(16)], 2
+
+    def learn(self, value):
+        """Moves towards a value that was seen."""
+        m, rate = self.m, RATES[self.n]
+        for i in range(value + 1):
+            m[i] += -m[i] * rate >> 16
+        for i in range(value + 1, 16):
+            m[i] += (32704 - m[i]) * rate >> 16
+        if self.n < 160:
+            self.n += 1
 
 
 class Gamma:
@@ -58,16 +78,13 @@ class Substream:
 
     def bit(self, context):
         slot = self.state & 32767
-        half, rate = context.p >> 1, RATES[context.n]
+        half = context.p >> 1
         is_set = slot < half
         if is_set:
             self._advance(0, half, slot)
-            context.p = min(context.p + ((65535 - context.p) * rate >> 16), 65511)
         else:
             self._advance(half, 32768 - half, slot)
-            context.p = max(context.p - (context.p * rate >> 16), 24)
-        if context.n < 160:
-            context.n += 1
+        context.learn(is_set)
         return is_set
 
     def symbol(self, context):
@@ -78,13 +95,7 @@ class Substream:
         start = m[value] + 4 * value
         end = 32768 if value == 15 else m[value + 1] + 4 * (value + 1)
         self._advance(start, end - start, slot)
-        rate = RATES[context.n]
-        for i in range(value + 1):
-            m[i] += -m[i] * rate >> 16
-        for i in range(value + 1, 16):
-            m[i] += (32704 - m[i]) * rate >> 16
-        if context.n < 160:
-            context.n += 1
+        context.learn(value)
         return value
 
     def raw(self, bits):
@@ -129,16 +140,3 @@ class Substream:
         value = 1 << length - 1 | self.raw(length - 1)
         return (-value if self.raw(1) else value), length
 
-
-def decode_text(data, length):
-    """Coded bytes: two symbols each. None if there are no such bytes."""
-    if length > 65536 + 64 * len(data):
-        return None
-    substream, contexts, before, text = Substream(data), {}, 0, bytearray()
-    for _ in range(length):
-        high, lows = contexts.setdefault(before, (Symbol(), {}))
-        upper = substream.symbol(high)
-        lower = substream.symbol(lows.setdefault(upper, Symbol()))
-        before = upper << 4 | lower
-        text.append(before)
-    return bytes(text) if substream.is_finished() else None

@@ -82,7 +82,7 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
     }
 
-    /// An engine makes each pipeline once; an example makes it when it is needed.
+    /// An engine makes each pipeline once; a test makes it when it is needed.
     fn pipeline(&self, name: &str, constants: &[(&str, f64)]) -> wgpu::ComputePipeline {
         let shaders = ModelKind::Interactive.shaders();
         let text = shaders.iter().find(|s| s.name == name).expect("a shader's name").text();
@@ -113,7 +113,7 @@ impl Gpu {
         }
     }
 
-    /// Reads a buffer back. Only this example does, to count and to write pictures.
+    /// Reads a buffer back. Only tests do.
     pub(crate) fn read(&self, buffer: &wgpu::Buffer) -> Vec<u8> {
         let size = buffer.size();
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;

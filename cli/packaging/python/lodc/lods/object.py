@@ -4,10 +4,12 @@ import struct
 
 import numpy as np
 
-from ..attribute import COMPONENTS, MEANINGS, Attribute, Submesh, component
+from ..attribute import COMPONENTS, MEANINGS, Attribute, component
 from ..cursor import Cursor
 from ..errors import need
-from .coder import Substream, decode_text
+from ..level_object import LevelObject, Whole
+from ..scene import Submesh
+from .coder import Substream
 from .mesh import LONG, PartialMesh, Star
 from .numbers import Decimal, Float, Grid, Integer, Octahedral, Significant, directions, values
 from .points import Points, announce, bring
@@ -25,13 +27,11 @@ class Header:
         self.layout = Layout(attributes, systems)
 
 
-def read_header(cursor):
+def read_header(cursor, codec):
     """The header that the first block of an object begins with."""
-    plain, stored = cursor.varint(1 << 24), cursor.varint(1 << 24)
-    data = cursor.take(stored)
-    if stored != plain:
-        data = decode_text(data, plain) if stored < plain else None
-        need(data is not None, cursor.place, "has a header that cannot be decoded")
+    plain, coded = cursor.varint(1 << 24), cursor.varint(1 << 24)
+    data = codec.decode(cursor.take(coded), plain)
+    need(data is not None, cursor.place, "has a header that cannot be decoded")
     c = Cursor(data, cursor.place)
     vertices, triangles, steps, exact = (c.varint() for _ in range(4))
     need(exact < 2, c.place, "has an unknown order of steps")
@@ -120,7 +120,7 @@ class StreamObject:
 
     def __init__(self, number, place):
         self.number, self.place, self.name = number, place, f"mesh{number}"
-        self.world_scale, self.submeshes = 1.0, None
+        self.world_scale, self.submeshes, self.document_mesh = 1.0, None, number
         self.header = None
         self.mesh, self.groups = PartialMesh(), None
         self.indices, self.targets, self.continues = [], [], []
@@ -139,15 +139,16 @@ class StreamObject:
             )
         self._list_submeshes()
 
-    def name_as(self, name, scale, submeshes):
-        """Takes what the text says of the object: (name, material, primitive) of each submesh."""
+    def name_as(self, name, scale, mesh, submeshes):
+        """Takes what the text says of the object: its mesh in the document, and (name, material,
+        primitive) of each submesh."""
         if self.header is not None:
             need(
                 len(submeshes) == len(self.header.streams),
                 self.place,
                 "has other submeshes in the text",
             )
-        self.name, self.world_scale = name, scale
+        self.name, self.world_scale, self.document_mesh = name, scale, mesh
         self.submeshes = [Submesh(*s, ()) for s in submeshes]
         if self.header is not None:
             self._list_submeshes()
@@ -222,6 +223,16 @@ class StreamObject:
         for c in range(2 if columns else 0, channels):
             columns.append(values(systems[c], of(c), dtype))
         return np.stack(columns, axis=1).astype(dtype)
+
+    def level(self, upright: bool = False) -> LevelObject:
+        """The mesh so far as a level; ``upright`` says that the source is no glTF."""
+        values = [self.values(i) for i in range(len(self.attributes))]
+        submeshes = self.submeshes or []
+        whole = Whole(self.positions, self.attributes, values, submeshes, upright)
+        distance = self.error, self.rms
+        triangles = self.triangles
+        submesh = self.triangle_submesh if len(triangles) else triangles[:, 0]
+        return LevelObject(self.name, None, distance, whole, triangles, submesh)
 
     def is_complete(self):
         """Whether all that the header says has come."""

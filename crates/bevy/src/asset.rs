@@ -1,0 +1,178 @@
+//! A `.lodc` file as an asset.
+
+use crate::mesh::part;
+use bevy_asset::io::Reader;
+use bevy_asset::{Asset, AssetLoader, Handle, LoadContext};
+use bevy_ecs::error::BevyError;
+use bevy_math::{Mat4, Vec3};
+use bevy_mesh::Mesh;
+use bevy_reflect::TypePath;
+use bevy_transform::components::Transform;
+use lodc::formats::{Document, Limits, ObjectInfo, scene_graph};
+use lodc::level_mesh::{Shape, meshes};
+use lodc::scene::{Arrangement, Placement};
+use lodc::{LodFile, LodObject, Select, scene_levels};
+use serde::{Deserialize, Serialize};
+
+/// The objects of a file, each at some levels.
+#[derive(Asset, TypePath, Debug)]
+pub struct Lodc {
+    /// In the order of the file.
+    pub objects: Vec<LodcObject>,
+    /// Where the default scene shows them, at rest.
+    pub placements: Vec<LodcPlacement>,
+}
+
+/// An object at some levels.
+#[derive(Debug)]
+pub struct LodcObject {
+    /// Its name in the input.
+    pub name: String,
+    /// The name of each submesh's material, if the input has one.
+    pub materials: Vec<Option<String>>,
+    /// Its levels, the finest first.
+    pub levels: Vec<LodcLevel>,
+    /// Middle of the box around LOD 0, in the mesh's units.
+    pub centre: Vec3,
+    /// Radius of a sphere around it that holds everything, in the mesh's units.
+    pub radius: f32,
+}
+
+/// An object at one level.
+#[derive(Debug)]
+pub struct LodcLevel {
+    /// Largest distance from LOD 0, in the mesh's units.
+    pub error: f32,
+    /// Triangles of all submeshes.
+    pub triangles: u32,
+    /// The mesh of each submesh; the default handle, which shows nothing, where none of its
+    /// triangles is left.
+    pub meshes: Vec<Handle<Mesh>>,
+}
+
+/// An object where the scene shows it.
+#[derive(Clone, Copy, Debug)]
+pub struct LodcPlacement {
+    /// Index of the object.
+    pub object: usize,
+    /// From the mesh's units to the scene. Shear, which Bevy's transforms do not have, is left out.
+    pub transform: Transform,
+}
+
+/// A level that is wanted, as `lodc extract` takes it. Over several objects triangles are given up
+/// where least is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum LevelWish {
+    /// At most this share of the triangles.
+    Ratio(f64),
+    /// At most so many triangles.
+    Triangles(u64),
+    /// An error of at most that, in world units.
+    Error(f64),
+}
+
+/// The levels that are made of a file as it is loaded, the finest first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LodcSettings {
+    /// Each takes the memory of its meshes.
+    pub levels: Vec<LevelWish>,
+}
+
+impl Default for LodcSettings {
+    /// From all triangles to a hundredth, each level about half of the one before: together they
+    /// take twice the memory of the finest.
+    fn default() -> Self {
+        let shares = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.01];
+        Self { levels: shares.map(LevelWish::Ratio).to_vec() }
+    }
+}
+
+/// Loads `.lodc` files.
+#[derive(Clone, Copy, Debug, Default, TypePath)]
+pub struct LodcLoader;
+
+impl AssetLoader for LodcLoader {
+    type Asset = Lodc;
+    type Settings = LodcSettings;
+    type Error = BevyError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        settings: &LodcSettings,
+        context: &mut LoadContext<'_>,
+    ) -> Result<Lodc, BevyError> {
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await?;
+        let file = lodc::read(&bytes)?;
+        let mut objects: Vec<LodcObject> = file.objects.iter().map(empty).collect();
+        for (number, wish) in settings.levels.iter().enumerate() {
+            add_level(&file, number, *wish, &mut objects, context)?;
+        }
+        Ok(Lodc { objects, placements: placements(&file)? })
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["lodc"]
+    }
+}
+
+/// An object without levels.
+fn empty(object: &LodObject) -> LodcObject {
+    let (low, high) = object.simplified.mesh().bounds();
+    let [low, high] = [low, high].map(Vec3::from_array);
+    LodcObject {
+        name: object.info.name.clone(),
+        materials: object.info.submeshes.iter().map(|s| s.material.clone()).collect(),
+        levels: Vec::new(),
+        centre: low.midpoint(high),
+        radius: low.distance(high) / 2.0,
+    }
+}
+
+fn add_level(
+    file: &LodFile,
+    number: usize,
+    wish: LevelWish,
+    objects: &mut [LodcObject],
+    context: &mut LoadContext<'_>,
+) -> Result<(), BevyError> {
+    let select = match wish {
+        LevelWish::Ratio(share) => Select::Ratio(share),
+        LevelWish::Triangles(most) => Select::Triangles(most),
+        LevelWish::Error(error) => Select::Error(error),
+    };
+    let scene = scene_levels(&file.objects, &file.document, &Limits::DEFAULT)?;
+    let lods = scene.select(select, false)?.lods;
+    let upright = matches!(file.document, Document::Obj(_));
+    let levels = meshes(&file.objects, &lods, Shape::default())?;
+    for (at, (object, level)) in objects.iter_mut().zip(levels).enumerate() {
+        let mesh = &level.mesh;
+        let mut handle = |submesh: usize| match mesh.submeshes()[submesh].triangle_count {
+            0 => Handle::default(),
+            _ => {
+                let label = format!("object{at}/level{number}/submesh{submesh}");
+                context.add_labeled_asset(label, part(mesh, submesh, upright))
+            }
+        };
+        object.levels.push(LodcLevel {
+            error: level.error as f32,
+            triangles: mesh.triangles().len() as u32,
+            meshes: (0..mesh.submeshes().len()).map(&mut handle).collect(),
+        });
+    }
+    Ok(())
+}
+
+fn placements(file: &LodFile) -> Result<Vec<LodcPlacement>, BevyError> {
+    let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(&file.document, &infos, &Limits::DEFAULT)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), file.objects.len());
+    let one = |placement: &Placement| {
+        let columns = placement.transform.to_cols_array_2d().map(|c| c.map(|v| v as f32));
+        let [x, y, z, t] = columns.map(|[x, y, z]| Vec3::new(x, y, z));
+        let matrix = Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), t.extend(1.0));
+        LodcPlacement { object: placement.object, transform: Transform::from_matrix(matrix) }
+    };
+    Ok(scene.placements().iter().map(one).collect())
+}
