@@ -6,6 +6,7 @@
 
 use crate::faces::Face;
 use crate::samples::{Sample, Samples};
+use glam::DVec3;
 use lodc_mesh::NONE;
 
 /// Samples that a face keeps when it has half as many more, unless few faces are left.
@@ -22,12 +23,6 @@ const LARGE: f64 = 8.0;
 /// Directions in which samples are outermost.
 const DIRECTIONS: usize = 48;
 
-/// Samples that are looked at at once.
-const LANES: usize = 4;
-
-/// Stands for a squared distance where a sample is kept.
-const KEPT_ITSELF: f64 = -1.0;
-
 /// Cosine and sine of the golden angle.
 const GOLDEN: [f64; 2] = [-0.737_368_878_078_319_7, 0.675_490_294_261_523_8];
 
@@ -35,18 +30,13 @@ const GOLDEN: [f64; 2] = [-0.737_368_878_078_319_7, 0.675_490_294_261_523_8];
 pub(crate) struct Thinning {
     /// Samples that all faces keep together where few are left.
     kept_in_all: usize,
-    /// By axis.
-    directions: [[f64; DIRECTIONS]; 3],
+    directions: Vec<DVec3>,
     all: Vec<u32>,
     /// Places in `all` of samples that are outermost.
     outer: Vec<usize>,
     kept: Vec<u32>,
-    /// The places of all samples by axis, [`LANES`] at a time.
-    places: [Vec<f64>; 3],
-    /// The squared distance of each sample to the nearest one kept, [`KEPT_ITSELF`] of one that is,
-    /// and the place of that one in `kept`.
-    apart: Vec<f64>,
-    nearest: Vec<u64>,
+    /// The squared distance of each sample to the nearest one kept, and its place in `kept`.
+    nearest_kept: Vec<(f64, u32)>,
 }
 
 impl Thinning {
@@ -59,19 +49,15 @@ impl Thinning {
             turn = [x * c - y * s, x * s + y * c];
             let z = (2 * i + 1) as f64 / DIRECTIONS as f64 - 1.0;
             let radius = (1.0 - z * z).sqrt();
-            [radius * x, radius * y, z]
+            DVec3::new(radius * x, radius * y, z)
         };
-        let points: Vec<[f64; 3]> = (0..DIRECTIONS).map(point).collect();
-        let directions = [0, 1, 2].map(|axis| std::array::from_fn(|k| points[k][axis]));
         Self {
             kept_in_all,
-            directions,
+            directions: (0..DIRECTIONS).map(point).collect(),
             all: vec![],
             outer: vec![],
             kept: vec![],
-            places: Default::default(),
-            apart: vec![],
-            nearest: vec![],
+            nearest_kept: vec![],
         }
     }
 
@@ -98,9 +84,8 @@ impl Thinning {
         self.all.clear();
         self.all.extend(samples.of(&faces[face as usize]));
         self.choose(&samples.all, keep, outer);
-        for (&gone, (&apart, &number)) in self.all.iter().zip(self.apart.iter().zip(&self.nearest))
-        {
-            if apart != KEPT_ITSELF {
+        for (&gone, &(apart, number)) in self.all.iter().zip(&self.nearest_kept) {
+            if apart >= 0.0 {
                 let gone = samples.all[gone as usize].clone();
                 let kept = &mut samples.all[self.kept[number as usize] as usize];
                 kept.weight += gone.weight;
@@ -118,84 +103,54 @@ impl Thinning {
     /// Chooses the farthest of some samples, the outermost ones if `outer`, and `keep` in all
     /// besides those, each as far as possible from all before it.
     fn choose(&mut self, samples: &[Sample], keep: usize, outer: bool) {
-        self.read(samples);
-        let all = &self.all;
+        let Self { all, kept, nearest_kept, .. } = self;
         let farther = |&a: &usize, &b: &usize| {
             let key = |i: usize| samples[all[i] as usize].squared;
             key(a).total_cmp(&key(b)).then(all[b].cmp(&all[a]))
         };
         let mut choice = (0..all.len()).max_by(farther).expect("there are many");
-        self.kept.clear();
+        kept.clear();
+        nearest_kept.clear();
+        nearest_kept.resize(all.len(), (f64::INFINITY, 0));
         self.outer.clear();
         if outer {
-            self.find_outermost();
+            self.find_outermost(samples);
             self.outer.retain(|&i| i != choice);
         }
-        let keep = keep + self.outer.len();
-        while self.kept.len() < keep {
-            let farthest = self.keep(choice);
-            choice = self.outer.pop().unwrap_or(farthest);
-        }
-    }
-
-    /// Reads the places of all samples, none of which is kept yet.
-    fn read(&mut self, samples: &[Sample]) {
-        let Self { all, places, apart, nearest, .. } = self;
-        let lanes = all.len().next_multiple_of(LANES);
-        for (axis, places) in places.iter_mut().enumerate() {
-            places.clear();
-            places.extend(all.iter().map(|&s| samples[s as usize].place()[axis]));
-            places.resize(lanes, 0.0);
-        }
-        nearest.clear();
-        nearest.resize(lanes, 0);
-        apart.clear();
-        apart.resize(all.len(), f64::INFINITY);
-        apart.resize(lanes, KEPT_ITSELF);
-    }
-
-    /// Keeps a sample. Returns the one that is farthest from all that are kept.
-    fn keep(&mut self, choice: usize) -> usize {
-        let Self { all, places: [xs, ys, zs], apart, nearest, kept, .. } = self;
-        let number = kept.len() as u64;
-        kept.push(all[choice]);
-        apart[choice] = KEPT_ITSELF;
-        let (x, y, z) = (xs[choice], ys[choice], zs[choice]);
-        let mut most = [KEPT_ITSELF; LANES];
-        let places = xs.chunks_exact(LANES).zip(ys.chunks_exact(LANES)).zip(zs.chunks_exact(LANES));
-        let known = apart.chunks_exact_mut(LANES).zip(nearest.chunks_exact_mut(LANES));
-        for ((apart, nearest), ((xs, ys), zs)) in known.zip(places) {
-            for i in 0..LANES {
-                let (dx, dy, dz) = (xs[i] - x, ys[i] - y, zs[i] - z);
-                let squared = dx * dx + dy * dy + dz * dz;
-                let is_nearer = squared < apart[i];
-                nearest[i] = if is_nearer { number } else { nearest[i] };
-                apart[i] = if is_nearer { squared } else { apart[i] };
-                most[i] = if apart[i] > most[i] { apart[i] } else { most[i] };
+        let Self { all, kept, nearest_kept, outer, .. } = self;
+        let keep = keep + outer.len();
+        while kept.len() < keep {
+            let number = kept.len() as u32;
+            kept.push(all[choice]);
+            let place = samples[all[choice] as usize].place();
+            nearest_kept[choice].0 = -1.0;
+            let mut far = (-1.0, choice);
+            for (i, nearest) in nearest_kept.iter_mut().enumerate() {
+                let apart = (samples[all[i] as usize].place() - place).length_squared();
+                if apart < nearest.0 {
+                    *nearest = (apart, number);
+                }
+                if nearest.0 > far.0 {
+                    far = (nearest.0, i);
+                }
             }
+            choice = outer.pop().unwrap_or(far.1);
         }
-        let most = most.into_iter().fold(KEPT_ITSELF, f64::max);
-        let farthest =
-            if most > KEPT_ITSELF { apart.iter().position(|&a| a == most) } else { None };
-        farthest.unwrap_or(choice)
     }
 
     /// Notes the samples that are outermost in one of the directions, each once.
-    fn find_outermost(&mut self) {
-        let Self { directions: [xs, ys, zs], all, places, outer, .. } = self;
-        let mut most = [f64::NEG_INFINITY; DIRECTIONS];
-        let mut outermost = [0; DIRECTIONS];
-        let [px, py, pz] = &*places;
-        let places = px.iter().zip(py).zip(pz).take(all.len());
-        for (i, ((&x, &y), &z)) in places.enumerate() {
-            for k in 0..DIRECTIONS {
-                let height = x * xs[k] + y * ys[k] + z * zs[k];
-                let is_farther = height > most[k];
-                most[k] = if is_farther { height } else { most[k] };
-                outermost[k] = if is_farther { i } else { outermost[k] };
+    fn find_outermost(&mut self, samples: &[Sample]) {
+        let Self { directions, all, outer, .. } = self;
+        for &direction in &*directions {
+            let mut most = (f64::NEG_INFINITY, 0);
+            for (i, &sample) in all.iter().enumerate() {
+                let height = samples[sample as usize].place().dot(direction);
+                if height > most.0 {
+                    most = (height, i);
+                }
             }
+            outer.push(most.1);
         }
-        outer.extend_from_slice(&outermost);
         outer.sort_unstable();
         outer.dedup();
     }

@@ -83,50 +83,6 @@ impl Bounds {
     }
 }
 
-/// Two boxes beside each other: how far a point is from both is found at once.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
-    /// By axis, then by box.
-    low: [[f32; 2]; 3],
-    high: [[f32; 2]; 3],
-}
-
-impl Pair {
-    /// Two boxes of nothing.
-    pub(crate) const EMPTY: Self =
-        Self { low: [[f32::INFINITY; 2]; 3], high: [[f32::NEG_INFINITY; 2]; 3] };
-
-    /// Returns one of the boxes.
-    #[inline]
-    pub(crate) fn get(&self, which: usize) -> Bounds {
-        Bounds { low: self.low.map(|low| low[which]), high: self.high.map(|high| high[which]) }
-    }
-
-    /// Puts another box in the place of one.
-    #[inline]
-    pub(crate) fn set(&mut self, which: usize, bounds: Bounds) {
-        for axis in 0..3 {
-            self.low[axis][which] = bounds.low[axis];
-            self.high[axis][which] = bounds.high[axis];
-        }
-    }
-
-    /// Returns what [`Bounds::distance_squared`] does for both.
-    #[inline]
-    pub(crate) fn distances_squared(&self, p: DVec3) -> [f64; 2] {
-        let outside = |axis: usize| {
-            let (low, high) = (self.low[axis].map(f64::from), self.high[axis].map(f64::from));
-            let below = [low[0] - p[axis], low[1] - p[axis]];
-            let above = [p[axis] - high[0], p[axis] - high[1]];
-            let out = |k: usize| if below[k] > above[k] { below[k] } else { above[k] };
-            let out = [out(0), out(1)];
-            [if out[0] > 0.0 { out[0] } else { 0.0 }, if out[1] > 0.0 { out[1] } else { 0.0 }]
-        };
-        let [x, y, z] = [outside(0), outside(1), outside(2)];
-        [x[0] * x[0] + y[0] * y[0] + z[0] * z[0], x[1] * x[1] + y[1] * y[1] + z[1] * z[1]]
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,27 +97,5 @@ mod tests {
         let off = bounds.distance_squared(high + DVec3::new(0.0, 3.0, 4.0));
         assert!((off - 25.0).abs() < 1e-5, "{off}");
         assert!(Bounds::EMPTY.distance_squared(low).is_infinite());
-    }
-
-    #[test]
-    fn two_boxes_are_as_far_as_each() {
-        let mut random = lodc_mesh::SplitMix64::new(3);
-        let mut point = || [(); 3].map(|()| random.unit());
-        for _ in 0..200 {
-            let mut pair = Pair::EMPTY;
-            let p = DVec3::from(point().map(f64::from)) * 2.0 - 0.5;
-            let [one, other] = [0, 1].map(|_| {
-                let mut bounds = Bounds::EMPTY;
-                bounds.include(point());
-                bounds.include(point());
-                bounds
-            });
-            assert_eq!(pair.distances_squared(p), [f64::INFINITY; 2]);
-            pair.set(0, one);
-            pair.set(1, other);
-            let found = [pair.get(0), pair.get(1)].map(|bounds| bounds.distance_squared(p));
-            assert_eq!(pair.distances_squared(p), found);
-            assert_eq!(found, [one.distance_squared(p), other.distance_squared(p)]);
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! A search tree over triangles that move: an implicit binary tree of boxes over the Morton order.
 
-use crate::bounds::{Bounds, Pair};
+use crate::bounds::Bounds;
 use crate::triangle;
 use glam::DVec3;
 use lodc_mesh::NONE;
@@ -54,9 +54,9 @@ pub struct MovingTree {
     order: Vec<u32>,
     place: Vec<u32>,
     count: u32,
-    /// Box 1 is the root, boxes 2i and 2i + 1, the i-th two, are the children of box i. The last
-    /// half of them are the leaves, of which the first ones may be a level higher than the others.
-    boxes: Vec<Pair>,
+    /// Box 1 is the root, boxes 2i and 2i + 1 are the children of box i. The last half of them are
+    /// the leaves, of which the first ones may be a level higher than the others.
+    boxes: Vec<Bounds>,
     first_leaf: usize,
 }
 
@@ -87,18 +87,17 @@ impl MovingTree {
         corners: impl Fn(u32) -> [[f32; 3]; 3],
     ) -> Self {
         let first_leaf = (count as usize).div_ceil(LEAF).max(1);
-        let boxes = vec![Pair::EMPTY; first_leaf];
+        let boxes = vec![Bounds::EMPTY; 2 * first_leaf];
         let mut tree = Self { order, place, count, boxes, first_leaf };
         for leaf in 0..(count as usize).div_ceil(LEAF) {
             let mut bounds = Bounds::EMPTY;
             for p in tree.leaf(leaf).flat_map(&corners) {
                 bounds.include(p);
             }
-            tree.set(first_leaf + leaf, bounds);
+            tree.boxes[first_leaf + leaf] = bounds;
         }
         for i in (1..first_leaf).rev() {
-            let [one, other] = [0, 1].map(|which| tree.boxes[i].get(which));
-            tree.set(i, Bounds::union(&one, &other));
+            tree.boxes[i] = Bounds::union(&tree.boxes[2 * i], &tree.boxes[2 * i + 1]);
         }
         tree
     }
@@ -130,30 +129,15 @@ impl MovingTree {
     /// Returns a word of a triangle's leaf, to have it read.
     #[inline]
     pub fn touch(&self, triangle: u32) -> u32 {
-        let leaf = self.leaf_of(triangle).map(|leaf| self.get(self.first_leaf + leaf));
+        let leaf = self.leaf_of(triangle).and_then(|leaf| self.boxes.get(self.first_leaf + leaf));
         leaf.map_or(0, |b| b.low()[0].to_bits())
-    }
-
-    #[inline]
-    fn get(&self, i: usize) -> Bounds {
-        self.boxes[i / 2].get(i % 2)
-    }
-
-    #[inline]
-    fn set(&mut self, i: usize, bounds: Bounds) {
-        self.boxes[i / 2].set(i % 2, bounds);
     }
 
     /// Makes room for a new corner of a triangle.
     pub fn grow(&mut self, triangle: u32, p: [f32; 3]) {
         let Some(leaf) = self.leaf_of(triangle) else { return };
         let mut i = self.first_leaf + leaf;
-        while i > 0 {
-            let mut bounds = self.get(i);
-            if !bounds.include(p) {
-                break;
-            }
-            self.set(i, bounds);
+        while i > 0 && self.boxes[i].include(p) {
             i /= 2;
         }
     }
@@ -165,10 +149,10 @@ impl MovingTree {
             return;
         }
         let mut i = self.first_leaf + leaf;
-        self.set(i, Bounds::EMPTY);
-        while i > 1 && self.get(i ^ 1).is_empty() {
+        self.boxes[i] = Bounds::EMPTY;
+        while i > 1 && self.boxes[i ^ 1].is_empty() {
             i /= 2;
-            self.set(i, Bounds::EMPTY);
+            self.boxes[i] = Bounds::EMPTY;
         }
     }
 
@@ -226,10 +210,9 @@ impl<T: Triangles> Search<'_, T> {
     }
 
     fn down(&mut self, root: usize) {
-        let Self { tree, p, .. } = self;
-        let (tree, p) = (*tree, *p);
+        let boxes = &self.tree.boxes;
         let mut open = [(0.0, 0usize); 40];
-        open[0] = (tree.get(root).distance_squared(p), root);
+        open[0] = (boxes[root].distance_squared(self.p), root);
         let mut depth = 1;
         while depth > 0 && !self.is_done() {
             depth -= 1;
@@ -238,12 +221,12 @@ impl<T: Triangles> Search<'_, T> {
                 continue;
             }
             self.left = self.left.saturating_sub(1);
-            if i >= tree.first_leaf {
+            if i >= self.tree.first_leaf {
                 self.leaf(i);
                 continue;
             }
-            let [one, other] = tree.boxes[i].distances_squared(p);
-            let (mut near, mut far) = ((one, 2 * i), (other, 2 * i + 1));
+            let mut near = (boxes[2 * i].distance_squared(self.p), 2 * i);
+            let mut far = (boxes[2 * i + 1].distance_squared(self.p), 2 * i + 1);
             // The nearer one is opened first, so it is put down last.
             if far.0 < near.0 {
                 (near, far) = (far, near);
