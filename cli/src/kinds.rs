@@ -3,8 +3,8 @@
 
 use crate::exit::{Failure, Outcome};
 use crate::help::{SIMPLIFIED, STORED};
-use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
 use lodc::build::POSES;
 use lodc_formats::lodc::{Layout, MOST_POSES};
 use lodc_lod::ModelKind;
@@ -97,6 +97,27 @@ pub(crate) struct MetricArgs {
         help_heading = SIMPLIFIED
     )]
     pub(crate) metric: MetricKind,
+}
+
+/// Orders that the steps of a file can have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Sequence {
+    #[default]
+    Metric,
+    Stream,
+}
+
+/// The option of the command that orders steps.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub(crate) struct SequenceArgs {
+    /// Order of the steps: by the metric, or as streams have them
+    ///
+    /// stream: `pack` keeps every level, and `unpack -o F.lodc` with the options of `build` gives
+    /// the file again, byte for byte. Levels between the ends of batches, about fifty, lie a little
+    /// farther from the input. Such a file does not say what it was made from: --if-changed always
+    /// makes it anew.
+    #[arg(long, value_enum, value_name = "ORDER", default_value = "metric", help_heading = STORED)]
+    pub(crate) sequence: Sequence,
 }
 
 /// The option of commands that measure errors.

@@ -166,6 +166,26 @@ fn a_file_in_the_order_of_a_stream_comes_back_byte_for_byte() {
 }
 
 #[test]
+fn a_file_built_in_the_order_of_streams_comes_back_byte_for_byte_at_once() {
+    let f = folder();
+    let fixtures = ["machine_part.glb", "skinned_tube_u8.glb", "morphing_sphere.glb"];
+    for name in fixtures {
+        let path = format!("{}/../fixtures/{name}", env!("CARGO_MANIFEST_DIR"));
+        f.file(name, std::fs::read(path).expect("a fixture"));
+    }
+    for input in fixtures.into_iter().chain(["g.obj"]) {
+        f.lodc(["build", input, "--sequence", "stream", "-o", "a.lodc", "-q"]).ends(0);
+        f.lodc(["verify", "a.lodc", "--source", input, "-q"]).ends(0);
+        let report = f.lodc(["pack", "a.lodc", "-o", "a.lods", "--json"]).ends(0).json();
+        for object in report["objects"].as_array().expect("objects") {
+            assert_eq!(object["exact_levels"], object["levels"], "{input}");
+        }
+        f.lodc(["unpack", "a.lods", "-o", "b.lodc", "-q"]).ends(0);
+        assert!(f.read("b.lodc") == f.read("a.lodc"), "{input}");
+    }
+}
+
+#[test]
 fn a_file_needs_the_whole_stream() {
     let f = folder();
     let mut stream = f.read("g.lods");

@@ -56,7 +56,8 @@ impl MeshDecoder {
             return Err(InvalidStream("has no steps, or more than the header says"));
         }
         let mut coder = Decoder::new(block.splits);
-        let limits = StepLimits { vertices: self.header.vertices, bytes: block.bytes };
+        let MeshHeader { vertices, triangles, .. } = self.header;
+        let limits = StepLimits { vertices, triangles, bytes: block.bytes };
         for remaining in (0..block.steps).rev() {
             let step = self.codec.code_step(&mut coder, &DecoderSource, contexts, limits);
             let checked = step.and_then(|()| self.check_step(&coder, remaining == 0));

@@ -105,7 +105,8 @@ impl<'a> MeshEncoder<'a> {
 
     /// Encodes the next steps, at least one; the object must not be complete.
     pub fn encode(&mut self, contexts: &mut Contexts, target: BlockTarget) -> EncodedSteps {
-        let limits = StepLimits { vertices: self.header.vertices, bytes: usize::MAX };
+        let MeshHeader { vertices, triangles, .. } = self.header;
+        let limits = StepLimits { vertices, triangles, bytes: usize::MAX };
         let mut coder = Encoder::default();
         let mut steps = 0;
         loop {

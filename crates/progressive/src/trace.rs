@@ -211,7 +211,7 @@ fn trace(stream: &[u8], layout: VertexLayout, submeshes: u32, vertices: u32) -> 
         for _ in 0..steps {
             let step = codec.mesh.vertex_count();
             let _ = writeln!(lines.borrow_mut(), "step, from vertex {step} on");
-            let limits = StepLimits { vertices, bytes: stream.len() };
+            let limits = StepLimits { vertices, triangles: 0, bytes: stream.len() };
             let coded = codec.code_step(&mut tracer, &DecoderSource, &mut contexts, limits);
             coded.expect("a golden stream");
         }

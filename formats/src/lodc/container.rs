@@ -2,7 +2,7 @@
 
 use super::left_out::LeftOut;
 use super::table::{
-    ALIGN, ENTRY, Entry, HEADER, Id, REQUIRED, Tag, WIDE, place, put_header, table, tag,
+    ENTRY, Entry, HEADER, Id, REQUIRED, Tag, WIDE, place, put_header, section_start, table, tag,
 };
 use crate::{Fault, FormatError};
 use lodc_model::{Array, Layout};
@@ -31,9 +31,9 @@ impl<'a> Container<'a> {
         let (mut sections, mut unknown) = (BTreeMap::new(), Vec::new());
         let mut end = HEADER + table.len();
         for entry in table.chunks_exact(ENTRY).map(Entry::read) {
-            let content = entry.content(bytes, end)?;
-            end = end.next_multiple_of(ALIGN) + content.len();
             entry.check_flags()?;
+            let content = entry.content(bytes, end)?;
+            end = section_start(end, entry.is_wide()) + content.len();
             let (required, wide) = (entry.is_required(), entry.is_wide());
             if tag::KNOWN.contains(&entry.id.0) {
                 let section = Section { bytes: content, required, wide };
@@ -113,7 +113,7 @@ impl<'a> Container<'a> {
     }
 }
 
-/// The flag of a section of so wide numbers.
+/// The flag of a section that is wide or not.
 fn wide(is_wide: bool) -> u32 {
     if is_wide { WIDE } else { 0 }
 }
@@ -149,29 +149,31 @@ impl<'a> Writer<'a> {
         self.sections.push(((tag, object, index), 0, Box::new(content)));
     }
 
-    /// A section of indices that has to be there, wide or not.
-    pub(super) fn indices(
+    /// A section that has to be there, as a device takes it in the gpu layout.
+    pub(super) fn for_device(
         &mut self,
         tag: Tag,
         object: u32,
+        index: u32,
         layout: Layout,
         content: impl FnOnce(&mut Vec<u8>) + 'a,
     ) {
         let flags = REQUIRED | wide(layout == Layout::Gpu);
-        self.sections.push(((tag, object, 0), flags, Box::new(content)));
+        self.sections.push(((tag, object, index), flags, Box::new(content)));
     }
 
     /// An array of a model.
     pub(super) fn array(&mut self, object: u32, index: u32, array: Array) {
         let content = Box::new(move |out: &mut Vec<u8>| out.extend_from_slice(&array.bytes));
-        self.sections.push(((tag::MODEL_ARRAY, object, index), wide(array.wide), content));
+        let flags = REQUIRED | wide(array.wide);
+        self.sections.push(((tag::MODEL_ARRAY, object, index), flags, content));
     }
 
     pub(super) fn finish(self) -> Vec<u8> {
         let count = self.sections.len();
         let mut out = vec![0; HEADER + ENTRY * count];
         for (i, ((tag, object, index), flags, content)) in self.sections.into_iter().enumerate() {
-            let start = out.len().next_multiple_of(ALIGN);
+            let start = section_start(out.len(), flags & WIDE != 0);
             out.resize(start, 0);
             content(&mut out);
             let (length, checksum) = ((out.len() - start) as u64, xxh3_64(&out[start..]));

@@ -71,7 +71,26 @@ fn flagged(file: &LodFile, tag: &[u8; 4], index: u32, bits: u32) -> Vec<u8> {
     });
     let at = at.expect("the section's entry");
     bytes[at + 4] ^= bits as u8;
-    with_valid_checksums(&bytes)
+    with_valid_checksums(&laid_out(&bytes))
+}
+
+/// A file with its sections where their flags want them.
+fn laid_out(bytes: &[u8]) -> Vec<u8> {
+    let u64_at =
+        |bytes: &[u8], at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
+    let sections = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
+    let mut out = bytes[..HEADER + 40 * sections].to_vec();
+    for entry in (HEADER..).step_by(40).take(sections) {
+        let [start, length] = [16, 24].map(|at| u64_at(bytes, entry + at) as usize);
+        let content = bytes[start..start + length].to_vec();
+        out.resize(table::section_start(out.len(), bytes[entry + 4] & 2 != 0), 0);
+        let start = out.len() as u64;
+        set(&mut out, entry + 16, start.to_le_bytes());
+        out.extend(content);
+    }
+    let length = out.len() as u64;
+    set(&mut out, 16, length.to_le_bytes());
+    out
 }
 
 #[test]
@@ -87,7 +106,7 @@ fn the_flag_of_wide_numbers_stands_where_they_are() {
     let removals = "the array \"removals\" is never written wide";
     fails(&flagged(&packed, b"MODA", 1, 2), Fault::Malformed, removals);
     // Elsewhere it is a flag that is not known.
-    for tag in [b"POSI", b"JOIN", b"SERR", b"STRI", b"VSUB", b"ATTR"] {
+    for tag in [b"JOIN", b"SERR", b"STRI", b"VSUB"] {
         let flagged = flagged(&packed, tag, 0, 2);
         fails(&flagged, Fault::Unsupported, "has unknown flags 0x3");
     }
@@ -135,7 +154,8 @@ fn other_files_and_other_versions_are_refused_by_name() {
 }
 
 const FIRST: usize = HEADER;
-const SECOND: usize = FIRST + 40;
+// The table of levels comes between.
+const SECOND: usize = FIRST + 80;
 
 #[test]
 fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
@@ -221,6 +241,59 @@ fn scales_that_are_no_positive_number_are_refused() {
         let bytes = with_valid_checksums(&bytes);
         fails(&bytes, Fault::Malformed, "object 0: is shown at a scale of");
     }
+}
+
+#[test]
+fn an_overview_that_is_not_that_of_the_object_is_refused() {
+    let file = obj_file("cube");
+    let bytes = write(&file);
+    let bounds = Bounds::of(file.objects[0].simplified.mesh().positions());
+    let words = [bounds.low, bounds.high, bounds.center].concat();
+    let stored: Vec<u8> = words.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let at = bytes.windows(stored.len()).position(|w| w == stored).expect("the bounds");
+    for word in 0..10 {
+        let mut bytes = bytes.clone();
+        bytes[at + 4 * word + 2] ^= 1;
+        fails(&with_valid_checksums(&bytes), Fault::Malformed, "other bounds than its vertices");
+    }
+    let table = table_of_levels(&file.objects[0].simplified);
+    assert!(table.len() > 2 && table[0].triangles == 12, "{table:?}");
+    let start = u64::from_le_bytes(std::array::from_fn(|i| bytes[FIRST + 40 + 16 + i])) as usize;
+    for (word, what) in [
+        (5, "has a level that the object has not, or not in order"),
+        (6, "has other numbers"),
+        (7, "has other numbers"),
+        (8, "has other numbers"),
+        (9, "has other numbers"),
+    ] {
+        let mut bytes = bytes.clone();
+        bytes[start + 4 * word] ^= 0x40;
+        fails(&with_valid_checksums(&bytes), Fault::Malformed, what);
+    }
+}
+
+#[test]
+fn sections_of_the_gpu_layout_can_be_bound_where_they_lie() {
+    let bytes = write(&wide(&gltf_file(&["quantised_torus", "skinned_tube_u8"])));
+    let mut narrow = 0;
+    for section in sections(&bytes).expect("a sound file").into_iter().filter(|s| s.wide) {
+        let at = section.bytes.as_ptr() as usize - bytes.as_ptr() as usize;
+        assert!(at.is_multiple_of(256) && section.bytes.len().is_multiple_of(4), "{section:?}");
+    }
+    let file = read(&bytes).expect("a sound file");
+    for (number, object) in (0..).zip(&file.objects) {
+        let mesh = object.simplified.mesh();
+        for (index, attribute) in (0..).zip(mesh.attributes()) {
+            let find =
+                |s: &Section<'_>| s.tag == *b"ATTR" && s.object == Some(number) && s.index == index;
+            let sections = sections(&bytes).expect("a sound file");
+            let section = sections.into_iter().find(find).expect("an attribute");
+            let stride = attribute.stride().next_multiple_of(4);
+            narrow += usize::from(stride != attribute.stride());
+            assert_eq!(section.bytes.len(), stride * mesh.vertex_count());
+        }
+    }
+    assert!(narrow > 0, "no stride was padded");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! and the file not. Fields are only ever added, at the end of a record.
 
 use super::record::{LIMIT, Record};
-use super::{LodFile, LodObject, StoredModel};
+use super::{Bounds, LodFile, LodObject, StoredModel};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
 use lodc_mesh::{Attribute, Component, Semantic};
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,7 @@ pub(super) struct ObjectEntry {
     pub(super) submeshes: Vec<Record<SubmeshEntry>>,
     pub(super) attributes: Vec<Record<AttributeEntry>>,
     pub(super) models: Vec<Record<ModelEntry>>,
+    pub(super) bounds: Bounds,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -213,6 +214,7 @@ fn object_entry<M>(object: &LodObject<M>, models: &[StoredModel], plan: &[bool])
         submeshes: submeshes.collect(),
         attributes: attributes.collect(),
         models: models.collect(),
+        bounds: Bounds::of(mesh.positions()),
     }
 }
 

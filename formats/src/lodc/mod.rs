@@ -10,6 +10,7 @@ mod left_out;
 mod made_from;
 pub(crate) mod manifest;
 mod object;
+mod overview;
 mod poses;
 mod record;
 mod sections;
@@ -27,6 +28,7 @@ use lodc_model::Array;
 pub use lodc_model::Layout;
 pub use made_from::MadeFrom;
 use manifest::{DocumentEntry, Manifest};
+pub use overview::{Bounds, MOST_LEVELS, TableLevel, table_of_levels};
 pub use poses::MOST_POSES;
 pub use sections::{Section, sections};
 use std::sync::Arc;
@@ -190,6 +192,10 @@ pub fn write<M>(file: &LodFile<M>, store: impl Fn(&M, Layout) -> StoredModel) ->
     let manifest = Manifest::of(file, &models, &plans).encode();
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
+    for (number, object) in (0..).zip(&file.objects) {
+        let levels = table_of_levels(&object.simplified);
+        writer.optional(tag::LEVELS, number, 0, move |out| overview::put_levels(out, &levels));
+    }
     if let Document::Gltf(gltf) = &file.document {
         writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| {
             out.extend_from_slice(gltf.json.as_bytes());

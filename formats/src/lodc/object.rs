@@ -6,7 +6,7 @@ use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
 use super::record::Record;
 use super::streams::{self, ZeroBudget};
 use super::table::{Tag, place, tag};
-use super::{LodObject, StoredModel, arrays, poses, steps};
+use super::{Bounds, LodObject, StoredModel, arrays, overview, poses, steps};
 use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
 use lodc_mesh::{
     Attribute, CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh,
@@ -58,7 +58,7 @@ pub(super) fn write<'a>(
     layout: Layout,
 ) {
     let (mesh, sequence) = (simplified.mesh(), simplified.collapses().parts());
-    writer.required(tag::POSITIONS, number, 0, |out| {
+    writer.for_device(tag::POSITIONS, number, 0, layout, |out| {
         arrays::put_f32s(out, mesh.positions().as_flattened());
     });
     let width = submesh_width(mesh.submeshes().len());
@@ -68,10 +68,10 @@ pub(super) fn write<'a>(
         });
     }
     let index = layout.width(mesh.vertex_count());
-    writer.indices(tag::TRIANGLES, number, layout, move |out| {
+    writer.for_device(tag::TRIANGLES, number, 0, layout, move |out| {
         arrays::put_narrow(out, mesh.triangles().as_flattened(), index);
     });
-    writer.indices(tag::TARGETS, number, layout, move |out| {
+    writer.for_device(tag::TARGETS, number, 0, layout, move |out| {
         arrays::put_narrow(out, &sequence.targets, index);
     });
     writer.required(tag::JOINED, number, 0, |out| {
@@ -89,8 +89,8 @@ pub(super) fn write<'a>(
         });
     }
     for (i, &full) in plan.iter().enumerate() {
-        writer.required(tag::ATTRIBUTE, number, i as u32, move |out| {
-            streams::put(out, mesh, i, full);
+        writer.for_device(tag::ATTRIBUTE, number, i as u32, layout, move |out| {
+            streams::put(out, mesh, i, full, layout);
         });
     }
     for (index, array) in (0..).zip(models.into_iter().flat_map(|model| model.arrays)) {
@@ -116,6 +116,12 @@ pub(super) fn read(
     let mesh = read_mesh(container, number, &entry, zeros)?;
     let collapses = read_sequence(container, number, &entry, &mesh)?;
     let simplified = Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(e.to_string()))?);
+    if Bounds::of(simplified.mesh().positions()) != entry.bounds {
+        return Err(wrong("has other bounds than its vertices".to_owned()));
+    }
+    if let Some(stored) = container.take_optional(tag::LEVELS, number, 0) {
+        overview::check_levels(stored, number, &simplified)?;
+    }
 
     let models = read_models(container, number, entry.models, known, left_out)?;
     let submeshes = entry.submeshes.into_iter().map(|Record(s)| SubmeshInfo {
@@ -240,7 +246,7 @@ fn read_stream(
     if !(1..=16).contains(&entry.components) {
         return Err(wrong("has no, or more than 16, components"));
     }
-    let stored = container.take(tag::ATTRIBUTE, number, i)?;
+    let section = container.take_section(tag::ATTRIBUTE, number, i)?;
     let mut attribute = Attribute {
         semantic: entry.semantic(),
         morph_target: entry.morph_target,
@@ -249,8 +255,12 @@ fn read_stream(
         normalized: entry.normalized,
         bytes: Vec::new(),
     };
-    attribute.bytes =
-        streams::get(stored, attribute.stride(), entry.full, has, vertex_submesh, zeros, place)?;
+    let stride = attribute.stride();
+    let stored = match section.wide {
+        true => &*streams::without_padding(section.bytes, stride, place)?,
+        false => section.bytes,
+    };
+    attribute.bytes = streams::get(stored, stride, entry.full, has, vertex_submesh, zeros, place)?;
     Ok(attribute)
 }
 

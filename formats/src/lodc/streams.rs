@@ -1,8 +1,10 @@
 //! Attribute streams: only the vertices of submeshes that have them are stored.
 
+use super::arrays;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Mesh};
 use lodc_model::Layout;
+use std::borrow::Cow;
 
 /// Number of zero bytes streams may leave out. Without this bound a small file could ask for any
 /// amount of memory.
@@ -55,9 +57,20 @@ fn has_stream(mesh: &Mesh, stream: usize) -> Vec<bool> {
     mesh.submeshes().iter().map(|s| s.attributes.contains(&(stream as u32))).collect()
 }
 
+/// Bytes of a vertex in the gpu layout are a multiple of this, as vertex buffers ask.
+const DEVICE_STRIDE: usize = 4;
+
 /// Appends a stream as planned.
-pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, full: bool) {
+pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, full: bool, layout: Layout) {
     let attribute = &mesh.attributes()[stream];
+    if layout == Layout::Gpu && !attribute.stride().is_multiple_of(DEVICE_STRIDE) {
+        let padding = attribute.stride().next_multiple_of(DEVICE_STRIDE) - attribute.stride();
+        for bytes in attribute.bytes.chunks_exact(attribute.stride()) {
+            out.extend_from_slice(bytes);
+            out.extend_from_slice(&[0; DEVICE_STRIDE][..padding]);
+        }
+        return;
+    }
     if full {
         out.extend_from_slice(&attribute.bytes);
         return;
@@ -70,6 +83,25 @@ pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, full: bool) {
             out.extend_from_slice(bytes);
         }
     }
+}
+
+/// A stream of the gpu layout without the zeros behind each vertex.
+pub(super) fn without_padding(
+    stored: &[u8],
+    stride: usize,
+    place: impl Fn() -> String,
+) -> Result<Cow<'_, [u8]>, FormatError> {
+    let padded = stride.next_multiple_of(DEVICE_STRIDE);
+    if padded == stride {
+        return Ok(Cow::Borrowed(stored));
+    }
+    arrays::whole(stored, padded, &place)?;
+    let vertices = stored.chunks_exact(padded);
+    if vertices.clone().any(|vertex| vertex[stride..].iter().any(|&b| b != 0)) {
+        let what = "has padding behind a vertex that is not zero";
+        return Err(FormatError::new(Fault::Malformed, place(), what));
+    }
+    Ok(vertices.flat_map(|vertex| &vertex[..stride]).copied().collect())
 }
 
 /// A stream for all vertices, from what was stored. `has` says which submeshes have it.

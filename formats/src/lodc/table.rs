@@ -16,11 +16,15 @@ const FILE_HEADER: FileHeader<8> = FileHeader {
 };
 /// Bytes of an entry of the table.
 pub(super) const ENTRY: usize = 40;
-/// Sections begin at multiples of this.
-pub(super) const ALIGN: usize = 16;
+/// Sections begin at multiples of this ...
+const ALIGN: usize = 16;
+/// ... and wide ones at multiples of this, so that they can be bound where they lie: the offset that
+/// every device of WebGPU takes.
+const WIDE_ALIGN: usize = 256;
 /// Flag of a section without which the file cannot be understood.
 pub(super) const REQUIRED: u32 = 1;
-/// Flag of a section in which each number is a `u32`: of [`tag::MAY_BE_WIDE`].
+/// Flag of a section as a device takes it, of [`tag::MAY_BE_WIDE`]: indices are `u32`, vertices take
+/// a multiple of four bytes.
 pub(super) const WIDE: u32 = 2;
 /// Flags that a reader may pass over where it does not know them.
 const OPTIONAL: u32 = 0xffff_0000;
@@ -48,9 +52,12 @@ pub(super) mod tag {
     pub(crate) const MODEL_ARRAY: Tag = *b"MODA";
     pub(crate) const POSES: Tag = *b"POSE";
     pub(crate) const MADE_FROM: Tag = *b"MADE";
-    pub(crate) const MAY_BE_WIDE: [Tag; 3] = [TRIANGLES, TARGETS, MODEL_ARRAY];
-    pub(crate) const KNOWN: [Tag; 15] = [
+    pub(crate) const LEVELS: Tag = *b"LEVL";
+    pub(crate) const MAY_BE_WIDE: [Tag; 5] =
+        [POSITIONS, TRIANGLES, TARGETS, ATTRIBUTE, MODEL_ARRAY];
+    pub(crate) const KNOWN: [Tag; 16] = [
         MANIFEST,
+        LEVELS,
         DOCUMENT_JSON,
         DOCUMENT_BLOB,
         POSITIONS,
@@ -117,6 +124,11 @@ fn seal(file: &mut [u8]) {
     FILE_HEADER.seal(file);
 }
 
+/// Returns where a section begins behind what ends at `end`.
+pub(super) fn section_start(end: usize, is_wide: bool) -> usize {
+    end.next_multiple_of(if is_wide { WIDE_ALIGN } else { ALIGN })
+}
+
 fn malformed(what: impl Into<String>) -> FormatError {
     FormatError::new(Fault::Malformed, "header", what.into())
 }
@@ -177,7 +189,7 @@ impl Entry {
     pub(super) fn content<'a>(&self, bytes: &'a [u8], end: usize) -> Result<&'a [u8], FormatError> {
         let wrong = |what: String| self.error(Fault::Malformed, what);
         let (offset, length) = (self.offset, self.length);
-        let start = end.next_multiple_of(ALIGN) as u64;
+        let start = section_start(end, self.is_wide()) as u64;
         if offset != start {
             let how = if offset < start {
                 "overlaps what is before it"

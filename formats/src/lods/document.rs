@@ -5,6 +5,7 @@ use super::head::Head;
 use crate::gltf::{BufferRun, PartialBuffer, Purpose, buffer_runs};
 use crate::lodc::manifest::{DocumentEntry, format_code, source_of};
 use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source, SubmeshInfo};
+use lodc_mesh::CollapseSequence;
 use lodc_progressive::TextCodec;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -22,6 +23,19 @@ pub struct SequenceFacts {
     pub topology_changes: u32,
     /// The first LOD after such a step.
     pub first_topology_change: Option<u32>,
+}
+
+impl SequenceFacts {
+    /// The facts of a sequence.
+    #[must_use]
+    pub fn of(collapses: &CollapseSequence) -> Self {
+        let parts = collapses.parts();
+        Self {
+            last_legal_lod: parts.last_legal_lod.0,
+            topology_changes: parts.topology_changes,
+            first_topology_change: parts.first_topology_change.map(|lod| lod.0),
+        }
+    }
 }
 
 /// The document and the names of a scene.

@@ -21,7 +21,7 @@ pub use arrived::Arrived;
 pub use document::SequenceFacts;
 pub use lodc_progressive::{ErrorBound, Quantize, in_batches};
 pub use pack::{PackOptions, Packed, PackedObject, pack};
-pub use rebuild::Rebuilt;
+pub use rebuild::{Rebuilt, as_streamed};
 pub use unpack::{Progress, Unpacker};
 
 /// The version of the format.

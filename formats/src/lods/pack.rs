@@ -87,7 +87,7 @@ pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, Forma
     let block_bytes = options.block_bytes.unwrap_or(BLOCK_BYTES) as usize;
     let blocks = step_blocks(&mut writers, block_bytes)?;
     let step_bytes: usize = blocks.iter().map(|block| block.payload.len()).sum();
-    let names = file.objects.iter().map(|o| (&o.info, sequence_facts(o)));
+    let names = file.objects.iter().map(|o| (&o.info, SequenceFacts::of(o.simplified.collapses())));
     let is_rig = file.objects.iter().any(|o| {
         let attributes = o.simplified.mesh().attributes();
         attributes.iter().any(|a| matches!(a.semantic, Semantic::Joints(_)))
@@ -177,15 +177,6 @@ const BLOCK_FIELDS: usize = 9;
 fn in_stream_order(simplified: &Simplified, exact: bool) -> Cow<'_, Simplified> {
     let batches = if exact { None } else { in_batches(simplified) };
     batches.map_or(Cow::Borrowed(simplified), Cow::Owned)
-}
-
-fn sequence_facts<M>(object: &LodObject<M>) -> SequenceFacts {
-    let parts = object.simplified.collapses().parts();
-    SequenceFacts {
-        last_legal_lod: parts.last_legal_lod.0,
-        topology_changes: parts.topology_changes,
-        first_topology_change: parts.first_topology_change.map(|lod| lod.0),
-    }
 }
 
 /// The bytes of a stream so far.
@@ -282,10 +273,14 @@ impl<'a> ObjectWriter<'a> {
         let mut layout = VertexLayout::choose(simplified);
         let bounds = options.quantize.apply(simplified.mesh(), &mut layout);
         let encoder = MeshEncoder::new(simplified, layout, options.exact);
-        // A hub may keep what was put into batches from being coded so: of its levels only the
-        // finest is sure to be one of the file.
-        let in_vain = encoder.header().exact && !std::ptr::eq(simplified, &*object.simplified);
-        let exact_levels = if in_vain { 1 } else { encoder.exact_levels() };
+        let is_as_in_file = std::ptr::eq(simplified, &*object.simplified);
+        let exact_levels = match (is_as_in_file, encoder.header().exact) {
+            (true, _) => simplified.collapses().steps() as u32,
+            (false, false) => encoder.exact_levels(),
+            // A hub kept what was put into batches from being coded so: of its levels only the
+            // finest is sure to be one of the file.
+            (false, true) => 1,
+        };
         let scale = object.info.world_scale;
         Self { encoder, bounds, scale, started: false, bytes: 0, exact_levels }
     }

@@ -3,7 +3,11 @@
 use super::document::SequenceFacts;
 use crate::{Fault, FormatError};
 use lodc_mesh::{CollapseSequence, Lod, Mesh, SequenceParts, Simplified};
-use lodc_progressive::{MeshDecoder, with_removals};
+use lodc_progressive::{
+    BlockTarget, Contexts, MeshDecoder, MeshEncoder, StepBlock, VertexLayout, in_batches,
+    with_removals,
+};
+use std::borrow::Cow;
 use std::fmt::Display;
 
 /// A simplified mesh that came as a stream.
@@ -25,6 +29,29 @@ pub(super) fn rebuild(decoder: &MeshDecoder, facts: SequenceFacts) -> Result<Reb
     let simplified = Simplified::new(mesh, sequence).map_err(malformed)?;
     let simplified = with_removals(simplified).ok_or_else(|| malformed("has no levels"))?;
     Ok(Rebuilt { simplified, degenerate_triangles })
+}
+
+/// Returns a mesh with its levels as a lossless stream gives it: with its steps in batches where
+/// they can be, and triangles in the order in which they come. Errors are 0: they are to be
+/// measured. Its streams give back the same again.
+///
+/// # Errors
+/// Never for a sound mesh: what a stream decodes is checked.
+pub fn as_streamed(simplified: &Simplified) -> Result<Simplified, FormatError> {
+    let ordered = in_batches(simplified).map_or(Cow::Borrowed(simplified), Cow::Owned);
+    let mut encoder = MeshEncoder::new(&ordered, VertexLayout::choose(&ordered), false);
+    let mut decoder = MeshDecoder::new(encoder.header().clone());
+    let (mut encoding, mut decoding) = (Box::new(Contexts::new()), Box::new(Contexts::new()));
+    let mut bytes = 0;
+    while !encoder.is_complete() {
+        let target = BlockTarget { bytes: 1 << 16, before: bytes, until_triangle: false };
+        let block = encoder.encode(&mut encoding, target);
+        bytes += block.splits.len();
+        let steps = StepBlock { steps: block.steps, splits: &block.splits, bytes };
+        decoder.decode(&mut decoding, steps).map_err(|e| malformed(e.0))?;
+    }
+    let facts = SequenceFacts::of(simplified.collapses());
+    rebuild(&decoder, facts).map(|rebuilt| rebuilt.simplified)
 }
 
 fn malformed(what: impl Display) -> FormatError {

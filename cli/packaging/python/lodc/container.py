@@ -10,16 +10,16 @@ MAGIC = b"\x89LODC\r\n\x1a"
 HEADER = 40
 SCENE = 0xFFFFFFFF
 REQUIRED, WIDE, HINTS = 1, 2, 0xFFFF0000
-MAY_BE_WIDE = {b"TRIS", b"TARG", b"MODA"}
+MAY_BE_WIDE = {b"POSI", b"TRIS", b"TARG", b"ATTR", b"MODA"}
 KNOWN = {
     b"MANI", b"DJSN", b"DBLB", b"POSI", b"VSUB", b"TRIS", b"TARG", b"JOIN", b"SERR", b"STRI",
-    b"SRMS", b"ATTR", b"MODA", b"POSE", b"MADE",
+    b"SRMS", b"ATTR", b"MODA", b"POSE", b"MADE", b"LEVL",
 }  # fmt: skip
 
 
 class Container:
     """The sections by tag, object and index. ``skipped`` names those that this reader does not
-    know and need not know, ``wide`` holds the keys of those whose numbers are u32."""
+    know and need not know, ``wide`` holds the keys of those that are as a device takes them."""
 
     def __init__(self, data: memoryview) -> None:
         need(len(data) >= HEADER, "header", "the file ends within its header")
@@ -40,7 +40,8 @@ class Container:
         tag, flags, obj, index, offset, length, check = struct.unpack_from("<4sIIIQQQ", data, entry)
         name = tag.decode("ascii", "replace")
         place = f"section {name}" + ("" if obj == SCENE else f" of object {obj}")
-        start = -(-before // 16) * 16
+        align = 256 if flags & WIDE else 16
+        start = -(-before // align) * align
         need(offset == start and offset + length <= len(data), place, "is not where it should be")
         need(not any(data[before:start]), place, "follows bytes that are not 0")
         allowed = REQUIRED | HINTS | (WIDE if tag in MAY_BE_WIDE else 0)

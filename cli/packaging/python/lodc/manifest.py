@@ -12,6 +12,16 @@ PLACE = "section MANI"
 
 
 @dataclass
+class Bounds:
+    """Bounds of the vertices of an object at rest: a box, and a sphere around its middle."""
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    center: tuple[float, float, float]
+    radius: float
+
+
+@dataclass
 class ObjectEntry:
     """An object as the manifest describes it."""
 
@@ -26,6 +36,7 @@ class ObjectEntry:
     attributes: list[Attribute]
     full: list[bool]
     models: list[tuple[str, list[str]]]
+    bounds: Bounds
 
 
 def read_manifest(data: Any) -> tuple[Source, dict[str, Any], list[ObjectEntry]]:
@@ -44,12 +55,14 @@ def _object(cursor):
     submeshes = cursor.many(lambda: cursor.record(lambda: _submesh(cursor)))
     attributes = cursor.many(lambda: cursor.record(lambda: read_attribute(cursor)))
     models = cursor.many(lambda: cursor.record(lambda: _model(cursor)))
+    point = lambda: (cursor.f32(), cursor.f32(), cursor.f32())
+    bounds = Bounds(point(), point(), point(), cursor.f32())
     need(0 < scale < float("inf"), PLACE, "has an object whose scale is not a number above 0")
     return ObjectEntry(
         name, scale, mesh, legal, changes, first,
         [s for s, _ in submeshes], [n for _, n in submeshes],
         [a for a, _ in attributes], [full for _, full in attributes],
-        models,
+        models, bounds,
     )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """An object of a .lodc file: its vertices, its collapse sequence and its levels."""
 
 import struct
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +17,24 @@ from .selector import Selector, Wish, selector
 from .structures import Array, Interactive, Masking, Speed
 
 
+class Row(NamedTuple):
+    """A level in the table of an object; ``rms`` is −1 if it was not measured."""
+
+    lod: int
+    triangles: int
+    vertices: int
+    error: float
+    rms: float
+
+
 class Object:
     """One mesh with all its levels.
 
     ``positions`` is an array of *v* × 3; ``attributes`` describes further streams and ``values``
     has the array of each, *v* × components. ``triangles`` is *f* × 3, submesh 0 first;
     ``triangle_submesh`` has the submesh of each. ``targets`` are the collapse targets, and
-    ``lods``, ``errors``, ``rms`` and ``counts`` have LOD 0 and then the LOD after each step.
+    ``lods``, ``errors``, ``rms`` and ``counts`` have LOD 0 and then the LOD after each step,
+    ``table`` has some levels and ``bounds`` a box and a sphere around all of them.
     """
 
     positions: NDArray[np.float32]
@@ -47,7 +58,7 @@ class Object:
         need(len(positions) % 12 == 0, self.place, "has positions that are no whole number")
         self.positions = np.frombuffer(positions, "<f4").reshape(-1, 3)
         v = len(self.positions)
-        wide = lambda tag: (tag, number, 0) in container.wide
+        wide = lambda tag, index=0: (tag, number, index) in container.wide
         self.triangles = read_indices(take(b"TRIS"), v, wide(b"TRIS"), self.place)
         need(len(self.triangles) % 3 == 0, self.place, "has corners that are no triangle")
         self.triangles = self.triangles.reshape(-1, 3)
@@ -58,10 +69,11 @@ class Object:
         )
         self._read_steps(container, take, v)
         self.values: list[NDArray[Any]] = [
-            self._values(take, i, v) for i in range(len(self.attributes))
+            self._values(take, wide, i, v) for i in range(len(self.attributes))
         ]
         self._whole = Whole(self.positions, self.attributes, self.values, self.submeshes, upright)
         self._check(v)
+        self._check_overview(container)
         self._models(container)
         # Positions by number: equal coordinates (−0 is +0) have equal numbers.
         bits = (self.positions + np.float32(0)).view(np.uint32)
@@ -102,10 +114,13 @@ class Object:
         need((self.counts >= 0).all(), self.place, "loses more triangles than it has")
         need(self.counts[-1] == 0, self.place, "has triangles left at its last LOD")
 
-    def _values(self, take, number, v):
+    def _values(self, take, wide, number, v):
         attribute, full = self.attributes[number], self.entry.full[number]
         place = f"{self.place}: {attribute.label()}"
-        data = np.frombuffer(take(b"ATTR", number), attribute.dtype)
+        stored = take(b"ATTR", number)
+        if wide(b"ATTR", number):
+            stored = _without_padding(stored, attribute, place)
+        data = np.frombuffer(stored, attribute.dtype)
         need(len(data) % attribute.components == 0, place, "is no whole number of vertices")
         data = data.reshape(-1, attribute.components)
         if not full:
@@ -134,6 +149,33 @@ class Object:
         need((corners == same[:, None]).all(), self.place, "has a triangle over two submeshes")
         if self.rms is not None:
             need((self.rms <= self.errors).all(), self.place, "has a mean error above the largest")
+
+    def _check_overview(self, container):
+        """Compares bounds and the table of levels with vertices and curves."""
+        self.bounds = bounds = self.entry.bounds
+        p = self.positions.astype(np.float64)
+        low, high = (p.min(0), p.max(0)) if len(p) else (np.zeros(3), np.zeros(3))
+        center = ((low + high) / 2).astype(np.float32)
+        x, y, z = (p - center).T
+        exact = np.sqrt((x * x + y * y + z * z).max(initial=0))
+        radius = np.float32(exact)
+        radius = np.nextafter(radius, np.float32(np.inf)) if radius < exact else radius
+        found = (tuple(low), tuple(high), tuple(center), radius)
+        stated = (bounds.low, bounds.high, bounds.center, bounds.radius)
+        need(found == stated, self.place, "has other bounds than its vertices")
+        table = container.sections.get((b"LEVL", self.number, 0), b"")
+        place = f"{self.place}: LEVL"
+        need(len(table) % 20 == 0 and len(table) <= 64 * 20, place, "is no table of levels")
+        self.table = [Row(*row) for row in struct.iter_unpack("<IIIff", table)]
+        before = -1
+        for row in self.table:
+            step = int(np.searchsorted(self.lods, row.lod))
+            is_level = step < len(self.lods) and self.lods[step] == row.lod
+            need(is_level and row.lod > before and len(p) > 0, place, "has a level that is not")
+            rms = -1 if self.rms is None else self.rms[step]
+            own = (self.counts[step], len(p) - row.lod, self.errors[step], rms)
+            need(own == row[1:], place, "has other numbers than the curves")
+            before = row.lod
 
     def _models(self, container):
         """Finds the arrays of each structure: they are numbered over all of them."""
@@ -249,3 +291,13 @@ class Object:
 
     def __repr__(self) -> str:
         return f"<{self.name!r}: {len(self.positions)} vertices, {len(self.triangles)} triangles>"
+
+
+def _without_padding(stored, attribute, place):
+    """A stream of which each vertex takes a multiple of four bytes."""
+    stride = attribute.components * np.dtype(attribute.dtype).itemsize
+    padded = -(-stride // 4) * 4
+    need(len(stored) % padded == 0, place, "is no whole number of vertices")
+    rows = np.frombuffer(stored, "u1").reshape(-1, padded)
+    need(not rows[:, stride:].any(), place, "has padding behind a vertex that is not zero")
+    return rows[:, :stride].tobytes()

@@ -16,7 +16,7 @@ use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
 use crate::help::{MORE, OUTPUT, SIMPLIFIED};
 use crate::importance::ImportanceArgs;
-use crate::kinds::{MetricArgs, ModelArgs, PosesArgs, StripArgs};
+use crate::kinds::{MetricArgs, ModelArgs, PosesArgs, SequenceArgs, StripArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::program::Program;
@@ -50,6 +50,8 @@ pub(crate) struct BuildArgs {
     parts: PartArgs,
     #[command(flatten)]
     poses: PosesArgs,
+    #[command(flatten)]
+    sequence: SequenceArgs,
     #[command(flatten)]
     models: ModelArgs,
     #[command(flatten)]

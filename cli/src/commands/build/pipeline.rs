@@ -2,21 +2,27 @@
 
 use super::{BuildArgs, counts, importance};
 use crate::exit::{Failure, Outcome, Status};
+use crate::kinds::Sequence;
 use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc::build::{
-    Known, ScenePaints, Size, build_models, check_models, measure_all, simplify_all,
+    Known, ScenePaints, SimplifiedObjects, Size, build_models, check_models, measure_all,
+    simplify_all,
 };
 use lodc::{LodFile, LodObject, write};
 use lodc_assets::Parts;
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
-use lodc_formats::{Document, Scene, Sought, import};
+use lodc_formats::lods::as_streamed;
+use lodc_formats::{Document, ObjectInfo, Scene, Sought, import};
 use lodc_lod::ModelKind;
+use lodc_mesh::Simplified;
 use lodc_report::documents::InputReport;
 use lodc_simplify::Options;
+use rayon::prelude::*;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The result of a build.
 pub(super) struct BuildOutput {
@@ -52,6 +58,10 @@ pub(super) fn make(
     let known = Known { paints: seen, importance: &importance, document: &document, limits };
     let watch = stages.watched(progress);
     let simplified = simplify_all(objects, &options, known, &watch)?;
+    let simplified = match args.sequence.sequence {
+        Sequence::Metric => simplified,
+        Sequence::Stream => streamed(simplified)?,
+    };
     report.warnings.extend(paints.warnings);
     files.extend(&paints.files);
     files.extend(&images(args, input, &document)?);
@@ -68,7 +78,10 @@ pub(super) fn make(
     check_models(&objects, &watch).map_err(bug)?;
 
     progress.stage("write");
-    let made_from = MadeFrom::of(input, &files, &args.resolved, &report.warnings);
+    // A stream does not say what its file was made from, so such a file does not either.
+    let made_from = (args.sequence.sequence == Sequence::Metric)
+        .then(|| MadeFrom::of(input, &files, &args.resolved, &report.warnings))
+        .flatten();
     let layout = args.models.layout();
     let file = LodFile { source, document, objects, layout, made_from, left_out: vec![] };
     let bytes = stages.run("write", || {
@@ -78,6 +91,14 @@ pub(super) fn make(
     })?;
     report.bytes = Some(bytes as u64);
     Ok(BuildOutput { file, bytes, files })
+}
+
+/// Returns the objects as streams give them.
+fn streamed(objects: SimplifiedObjects) -> Outcome<SimplifiedObjects> {
+    let object = |(info, simplified): (ObjectInfo, Arc<Simplified>)| {
+        Ok((info, Arc::new(as_streamed(&simplified)?)))
+    };
+    objects.into_par_iter().map(object).collect()
 }
 
 /// Looks for the image files that a document names: a file is up to date only with those that its

@@ -58,6 +58,11 @@ pub(crate) struct CornerLists {
 }
 
 impl CornerLists {
+    /// Makes room for this many vertices more.
+    pub(crate) fn reserve(&mut self, vertices: usize) {
+        self.lists.reserve_exact(vertices);
+    }
+
     /// Adds a vertex without corners.
     pub(crate) fn add_vertex(&mut self) {
         self.lists.push(List { count: 0, inline: [0; INLINE_CORNERS] });

@@ -27,6 +27,13 @@ impl PartialMesh {
         self.faces.len() as u32
     }
 
+    /// Makes room for this many vertices more.
+    pub(crate) fn reserve(&mut self, vertices: usize) {
+        self.submesh.reserve_exact(vertices);
+        self.next_wedge.reserve_exact(vertices);
+        self.corners.reserve(vertices);
+    }
+
     /// Adds a vertex without triangles and returns it.
     pub(crate) fn add_vertex(&mut self, submesh: u32) -> u32 {
         let new = self.vertex_count();

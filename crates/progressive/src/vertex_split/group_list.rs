@@ -61,6 +61,11 @@ impl GroupList {
         }
     }
 
+    /// Makes room for this many vertices more.
+    pub(super) fn reserve(&mut self, vertices: usize) {
+        self.next.reserve_exact(vertices);
+    }
+
     /// Begins a batch of so many steps.
     pub(super) fn begin(&mut self, steps: u32) {
         self.first_new = self.next.len() as u32;

@@ -25,11 +25,16 @@ use lodc_mesh::NONE;
 /// The symbol of a parent that is not near along the circle of wedges.
 const FAR_WEDGE: u32 = 8;
 
+/// Memory is reserved for all of an object when this share of it is there: what has come then pays
+/// for it, as what comes before may take twice its size.
+const RESERVED_FROM: u32 = 4;
+
 /// Limits of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepLimits {
-    /// Vertices that the object will have.
+    /// Vertices and triangles that the object will have.
     pub(crate) vertices: u32,
+    pub(crate) triangles: u32,
     /// Bytes of the stream up to the end of this block.
     pub(crate) bytes: usize,
 }
@@ -132,6 +137,7 @@ impl ObjectCodec {
         if self.groups.is_some() && self.mesh.vertex_count() < limits.vertices {
             self.code_group(coder, source, contexts, limits)?;
         }
+        self.reserve(limits);
         loop {
             let new = self.mesh.vertex_count();
             if new >= limits.vertices {
@@ -149,6 +155,32 @@ impl ObjectCodec {
                 }
                 return Ok(());
             }
+        }
+    }
+
+    /// Makes room for all vertices and triangles once a part of them is there, so that growing does
+    /// not end in twice as much memory as they take. Before that rooms double: a header can
+    /// announce anything.
+    fn reserve(&mut self, limits: StepLimits) {
+        let vertices = self.mesh.vertex_count();
+        if vertices >= limits.vertices / RESERVED_FROM
+            && self.continues.capacity() < limits.vertices as usize
+        {
+            let more = (limits.vertices - vertices) as usize;
+            self.mesh.reserve(more);
+            self.parents.reserve_exact(more);
+            self.continues.reserve_exact(limits.vertices as usize - self.continues.len());
+            self.values.indices.reserve_exact(more * self.values.channels());
+            if let Some(groups) = &mut self.groups {
+                groups.reserve(more);
+            }
+        }
+        let triangles = self.mesh.face_count();
+        let faces = &mut self.mesh.faces;
+        if triangles >= limits.triangles / RESERVED_FROM
+            && faces.capacity() < limits.triangles as usize
+        {
+            faces.reserve_exact((limits.triangles - triangles) as usize);
         }
     }
 

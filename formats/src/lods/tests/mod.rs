@@ -9,6 +9,7 @@ mod planted;
 mod points;
 mod prefixes;
 mod quantize;
+mod round_trip;
 
 use super::block::{self, Block, FILE_HEADER, Parsed};
 use super::{PackOptions, Packed, Unpacker, pack};
