@@ -68,6 +68,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-progressive",
             "lodc-scene",
             "bincode",
+            "draco-core",
             "gltf",
             "hifijson",
             "indexmap",

@@ -84,7 +84,8 @@ struct Model {
     /// Whether the byte is the one that came there: by what found it, and how many were so before.
     matches: [[AdaptiveBit; RUNS]; 2],
     run: usize,
-    /// By the byte before: the lower half of a byte by its upper half (0 to 15), and the upper half.
+    /// By the byte before: the lower half of a byte by its upper half (0 to 15), and the upper
+    /// half.
     literals: Vec<[AdaptiveSymbol; 17]>,
 }
 

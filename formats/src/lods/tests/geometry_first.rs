@@ -142,6 +142,27 @@ fn a_rig_stands_from_its_first_triangles_is_painted_after_a_tenth_and_moves_in_t
 }
 
 #[test]
+fn a_scene_that_is_cut_anywhere_is_what_its_whole_blocks_are() {
+    let packed = pack(&tube(), &PackOptions::default()).expect("a sound file");
+    let state = |unpacker: &Unpacker| {
+        let progress = (unpacker.objects() > 0).then(|| unpacker.progress(0));
+        (unpacker.bytes(), unpacker.document_bytes(), progress, unpacker.is_complete())
+    };
+    let mut growing = Unpacker::new(Limits::DEFAULT);
+    let (mut whole, mut states) = (0, Vec::new());
+    for end in ends(&packed.bytes) {
+        growing.feed(&packed.bytes[whole..end]).expect("a sound stream");
+        whole = end;
+        states.push((end, state(&growing)));
+    }
+    for cut in 0..=packed.bytes.len() {
+        let before = states.iter().rfind(|(end, _)| *end <= cut);
+        let found = state(&fed(&packed.bytes[..cut]));
+        assert_eq!(Some(&found), before.map(|(_, s)| s).or(Some(&(0, [0; 2], None, false))));
+    }
+}
+
+#[test]
 fn a_prefix_leaves_out_what_has_not_come_and_is_valid() {
     let file = tube();
     let packed = pack(&file, &PackOptions::default()).expect("a sound file");
