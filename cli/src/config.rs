@@ -1,5 +1,6 @@
 //! Options that choose a configuration, `lodc.toml`.
 
+use crate::console;
 use crate::exit::Outcome;
 use crate::help::CONFIGURATION;
 use crate::program::Program;
@@ -33,7 +34,13 @@ impl ConfigArgs {
         command: &str,
         assets: &mut [Asset],
     ) -> Outcome<()> {
-        Ok(self.configs(program, command).apply(assets, || program.given(command))?)
+        let mut configs = self.configs(program, command);
+        configs.apply(assets, || program.given(command))?;
+        // Of single files an override for others is no mistake.
+        if assets.iter().any(|asset| asset.folder.is_some()) {
+            configs.unmatched().iter().for_each(|what| console::note(&format!("lodc: {what}")));
+        }
+        Ok(())
     }
 
     /// Returns what the configuration says of a named file.

@@ -40,6 +40,10 @@ impl ImportArgs {
     pub(crate) fn limits(&self) -> &LimitArgs {
         &self.limits
     }
+    /// Further folders that may be read.
+    pub(crate) fn allowed(&self) -> &[PathBuf] {
+        &self.allow_path
+    }
     /// The files of an asset; those that it names are in another folder, if there is one.
     pub(crate) fn assets(&self, input: &Path, folder: Option<&PathBuf>) -> Assets {
         // Only the folder of that path counts.

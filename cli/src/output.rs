@@ -45,6 +45,7 @@ pub(crate) fn write(target: &Target, bytes: Vec<u8>) -> Outcome<()> {
 /// # Errors
 /// If it cannot be written.
 pub(crate) fn write_depfile(path: &Path, rules: &[Rule]) -> Outcome<()> {
+    rules.iter().try_for_each(Rule::check)?;
     let text: String = rules.iter().map(Rule::text).collect();
     write(&Target::File(path.to_owned()), text.into_bytes())
 }

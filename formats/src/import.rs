@@ -1,5 +1,6 @@
 //! Reading meshes: the format is told by content.
 
+mod count;
 mod sniff;
 
 use crate::lodc::{self, LodFile};
@@ -8,6 +9,7 @@ use crate::provenance::Provenance;
 use crate::{
     Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, gltf, obj, ply, stl,
 };
+pub use count::{Counted, count};
 use std::path::Path;
 
 /// A mesh file or a file of levels of detail.
@@ -71,6 +73,20 @@ pub fn import_levels(path: &Path, options: &ImportOptions) -> Result<ShippedLeve
         difference: None,
         glides: Vec::new(),
     })
+}
+
+/// Reads a glTF or GLB as one GLB that holds all it refers to, nothing in it compressed but images, and
+/// a warning for each image that cannot be read.
+///
+/// # Errors
+/// As [`import`], and for files of other formats.
+#[cfg(feature = "export")]
+pub fn as_plain_glb(
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<(Vec<u8>, Vec<String>), FormatError> {
+    let bytes = assets.read_main()?;
+    gltf::read::plain(&bytes, assets, options).map_err(|e| e.in_file(&assets.main_name()))
 }
 
 /// Returns whether a file can be read and states levels, as those do that `extract` and `chain`

@@ -5,10 +5,12 @@
 //! what a killed one has left behind (and removes it) from what another is still writing.
 
 use crate::{Fault, FormatError};
+use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// A file to be written.
@@ -193,22 +195,12 @@ impl Drop for Temporary {
 /// Removes what killed runs left for the same target: files of our naming whose writer no longer
 /// holds the lock.
 fn remove_stale(folder: &Path, prefix: &str) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let ours = name.strip_prefix(prefix).is_some_and(|rest| {
-            let id = rest.strip_suffix(".tmp").or_else(|| rest.strip_suffix(".old"));
-            id.is_some_and(|id| id.bytes().all(|b| b.is_ascii_digit() || b == b'-'))
-        });
-        if !ours || !entry.file_type().is_ok_and(|t| t.is_file()) {
-            continue;
-        }
-        let path = entry.path();
+    for path in left_behind(folder, prefix) {
         // Held while the file goes, so that its writer, should it live, cannot take it for its own
         // meanwhile. An old file kept for undoing has no lock itself; its writer's temporary file
         // has.
-        let lock = if name.ends_with(".old") { path.with_extension("tmp") } else { path.clone() };
+        let is_old = path.extension().is_some_and(|e| e == "old");
+        let lock = if is_old { path.with_extension("tmp") } else { path.clone() };
         match File::open(lock) {
             Ok(file) if file.try_lock().is_ok() => drop(fs::remove_file(path)),
             Err(e) if e.kind() == io::ErrorKind::NotFound => drop(fs::remove_file(path)),
@@ -216,6 +208,41 @@ fn remove_stale(folder: &Path, prefix: &str) {
         }
     }
 }
+
+/// Files of our naming by the beginnings of their names, which stand for targets.
+type Leftovers = BTreeMap<String, Vec<PathBuf>>;
+
+/// The files of our naming that stood in a folder when this process first wrote there, of one
+/// target. Each folder is listed once: listing it for each file would take quadratic time.
+fn left_behind(folder: &Path, prefix: &str) -> Vec<PathBuf> {
+    static SEEN: Mutex<BTreeMap<PathBuf, Leftovers>> = Mutex::new(BTreeMap::new());
+    let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    let found = seen.entry(folder).or_insert_with_key(|folder| listed(folder));
+    found.remove(prefix).unwrap_or_default()
+}
+
+/// All files of our naming in a folder.
+fn listed(folder: &Path) -> Leftovers {
+    let mut found = Leftovers::new();
+    let Ok(entries) = fs::read_dir(folder) else { return found };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        // `.lodc-`, sixteen digits, `-`, then numbers.
+        let Some((prefix, rest)) = name.split_at_checked(PREFIX) else { continue };
+        let id = rest.strip_suffix(".tmp").or_else(|| rest.strip_suffix(".old"));
+        let ours = prefix.starts_with(".lodc-")
+            && id.is_some_and(|id| id.bytes().all(|b| b.is_ascii_digit() || b == b'-'));
+        if ours && entry.file_type().is_ok_and(|t| t.is_file()) {
+            found.entry(prefix.to_owned()).or_default().push(entry.path());
+        }
+    }
+    found
+}
+
+/// Length of the beginning of a temporary file's name.
+const PREFIX: usize = ".lodc-".len() + 16 + 1;
 
 #[cfg(test)]
 mod tests;

@@ -50,6 +50,15 @@ fn every_row_has_its_numbers_and_they_agree_with_each_other() {
     );
     near("/primitives/triangles/indices_per_triangle", 3.0);
     near("/primitives/triangles_cache/indices", 3.0 * triangles);
+    // Lists draw what is left; strips have become Speed Strips, at least as long as what they draw.
+    near("/primitives_20/triangles/indices_per_triangle", 3.0);
+    let left = number(object, "/primitives_20/triangles/indices") / 3.0;
+    assert!(left <= triangles / 5.0 && left > triangles / 6.0, "{left}");
+    near("/primitives_20/triangles_cache/indices", 3.0 * left);
+    for kind in ["stripe", "cache"] {
+        let of = |key: &str| number(object, &format!("/primitives_20/{kind}/{key}"));
+        assert!(of("strips") >= 1.0 && of("indices") >= left + 2.0 * of("strips"), "{kind}");
+    }
     near("/models/interactive/drawn/indices_per_triangle", 3.0);
     near("/models/interactive/traffic/bytes_per_update", 4.0);
     near("/models/progressive_mesh/extraction/per_progressive_mesh", 1.0);
@@ -275,10 +284,16 @@ fn a_device_is_timed_in_every_model_and_its_memory_counted() {
     let names: Vec<&str> = structures.keys().map(String::as_str).collect();
     assert_eq!(names, ["interactive", "lodstrips", "masking", "progressive_mesh", "speed"]);
     for (name, drawn) in structures {
-        for key in ["draw_ms", "bytes", "upload_ms"] {
+        for key in ["draw_ms", "bytes", "upload_ms", "single_bytes", "single_upload_ms"] {
             assert_eq!(drawn[key].as_array().map(Vec::len), Some(lods), "{name} {key}");
         }
         assert!(number(drawn, "/draw_ms/0") > 0.0 && number(drawn, "/bytes/0") > 0.0, "{name}");
+    }
+    let primitives = gpu["primitives"].as_object().expect("primitives");
+    let names: Vec<&str> = primitives.keys().map(String::as_str).collect();
+    assert_eq!(names, ["cache", "stripe", "triangles", "triangles_cache"]);
+    for draws in primitives.values() {
+        assert!(number(draws, "/draw_ms") > 0.0 && number(draws, "/draw_ms_20") > 0.0);
     }
     let words = |path: &str| 441.0 * number(&gpu["words_per_vertex"], path);
     let (v, f) = (441.0, 800.0);

@@ -240,3 +240,66 @@ fn a_level_that_got_worse_since_the_last_time_fails() {
     assert!(run.err.contains("is no baseline"), "{}", run.err);
     f.lodc(["compare", "in", "out", "--record"]).ends(2);
 }
+
+#[test]
+fn a_run_over_a_folder_tells_ci_what_failed_and_what_no_input_matched() {
+    let f = assets();
+    f.file("in/lodc.toml", "[[override]]\nfiles = [\"nothing/*\"]\nmetric = \"hybrid\"\n");
+    let run = f.lodc(["build", "in", "-o", "out", "--junit", "r.xml"]).ends(3);
+    assert!(run.err.contains("[[override]] 1: no input matches nothing/*"), "{}", run.err);
+    let xml = String::from_utf8(f.read("r.xml")).expect("text");
+    assert!(
+        xml.contains("<testsuites name=\"lodc build\" tests=\"3\" failures=\"0\" errors=\"1\""),
+        "{xml}"
+    );
+    assert!(xml.contains("name=\"build\"><error message="), "{xml}");
+    // A named file is nobody else's.
+    assert!(
+        !f.lodc(["build", "in/a.obj", "-o", "a.lodc"]).ends(0).err.contains("no input matches")
+    );
+    f.lodc(["build", "in/a.obj", "-o", "a.lodc", "--junit", "in/a.obj"]).ends(2);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_that_leads_out_of_a_folder_is_refused_like_a_path_that_does() {
+    let f = Folder::new();
+    f.file("in/a.obj", grid(3));
+    f.file("elsewhere/b.obj", grid(3));
+    for (to, link) in [("../elsewhere/b.obj", "in/b.obj"), ("a.obj", "in/c.obj")] {
+        std::os::unix::fs::symlink(to, f.join(link)).expect("a link");
+    }
+    let run = f.lodc(["build", "in", "-o", "out"]).ends(3);
+    assert!(
+        run.errors() == 1 && run.err.contains("in/b.obj: a link that leads out"),
+        "{}",
+        run.err
+    );
+    assert!(f.has("out/a.obj.lodc") && f.has("out/c.obj.lodc") && !f.has("out/b.obj.lodc"));
+    f.lodc(["build", "in", "-o", "out", "--allow-path", "elsewhere", "-q"]).ends(0);
+    assert!(f.has("out/b.obj.lodc"));
+}
+
+#[test]
+fn what_a_build_needs_is_told_without_building() {
+    let f = assets();
+    let args = ["build", "in", "-o", "out", "--estimate", "--report", "json", "-q"];
+    let report = f.lodc(args).ends(0).json();
+    let inputs = report["inputs"].as_array().expect("inputs");
+    assert!(!f.has("out"), "nothing is built");
+    for input in inputs {
+        let name = input["input"].as_str().expect("a name");
+        let counted = input["triangles"].as_u64();
+        if name.ends_with("a.obj") {
+            f.lodc(["build", name, "-o", "a.lodc", "-q"]).ends(0);
+            let built = f.lodc(["info", "a.lodc", "--json"]).ends(0).json();
+            assert_eq!(counted, built["objects"][0]["triangles"].as_u64());
+        }
+        // The program alone takes more than 32 MiB.
+        assert!(input["memory"].as_u64() > Some(32 << 20), "{input}");
+        assert_eq!(input["status"], 0);
+    }
+    assert!(f.lodc(["build", "in", "--estimate"]).ends(0).text().contains("of memory"));
+    f.lodc(["build", "gone.obj", "--estimate"]).ends(3);
+    f.lodc(["build", "-", "--estimate"]).ends(2);
+}

@@ -88,6 +88,18 @@ fn another_source_is_a_difference_that_is_shown() {
 }
 
 #[test]
+fn of_meshes_with_the_same_content_the_one_of_the_name_is_the_source() {
+    let f = Folder::new();
+    for name in ["in/a.obj", "in/a2.obj", "in/b.obj", "in/x/a.obj"] {
+        f.file(name, grid(3));
+    }
+    f.lodc(["build", "in", "-o", "out", "-q"]).ends(0);
+    f.lodc(["verify", "out", "--source", "in", "-q"]).ends(0);
+    f.lodc(["build", "in/b.obj", "-o", "b.lodc", "-q"]).ends(0);
+    f.lodc(["verify", "b.lodc", "--source", "in", "-q"]).ends(0);
+}
+
+#[test]
 fn a_damaged_file_is_never_read_as_a_good_one() {
     let f = built();
     let whole = f.read("g.lodc");

@@ -196,3 +196,119 @@ fn webgpu_shows_what_webgl_shows_and_less_while_it_moves() {
     assert_eq!((number("triangles"), number("after")), (Some(480), Some(480)), "{moves}");
     assert!(number("drawn").is_some_and(|drawn| (1..480).contains(&drawn)), "{moves}");
 }
+
+/// Shows levels as shipped, and at the end of the way to the next: logs what is said and what differs.
+const GLIDING: &str = r"
+{
+const pause = (delay) => scheduler.postTask(() => {}, { delay });
+setTimeout(() => console.log('done: no end'), 300000);
+
+async function shown(changes) {
+  const { viewer } = window;
+  viewer.set(changes);
+  do await pause(30); while (viewer.due || viewer.renderer.isBusy());
+  const { width, height } = viewer.surface;
+  const canvas = Object.assign(document.createElement('canvas'), { width, height });
+  const webgl = await WebglRenderer.create(canvas, viewer.scene);
+  webgl.draw(viewer.shown);
+  const copy = Object.assign(document.createElement('canvas'), { width, height });
+  const context = copy.getContext('2d');
+  context.drawImage(canvas, 0, 0);
+  webgl.close();
+  const { level, weight, triangles } = document.documentElement.dataset;
+  return { level, weight, triangles, pixels: context.getImageData(0, 0, width, height).data };
+}
+
+function apart({ pixels: a }, { pixels: b }) {
+  let count = 0;
+  for (let i = 0; i < a.length; i += 4) {
+    if ([0, 1, 2].some((k) => Math.abs(a[i + k] - b[k + i]) > 24)) count += 1;
+  }
+  return count;
+}
+
+async function run() {
+  while (!window.viewer) await pause(30);
+  const { viewer } = window;
+  const { lods } = viewer;
+  viewer.lods = () => {
+    const chosen = lods.call(viewer);
+    if (viewer.atEnd && viewer.glides) viewer.scene.weight = 1;
+    return chosen;
+  };
+  const levels = [];
+  for (let k = 0; k < viewer.scene.chain.length; k++) {
+    const begun = await shown({ asked: { lod: k } });
+    const end = await shown({ asked: { lod: k + 0.5 }, atEnd: true });
+    levels.push({ begun, end });
+    viewer.atEnd = false;
+  }
+  const told = levels.map(({ begun, end }, k) => ({
+    ...begun,
+    pixels: undefined,
+    way: k + 1 < levels.length ? apart(begun, levels[k + 1].begun) : 0,
+    left: k + 1 < levels.length ? apart(end, levels[k + 1].begun) : 0,
+  }));
+  const far = { by: viewer.chain ? 'distance' : 'level', asked: null, share: 0 };
+  const { level } = await shown(far);
+  return JSON.stringify({ told, farthest: level });
+}
+
+run().then((text) => console.log(`done: ${text}`), (e) => console.log(`done: ${e.stack}`));
+}
+";
+
+#[test]
+fn levels_are_shown_as_they_are_shipped() {
+    let Some(browser) = Browser::find() else { return };
+    let tube = PART.replace("machine_part", "skinned_tube_u8");
+    let gliding: &[&str] =
+        &["--geomorph=joints", "--compress", "meshopt", "--quantize", "pos=14,normal=8,uv=12"];
+    let variants: [(&str, &str, &[&str]); 4] = [
+        (PART, "c.glb", &["--geomorph"]),
+        (&tube, "c.gltf", gliding),
+        (PART, "c.glb", &[]),
+        (PART, "c.glb", &["--index-ranges"]),
+    ];
+    for (input, out, more) in variants {
+        let f = Folder::new();
+        let args = ["chain", input, "-o", out, "--auto", "4", "--json", "-q"];
+        let chain = f.lodc(args.iter().chain(more)).ends(0).json();
+        let run = f.lodc(["view", out, "-o", "view.html"]).ends(0);
+        assert!(run.err.contains("4 levels as shipped"), "{}", run.err);
+        let page = String::from_utf8(f.read("view.html")).expect("a page is text");
+        let (front, end) = page.rsplit_once("</script>").expect("a script");
+        let page = f.file("gliding.html", format!("{front}{GLIDING}</script>{end}"));
+        let result = browser.result(&page);
+        let result: Value = serde_json::from_str(&result).unwrap_or_else(|_| panic!("{result}"));
+        let glides = more.iter().any(|o| o.starts_with("--geomorph"));
+        let mut ways = 0;
+        for (k, shown) in result["told"].as_array().expect("levels").iter().enumerate() {
+            let what = format!("{input}, {more:?}, {k}: {shown}");
+            assert_eq!(shown["level"], k.to_string(), "{what}");
+            assert_eq!(shown["triangles"], chain["levels"][k]["triangles"].to_string(), "{what}");
+            let [way, left] = ["way", "left"].map(|key| shown[key].as_u64().expect(key));
+            // Edges may fall on other samples.
+            assert!(!glides || left <= 40 + way / 20, "{what}");
+            ways += way;
+        }
+        assert!(ways > 50, "levels look different: {result}");
+        assert_eq!(result["farthest"], "3", "{input}, {more:?}");
+    }
+}
+
+#[test]
+fn a_file_that_glides_to_another_one_is_shown_and_a_level_alone_is_a_mesh() {
+    let f = Folder::new();
+    f.lodc(["chain", PART, "-o", "s.glb", "--auto", "3", "--separate", "--geomorph", "-q"]).ends(0);
+    let run = f.lodc(["view", "s_LOD0.glb", "-o", "v.html", "--depfile", "d"]).ends(0);
+    assert!(run.err.contains("1 level as shipped"), "{}", run.err);
+    assert!(String::from_utf8_lossy(&f.read("d")).contains("s_LOD0.glb"));
+    f.lodc(["view", "s_LOD2.glb", "-o", "v.html", "-q"]).ends(0);
+    f.lodc(["extract", PART, "--ratio", "50%", "-o", "l.obj", "-q"]).ends(0);
+    f.lodc(["view", "l.obj", "-o", "v.html", "-q"]).ends(0);
+    let Some(browser) = Browser::find() else { return };
+    f.lodc(["view", "s_LOD0.glb", "-o", "v.html", "-q"]).ends(0);
+    let page = browser.attributes(&f.join("v.html"), "lod=0.5");
+    assert_eq!((&*page["data-level"], &*page["data-weight"]), ("0", "0.500"), "{page:?}");
+}

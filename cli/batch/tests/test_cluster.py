@@ -12,7 +12,8 @@ import unittest
 from dataclasses import replace
 from pathlib import Path
 
-from lodc_batch import build, read_list
+from lodc_batch import ClusterError, build, read_list
+from lodc_batch.__main__ import main
 from lodc_batch.cluster import summary
 from lodc_batch.tasks import content_key
 
@@ -122,6 +123,98 @@ class Batch(unittest.TestCase):
         for name in there:
             files = [Path(folder, name).read_bytes() for folder in ("out", "serial")]
             self.assertEqual(*files)
+
+    def test_an_asset_that_needs_more_than_was_estimated_gets_a_whole_worker(self):
+        tasks = self.meshes("in", 0)
+        program = self.folder / "lodc-underestimates"
+        # Says that everything needs 70 MiB; refuses to build the third mesh in less than 150 MB.
+        program.write_text(
+            f"""#!{sys.executable}
+import json, subprocess, sys
+lines = "" if "--version" in sys.argv else sys.stdin.read()
+if "--estimate" in sys.argv:
+    inputs = [{{"memory": 70 << 20}} for line in lines.splitlines()]
+    print(json.dumps({{"inputs": inputs}}))
+    sys.exit(0)
+limit = [int(a.split("=")[1]) for a in sys.argv if a.startswith("memory=")]
+with open("limits", "a") as file:
+    file.write(f"{{limit}}\\n" if "3.obj" in lines else "")
+if "3.obj" in lines and limit[0] < 150e6:
+    report = {{"input": "in/3.obj", "output": "", "status": 5, "error": "too small"}}
+    print(json.dumps({{"inputs": [{{**report, "up_to_date": False, "seconds": 0}}]}}))
+    sys.exit(5)
+sys.exit(subprocess.run([{LODC!r}, *sys.argv[1:]], input=lines, text=True).returncode)
+"""
+        )
+        program.chmod(0o755)
+        cluster = Cluster(self.folder, 2)
+        try:
+            lines = build(tasks, cluster.file, str(program), "out")
+        finally:
+            cluster.stop()
+        self.assertEqual(summary(lines), {"built": 6, "up_to_date": 0, "failed": 0})
+        limits = Path("limits").read_text().splitlines()
+        self.assertEqual(limits, [f"[{70 << 20}]", f"[{MEM}]"])
+
+    def test_what_is_not_there_is_said_in_a_line_within_the_time(self):
+        tasks = self.meshes("in", 0)
+        asked = lambda scheduler, lodc=LODC, options=(), seconds=3: build(
+            tasks, scheduler, lodc, "out", options, timeout=seconds
+        )
+        with self.assertRaisesRegex(ClusterError, "no.json: no scheduler wrote this file"):
+            asked("no.json", seconds=0.2)
+        with self.assertRaisesRegex(ClusterError, "no scheduler answers within 2 s"):
+            asked("tcp://127.0.0.1:9", seconds=2)
+        with self.assertRaisesRegex(ClusterError, "DASK_SCHEDULER_ADDRESS"):
+            asked(None)
+        cluster = Cluster(self.folder, 0)
+        try:
+            with self.assertRaisesRegex(ClusterError, "no worker came within 5 s"):
+                asked(cluster.file, seconds=5)
+        finally:
+            cluster.stop()
+        Path("cluster.json").unlink()
+        cluster = Cluster(self.folder, 1)
+        try:
+            with self.assertRaisesRegex(ClusterError, "`no-lodc` cannot be run there: No such file"):
+                asked(cluster.file, "no-lodc", seconds=30)
+            with self.assertRaisesRegex(ClusterError, "asked first: error: .*--no-such"):
+                asked(cluster.file, options=("--no-such",), seconds=30)
+            report = ["--report", "r.jsonl", "--scheduler-file", cluster.file, "--lodc", "no-lodc"]
+            self.assertEqual(main(["in.jsonl", *report]), 4)
+            self.assertEqual(json.loads(Path("r.jsonl").read_text())["summary"]["built"], 0)
+        finally:
+            cluster.stop()
+        self.assertFalse(Path("out").exists())
+
+    def test_a_lost_scheduler_is_said_with_what_is_done_and_how_to_go_on(self):
+        tasks = self.meshes("in", 0)
+        slow = self.folder / "slow-lodc"
+        slow.write_text(f'#!/bin/sh\ncase "$*" in *--limit*) sleep 1;; esac\nexec "{LODC}" "$@"\n')
+        slow.chmod(0o755)
+        cluster = Cluster(self.folder, 1)
+
+        def on_result(done, _of, _line):
+            if done == 2:
+                cluster.processes[0].send_signal(signal.SIGKILL)
+
+        try:
+            with self.assertRaisesRegex(ClusterError, "2 of 6 assets are done; .*--if-changed"):
+                build(tasks, cluster.file, str(slow), "out", (), on_result, timeout=5)
+        finally:
+            cluster.stop()
+
+    def test_the_report_has_lines_as_assets_end(self):
+        self.meshes("in", 0)
+        cluster = Cluster(self.folder, 1)
+        try:
+            where = ["--scheduler-file", cluster.file, "--lodc", LODC]
+            self.assertEqual(main(["in.jsonl", *where, "-o", "out", "--report", "r.jsonl"]), 0)
+        finally:
+            cluster.stop()
+        *lines, last = map(json.loads, Path("r.jsonl").read_text().splitlines())
+        self.assertEqual({line["number"] for line in lines}, set(range(6)))
+        self.assertEqual(last, {"summary": {"built": 6, "up_to_date": 0, "failed": 0}})
 
     def test_two_runs_at_once_each_get_their_own_results(self):
         runs = [self.meshes("first", 0), self.meshes("second", 100)]

@@ -39,14 +39,22 @@ impl<A: FromArgMatches> AssetOptions<A> {
         Self(parsed)
     }
 
+    /// Returns an asset's options.
+    ///
+    /// # Errors
+    /// If one is wrong.
+    pub(crate) fn of(&self, asset: &Asset) -> Outcome<&A> {
+        let args = self.0[&asset.options].as_ref();
+        args.map_err(|what| Failure::usage(asset.with_line(what)))
+    }
+
     /// Returns an asset's options and its target, once its result could be written.
     ///
     /// # Errors
     /// If an option is wrong, the asset has no target, or there is no place for the result.
     pub(crate) fn ready<'a>(&'a self, asset: &'a Asset) -> Outcome<(&'a A, &'a Target)> {
         let target = asset.target.as_ref().map_err(|e| Failure::from(e.clone()))?;
-        let args = self.0[&asset.options].as_ref();
-        let args = args.map_err(|what| Failure::usage(asset.with_line(what)))?;
+        let args = self.of(asset)?;
         output::prepare([target], asset.makes_folders)?;
         Ok((args, target))
     }

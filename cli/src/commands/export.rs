@@ -68,7 +68,8 @@ impl ExportArgs {
         format: FormatName,
     ) -> Outcome<Vec<Asset>> {
         let writes = format.extension();
-        let sources = Sources { inputs, output: Some(output), reads: &LEVELS, writes };
+        let allowed = self.import.allowed();
+        let sources = Sources { inputs, output: Some(output), reads: &LEVELS, writes, allowed };
         let mut assets = batch::assets(sources, &self.batch)?;
         self.configuration.apply(program, command, &mut assets)?;
         batch::check_streams(&assets, self.json, self.depfile.as_deref())?;

@@ -76,6 +76,8 @@ pub struct Sources<'a> {
     pub reads: &'a [&'a str],
     /// Extension of results.
     pub writes: &'a str,
+    /// Folders besides those that are given that links in them may lead to.
+    pub allowed: &'a [PathBuf],
 }
 
 /// Returns the assets of a run in order: named ones and folders as they were given, then the
@@ -97,7 +99,8 @@ pub fn assets(sources: Sources<'_>, choice: &Choice) -> Result<Vec<Asset>, Asset
             for (path, name) in files(input, sources.reads, &filter)? {
                 let file = format!("{name}.{}", sources.writes);
                 let target = Target::File(folder_out.unwrap_or(input).join(file));
-                all.push(found(path, name, Some(input.clone()), Ok(target)));
+                let target = check_link(&path, input, sources.allowed).map(|()| target);
+                all.push(found(path, name, Some(input.clone()), target));
             }
         } else {
             let target = named_target(input, folder_out, sources.output, sources.writes);
@@ -129,6 +132,22 @@ pub fn assets(sources: Sources<'_>, choice: &Choice) -> Result<Vec<Asset>, Asset
     all.iter_mut().for_each(|asset| asset.makes_folders |= folder_out.is_some());
     refuse_clashes(all.iter_mut().map(|a| (a.input.as_path(), &mut a.target)));
     Ok(all)
+}
+
+/// Refuses a link that leads out of the folder that it was found in, as a path in a file that does.
+fn check_link(path: &Path, folder: &Path, allowed: &[PathBuf]) -> Result<(), AssetError> {
+    if !path.is_symlink() {
+        return Ok(());
+    }
+    let real =
+        path.canonicalize().map_err(|e| AssetError::Input(format!("{}: {e}", path.display())))?;
+    let roots = [folder].into_iter().chain(allowed.iter().map(PathBuf::as_path));
+    let mut roots = roots.filter_map(|root| root.canonicalize().ok());
+    if roots.any(|root| real.starts_with(root)) {
+        return Ok(());
+    }
+    let what = "a link that leads out of the folder: it is read with --allow-path DIR";
+    Err(AssetError::Input(format!("{}: {what}", path.display())))
 }
 
 /// An asset without options of its own.
@@ -183,7 +202,8 @@ mod tests {
     fn of_names(names: &[&str], output: Option<&str>) -> Vec<Asset> {
         let inputs: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
         let output = output.map(Path::new);
-        let sources = Sources { inputs: &inputs, output, reads: &["obj"], writes: "lodc" };
+        let sources =
+            Sources { inputs: &inputs, output, reads: &["obj"], writes: "lodc", allowed: &[] };
         assets(sources, &Choice::default()).expect("assets")
     }
 

@@ -187,6 +187,21 @@ impl Rule {
         Self { output: output.to_owned(), inputs: files.read(), absent }
     }
 
+    /// Checks that Make can read its names.
+    ///
+    /// # Errors
+    /// If one has a line break or is not UTF-8: there is no way to write it.
+    pub fn check(&self) -> Result<(), AssetError> {
+        let names = [&self.output].into_iter().chain(&self.inputs).chain(&self.absent);
+        let wrong = |path: &&PathBuf| path.to_str().is_none_or(|name| name.contains(['\n', '\r']));
+        match names.into_iter().find(wrong) {
+            None => Ok(()),
+            Some(path) => Err(AssetError::Output(format!(
+                "{path:?}: a name with a line break, or not in UTF-8, cannot stand in a dependency file"
+            ))),
+        }
+    }
+
     /// The rule as Make reads it; what was read twice stands once. A rule without inputs for each
     /// file that is not there keeps Make from asking how to make it.
     #[must_use]
@@ -263,6 +278,17 @@ mod tests {
     fn names_that_make_takes_for_something_else_are_no_rules() {
         for (name, plain) in [("a/b c.png", true), ("a/%2e/b.mtl", false), ("a/..\\b.png", false)] {
             assert_eq!(has_rule(Path::new(name)), plain, "{name}");
+        }
+    }
+
+    #[test]
+    fn names_that_make_cannot_read_are_refused() {
+        let rule =
+            |name: &str| Rule { output: "x".into(), inputs: vec![name.into()], absent: vec![] };
+        assert!(rule("a b.obj").check().is_ok());
+        for name in ["a\nb.obj", "a\rb.obj"] {
+            let error = rule(name).check().expect_err(name).to_string();
+            assert!(error.contains("line break") && !error.contains('\n'), "{error}");
         }
     }
 

@@ -23,7 +23,7 @@ pub struct Instance {
 pub struct InstancedDraw {
     /// The mesh whose vertices the indices mean.
     pub mesh: usize,
-    /// Indices of the frame, three for a triangle.
+    /// Indices of the frame.
     pub indices: Range<u32>,
     /// Instances of the frame.
     pub instances: Range<u32>,
@@ -32,8 +32,10 @@ pub struct InstancedDraw {
 /// Everything that is sent and drawn for one frame.
 #[derive(Clone, Debug, Default)]
 pub struct InstancedFrame {
-    /// Of all draws.
+    /// Of all draws: three for a triangle.
     pub indices: Vec<u32>,
+    /// True if indices are those of strips instead, `u32::MAX` after each.
+    pub strips: bool,
     /// Of all draws.
     pub instances: Vec<Instance>,
     /// In order.
@@ -43,8 +45,8 @@ pub struct InstancedFrame {
 /// Meshes on a device, with a camera.
 pub struct Instanced<'d> {
     device: &'d Device,
-    pipeline: wgpu::RenderPipeline,
-    group: wgpu::BindGroup,
+    /// For triangles and for strips, each with the camera.
+    pipelines: [(wgpu::RenderPipeline, wgpu::BindGroup); 2],
     targets: Targets,
     meshes: Vec<wgpu::Buffer>,
 }
@@ -69,20 +71,24 @@ impl<'d> Instanced<'d> {
             layout(wgpu::VertexStepMode::Vertex, position, 12),
             layout(wgpu::VertexStepMode::Instance, instance, size_of::<Instance>() as u64),
         ];
-        let pipeline = pipeline(gpu, include_str!("instanced.wgsl"), &buffers, false);
         let matrix = camera.matrix();
         let uniform = buffer(device, wgpu::BufferUsages::UNIFORM, bytemuck::cast_slice(&matrix))?;
-        let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("camera"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        let pipelines = [false, true].map(|strips| {
+            let pipeline = pipeline(gpu, include_str!("instanced.wgsl"), &buffers, strips);
+            let resource = uniform.as_entire_binding();
+            let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("camera"),
+                layout: &pipeline.get_bind_group_layout(0),
+                entries: &[wgpu::BindGroupEntry { binding: 0, resource }],
+            });
+            (pipeline, group)
         });
         let vertices = |positions: &Vec<[f32; 3]>| {
             buffer(device, wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(positions))
         };
         let meshes = meshes.iter().map(vertices).collect::<Result<_, _>>()?;
         device.check()?;
-        Ok(Self { device, pipeline, group, targets: Targets::new(gpu), meshes })
+        Ok(Self { device, pipelines, targets: Targets::new(gpu), meshes })
     }
 
     /// Nanoseconds that the device draws a frame, by its own clock or, if it has none, by the
@@ -101,8 +107,9 @@ impl<'d> Instanced<'d> {
             device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass =
             self.targets.pass(&mut encoder, clock.as_ref().map(|clock| (&clock.queries, 0)));
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.group, &[]);
+        let (pipeline, group) = &self.pipelines[usize::from(frame.strips)];
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, group, &[]);
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(1, instances.slice(..));
         for draw in &frame.draws {

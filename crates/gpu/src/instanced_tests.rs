@@ -29,10 +29,16 @@ fn instances_stand_where_they_are_put_and_turned_and_take_time() {
     let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens, zoom: 1.0 };
     let camera = Camera::around(&[[-1.0; 3], [1.0; 3]], &framing, 1.0);
     let stage = Instanced::new(&device, &[square.to_vec()], &camera).expect("small");
-    let frame = |instances: &[Instance]| InstancedFrame {
-        indices: vec![0, 1, 2, 0, 2, 3],
+    let frame = |instances: &[Instance], strips: bool| InstancedFrame {
+        // Two strips of one triangle each.
+        indices: if strips { vec![0, 1, 3, u32::MAX, 1, 2, 3] } else { vec![0, 1, 2, 0, 2, 3] },
+        strips,
         instances: instances.to_vec(),
-        draws: vec![InstancedDraw { mesh: 0, indices: 0..6, instances: 0..instances.len() as u32 }],
+        draws: vec![InstancedDraw {
+            mesh: 0,
+            indices: 0..6 + u32::from(strips),
+            instances: 0..instances.len() as u32,
+        }],
     };
     let start = std::time::Instant::now();
     let now = || start.elapsed();
@@ -44,9 +50,11 @@ fn instances_stand_where_they_are_put_and_turned_and_take_time() {
         (vec![ahead, back], [true, false, true]),
         (vec![moved], [false, true, false]),
     ] {
-        let taken = stage.timed(&frame(&instances), &now).expect("a draw");
-        assert!(taken >= 0.0);
-        assert_eq!([0.22, 0.5, 0.78].map(|x| grey(&stage, x) > 0), lit, "{instances:?}");
+        for strips in [false, true] {
+            let taken = stage.timed(&frame(&instances, strips), &now).expect("a draw");
+            assert!(taken >= 0.0);
+            assert_eq!([0.22, 0.5, 0.78].map(|x| grey(&stage, x) > 0), lit, "{instances:?}");
+        }
     }
     stage.timed(&InstancedFrame::default(), &now).expect("nothing to draw");
     assert_eq!(grey(&stage, 0.5), 0);

@@ -1,17 +1,19 @@
 //! Timing models on a graphics device, by the device's own clock.
 
 use crate::error::LabError;
-use crate::report::{CaseReport, DeviceCurve, DrawnCurve, GpuReport, MemoryReport};
+use crate::prepared::Prepared;
+use crate::primitives::{self, Primitive};
+use crate::report::{CaseReport, DeviceCurve, DrawnCurve, GpuReport, MemoryReport, PrimitiveDraws};
 use crate::subject::Subject;
 use crate::timings::Timings;
-use lodc::LodObject;
+use indexmap::IndexMap;
 pub use lodc_gpu::Device;
 use lodc_gpu::picture::{Camera, Framing, Lens, Up};
 use lodc_gpu::{GpuError, Instance, Instanced, InstancedDraw, InstancedFrame};
 use lodc_mesh::{Lod, Simplified};
 use lodc_model::Model;
 use std::collections::BTreeMap;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Returns what the device takes for each model that it can show, and for draws of every
 /// subject over the LODs of a sweep; none if there is no such model.
@@ -20,7 +22,7 @@ use std::time::Instant;
 /// If the device fails or is too small.
 pub(crate) fn measure(
     device: &Device,
-    object: &LodObject,
+    prepared: &Prepared,
     subjects: &mut [Subject<'_>],
     stops: &[Lod],
     rounds: u32,
@@ -30,6 +32,7 @@ pub(crate) fn measure(
         clock: if device.has_clock() { "device" } else { "host" },
         ..GpuReport::default()
     };
+    let object = &prepared.object;
     let simplified = &object.simplified;
     let vertices = (simplified.mesh().vertex_count() - simplified.fakes()).max(1) as f64;
     let start = Instant::now();
@@ -55,8 +58,67 @@ pub(crate) fn measure(
         report.words_per_vertex.insert(model.name(), memory.collect());
         report.models.insert(model.name(), cases.collect());
     }
-    report.curve = curve(device, simplified, subjects, stops, rounds)?;
+    let stage = Stage::new(device, simplified, rounds)?;
+    report.primitives = primitives(&stage, prepared)?;
+    report.curve = curve(&stage, simplified, subjects, stops)?;
     Ok((!object.models.is_empty()).then_some(report))
+}
+
+/// An object seen from one fixed side, for timing draws of its levels.
+struct Stage<'d> {
+    drawn: Instanced<'d>,
+    instance: Instance,
+    rounds: u32,
+    start: Instant,
+}
+
+impl<'d> Stage<'d> {
+    fn new(device: &'d Device, simplified: &Simplified, rounds: u32) -> Result<Self, LabError> {
+        let positions = simplified.mesh().positions().to_vec();
+        let wide: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
+        let lens = Lens::Orthographic;
+        let framing = Framing { up: Up::Y, azimuth: 30.0, elevation: 20.0, lens, zoom: 1.0 };
+        let camera = Camera::around(&wide, &framing, 1.0);
+        let place = camera.centre.map(|c| -c as f32);
+        let instance = Instance { place, turn: [1.0, 0.0] };
+        let drawn = Instanced::new(device, &[positions], &camera)?;
+        Ok(Self { drawn, instance, rounds, start: Instant::now() })
+    }
+
+    /// Milliseconds of the best round.
+    fn best(
+        &self,
+        time: &dyn Fn(&dyn Fn() -> Duration) -> Result<f64, GpuError>,
+    ) -> Result<f64, LabError> {
+        let now = || self.start.elapsed();
+        // In the first round drivers compile.
+        let all = (0..=self.rounds).map(|_| time(&now)).collect::<Result<Vec<f64>, _>>()?;
+        Ok(all[1..].iter().copied().fold(f64::INFINITY, f64::min) / 1e6)
+    }
+
+    /// Milliseconds of drawing indices of triangles, or of strips.
+    fn draw_ms(&self, indices: Vec<u32>, strips: bool) -> Result<f64, LabError> {
+        let all = 0..indices.len() as u32;
+        let draws = vec![InstancedDraw { mesh: 0, indices: all, instances: 0..1 }];
+        let frame = InstancedFrame { indices, strips, instances: vec![self.instance], draws };
+        self.best(&|now| self.drawn.timed(&frame, now))
+    }
+}
+
+/// Draws of the four primitives of table 5.3 of the thesis.
+fn primitives(
+    stage: &Stage<'_>,
+    prepared: &Prepared,
+) -> Result<IndexMap<&'static str, PrimitiveDraws>, LabError> {
+    let [whole, fifth] = primitives::lods(&prepared.object.simplified);
+    let levels =
+        primitives::all(prepared, whole)?.into_iter().zip(primitives::all(prepared, fifth)?);
+    let timed = |(whole, fifth): (Primitive, Primitive)| {
+        let draw_ms = stage.draw_ms(whole.indices, whole.strips)?;
+        let draw_ms_20 = stage.draw_ms(fifth.indices, fifth.strips)?;
+        Ok((whole.name, PrimitiveDraws { draw_ms, draw_ms_20 }))
+    };
+    levels.map(timed).collect()
 }
 
 /// LODs of a curve on a device.
@@ -64,29 +126,14 @@ const LODS: usize = 20;
 
 /// Draws of every structure over LODs, and what its last update before each sends.
 fn curve(
-    device: &Device,
+    stage: &Stage<'_>,
     simplified: &Simplified,
     subjects: &mut [Subject<'_>],
     stops: &[Lod],
-    rounds: u32,
 ) -> Result<DeviceCurve, LabError> {
-    let positions = simplified.mesh().positions().to_vec();
-    let wide: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
-    let lens = Lens::Orthographic;
-    let framing = Framing { up: Up::Y, azimuth: 30.0, elevation: 20.0, lens, zoom: 1.0 };
-    let camera = Camera::around(&wide, &framing, 1.0);
-    let stage = Instanced::new(device, &[positions], &camera)?;
-    let place = camera.centre.map(|c| -c as f32);
     let count = stops.len().min(LODS);
     let at: Vec<usize> = (1..=count).map(|i| i * stops.len() / count - 1).collect();
     let collapses = simplified.collapses();
-    let start = Instant::now();
-    let now = || start.elapsed();
-    let best = |time: &dyn Fn() -> Result<f64, GpuError>| -> Result<f64, LabError> {
-        // In the first round drivers compile.
-        let all = (0..=rounds).map(|_| time()).collect::<Result<Vec<f64>, _>>()?;
-        Ok(all[1..].iter().copied().fold(f64::INFINITY, f64::min) / 1e6)
-    };
     let mut curve = DeviceCurve {
         lods: at.iter().map(|&i| stops[i].0).collect(),
         triangles: at.iter().map(|&i| collapses.triangles_at(stops[i])).collect(),
@@ -96,18 +143,14 @@ fn curve(
         let mut drawn = DrawnCurve::default();
         for &i in &at {
             subject.runner.seek(if i == 0 { Lod(0) } else { stops[i - 1] });
-            let (_, bytes) = subject.runner.send(stops[i]);
-            let triangles = subject.runner.triangles();
-            let indices: Vec<u32> = triangles.iter().flat_map(|t| t.corners).collect();
-            let all = 0..indices.len() as u32;
-            let frame = InstancedFrame {
-                indices,
-                instances: vec![Instance { place, turn: [1.0, 0.0] }],
-                draws: vec![InstancedDraw { mesh: 0, indices: all, instances: 0..1 }],
-            };
-            drawn.draw_ms.push(best(&|| stage.timed(&frame, &now))?);
+            let (traffic, bytes) = subject.runner.send(stops[i]);
+            let single = bytes.min(4 * traffic.rewritten);
+            let (indices, strips) = subject.runner.indices();
+            drawn.draw_ms.push(stage.draw_ms(indices, strips)?);
             drawn.bytes.push(bytes);
-            drawn.upload_ms.push(best(&|| stage.upload(bytes, &now))?);
+            drawn.upload_ms.push(stage.best(&|now| stage.drawn.upload(bytes, now))?);
+            drawn.single_bytes.push(single);
+            drawn.single_upload_ms.push(stage.best(&|now| stage.drawn.upload(single, now))?);
         }
         subject.runner.seek(Lod(0));
         curve.structures.insert(subject.name.to_owned(), drawn);

@@ -3,7 +3,7 @@
 use crate::device::{self, Device};
 use crate::error::LabError;
 use crate::prepared::Prepared;
-use crate::primitives::{self, PrimitiveReport};
+use crate::primitives;
 use crate::report::{
     BenchObject, Bits, CurveReport, DrawnReport, ExtractionReport, ExtractionSpread, Settings,
     SubjectReport, TrafficReport,
@@ -46,6 +46,7 @@ pub fn measure(
     for (name, cost) in plain(&object.simplified, long) {
         models.insert(name, plain_report(cost));
     }
+    let [whole, fifth] = primitives::lods(&object.simplified);
     let mut report = BenchObject {
         records: collapses.records(),
         updates: sweep.stops.len() as u64,
@@ -53,7 +54,8 @@ pub fn measure(
         curve: curve(collapses, &sweep.stops),
         rebuild_us: times.as_ref().map(|t| t.rebuild.best()),
         rebuild_spread: times.as_ref().map(|t| t.rebuild.spread()),
-        primitives: primitives_of(prepared),
+        primitives: primitives::reports(prepared, whole)?,
+        primitives_20: primitives::reports(prepared, fifth)?,
         models,
         gpu: None,
         stream: None,
@@ -62,7 +64,7 @@ pub fn measure(
         report.stream = Some(stream::measure(prepared, settings.rounds)?);
     }
     if let (Some(device), Some(rounds)) = (device, settings.rounds) {
-        report.gpu = device::measure(device, object, &mut subjects, &sweep.stops, rounds)?;
+        report.gpu = device::measure(device, prepared, &mut subjects, &sweep.stops, rounds)?;
     }
     Ok(report)
 }
@@ -181,17 +183,6 @@ fn plain_report(cost: StorageCost) -> SubjectReport {
         traffic: None,
         extraction: None,
     }
-}
-
-/// LOD 0 as triangles and strips.
-fn primitives_of(prepared: &Prepared) -> IndexMap<&'static str, PrimitiveReport> {
-    let mesh = prepared.object.simplified.mesh();
-    let lists = [
-        ("triangles", primitives::triangles(mesh)),
-        ("triangles_cache", primitives::cache_ordered(mesh)),
-    ];
-    let strips = prepared.strips.iter().map(|s| (s.kind.name(), primitives::strips(mesh, s)));
-    lists.into_iter().chain(strips).collect()
 }
 
 fn of_cost([all, most]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>) -> Bits {

@@ -37,6 +37,8 @@ pub struct BenchObject {
     pub(crate) rebuild_spread: Option<Spread>,
     /// By name: `triangles`, `triangles_cache`, `stripe`, `cache`.
     pub(crate) primitives: IndexMap<&'static str, PrimitiveReport>,
+    /// The same where a fifth of the triangles is left.
+    pub(crate) primitives_20: IndexMap<&'static str, PrimitiveReport>,
     /// By name: models, baselines, then `triangles` and `strips` for storage.
     pub(crate) models: IndexMap<&'static str, SubjectReport>,
     /// Null if nothing was timed on a GPU.
@@ -105,12 +107,22 @@ pub(crate) struct GpuReport {
     pub(crate) words_per_vertex: IndexMap<&'static str, IndexMap<String, MemoryReport>>,
     /// By model and case.
     pub(crate) models: IndexMap<&'static str, IndexMap<String, CaseReport>>,
+    /// By name: `triangles`, `triangles_cache`, `stripe`, `cache`.
+    pub(crate) primitives: IndexMap<&'static str, PrimitiveDraws>,
     /// Everything over LODs, baselines as well.
     pub(crate) curve: DeviceCurve,
 }
 
-/// Times over LODs of models and baselines that a processor moves and a device draws: the triangles
-/// that each shows, in its order, as an index list.
+/// Milliseconds of drawing LOD 0, and the level with a fifth of its triangles, lists as lists and
+/// strips as strips that restart.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct PrimitiveDraws {
+    pub(crate) draw_ms: f64,
+    pub(crate) draw_ms_20: f64,
+}
+
+/// Times over LODs of models and baselines that a processor moves and a device draws: the strips of
+/// those that have some, else the triangles, in their order, as an index list.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct DeviceCurve {
     pub(crate) lods: Vec<u32>,
@@ -128,6 +140,11 @@ pub(crate) struct DrawnCurve {
     pub(crate) bytes: Vec<u64>,
     /// Sending them, by the host's clock.
     pub(crate) upload_ms: Vec<f64>,
+    /// Bytes of it as algorithm 1 of the thesis sends them: of Speed Strips single indices and tails of
+    /// strips, of other structures the same.
+    pub(crate) single_bytes: Vec<u64>,
+    /// Sending them, in one piece.
+    pub(crate) single_upload_ms: Vec<f64>,
 }
 
 /// Words on a device for each vertex of LOD 0.

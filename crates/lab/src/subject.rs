@@ -5,7 +5,7 @@ use crate::error::LabError;
 use lodc::{LodObject, stored_bytes};
 use lodc_formats::lodc::Layout;
 use lodc_lod::AnyModel;
-use lodc_mesh::{Lod, OrientedTriangle, Simplified};
+use lodc_mesh::{Lod, Simplified};
 use lodc_model::{Model, StorageCost, Traffic};
 use lodc_strip::{StripSet, Strips};
 use std::sync::Arc;
@@ -18,9 +18,10 @@ pub(crate) trait Runner {
     fn send(&mut self, lod: Lod) -> (Traffic, u64);
     /// Indices drawn where the cursor is.
     fn drawn(&self) -> u64;
-    /// Triangles shown where the cursor is, in the order in which they are drawn.
+    /// Indices as a device draws them where the cursor is: of strips, each followed by
+    /// [`NONE`](lodc_mesh::NONE), and true; else of triangles, and false.
     #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "nothing is drawn"))]
-    fn triangles(&self) -> Vec<OrientedTriangle>;
+    fn indices(&self) -> (Vec<u32>, bool);
 }
 
 struct Run<'a, M: Model> {
@@ -40,8 +41,11 @@ impl<M: Model> Runner for Run<'_, M> {
     fn drawn(&self) -> u64 {
         self.model.drawn(&self.cursor)
     }
-    fn triangles(&self) -> Vec<OrientedTriangle> {
-        self.model.triangles(&self.cursor)
+    fn indices(&self) -> (Vec<u32>, bool) {
+        let list = || self.model.triangles(&self.cursor).iter().flat_map(|t| t.corners).collect();
+        let strips = self.model.strip_list(&self.cursor);
+        let is_strips = strips.is_some();
+        (strips.unwrap_or_else(list), is_strips)
     }
 }
 

@@ -67,6 +67,8 @@ const PRIMITIVES: &[Column] = &[
     ("ACMR", "/acmr_fifo16", 3),
 ];
 
+const DRAWS: &[Column] = &[("LOD 0", "/draw_ms", 3), ("20 %", "/draw_ms_20", 3)];
+
 /// All tables of an object; `share` is that of the LODs from one update to the next.
 #[must_use]
 pub fn tables(object: &BenchObject, share: f64) -> String {
@@ -90,12 +92,14 @@ fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
     table(text, "the same, mean ± deviation", &object.models, SPREAD);
     table(text, "per update, and per LOD", &object.models, TRAFFIC);
     table(text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
+    table(text, "where 20 % is left", &object.primitives_20, PRIMITIVES);
     if let Some(stream) = &object.stream {
         streams(text, stream);
     }
     let Some(gpu) = &object.gpu else { return };
     let adapter = gpu.adapter.replace(char::is_control, "");
     let _ = writeln!(text, "\n  on {adapter}, by the clock of the {}", gpu.clock);
+    table(text, "draws of primitives, ms", &gpu.primitives, DRAWS);
     for (model, words) in &gpu.words_per_vertex {
         table(text, &format!("{model}, words per vertex"), words, MEMORY);
     }

@@ -264,6 +264,14 @@ impl Model for AnyModel {
             _ => panic!("{OTHER_MODEL}"),
         }
     }
+    fn strip_list(&self, cursor: &AnyCursor) -> Option<Vec<u32>> {
+        match (self, cursor) {
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.strip_list(cursor),
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.strip_list(cursor),
+            (Self::Interactive(_), AnyCursor::Interactive(_)) => None,
+            _ => panic!("{OTHER_MODEL}"),
+        }
+    }
     fn storage_to(&self, lod: Lod) -> StorageCost {
         match self {
             Self::Speed(model) => model.storage_to(lod),

@@ -47,33 +47,113 @@ fn bilinear(image: &Image, place: Vec2, wrap: [Wrap; 2]) -> Vec3 {
     let x = along(place.x, image.width, wrap[0]);
     let y = along(place.y, image.height, wrap[1]);
     let texel = |i: usize, j: usize| {
-        let [r, g, b, _] = image.at(x.0[i], y.0[j]).map(f32::from);
-        Vec3::new(r, g, b) / 255.0
+        let start = 4 * (y.0[j] as usize * image.width as usize + x.0[i] as usize);
+        let texel = &image.bytes[start..start + 3];
+        Vec3::new(SHARES[texel[0] as usize], SHARES[texel[1] as usize], SHARES[texel[2] as usize])
     };
     let row = |j: usize| texel(0, j).lerp(texel(1, j), x.1);
     row(0).lerp(row(1), y.1)
 }
 
+/// All values of a channel, from 0 to 1: millions of texels are read.
+const SHARES: [f32; 256] = {
+    let mut shares = [0.0; 256];
+    let mut i = 0;
+    while i < 256 {
+        shares[i] = i as f32 / 255.0;
+        i += 1;
+    }
+    shares
+};
+
 /// The two texels beside a place along one axis, and how far it is from the first to the second.
 fn along(place: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
     let place = if place.is_finite() { place } else { 0.0 };
     let turns = match wrap {
-        Wrap::Repeat => place - place.floor(),
-        Wrap::Mirror => 2.0 * (place * 0.5 - (place * 0.5).floor()),
+        Wrap::Repeat => place - floor(place),
+        Wrap::Mirror => 2.0 * (place * 0.5 - floor(place * 0.5)),
         Wrap::Clamp => place.clamp(0.0, 1.0),
     };
     let at = turns * size as f32 - 0.5;
-    let (first, share) = (at.floor(), at - at.floor());
+    let before = floor(at);
+    let size = i64::from(size);
     let index = |i: i64| {
-        let size = i64::from(size);
         (match wrap {
-            Wrap::Repeat => i.rem_euclid(size),
+            Wrap::Repeat => within(i, size),
             Wrap::Clamp => i.clamp(0, size - 1),
             Wrap::Mirror => {
-                let i = i.rem_euclid(2 * size);
+                let i = within(i, 2 * size);
                 i.min(2 * size - 1 - i)
             }
         }) as u32
     };
-    ([index(first as i64), index(first as i64 + 1)], share)
+    ([index(before as i64), index(before as i64 + 1)], at - before)
+}
+
+/// A number that is at most one beyond the range from 0 to `size`, as if that began again.
+#[inline]
+fn within(i: i64, size: i64) -> i64 {
+    if i < 0 {
+        i + size
+    } else if i >= size {
+        i - size
+    } else {
+        i
+    }
+}
+
+/// The largest whole number that is no larger. Processors without an instruction for it take a
+/// call for that of the standard library.
+#[inline]
+fn floor(x: f32) -> f32 {
+    // From here on there are whole numbers only.
+    const WHOLE: f32 = 8_388_608.0;
+    if x.abs() >= WHOLE {
+        return x;
+    }
+    let towards_zero = x as i32 as f32;
+    if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floors_are_those_of_the_standard_library() {
+        let near = |x: f32| [x.next_down(), x, x.next_up(), x + 0.5, -x, -x - 0.25];
+        let numbers = [0.0, 1.0, 2.5, 1e-30, 255.0, 8_388_607.5, 8_388_608.0, 3e9, 1e30];
+        for x in numbers.into_iter().flat_map(near) {
+            assert_eq!(floor(x), x.floor(), "{x}");
+        }
+    }
+
+    #[test]
+    fn texels_begin_again_at_the_ends() {
+        for size in [1, 2, 5] {
+            for (step, wrap) in (0..200)
+                .flat_map(|step| [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp].map(|wrap| (step, wrap)))
+            {
+                let place = (step as f32 - 100.0) * 0.037;
+                let at = f64::from(place) * f64::from(size) - 0.5;
+                let expected = [0, 1].map(|next| {
+                    let (i, size) = (at.floor() as i64 + next, i64::from(size));
+                    match wrap {
+                        Wrap::Repeat => i.rem_euclid(size),
+                        Wrap::Clamp => i.clamp(0, size - 1),
+                        Wrap::Mirror => {
+                            i.rem_euclid(2 * size).min(2 * size - 1 - i.rem_euclid(2 * size))
+                        }
+                    }
+                });
+                let found = along(place, size, wrap).0.map(i64::from);
+                // Rounding may decide where a place is at a texel's middle.
+                let is_middle = (at - at.round()).abs() < 1e-5;
+                assert!(
+                    is_middle || found == expected,
+                    "{place} of {size}: {found:?}, not {expected:?}"
+                );
+            }
+        }
+    }
 }

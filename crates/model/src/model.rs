@@ -51,6 +51,12 @@ pub trait Model {
     /// strips as they are now.
     fn drawn(&self, cursor: &Self::Cursor) -> u64;
 
+    /// The strips as they are now, each followed by [`NONE`](lodc_mesh::NONE), which restarts
+    /// primitives on a graphics device; none if the model draws lists of triangles.
+    fn strip_list(&self, _cursor: &Self::Cursor) -> Option<Vec<u32>> {
+        None
+    }
+
     /// Returns the storage of the model.
     fn storage(&self) -> StorageCost {
         self.storage_to(self.simplified().collapses().last())

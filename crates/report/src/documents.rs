@@ -2,7 +2,7 @@
 //! be added, none may change.
 #![expect(missing_docs, reason = "docs/CLI.md says what each key means")]
 
-use crate::{ErrorsOver, Gone};
+use crate::{Case, ErrorsOver, Gone, Suite, Verdict};
 use indexmap::IndexMap;
 use serde::Serialize;
 
@@ -13,6 +13,29 @@ pub struct BuildReport {
     pub tool_version: &'static str,
     pub inputs: Vec<InputReport>,
     pub summary: Summary,
+}
+
+/// `build --estimate --report json`.
+#[derive(Debug, Serialize)]
+pub struct EstimateReport {
+    pub schema_version: u32,
+    pub tool_version: &'static str,
+    pub inputs: Vec<InputEstimate>,
+}
+
+/// What a build needs. Numbers are null if the input could not be read.
+#[derive(Debug, Default, Serialize)]
+pub struct InputEstimate {
+    pub input: String,
+    /// The exit status of this input alone.
+    pub status: u8,
+    pub triangles: Option<u64>,
+    pub vertices: Option<u64>,
+    /// Bytes of the file and of the buffers that it names, decompressed.
+    pub bytes: Option<u64>,
+    /// Bytes of memory at the peak, with one thread.
+    pub memory: Option<u64>,
+    pub error: Option<String>,
 }
 
 /// The last line of `build --report jsonl`.
@@ -54,6 +77,18 @@ pub struct InputReport {
     pub peak_bytes: u64,
     pub warnings: Vec<String>,
     pub error: Option<String>,
+}
+
+impl InputReport {
+    /// The build of one input as CI systems show it.
+    #[must_use]
+    pub fn suite(&self) -> Suite {
+        let verdict = match &self.error {
+            Some(what) => Verdict::Error(what.clone()),
+            None => Verdict::Passed,
+        };
+        Suite { name: self.input.clone(), cases: vec![Case { name: "build".to_owned(), verdict }] }
+    }
 }
 
 /// Seconds of one stage.

@@ -36,7 +36,7 @@ pub use effort::Effort;
 pub use kind::{StripKind, StripOptions, StripPool, Strips};
 pub use meter::Report;
 pub use order::{order, order_list};
-pub use strip_set::{StripSet, StripSetError, live_triangles, strip_triangles};
+pub use strip_set::{StripSet, StripSetError, live_triangles, restart_list, strip_triangles};
 pub use stripe::stripe;
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Strips as a graphics card reads them, and what they draw.
 
-use lodc_mesh::{Mesh, OrientedTriangle, PositionIds, is_degenerate};
+use lodc_mesh::{Mesh, NONE, OrientedTriangle, PositionIds, is_degenerate};
 use std::fmt;
 use std::ops::Range;
 
@@ -171,6 +171,11 @@ pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     let turned =
         windows.map(|(k, w)| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] });
     turned.filter(|&t| !is_degenerate(t))
+}
+
+/// Strips as one list to be drawn with primitive restart: [`NONE`] follows each that has any vertex.
+pub fn restart_list<'a>(strips: impl Iterator<Item = &'a [u32]>) -> Vec<u32> {
+    strips.filter(|s| !s.is_empty()).flat_map(|s| s.iter().copied().chain([NONE])).collect()
 }
 
 /// The triangles with an area that a strip draws: those whose corners are at three positions.

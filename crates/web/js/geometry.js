@@ -13,14 +13,7 @@ function object(glb, mesh, number) {
   const lodc = mesh.extras?.lodc;
   if (!lodc) return null;
   const parts = mesh.primitives.filter((p) => p.extras?.lodc).map((p) => part(glb, p));
-  if (parts.some((p) => !p.normals)) {
-    const made = smoothNormals(parts);
-    const edgy = edginess(parts, made) > 0.2;
-    parts.forEach((p, i) => {
-      p.edgy = edgy && !p.normals;
-      p.normals ??= made[i];
-    });
-  }
+  completeNormals(parts);
   const words = (index) => (index === undefined ? new Uint32Array(0) : glb.words(index));
   const levels = new Levels({
     records: lodc.records,
@@ -36,13 +29,23 @@ function object(glb, mesh, number) {
   return { name: mesh.name || `Object ${number + 1}`, parts, levels, weights: mesh.weights ?? [] };
 }
 
-/** A primitive: one entry for each vertex in every array. */
+/** Gives parts without normals smooth ones. */
+export function completeNormals(parts) {
+  if (parts.every((p) => p.normals)) return;
+  const made = smoothNormals(parts);
+  const edgy = edginess(parts, made) > 0.2;
+  parts.forEach((p, i) => {
+    p.edgy = edgy && !p.normals;
+    p.normals ??= made[i];
+  });
+}
+
+/** A primitive that holds all its levels. */
 function part(glb, primitive) {
-  const { attributes: names, extras, material } = primitive;
-  const floats = (name) => (names[name] === undefined ? null : glb.floats(names[name]));
-  const { numbers, targets, removals, strips } = extras.lodc;
+  const { numbers, targets, removals, strips } = primitive.extras.lodc;
   const source = glb.words(primitive.indices);
-  const positions = floats('POSITION');
+  const arrays = vertexArrays(glb, primitive);
+  const { positions } = arrays;
   // Beyond 2^23 triangles numbers do not fit the keys of the sort.
   const order = source.length < 3 * 2 ** 23 ? drawingOrder(source, positions) : null;
   const submesh = new Submesh({
@@ -52,21 +55,25 @@ function part(glb, primitive) {
     targets: glb.words(targets),
     removals: glb.words(removals),
   });
+  return { ...arrays, submesh, strips: strips === undefined ? null : glb.words(strips) };
+}
+
+/** The vertices of a primitive: one entry for each in every array. */
+export function vertexArrays(glb, { attributes: names, material, targets }) {
+  const floats = (name) => (names[name] === undefined ? null : glb.floats(names[name]));
   const delta = (index) => (index === undefined ? null : glb.floats(index));
   return {
-    submesh,
     material: material ?? -1,
-    positions,
+    positions: floats('POSITION'),
     normals: floats('NORMAL'),
     edgy: false,
     uvs: [floats('TEXCOORD_0'), floats('TEXCOORD_1')],
     colours: colours(glb, names.COLOR_0),
     joints: floats('JOINTS_0'),
     weights: wholeWeights(floats('WEIGHTS_0')),
-    morphs: (primitive.targets ?? []).map((target) => ({
+    morphs: (targets ?? []).map((target) => ({
       positions: delta(target.POSITION), normals: delta(target.NORMAL),
     })),
-    strips: strips === undefined ? null : glb.words(strips),
   };
 }
 

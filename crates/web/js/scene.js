@@ -5,9 +5,9 @@ import { objects } from './geometry.js';
 import { IDENTITY, composed, moved, times } from './math.js';
 
 export class Scene {
-  constructor(glb) {
+  constructor(glb, shown = objects(glb)) {
     this.glb = glb;
-    this.objects = objects(glb);
+    this.objects = shown;
     this.animations = animations(glb);
     this.nodes = (glb.json.nodes ?? []).map((source) => node(glb, source));
     this.skins = (glb.json.skins ?? []).map((skin) => {

@@ -11,6 +11,7 @@ pub const MODULES: &[(&str, &str)] = &[
     ("normals.js", include_str!("../js/normals.js")),
     ("geometry.js", include_str!("../js/geometry.js")),
     ("selection.js", include_str!("../js/selection.js")),
+    ("chainlevels.js", include_str!("../js/chainlevels.js")),
     ("orbit.js", include_str!("../js/orbit.js")),
     ("crowd.js", include_str!("../js/crowd.js")),
     ("motion.js", include_str!("../js/motion.js")),

@@ -152,12 +152,6 @@ impl Accessor {
         Ok(Some(Self { shape, component, normalized, count, place, data, sparse }))
     }
 
-    /// Returns whether it has bytes of its own: zeros are also what a compressed primitive leaves
-    /// behind.
-    pub(super) const fn has_data(&self) -> bool {
-        self.data.is_some() || self.sparse.is_some()
-    }
-
     /// Its elements.
     pub(super) fn reader<'v>(&self, views: &'v Views<'_>) -> Result<Reader<'v>, FormatError> {
         let (bytes, stride) = match self.data {

@@ -2,10 +2,18 @@
 
 use super::extensions;
 use super::json::{Json, Object, parse};
-use super::missing::UNLISTED;
 use super::schema::{self, Pool, references};
 use crate::{GltfDocument, Limits, ObjectInfo};
 use std::ops::Range;
+
+/// Extensions that refer to images and textures in a way that is not listed.
+const UNLISTED: [&str; 5] = [
+    "EXT_lights_image_based",
+    "EXT_mesh_features",
+    "EXT_structural_metadata",
+    "EXT_feature_metadata",
+    "KHR_techniques_webgl",
+];
 
 /// What bytes of a buffer are for, in the order in which they are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,9 +44,7 @@ pub(crate) fn buffer_runs<'a>(
     let Ok(mut root) = parse(document.json.as_bytes(), &Limits::DEFAULT) else {
         return Vec::new();
     };
-    let used = root.list("extensionsUsed").iter().filter_map(Json::as_str);
-    let is_unlisted = used.into_iter().any(|e| UNLISTED.contains(&e));
-    if is_unlisted || schema::check(&mut root).is_err() || extensions::opaque(&root).is_some() {
+    if schema::check(&mut root).is_err() || has_unknown_references(&root) {
         return Vec::new();
     }
     let wanted = wanted(&mut root, objects);
@@ -70,6 +76,12 @@ pub(crate) fn buffer_runs<'a>(
     }
     runs.sort_by_key(|&(_, wanted)| wanted);
     runs.into_iter().map(|(bytes, (purpose, _))| BufferRun { bytes, purpose }).collect()
+}
+
+/// Returns whether a document may refer to its buffer in a way that is not known.
+pub(super) fn has_unknown_references(root: &Object) -> bool {
+    let mut used = root.list("extensionsUsed").iter().filter_map(Json::as_str);
+    used.any(|e| UNLISTED.contains(&e)) || extensions::opaque(root).is_some()
 }
 
 /// The bytes of a view; none if they are more than can be.

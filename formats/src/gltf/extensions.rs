@@ -13,7 +13,7 @@ pub(super) fn is_compressed(root: &Object) -> bool {
 }
 /// Streams of short integers.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
-/// Compressed primitives: refused unless the same data is there uncompressed.
+/// Compressed primitives: decoded unless the same data is there uncompressed.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// Extensions of a primitive that count its vertices or triangles, which change: dropped from
@@ -65,7 +65,7 @@ fn is_harmless(name: &str) -> bool {
 }
 
 /// Refuses glTF versions other than 2, and required extensions that nobody here knows. Draco is
-/// decided later, when it is known whether there is a fallback.
+/// decoded later, where there is no fallback.
 pub(super) fn check(root: &Object) -> Result<(), FormatError> {
     let asset = root["asset"].as_object();
     let asset = asset.ok_or_else(|| malformed("asset", "is missing: not a glTF 2.0 document"))?;

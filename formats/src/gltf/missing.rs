@@ -1,22 +1,12 @@
 //! Documents that have not come to their end: everything that refers to missing bytes is left out,
 //! so that the rest is a valid document.
 
-use super::buffer_runs::{PartialBuffer, view_bytes};
-use super::extensions;
+use super::buffer_runs::{PartialBuffer, has_unknown_references, view_bytes};
 use super::json::{Json, Object, object, parse};
 use super::schema::{self, Pool, references, retain};
 use crate::{FormatError, GltfDocument, Limits, ObjectInfo};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
-/// Extensions that refer to images and textures in a way that is not listed.
-pub(super) const UNLISTED: [&str; 5] = [
-    "EXT_lights_image_based",
-    "EXT_mesh_features",
-    "EXT_structural_metadata",
-    "EXT_feature_metadata",
-    "KHR_techniques_webgl",
-];
-
 /// A document, and what was left out of it with counts.
 pub(crate) type Shortened = (GltfDocument, Vec<String>);
 
@@ -31,8 +21,7 @@ pub(crate) fn gltf_without_missing(
 ) -> Result<Option<Shortened>, FormatError> {
     let mut root = parse(json.as_bytes(), &Limits::DEFAULT)?;
     schema::check(&mut root)?;
-    let used = root.list("extensionsUsed").iter().filter_map(Json::as_str);
-    if used.into_iter().any(|e| UNLISTED.contains(&e)) || extensions::opaque(&root).is_some() {
+    if has_unknown_references(&root) {
         return Ok(None);
     }
     let missing = Missing::of(&root, &buffer);

@@ -18,6 +18,6 @@ pub use encode::png;
 #[cfg(feature = "import")]
 pub(crate) use pictures::Pictures;
 #[cfg(feature = "export")]
-pub(crate) use place::{Place, embedded_name};
+pub(crate) use place::{Place, embedded_name, kind};
 #[cfg(feature = "export")]
 pub use place::{PlacedTextures, TextureMode, Textures};

@@ -135,7 +135,7 @@ pub(crate) fn embedded_name(image: usize) -> String {
 
 /// The media type of an image that glTF can hold, by its first bytes, and its extension in file
 /// names; none for other bytes.
-fn kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+pub(crate) fn kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     Some(match bytes {
         [0x89, b'P', b'N', b'G', ..] => ("image/png", "png"),
         [0xff, 0xd8, 0xff, ..] => ("image/jpeg", "jpg"),

@@ -2,12 +2,13 @@
 //! content of everything that it was made from, as it was read, never by times.
 
 use super::{VERSION, key};
-use crate::fields::{Field, fields, to_bytes};
+use crate::fields::{decode, to_bytes};
 use crate::{Assets, Fault, FormatError, GENERATOR, Sought};
+use bincode::{Decode, Encode};
 use std::path::Path;
 
 /// Origin of a file's content: the optional section `MADE`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode)]
 pub struct MadeFrom {
     /// A hash of everything that the content depends on: the input, the files that it names, the
     /// options, the versions of program and format.
@@ -20,8 +21,6 @@ pub struct MadeFrom {
     /// The program and its version that made it.
     pub program: String,
 }
-
-fields!(MadeFrom { key, files, warnings, program });
 
 impl MadeFrom {
     /// The origin of a result of `input`, for which `files` were looked for, with options as text
@@ -92,7 +91,7 @@ impl MadeFrom {
 
     /// Reads the section; what follows the known fields belongs to later versions.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::take(&mut &bytes[..]).ok_or_else(|| {
+        decode(bytes).ok_or_else(|| {
             FormatError::new(Fault::Malformed, "section MADE", "ends too early or is no text")
         })
     }

@@ -4,33 +4,34 @@
 //! and the file not. Fields are only ever added, at the end of a record.
 
 use super::{Bounds, LodFile, LodObject, StoredModel};
-use crate::fields::{Field, Record, fields, to_bytes};
+use crate::fields::{LIMIT, Record, decode, to_bytes};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
+use bincode::{Decode, Encode};
 use lodc_mesh::{Attribute, Component, Semantic};
 
 const PLACE: &str = "section MANI";
-/// Bytes of a manifest; a reader refuses more, whatever the file says.
-const LIMIT: usize = 256 << 20;
 
+#[derive(Encode, Decode)]
 pub(super) struct Manifest {
     pub(super) format: u8,
     pub(super) content_hash: u128,
     pub(super) document: DocumentEntry,
     pub(super) objects: Vec<Record<ObjectEntry>>,
 }
-fields!(Manifest { format, content_hash, document, objects });
 
+#[derive(Encode, Decode)]
 pub(crate) enum DocumentEntry {
     Obj(ObjEntry),
     Gltf,
 }
 
+#[derive(Encode, Decode)]
 pub(crate) struct ObjEntry {
     libraries: Vec<String>,
     materials: Vec<(String, Vec<String>)>,
 }
-fields!(ObjEntry { libraries, materials });
 
+#[derive(Encode, Decode)]
 pub(super) struct ObjectEntry {
     pub(super) name: String,
     pub(super) world_scale: f64,
@@ -43,19 +44,8 @@ pub(super) struct ObjectEntry {
     pub(super) models: Vec<Record<ModelEntry>>,
     pub(super) bounds: Bounds,
 }
-fields!(ObjectEntry {
-    name,
-    world_scale,
-    document_mesh,
-    last_legal_lod,
-    topology_changes,
-    first_topology_change,
-    submeshes,
-    attributes,
-    models,
-    bounds,
-});
 
+#[derive(Encode, Decode)]
 pub(super) struct SubmeshEntry {
     pub(super) name: String,
     pub(super) material: Option<String>,
@@ -63,10 +53,10 @@ pub(super) struct SubmeshEntry {
     pub(super) triangles: u32,
     pub(super) attributes: Vec<u32>,
 }
-fields!(SubmeshEntry { name, material, document_primitive, triangles, attributes });
 
+#[derive(Encode, Decode)]
 pub(super) struct AttributeEntry {
-    pub(super) semantic: Semantic,
+    semantic: SemanticEntry,
     pub(super) morph_target: Option<u32>,
     pub(super) component: u8,
     pub(super) components: u8,
@@ -75,14 +65,25 @@ pub(super) struct AttributeEntry {
     /// the stream.
     pub(super) full: bool,
 }
-fields!(AttributeEntry { semantic, morph_target, component, components, normalized, full });
 
+#[derive(Encode, Decode)]
+pub(super) enum SemanticEntry {
+    Position,
+    Normal,
+    Tangent,
+    TexCoord(u32),
+    Color(u32),
+    Joints(u32),
+    Weights(u32),
+    Custom(String),
+}
+
+#[derive(Encode, Decode)]
 pub(super) struct ModelEntry {
     pub(super) name: String,
     /// Names of its arrays, which are the next so many `MODA` sections of the object.
     pub(super) arrays: Vec<String>,
 }
-fields!(ModelEntry { name, arrays });
 
 impl Manifest {
     /// Decodes the section; what follows the known fields belongs to later versions.
@@ -91,12 +92,11 @@ impl Manifest {
             let what = format!("has more than {LIMIT} bytes");
             return Err(FormatError::new(Fault::Limit, PLACE, what));
         }
-        Self::take(&mut &bytes[..]).ok_or_else(|| {
-            FormatError::new(Fault::Malformed, PLACE, "ends too early or has what cannot be")
-        })
+        let cannot = "ends too early or has what cannot be";
+        decode(bytes).ok_or_else(|| FormatError::new(Fault::Malformed, PLACE, cannot))
     }
 
-    /// Encodes the section.
+    /// Encodes the section: bincode's legacy encoding, fixed-width little-endian integers.
     pub(super) fn encode(&self) -> Vec<u8> {
         to_bytes(self)
     }
@@ -167,25 +167,6 @@ pub(crate) fn source_of(format: u8, content_hash: u128) -> Result<Source, String
     Ok(Source { format: source_format(format)?, content_hash })
 }
 
-impl Field for DocumentEntry {
-    fn put(&self, out: &mut Vec<u8>) {
-        match self {
-            Self::Obj(obj) => {
-                0u32.put(out);
-                obj.put(out);
-            }
-            Self::Gltf => 1u32.put(out),
-        }
-    }
-    fn take(bytes: &mut &[u8]) -> Option<Self> {
-        match u32::take(bytes)? {
-            0 => ObjEntry::take(bytes).map(Self::Obj),
-            1 => Some(Self::Gltf),
-            _ => None,
-        }
-    }
-}
-
 impl DocumentEntry {
     pub(crate) fn of(document: &Document) -> Self {
         match document {
@@ -237,7 +218,16 @@ fn object_entry<M>(object: &LodObject<M>, models: &[StoredModel], plan: &[bool])
 impl AttributeEntry {
     pub(super) fn of(a: &Attribute, full: bool) -> Self {
         Self {
-            semantic: a.semantic.clone(),
+            semantic: match &a.semantic {
+                Semantic::Position => SemanticEntry::Position,
+                Semantic::Normal => SemanticEntry::Normal,
+                Semantic::Tangent => SemanticEntry::Tangent,
+                Semantic::TexCoord(set) => SemanticEntry::TexCoord(*set),
+                Semantic::Color(set) => SemanticEntry::Color(*set),
+                Semantic::Joints(set) => SemanticEntry::Joints(*set),
+                Semantic::Weights(set) => SemanticEntry::Weights(*set),
+                Semantic::Custom(name) => SemanticEntry::Custom(name.clone()),
+            },
             morph_target: a.morph_target,
             component: component_code(a.component),
             components: a.components,
@@ -245,38 +235,18 @@ impl AttributeEntry {
             full,
         }
     }
-}
 
-impl Field for Semantic {
-    fn put(&self, out: &mut Vec<u8>) {
-        let (meaning, set): (u32, _) = match self {
-            Self::Position => (0, None),
-            Self::Normal => (1, None),
-            Self::Tangent => (2, None),
-            Self::TexCoord(set) => (3, Some(set)),
-            Self::Color(set) => (4, Some(set)),
-            Self::Joints(set) => (5, Some(set)),
-            Self::Weights(set) => (6, Some(set)),
-            Self::Custom(_) => (7, None),
-        };
-        meaning.put(out);
-        set.into_iter().for_each(|set| set.put(out));
-        if let Self::Custom(name) = self {
-            name.put(out);
+    pub(super) fn semantic(&self) -> Semantic {
+        match &self.semantic {
+            SemanticEntry::Position => Semantic::Position,
+            SemanticEntry::Normal => Semantic::Normal,
+            SemanticEntry::Tangent => Semantic::Tangent,
+            SemanticEntry::TexCoord(set) => Semantic::TexCoord(*set),
+            SemanticEntry::Color(set) => Semantic::Color(*set),
+            SemanticEntry::Joints(set) => Semantic::Joints(*set),
+            SemanticEntry::Weights(set) => Semantic::Weights(*set),
+            SemanticEntry::Custom(name) => Semantic::Custom(name.clone()),
         }
-    }
-    fn take(bytes: &mut &[u8]) -> Option<Self> {
-        Some(match u32::take(bytes)? {
-            0 => Self::Position,
-            1 => Self::Normal,
-            2 => Self::Tangent,
-            3 => Self::TexCoord(u32::take(bytes)?),
-            4 => Self::Color(u32::take(bytes)?),
-            5 => Self::Joints(u32::take(bytes)?),
-            6 => Self::Weights(u32::take(bytes)?),
-            7 => Self::Custom(String::take(bytes)?),
-            _ => return None,
-        })
     }
 }
 

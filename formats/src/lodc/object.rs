@@ -248,7 +248,7 @@ fn read_stream(
     }
     let section = container.take_section(tag::ATTRIBUTE, number, i)?;
     let mut attribute = Attribute {
-        semantic: entry.semantic.clone(),
+        semantic: entry.semantic(),
         morph_target: entry.morph_target,
         component,
         components: entry.components,

@@ -1,8 +1,8 @@
 //! What an engine chooses by before it reads an object: its bounds, and a table of some levels.
 
 use super::table::{place, tag};
-use crate::fields::fields;
 use crate::{Fault, FormatError};
+use bincode::{Decode, Encode};
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 
 /// Levels in a table, at most.
@@ -11,7 +11,7 @@ pub const MOST_LEVELS: usize = 64;
 const LEVEL: usize = 20;
 
 /// Bounds of all vertices of an object at rest, and so of each of its levels.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Encode, Decode)]
 pub struct Bounds {
     /// The lowest coordinates.
     pub low: [f32; 3],
@@ -22,7 +22,6 @@ pub struct Bounds {
     /// Distance of the vertex farthest from the middle, rounded up.
     pub radius: f32,
 }
-fields!(Bounds { low, high, center, radius });
 
 impl Bounds {
     /// The bounds of vertices; zeros without any.

@@ -13,8 +13,8 @@ pub struct Section<'a> {
     pub object: Option<u32>,
     /// Its number among those of its tag and object.
     pub index: u32,
-    /// True if it is as a device takes it: indices are little-endian `u32`, vertices take a multiple
-    /// of four bytes, and it begins at a multiple of 256 bytes of the file.
+    /// True if it is as a device takes it: indices are little-endian `u32`, vertices take a
+    /// multiple of four bytes, and it begins at a multiple of 256 bytes of the file.
     pub wide: bool,
     /// Its content. It begins at a multiple of 16 bytes of the file.
     pub bytes: &'a [u8],

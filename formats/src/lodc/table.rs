@@ -18,13 +18,13 @@ const FILE_HEADER: FileHeader<8> = FileHeader {
 pub(super) const ENTRY: usize = 40;
 /// Sections begin at multiples of this ...
 const ALIGN: usize = 16;
-/// ... and wide ones at multiples of this, so that they can be bound where they lie: the offset that
-/// every device of WebGPU takes.
+/// ... and wide ones at multiples of this, so that they can be bound where they lie: the offset
+/// that every device of WebGPU takes.
 const WIDE_ALIGN: usize = 256;
 /// Flag of a section without which the file cannot be understood.
 pub(super) const REQUIRED: u32 = 1;
-/// Flag of a section as a device takes it, of [`tag::MAY_BE_WIDE`]: indices are `u32`, vertices take
-/// a multiple of four bytes.
+/// Flag of a section as a device takes it, of [`tag::MAY_BE_WIDE`]: indices are `u32`, vertices
+/// take a multiple of four bytes.
 pub(super) const WIDE: u32 = 2;
 /// Flags that a reader may pass over where it does not know them.
 const OPTIONAL: u32 = 0xffff_0000;

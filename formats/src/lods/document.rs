@@ -2,10 +2,11 @@
 //! blocks of steps: first the text, then buffer 0 of a glTF, what is wanted first before the rest.
 
 use super::head::Head;
-use crate::fields::{Field, fields, to_bytes};
+use crate::fields::{decode_front, to_bytes};
 use crate::gltf::{BufferRun, PartialBuffer, Purpose, buffer_runs};
 use crate::lodc::manifest::{DocumentEntry, format_code, source_of};
 use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source, SubmeshInfo};
+use bincode::{Decode, Encode};
 use lodc_mesh::CollapseSequence;
 use lodc_progressive::TextCodec;
 use std::ops::Range;
@@ -13,7 +14,7 @@ use std::ops::Range;
 const PLACE: &str = "document";
 
 /// Facts of an object's collapse sequence that its steps do not say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Encode, Decode)]
 pub struct SequenceFacts {
     /// The last LOD reached without breaking a rule of legality.
     pub last_legal_lod: u32,
@@ -22,8 +23,6 @@ pub struct SequenceFacts {
     /// The first LOD after such a step.
     pub first_topology_change: Option<u32>,
 }
-fields!(SequenceFacts { last_legal_lod, topology_changes, first_topology_change });
-
 impl SequenceFacts {
     /// The facts of a sequence.
     #[must_use]
@@ -67,6 +66,7 @@ const HEAD_SHARE: u64 = 20;
 /// without them it would lie about.
 const MOST_HEAD: u64 = 16 << 10;
 
+#[derive(Encode, Decode)]
 struct TextEntry {
     format: u8,
     content_hash: u128,
@@ -75,8 +75,7 @@ struct TextEntry {
     /// Start and length of the runs of the buffer that come first, in their order.
     runs: Vec<(u64, u64)>,
 }
-fields!(TextEntry { format, content_hash, document, objects, runs });
-
+#[derive(Encode, Decode)]
 struct ObjectEntry {
     name: String,
     world_scale: f64,
@@ -84,15 +83,12 @@ struct ObjectEntry {
     facts: SequenceFacts,
     submeshes: Vec<SubmeshEntry>,
 }
-fields!(ObjectEntry { name, world_scale, document_mesh, facts, submeshes });
-
+#[derive(Encode, Decode)]
 struct SubmeshEntry {
     name: String,
     material: Option<String>,
     document_primitive: u32,
 }
-fields!(SubmeshEntry { name, material, document_primitive });
-
 impl EncodedDocument {
     /// Encodes a document for a stream whose steps have `step_bytes`; `None` if its text would be
     /// too long. The document of a rig has nodes and skins that its meshes do not stand without.
@@ -319,9 +315,9 @@ impl Names {
                 .ok_or_else(|| malformed("cannot be decoded"))?;
             &decoded
         };
-        let mut rest = text;
-        let entry = TextEntry::take(&mut rest)
+        let (entry, used) = decode_front::<TextEntry>(text)
             .ok_or_else(|| malformed("ends too early or has what cannot be"))?;
+        let rest = &text[used..];
         let source =
             source_of(entry.format, entry.content_hash).map_err(|what| malformed(&what))?;
         if source.format != head.format || entry.objects.len() != head.objects as usize {

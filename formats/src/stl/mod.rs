@@ -25,6 +25,17 @@ fn facets(bytes: &[u8]) -> Option<usize> {
     Some(u32::from_le_bytes(*count) as usize)
 }
 
+/// The number of facets of a file: those that a binary one announces, as far as it has room for
+/// them, or those that a text begins.
+pub(crate) fn counted(bytes: &[u8]) -> u64 {
+    if is_binary(bytes) {
+        return facets(bytes).unwrap_or(0) as u64;
+    }
+    let is_facet = |line: &&[u8]| line.trim_ascii_start().starts_with(b"facet");
+    let lines = bytes.split(|&b| b == b'\n').filter(is_facet).count();
+    lines.max(facets(bytes).unwrap_or(0).min(bytes.len() / FACET)) as u64
+}
+
 /// Reads an STL; `bytes` is the main file.
 ///
 /// # Errors

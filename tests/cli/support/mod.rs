@@ -201,9 +201,6 @@ pub(crate) fn corpus() -> Option<PathBuf> {
 pub(crate) const REFUSED: &[(&str, &str)] = &[
     ("gltf/asset-generator/Compatibility/Compatibility_04.gltf", "asset.minVersion"),
     ("gltf/asset-generator/Compatibility/Compatibility_05.gltf", "FAKE_materials_quantumRendering"),
-    ("gltf/compressed/BoxDraco.gltf", "KHR_draco_mesh_compression"),
-    ("gltf/compressed/DenseSphere.glb", "KHR_draco_mesh_compression"),
-    ("gltf/compressed/DracoSparseMesh.gltf", "KHR_draco_mesh_compression"),
 ];
 
 /// Every mesh of the corpus with what its manifest says, sorted by path.

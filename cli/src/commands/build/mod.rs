@@ -1,6 +1,7 @@
 //! `lodc build`: meshes to `.lodc`.
 
 mod counts;
+mod estimate;
 mod known;
 mod pipeline;
 mod summary;
@@ -11,6 +12,7 @@ pub(crate) use known::importance;
 pub(crate) use pipeline::object_options;
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};
+use crate::commands::ci::CiArgs;
 use crate::commands::each;
 use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
@@ -68,6 +70,11 @@ pub(crate) struct BuildArgs {
     /// Contents are compared, never times.
     #[arg(long, help_heading = OUTPUT)]
     if_changed: bool,
+    /// Say how large inputs are and how much memory their builds need; build nothing
+    ///
+    /// Told by headers, for text by its lines. With --report, as JSON.
+    #[arg(long, help_heading = OUTPUT, hide_short_help = true)]
+    estimate: bool,
     /// Print a report on standard output: one document, or one in each line
     ///
     /// Also when inputs failed. jsonl prints as results come.
@@ -76,6 +83,8 @@ pub(crate) struct BuildArgs {
     /// Write a Make/Ninja dependency file that names every file read
     #[arg(long, value_name = "FILE", help_heading = OUTPUT, hide_short_help = true)]
     depfile: Option<PathBuf>,
+    #[command(flatten)]
+    ci: CiArgs,
     #[command(flatten)]
     batch: BatchArgs,
     #[command(flatten)]
@@ -126,9 +135,14 @@ pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
         output: args.output.as_deref(),
         reads: &MESHES,
         writes: "lodc",
+        allowed: args.import.allowed(),
     };
     let mut assets = batch::assets(sources, &args.batch)?;
     args.configuration.apply(program, "build", &mut assets)?;
+    if args.estimate {
+        return estimate::all(args, program, &assets);
+    }
+    args.ci.check(assets.iter().map(|asset| &asset.input))?;
     batch::check_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
     work::all(args, program, &assets)
 }

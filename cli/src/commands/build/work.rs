@@ -10,8 +10,8 @@ use crate::program::Program;
 use crate::progress::{BatchProgress, Progress};
 use crate::stages::Stages;
 use lodc_formats::lodc;
-use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::{BuildReport, InputReport, Summary, SummaryReport};
+use lodc_report::{SCHEMA_VERSION, Suite};
 use std::path::Path;
 use std::time::Instant;
 
@@ -63,6 +63,8 @@ fn report(args: &BuildArgs, done: Vec<Done>) -> Outcome<Status> {
         let Summary { built, up_to_date, failed } = summary;
         console::note(&format!("{built} built, {up_to_date} up to date, {failed} failed"));
     }
+    let suites: Vec<Suite> = done.iter().map(|one| one.report.suite()).collect();
+    args.ci.publish("lodc build", &suites)?;
     match args.report {
         Some(ReportFormat::Json) => console::json(&BuildReport {
             schema_version: SCHEMA_VERSION,

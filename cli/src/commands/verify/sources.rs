@@ -13,8 +13,8 @@ pub(super) enum Sources {
     None,
     /// Each file is compared with this one.
     One(PathBuf),
-    /// Each file is compared with the one of its content hash.
-    Folder(PathBuf, BTreeMap<u128, PathBuf>),
+    /// Each file is compared with the one of its content hash; of several the one of its name.
+    Folder(PathBuf, BTreeMap<u128, Vec<PathBuf>>),
 }
 
 impl Sources {
@@ -28,11 +28,13 @@ impl Sources {
             return Ok(Self::One(source.to_owned()));
         }
         let meshes = batch::expand(&[source.to_owned()], &MESHES, &[], &[])?;
-        let hashed = |path: PathBuf| {
-            let scene = import(&path, options).ok()?;
-            Some((scene.source.content_hash, path))
-        };
-        Ok(Self::Folder(source.to_owned(), meshes.into_iter().filter_map(hashed).collect()))
+        let mut by_hash: BTreeMap<u128, Vec<PathBuf>> = BTreeMap::new();
+        for path in meshes {
+            if let Ok(scene) = import(&path, options) {
+                by_hash.entry(scene.source.content_hash).or_default().push(path);
+            }
+        }
+        Ok(Self::Folder(source.to_owned(), by_hash))
     }
 
     /// Returns the mesh that a file was made from, by its hash.
@@ -44,7 +46,11 @@ impl Sources {
             Self::None => Ok(None),
             Self::One(path) => Ok(Some(path)),
             Self::Folder(folder, meshes) => match meshes.get(&hash) {
-                Some(path) => Ok(Some(path)),
+                Some(paths) => {
+                    // The last one of equals is the first by name.
+                    let closest = paths.iter().rev().max_by_key(|path| likeness(path, input));
+                    Ok(closest.map(PathBuf::as_path))
+                }
                 None => Err(Failure::new(
                     Status::Difference,
                     format!(
@@ -56,4 +62,17 @@ impl Sources {
             },
         }
     }
+}
+
+/// How much the path of a mesh is like that of levels made of it: how many characters of its name
+/// theirs begins with, then how many folders, from the last one on, are called the same.
+fn likeness(mesh: &Path, levels: &Path) -> (usize, usize) {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = mesh.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let begins = |with: &str| if name(levels).starts_with(with) { with.len() } else { 0 };
+    let folders = |path: &Path| -> Vec<_> {
+        path.parent().into_iter().flat_map(|p| p.iter().rev().map(ToOwned::to_owned)).collect()
+    };
+    let same = folders(mesh).iter().zip(&folders(levels)).take_while(|(a, b)| a == b).count();
+    (begins(&name(mesh)).max(begins(&stem)), same)
 }

@@ -27,7 +27,7 @@ export class Controls {
     this.bindOptions();
     this.bindAnimations();
     this.bindKeys();
-    element('summary').textContent = summary(viewer);
+    element('summary').textContent = this.describe();
     viewer.onframe = (shown) => this.show(shown);
     window.addEventListener('hashchange', () => this.follow());
     this.follow();
@@ -162,20 +162,11 @@ export class Controls {
     });
   }
 
-  /** Tells what a frame has shown, to people and to programs. */
-  show({ lods, triangles: uniform, sparing, error: inWorld, crowd, views }) {
+  /** What the slider stands for, and facts of a frame: rows of a name and a text. */
+  texts({ lods, triangles, drawn, error, inWorld, allowed, percent }) {
     const { viewer } = this;
     const { selection } = viewer;
-    const error = inWorld / selection.unit;
-    const allowed = viewer.allowedError() / selection.unit;
-    if (viewer.asked) viewer.share = selection.shareOf(uniform);
-    this.level.value = viewer.share;
-    this.level.style.setProperty('--fill', `${100 * viewer.share}%`);
-    const percent = (share) => `${Number((100 * share).toPrecision(3))} %`;
-    const one = lods.length === 1;
-    const triangles = views ?? uniform;
-    const drawn = crowd ? crowd.triangles : sparing ?? triangles;
-    element('value').textContent = {
+    const value = {
       triangles: `${grouped(triangles)} triangles`,
       error: `error ≤ ${length3(viewer.asked ? error : allowed)}`,
       pixels: `error ≤ ${length3(viewer.allowedPixels())} px`,
@@ -184,8 +175,31 @@ export class Controls {
       ['Triangles', grouped(drawn)],
       ['Share', percent(drawn / Math.max(1, viewer.copies * selection.triangles))],
       ['Error', `${length3(error)} (${percent(inWorld / (selection.diagonal || 1))} of the size)`],
-      one ? ['LOD', grouped(lods[0])] : ['Objects', grouped(lods.length)],
+      lods.length === 1 ? ['LOD', grouped(lods[0])] : ['Objects', grouped(lods.length)],
     ];
+    return { value, rows };
+  }
+
+  /** The line below the name of the model. */
+  describe() {
+    return summary(this.viewer);
+  }
+
+  /** Tells what a frame has shown, to people and to programs. */
+  show({ lods, triangles: uniform, sparing, error: inWorld, crowd, views }) {
+    const { viewer } = this;
+    const { selection } = viewer;
+    const error = inWorld / selection.unit;
+    const allowed = viewer.allowedError() / selection.unit;
+    if (viewer.asked) viewer.share = viewer.shareShown(uniform);
+    this.level.value = viewer.share;
+    this.level.style.setProperty('--fill', `${100 * viewer.share}%`);
+    const percent = (share) => `${Number((100 * share).toPrecision(3))} %`;
+    const one = lods.length === 1;
+    const triangles = views ?? uniform;
+    const drawn = crowd ? crowd.triangles : sparing ?? triangles;
+    const { value, rows } = this.texts({ lods, triangles, drawn, error, inWorld, allowed, percent });
+    element('value').textContent = value;
     if (sparing) rows[0][1] += ' while moving';
     if (views) rows[3] = ['Levels', 'by view'];
     if (crowd) rows[2] = ['Without levels', grouped(viewer.copies * selection.triangles)];

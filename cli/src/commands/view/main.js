@@ -6,6 +6,7 @@ import { ViewDependent } from '../../../../crates/web/js/viewdependent.js';
 import { WebglRenderer } from '../../../../crates/web/js/webgl.js';
 import { WebgpuRenderer } from '../../../../crates/web/js/webgpu.js';
 import { Controls } from './controls.js';
+import { ShippedControls, ShippedScene, ShippedViewer, isShipped } from './shipped.js';
 import { Viewer } from './viewer.js';
 
 /** RFC 4648 base64 as bytes. */
@@ -17,18 +18,21 @@ function bytesOf(text) {
 async function start() {
   const canvas = document.getElementById('canvas');
   const model = document.getElementById('model');
-  const scene = new Scene(new Glb(bytesOf(model.textContent)));
+  const glb = new Glb(bytesOf(model.textContent));
+  const shipped = isShipped(glb);
+  const scene = shipped ? new ShippedScene(glb) : new Scene(glb);
   model.remove();
   // WebGL is there at once, WebGPU takes over when its device is.
   const renderer = await WebglRenderer.create(canvas, scene)
     ?? await WebgpuRenderer.create(canvas, scene);
   if (!renderer) throw new Error('This browser offers neither WebGL 2 nor WebGPU.');
-  const viewer = new Viewer(canvas, scene, renderer);
-  const controls = new Controls(viewer);
+  const viewer = new (shipped ? ShippedViewer : Viewer)(canvas, scene, renderer);
+  const controls = new (shipped ? ShippedControls : Controls)(viewer);
   Object.assign(window, { viewer, controls });
   // At once: a page in the background gets no frames.
   viewer.frame(performance.now());
   if (renderer instanceof WebglRenderer) await upgrade(viewer, scene);
+  if (shipped) return;
   const wgsl = document.getElementById('view-shader').textContent;
   const viewDependent = await ViewDependent.create(scene, wgsl);
   if (viewDependent) {

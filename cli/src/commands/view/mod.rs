@@ -1,4 +1,5 @@
-//! `lodc view`: one offline page that shows every level of an asset in a browser.
+//! `lodc view`: one offline page that shows every level of an asset in a browser, or the levels that
+//! a file holds.
 
 mod page;
 
@@ -13,7 +14,8 @@ use crate::stages::Stages;
 use clap::Args;
 use lodc::LodObject;
 use lodc_formats::images::Textures;
-use lodc_formats::{Assets, OutputFile};
+use lodc_formats::import::{as_plain_glb, import_levels, states_levels};
+use lodc_formats::{Assets, OutputFile, ShippedLevels, Sought};
 use lodc_lod::AnyModel;
 use lodc_report::text::{count, size};
 use lodc_strip::Strips;
@@ -22,7 +24,8 @@ use std::path::{Path, PathBuf};
 /// Options of commands that make a page: `view` and `report`.
 #[derive(Args, Debug)]
 pub(crate) struct PageArgs {
-    /// A mesh (.glb, .gltf, .obj, .ply, .stl) or a .lodc file; - for standard input
+    /// A mesh (.glb, .gltf, .obj, .ply, .stl), a .lodc file, or levels of chain or extract; - for
+    /// standard input
     pub(super) input: PathBuf,
     #[command(flatten)]
     pub(super) simplify: SimplifyArgs,
@@ -46,7 +49,8 @@ pub(crate) struct PageArgs {
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   lodc view chair.glb -o chair.html
-  lodc view chair.lodc -o chair.html --title 'Chair, oak'";
+  lodc view chair.lodc -o chair.html --title 'Chair, oak'
+  lodc view levels.glb -o levels.html     # what lodc chain wrote, as an engine shows it";
 
 /// A page that was made.
 pub(super) struct Page {
@@ -66,6 +70,14 @@ pub(super) struct Shown<'a> {
 }
 
 pub(crate) fn run(args: &PageArgs) -> Outcome<()> {
+    let options = args.import.options();
+    if !output::is_stream(&args.input) && states_levels(&args.input, &options) {
+        let ShippedLevels { levels, glides, .. } = import_levels(&args.input, &options)?;
+        // A level alone is a mesh like another.
+        if levels.len() > 1 || !glides.is_empty() {
+            return run_shipped(args, levels.len());
+        }
+    }
     write(args, |Shown { asset, assets, title, stages }| {
         let (glb, warnings) = stages.run("export", || model(args, asset, assets))?;
         let text = stages.run("page", || page::page(&title, &glb));
@@ -89,24 +101,51 @@ pub(super) fn write<R>(
     let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
     let shown = Shown { asset: &asset, assets: &mut assets, title, stages: &mut stages };
-    let (Page { text, warnings, facts: [before, after] }, result) = make(shown)?;
+    let (mut page, result) = make(shown)?;
+    page.warnings.splice(0..0, asset.warnings);
+    let mut files = asset.files;
+    files.extend(assets.files());
+    put(args, &target, page, &files, &mut stages)?;
+    Ok(result)
+}
+
+/// Makes the page of levels as a glTF holds them.
+fn run_shipped(args: &PageArgs, levels: usize) -> Outcome<()> {
+    let target = target(args)?;
+    let mut stages = Stages::default();
+    let mut assets = args.import.assets(&args.input, args.textures.as_ref());
+    let options = args.import.options();
+    let (glb, warnings) = stages.run("export", || as_plain_glb(&mut assets, &options))?;
+    let title = args.title.clone().unwrap_or_else(|| title(&args.input));
+    let text = stages.run("page", || page::page(&title, &glb));
+    let facts = [format!("{} as shipped, ", count(levels as u64, "level")), String::new()];
+    put(args, &target, Page { text, warnings, facts }, assets.files(), &mut stages)
+}
+
+/// Writes a page and its dependency file, and says so.
+fn put(
+    args: &PageArgs,
+    target: &Target,
+    page: Page,
+    files: &Sought,
+    stages: &mut Stages,
+) -> Outcome<()> {
+    let Page { text, warnings, facts: [before, after] } = page;
     let (length, path) = (text.len() as u64, PathBuf::from(target.name()));
     let file = OutputFile { path: path.clone(), bytes: text.into_bytes() };
-    stages.run("write", || mesh_output::write(&target, vec![file]))?;
+    stages.run("write", || mesh_output::write(target, vec![file]))?;
     if let Some(depfile) = &args.depfile {
-        let mut files = asset.files;
-        files.extend(assets.files());
-        output::write_depfile(depfile, &[Rule::new(&path, &files)])?;
+        output::write_depfile(depfile, &[Rule::new(&path, files)])?;
     }
     let name = args.input.display().to_string();
-    for warning in asset.warnings.iter().chain(&warnings) {
+    for warning in &warnings {
         console::warning(&name, warning);
     }
     if wants(Loudness::Normal) {
         let page = format!("{before}{}{after}", size(length));
         note(&format!("{}: {page}; open it in a browser", target.name()));
     }
-    Ok(result)
+    Ok(())
 }
 
 /// The page's target, ready to be written, as is the dependency file.

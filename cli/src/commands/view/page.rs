@@ -7,9 +7,10 @@ const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 
 /// The page's own modules, behind those that the npm package has as well.
-const MODULES: [(&str, &str); 3] = [
+const MODULES: [(&str, &str); 4] = [
     ("viewer.js", include_str!("viewer.js")),
     ("controls.js", include_str!("controls.js")),
+    ("shipped.js", include_str!("shipped.js")),
     ("main.js", include_str!("main.js")),
 ];
 

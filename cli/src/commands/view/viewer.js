@@ -101,6 +101,11 @@ export class Viewer {
     return PIXELS[0] * (PIXELS[1] / PIXELS[0]) ** this.share;
   }
 
+  /** Where the slider stands for what an address asked for, at so many triangles. */
+  shareShown(triangles) {
+    return this.selection.shareOf(triangles);
+  }
+
   /** The share that `allowedPixels` turns into a number of pixels. */
   shareOfPixels(pixels) {
     return Math.log(pixels / PIXELS[0]) / Math.log(PIXELS[1] / PIXELS[0]);

@@ -6,6 +6,7 @@ use crate::options::{CommandOptions, OptionValues, Vocabulary};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::Value;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -65,6 +66,8 @@ pub(super) struct File {
     path: PathBuf,
     folder: PathBuf,
     document: Document,
+    /// Whether each override has matched an input.
+    matched: RefCell<Vec<bool>>,
 }
 
 impl File {
@@ -85,7 +88,8 @@ impl File {
             _ => Path::new("."),
         };
         let folder = folder.canonicalize().map_err(unreadable)?;
-        let file = Self { path: path.to_owned(), folder, document };
+        let matched = RefCell::new(vec![false; document.overrides.len()]);
+        let file = Self { path: path.to_owned(), folder, document, matched };
         file.check(words)?;
         Ok(file)
     }
@@ -148,6 +152,18 @@ impl File {
         Err(AssetError::Usage(format!("{}: {table}: {option}: {what}", self.path.display())))
     }
 
+    /// The overrides whose globs matched no input so far, a sentence each.
+    pub(super) fn unmatched(&self) -> Vec<String> {
+        let matched = self.matched.borrow();
+        let overrides = (1..).zip(&self.document.overrides).zip(matched.iter());
+        let idle = overrides.filter(|((_, one), matched)| !**matched && !one.files.is_empty());
+        idle.map(|((number, one), _)| {
+            let globs = one.files.join(", ");
+            format!("{}: [[override]] {number}: no input matches {globs}", self.path.display())
+        })
+        .collect()
+    }
+
     /// Layers that hold for an input: defaults, then a profile, then each override that matches.
     ///
     /// # Errors
@@ -177,6 +193,9 @@ impl File {
                 None => number == 0 || profile.is_some_and(|p| table == format!("[profile.{p}]")),
             };
             if takes {
+                if let Some(number) = number.checked_sub(first_override) {
+                    self.matched.borrow_mut()[number] = true;
+                }
                 let source = format!("{} {table}", self.path.display());
                 let own = own(options, words, command);
                 let part = one.and_then(|one| one.part(&own));

@@ -113,6 +113,12 @@ impl<'a> Configs<'a> {
         Ok(())
     }
 
+    /// The overrides of all configurations whose globs matched no input, a sentence each.
+    #[must_use]
+    pub fn unmatched(&self) -> Vec<String> {
+        self.read.values().flat_map(|file| file.unmatched()).collect()
+    }
+
     fn no_profile(&self) -> Result<Vec<Layer>, AssetError> {
         match self.profile {
             Some(name) => Err(AssetError::Usage(format!(

@@ -10,8 +10,7 @@ use lodc_lod::{LONGEST_TRACED, check_submeshes, cut_long};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::Difference;
 use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
-use lodc_strip::Strips;
-use lodc_strip::live_triangles;
+use lodc_strip::{Strips, live_triangles, restart_list};
 use std::sync::Arc;
 
 /// One change of one strip: of an index, or of how often something is repeated.
@@ -197,6 +196,10 @@ impl Model for LodStrips {
     fn drawn(&self, cursor: &Cursor) -> u64 {
         let live = (0..self.strips.len()).filter(|&strip| self.removal_lods[strip] > cursor.lod);
         live.map(|strip| cursor.strips[strip].len() as u64).sum()
+    }
+    fn strip_list(&self, cursor: &Cursor) -> Option<Vec<u32>> {
+        let live = (0..self.strips.len()).filter(|&strip| self.removal_lods[strip] > cursor.lod);
+        Some(restart_list(live.map(|strip| cursor.strips[strip].as_slice())))
     }
     /// `3v + I` words for vertices and strip indices; for each record its target and where its list
     /// starts; for each strip of a record a word and a byte (its number and how much follows), for

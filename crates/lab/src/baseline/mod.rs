@@ -145,6 +145,9 @@ impl Model for Baseline {
     fn drawn(&self, cursor: &BaselineCursor) -> u64 {
         each!(self, cursor, (model, at) => model.drawn(at))
     }
+    fn strip_list(&self, cursor: &BaselineCursor) -> Option<Vec<u32>> {
+        each!(self, cursor, (model, at) => model.strip_list(at))
+    }
     fn storage_to(&self, lod: Lod) -> StorageCost {
         each!(self, model => model.storage_to(lod))
     }

@@ -180,8 +180,8 @@ fn drawn(
     match *device {}
 }
 
-/// Draws the crowd in the middle of its time, coloured by level: from blue (every triangle) to red
-/// (none).
+/// Draws the crowd in the middle of its time by all levels and by five, side by side, coloured by
+/// level: from blue (every triangle) to red (none).
 ///
 /// # Errors
 /// If a scene or an animation is damaged, or the device fails or is too small.
@@ -194,9 +194,10 @@ pub fn crowd_picture(
     let frames = settings.seconds * FRAMES_PER_SECOND;
     let all = stands(settings.instances, frames, settings.seed);
     let now = all.len() / 2;
-    let lods = lods(inputs, &all[now], at_distance);
+    let policies: [(&str, Policy); 2] = [("continuous", at_distance), ("five levels", of_five)];
+    let policies = policies.map(|(name, policy)| (name, lods(inputs, &all[now], policy)));
     let mut figures = figures::all(inputs, &settings.limits)?;
-    Ok(picture::picture(device, &mut figures, &all[now], &lods, now)?)
+    Ok(picture::picture(device, &mut figures, &all[now], &policies, now)?)
 }
 
 /// There is no device.

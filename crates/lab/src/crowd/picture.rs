@@ -1,18 +1,20 @@
-//! A picture of a crowd in the middle of its time, coloured by level.
+//! A picture of a crowd in the middle of its time, coloured by level: by all levels, and beside it
+//! by five (thesis fig. 4.12).
 
 use super::figures::{Figure, place, turn};
 use super::walk::Stand;
 use crate::device::Device;
 use lodc_gpu::GpuError;
 use lodc_gpu::picture::{
-    BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up, Viewpoint,
+    BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Sheet, Style, Up, Viewpoint,
 };
 use lodc_measure::heat;
 use lodc_mesh::Lod;
+use lodc_report::text::count;
 use lodc_scene::{Image, Material, to_linear};
 
-/// Pixels, across and down.
-const SIZE: [u32; 2] = [1280, 640];
+/// Pixels of each half, across and down.
+const SIZE: [u32; 2] = [800, 640];
 /// Degrees of view, from the upper to the lower edge.
 const DEGREES: f64 = 30.0;
 
@@ -46,7 +48,8 @@ fn points<'a>(figures: &[Figure<'_>], stands: impl Iterator<Item = &'a Stand>) -
     points
 }
 
-/// Draws the frame `now`: from blue (every triangle) to red (none).
+/// Draws the frame `now` by each way to choose levels, side by side: from blue (every triangle) to
+/// red (none).
 ///
 /// # Errors
 /// If the device fails or is too small.
@@ -54,20 +57,30 @@ pub(crate) fn picture(
     device: &Device,
     figures: &mut [Figure<'_>],
     stands: &[Stand],
-    lods: &[Vec<Lod>],
+    policies: &[(&str, Vec<Vec<Lod>>)],
     now: usize,
 ) -> Result<Image, GpuError> {
     let camera = behind(figures, stands);
     let style = Style { size: SIZE, background: [1.0; 4], back_faces: BackFaces::Shown, wire: 0.0 };
     let matte = Material { double_sided: true, ..Material::default() };
     let painter = Painter::new(device, &[], &[matte])?;
-    let mut frame = Frame::new(&painter, &camera, &style)?;
-    for (i, (stand, lods)) in stands.iter().zip(lods).enumerate() {
-        let f = i % figures.len();
-        let phase = figures[f].phase(i, now);
-        frame.draw(0, false, &corners(&mut figures[f], phase, stand, lods, &camera))?;
+    let (mut pictures, mut labels) = (Vec::new(), Vec::new());
+    for (name, lods) in policies {
+        let mut frame = Frame::new(&painter, &camera, &style)?;
+        let mut drawn = 0;
+        for (i, (stand, lods)) in stands.iter().zip(lods).enumerate() {
+            let f = i % figures.len();
+            let phase = figures[f].phase(i, now);
+            let corners = corners(&mut figures[f], phase, stand, lods, &camera);
+            drawn += corners.len() as u64 / 3;
+            frame.draw(0, false, &corners)?;
+        }
+        pictures.push(frame.finish()?);
+        labels.push([(*name).to_owned(), count(drawn, "triangle")]);
     }
-    frame.finish()
+    let (pictures, labels) = (&pictures, &labels);
+    let background = [255; 4];
+    Ok(Sheet { pictures, columns: None, labels, background }.compose(None))
 }
 
 /// The triangles of one of the crowd.

@@ -33,7 +33,7 @@ use crate::stored_strips::{STRIPS, from_array, to_array};
 use history::Entry;
 use lodc_mesh::{Lod, NONE, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
-use lodc_strip::Strips;
+use lodc_strip::{Strips, restart_list};
 use pattern::LONGEST;
 use std::sync::Arc;
 use updates::Updates;
@@ -151,6 +151,9 @@ impl Model for Masking {
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()
+    }
+    fn strip_list(&self, cursor: &Cursor) -> Option<Vec<u32>> {
+        Some(restart_list((0..self.strips.len()).map(|strip| cursor.strip(strip))))
     }
     /// Strips, 1¼ words a record, and for each strip that a record changes one word and two masks
     /// of `⌈length / 8⌉` bytes; the entry that ends a strip is the word alone.

@@ -26,7 +26,7 @@ use edits::Edits;
 use lodc_mesh::removal_lods;
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
-use lodc_strip::Strips;
+use lodc_strip::{Strips, restart_list};
 use std::sync::Arc;
 use stored::{REMOVALS, Replay, Stored};
 
@@ -198,6 +198,9 @@ impl Model for Speed {
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()
+    }
+    fn strip_list(&self, cursor: &Cursor) -> Option<Vec<u32>> {
+        Some(restart_list((0..self.strips.len()).map(|strip| cursor.strip(strip))))
     }
     /// `3v + I` words for vertices and strip indices, and the run-time arrays (table 3.1).
     fn storage_to(&self, lod: Lod) -> StorageCost {

@@ -11,7 +11,9 @@ use lodc_select::Target;
 use std::sync::Arc;
 
 /// Levels that are looked at, as shares of the scene's triangles.
-const LEVELS: [f64; 4] = [0.5, 0.25, 0.1, 0.05];
+const LEVELS: [f64; 6] = [0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
+/// The image error at each of them.
+pub(super) type Errors = [f64; LEVELS.len()];
 /// An image error up to this many times another's is no worse.
 const NO_WORSE: f64 = 1.01;
 /// The pictures: fewer and smaller than those of `compare`, and from other sides.
@@ -30,7 +32,7 @@ pub(super) enum Verdict {
 
 /// Compares the image errors of a metric with those of the quadric at [`LEVELS`]: the metric
 /// decides around the levels that follow each other, look no worse, and gain most together.
-pub(super) fn verdict(quadric: &[f64; 4], other: &[f64; 4]) -> Verdict {
+pub(super) fn verdict(quadric: &Errors, other: &Errors) -> Verdict {
     let is_good = |i: usize| other[i] <= NO_WORSE * quadric[i];
     if (0..LEVELS.len()).all(is_good) {
         return Verdict::Everywhere;
@@ -86,7 +88,7 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// If a level is no mesh: a bug.
-    pub(super) fn errors(&self, objects: &SimplifiedObjects) -> Result<[f64; 4], Error> {
+    pub(super) fn errors(&self, objects: &SimplifiedObjects) -> Result<Errors, Error> {
         let object = |(info, simplified): &(ObjectInfo, _)| LodObject {
             info: info.clone(),
             simplified: Arc::clone(simplified),
@@ -94,7 +96,7 @@ impl<'a> Judge<'a> {
         };
         let objects: Vec<LodObject> = objects.iter().map(object).collect();
         let levels = scene_levels(&objects, self.known.document, &self.known.limits)?;
-        let mut errors = [0.0; 4];
+        let mut errors = Errors::default();
         for (share, error) in LEVELS.into_iter().zip(&mut errors) {
             let lods = levels.select(Target::Ratio(share), false)?.lods;
             let meshes = level_mesh::plain(&objects, &lods)?;
@@ -117,22 +119,26 @@ fn surface(meshes: &[&Mesh], scene: &Arrangement, known: Known<'_>) -> SceneSurf
 
 #[cfg(test)]
 mod tests {
-    use super::{Verdict, verdict};
+    use super::{Errors, Verdict, verdict};
 
     #[test]
     fn the_metric_decides_where_it_looks_no_worse() {
-        let against = |ratios: [f64; 4]| verdict(&[2.0; 4], &ratios.map(|r| 2.0 * r));
-        assert_eq!(against([1.0, 0.9, 0.8, 1.01]), Verdict::Everywhere);
-        assert_eq!(against([1.2, 1.1, 1.3, 1.04]), Verdict::Nowhere);
-        assert_eq!(against([1.2, 1.01, 1.3, 1.04]), Verdict::Nowhere);
-        let Verdict::Between([least, most]) = against([1.1, 1.2, 0.9, 0.8]) else {
+        let against = |ratios: Errors| verdict(&[2.0; 6], &ratios.map(|r| 2.0 * r));
+        assert_eq!(against([1.0, 0.9, 0.8, 1.01, 0.9, 1.0]), Verdict::Everywhere);
+        assert_eq!(against([1.2, 1.1, 1.3, 1.04, 1.1, 1.2]), Verdict::Nowhere);
+        assert_eq!(against([1.2, 1.01, 1.3, 1.04, 1.1, 1.2]), Verdict::Nowhere);
+        let Verdict::Between([least, most]) = against([1.1, 1.2, 0.9, 0.8, 0.9, 0.95]) else {
             panic!("it is better at coarse levels")
         };
         assert!(least == 0.0 && most > 0.1 && most < 0.25, "{least} {most}");
-        let Verdict::Between([least, most]) = against([0.9, 0.7, 1.4, 0.8]) else {
+        let Verdict::Between([least, most]) = against([0.9, 0.7, 1.4, 0.8, 0.9, 1.0]) else {
             panic!("it is better at fine levels")
         };
         assert!(most == 1.0 && least > 0.1 && least < 0.25, "{least} {most}");
-        assert_eq!(verdict(&[0.0; 4], &[0.0; 4]), Verdict::Everywhere);
+        let Verdict::Between([least, most]) = against([0.9, 0.7, 0.8, 0.8, 0.9, 1.2]) else {
+            panic!("it is worse at the coarsest level alone")
+        };
+        assert!(most == 1.0 && least > 0.01 && least < 0.02, "{least} {most}");
+        assert_eq!(verdict(&[0.0; 6], &[0.0; 6]), Verdict::Everywhere);
     }
 }

@@ -45,23 +45,21 @@ fn best(
     let by_quadric = instead(options, |o| Options { metric: MetricKind::Quadric, ..o });
     let quadric = each(objects.clone(), &by_quadric, known, watch);
     let plain = judge.errors(&quadric)?;
-    if let Some(options) = with_samples(options, &objects) {
-        let closer = each(objects.clone(), &options, known, watch);
-        if verdict(&plain, &judge.errors(&closer)?) == Verdict::Everywhere {
-            return Ok(closer);
+    for options in with_samples(options, &objects).into_iter().chain([options.to_vec()]) {
+        let hybrid = each(objects.clone(), &options, known, watch);
+        let between = match verdict(&plain, &judge.errors(&hybrid)?) {
+            Verdict::Everywhere => return Ok(hybrid),
+            Verdict::Nowhere => continue,
+            Verdict::Between(between) => between,
+        };
+        drop(hybrid);
+        let partly = instead(&options, |o| Options { hybrid_between: between, ..o });
+        let mixed = each(objects.clone(), &partly, known, watch);
+        if verdict(&plain, &judge.errors(&mixed)?) == Verdict::Everywhere {
+            return Ok(mixed);
         }
     }
-    let hybrid = each(objects.clone(), options, known, watch);
-    let between = match verdict(&plain, &judge.errors(&hybrid)?) {
-        Verdict::Everywhere => return Ok(hybrid),
-        Verdict::Nowhere => return Ok(quadric),
-        Verdict::Between(between) => between,
-    };
-    drop(hybrid);
-    let partly = instead(options, |o| Options { hybrid_between: between, ..o });
-    let mixed = each(objects, &partly, known, watch);
-    let is_better = verdict(&plain, &judge.errors(&mixed)?) == Verdict::Everywhere;
-    Ok(if is_better { mixed } else { quadric })
+    Ok(quadric)
 }
 
 /// The options of the objects of a small scene with more samples, shared out by their triangles;

@@ -7,9 +7,13 @@
 //! (`views`, `accessor`), memory in all (`budget`).
 
 mod blob;
+mod count;
+mod draco;
 mod forest;
 mod glide;
 mod object;
+#[cfg(feature = "export")]
+mod plain;
 mod primitive;
 mod remainder;
 mod shipped;
@@ -25,8 +29,11 @@ use crate::{
     Assets, Document, FormatError, ObjectInfo, Scene, SceneObject, Source, SourceFormat,
     SubmeshInfo,
 };
+pub(crate) use count::counted;
 use lodc_mesh::Mesh;
 use object::Reading;
+#[cfg(feature = "export")]
+pub(crate) use plain::plain;
 use primitive::{Primitive, Read};
 pub(crate) use shipped::{shipped, states_levels};
 
@@ -51,7 +58,7 @@ pub(crate) fn import(
 struct Opened<'a> {
     source: Source,
     buffers: Buffers<'a>,
-    /// Bytes of the file and of all buffers.
+    /// Bytes of the file and of all buffers, also of what was decoded to begin with.
     bytes: u64,
     warnings: Vec<String>,
 }
@@ -78,14 +85,15 @@ fn open<'a>(
     extensions::check(&root)?;
     schema::check(&mut root)?;
 
-    let buffers = views::read_buffers(&root, chunk, assets)?;
+    let mut buffers = views::read_buffers(&root, chunk, assets)?;
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
     hasher.update(bytes);
     let files = root.entries("buffers").zip(&buffers).filter(|(buffer, _)| names_file(buffer));
     files.filter_map(|(_, b)| b.as_deref()).for_each(|b| hasher.update(b));
     let all = bytes.len() + buffers.iter().flatten().map(|b| b.len()).sum::<usize>();
     let source = Source { format, content_hash: hasher.digest128() };
-    Ok((root, Opened { source, buffers, bytes: all as u64, warnings }))
+    let bytes = all as u64 + draco::unpack(&mut root, &mut buffers, &options.limits, all as u64)?;
+    Ok((root, Opened { source, buffers, bytes, warnings }))
 }
 
 impl Opened<'_> {

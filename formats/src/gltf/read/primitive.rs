@@ -1,11 +1,11 @@
 //! One primitive: which accessors it has, and its corners as triangles.
 
+use crate::FormatError;
 use crate::gltf::accessor::{Accessor, unsigned};
 use crate::gltf::extensions::{DRACO, DROPPED_FROM_PRIMITIVES};
 use crate::gltf::json::{Json, Object, malformed};
 use crate::gltf::semantic;
 use crate::gltf::views::Views;
-use crate::{Fault, FormatError};
 use lodc_mesh::{Component, Semantic};
 
 /// A primitive that draws triangles.
@@ -54,15 +54,6 @@ pub(super) fn read(
     let attributes = attributes.ok_or_else(|| malformed(&*place, "has no `attributes`"))?;
     let Some(position) = attributes.get("POSITION").map(index) else { return Ok(Read::NoPosition) };
     let indices = object.get("indices").map(index);
-    if object.extension(DRACO).is_some() {
-        let there =
-            |a: usize| accessors.get(a).and_then(Option::as_ref).is_some_and(Accessor::has_data);
-        if !there(position) || indices.is_some_and(|i| !there(i)) {
-            let what =
-                format!("is compressed with {DRACO}, which is not supported: decompress it first");
-            return Err(FormatError::new(Fault::Unsupported, place, what));
-        }
-    }
     let mut streams = streams(object, attributes);
     check_streams(&streams, &place, accessors)?;
     streams.retain(|(s, target, a)| {

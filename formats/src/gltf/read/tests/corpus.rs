@@ -21,15 +21,8 @@ fn is_gltf(name: &str) -> bool {
     [".gltf", ".glb"].iter().any(|end| name.ends_with(end))
 }
 
-/// Refused although valid: a version or extension that this package does not have, compressed
-/// geometry.
-const REFUSED: [&str; 5] = [
-    "Compatibility_04.gltf",
-    "Compatibility_05.gltf",
-    "BoxDraco.gltf",
-    "DracoSparseMesh.gltf",
-    "DenseSphere.glb",
-];
+/// Refused although valid: a version or extension that this package does not have.
+const REFUSED: [&str; 2] = ["Compatibility_04.gltf", "Compatibility_05.gltf"];
 
 fn dropped(scene: &Scene, what: &str) -> u64 {
     let count = |w: &String| w.strip_prefix(what)?.strip_prefix(": ")?.parse::<u64>().ok();

@@ -2,6 +2,7 @@
 
 mod corpus;
 mod document;
+mod draco;
 mod geometry;
 mod hostile;
 mod mutation;

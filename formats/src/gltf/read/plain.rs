@@ -1,0 +1,54 @@
+//! A document with everything that it refers to in one GLB, its buffer views decompressed: what a
+//! reader takes that knows no file but this one.
+
+use super::open;
+use crate::gltf::budget::Budget;
+use crate::gltf::extensions::{self, MESHOPT};
+use crate::gltf::json::{Json, object};
+use crate::gltf::views::{self, Views};
+use crate::gltf::{glb, uri};
+use crate::images::kind;
+use crate::options::ImportOptions;
+use crate::{Assets, FormatError};
+
+/// Makes the GLB, and a warning for each image that cannot be read.
+///
+/// # Errors
+/// As of an import.
+pub(crate) fn plain(
+    bytes: &[u8],
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<(Vec<u8>, Vec<String>), FormatError> {
+    let (mut root, opened) = open(bytes, assets, options)?;
+    let mut warnings = opened.warnings;
+    let budget = Budget::new(opened.bytes);
+    let views = Views::new(&root, &opened.buffers, &budget)?;
+    let mut blob = Vec::new();
+    for (i, view) in root.objects_mut("bufferViews").enumerate() {
+        let place = views::put(&mut blob, views.bytes(i)?);
+        for key in ["buffer", "byteOffset", "byteLength"] {
+            view[key] = place[key].clone();
+        }
+        MESHOPT.iter().for_each(|name| view.remove_extension(name));
+    }
+    MESHOPT.iter().for_each(|name| extensions::forget(&mut root, name));
+    let first = root.list("bufferViews").len();
+    let mut added: Vec<Json> = Vec::new();
+    for (i, image) in root.objects_mut("images").enumerate() {
+        let Some(text) = image["uri"].as_str().map(str::to_owned) else { continue };
+        // Without a file to look in there is nowhere else to look.
+        image.shift_remove("uri");
+        match uri::read(&text, &format!("images[{i}]"), assets) {
+            Ok(bytes) => {
+                image["bufferView"] = (first + added.len()).into();
+                image["mimeType"] = kind(&bytes).map_or("image/png", |(mime, _)| mime).into();
+                added.push(views::put(&mut blob, &bytes));
+            }
+            Err(error) => warnings.push(format!("texture left out: {error}")),
+        }
+    }
+    root.append("bufferViews", added);
+    root["buffers"] = [object! { "byteLength" => blob.len() }].into();
+    Ok((glb::joined(root.to_string().into_bytes(), &blob)?, warnings))
+}

@@ -1,0 +1,87 @@
+//! The size of a mesh file, told by its header, or by the lines of its text, without its geometry.
+
+use super::sniff::{Sniffed, format};
+use crate::options::ImportOptions;
+use crate::{Assets, FormatError, gltf, stl};
+use std::path::Path;
+
+/// What a mesh file holds, as far as can be told without reading it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counted {
+    /// Triangles, those without area included.
+    pub triangles: u64,
+    /// Vertices that the file stores; corners may make more of them in OBJ, joining makes fewer in
+    /// STL.
+    pub vertices: u64,
+    /// Bytes of the file and of the buffers that it names, decompressed.
+    pub bytes: u64,
+}
+
+/// Counts what a mesh file holds. Files that it names are not looked for.
+///
+/// # Errors
+/// If it cannot be read, or its header is malformed.
+pub fn count(path: &Path, options: &ImportOptions) -> Result<Counted, FormatError> {
+    let mut assets = Assets::new(path, &options.allowed, options.limits);
+    let bytes = assets.read_main()?;
+    let mut counted = match format(&bytes, path) {
+        Sniffed::Glb | Sniffed::Gltf => gltf::read::counted(&bytes, options),
+        Sniffed::Obj => Ok(obj(&bytes)),
+        Sniffed::Ply => Ok(ply(&bytes)),
+        Sniffed::Stl => Ok(of_stl(&bytes)),
+        // Refused as an import refuses it.
+        Sniffed::Other(_) => {
+            super::read(bytes, path, &mut assets, options).map(|_| Counted::default())
+        }
+    }
+    .map_err(|e| e.in_file(&assets.main_name()))?;
+    counted.bytes += path.metadata().map_or(0, |m| m.len());
+    Ok(counted)
+}
+
+fn obj(bytes: &[u8]) -> Counted {
+    let (mut triangles, mut of_kind) = (0, [0; 3]);
+    for line in bytes.split(|&b| b == b'\n') {
+        let line = line.trim_ascii_start();
+        let (word, rest) =
+            line.split_at(line.iter().position(u8::is_ascii_whitespace).unwrap_or(0));
+        match word {
+            b"f" => {
+                let corners = rest.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).count();
+                triangles += corners.saturating_sub(2) as u64;
+            }
+            b"v" => of_kind[0] += 1,
+            b"vt" => of_kind[1] += 1,
+            b"vn" => of_kind[2] += 1,
+            _ => {}
+        }
+    }
+    let vertices = of_kind.into_iter().max().unwrap_or(0).min(3 * triangles);
+    Counted { triangles, vertices, bytes: 0 }
+}
+
+/// Faces are taken for triangles, which they are in nearly all files.
+fn ply(bytes: &[u8]) -> Counted {
+    let mut counted = Counted::default();
+    for line in bytes.split(|&b| b == b'\n').take_while(|line| !line.starts_with(b"end_header")) {
+        let mut words =
+            line.split(u8::is_ascii_whitespace).map(|w| str::from_utf8(w).unwrap_or(""));
+        if words.next() != Some("element") {
+            continue;
+        }
+        let (name, number) = (words.next(), words.next().and_then(|n| n.parse().ok()).unwrap_or(0));
+        match name {
+            Some("vertex") => counted.vertices = number,
+            Some("face") => counted.triangles = number,
+            // The length of strips stands in the data: as many triangles as vertices, twice.
+            Some("tristrips") => counted.triangles = 2 * counted.vertices,
+            _ => {}
+        }
+    }
+    counted
+}
+
+fn of_stl(bytes: &[u8]) -> Counted {
+    let triangles = stl::counted(bytes);
+    Counted { triangles, vertices: triangles, bytes: 0 }
+}
