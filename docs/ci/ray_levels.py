@@ -1,4 +1,6 @@
-"""Builds a folder in parts on a Ray cluster: `ray job submit -- python ray_levels.py models levels 64`.
+"""Builds a folder in parts on a Ray cluster.
+
+`ray job submit -- python ray_levels.py models levels 64`
 
 The folders and `lodc` have the same paths on all nodes. A part whose node is lost runs again.
 """

@@ -6,10 +6,11 @@ mod sniff;
 use crate::lodc::{self, LodFile};
 pub use crate::options::ImportOptions;
 use crate::provenance::Provenance;
+pub use crate::scene::Counted;
 use crate::{
     Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, gltf, obj, ply, stl,
 };
-pub use count::{Counted, count};
+pub use count::count;
 use std::path::Path;
 
 /// A mesh file or a file of levels of detail.
@@ -75,8 +76,8 @@ pub fn import_levels(path: &Path, options: &ImportOptions) -> Result<ShippedLeve
     })
 }
 
-/// Reads a glTF or GLB as one GLB that holds all it refers to, nothing in it compressed but images, and
-/// a warning for each image that cannot be read.
+/// Reads a glTF or GLB as one GLB that holds all it refers to, nothing in it compressed but images,
+/// and a warning for each image that cannot be read.
 ///
 /// # Errors
 /// As [`import`], and for files of other formats.

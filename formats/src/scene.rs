@@ -142,3 +142,15 @@ pub struct GltfDocument {
     /// The bytes that remaining buffer views refer to.
     pub blob: Vec<u8>,
 }
+
+/// What a mesh file holds, as far as can be told without reading it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counted {
+    /// Triangles, those without area included.
+    pub triangles: u64,
+    /// Vertices that the file stores; corners may make more of them in OBJ, joining makes fewer in
+    /// STL.
+    pub vertices: u64,
+    /// Bytes of the file and of the buffers that it names, decompressed.
+    pub bytes: u64,
+}

@@ -197,7 +197,7 @@ fn webgpu_shows_what_webgl_shows_and_less_while_it_moves() {
     assert!(number("drawn").is_some_and(|drawn| (1..480).contains(&drawn)), "{moves}");
 }
 
-/// Shows levels as shipped, and at the end of the way to the next: logs what is said and what differs.
+/// Shows levels as shipped, and at the end of the way to the next: logs what is said and differs.
 const GLIDING: &str = r"
 {
 const pause = (delay) => scheduler.postTask(() => {}, { delay });

@@ -17,7 +17,8 @@ def arguments(argv):
         argv, options = argv[:place], argv[place + 1 :]
     parser = argparse.ArgumentParser(prog="lodc-batch", description=__doc__)
     parser.add_argument("list", help="assets, a JSON document in each line (docs/CLI.md)")
-    parser.add_argument("--scheduler-file", dest="scheduler", metavar="FILE", help="of `dask scheduler`")
+    file = {"dest": "scheduler", "metavar": "FILE", "help": "of `dask scheduler`"}
+    parser.add_argument("--scheduler-file", **file)
     parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",

@@ -22,7 +22,15 @@ class ClusterError(RuntimeError):
     """The cluster, or the program on it, is not there or is there no more."""
 
 
-def build(tasks, scheduler=None, lodc="lodc", output=None, options=(), on_result=None, timeout=TIMEOUT):
+def build(
+    tasks,
+    scheduler=None,
+    lodc="lodc",
+    output=None,
+    options=(),
+    on_result=None,
+    timeout=TIMEOUT,
+):
     """Builds all tasks on a cluster.
 
     `scheduler` is the path of a scheduler file, an address, or none for what Dask is configured for
@@ -45,8 +53,8 @@ def build(tasks, scheduler=None, lodc="lodc", output=None, options=(), on_result
     except (CancelledError, OSError) as error:
         done = sum(line is not None for line in lines)
         raise ClusterError(
-            f"the scheduler is lost ({error or type(error).__name__}): {done} of {len(lines)} assets "
-            "are done; run it again with -- --if-changed to go on"
+            f"the scheduler is lost ({error or type(error).__name__}): {done} of {len(lines)} "
+            "assets are done; run it again with -- --if-changed to go on"
         )
     finally:
         client.close(timeout=1)
@@ -59,12 +67,13 @@ def connect(scheduler, timeout):
     end = time.monotonic() + timeout
     while is_file and not os.path.isfile(scheduler):
         if time.monotonic() > end:
-            what = f"no scheduler wrote this file within {timeout:g} s"
-            raise ClusterError(f"{scheduler}: {what}: start `dask scheduler --scheduler-file` with it")
+            what = f"no scheduler wrote this file within {timeout:g} s: start `dask scheduler`"
+            raise ClusterError(f"{scheduler}: {what}")
         time.sleep(0.1)
     where = {"scheduler_file": scheduler} if is_file else {"address": scheduler}
     if scheduler is None and not configured():
-        raise ClusterError("no scheduler: give --scheduler-file, --scheduler or DASK_SCHEDULER_ADDRESS")
+        names = "--scheduler-file, --scheduler or DASK_SCHEDULER_ADDRESS"
+        raise ClusterError(f"no scheduler: give {names}")
     try:
         return Client(timeout=timeout, **where)
     except (OSError, ValueError) as error:
@@ -96,7 +105,7 @@ def largest_worker(client, timeout=TIMEOUT):
 
 
 def ask_one(client, lodc, options, timeout):
-    """Asks one worker for the program and whether it takes the options, before anything is built."""
+    """Asks one worker for the program, and whether it takes the options."""
     future = client.submit(work.probe, lodc, tuple(options), key=f"lodc-probe-{uuid.uuid4().hex}")
     try:
         return future.result(timeout=timeout)

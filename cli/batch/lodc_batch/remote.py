@@ -93,8 +93,8 @@ def references(path):
         names = [w[-1].replace("\\", "/") for w in named if re.fullmatch(wanted, w[0])]
     else:
         return []
-    inside = lambda n: not is_url(n) and not n.startswith(("/", "data:")) and ".." not in n.split("/")
-    return [os.path.normpath(n) for n in names if inside(n)]
+    outside = lambda n: is_url(n) or n.startswith(("/", "data:")) or ".." in n.split("/")
+    return [os.path.normpath(n) for n in names if not outside(n)]
 
 
 def read(url):

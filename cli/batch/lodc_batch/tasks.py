@@ -181,8 +181,8 @@ def died(done):
         return 70, f"ended by {signal.Signals(-done.returncode).name}"
     lines = done.stderr.strip().splitlines()
     # Of a usage message the first line says what is wrong.
-    last = ([line for line in lines if line.startswith("error:")] or lines[-1:] or ["it said nothing"])[0]
-    return done.returncode or 70, last
+    wrong = [line for line in lines if line.startswith("error:")]
+    return done.returncode or 70, (wrong or lines[-1:] or ["it said nothing"])[0]
 
 
 def line_of(task):

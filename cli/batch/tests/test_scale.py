@@ -78,7 +78,7 @@ class Scale(unittest.TestCase):
     def makespan(self, seed):
         """Returns max(work / workers, longest) / makespan, and the most tasks alive."""
         draw = random.Random(seed)
-        # Sizes with a heavy tail (Pareto, index 1.2): most are small, some are a thousand times as large.
+        # Sizes with a heavy tail (Pareto, index 1.2): most are small, some very large.
         sizes = [min(draw.paretovariate(1.2), 3e4) for _ in range(ASSETS)]
         # Time follows what is estimated, more or less.
         seconds = [0.2 * size * draw.lognormvariate(0, 0.4) for size in sizes]

@@ -9,7 +9,8 @@
 //!
 //! let inputs = ["chair.obj", "props/lamp.glb"].map(PathBuf::from);
 //! let output = Some(Path::new("built"));
-//! let sources = Sources { inputs: &inputs, output, reads: &["obj", "glb"], writes: "lodc", allowed: &[] };
+//! let reads = &["obj", "glb"];
+//! let sources = Sources { inputs: &inputs, output, reads, writes: "lodc", allowed: &[] };
 //! let all = assets(sources, &Choice::default())?;
 //! let target = all[1].target.as_ref().map(|target| target.name().replace('\\', "/"));
 //! assert_eq!(target, Ok("built/lamp.lodc".to_owned()));

@@ -197,7 +197,8 @@ impl Rule {
         match names.into_iter().find(wrong) {
             None => Ok(()),
             Some(path) => Err(AssetError::Output(format!(
-                "{path:?}: a name with a line break, or not in UTF-8, cannot stand in a dependency file"
+                "{path:?}: a name with a line break, or not in UTF-8, has no place in a \
+                 dependency file"
             ))),
         }
     }

@@ -64,6 +64,9 @@ pub(crate) fn measure(
     Ok((!object.models.is_empty()).then_some(report))
 }
 
+/// The host's clock.
+type Clock<'a> = &'a dyn Fn() -> Duration;
+
 /// An object seen from one fixed side, for timing draws of its levels.
 struct Stage<'d> {
     drawn: Instanced<'d>,
@@ -86,10 +89,7 @@ impl<'d> Stage<'d> {
     }
 
     /// Milliseconds of the best round.
-    fn best(
-        &self,
-        time: &dyn Fn(&dyn Fn() -> Duration) -> Result<f64, GpuError>,
-    ) -> Result<f64, LabError> {
+    fn best(&self, time: &dyn Fn(Clock<'_>) -> Result<f64, GpuError>) -> Result<f64, LabError> {
         let now = || self.start.elapsed();
         // In the first round drivers compile.
         let all = (0..=self.rounds).map(|_| time(&now)).collect::<Result<Vec<f64>, _>>()?;

@@ -67,8 +67,8 @@ pub(crate) fn lods(simplified: &Simplified) -> [Lod; 2] {
     [Lod(0), fifth.min(collapses.last_visible())]
 }
 
-/// Every way to draw a level. Away from LOD 0 each is what that of LOD 0 has become: lists keep their
-/// order, strips are Speed Strips.
+/// Every way to draw a level. Away from LOD 0 each is what that of LOD 0 has become: lists keep
+/// their order, strips are Speed Strips.
 ///
 /// # Errors
 /// If strips cannot follow the sequence: a bug.

@@ -140,8 +140,8 @@ pub(crate) struct DrawnCurve {
     pub(crate) bytes: Vec<u64>,
     /// Sending them, by the host's clock.
     pub(crate) upload_ms: Vec<f64>,
-    /// Bytes of it as algorithm 1 of the thesis sends them: of Speed Strips single indices and tails of
-    /// strips, of other structures the same.
+    /// Bytes of it as algorithm 1 of the thesis sends them: of Speed Strips single indices and
+    /// tails of strips, of other structures the same.
     pub(crate) single_bytes: Vec<u64>,
     /// Sending them, in one piece.
     pub(crate) single_upload_ms: Vec<f64>,

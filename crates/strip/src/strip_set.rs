@@ -173,7 +173,7 @@ pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     turned.filter(|&t| !is_degenerate(t))
 }
 
-/// Strips as one list to be drawn with primitive restart: [`NONE`] follows each that has any vertex.
+/// Strips as one list to be drawn with primitive restart: [`NONE`] follows each that has a vertex.
 pub fn restart_list<'a>(strips: impl Iterator<Item = &'a [u32]>) -> Vec<u32> {
     strips.filter(|s| !s.is_empty()).flat_map(|s| s.iter().copied().chain([NONE])).collect()
 }

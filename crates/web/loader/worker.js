@@ -1,5 +1,6 @@
 // Decodes away from the page's thread. Takes `{ id, wasm }` with the addresses to begin,
-// `{ id, bytes }` with the next ones, `{ id, end }`, `{ id, next }` for what has come since the last message, `{ id, drop }`.
+// `{ id, bytes }` with the next ones, `{ id, end }`, `{ id, next }` for what has come since the
+// last message, `{ id, drop }`.
 
 import { Decoder, FIRST, isStream } from './decoder.js';
 import { read } from './message.js';

@@ -17,7 +17,9 @@ pub use decode::decode;
 pub use encode::png;
 #[cfg(feature = "import")]
 pub(crate) use pictures::Pictures;
+#[cfg(all(feature = "import", feature = "export"))]
+pub(crate) use place::kind;
 #[cfg(feature = "export")]
-pub(crate) use place::{Place, embedded_name, kind};
+pub(crate) use place::{Place, embedded_name};
 #[cfg(feature = "export")]
 pub use place::{PlacedTextures, TextureMode, Textures};

@@ -2,20 +2,9 @@
 
 use super::sniff::{Sniffed, format};
 use crate::options::ImportOptions;
+use crate::scene::Counted;
 use crate::{Assets, FormatError, gltf, stl};
 use std::path::Path;
-
-/// What a mesh file holds, as far as can be told without reading it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counted {
-    /// Triangles, those without area included.
-    pub triangles: u64,
-    /// Vertices that the file stores; corners may make more of them in OBJ, joining makes fewer in
-    /// STL.
-    pub vertices: u64,
-    /// Bytes of the file and of the buffers that it names, decompressed.
-    pub bytes: u64,
-}
 
 /// Counts what a mesh file holds. Files that it names are not looked for.
 ///

@@ -13,8 +13,8 @@ use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::{EstimateReport, InputEstimate};
 use lodc_report::text::{count, size};
 
-/// Bytes that the program takes whatever it builds, with one thread: itself, its allocator's reserve,
-/// stacks (measured: 26 MB).
+/// Bytes that the program takes whatever it builds, with one thread: itself, its allocator's
+/// reserve, stacks (measured: 26 MB).
 const PROGRAM: u64 = 48 << 20;
 /// Bytes that a byte of an input comes to: itself, what it decodes to, the document that the result
 /// holds, and the result.

@@ -198,7 +198,8 @@ export class Controls {
     const one = lods.length === 1;
     const triangles = views ?? uniform;
     const drawn = crowd ? crowd.triangles : sparing ?? triangles;
-    const { value, rows } = this.texts({ lods, triangles, drawn, error, inWorld, allowed, percent });
+    const shown = { lods, triangles, drawn, error, inWorld, allowed, percent };
+    const { value, rows } = this.texts(shown);
     element('value').textContent = value;
     if (sparing) rows[0][1] += ' while moving';
     if (views) rows[3] = ['Levels', 'by view'];

@@ -1,5 +1,5 @@
-//! `lodc view`: one offline page that shows every level of an asset in a browser, or the levels that
-//! a file holds.
+//! `lodc view`: one offline page that shows every level of an asset in a browser, or the levels
+//! that a file holds.
 
 mod page;
 

@@ -124,7 +124,7 @@ export class ShippedViewer extends Viewer {
     this.by = 'level';
     this.glides = true;
     this.chain = distances(scene);
-    /** Places of the slider: levels, and the way behind the last one if it glides to another file. */
+    /** Places of the slider: levels, and the way behind the last one if it glides to a file. */
     this.places = scene.chain.length - 1 + (scene.stated.next ? 1 : 0);
     const farthest = scene.chain.at(-1).distance ?? this.chain?.levels.at(-1).distance ?? 1;
     const first = this.chain?.levels[1].distance ?? farthest;

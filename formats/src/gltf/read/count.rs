@@ -4,8 +4,8 @@ use crate::FormatError;
 use crate::gltf::glb;
 use crate::gltf::json::{self, Json, Object};
 use crate::gltf::{extensions, uri};
-use crate::import::Counted;
 use crate::options::ImportOptions;
+use crate::scene::Counted;
 use std::collections::BTreeSet;
 
 /// Counts what a glTF or GLB holds, without the bytes of the file itself.
