@@ -70,7 +70,7 @@ pub(crate) enum Command {
     Chain(chain::ChainArgs),
     /// Make an offline page that shows every level in a browser
     #[command(after_help = MORE, after_long_help = view::EXAMPLES)]
-    View(view::PageArgs),
+    View(view::ViewArgs),
     /// Show what is inside .lodc files and .lods streams
     Info(info::InfoArgs),
     /// Replay every model of .lodc files against the reference

@@ -23,6 +23,13 @@ pub(crate) trait Kind: Copy + Send + Sync + 'static {
     fn help(self) -> &'static str;
 }
 
+/// The upward axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum UpAxis {
+    Y,
+    Z,
+}
+
 /// Takes the lists from the libraries.
 macro_rules! families {
     ($($kind:ty),*) => {$(

@@ -9,19 +9,20 @@ export class Orbit {
   /** @param changed called after each move */
   constructor(canvas, { low, high }, changed) {
     this.changed = changed;
-    const size = sub(high, low);
-    this.home = {
-      centre: scaled(add(low, high), 0.5),
-      radius: Math.hypot(...size) / 2 || 1,
-      wide: Math.hypot(size[0], size[2]) / 2,
-      high: size[1] / 2,
-    };
+    this.home = home(low, high);
     this.covered = 0;
+    this.beside = 0;
     this.fovy = FOVY;
     this.aspect = 1;
     this.pointers = new Map();
     this.reset();
     this.listen(canvas);
+  }
+
+  /** Goes around another box. */
+  around({ low, high }) {
+    this.home = home(low, high);
+    this.reset();
   }
 
   reset() {
@@ -37,15 +38,19 @@ export class Orbit {
   fitting() {
     const { wide, high } = this.home;
     const half = Math.tan(this.fovy / 2);
-    const across = wide / Math.sin(Math.atan(half * this.aspect));
+    const across = wide / Math.sin(Math.atan(half * this.aspect * (1 - this.beside)));
     const upward = (high + 0.35 * wide) / (half * (1 - this.covered)) + 0.6 * wide;
     return Math.max(across, upward, this.home.radius * 0.5) * 1.06;
   }
 
-  /** `covered` is the share of the picture's height, at the bottom, where something stands. */
-  resize(aspect, covered = 0) {
+  /**
+   * `covered` is the share of the picture's height, at the bottom, where something stands, `beside`
+   * that of its width, on the right.
+   */
+  resize(aspect, covered = 0, beside = 0) {
     this.aspect = aspect;
     this.covered = Math.min(covered, 0.6);
+    this.beside = Math.min(beside, 0.6);
     if (!this.touched) this.distance = this.fitting();
   }
 
@@ -62,6 +67,7 @@ export class Orbit {
     const far = Math.hypot(...sub(eye, this.home.centre)) + 1.1 * reach;
     const near = Math.max(far - 2.4 * reach, far / 4000);
     const projection = perspective(this.fovy, this.aspect, near, far);
+    projection[8] = this.beside;
     projection[9] = -this.covered;
     return { eye, view: lookAt(eye, this.target, UP), projection };
   }
@@ -143,4 +149,15 @@ export class Orbit {
     event.preventDefault();
     moves[event.key]();
   }
+}
+
+/** Centre and size of a box. */
+function home(low, high) {
+  const size = sub(high, low);
+  return {
+    centre: scaled(add(low, high), 0.5),
+    radius: Math.hypot(...size) / 2 || 1,
+    wide: Math.hypot(size[0], size[2]) / 2,
+    high: size[1] / 2,
+  };
 }

@@ -4,6 +4,9 @@ import { animations, sampled } from './animation.js';
 import { objects } from './geometry.js';
 import { IDENTITY, composed, moved, times } from './math.js';
 
+/** The third axis upward, as the second one is in glTF. */
+const THIRD_UP = [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1];
+
 export class Scene {
   constructor(glb, shown = objects(glb)) {
     this.glb = glb;
@@ -23,8 +26,15 @@ export class Scene {
     this.pose(null, 0);
   }
 
+  /** Stands on the axis `y`, as all glTF does, or `z`. */
+  stand(up) {
+    this.up = up;
+    this.pose(this.posed?.animation ?? null, this.posed?.seconds ?? 0);
+  }
+
   /** Poses all nodes by an animation, or at rest. */
   pose(animation, seconds) {
+    this.posed = { animation, seconds };
     for (const n of this.nodes) Object.assign(n, n.rest);
     for (const channel of animation?.channels ?? []) {
       const n = this.nodes[channel.node];
@@ -35,7 +45,8 @@ export class Scene {
       n.world = times(parent, n.matrix ?? composed(n.translation, n.rotation, n.scale));
       n.children.forEach((child) => place(child, n.world));
     };
-    this.roots.forEach((root) => place(root, IDENTITY));
+    const stand = this.up === 'z' ? THIRD_UP : IDENTITY;
+    this.roots.forEach((root) => place(root, stand));
   }
 
   /**

@@ -70,7 +70,7 @@ pub(crate) struct BuildArgs {
     /// Contents are compared, never times.
     #[arg(long, help_heading = OUTPUT)]
     if_changed: bool,
-    /// Say how large inputs are and how much memory their builds need; build nothing
+    /// Say how much memory each build needs, and build nothing
     ///
     /// Told by headers, for text by its lines. With --report, as JSON.
     #[arg(long, help_heading = OUTPUT, hide_short_help = true)]

@@ -3,10 +3,11 @@
 use super::RenderArgs;
 use super::cells::Cell;
 use super::heat::Heat;
-use super::options::{Backs, Colouring, Shading, UpAxis, View};
+use super::options::{Backs, Colouring, Shading, View};
 use super::scene::Shown;
 use crate::exit::{Failure, Outcome, Status};
 use crate::gpu::{Device, failure};
+use crate::kinds::UpAxis;
 use lodc_gpu::GpuError;
 use lodc_gpu::picture::{
     BackFaces, Camera, Colours, Division, Frame, Framing, Legend, Lens, Level, Scene, Sheet, Style,

@@ -13,13 +13,14 @@ mod scene;
 use crate::exit::{Failure, Outcome};
 use crate::gpu::{self, Device};
 use crate::help::{BECOMES, DEVICE, LEVEL, MORE, OUTPUT, SEEN};
+use crate::kinds::UpAxis;
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::pose::PoseArgs;
 use crate::selector::{SelectorArgs, share};
 use crate::views::ViewArgs;
 use clap::{Arg, Args};
-use options::{Backs, Colouring, Shading, UpAxis, View};
+use options::{Backs, Colouring, Shading, View};
 use std::path::PathBuf;
 
 /// Options of `render`.

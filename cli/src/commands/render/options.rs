@@ -30,13 +30,6 @@ impl View {
     }
 }
 
-/// The upward axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum UpAxis {
-    Y,
-    Z,
-}
-
 /// Whose normals light falls on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Shading {

@@ -122,6 +122,8 @@ export class Controls {
   toggleOptions() {
     const open = element('options').toggleAttribute('data-open');
     element('look').setAttribute('aria-expanded', String(open));
+    // What is seen has room beside the panel.
+    this.viewer.resize();
   }
 
   theme() {
@@ -157,6 +159,7 @@ export class Controls {
       if (boxes[key]) element(boxes[key]).click();
       else if (key === 't') this.theme();
       else if (key === 'o') this.toggleOptions();
+      else if (key === 'u') this.viewer.stand(this.viewer.scene.up === 'z' ? 'y' : 'z');
       else if (key === '[') this.slide(this.viewer.share - 0.02);
       else if (key === ']') this.slide(this.viewer.share + 0.02);
     });

@@ -20,7 +20,9 @@ async function start() {
   const model = document.getElementById('model');
   const glb = new Glb(bytesOf(model.textContent));
   const shipped = isShipped(glb);
+  const { up } = document.documentElement.dataset;
   const scene = shipped ? new ShippedScene(glb) : new Scene(glb);
+  scene.stand(up);
   model.remove();
   // WebGL is there at once, WebGPU takes over when its device is.
   const renderer = await WebglRenderer.create(canvas, scene)

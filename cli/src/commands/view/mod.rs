@@ -6,7 +6,8 @@ mod page;
 use super::asset::{self, Asset, SimplifyArgs};
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome};
-use crate::help::{BECOMES, OUTPUT};
+use crate::help::{BECOMES, OUTPUT, SEEN};
+use crate::kinds::UpAxis;
 use crate::limits::ImportArgs;
 use crate::mesh_output;
 use crate::output::{self, Rule, Target};
@@ -45,12 +46,24 @@ pub(crate) struct PageArgs {
     pub(super) import: ImportArgs,
 }
 
+/// Options of `view`.
+#[derive(Args, Debug)]
+pub(crate) struct ViewArgs {
+    #[command(flatten)]
+    page: PageArgs,
+    /// Upward axis
+    ///
+    /// As the file has it; U on the page turns it.
+    #[arg(long, value_enum, default_value = "y", help_heading = SEEN)]
+    up: UpAxis,
+}
+
 /// Examples in the help.
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   lodc view chair.glb -o chair.html
   lodc view chair.lodc -o chair.html --title 'Chair, oak'
-  lodc view levels.glb -o levels.html     # what lodc chain wrote, as an engine shows it";
+  lodc view levels.glb -o levels.html";
 
 /// A page that was made.
 pub(super) struct Page {
@@ -69,18 +82,19 @@ pub(super) struct Shown<'a> {
     pub(super) stages: &'a mut Stages,
 }
 
-pub(crate) fn run(args: &PageArgs) -> Outcome<()> {
+pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
+    let ViewArgs { page: args, up } = args;
     let options = args.import.options();
     if !output::is_stream(&args.input) && states_levels(&args.input, &options) {
         let ShippedLevels { levels, glides, .. } = import_levels(&args.input, &options)?;
         // A level alone is a mesh like another.
         if levels.len() > 1 || !glides.is_empty() {
-            return run_shipped(args, levels.len());
+            return run_shipped(args, *up, levels.len());
         }
     }
     write(args, |Shown { asset, assets, title, stages }| {
         let (glb, warnings) = stages.run("export", || model(args, asset, assets))?;
-        let text = stages.run("page", || page::page(&title, &glb));
+        let text = stages.run("page", || page::page(&title, *up, &glb));
         let triangles = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
         let shown = format!("{}, ", count(triangles.sum(), "triangle"));
         Ok((Page { text, warnings, facts: [shown, String::new()] }, ()))
@@ -110,14 +124,14 @@ pub(super) fn write<R>(
 }
 
 /// Makes the page of levels as a glTF holds them.
-fn run_shipped(args: &PageArgs, levels: usize) -> Outcome<()> {
+fn run_shipped(args: &PageArgs, up: UpAxis, levels: usize) -> Outcome<()> {
     let target = target(args)?;
     let mut stages = Stages::default();
     let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let options = args.import.options();
     let (glb, warnings) = stages.run("export", || as_plain_glb(&mut assets, &options))?;
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
-    let text = stages.run("page", || page::page(&title, &glb));
+    let text = stages.run("page", || page::page(&title, up, &glb));
     let facts = [format!("{} as shipped, ", count(levels as u64, "level")), String::new()];
     put(args, &target, Page { text, warnings, facts }, assets.files(), &mut stages)
 }

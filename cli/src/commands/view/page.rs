@@ -1,5 +1,6 @@
 //! The page: a template, a style, modules of JavaScript and the model, put into one file.
 
+use crate::kinds::UpAxis;
 use lodc_lod::interactive::shaders;
 use lodc_report::html::{base64, escaped};
 
@@ -15,7 +16,7 @@ const MODULES: [(&str, &str); 4] = [
 ];
 
 /// The page of a model, a GLB with all levels.
-pub(super) fn page(title: &str, glb: &[u8]) -> String {
+pub(super) fn page(title: &str, up: UpAxis, glb: &[u8]) -> String {
     let modules = lodc_web::MODULES.iter().chain(&MODULES);
     let script: String = modules.map(|(name, text)| joined(name, text)).collect();
     let model = base64(glb);
@@ -26,6 +27,7 @@ pub(super) fn page(title: &str, glb: &[u8]) -> String {
         page.push_str(before);
         match key {
             "title" => page.push_str(&escaped(title)),
+            "up" => page.push_str(if up == UpAxis::Z { "z" } else { "y" }),
             "style" => page.push_str(STYLE),
             "script" => page.push_str(&script),
             "model" => page.push_str(&model),
@@ -66,14 +68,14 @@ mod tests {
 
     #[test]
     fn nothing_in_a_title_is_markup() {
-        let page = page("<b onload=\"x\">&", b"");
+        let page = page("<b onload=\"x\">&", UpAxis::Y, b"");
         assert!(page.contains("&lt;b onload=&quot;x&quot;&gt;&amp;"));
         assert!(!page.contains("<b onload"));
     }
 
     #[test]
     fn a_page_needs_no_network_and_no_other_file() {
-        let page = page("title", b"glTF");
+        let page = page("title", UpAxis::Y, b"glTF");
         for word in ["http:", "https:", "src=", "href=\"/", "\nimport ", "\nexport "] {
             assert!(!page.contains(word), "{word}");
         }

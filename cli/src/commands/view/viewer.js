@@ -52,7 +52,7 @@ export class Viewer {
     // Setting a size, even the same, clears the canvas.
     if (this.surface.width !== width) this.surface.width = width;
     if (this.surface.height !== height) this.surface.height = height;
-    this.orbit.resize(width / height, this.covered());
+    this.orbit.resize(width / height, this.covered(), this.beside());
     this.invalidate();
   }
 
@@ -70,6 +70,21 @@ export class Viewer {
   covered() {
     const { top } = document.querySelector('footer').getBoundingClientRect();
     return 1 - top / window.innerHeight;
+  }
+
+  /** Share of the canvas that the options cover on the right; on a narrow page they stand below. */
+  beside() {
+    const { left, right, width } = document.querySelector('aside').getBoundingClientRect();
+    const aside = width > 0 && left > window.innerWidth / 2;
+    return aside ? 1 - (left - (window.innerWidth - right)) / window.innerWidth : 0;
+  }
+
+  /** Stands the scene on another axis, `y` or `z`. */
+  stand(up) {
+    this.scene.stand(up);
+    this.orbit.around(this.scene.bounds());
+    this.viewState = null;
+    this.invalidate();
   }
 
   /** The camera has moved. */
