@@ -123,7 +123,7 @@ struct CrowdArgs {
     /// Number that makes its paths; the same one gives the same paths
     #[arg(long, value_name = "K", default_value = "1", requires = "crowd", hide_short_help = true)]
     seed: u64,
-    /// Draw the crowd in the middle of its time, all levels beside five, on a graphics device
+    /// Draw the crowd, all levels beside five, on a graphics device
     #[arg(long, value_name = "OUT.png", requires = "crowd", help_heading = OUTPUT,
           hide_short_help = true)]
     picture: Option<PathBuf>,
