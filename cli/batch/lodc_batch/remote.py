@@ -27,11 +27,8 @@ def name(url):
 
 
 def size(url):
-    """Returns the bytes of a file, at a URL or a path; 0 if nobody knows."""
+    """Returns the bytes of a file; 0 if its place does not say."""
     try:
-        if not is_url(url):
-            beside = Path(url).with_suffix(".bin")
-            return sum(p.stat().st_size for p in {Path(url), beside} if p.is_file())
         files, path = system(url)
         return files.info(path).get("size") or 0
     except Exception:

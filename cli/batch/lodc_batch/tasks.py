@@ -88,7 +88,11 @@ def estimate(tasks, lodc, options):
 
 def by_size(task):
     """Returns the bytes of memory that an asset may need, by the size of its files."""
-    return max(LEAST_MEMORY, remote.size(task.input) * MEMORY_OF_BYTE)
+    if remote.is_url(task.input):
+        size = remote.size(task.input)
+    else:
+        size = sum(map(os.path.getsize, files_of(task.input)))
+    return max(LEAST_MEMORY, size * MEMORY_OF_BYTE)
 
 
 def files_of(name):

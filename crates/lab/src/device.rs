@@ -1,12 +1,12 @@
 //! Timing models on a graphics device, by the device's own clock.
 
 use crate::error::LabError;
-use crate::prepared::Prepared;
-use crate::primitives::{self, Primitive};
+use crate::primitives::Primitive;
 use crate::report::{CaseReport, DeviceCurve, DrawnCurve, GpuReport, MemoryReport, PrimitiveDraws};
 use crate::subject::Subject;
 use crate::timings::Timings;
 use indexmap::IndexMap;
+use lodc::LodObject;
 pub use lodc_gpu::Device;
 use lodc_gpu::picture::{Camera, Framing, Lens, Up};
 use lodc_gpu::{GpuError, Instance, Instanced, InstancedDraw, InstancedFrame};
@@ -22,7 +22,8 @@ use std::time::{Duration, Instant};
 /// If the device fails or is too small.
 pub(crate) fn measure(
     device: &Device,
-    prepared: &Prepared,
+    object: &LodObject,
+    levels: [Vec<Primitive>; 2],
     subjects: &mut [Subject<'_>],
     stops: &[Lod],
     rounds: u32,
@@ -32,7 +33,6 @@ pub(crate) fn measure(
         clock: if device.has_clock() { "device" } else { "host" },
         ..GpuReport::default()
     };
-    let object = &prepared.object;
     let simplified = &object.simplified;
     let vertices = (simplified.mesh().vertex_count() - simplified.fakes()).max(1) as f64;
     let start = Instant::now();
@@ -59,7 +59,7 @@ pub(crate) fn measure(
         report.models.insert(model.name(), cases.collect());
     }
     let stage = Stage::new(device, simplified, rounds)?;
-    report.primitives = primitives(&stage, prepared)?;
+    report.primitives = primitives(&stage, levels)?;
     report.curve = curve(&stage, simplified, subjects, stops)?;
     Ok((!object.models.is_empty()).then_some(report))
 }
@@ -105,20 +105,17 @@ impl<'d> Stage<'d> {
     }
 }
 
-/// Draws of the four primitives of table 5.3 of the thesis.
+/// Draws of the four primitives of table 5.3 of the thesis, at LOD 0 and where a fifth is left.
 fn primitives(
     stage: &Stage<'_>,
-    prepared: &Prepared,
+    [whole, fifth]: [Vec<Primitive>; 2],
 ) -> Result<IndexMap<&'static str, PrimitiveDraws>, LabError> {
-    let [whole, fifth] = primitives::lods(&prepared.object.simplified);
-    let levels =
-        primitives::all(prepared, whole)?.into_iter().zip(primitives::all(prepared, fifth)?);
     let timed = |(whole, fifth): (Primitive, Primitive)| {
         let draw_ms = stage.draw_ms(whole.indices, whole.strips)?;
         let draw_ms_20 = stage.draw_ms(fifth.indices, fifth.strips)?;
         Ok((whole.name, PrimitiveDraws { draw_ms, draw_ms_20 }))
     };
-    levels.map(timed).collect()
+    whole.into_iter().zip(fifth).map(timed).collect()
 }
 
 /// LODs of a curve on a device.

@@ -1,9 +1,10 @@
 //! The place of a graphics device where the feature `gpu` is off.
 
 use crate::error::LabError;
-use crate::prepared::Prepared;
+use crate::primitives::Primitive;
 use crate::report::GpuReport;
 use crate::subject::Subject;
+use lodc::LodObject;
 use lodc_mesh::Lod;
 
 /// A graphics device that cannot be there.
@@ -13,7 +14,8 @@ pub enum Device {}
 /// There is no device.
 pub(crate) fn measure(
     device: &Device,
-    _: &Prepared,
+    _: &LodObject,
+    _: [Vec<Primitive>; 2],
     _: &mut [Subject<'_>],
     _: &[Lod],
     _: u32,

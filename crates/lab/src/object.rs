@@ -46,7 +46,8 @@ pub fn measure(
     for (name, cost) in plain(&object.simplified, long) {
         models.insert(name, plain_report(cost));
     }
-    let [whole, fifth] = primitives::lods(&object.simplified);
+    let lods = primitives::lods(&object.simplified);
+    let [whole, fifth] = [primitives::all(prepared, lods[0])?, primitives::all(prepared, lods[1])?];
     let mut report = BenchObject {
         records: collapses.records(),
         updates: sweep.stops.len() as u64,
@@ -54,8 +55,8 @@ pub fn measure(
         curve: curve(collapses, &sweep.stops),
         rebuild_us: times.as_ref().map(|t| t.rebuild.best()),
         rebuild_spread: times.as_ref().map(|t| t.rebuild.spread()),
-        primitives: primitives::reports(prepared, whole)?,
-        primitives_20: primitives::reports(prepared, fifth)?,
+        primitives: primitives::reports(&object.simplified, lods[0], &whole),
+        primitives_20: primitives::reports(&object.simplified, lods[1], &fifth),
         models,
         gpu: None,
         stream: None,
@@ -64,7 +65,8 @@ pub fn measure(
         report.stream = Some(stream::measure(prepared, settings.rounds)?);
     }
     if let (Some(device), Some(rounds)) = (device, settings.rounds) {
-        report.gpu = device::measure(device, prepared, &mut subjects, &sweep.stops, rounds)?;
+        report.gpu =
+            device::measure(device, object, [whole, fifth], &mut subjects, &sweep.stops, rounds)?;
     }
     Ok(report)
 }

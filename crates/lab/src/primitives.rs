@@ -99,16 +99,12 @@ pub(crate) fn all(prepared: &Prepared, lod: Lod) -> Result<Vec<Primitive>, LabEr
     Ok(all)
 }
 
-/// The figures of all primitives at a level.
-///
-/// # Errors
-/// If strips cannot follow the sequence: a bug.
+/// The figures of all primitives of a level.
 pub(crate) fn reports(
-    prepared: &Prepared,
+    simplified: &Simplified,
     lod: Lod,
-) -> Result<IndexMap<&'static str, PrimitiveReport>, LabError> {
-    let simplified = &prepared.object.simplified;
+    all: &[Primitive],
+) -> IndexMap<&'static str, PrimitiveReport> {
     let triangles = simplified.collapses().triangles_at(lod) as usize;
-    let all = all(prepared, lod)?;
-    Ok(all.iter().map(|p| (p.name, p.report(simplified.mesh(), triangles))).collect())
+    all.iter().map(|p| (p.name, p.report(simplified.mesh(), triangles))).collect()
 }

@@ -119,6 +119,11 @@ impl Parser {
                     elements.push(parser.value(next, lexer)?);
                     Ok(())
                 })?;
+                // The first element takes room for four: of lists of one child most of a document's
+                // memory. Long ones would be copied for little.
+                if elements.len() < 4 {
+                    elements.shrink_to_fit();
+                }
                 Json::Array(elements)
             }
             b'{' => {

@@ -1,6 +1,6 @@
 //! `build --estimate`: what a build needs, told by the headers of its inputs. Nothing is built.
 
-use super::{BuildArgs, ReportFormat};
+use super::{BuildArgs, ReportFormat, pipeline};
 use crate::batch::{Asset, Budget};
 use crate::commands::each::{self, AssetOptions};
 use crate::console;
@@ -59,8 +59,7 @@ fn one(asset: &Asset, options: &AssetOptions<BuildArgs>) -> (Status, InputEstima
         let counted = import::count(&asset.input, &args.import.options())?;
         let of = Size { triangles: counted.triangles, vertices: counted.vertices };
         let metric = args.simplify_options().metric;
-        let kinds = args.models.kinds()?;
-        let needs = [of.simplify([metric].into_iter()), of.errors(), of.models(&kinds)];
+        let needs = pipeline::needs(of, [metric].into_iter(), &args.models.kinds()?);
         let most = needs.iter().map(|need| need.bytes).max().unwrap_or(0);
         let memory =
             most.saturating_add(counted.bytes.saturating_mul(OF_BYTE)).saturating_add(PROGRAM);

@@ -7,7 +7,7 @@ use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc::build::{
-    Known, ScenePaints, SimplifiedObjects, Size, build_models, check_models, measure_all,
+    Known, Need, ScenePaints, SimplifiedObjects, Size, build_models, check_models, measure_all,
     simplify_all,
 };
 use lodc::{LodFile, LodObject, write};
@@ -19,7 +19,7 @@ use lodc_formats::{Document, ObjectInfo, Scene, Sought, import};
 use lodc_lod::ModelKind;
 use lodc_mesh::Simplified;
 use lodc_report::documents::InputReport;
-use lodc_simplify::Options;
+use lodc_simplify::{MetricKind, Options};
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
@@ -109,6 +109,15 @@ fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<Sought
     Ok(assets.files().clone())
 }
 
+/// What the stages of a build need.
+pub(super) fn needs(
+    size: Size,
+    metrics: impl Iterator<Item = MetricKind>,
+    kinds: &[ModelKind],
+) -> [Need; 3] {
+    [size.simplify(metrics), size.errors(), size.models(kinds)]
+}
+
 /// Checks that the work on a scene fits into memory.
 fn check_memory(
     args: &BuildArgs,
@@ -117,8 +126,7 @@ fn check_memory(
     options: &[Options],
     kinds: &[ModelKind],
 ) -> Outcome<()> {
-    let metrics = options.iter().map(|o| o.metric);
-    let needs = [size.simplify(metrics), size.errors(), size.models(kinds)];
+    let needs = needs(size, options.iter().map(|o| o.metric), kinds);
     args.import.limits().check_memory(&input.display().to_string(), size, &needs)
 }
 
