@@ -1,6 +1,6 @@
 // Tests of the package as a user has it: packed, installed into a fresh folder, bundled by Vite,
 // opened in Chromium. `node --test` with LODC_WEB naming the built package, LODC_WEB_TOOLS the
-// node_modules with vite, typescript, three and axe-core, LODC the program (tests/cli/web.rs).
+// node_modules with vite, typescript and three, LODC the program (tests/cli/web.rs).
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
