@@ -144,6 +144,7 @@ pub struct GltfDocument {
 }
 
 /// What a mesh file holds, as far as can be told without reading it.
+#[cfg(feature = "import")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counted {
     /// Triangles, those without area included.
