@@ -1,9 +1,9 @@
 //! Engines read chains: Babylon.js, which knows MSFT_lod, and three.js through its parser.
 
-use crate::support::{Folder, corpus, outside};
+use crate::support::{Folder, bounded, corpus, outside};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 /// Bits that quantised files keep.
 const BITS: &str = "pos=14,normal=10,uv=12,color=8,weight=8";
@@ -16,7 +16,7 @@ fn modules() -> Option<PathBuf> {
 /// Runs a script of this folder over a list; returns what it prints.
 fn script(folder: &Folder, modules: &Path, name: &str, list: &Value) -> Value {
     folder.file("list.json", list.to_string());
-    let output = Command::new("node")
+    let output = bounded("node")
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests").join(name))
         .arg(modules)
         .arg("list.json")
@@ -130,7 +130,7 @@ fn quantised_files_are_about_as_small_as_those_of_gltfpack() {
         let input = corpus.join(name).to_string_lossy().into_owned();
         let args = ["extract", &input, "--ratio", "1", "--compress", "meshopt", "-o", "own.glb"];
         folder.lodc(args.iter().chain(&["-q", "--quantize", BITS])).ends(0);
-        let pack = Command::new("node")
+        let pack = bounded("node")
             .arg(modules.join("gltfpack/cli.js"))
             .args("-cc -kn -km -ke -kv -vp 14 -vt 12 -vn 10 -o its.glb -i".split(' '))
             .arg(&input)

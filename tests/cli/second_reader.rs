@@ -1,7 +1,7 @@
 //! A second reader, written in Python from docs/FORMAT.md and docs/STREAM.md, agrees with this
 //! program: on levels of every structure and on every step of the golden streams.
 
-use crate::support::{Folder, outside};
+use crate::support::{Folder, bounded, outside};
 use lodc::{LodFile, LodObject};
 use lodc_fixtures::{Rng, named, random_collapse};
 use lodc_formats::lodc::Layout;
@@ -11,7 +11,6 @@ use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_strip::{StripOptions, StripPool};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::Arc;
 
 /// Shapes with several submeshes, attributes, seams, fakes, points and no triangles at all.
@@ -45,7 +44,7 @@ const EXTRACTED: usize = 3;
 fn python(arguments: &[&Path]) -> Option<String> {
     let program = outside("LODC_PYTHON")?;
     let script = root().join("tests/second_reader.py");
-    let output = Command::new(&program).arg(script).args(arguments).output();
+    let output = bounded(&program).arg(script).args(arguments).output();
     let output = output.expect("Python starts");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{}\n{errors}", String::from_utf8_lossy(&output.stdout));

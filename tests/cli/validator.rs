@@ -1,10 +1,10 @@
 //! The Khronos glTF validator judges what is exported: a file that was valid before is valid after.
 
-use crate::support::{Folder, REFUSED, corpus, grid, manifest, outside};
+use crate::support::{Folder, REFUSED, bounded, corpus, grid, manifest, outside};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 /// The folder of the validator. None if it is not asked for.
 fn validator() -> Option<PathBuf> {
@@ -21,7 +21,7 @@ fn errors(
 ) -> BTreeMap<String, Vec<String>> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/validate.js");
     folder.file("list.json", serde_json::to_string(names).expect("names are JSON"));
-    let output = Command::new("node")
+    let output = bounded("node")
         .arg(script)
         .arg(validator)
         .arg("list.json")

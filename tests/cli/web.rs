@@ -1,8 +1,8 @@
 //! The browser package: its modules under node, and as its users have it, in a browser.
 
-use crate::support::{LODC, outside};
+use crate::support::{LODC, bounded, outside};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 #[test]
 fn the_package_gives_the_levels_of_the_program() {
@@ -20,7 +20,7 @@ fn the_package_is_bundled_and_shows_models_and_streams_in_a_browser() {
 /// they use.
 fn node(script: &str, folder: &Path, tests: usize) {
     let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/web/test");
-    let output = Command::new("node")
+    let output = bounded("node")
         .arg("--test")
         .arg(scripts.join(script))
         .env("LODC_WEB", folder)

@@ -55,8 +55,7 @@ const { server, url } = await serve(join(fresh, 'dist'), models);
 const browser = await Chromium.start();
 await browser.size(640, 480);
 await browser.goto(`${url}/index.html`);
-const isReady = "'ready' in document.documentElement.dataset";
-while (!await browser.value(isReady)) await new Promise((resolve) => setTimeout(resolve, 20));
+await browser.until("'ready' in document.documentElement.dataset");
 test.after(async () => {
   await browser.close();
   server.close();
@@ -187,9 +186,7 @@ test("the README's lines run", async () => {
   tool('vite/bin/vite.js', 'build', '--logLevel', 'error', '--outDir', 'readme');
   const other = await serve(join(fresh, 'readme'), models);
   await browser.goto(`${other.url}/index.html`);
-  while (await browser.value('document.body.textContent.trim()') === '') {
-    await new Promise((resolve) => setTimeout(resolve, 20));
-  }
+  await browser.until("document.body.textContent.trim() !== ''");
   assert.equal(await browser.value('document.body.textContent'), 'true,false');
   other.server.close();
 });

@@ -11,6 +11,9 @@ const FLAGS = [
   '--disable-background-networking', '--disable-component-update', '--disable-dev-shm-usage',
 ];
 
+/** Answers that take longer never come: milliseconds. */
+const LONGEST = 120_000;
+
 /** A browser with one page. */
 export class Chromium {
   static async start(...flags) {
@@ -18,6 +21,8 @@ export class Chromium {
     const stdio = ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'];
     const child = spawn('chromium', [...FLAGS, ...flags, `--user-data-dir=${profile}`], { stdio });
     const browser = new Chromium(child, profile);
+    // Whatever becomes of the tests, the browser does not stay.
+    process.on('exit', () => child.kill('SIGKILL'));
     const { targetId } = await browser.send('Target.createTarget', { url: 'about:blank' });
     const attached = await browser.send('Target.attachToTarget', { targetId, flatten: true });
     browser.session = attached.sessionId;
@@ -38,13 +43,17 @@ export class Chromium {
       text = messages.pop();
       for (const message of messages) this.take(JSON.parse(message));
     });
-    child.on('exit', () => this.open.forEach(({ reject }) => reject(new Error('Chromium ended'))));
+    this.ended = new Promise((resolve) => {
+      for (const event of ['exit', 'error']) child.once(event, resolve);
+    });
+    child.stdio[3].on('error', () => {});
   }
 
   take({ id, result, error, method, params }) {
     if (id) {
-      const { resolve, reject } = this.open.get(id);
+      const { resolve, reject } = this.open.get(id) ?? {};
       this.open.delete(id);
+      if (!resolve) return;
       if (error) reject(new Error(error.message));
       else resolve(result);
       return;
@@ -68,14 +77,40 @@ export class Chromium {
     const id = this.next++;
     const isOfPage = this.session && !method.startsWith('Target.');
     const session = isOfPage ? { sessionId: this.session } : {};
-    return new Promise((resolve, reject) => {
+    const answer = new Promise((resolve, reject) => {
       this.open.set(id, { resolve, reject });
       this.child.stdio[3].write(`${JSON.stringify({ id, method, params, ...session })}\0`);
     });
+    return this.within(answer, `${method} ${params.expression ?? ''}`);
   }
 
   event(method) {
-    return new Promise((resolve) => this.waits.push({ method, resolve }));
+    return this.within(new Promise((resolve) => this.waits.push({ method, resolve })), method);
+  }
+
+  /** What is waited for, or an error if the browser ends before or takes too long. */
+  async within(wanted, what) {
+    let timer;
+    const late = new Promise((resolve) => { timer = setTimeout(resolve, LONGEST, 'no answer'); });
+    const ended = this.ended.then(() => 'Chromium ended');
+    const failed = Promise.race([late, ended]).then((why) => {
+      throw new Error(`${what}: ${why}\n${this.console.join('\n')}`);
+    });
+    try {
+      return await Promise.race([wanted, failed]);
+    } finally {
+      clearTimeout(timer);
+    }
+  }
+
+  /** Waits until an expression is true. */
+  async until(expression) {
+    const begun = Date.now();
+    while (!await this.value(expression)) {
+      const late = Date.now() - begun > LONGEST;
+      if (late) throw new Error(`never true: ${expression}\n${this.console.join('\n')}`);
+      await new Promise((resolve) => setTimeout(resolve, 20));
+    }
   }
 
   /** Opens an address and waits until it is loaded. */
@@ -109,9 +144,8 @@ export class Chromium {
   }
 
   async close() {
-    const gone = new Promise((resolve) => this.child.once('exit', resolve));
-    this.child.kill();
-    await gone;
+    this.child.kill('SIGKILL');
+    await this.ended;
     rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });
   }
 }

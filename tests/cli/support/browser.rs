@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
-use std::net::TcpListener;
+use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::mpsc;
 
 /// Chromium without a window.
 pub(crate) struct Browser(PathBuf);
@@ -53,10 +54,15 @@ impl Browser {
             .spawn()
             .expect("the browser starts");
         let lines = BufReader::new(child.stderr.take().expect("it was asked for")).lines();
-        let found = lines.map_while(Result::ok).find_map(|line| {
-            let (_, rest) = line.split_once("\"done: ")?;
-            Some(rest.rsplit_once("\", source:").map_or(rest, |(text, _)| text).to_owned())
+        let (told, wait) = mpsc::channel();
+        std::thread::spawn(move || {
+            let found = lines.map_while(Result::ok).find_map(|line| {
+                let (_, rest) = line.split_once("\"done: ")?;
+                Some(rest.rsplit_once("\", source:").map_or(rest, |(text, _)| text).to_owned())
+            });
+            let _ = told.send(found);
         });
+        let found = wait.recv_timeout(super::LONGEST).ok().flatten();
         let _ = child.kill();
         let _ = child.wait();
         found.expect("the page comes to its end")
@@ -64,7 +70,7 @@ impl Browser {
 
     /// The text of a page after its scripts.
     pub(crate) fn dump(&self, address: &str) -> String {
-        let output = Command::new(&self.0)
+        let output = super::bounded(&self.0)
             .args(["--headless=new", "--no-sandbox", "--enable-unsafe-webgpu"])
             .args(["--virtual-time-budget=20000", "--dump-dom", address])
             .stdin(Stdio::null())
@@ -81,31 +87,38 @@ pub(crate) fn served(folders: Vec<PathBuf>) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port of this machine");
     let address = format!("http://{}", listener.local_addr().expect("it is bound"));
     std::thread::spawn(move || {
-        for mut stream in listener.incoming().map_while(Result::ok) {
-            let mut line = String::new();
-            if BufReader::new(&stream).read_line(&mut line).is_err() {
-                continue;
-            }
-            let name = line.split(' ').nth(1).unwrap_or_default();
-            let name = name.split('?').next().unwrap_or_default().trim_start_matches('/');
-            let found = folders.iter().find_map(|folder| std::fs::read(folder.join(name)).ok());
-            let (status, bytes) = match found {
-                Some(bytes) => ("200 OK", bytes),
-                None => ("404 Not Found", Vec::new()),
-            };
-            let kind = match Path::new(name).extension().and_then(|e| e.to_str()) {
-                Some("html") => "text/html",
-                Some("js" | "mjs") => "text/javascript",
-                _ => "application/octet-stream",
-            };
-            let length = bytes.len();
-            let head = format!(
-                "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\
-                 Connection: close\r\n\r\n"
-            );
-            // A browser that went away is no fault of the test.
-            let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&bytes));
+        for stream in listener.incoming().map_while(Result::ok) {
+            // Browsers open connections ahead, on which nothing may ever come.
+            let folders = folders.clone();
+            std::thread::spawn(move || answer(stream, &folders));
         }
     });
     address
+}
+
+/// Answers the one request of a connection.
+fn answer(mut stream: TcpStream, folders: &[PathBuf]) {
+    let mut line = String::new();
+    if BufReader::new(&stream).read_line(&mut line).is_err() {
+        return;
+    }
+    let name = line.split(' ').nth(1).unwrap_or_default();
+    let name = name.split('?').next().unwrap_or_default().trim_start_matches('/');
+    let found = folders.iter().find_map(|folder| std::fs::read(folder.join(name)).ok());
+    let (status, bytes) = match found {
+        Some(bytes) => ("200 OK", bytes),
+        None => ("404 Not Found", Vec::new()),
+    };
+    let kind = match Path::new(name).extension().and_then(|e| e.to_str()) {
+        Some("html") => "text/html",
+        Some("js" | "mjs") => "text/javascript",
+        _ => "application/octet-stream",
+    };
+    let length = bytes.len();
+    let head = format!(
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\
+         Connection: close\r\n\r\n"
+    );
+    // A browser that went away is no fault of the test.
+    let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&bytes));
 }

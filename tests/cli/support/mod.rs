@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
+use std::time::Duration;
 
 /// The program under test.
 pub(crate) const LODC: &str = env!("CARGO_BIN_EXE_lodc");
@@ -188,6 +189,17 @@ pub(crate) fn asked(needs: &str) -> bool {
 pub(crate) fn outside(variable: &str) -> Option<PathBuf> {
     let named = || std::env::var_os(variable).unwrap_or_else(|| panic!("{variable} is not set"));
     asked(variable).then(|| named().into())
+}
+
+/// The longest that a program from outside may take: far more than any needs, so that one that hangs
+/// fails by itself.
+pub(crate) const LONGEST: Duration = Duration::from_secs(600);
+
+/// A program from outside that ends, with what it started, after [`LONGEST`].
+pub(crate) fn bounded(program: impl AsRef<OsStr>) -> Command {
+    let mut command = Command::new("timeout");
+    command.arg("--kill-after=5").arg(LONGEST.as_secs().to_string()).arg(program);
+    command
 }
 
 /// The folder of real meshes. None if it is not asked for, or if `LODC_CORPUS=none` leaves it out.
