@@ -73,7 +73,7 @@ fn of_several_assets_only_the_one_that_takes_too_long_fails_and_that_is_not_reco
     let statuses: Vec<_> = (0..3).map(|i| told["inputs"][i]["status"].as_u64()).collect();
     assert_eq!(statuses, [Some(0), Some(5), Some(0)]);
     assert!(run.err.contains("b.obj: took more than 0 s"), "{}", run.err);
-    assert!(f.has("a.lodc") && !f.has("b.lodc") && f.has("c.lodc"), "{:?}", f.names());
+    assert!(f.has("a.obj.lodc") && !f.has("b.obj.lodc") && f.has("c.obj.lodc"), "{:?}", f.names());
     // Another limit is no other asset: what is there is up to date, the rest is made.
     f.file("list", list("1h"));
     let told = f.lodc(args).ends(0).json();
