@@ -5,8 +5,7 @@ use super::edits::Removed;
 use crate::trace::{Kind, Removal};
 use lodc_mesh::Lod;
 
-/// The largest number that a byte holds by itself; it stands for "that or more, the number
-/// follows".
+/// The byte that says "this or more: the number follows".
 const ESCAPE: u8 = u8::MAX;
 
 /// Added to the number of elements that go at an end of a strip.

@@ -37,8 +37,8 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    /// Reads the array of so many strips. Whether removals fit their strips is for [`Replay`] to
-    /// find.
+    /// Reads the array of a number of strips. Whether removals fit their strips is for [`Replay`]
+    /// to find.
     pub(super) fn read(array: &Array, strips: usize) -> Result<Self, BuildError> {
         if array.wide {
             return Err(wrong("is never written wide"));
