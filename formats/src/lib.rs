@@ -88,10 +88,10 @@ mod options;
 mod ply;
 #[cfg(any(feature = "import", feature = "export"))]
 mod provenance;
+mod requested_files;
 mod scene;
 #[cfg(feature = "import")]
 mod shipped;
-mod sought;
 #[cfg(feature = "import")]
 mod stl;
 #[cfg(test)]
@@ -107,13 +107,13 @@ pub use error::{Fault, FormatError};
 #[cfg(feature = "gltf")]
 pub use gltf::{PartNames, animation, animation_names, scene_graph, scene_motion};
 pub use limits::Limits;
+pub use requested_files::RequestedFiles;
 pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,
     SourceFormat, SubmeshInfo,
 };
 #[cfg(feature = "import")]
 pub use shipped::{Glide, GlidePart, ShippedLevels};
-pub use sought::Sought;
 pub use write::{OutputFile, write_all};
 
 /// The name of the morph target that moves a level to the next one.

@@ -67,12 +67,12 @@ pub(super) struct Tracker<'a> {
     border_touched: Vec<u32>,
     /// For sorting touched boundary edges: empty in between, kept to save allocating.
     edges_between: Vec<([u32; 2], usize)>,
-    found: Found,
+    found: Failures,
 }
 
 /// The first of every kind of failure.
 #[derive(Default)]
-struct Found {
+struct Failures {
     count: Option<Failure>,
     returned: Option<Failure>,
     submesh: Option<Failure>,
@@ -102,7 +102,7 @@ impl<'a> Tracker<'a> {
             triangles_touched: Vec::new(),
             border_touched: Vec::new(),
             edges_between: Vec::new(),
-            found: Found::default(),
+            found: Failures::default(),
             simplified,
             positions,
             border: border.clone(),

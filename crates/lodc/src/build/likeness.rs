@@ -5,7 +5,7 @@
 //! both are to be the same. Noise stands for them, with as much detail of every size as pictures of
 //! the world have.
 
-use lodc_measure::{Looks, Portrait, Pyramid, SceneSurface, Viewing};
+use lodc_measure::{Portrait, Pyramid, SceneSurface, ShadingOptions, Viewing};
 use lodc_mesh::{Mesh, SplitMix64};
 use lodc_scene::{
     Appearance, Arrangement, Coordinates, Graph, Image, Material, Pose, Texture, Wrap,
@@ -40,11 +40,11 @@ impl Likeness {
         let looks = painted(coordinates);
         let shown = surface(mesh, &looks, noise);
         let all = shown.common_looks(&shown);
-        let shaded = Looks { materials: false, ..all };
+        let shaded = ShadingOptions { materials: false, ..all };
         let mut kinds = vec![shaded];
         if all.materials {
             kinds.push(all);
-            kinds.push(Looks { checkerboard: shown.all_textured, ..shaded });
+            kinds.push(ShadingOptions { checkerboard: shown.all_textured, ..shaded });
         }
         kinds.dedup();
         let portraits =

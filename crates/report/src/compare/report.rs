@@ -2,7 +2,7 @@
 
 use crate::SCHEMA_VERSION;
 use crate::text::{count, distance};
-use lodc_measure::{Distances, ImageError, Looks, Numbers, Viewing, Worse};
+use lodc_measure::{Distances, ImageError, Numbers, ShadingOptions, Viewing, Worse};
 use serde::Serialize;
 
 /// `compare --json` of two files. Lengths are in A's unit.
@@ -119,7 +119,7 @@ pub struct ImageReport {
 impl ImageReport {
     /// The difference of pictures that were taken so.
     #[must_use]
-    pub fn new(viewing: Viewing, looks: Looks, error: ImageError) -> Self {
+    pub fn new(viewing: Viewing, looks: ShadingOptions, error: ImageError) -> Self {
         Self {
             views: viewing.views,
             size: viewing.size,
