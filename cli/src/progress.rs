@@ -38,11 +38,11 @@ impl Progress {
     pub(crate) fn stage(&self, name: &'static str) {
         self.begin(name, UNCOUNTED, 1);
     }
-    /// A new stage begins, of so many units.
+    /// Begins a stage of `units` units.
     pub(crate) fn stage_of(&self, name: &'static str, units: u64) {
         self.begin(name, COUNTED, units.max(1));
     }
-    /// So many more units of the stage are done.
+    /// Adds units of the stage that are done.
     pub(crate) fn add(&self, units: u64) {
         self.0.inc(units);
     }
@@ -71,7 +71,7 @@ pub(crate) struct BatchProgress {
 }
 
 impl BatchProgress {
-    /// A bar for so many assets.
+    /// A bar for `assets` assets.
     pub(crate) fn new(assets: usize) -> Self {
         let single = assets < 2;
         if single || !stderr().is_terminal() || !wants(Loudness::Normal) {

@@ -70,9 +70,8 @@ fn a_copy_keeps_its_name_unless_another_file_has_it() {
     let name = other.copies[0].path.to_string_lossy().into_owned();
     assert!(name.contains("wood/a b-") && name.ends_with(".png"), "{name}");
     assert!(other.warnings[0].contains("another file"), "{:?}", other.warnings);
-    assert!(
-        matches!(other.of("wood/a b.png"), Some(ImagePlace::Beside(p)) if p.starts_with("wood/a b-"))
-    );
+    let place = other.of("wood/a b.png");
+    assert!(matches!(place, Some(ImagePlace::Beside(p)) if p.starts_with("wood/a b-")));
 }
 
 #[test]

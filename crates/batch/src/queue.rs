@@ -36,8 +36,8 @@ struct State {
     bytes: u64,
 }
 
-/// Does `work` for each of `needs.len()` assets, which are expected to need so many bytes each.
-/// The results are in the order of `needs`, whatever the order of work.
+/// Does `work` for each of `needs.len()` assets. `needs` are the bytes that each is expected to
+/// take. The results are in the order of `needs`, whatever the order of work.
 pub fn run<R: Send>(needs: &[u64], budget: Budget, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
     let mut order: Vec<usize> = (0..needs.len()).collect();
     order.sort_by_key(|&i| (std::cmp::Reverse(needs[i]), i));

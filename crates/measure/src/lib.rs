@@ -3,7 +3,9 @@
 //! it knows none of them.
 //!
 //! ```
-//! use lodc_measure::{ShadingOptions, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
+//! use lodc_measure::{
+//!     Sampling, ShadingOptions, Surface, Viewing, compare_pictures, distances, pictures,
+//! };
 //!
 //! let square = |z: f32| Surface {
 //!     positions: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]

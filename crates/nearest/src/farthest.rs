@@ -60,8 +60,8 @@ pub struct Search {
     pub tolerance: f64,
     /// Distances below this are none.
     pub floor: f64,
-    /// Boxes of the tree that may be opened after all triangles were looked at once: so many for
-    /// each of them, and so many besides. Beyond, the bounds stay apart.
+    /// Boxes of the tree that may be opened after all triangles were looked at once: the
+    /// first number for each of them, and the second besides. Beyond, the bounds stay apart.
     pub boxes: [u32; 2],
 }
 
@@ -276,7 +276,7 @@ impl Open {
         part.0.near
     }
 
-    /// Divides parts until all are near enough or so many boxes were opened.
+    /// Divides parts until all are near enough or `most` boxes were opened.
     fn explore(&mut self, to: &impl Surface, most: u64) {
         while self.opened < most {
             let Some(part) = self.pop() else { return };

@@ -42,7 +42,7 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Nothing behind any of so many pixels.
+    /// Nothing behind any of `pixels` pixels.
     #[must_use]
     pub fn new(pixels: usize) -> Self {
         Self {

@@ -59,7 +59,8 @@ impl<'a> Fakes<'a> {
             some
         };
         let (new, old) = (sorted(true), sorted(false));
-        // Nobody makes so many fakes in one step, except to make this slow.
+        // A bound on the time that hostile files take: steps of real meshes have a handful of
+        // fakes.
         let affordable = new.len().saturating_mul(old.len()) <= 1_000_000;
         let misplaced =
             new.into_iter().find(|&f| affordable && !old.iter().any(|&t| self.same_place(f, t)));

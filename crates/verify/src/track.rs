@@ -15,8 +15,8 @@ use lodc_mesh::{
 };
 use std::fmt;
 
-/// A sequence moves so many corners of live triangles that following them would take very long.
-/// Real ones move each about ten times.
+/// A sequence moves the corners of live triangles far more often than any of a real mesh, which
+/// moves each about ten times: following it would take very long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooMuchWork {
     /// The LOD at which it became too much.

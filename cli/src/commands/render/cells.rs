@@ -117,7 +117,8 @@ pub(super) fn chosen(args: &RenderArgs, shown: &DrawableScene) -> Outcome<Vec<Ce
     wanted.iter().map(cell).collect()
 }
 
-/// The pictures of a view: as the criterion says, or with so many triangles.
+/// The pictures of a view: as the criterion says, or with the numbers of triangles that are asked
+/// for.
 fn seen(
     args: &RenderArgs,
     name: CriterionName,

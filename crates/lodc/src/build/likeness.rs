@@ -106,7 +106,7 @@ fn image() -> Image {
             }
         }
     }
-    // Sums of so many grains keep near the middle.
+    // Sums of that many grains are near the middle.
     let shade = |sum: f32| {
         let middle = GRAINS.len() as f32 / 2.0;
         (127.5 + 100.0 * (sum - middle)).clamp(0.0, 255.0) as u8

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer faces, of those that lie on each other one, are small: there is time to look at
-/// more samples first, so many in all. They help most models and harm some.
+/// Scenes of fewer faces (of those that lie on each other one counts) are small: there is time to
+/// try more samples first. They help most models and harm some.
 const SMALL: u64 = 16_000;
 const SAMPLES_OF_SMALL: u64 = 64_000;
 

@@ -5,7 +5,7 @@ use lodc_formats::{Glide, GlidePart, ShippedLevels};
 use lodc_mesh::position_key;
 use std::collections::BTreeMap;
 
-/// Positions that rounding cannot tell apart, of which so many are compared.
+/// Most positions that are compared of those that rounding cannot tell apart.
 const ALIKE: usize = 64;
 
 /// Checks that each level that moves becomes the next one: every triangle that then has an area is

@@ -11,10 +11,10 @@ use lodc_measure::{Original, Sampling, Surface};
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
 use lodc_scene::{Arrangement, Motion, Placement, posed, representative};
 
-/// Measured distances may be so much larger than what a level states.
+/// Measured distances may be this many times what a level states.
 const TOLERANCE: f64 = 1.05;
 
-/// What a level states may be so many times the largest distance that it can have.
+/// What a level states may be this many times the largest distance that it can have.
 const OVERSTATED: f64 = 1.5;
 
 /// Fewer samples than by default: where they are farthest triangles are searched.

@@ -159,7 +159,7 @@ pub struct MostAllowed {
 }
 
 impl Comparison {
-    /// Distances of two meshes of so many triangles, of which no limit is exceeded yet.
+    /// Distances of two meshes, given their numbers of triangles, with no limit exceeded yet.
     #[must_use]
     pub fn new([a, b]: [usize; 2], space: Distances, image: Option<ImageReport>) -> Self {
         Self {

@@ -230,7 +230,7 @@ fn stream<'b>(
     bytes.ok_or_else(|| malformed(place, "lies outside its buffer"))
 }
 
-/// The mesh in a stream, of at most so many bytes.
+/// The mesh in a stream; refused if it takes more than `most` bytes.
 fn decoded(bytes: &[u8], limits: &Limits, most: u64, place: &str) -> Result<Mesh, FormatError> {
     let ceilings = DecodeLimits::default()
         .with_max_points(limits.vertices.min(most / TRIANGLE))

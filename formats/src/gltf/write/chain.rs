@@ -22,7 +22,7 @@ pub struct ChainObject<'a> {
     /// Its description.
     pub info: &'a ObjectInfo,
     /// All vertices of all levels, those that coarse levels use first: within a submesh each level
-    /// uses the first so many.
+    /// uses a number of the first ones.
     pub mesh: &'a Mesh,
     /// Triangles by level and submesh, the finest level first.
     pub levels: Vec<Vec<Vec<[u32; 3]>>>,

@@ -131,7 +131,7 @@ class Substream:
         return half + (self.uniform(n - half) if saved == 0 else self.raw(length - 1))
 
     def residual(self, context, expected):
-        """A signed number of about so many bits, and the bits that it has."""
+        """A signed number whose length in bits is predicted as ``expected``, and its length."""
         symbol = self.symbol(context)
         if symbol == 0:
             return 0, 0
