@@ -10,7 +10,7 @@ use std::time::Duration;
 const COUNTED: &str = "{prefix:14!} {msg:<9} {bar:12} {percent:>3} % {elapsed:>4} (left: {eta:>3})";
 const UNCOUNTED: &str = "{prefix:14!} {msg:<9} {spinner} {elapsed:>4}";
 
-/// Progress of one input; silent where nobody is watching.
+/// Progress of one input; silent unless standard error is a terminal.
 #[derive(Debug)]
 pub(crate) struct Progress(ProgressBar);
 

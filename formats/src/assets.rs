@@ -222,7 +222,7 @@ fn is_inside(path: &Path, roots: &[PathBuf]) -> bool {
     roots.iter().any(|root| path.starts_with(root))
 }
 
-/// The message does not depend on the system: warnings stand in files, too.
+/// The message does not depend on the system: warnings are written into files, too.
 fn unreadable(error: &io::Error) -> FormatError {
     let what = match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),

@@ -2,7 +2,7 @@
 //!
 //! Nothing outside this package parses or writes files. It knows no model: a file has their arrays
 //! under the names of their kinds ([`lodc::StoredModel`]). Each format has a room: `gltf`, `obj`,
-//! `ply`, `stl`, `images`, [`lodc`] and `lods`; what they share stands beside them, and `import`,
+//! `ply`, `stl`, `images`, [`lodc`] and `lods`; what they share is beside them, and `import`,
 //! `export`, `appearance` and `images::Textures` choose among them. No format uses what chooses,
 //! and its reader and writer do not use each other.
 //!

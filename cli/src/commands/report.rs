@@ -15,7 +15,7 @@ Examples:
   lodc report chair.glb -o chair.html
   lodc report chair.lodc -o chair.html --depfile chair.d";
 
-/// Writes the page. A failed check stands on the page and is exit status 1.
+/// Writes the page. A failed check is on the page, and makes the exit status 1.
 ///
 /// # Errors
 /// As [`view::write`].

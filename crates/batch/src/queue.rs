@@ -8,7 +8,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 const MEMORY_OF_BYTE: u64 = 14;
 
 /// Bytes of memory that an asset may need, from the bytes of its file and, for glTF, of its
-/// buffers; 0 if nobody knows.
+/// buffers; 0 if unknown.
 #[must_use]
 pub fn expected_bytes(input: &Path) -> u64 {
     let size = |path: &Path| path.metadata().map_or(0, |m| m.len());

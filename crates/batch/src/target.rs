@@ -203,8 +203,8 @@ impl Rule {
         }
     }
 
-    /// The rule as Make reads it; what was read twice stands once. A rule without inputs for each
-    /// file that is not there keeps Make from asking how to make it.
+    /// The rule as Make reads it; what was read twice is listed once. A rule without inputs for
+    /// each file that is not there keeps Make from asking how to make it.
     #[must_use]
     pub fn text(&self) -> String {
         let (mut text, mut named) = (escaped(&self.output), BTreeSet::new());

@@ -162,7 +162,7 @@ impl Seeker {
     }
 }
 
-/// Where a search stands.
+/// The state of a search.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
     /// The largest distance found, and the one up to which nothing is looked for.

@@ -54,7 +54,7 @@ impl Child {
 #[derive(Clone, Debug)]
 pub struct TriangleTree {
     root: Child,
-    /// Children stand after their parent.
+    /// Children come after their parent.
     nodes: Vec<Node>,
     /// The triangle in each slot, and the slot of each triangle.
     order: Vec<u32>,

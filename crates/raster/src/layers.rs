@@ -33,7 +33,7 @@ struct Node {
     next: u32,
 }
 
-/// Sorted lists of fragments, one for each pixel. The first of each stands in the picture itself.
+/// Sorted lists of fragments, one for each pixel. The first of each is in the picture itself.
 #[derive(Clone, Debug)]
 pub struct Layers {
     heads: Vec<Node>,

@@ -22,7 +22,7 @@ pub fn flat_normals(triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<Vec3> {
 }
 
 /// Returns a normal for every corner of every triangle, of length one; zero where a triangle
-/// without area stands alone. `ids` says which vertices are at one position.
+/// without area is alone. `ids` says which vertices are at one position.
 ///
 /// # Panics
 /// If a triangle names a vertex without a position.

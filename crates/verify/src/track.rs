@@ -360,7 +360,7 @@ impl<'a> Tracker<'a> {
         Some(Failure::Torn { lod, edge: edge.map(point), surplus })
     }
 
-    /// Within a submesh, triangles must stand in reverse order of their removal_lod.
+    /// Within a submesh, triangles must be in reverse order of their removal_lod.
     fn out_of_order(&self) -> Option<Failure> {
         self.simplified.mesh().submeshes().iter().find_map(|s| {
             let i =

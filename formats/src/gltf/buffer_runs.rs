@@ -18,7 +18,7 @@ const UNLISTED: [&str; 5] = [
 /// What bytes of a buffer are for, in the order in which they are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Purpose {
-    /// What nodes stand by: matrices of skins, instances, points and lines.
+    /// What places nodes: matrices of skins, instances, points and lines.
     Placement,
     /// Images of base colours.
     BaseColor,

@@ -47,7 +47,7 @@ struct CommonParts {
     nodes: usize,
     /// No mesh is gone.
     all_meshes: bool,
-    /// No mesh of the level stands on a grid of its own.
+    /// No mesh of the level is on a grid of its own.
     grids: bool,
 }
 

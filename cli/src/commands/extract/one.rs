@@ -175,7 +175,7 @@ fn view(
     })
 }
 
-/// The model to replay; none stands for the reference.
+/// The model to replay; the reference if none.
 fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<ModelKind>> {
     let stored =
         || asset.objects.first().into_iter().flat_map(|o| o.models.iter().map(AnyModel::kind));

@@ -1,4 +1,4 @@
-//! The things to show: objects, what they look like, and where they stand.
+//! The things to show: objects, what they look like, and where they are.
 
 use super::RenderArgs;
 use super::options::Colouring;

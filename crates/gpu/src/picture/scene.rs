@@ -14,7 +14,7 @@ use rayon::prelude::*;
 pub enum Colours<'a> {
     /// Materials, textures and vertex colours.
     Materials(&'a Appearance),
-    /// Colours that stand for something: the linear one of a submesh, by object and submesh.
+    /// Colours with a meaning: the linear one of a submesh, by object and submesh.
     Submeshes(&'a (dyn Fn(usize, usize) -> [f32; 3] + Sync)),
 }
 
@@ -57,7 +57,7 @@ impl Scene<'_> {
         Painter::new(device, images, &self.materials())
     }
 
-    /// All materials, and one more for colours that stand for something.
+    /// All materials, and one more for colours with a meaning.
     fn materials(&self) -> Vec<Material> {
         let matte = Material { double_sided: true, ..Material::default() };
         match self.colours {
@@ -122,7 +122,7 @@ struct SubmeshStyle<'a> {
     normals: bool,
     uv: Option<&'a Attribute>,
     colour: Option<&'a Attribute>,
-    /// The one colour of all of it, if colours stand for something.
+    /// The one colour of all of it, if colours have a meaning.
     fixed: Option<[f32; 3]>,
 }
 

@@ -17,7 +17,7 @@ pub struct LodInfo {
     /// The target of the removed vertex.
     pub vertex: u32,
     /// Number of strips it changes. 255: that many or more, and the number is the `strip` of a
-    /// [`StripInfo`] that stands before those of the record.
+    /// [`StripInfo`] that precedes those of the record.
     pub strips_affected: u8,
 }
 

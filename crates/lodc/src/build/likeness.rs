@@ -2,8 +2,8 @@
 //! the mesh itself knows.
 //!
 //! Its textures have no part in it: a mesh has them and a file of its levels may not, and levels of
-//! both are to be the same. Noise stands for them, with as much detail of every size as pictures of
-//! the world have.
+//! both are to be the same. Noise takes their place, with as much detail of every size as pictures
+//! of the world have.
 
 use lodc_measure::{Portrait, Pyramid, SceneSurface, ShadingOptions, Viewing};
 use lodc_mesh::{Mesh, SplitMix64};

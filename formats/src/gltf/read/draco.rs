@@ -148,7 +148,7 @@ impl Input<'_> {
         let mut attributes = Vec::new();
         let named = packed.get("attributes").and_then(Json::as_object);
         for (name, id) in named.into_iter().flat_map(|members| members.iter()) {
-            // An attribute that the primitive does not list is nobody's.
+            // An attribute that the primitive does not list is not used.
             let number = self.primitive.get("attributes").and_then(|a| a.get(name));
             let Some(number) = number else { continue };
             let wrong = |what| malformed(format!("{place}.attributes.{name}"), what);

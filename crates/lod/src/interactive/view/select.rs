@@ -72,7 +72,7 @@ impl Point {
     }
 }
 
-/// Vertices at the places of a shape, as the kernel gets them. All of a group stand where its first
+/// Vertices at the places of a shape, as the kernel gets them. All of a group are where its first
 /// one does. Those of no group have an open cone.
 pub(super) fn points(cones: &Cones, shape: &[[f32; 3]]) -> Vec<Point> {
     let mut first = vec![NONE; cones.cones.len()];
