@@ -2,7 +2,7 @@
 
 use super::judge::{Judge, Verdict, verdict};
 use super::watch::staged;
-use super::{Known, SimplifiedObjects, Watch};
+use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
 use lodc_formats::SceneObject;
 use lodc_mesh::{Mesh, PositionIds};
@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer faces, of those that lie on each other one, are small: there is time to look at
-/// more samples first, so many in all. They help most models and harm some.
+/// Scenes of fewer faces (of those that lie on each other one counts) are small: there is time to
+/// try more samples first. They help most models and harm some.
 const SMALL: u64 = 16_000;
 const SAMPLES_OF_SMALL: u64 = 64_000;
 
@@ -24,7 +24,7 @@ const SAMPLES_OF_SMALL: u64 = 64_000;
 pub fn simplify_all(
     objects: Vec<SceneObject>,
     options: &[Options],
-    known: Known<'_>,
+    known: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, Error> {
     staged(watch, "simplify", None, || best(objects, options, known, watch))
@@ -33,7 +33,7 @@ pub fn simplify_all(
 fn best(
     objects: Vec<SceneObject>,
     options: &[Options],
-    known: Known<'_>,
+    known: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, Error> {
     if !options.iter().any(is_hybrid) {
@@ -101,7 +101,7 @@ fn instead(options: &[Options], change: impl Fn(Options) -> Options) -> Vec<Opti
 fn each(
     objects: Vec<SceneObject>,
     options: &[Options],
-    known: Known<'_>,
+    known: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> SimplifiedObjects {
     let triangles = |object: &SceneObject| object.mesh.triangles().len() as u64;
