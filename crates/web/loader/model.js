@@ -254,12 +254,20 @@ export class LodcModel extends THREE.Group {
     this.pixels = 1;
     this.animations = [];
     this.cameras = [];
-    /** Whether everything has come: all triangles, images, animations. */
-    this.isComplete = false;
-    /** Resolves with the model when everything has come; fails if it does not. */
-    this.whenComplete = Promise.resolve(this);
+    /** What has come, of copies, too. */
+    this.loading = { isComplete: false, whole: Promise.resolve() };
     this.objects = [];
     this.parser = null;
+  }
+
+  /** Whether everything has come: all triangles, images, animations. */
+  get isComplete() {
+    return this.loading.isComplete;
+  }
+
+  /** Resolves with the model when everything has come; fails if it does not. */
+  get whenComplete() {
+    return this.loading.whole.then(() => this);
   }
 
   /** All meshes with levels. */
@@ -287,9 +295,8 @@ export class LodcModel extends THREE.Group {
 
   copy(source, recursive = true) {
     super.copy(source, recursive);
-    const { pixels, cameras, isComplete, whenComplete, objects, parser } = source;
-    this.animations = source.animations;
-    Object.assign(this, { pixels, cameras, isComplete, whenComplete, objects, parser });
+    const { pixels, animations, cameras, loading, objects, parser } = source;
+    Object.assign(this, { pixels, animations, cameras, loading, objects, parser });
     if (recursive) rebind(source, this);
     return this;
   }
