@@ -64,7 +64,7 @@ fn sentence(report: &UnpackReport) -> String {
     let is_known = report.objects.len() == report.all_objects as usize && all > 0;
     let of = if is_known { format!(" of {}", grouped(all)) } else { String::new() };
     let mut text = format!(
-        "{output}: {}{of} triangles, error {}: of the stream {bytes} can be used",
+        "{output}: {}{of} triangles, error {}: from the first {bytes} of the stream",
         grouped(triangles),
         distance(worst)
     );
