@@ -177,6 +177,10 @@ const Levelled = (Base) => class extends Base {
   choose(camera, height) {
     const { object } = this.lodc;
     const model = this.model;
+    if (typeof model?.level === 'number') {
+      this.level = Math.max(object.levels.length - 1 - Math.round(model.level), 0);
+      return;
+    }
     const bounds = this.boundingSphere ?? this.geometry.boundingSphere;
     sphere.copy(bounds).applyMatrix4(this.matrixWorld);
     const distance = point.setFromMatrixPosition(camera.matrixWorld).distanceTo(sphere.center);
@@ -252,6 +256,8 @@ export class LodcModel extends THREE.Group {
     this.type = 'LodcModel';
     /** A level errs by at most so many pixels. */
     this.pixels = 1;
+    /** The level, counted from the finest, 0; chosen by pixels if it is null. */
+    this.level = null;
     this.animations = [];
     this.cameras = [];
     /** What has come, of copies, too. */
@@ -295,8 +301,8 @@ export class LodcModel extends THREE.Group {
 
   copy(source, recursive = true) {
     super.copy(source, recursive);
-    const { pixels, animations, cameras, loading, objects, parser } = source;
-    Object.assign(this, { pixels, animations, cameras, loading, objects, parser });
+    const { pixels, level, animations, cameras, loading, objects, parser } = source;
+    Object.assign(this, { pixels, level, animations, cameras, loading, objects, parser });
     if (recursive) rebind(source, this);
     return this;
   }

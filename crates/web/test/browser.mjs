@@ -82,8 +82,10 @@ test('the package is small', () => {
   const size = (name) => gzipSync(bytes(name), { level: 9 }).length;
   const wasm = ['file.wasm', 'stream.wasm'].map(size);
   const scripts = readdirSync(join(installed, 'loader')).filter((name) => name.endsWith('.js'));
-  const js = scripts.reduce((sum, name) => sum + size(name), 0);
+  const loader = scripts.filter((name) => name !== 'view.js');
+  const js = loader.reduce((sum, name) => sum + size(name), 0);
   console.log(`file.wasm and stream.wasm ${wasm} bytes, JavaScript ${js} bytes with gzip`);
+  assert.ok(size('view.js') <= 4 << 10, `the element: ${size('view.js')} bytes`);
   // A page loads the one that its models need.
   assert.ok(Math.max(...wasm) <= 60 << 10, `WebAssembly: ${wasm} bytes`);
   assert.ok(js <= 15 << 10, `JavaScript: ${js} bytes`);
@@ -184,6 +186,65 @@ test('damage, a cut, an abortion are errors', async () => {
   writeFileSync(join(models, 'text.lodc'), 'not a model');
   assert.match(await page('refused', '/text.lodc'), /this is not a/);
   assert.equal(await page('aborted', '/terrain.lods'), 'AbortError');
+});
+
+test('an element shows a model, and does what its attributes say', async () => {
+  const gate = server.gate('/machine_part.lods');
+  const poster = '/images/greens.png';
+  await page('element', { src: '/machine_part.lods', poster, alt: 'A part' });
+  const before = await page('shown');
+  assert.deepEqual([before.label, before.poster, before.triangles], ['A part', true, 0]);
+  await keep('view-poster');
+  gate.open(1);
+  assert.deepEqual(await page('events', 'complete'), ['load', 'complete']);
+  await page('change', { pixels: '-1' });
+  await keep('view');
+  const whole = await page('shown');
+  assert.deepEqual([whole.poster, whole.error, whole.triangles], [false, null, 480]);
+  const counts = [];
+  for (const level of ['0', '1', '3', '1000']) {
+    await page('change', { level });
+    counts.push((await page('shown')).triangles);
+  }
+  assert.equal(counts[0], 480);
+  for (let i = 1; i < counts.length; i++) assert.ok(counts[i] < counts[i - 1], `${counts}`);
+  await page('change', { level: null, pixels: '100000' });
+  assert.equal((await page('shown')).triangles, counts.at(-1), 'pixels choose');
+  const upright = await page('image');
+  await page('change', { up: 'z' });
+  assert.notEqual(await page('image'), upright, 'it lies down');
+  await page('change', { up: 'y' });
+  assert.equal(await page('image'), upright);
+  await page('press', 'ArrowLeft');
+  assert.notEqual(await page('image'), upright, 'it turns');
+});
+
+test('an element says what is wrong, and what follows replaces it', async () => {
+  await page('element', { src: '/text.lodc' });
+  assert.deepEqual(await page('events', 'error'), ['error']);
+  assert.match((await page('shown')).error, /^\/text\.lodc: .*this is not a/);
+  await keep('view-error');
+  const counts = [];
+  for (const src of ['/terrain.lodc', '/machine_part.lodc', '/terrain.lodc']) {
+    await page('change', { src, pixels: '-1' });
+    await page('events', 'complete');
+    const { error, geometries } = await page('shown');
+    assert.equal(error, null);
+    counts.push(geometries);
+  }
+  assert.equal(counts[0], counts[2], 'geometries of models before are gone');
+});
+
+test('an element that is taken out frees its memory', async () => {
+  // Chromium complains of the seventeenth context: each gives back its own.
+  for (let i = 0; i < 20; i++) {
+    await page('element', { src: '/machine_part.lodc' });
+    await page('events', 'load');
+  }
+  await page('remove');
+  assert.deepEqual(await page('freed'), { canvases: 0, isLost: true });
+  await browser.send('HeapProfiler.collectGarbage');
+  assert.equal(await page('lives'), false, 'the model is kept');
 });
 
 test("the README's lines run", async () => {

@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { LodcLoader } from 'lodc';
+import './element.js';
 
 const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
 renderer.setSize(640, 480, false);
