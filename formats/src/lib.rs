@@ -114,7 +114,7 @@ pub use scene::{
 };
 #[cfg(feature = "import")]
 pub use shipped::{Glide, GlidePart, ShippedLevels};
-pub use write::{OutputFile, write_all};
+pub use write::{OutputFile, write_all, write_each};
 
 /// The name of the morph target that moves a level to the next one.
 #[cfg_attr(not(all(feature = "import", feature = "export")), allow(dead_code, reason = "of glTF"))]

@@ -61,12 +61,12 @@ impl<A: FromArgMatches> AssetOptions<A> {
     }
 }
 
-/// Does the work on every asset, several at a time, the largest first, within a budget. The results
-/// are in the order of the assets.
+/// Does the work on every asset, several at a time, the largest first, within a budget. Work
+/// is given the asset's number. The results are in the order of the assets.
 pub(crate) fn all<R: Send>(
     assets: &[Asset],
     budget: Budget,
-    work: impl Fn(&Asset, &BatchProgress) -> R + Sync,
+    work: impl Fn(usize, &Asset, &BatchProgress) -> R + Sync,
 ) -> Vec<R> {
     let needs: Vec<u64> = assets.iter().map(|asset| expected_bytes(&asset.input)).collect();
     if let [bytes] = needs[..] {
@@ -79,7 +79,7 @@ pub(crate) fn all<R: Send>(
     batch::run(&needs, budget, |number| {
         let asset = &assets[number];
         // Inside the pool: else every piece of work in parallel waits for another thread to wake.
-        let result = rayon::scope(|_| work(asset, &bar));
+        let result = rayon::scope(|_| work(number, asset, &bar));
         bar.done(&asset.name);
         result
     })

@@ -99,7 +99,7 @@ fn what_a_killed_run_left_is_removed_and_what_lives_stays() {
 fn writers_of_one_target_do_not_disturb_each_other() {
     let scratch = Scratch::new("write-race");
     let target = scratch.path("a.lodc");
-    std::thread::scope(|scope| {
+    thread::scope(|scope| {
         for writer in 0..4u8 {
             let target = &target;
             scope.spawn(move || {

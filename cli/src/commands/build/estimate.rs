@@ -27,7 +27,7 @@ const OF_BYTE: u64 = 4;
 pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outcome<Status> {
     let options = AssetOptions::new(program, "build", assets, |args, _| args);
     let budget = Budget { workers: rayon::current_num_threads(), bytes: u64::MAX };
-    let inputs = each::all(assets, budget, |asset, _| one(asset, &options));
+    let inputs = each::all(assets, budget, |_, asset, _| one(asset, &options));
     let worst = inputs.iter().map(|(status, _)| *status).max().unwrap_or_default();
     for (_, input) in &inputs {
         match args.report {

@@ -15,7 +15,7 @@ use lodc_assets::Parts;
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::lods::as_streamed;
-use lodc_formats::{Document, ObjectInfo, RequestedFiles, Scene, import};
+use lodc_formats::{Document, ObjectInfo, OutputFile, RequestedFiles, Scene, import};
 use lodc_lod::ModelKind;
 use lodc_mesh::Simplified;
 use lodc_report::documents::InputReport;
@@ -30,12 +30,14 @@ pub(super) struct BuildOutput {
     /// Bytes of the file.
     pub(super) bytes: usize,
     pub(super) files: RequestedFiles,
+    /// The file, if it is still to be written.
+    pub(super) unwritten: Option<OutputFile>,
 }
 
-/// Makes one file. `report` is filled in as far as the work gets.
+/// Makes one file, and writes it unless it is one of many. `report` is filled in as far as the work gets.
 pub(super) fn make(
     args: &BuildArgs,
-    input: &Path,
+    (input, is_one_of_many): (&Path, bool),
     target: &Target,
     stages: &mut Stages,
     progress: &Progress,
@@ -84,13 +86,18 @@ pub(super) fn make(
         .flatten();
     let layout = args.models.layout();
     let file = LodFile { source, document, objects, layout, made_from, left_out: vec![] };
-    let bytes = stages.run("write", || {
+    let (bytes, unwritten) = stages.run("write", || {
         let bytes = write(&file);
         let length = bytes.len();
-        output::write(target, bytes).map(|()| length)
+        match target {
+            Target::File(path) if is_one_of_many => {
+                Ok((length, Some(OutputFile { path: path.clone(), bytes })))
+            }
+            _ => output::write(target, bytes).map(|()| (length, None)),
+        }
     })?;
     report.bytes = Some(bytes as u64);
-    Ok(BuildOutput { file, bytes, files })
+    Ok(BuildOutput { file, bytes, files, unwritten })
 }
 
 /// Returns the objects as streams give them.

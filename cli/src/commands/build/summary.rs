@@ -16,11 +16,11 @@ pub(super) fn print(made: &BuildOutput, output: &Output, seconds: f64) {
     }
 }
 
-/// Prints one line, for one of many assets.
-pub(super) fn print_line(made: &BuildOutput, output: &Output, seconds: f64) {
+/// One line, for one of many assets.
+pub(super) fn line(made: &BuildOutput, output: &Output, seconds: f64) -> String {
     let triangles = made.file.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
     let (triangles, bytes) = (count(triangles.sum(), "triangle"), size(made.bytes as u64));
-    note(&format!("{}: {triangles}, {bytes} in {seconds:.2} s", output.name()));
+    format!("{}: {triangles}, {bytes} in {seconds:.2} s", output.name())
 }
 
 fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {

@@ -5,14 +5,15 @@ use crate::batch::{Asset, Budget};
 use crate::commands::each::{self, AssetOptions};
 use crate::console::{self, error};
 use crate::exit::{Outcome, Status};
-use crate::output::{self, Rule, Target};
+use crate::output::{self, Results, Rule, Target};
 use crate::program::Program;
 use crate::progress::{BatchProgress, Progress};
 use crate::stages::Stages;
-use lodc_formats::lodc;
+use lodc_formats::{OutputFile, lodc};
 use lodc_report::documents::{BuildReport, InputReport, Summary, SummaryReport};
 use lodc_report::{SCHEMA_VERSION, Suite};
 use std::path::Path;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Result of one asset.
@@ -20,6 +21,8 @@ struct Done {
     report: InputReport,
     rule: Option<Rule>,
     status: Status,
+    /// A line about it.
+    line: Option<String>,
 }
 
 /// Builds all assets and reports on them.
@@ -31,15 +34,37 @@ pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outc
     let options = AssetOptions::new(program, "build", assets, resolving);
     let bytes = args.import.limits().memory().unwrap_or(u64::MAX);
     let budget = Budget { workers: rayon::current_num_threads(), bytes };
-    let done = each::all(assets, budget, |asset, bar| {
-        let done = one(asset, &options, bar);
-        if args.report == Some(ReportFormat::Jsonl) {
-            console::json_line(&done.report)?;
-        }
-        Ok(done)
+    let all: Vec<OnceLock<Outcome<Done>>> = assets.iter().map(|_| OnceLock::new()).collect();
+    let told = |(number, done): (usize, Done), written| {
+        // Each asset has one result.
+        let _ = all[number].set(tell(args, done, written));
+    };
+    Results::gather(told, |results| {
+        each::all(assets, budget, |number, asset, bar| {
+            let (done, file) = one(asset, &options, bar);
+            results.add(file, (number, done));
+        });
     });
-    let done: Vec<Done> = done.into_iter().collect::<Outcome<_>>()?;
-    report(args, done)
+    let done = all.into_iter().map(|done| done.into_inner().expect("each asset has had its turn"));
+    report(args, done.collect::<Outcome<_>>()?)
+}
+
+/// Says what became of an asset.
+fn tell(args: &BuildArgs, mut done: Done, written: Outcome<()>) -> Outcome<Done> {
+    match written {
+        Ok(()) => done.line.iter().for_each(|line| console::note(line)),
+        Err(failure) => {
+            each::print(&failure);
+            done.status = failure.status;
+            done.rule = None;
+            done.report.status = failure.status.code();
+            done.report.error = Some(failure.message);
+        }
+    }
+    if args.report == Some(ReportFormat::Jsonl) {
+        console::json_line(&done.report)?;
+    }
+    Ok(done)
 }
 
 fn report(args: &BuildArgs, done: Vec<Done>) -> Outcome<Status> {
@@ -78,8 +103,12 @@ fn report(args: &BuildArgs, done: Vec<Done>) -> Outcome<Status> {
     Ok(worst)
 }
 
-/// One asset from bytes to bytes.
-fn one(asset: &Asset, options: &AssetOptions<BuildArgs>, bar: &BatchProgress) -> Done {
+/// One asset from bytes to bytes, with the file that is still to be written.
+fn one(
+    asset: &Asset,
+    options: &AssetOptions<BuildArgs>,
+    bar: &BatchProgress,
+) -> (Done, Option<OutputFile>) {
     let start = Instant::now();
     let input = asset.input.as_path();
     let mut report = InputReport { input: input.display().to_string(), ..InputReport::default() };
@@ -89,22 +118,31 @@ fn one(asset: &Asset, options: &AssetOptions<BuildArgs>, bar: &BatchProgress) ->
         if let Some((rule, warnings)) = fresh(args, input, target) {
             (report.up_to_date, report.warnings) = (true, warnings);
             warn(&report);
-            return Ok(Some(rule));
+            return Ok(Built { rule: Some(rule), ..Built::default() });
         }
         let progress = bar.of_asset(&report.input);
         build(args, input, target, asset.is_listed(), &progress, &mut report)
     });
     report.seconds = start.elapsed().as_secs_f64();
-    let (status, rule) = match result {
-        Ok(rule) => (Status::Done, rule),
+    let (status, built) = match result {
+        Ok(built) => (Status::Done, built),
         Err(failure) => {
             each::print(&failure);
             report.error = Some(failure.message);
-            (failure.status, None)
+            (failure.status, Built::default())
         }
     };
     report.status = status.code();
-    Done { report, rule, status }
+    let Built { rule, line, unwritten } = built;
+    (Done { report, rule, status, line }, unwritten)
+}
+
+/// What is left to do with the result of an asset.
+#[derive(Default)]
+struct Built {
+    rule: Option<Rule>,
+    line: Option<String>,
+    unwritten: Option<OutputFile>,
 }
 
 /// The rule of a result that is up to date, with the warnings of the run that made it, if that was
@@ -127,23 +165,25 @@ fn build(
     brief: bool,
     progress: &Progress,
     report: &mut InputReport,
-) -> Outcome<Option<Rule>> {
+) -> Outcome<Built> {
     let mut stages = Stages::new(args.import.clock(input));
     crate::memory::reset_peak();
-    let made = pipeline::make(args, input, target, &mut stages, progress, report);
+    let made = pipeline::make(args, (input, brief), target, &mut stages, progress, report);
     report.peak_bytes = crate::memory::peak_bytes();
     warn(report);
     let seconds = stages.seconds();
     report.stages = stages.into_reports();
     let made = made?;
     progress.clear();
-    if brief {
-        summary::print_line(&made, target, seconds);
-    } else {
+    let line = brief.then(|| summary::line(&made, target, seconds));
+    if !brief {
         summary::print(&made, target, seconds);
     }
-    let Target::File(path) = target else { return Ok(None) };
-    Ok(Some(Rule::new(path, &made.files)))
+    let rule = match target {
+        Target::File(path) => Some(Rule::new(path, &made.files)),
+        Target::Stdout => None,
+    };
+    Ok(Built { rule, line, unwritten: made.unwritten })
 }
 
 fn warn(report: &InputReport) {

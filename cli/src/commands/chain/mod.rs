@@ -103,7 +103,7 @@ pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
     let (assets, format) = reported(args.export.json, assets(args, program))?;
     let options = AssetOptions::new(program, "chain", &assets, |args: ChainArgs, _| args);
     let several = args.export.batch.takes_many(&args.inputs);
-    let done = each::all(&assets, args.export.budget(), |asset, bar| {
+    let done = each::all(&assets, args.export.budget(), |_, asset, bar| {
         export::one(asset, || {
             let (args, target) = options.ready(asset)?;
             let Target::File(path) = target else { return Err(no_stream(&args.output)) };

@@ -4,7 +4,7 @@
 use super::{names, output, read};
 use crate::Fault;
 use crate::testing::Scratch;
-use crate::write::{OutputFile, write_all};
+use crate::write::{OutputFile, write_all, write_each};
 use std::cell::RefCell;
 use std::io;
 
@@ -132,5 +132,30 @@ fn whichever_two_calls_fail_no_file_is_torn_or_lost() {
                 }
             }
         }
+    }
+}
+
+/// Results that are written together: with one call failing each is old or new, and told as it is.
+#[test]
+fn whichever_call_fails_of_several_results_each_is_what_is_told() {
+    let scratch = Scratch::new("write-each-faults");
+    for failing in 1.. {
+        let files = outputs(&scratch, &[true, false, true, false, true]);
+        let results = [&files[..1], &files[1..3], &files[3..]];
+        let (written, calls) = with_failing(&[failing], || write_each(&results));
+        let there = state(&scratch, files.len(), false, "several results");
+        let mut at = 0;
+        for (files, written) in results.iter().zip(&written) {
+            let own = &there[at..at + files.len()];
+            at += files.len();
+            let is_new = own.iter().all(|&file| file == Some(true));
+            assert_eq!(is_new, written.is_ok(), "call {failing}: {own:?}, {written:?}");
+            assert!(is_new || own.iter().all(|&file| file != Some(true)), "{failing}: {own:?}");
+        }
+        if failing > calls {
+            assert!(written.iter().all(Result::is_ok), "nothing failed");
+            return;
+        }
+        assert!(written.iter().filter(|w| w.is_err()).count() <= 1, "call {failing}");
     }
 }
