@@ -93,3 +93,12 @@ peers *words:
 # Draw the plots of docs/BENCHMARKS.md from docs/benchmarks/*.csv
 plots:
     python3 tests/plots.py
+
+# How time grows with each count that a file can hold (ten minutes and more): at most 2.4 times for twice the count
+growth *words: build
+    python3 tests/growth.py target/release/lodc {{words}}
+
+# Kills, faults of system calls, determinism and the list of packages, with figures; then more mutated meshes through build and verify
+campaign *words: build
+    python3 tests/campaign.py target/release/lodc {{words}}
+    LODC_MUTATIONS=5000 cargo test --release -p lodc-report --test mutated

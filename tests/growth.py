@@ -2,9 +2,10 @@
 
 growth.py LODC [--counts a,b] [--stages a,b] [--seconds S] [--csv FILE]
 
-For each count a file is made whose other counts stay small, and doubled until a stage takes S seconds of
-processor time on one thread or the count reaches its end. The table shows the last count, its seconds and the
-growth over the half of it. Growth above 2.4 where a stage takes S / 4 seconds or more is named, and ends with 1.
+For each count a file is made whose other counts stay small, and doubled until a stage takes S
+seconds of processor time on one thread or the count reaches its end. The table shows the last
+count, its seconds and the growth over the half of it. Growth above 2.4 where a stage takes S / 4
+seconds or more is named, and ends with 1.
 """
 import argparse
 import json
@@ -23,7 +24,8 @@ class Glb:
 
     def __init__(self):
         self.blob, self.views, self.accessors = b"", [], []
-        self.document = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": []}
+        self.document = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}]}
+        self.document |= {"nodes": [], "meshes": []}
 
     def view(self, data):
         """Adds bytes; returns their view."""
@@ -35,7 +37,8 @@ class Glb:
         """Adds an accessor of floats."""
         size = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16, "VEC2": 2}[kind]
         view = self.view(struct.pack(f"<{len(values)}f", *values))
-        accessor = {"bufferView": view, "componentType": 5126, "count": len(values) // size, "type": kind, **more}
+        accessor = {"bufferView": view, "componentType": 5126, "count": len(values) // size}
+        accessor |= {"type": kind, **more}
         if kind == "VEC3" or kind == "SCALAR":
             columns = [values[i::size] for i in range(size)]
             accessor |= {"min": list(map(min, columns)), "max": list(map(max, columns))}
@@ -56,10 +59,12 @@ class Glb:
         """The file."""
         blob = self.blob + b"\0" * (-len(self.blob) % 4)
         document = self.document | {"bufferViews": self.views, "accessors": self.accessors} | more
-        text = json.dumps(document | {"buffers": [{"byteLength": len(blob)}]}, separators=(",", ":")).encode()
+        document["buffers"] = [{"byteLength": len(blob)}]
+        text = json.dumps(document, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         head = struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(blob))
-        return head + struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(blob), b"BIN\0") + blob
+        chunks = [(b"JSON", text), (b"BIN\0", blob)]
+        return head + b"".join(struct.pack("<I4s", len(b), kind) + b for kind, b in chunks)
 
 
 # One grey pixel.
@@ -76,7 +81,8 @@ def looks(images, textures, materials, used):
     corner["attributes"]["TEXCOORD_0"] = glb.floats([0, 0, 1, 0, 0, 1], "VEC2")
     glb.mesh([corner | {"material": m} for m in range(used)])
     view = glb.view(PNG)
-    shown = lambda i: {"pbrMetallicRoughness": {"baseColorTexture": {"index": i % textures}}, "name": f"m{i}"}
+    texture = lambda i: {"baseColorTexture": {"index": i % textures}}
+    shown = lambda i: {"pbrMetallicRoughness": texture(i), "name": f"m{i}"}
     return glb.bytes(
         images=[{"bufferView": view, "mimeType": "image/png"} for _ in range(images)],
         textures=[{"source": i % images} for i in range(textures)],
@@ -128,7 +134,8 @@ def joints(n):
     primitive = glb.triangle()
     view = glb.view(struct.pack("<12H", *[i * (n - 1) // 11 for i in range(12)]))
     glb.accessors.append({"bufferView": view, "componentType": 5123, "count": 3, "type": "VEC4"})
-    primitive["attributes"] |= {"JOINTS_0": len(glb.accessors) - 1, "WEIGHTS_0": glb.floats([0.25] * 12, "VEC4")}
+    primitive["attributes"]["JOINTS_0"] = len(glb.accessors) - 1
+    primitive["attributes"]["WEIGHTS_0"] = glb.floats([0.25] * 12, "VEC4")
     glb.mesh([primitive])
     glb.document["nodes"][0]["skin"] = 0
     glb.document["nodes"] += [{"translation": [0, i / n, 0]} for i in range(n)]
@@ -164,23 +171,32 @@ def sparse(n):
     side = 3 * n
     glb.mesh([{"attributes": {"POSITION": 0}}])
     indices = glb.view(struct.pack(f"<{side}I", *range(side)))
-    values = glb.view(struct.pack(f"<{3 * side}f", *[float(i * 7 % 101 + i % 3) for i in range(3 * side)]))
-    ends = {"min": [0, 0, 0], "max": [102, 102, 102]}
-    places = {"count": side, "indices": {"bufferView": indices, "componentType": 5125}, "values": {"bufferView": values}}
-    glb.accessors.append({"componentType": 5126, "count": side, "type": "VEC3", "sparse": places, **ends})
+    values = glb.view(struct.pack(f"<{3 * side}f", *places(n)))
+    ends = {"min": [0, 0, 0], "max": [n, 1, 1]}
+    indices = {"bufferView": indices, "componentType": 5125}
+    given = {"count": side, "indices": indices, "values": {"bufferView": values}}
+    kind = {"componentType": 5126, "count": side, "type": "VEC3"}
+    glb.accessors.append({**kind, "sparse": given, **ends})
     return glb.bytes()
+
+
+def places(n):
+    """Corners of triangles beside each other."""
+    return [c for i in range(n) for c in (i, 0, 0, i, 1, 0, i, 0, 1)]
 
 
 def lines(before):
     """An OBJ of triangles beside each other, with a line before each."""
-    square = lambda i: f"v {i} 0 0\nv {i} 1 0\nv {i} 0 1\n{before(i)}f {3 * i + 1} {3 * i + 2} {3 * i + 3}\n"
-    return lambda n: "".join(map(square, range(n))).encode()
+    corners = lambda i: f"v {i} 0 0\nv {i} 1 0\nv {i} 0 1\n"
+    face = lambda i: f"{before(i)}f {3 * i + 1} {3 * i + 2} {3 * i + 3}\n"
+    return lambda n: "".join(corners(i) + face(i) for i in range(n)).encode()
 
 
 def hub(n):
     """Triangles around one vertex."""
     rim = "".join(f"v {i * 7919 % 1009} {i * 104729 % 2003} {i}\n" for i in range(n))
-    return ("v 0 0 -1\n" + rim + "".join(f"f 1 {i + 2} {(i + 1) % n + 2}\n" for i in range(n))).encode()
+    faces = "".join(f"f 1 {i + 2} {(i + 1) % n + 2}\n" for i in range(n))
+    return ("v 0 0 -1\n" + rim + faces).encode()
 
 
 # Name, extension, what makes the file, first and last count.
@@ -224,7 +240,8 @@ def seconds(lodc, arguments, folder):
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     command = [lodc, *arguments, "-q", "--jobs", "1"]
     try:
-        run = subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=60)
+        kept = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+        run = subprocess.run(command, cwd=folder, timeout=60, **kept)
     except subprocess.TimeoutExpired:
         return None, "takes more than a minute"
     wrong = run.stderr.decode(errors="replace").strip().splitlines()
@@ -254,7 +271,8 @@ def main():
                     # Later stages need the files of earlier ones.
                     if stage not in open_stages and stage not in ("build", "pack"):
                         continue
-                    took, wrong = seconds(asked.lodc, [mesh if w == "IN" else w for w in words], folder)
+                    words = [mesh if word == "IN" else word for word in words]
+                    took, wrong = seconds(asked.lodc, words, folder)
                     if stage not in open_stages:
                         continue
                     if took is None:
@@ -270,8 +288,8 @@ def main():
             growth = took / max(history[stage][-2][1], 0.005) if len(history[stage]) > 1 else 0.0
             late = growth > MOST and took >= asked.seconds / 4
             rows.append(f"{name},{stage},{count},{took:.3f},{growth:.2f},{stopped.get(stage, '')}")
-            print(f"{name:10} {stage:8} {count:8} {took:7.3f} s  x {growth:.2f} {stopped.get(stage, '')}"
-                  f"{'  BEYOND' if late else ''}", flush=True)
+            what = stopped.get(stage, "") + ("  BEYOND" if late else "")
+            print(f"{name:10} {stage:8} {count:8} {took:7.3f} s  x {growth:.2f} {what}", flush=True)
             beyond += [f"{name} x {stage}"] if late or "minute" in stopped.get(stage, "") else []
     if asked.csv:
         asked.csv.write_text("count,stage,n,seconds,growth,stopped\n" + "\n".join(rows) + "\n")

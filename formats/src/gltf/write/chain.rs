@@ -13,7 +13,7 @@ use crate::gltf::quantize::{Quantizer, Subject};
 use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// An object with several levels.
@@ -205,13 +205,16 @@ impl<'a> Levels<'a> {
         let mut mesh = root["meshes"][self.mesh].clone();
         mesh["name"] = format!("{}_LOD{level}", self.object.info.name).into();
         let primitives = std::mem::take(mesh["primitives"].as_array_mut()?);
+        let of_level: BTreeMap<usize, &LevelPrimitive> =
+            self.primitives[level].iter().map(|own| (own.number, own)).collect();
+        let numbers: BTreeSet<usize> = self.numbers.iter().copied().collect();
         // Points and lines are no submeshes: they are shown at every level.
         let at_level = |(number, mut primitive): (usize, Json)| {
-            let own = self.primitives[level].iter().find(|own| own.number == number);
+            let own = of_level.get(&number);
             if let Some(own) = own {
                 primitive["indices"] = own.indices.clone();
             }
-            (own.is_some() || !self.numbers.contains(&number)).then_some(primitive)
+            (own.is_some() || !numbers.contains(&number)).then_some(primitive)
         };
         let kept: Vec<Json> = primitives.into_iter().enumerate().filter_map(at_level).collect();
         if kept.is_empty() {

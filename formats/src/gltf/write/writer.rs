@@ -79,7 +79,7 @@ impl Writer {
 
     /// Starts a mesh.
     pub(super) fn numbering<'w>(&'w mut self, mesh: &'w Mesh) -> Numbering<'w> {
-        Numbering { writer: self, mesh, number: vec![u32::MAX; mesh.vertex_count()] }
+        Numbering { writer: self, mesh, number: Vec::new() }
     }
 
     /// Puts accessors, buffer views and the buffer into the document, and the data behind what
@@ -369,6 +369,8 @@ impl Numbering<'_> {
         if submesh.triangle_count == 0 {
             return Ok(false);
         }
+        // Levels ask for attributes only, many times.
+        self.number.resize(mesh.vertex_count(), u32::MAX);
         let mut vertices = Vec::new();
         let mut indices = Vec::with_capacity(3 * submesh.triangle_count as usize);
         for &v in mesh.triangles()[submesh.triangles()].iter().flatten() {
@@ -399,8 +401,11 @@ impl Numbering<'_> {
         let mut targets: Vec<Object> = vec![Object::default(); declared];
         let streams = || submesh.attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
         if !streams().any(|a| a.semantic == Semantic::Position && a.morph_target.is_none()) {
-            let positions = semantic::positions(mesh.positions());
-            attributes["POSITION"] = self.writer.stream(&positions, vertices)?;
+            // Of these vertices alone: a mesh may have thousands of submeshes.
+            let own: Vec<[f32; 3]> =
+                vertices.iter().map(|&v| mesh.positions()[v as usize]).collect();
+            let order: Vec<u32> = (0..own.len() as u32).collect();
+            attributes["POSITION"] = self.writer.stream(&semantic::positions(&own), &order)?;
         }
         for a in streams() {
             let accessor = self.writer.stream(a, vertices)?;
