@@ -1,4 +1,4 @@
-//! The other way: how far new faces are from the input.
+//! The backward pass: how far new faces are from the input.
 
 use crate::block::{Block, Entry, Step};
 use crate::care::Care;
@@ -76,7 +76,7 @@ pub(crate) struct Backward<'a> {
     /// Sum of area times mean squared distance over live faces, and of areas.
     sums: [f64; 2],
     work: Work,
-    /// Work of the first way at the end of the block.
+    /// Work of the forward pass at the end of the block.
     other: Work,
     /// The border of the fan that a step removes.
     link: Vec<DVec3>,

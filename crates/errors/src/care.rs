@@ -3,7 +3,7 @@
 /// Thresholds of a pass. Shares are of the bound.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Care {
-    /// Threads of a pool from which on the other way has one of its own.
+    /// Threads of a pool from which on the backward pass has one of its own.
     pub(crate) threads: usize,
     /// Samples that a mesh of few triangles gets in all.
     pub(crate) samples: f64,

@@ -21,13 +21,13 @@ use crate::work::FLOOR;
 use lodc_mesh::Simplified;
 
 /// Steps of a block: a share of the steps done and of those to come, for the bound grows fast at
-/// both ends. The bounds keep blocks worth handing over, and short enough that the other way is
+/// both ends. The bounds keep blocks worth handing over, and short enough that the backward pass is
 /// never far behind. Chosen by hand.
 const SHARE: u32 = 16;
 const FEWEST: u32 = 32;
 const MOST: u32 = 2_048;
 
-/// Blocks that the first way is ahead: it learns what the other found in a block when it has
+/// Blocks that the forward pass is ahead: it learns what the other found in a block when it has
 /// followed this many more. Fewer, and threads wait for each other; more, and the bound comes late.
 const AHEAD: usize = 3;
 
@@ -54,7 +54,7 @@ pub(crate) fn run(
     })
 }
 
-/// Follows all steps, in blocks, of which the other way gets each.
+/// Follows all steps, in blocks, of which the backward pass gets each.
 fn follow(
     mut forward: Forward,
     mut stated: Stated,
