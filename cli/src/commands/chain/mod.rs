@@ -152,7 +152,7 @@ fn chain(
 ) -> Outcome<ExportResult<ChainReport>> {
     // An asset may have options of its own.
     args.glide.check(format, out)?;
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.export.import.clock(input));
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let errors = Errors::to_choose(args.levels.wanted().into_iter().chain(args.max_error));
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;

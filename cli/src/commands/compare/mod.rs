@@ -9,6 +9,7 @@ use super::asset::SimplifyArgs;
 use super::ci::CiArgs;
 use super::each::{self, AssetOptions};
 use crate::batch::{self, Asset, BatchArgs, Pair};
+use crate::clock;
 use crate::config::ConfigArgs;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
@@ -218,6 +219,9 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     args.configuration.apply(program, "compare", &mut assets)?;
     let options = AssetOptions::new(program, "compare", &assets, |args: CompareArgs, _| args);
     let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
+    if assets.len() > 1 {
+        clock::expect_several();
+    }
     // One after the other: each takes all threads, and much memory for its pictures.
     let one = |(asset, other): (&Asset, Result<PathBuf, AssetError>)| {
         let done = each::guarded(&asset.input, || {

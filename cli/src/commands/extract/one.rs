@@ -35,7 +35,7 @@ pub(super) fn extract(
     format: FormatName,
     progress: &Progress,
 ) -> Outcome<(ExportResult<ExtractReport>, Option<&'static str>)> {
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.export.import.clock(input));
     let criterion = args.criterion()?;
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let errors = errors(args, criterion);
