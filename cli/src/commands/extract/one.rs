@@ -20,7 +20,7 @@ use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Lod;
 use lodc_report::documents::{ExtractReport, ExtractedObject};
-use lodc_report::{ErrorsOver, MissingPart, Roll, SCHEMA_VERSION};
+use lodc_report::{ErrorsOver, MissingPart, PartInventory, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use std::path::Path;
 
@@ -126,7 +126,7 @@ fn uniform(
         }
         meshes
     };
-    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
+    let roll = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let gone = stages.run("gone", || roll.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
     Ok(Level {
         meshes,
