@@ -31,6 +31,8 @@ pub(super) struct Sample {
     pub(super) curvature: f32,
     /// The area of texture space that a pixel covers there.
     pub(super) footprint: f32,
+    /// Texture coordinates there.
+    pub(super) texture: [f32; 2],
     /// The area it stands for, times its visible share.
     pub(super) weight: f32,
     /// Its place in its face: shares of the second and third corner.
@@ -219,7 +221,8 @@ fn samples_of_face(
     (0..count)
         .map(|i| {
             let at = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
-            let colour = appearance.colour(submesh, mix_coordinates(&places, at), footprint);
+            let texture = mix_coordinates(&places, at);
+            let colour = appearance.colour(submesh, texture, footprint);
             Sample {
                 position: mix(&p, at),
                 normal: mix(&normals, at).normalize_or_zero(),
@@ -228,6 +231,7 @@ fn samples_of_face(
                 shading: Shading::new(colour, colour),
                 curvature,
                 footprint,
+                texture,
                 weight: facet.area / count as f32,
                 at,
                 geometric: 0.0,
