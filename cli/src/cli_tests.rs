@@ -6,7 +6,7 @@ fn commands() -> Vec<clap::Command> {
     commands_in(100)
 }
 
-/// The same in a terminal of so many columns.
+/// The same in a terminal of `columns` columns.
 fn commands_in(columns: usize) -> Vec<clap::Command> {
     let mut program = Cli::command().term_width(columns);
     program.build();

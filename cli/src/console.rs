@@ -17,11 +17,11 @@ pub(crate) enum Loudness {
 }
 
 /// Takes what is in the way off the terminal while it prints.
-pub(crate) type Around = Box<dyn Fn(&dyn Fn()) + Send>;
+pub(crate) type PrintHook = Box<dyn Fn(&dyn Fn()) + Send>;
 
 struct Console {
     loudness: Loudness,
-    around: Option<Around>,
+    around: Option<PrintHook>,
 }
 
 // A global because warnings arise everywhere and there is one standard error.
@@ -32,7 +32,7 @@ fn console() -> MutexGuard<'static, Console> {
 }
 
 /// Makes every message print inside `around`, from now on.
-pub(crate) fn print_inside(around: Option<Around>) {
+pub(crate) fn print_inside(around: Option<PrintHook>) {
     console().around = around;
 }
 

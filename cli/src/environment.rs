@@ -8,7 +8,7 @@ type Variable = (&'static str, &'static str, fn(&Path) -> bool);
 
 /// Set for work on a graphics device: Mesa's Vulkan layer asks a Wayland server which of several
 /// devices to prefer, and the Wayland library prints a line on standard error where this is
-/// missing. The folder exists nowhere, so nobody can put a server there.
+/// missing. The folder does not exist, and only root can make it, so no server can be there.
 pub(crate) const RUNTIME_FOLDER: Variable =
     ("XDG_RUNTIME_DIR", "/nonexistent", |folder| folder.is_absolute());
 

@@ -14,7 +14,7 @@ pub(crate) fn forbid() {
     allow_if(false);
 }
 
-/// Allows huge pages for work that is expected to take so many bytes, if they pay.
+/// Allows huge pages if they pay for work that is expected to take `bytes` bytes.
 pub(crate) fn allow_for(bytes: u64) {
     allow_if(PAYING.contains(&bytes));
 }

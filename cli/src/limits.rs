@@ -210,7 +210,7 @@ impl LimitArgs {
     }
 
     /// Bytes of memory that may be used: what was asked for, or what the machine has; none if
-    /// nobody knows.
+    /// unknown.
     pub(crate) fn memory(&self) -> Option<u64> {
         self.memory.or_else(crate::memory::available_bytes)
     }

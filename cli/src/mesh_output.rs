@@ -122,7 +122,7 @@ pub(crate) fn files(
 pub(crate) fn write(target: &Target, files: Vec<OutputFile>) -> Outcome<()> {
     match target {
         Target::File(_) => output::commit(&files),
-        // Standard output takes the mesh; what stands beside it (an MTL) has no place there.
+        // Standard output takes the mesh; what goes beside it (an MTL) has no place there.
         Target::Stdout => {
             files.into_iter().next().map_or(Ok(()), |first| console::bytes(&first.bytes))
         }

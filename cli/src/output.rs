@@ -22,7 +22,7 @@ pub(crate) fn commit(files: &[OutputFile]) -> Outcome<()> {
             })?;
         }
     }
-    // Opening a pipe that nobody reads waits for ever, so there an interruption must get through;
+    // Opening a pipe without a reader waits for ever, so there an interruption must get through;
     // it leaves nothing behind either, since pipes and devices are written to directly.
     let special = |f: &OutputFile| f.path.metadata().is_ok_and(|m| !m.is_file());
     let _whole = (!files.iter().any(special)).then(interrupt::committing);

@@ -1,4 +1,4 @@
-//! Poses: how a scene stands at a moment of one of its animations.
+//! Poses: a scene at a moment of one of its animations.
 
 use crate::exit::{Failure, Outcome};
 use crate::help::SEEN;
@@ -13,7 +13,7 @@ pub(crate) struct PoseArgs {
     /// Moment of an animation: 0@1.5, Walk@0.3 [default: at rest]
     ///
     /// The animation's number (from 0) or name, and seconds; without seconds its first moment.
-    /// Skins, nodes and morph targets stand as the animation says. An animation that is not there
+    /// Skins, nodes and morph targets are as the animation says. An animation that is not there
     /// ends with status 2 and a list of those that are.
     #[arg(long, value_name = "NAME@SECONDS", value_parser = moment, help_heading = SEEN,
           hide_short_help = true)]

@@ -59,7 +59,7 @@ impl Program {
         })
     }
 
-    /// Returns the long names of the options of a command that stand on the command line itself, or
+    /// Returns the long names of the options of a command that are on the command line itself, or
     /// are excluded by those.
     pub(crate) fn given(&self, name: &str) -> Vec<String> {
         let root = (self.root)();
@@ -91,7 +91,7 @@ impl Program {
             if OF_THE_RUN.contains(&option.as_str()) {
                 return Err(format!("option {option} is for a whole run, not for one asset"));
             }
-            // Limits stand before those of the command line, so that these count.
+            // Limits come before those of the command line, so that these count.
             if given.contains(option) && option != LIMIT {
                 continue;
             }

@@ -10,7 +10,7 @@ use std::time::Duration;
 const COUNTED: &str = "{prefix:14!} {msg:<9} {bar:12} {percent:>3} % {elapsed:>4} (left: {eta:>3})";
 const UNCOUNTED: &str = "{prefix:14!} {msg:<9} {spinner} {elapsed:>4}";
 
-/// Progress of one input; silent where nobody is watching.
+/// Progress of one input; silent unless standard error is a terminal.
 #[derive(Debug)]
 pub(crate) struct Progress(ProgressBar);
 
@@ -38,11 +38,11 @@ impl Progress {
     pub(crate) fn stage(&self, name: &'static str) {
         self.begin(name, UNCOUNTED, 1);
     }
-    /// A new stage begins, of so many units.
+    /// Begins a stage of `units` units.
     pub(crate) fn stage_of(&self, name: &'static str, units: u64) {
         self.begin(name, COUNTED, units.max(1));
     }
-    /// So many more units of the stage are done.
+    /// Adds units of the stage that are done.
     pub(crate) fn add(&self, units: u64) {
         self.0.inc(units);
     }
@@ -71,7 +71,7 @@ pub(crate) struct BatchProgress {
 }
 
 impl BatchProgress {
-    /// A bar for so many assets.
+    /// A bar for `assets` assets.
     pub(crate) fn new(assets: usize) -> Self {
         let single = assets < 2;
         if single || !stderr().is_terminal() || !wants(Loudness::Normal) {

@@ -83,7 +83,7 @@ impl ScreenArgs {
     pub(crate) fn view(&self, eye: [f32; 3]) -> View {
         View::new(eye, self.degrees() as f32, self.height as f32)
     }
-    /// Returns the error that takes up so many pixels at a distance.
+    /// Returns the error that takes up `pixels` pixels at a distance.
     pub(crate) fn error(&self, pixels: f64, distance: f64) -> Target {
         Target::Error(distance * self.slope(pixels))
     }
@@ -109,7 +109,7 @@ impl SelectorArgs {
     pub(crate) fn pixels(&self) -> Option<f64> {
         self.target.pixels
     }
-    /// Returns the error per distance that takes up so many pixels.
+    /// Returns the error per distance that takes up `pixels` pixels.
     pub(crate) fn slope(&self, pixels: f64) -> f64 {
         self.screen.slope(pixels)
     }

@@ -7,7 +7,7 @@ use crate::mesh_output::FormatName;
 use crate::output::Target;
 use clap::{Args, ValueEnum};
 use lodc_formats::images::{PlacedTextures, TextureMode, Textures};
-use lodc_formats::{Document, Sought};
+use lodc_formats::{Document, RequestedFiles};
 use std::path::{Path, PathBuf};
 
 /// Options of image files.
@@ -63,7 +63,7 @@ impl TextureArgs {
         import: &ImportArgs,
         target: &Target,
         format: FormatName,
-    ) -> Outcome<(PlacedTextures, Sought)> {
+    ) -> Outcome<(PlacedTextures, RequestedFiles)> {
         let Some(mode) = self.mode(target, format) else { return Ok(Default::default()) };
         let mut assets = import.assets(input, self.textures_from.as_ref());
         let mut textures = Textures::read(document, &mut assets)?;

@@ -5,7 +5,7 @@ use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::thread::available_parallelism;
 
-/// More threads than this help nobody; asking for more is no mistake.
+/// More threads than this gain nothing; asking for more is no error.
 const MOST: usize = 256;
 
 /// Makes the process's pool of threads: as many as `--jobs` says, or one for each core. A single

@@ -1,6 +1,6 @@
 //! Reading the files of one asset, and nothing else: no path leads out of its folder.
 
-use crate::{Fault, FormatError, Limits, Sought};
+use crate::{Fault, FormatError, Limits, RequestedFiles};
 use std::ffi::OsStr;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read};
@@ -16,7 +16,7 @@ pub struct Assets {
     allowed: Vec<PathBuf>,
     limits: Limits,
     total: u64,
-    sought: Sought,
+    requested: RequestedFiles,
 }
 
 impl Assets {
@@ -29,7 +29,7 @@ impl Assets {
             allowed: allowed.to_owned(),
             limits,
             total: 0,
-            sought: Sought::default(),
+            requested: RequestedFiles::default(),
         }
     }
     /// The limits in force.
@@ -39,8 +39,8 @@ impl Assets {
     }
     /// Every file looked for so far, named as the user would.
     #[must_use]
-    pub fn files(&self) -> &Sought {
-        &self.sought
+    pub fn files(&self) -> &RequestedFiles {
+        &self.requested
     }
     /// The main file as the user named it, for messages.
     #[must_use]
@@ -85,7 +85,7 @@ impl Assets {
         let real = place.real();
         let bytes = real.and_then(|real| self.read_file(&real, &place.named));
         if bytes.is_err() {
-            self.sought.add_absent(&place.named);
+            self.requested.add_absent(&place.named);
         }
         bytes.map_err(|e| e.in_file(reference))
     }
@@ -94,12 +94,12 @@ impl Assets {
     #[cfg(feature = "import")]
     pub(crate) fn substitute(&mut self, reference: &str) {
         if let Ok(place) = self.place(reference) {
-            self.sought.substitute(&place.named);
+            self.requested.substitute(&place.named);
         }
     }
 
     /// Place of a file that a reference names, inside the allowed folders by its name.
-    fn place(&self, reference: &str) -> Result<Place, FormatError> {
+    fn place(&self, reference: &str) -> Result<ReferencedFile, FormatError> {
         let forbidden = |what: &str| Err(FormatError::new(Fault::Forbidden, "", what));
         if reference.contains('\0') {
             return forbidden("a file name cannot contain NUL");
@@ -136,7 +136,7 @@ impl Assets {
         }
         let named =
             if folder == Path::new(".") { relative.to_owned() } else { folder.join(relative) };
-        Ok(Place { absolute, named, roots })
+        Ok(ReferencedFile { absolute, named, roots })
     }
 
     fn read_file(&mut self, path: &Path, named: &Path) -> Result<Vec<u8>, FormatError> {
@@ -151,7 +151,7 @@ impl Assets {
             return Err(self.too_large());
         }
         let bytes = self.read_bounded(&mut file, metadata.len())?;
-        self.sought.add_read(named, &bytes);
+        self.requested.add_read(named, &bytes);
         Ok(bytes)
     }
 
@@ -198,8 +198,8 @@ impl Assets {
     }
 }
 
-/// Place of a file that a reference names.
-struct Place {
+/// A file that a reference names.
+struct ReferencedFile {
     absolute: PathBuf,
     /// As the user would name it.
     named: PathBuf,
@@ -207,7 +207,7 @@ struct Place {
     roots: Vec<PathBuf>,
 }
 
-impl Place {
+impl ReferencedFile {
     /// What it really is: a link may lead anywhere.
     fn real(&self) -> Result<PathBuf, FormatError> {
         let real = self.absolute.canonicalize().map_err(|e| unreadable(&e))?;
@@ -222,7 +222,7 @@ fn is_inside(path: &Path, roots: &[PathBuf]) -> bool {
     roots.iter().any(|root| path.starts_with(root))
 }
 
-/// The message does not depend on the system: warnings stand in files, too.
+/// The message does not depend on the system: warnings are written into files, too.
 fn unreadable(error: &io::Error) -> FormatError {
     let what = match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),

@@ -15,7 +15,7 @@ pub(crate) struct Placed<'a> {
     pub(crate) object: ExportObject<'a>,
     /// The node's name or, lacking that, the object's.
     pub(crate) name: String,
-    /// None where the object stands as it was modelled, so that bits survive.
+    /// None where the object stays as it was modelled, so that bits survive.
     placement: Option<Placement>,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Nothing outside this package parses or writes files. It knows no model: a file has their arrays
 //! under the names of their kinds ([`lodc::StoredModel`]). Each format has a room: `gltf`, `obj`,
-//! `ply`, `stl`, `images`, [`lodc`] and `lods`; what they share stands beside them, and `import`,
+//! `ply`, `stl`, `images`, [`lodc`] and `lods`; what they share is beside them, and `import`,
 //! `export`, `appearance` and `images::Textures` choose among them. No format uses what chooses,
 //! and its reader and writer do not use each other.
 //!
@@ -88,10 +88,10 @@ mod options;
 mod ply;
 #[cfg(any(feature = "import", feature = "export"))]
 mod provenance;
+mod requested_files;
 mod scene;
 #[cfg(feature = "import")]
 mod shipped;
-mod sought;
 #[cfg(feature = "import")]
 mod stl;
 #[cfg(test)]
@@ -107,13 +107,13 @@ pub use error::{Fault, FormatError};
 #[cfg(feature = "gltf")]
 pub use gltf::{PartNames, animation, animation_names, scene_graph, scene_motion};
 pub use limits::Limits;
+pub use requested_files::RequestedFiles;
 pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,
     SourceFormat, SubmeshInfo,
 };
 #[cfg(feature = "import")]
 pub use shipped::{Glide, GlidePart, ShippedLevels};
-pub use sought::Sought;
 pub use write::{OutputFile, write_all};
 
 /// The name of the morph target that moves a level to the next one.

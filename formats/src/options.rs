@@ -52,7 +52,7 @@ pub struct Additions {
 pub struct Precision {
     /// Positions: the longest side of the scene has 2^n − 2 steps.
     pub position: Option<u8>,
-    /// Normals and tangents: on an octahedron whose sides have so many bits.
+    /// Normals and tangents: on an octahedron, whose sides have this number of bits.
     pub normal: Option<u8>,
     /// Texture coordinates: the longest side of their range in a material has 2^n − 1 steps.
     pub uv: Option<u8>,

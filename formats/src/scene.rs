@@ -1,6 +1,6 @@
 //! A whole asset: its meshes as lodc sees them, and everything else as the file had it.
 
-use crate::Sought;
+use crate::RequestedFiles;
 use lodc_mesh::{Mesh, Posture};
 
 /// The format that a scene came from.
@@ -47,7 +47,7 @@ pub struct Scene {
     /// Repairs, and what was dropped or left alone: one line each, with counts.
     pub warnings: Vec<String>,
     /// Every file that was looked for.
-    pub files: Sought,
+    pub files: RequestedFiles,
     /// True if its geometry was compressed by EXT_meshopt_compression or its successor.
     pub compressed: bool,
     /// True if its document says that streams may be short integers (KHR_mesh_quantization).

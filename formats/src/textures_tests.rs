@@ -1,7 +1,7 @@
 //! Places of image files: inside, beside under their name, beside under another one.
 
 use super::*;
-use crate::images::{Place, TextureMode};
+use crate::images::{ImagePlace, TextureMode};
 use crate::obj::mtl;
 use crate::{GltfDocument, Limits, ObjDocument, ObjMaterial};
 use std::fs;
@@ -70,9 +70,8 @@ fn a_copy_keeps_its_name_unless_another_file_has_it() {
     let name = other.copies[0].path.to_string_lossy().into_owned();
     assert!(name.contains("wood/a b-") && name.ends_with(".png"), "{name}");
     assert!(other.warnings[0].contains("another file"), "{:?}", other.warnings);
-    assert!(
-        matches!(other.of("wood/a b.png"), Some(Place::Beside(p)) if p.starts_with("wood/a b-"))
-    );
+    let place = other.of("wood/a b.png");
+    assert!(matches!(place, Some(ImagePlace::Beside(p)) if p.starts_with("wood/a b-")));
 }
 
 #[test]
@@ -81,7 +80,10 @@ fn only_known_images_are_embedded() {
     fs::write(folder.0.join("in/gone.png"), b"no image").expect("a file");
     let textures = Textures::read(&gltf(), &mut folder.assets()).expect("sound");
     let placed = textures.placed(TextureMode::Embed, &folder.0.join("out/m.glb"));
-    assert!(matches!(placed.of("wood/a b.png"), Some(Place::Inside { mime: "image/png", .. })));
+    assert!(matches!(
+        placed.of("wood/a b.png"),
+        Some(ImagePlace::Inside { mime: "image/png", .. })
+    ));
     assert!(placed.of("gone.png").is_none() && placed.warnings.len() == 1);
 }
 

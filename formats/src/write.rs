@@ -46,7 +46,7 @@ pub fn write_all(files: &[OutputFile]) -> Result<(), FormatError> {
         done.push(next);
     }
     for folder in done.iter().filter_map(|d| d.target.parent()) {
-        // What stands there is complete either way: this only makes the new name survive a power
+        // What is there is complete either way: this only makes the new name survive a power
         // failure.
         let _ = File::open(folder).and_then(|f| f.sync_all());
     }
@@ -107,7 +107,7 @@ impl Pending {
         Ok(Some(Self { target, temporary: Some(temporary), backup: None, replaced_nothing: false }))
     }
 
-    /// Puts the file in its place, keeping what stood there if that may be needed again.
+    /// Puts the file in its place, keeping what was there if that may be needed again.
     fn commit(&mut self, keep_old: bool) -> io::Result<()> {
         let Some(temporary) = &self.temporary else { return Ok(()) };
         if keep_old {
@@ -126,7 +126,7 @@ impl Pending {
         Ok(())
     }
 
-    /// Puts back what stood at the target. Best effort: the failure that led here is the one to
+    /// Puts back what was at the target. Best effort: the failure that led here is the one to
     /// report.
     fn undo(mut self) {
         match self.backup.take() {
@@ -166,7 +166,7 @@ impl Temporary {
             {
                 Ok(file) => {
                     // Taken already: another run saw the file before it was locked and is about to
-                    // remove it. Locks not known here: then nobody removes anything either.
+                    // remove it. Where locks are not supported, nothing is removed either.
                     if matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
                         continue;
                     }
@@ -212,7 +212,7 @@ fn remove_stale(folder: &Path, prefix: &str) {
 /// Files of our naming by the beginnings of their names, which stand for targets.
 type Leftovers = BTreeMap<String, Vec<PathBuf>>;
 
-/// The files of our naming that stood in a folder when this process first wrote there, of one
+/// The files of our naming that were in a folder when this process first wrote there, of one
 /// target. Each folder is listed once: listing it for each file would take quadratic time.
 fn left_behind(folder: &Path, prefix: &str) -> Vec<PathBuf> {
     static SEEN: Mutex<BTreeMap<PathBuf, Leftovers>> = Mutex::new(BTreeMap::new());

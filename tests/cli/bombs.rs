@@ -15,14 +15,14 @@ struct Range(Folder);
 
 /// Cost of a run, as far as the system says.
 #[derive(Debug, Default)]
-struct Taken {
+struct ProcessCost {
     /// Largest resident size in bytes.
     memory: u64,
     /// Seconds of processor time.
     processor: f64,
 }
 
-impl Taken {
+impl ProcessCost {
     /// Looks at a running process; what can be read of one that has just ended is kept from before.
     fn look(&mut self, process: u32) {
         let read = |file: &str| {
@@ -61,7 +61,7 @@ impl Range {
             .stderr(Stdio::piped())
             .spawn()
             .expect("the program starts");
-        let (start, mut taken) = (Instant::now(), Taken::default());
+        let (start, mut taken) = (Instant::now(), ProcessCost::default());
         while child.try_wait().expect("it can be asked").is_none() {
             taken.look(child.id());
             // A thousand times what it takes: only what hangs gets here.

@@ -103,7 +103,7 @@ fn check(folder: &Folder, corpus: &Path, path: &str) -> Result<(), String> {
 /// Bytes of a stream behind its head that are to show triangles.
 const FIRST_TRIANGLES: usize = 600;
 /// Streams whose first step alone takes more: the vertices of one position come in one step, and
-/// these have so many, with so many attributes.
+/// these have many, with many attributes.
 const RICH_FIRST_STEPS: &[(&str, usize)] =
     &[("gltf/misc/vintageDeskFan/vintageFan_animated.gltf", 900)];
 

@@ -16,7 +16,7 @@ fn the_package_is_bundled_and_shows_models_and_streams_in_a_browser() {
     node("browser.mjs", &folder, 9);
 }
 
-/// Runs the tests of a script, of which there are so many. `LODC_WEB_TOOLS` names the packages that
+/// Runs a script of `tests` tests. `LODC_WEB_TOOLS` names the packages that
 /// they use.
 fn node(script: &str, folder: &Path, tests: usize) {
     let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/web/test");

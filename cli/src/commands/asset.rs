@@ -12,12 +12,12 @@ use clap::Args;
 use lodc::{
     Input, LodObject,
     build::{
-        Known, LevelDistance, Paints, ScenePaints, Size, choose_poses, measure_all, measure_levels,
-        simplify_all,
+        LevelDistance, Paints, SceneContext, ScenePaints, Size, choose_poses, measure_all,
+        measure_levels, simplify_all,
     },
     read_input,
 };
-use lodc_formats::{Document, Limits, ObjectInfo, Scene, Sought, Source, appearance};
+use lodc_formats::{Document, Limits, ObjectInfo, RequestedFiles, Scene, Source, appearance};
 use lodc_mesh::Lod;
 use lodc_select::Target;
 use lodc_simplify::{MetricKind, Options};
@@ -32,7 +32,7 @@ pub(crate) struct Asset {
     /// True if the geometry was compressed.
     pub(crate) compressed: bool,
     /// Every file that was looked for.
-    pub(crate) files: Sought,
+    pub(crate) files: RequestedFiles,
     /// Messages about what was repaired, dropped or left out while reading.
     pub(crate) warnings: Vec<String>,
     /// The errors that its sequences state.
@@ -171,7 +171,7 @@ pub(crate) fn read_showing(
             objects: file.objects,
             document: file.document,
             compressed: false,
-            files: Sought::only(input),
+            files: RequestedFiles::only(input),
             warnings: file.left_out,
             errors: Errors::Curve,
             paints: None,
@@ -216,8 +216,12 @@ fn simplified_showing(
     let paints = ScenePaints::read(input, &import.options(), &scene, &options)?;
     let importance = importance(&scene, &options, &how.importance, how.parts.all())?;
     let Scene { source, document, objects, mut warnings, mut files, compressed, .. } = scene;
-    let known =
-        Known { paints: paints.shown(), importance: &importance, document: &document, limits };
+    let known = SceneContext {
+        paints: paints.shown(),
+        importance: &importance,
+        document: &document,
+        limits,
+    };
     let watch = stages.watched(progress);
     let mut simplified = simplify_all(objects, &options, known, &watch)?;
     warnings.extend(paints.warnings);

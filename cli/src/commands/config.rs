@@ -9,7 +9,7 @@ use clap::Args;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Commands whose options can stand in a configuration.
+/// Commands whose options can be in a configuration.
 const COMMANDS: [&str; 4] = ["build", "chain", "compare", "extract"];
 
 /// Options of `config`.

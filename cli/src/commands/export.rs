@@ -42,7 +42,7 @@ pub(crate) struct ExportArgs {
 }
 
 /// Result of the work on one asset.
-pub(crate) struct Made<R> {
+pub(crate) struct ExportResult<R> {
     /// Its document.
     pub(crate) report: R,
     /// Its results, for a dependency file.
@@ -102,7 +102,7 @@ impl ExportArgs {
         &self,
         inputs: &[PathBuf],
         assets: &[Asset],
-        done: Vec<Outcome<Made<R>>>,
+        done: Vec<Outcome<ExportResult<R>>>,
     ) -> Outcome<Status> {
         let (mut worst, mut results, mut rules) = (Status::Done, Vec::new(), Vec::new());
         for (asset, made) in assets.iter().zip(done) {

@@ -1,6 +1,6 @@
 //! `lodc report`: one offline page for people who approve assets.
 
-use super::view::{self, Page, PageArgs, Shown};
+use super::view::{self, Page, PageArgs, PageInput};
 use crate::exit::{Failure, Outcome, Status};
 use lodc::scene_levels;
 use lodc_formats::appearance;
@@ -15,7 +15,7 @@ Examples:
   lodc report chair.glb -o chair.html
   lodc report chair.lodc -o chair.html --depfile chair.d";
 
-/// Writes the page. A failed check stands on the page and is exit status 1.
+/// Writes the page. A failed check is on the page, and makes the exit status 1.
 ///
 /// # Errors
 /// As [`view::write`].
@@ -32,8 +32,8 @@ pub(crate) fn run(args: &PageArgs) -> Outcome<Status> {
 }
 
 /// The facts, and warnings about textures.
-fn facts<'a>(args: &PageArgs, shown: Shown<'a>) -> Outcome<(Facts<'a>, Vec<String>)> {
-    let Shown { asset, assets, title, stages } = shown;
+fn facts<'a>(args: &PageArgs, shown: PageInput<'a>) -> Outcome<(Facts<'a>, Vec<String>)> {
+    let PageInput { asset, assets, title, stages } = shown;
     let name = args.input.display().to_string();
     let options = args.import.options();
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();

@@ -11,7 +11,7 @@ use lodc_report::text::count;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The guide that stands beside the shaders.
+/// The guide beside the shaders.
 const GUIDE: &str = include_str!("../../ENGINE.md");
 
 /// Options of `shaders`.

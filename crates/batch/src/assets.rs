@@ -34,7 +34,7 @@ impl Asset {
         self.folder.is_some() || self.line.is_some()
     }
 
-    /// A message about its options, with the line that they stand in.
+    /// A message about its options, with the line that they are in.
     #[must_use]
     pub fn with_line(&self, what: &str) -> String {
         match &self.line {

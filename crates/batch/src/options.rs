@@ -40,7 +40,7 @@ impl OptionValues {
     }
 
     /// Those of `stronger`, and these where it has none, nor one that excludes them. Limits are
-    /// known by their keys: of both, those of `stronger` stand last and count.
+    /// known by their keys: of both, those of `stronger` come last and count.
     #[must_use]
     pub fn under(mut self, mut stronger: Self, command: &CommandOptions) -> Self {
         for name in command.excluded(stronger.0.keys()) {
@@ -75,7 +75,7 @@ impl CommandOptions {
         self.options.iter().any(|name| name == option)
     }
 
-    /// The long names of options that cannot stand beside those of these names.
+    /// The long names of options that cannot be combined with those of these names.
     pub fn excluded<'a>(
         &'a self,
         names: impl IntoIterator<Item = &'a String>,

@@ -8,7 +8,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 const MEMORY_OF_BYTE: u64 = 14;
 
 /// Bytes of memory that an asset may need, from the bytes of its file and, for glTF, of its
-/// buffers; 0 if nobody knows.
+/// buffers; 0 if unknown.
 #[must_use]
 pub fn expected_bytes(input: &Path) -> u64 {
     let size = |path: &Path| path.metadata().map_or(0, |m| m.len());
@@ -36,8 +36,8 @@ struct State {
     bytes: u64,
 }
 
-/// Does `work` for each of `needs.len()` assets, which are expected to need so many bytes each.
-/// The results are in the order of `needs`, whatever the order of work.
+/// Does `work` for each of `needs.len()` assets. `needs` are the bytes that each is expected to
+/// take. The results are in the order of `needs`, whatever the order of work.
 pub fn run<R: Send>(needs: &[u64], budget: Budget, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
     let mut order: Vec<usize> = (0..needs.len()).collect();
     order.sort_by_key(|&i| (std::cmp::Reverse(needs[i]), i));

@@ -1,7 +1,7 @@
 //! Where results go: a file, a folder or standard output; and rules of dependency files.
 
 use crate::error::AssetError;
-use lodc_formats::Sought;
+use lodc_formats::RequestedFiles;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
@@ -182,7 +182,7 @@ pub struct Rule {
 impl Rule {
     /// A rule of files that were looked for.
     #[must_use]
-    pub fn new(output: &Path, files: &Sought) -> Self {
+    pub fn new(output: &Path, files: &RequestedFiles) -> Self {
         let absent = files.absent().into_iter().filter(|path| has_rule(path)).collect();
         Self { output: output.to_owned(), inputs: files.read(), absent }
     }
@@ -203,8 +203,8 @@ impl Rule {
         }
     }
 
-    /// The rule as Make reads it; what was read twice stands once. A rule without inputs for each
-    /// file that is not there keeps Make from asking how to make it.
+    /// The rule as Make reads it; what was read twice is listed once. A rule without inputs for
+    /// each file that is not there keeps Make from asking how to make it.
     #[must_use]
     pub fn text(&self) -> String {
         let (mut text, mut named) = (escaped(&self.output), BTreeSet::new());

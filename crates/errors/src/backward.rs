@@ -10,12 +10,14 @@ use glam::DVec3;
 use lodc_mesh::NONE;
 use lodc_nearest::{Moving, Search, Seeker, Surface, area, centroid, point_at};
 
-/// A point is near enough within this share of the bound; a face with one beyond the second share
-/// is looked at as a whole.
+/// A point is near enough within this share of the bound, so that its search may stop there; a face
+/// with a point beyond the second share is searched as a whole. Without these points errors of up
+/// to 1.9 times the bound went unseen; the shares are chosen by hand.
 const ENOUGH: f64 = 0.39;
 const DOUBTFUL: f64 = 0.5;
 
-/// Where no more faces are left every one is looked at as a whole.
+/// Where no more faces than this are left every one is searched as a whole: faces are large there,
+/// and four points tell little of them. Doing so always takes twice the time on the bunny.
 const FEW: u32 = 600;
 
 /// Barycentric coordinates of the middle of a face, and of the middles of nine equal parts.

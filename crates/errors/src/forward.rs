@@ -14,21 +14,28 @@ use lodc_mesh::{CollapseSequence, NONE};
 use lodc_nearest::{Hit, Moving, Search, Seeker, centroid};
 use std::ops::Range;
 
-/// A sample takes the first changed face within this share of the bound.
+/// A sample takes the first changed face within this share of the bound. At a half errors are the
+/// same, but the mean distance of the cow at 10 % is 1.68 times the measured one; with a quarter
+/// 1.18 times, in the same time.
 const NEAR: f64 = 0.25;
 
-/// Distances within this share of the bound need no better face.
+/// Distances within this share of the bound need no better face: only beyond the bound would they
+/// count. The rest is for mean distances. Chosen by hand.
 const NEAR_ENOUGH: f64 = 0.75;
 
-/// A triangle is looked at for holes above it while the squared bound is this share of its longest
-/// edge, squared; in meshes of up to so many triangles.
+/// A triangle is searched for points that nothing covers while the squared bound is this share of
+/// its longest edge, squared: the edge is 20 times the bound, and samples alone would miss what
+/// lies between them.
 const UNCOVERED: f64 = 2.5e-3;
+/// Most triangles of a mesh in which this is done: larger ones have enough points.
 const COVERABLE: usize = 1 << 16;
 
-/// Changed faces that a sample is tried on before the tree is asked.
+/// Changed faces that a sample is tried on before the tree is searched: twice a large star. Chosen
+/// by hand.
 const TRIED: usize = 48;
 
-/// Records that are read ahead at once.
+/// Records whose faces are read ahead at once, about as many misses as a core has under way at a
+/// time.
 const READ_AHEAD: u32 = 16;
 
 /// The faces of the level, and the samples that travel over them.
@@ -92,7 +99,7 @@ impl<'a> Forward<'a> {
         }
     }
 
-    /// Returns the share of the area that samples at points stand for.
+    /// Returns the share of the area that belongs to samples at points.
     pub(crate) fn at_points(&self) -> f64 {
         self.samples.at_points
     }

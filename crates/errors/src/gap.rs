@@ -7,7 +7,7 @@ use crate::input::Input;
 use glam::{DVec2, DVec3};
 use lodc_mesh::NONE;
 
-/// Most faces of a fan that is looked at.
+/// Most faces of a fan that is tried: time grows with the square. As many as legal collapses make.
 const MOST: usize = 24;
 
 /// Returns how far the faces that a step left are from those before it, both ways, where a closed

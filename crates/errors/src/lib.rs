@@ -38,15 +38,17 @@ use care::Care;
 use floor::Floor;
 use lodc_mesh::Simplified;
 
-/// An error that rises to less than so many times itself, and so much of the diagonal, is as good
-/// as the same.
+/// An error counts as raised if it is more than this many times itself, and this share of the
+/// diagonal besides: a twentieth is what stated errors may be too large by anyway.
 const RISE: f64 = 1.05;
 const TINY: f64 = 1e-4;
 
-/// Levels of fewer triangles than one in so many do not count for that.
+/// Levels of fewer triangles than one in this many do not count for that: below 1 % few are used,
+/// and errors change by chance.
 const COARSEST: u32 = 100;
 
-/// Meshes of more triangles are measured in one shape at a time, to save memory.
+/// Meshes of more triangles are measured in one shape at a time: a pass takes about 200 bytes a
+/// triangle.
 const MANY: usize = 1 << 20;
 
 /// Measures every step of a sequence. `shown` is the surface that is compared: a place for each

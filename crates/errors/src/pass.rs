@@ -21,15 +21,17 @@ use crate::work::FLOOR;
 use lodc_mesh::Simplified;
 
 /// Steps of a block: a share of the steps done and of those to come, for the bound grows fast at
-/// both ends.
+/// both ends. The bounds keep blocks worth handing over, and short enough that the other way is
+/// never far behind. Chosen by hand.
 const SHARE: u32 = 16;
 const FEWEST: u32 = 32;
 const MOST: u32 = 2_048;
 
-/// Blocks that the first way is ahead: it learns of a block when it has followed so many more.
+/// Blocks that the first way is ahead: it learns what the other found in a block when it has
+/// followed this many more. Fewer, and threads wait for each other; more, and the bound comes late.
 const AHEAD: usize = 3;
 
-/// Meshes of fewer steps are followed on one thread.
+/// Meshes of fewer steps are followed on one thread: starting another takes as long.
 const FEW_STEPS: u32 = 1_000;
 
 /// Runs through all steps, or as many as can be followed in time. States no less than the floor.
@@ -94,7 +96,7 @@ struct Stated<'a> {
     rms: f64,
     /// Steps that moved a point.
     gone: u32,
-    /// Share of the area that samples at points stand for.
+    /// Share of the area that belongs to samples at points.
     at_points: f64,
     floor: Floor<'a>,
 }
@@ -129,7 +131,7 @@ impl<'a> Stated<'a> {
     fn rms(&self, mean_square: f64) -> f64 {
         // Between a point that is off and one that is not, the distance falls to 0: the integral
         // of a piecewise linear function is smaller than its lumped sum by (1 + share gone) / 2.
-        // What samples inside of triangles stand for is not lumped.
+        // The area that belongs to samples inside of triangles is not lumped.
         let share = f64::from(self.gone) / self.input.places.len() as f64;
         let lumped = (0.5 + 0.5 * share).min(1.0);
         ((1.0 - self.at_points * (1.0 - lumped)) * mean_square).sqrt()

@@ -8,19 +8,21 @@ use lodc_mesh::{NONE, SplitMix64};
 use lodc_nearest::centroid;
 use std::ops::RangeInclusive;
 
-/// Most samples put on a large or long triangle besides its corners.
+/// Most samples put on a large or long triangle besides its corners. Where they do not suffice, the
+/// triangle is searched as a whole.
 const MOST_INSIDE: f64 = 24.0;
 
 /// Triangles with an edge this many times as long as the side of a square of the mean area have
 /// samples along it.
 const LONG: f64 = 6.0;
 
-/// Most of these samples on one triangle: one in so many.
+/// Most of the samples of a mesh of few triangles that one of them gets, as a share: 160 of 30,000.
 const MOST_OF_FEW: f64 = 1.0 / 187.5;
 
-/// Samples tell a face's mean distance where they stand for so many times its area. Those of parts
-/// that are gone stand for more: they are far from the face, not it from the input (folds of noise
-/// that became flat are no more than about three times as large). Those of needles stand for less.
+/// Samples tell a face's mean distance if the areas that belong to them are this many times its
+/// own. Where they are more, some come from parts that are gone: these are far from the face, not
+/// it from the input (folds of noise that became flat are no more than about three times as large).
+/// Where they are fewer, the face is larger than what it came from: it is a web or a needle.
 const TELLING: RangeInclusive<f64> = 0.25..=4.0;
 
 /// A point of the input, half a cache line.
@@ -37,7 +39,7 @@ pub(crate) struct Sample {
     pub(crate) squared: f32,
     /// The squared distance at which the input around it was looked at more closely.
     pub(crate) refined: f32,
-    /// The area that it stands for.
+    /// The area of the input that belongs to it.
     pub(crate) weight: f32,
 }
 

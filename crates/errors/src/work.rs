@@ -8,11 +8,11 @@ use std::ops::Add;
 /// third.
 const PER_TRIANGLE: u64 = 1_000;
 
-/// Work that any mesh may take besides.
+/// Work that any mesh may take besides, so that small ones are never given up.
 const FREE: u64 = 10_000_000;
 
-/// Boxes that one search may open: many, and few once half of the work is done. A search that
-/// ends early gives distances that are too large, never too small.
+/// Boxes that one search may open: many, and few once half of the work is done. A search that ends
+/// early gives distances that are too large, never too small. Chosen by hand.
 pub(crate) const PATIENCE: [u32; 2] = [20_000, 64];
 
 /// The same for the search for the farthest point of a triangle.

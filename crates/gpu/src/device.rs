@@ -192,7 +192,7 @@ impl Device {
         self.error.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
     }
 
-    /// Checks that so many bytes may be one buffer that a shader sees as a whole.
+    /// Checks that a shader may bind a buffer of `bytes` bytes as a whole.
     pub(crate) fn allows(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
         let limits = self.device.limits();
         let allowed = [
@@ -212,7 +212,7 @@ impl Device {
         Ok(())
     }
 
-    /// Checks that a texture may have so many texels in a row.
+    /// Checks that a texture may have `texels` texels in a row.
     pub(crate) fn allows_texture(&self, what: &str, texels: u32) -> Result<(), GpuError> {
         let allowed = self.device.limits().max_texture_dimension_2d;
         if texels <= allowed {
@@ -227,7 +227,7 @@ impl Device {
         })
     }
 
-    /// Checks that a buffer that no shader sees may have so many bytes.
+    /// Checks that a buffer that no shader binds may have `needed` bytes.
     pub(crate) fn allows_buffer(&self, what: &str, needed: u64) -> Result<(), GpuError> {
         let allowed = self.device.limits().max_buffer_size;
         if needed <= allowed {

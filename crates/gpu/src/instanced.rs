@@ -127,8 +127,7 @@ impl<'d> Instanced<'d> {
         }
     }
 
-    /// Nanoseconds from asking for so many bytes to be sent to their being there, by the host's
-    /// clock.
+    /// Nanoseconds from submitting an upload of `bytes` bytes to its end, by the host's clock.
     ///
     /// # Errors
     /// If the device fails, or allows no such buffer.

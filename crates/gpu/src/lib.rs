@@ -35,6 +35,6 @@ pub use instanced::{Instance, Instanced, InstancedDraw, InstancedFrame};
 pub use measure::{Figure, measure};
 pub use replay::{Difference, Replayed, replay};
 pub use session::Session;
-/// The interface to devices that all of this stands on.
+/// The interface to devices that all of this uses.
 pub use wgpu;
 pub use wgpu::{CommandEncoder, RenderPass};

@@ -1,4 +1,5 @@
-//! Timing models on a graphics device, by the device's own clock.
+//! Times of models on a graphics device: by the device's clock where it has one, else by the
+//! host's. Draws and uploads of whole levels are timed by the host's in any case.
 
 use crate::error::LabError;
 use crate::primitives::Primitive;
@@ -15,8 +16,8 @@ use lodc_model::Model;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Returns what the device takes for each model that it can show, and for draws of every
-/// subject over the LODs of a sweep; none if there is no such model.
+/// Returns the times and memory of each model that the device can show, and the times of draws of
+/// every subject over the LODs `stops` of a sweep; none if there is no such model.
 ///
 /// # Errors
 /// If the device fails or is too small.
@@ -34,6 +35,7 @@ pub(crate) fn measure(
         ..GpuReport::default()
     };
     let simplified = &object.simplified;
+    // Of LOD 0: fakes are not counted, as other tools have none.
     let vertices = (simplified.mesh().vertex_count() - simplified.fakes()).max(1) as f64;
     let start = Instant::now();
     for model in &object.models {
@@ -91,7 +93,7 @@ impl<'d> Stage<'d> {
     /// Milliseconds of the best round.
     fn best(&self, time: &dyn Fn(Clock<'_>) -> Result<f64, GpuError>) -> Result<f64, LabError> {
         let now = || self.start.elapsed();
-        // In the first round drivers compile.
+        // The first round is not counted: drivers compile shaders in it.
         let all = (0..=self.rounds).map(|_| time(&now)).collect::<Result<Vec<f64>, _>>()?;
         Ok(all[1..].iter().copied().fold(f64::INFINITY, f64::min) / 1e6)
     }
@@ -105,7 +107,8 @@ impl<'d> Stage<'d> {
     }
 }
 
-/// Draws of the four primitives of table 5.3 of the thesis, at LOD 0 and where a fifth is left.
+/// Times draws of the four primitives of table 5.3 of the thesis, at LOD 0 and at 20 % of the
+/// triangles.
 fn primitives(
     stage: &Stage<'_>,
     [whole, fifth]: [Vec<Primitive>; 2],
@@ -118,17 +121,18 @@ fn primitives(
     whole.into_iter().zip(fifth).map(timed).collect()
 }
 
-/// LODs of a curve on a device.
-const LODS: usize = 20;
+/// Points of a curve on a device.
+const POINTS: usize = 20;
 
-/// Draws of every structure over LODs, and what its last update before each sends.
+/// Times draws of every structure over some LODs, and the upload of the update that leads to each
+/// from the LOD before it in the sweep.
 fn curve(
     stage: &Stage<'_>,
     simplified: &Simplified,
     subjects: &mut [Subject<'_>],
     stops: &[Lod],
 ) -> Result<DeviceCurve, LabError> {
-    let count = stops.len().min(LODS);
+    let count = stops.len().min(POINTS);
     let at: Vec<usize> = (1..=count).map(|i| i * stops.len() / count - 1).collect();
     let collapses = simplified.collapses();
     let mut curve = DeviceCurve {
@@ -141,6 +145,7 @@ fn curve(
         for &i in &at {
             subject.runner.seek(if i == 0 { Lod(0) } else { stops[i - 1] });
             let (traffic, bytes) = subject.runner.send(stops[i]);
+            // What an upload of nothing but the indices that change would send, four bytes each.
             let single = bytes.min(4 * traffic.rewritten);
             let (indices, strips) = subject.runner.indices();
             drawn.draw_ms.push(stage.draw_ms(indices, strips)?);

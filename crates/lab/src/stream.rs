@@ -10,7 +10,9 @@ use lodc::{LodFile, LodObject};
 use lodc_formats::lodc::Layout;
 use lodc_formats::lods::{PackOptions, Quantize, Unpacker, pack};
 use lodc_formats::{Document, FormatError, Limits, ObjDocument, Source, SourceFormat};
-use lodc_measure::{Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
+use lodc_measure::{
+    Sampling, ShadingOptions, Surface, Viewing, compare_pictures, distances, pictures,
+};
 use lodc_mesh::Mesh;
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
@@ -118,7 +120,7 @@ fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
     };
     let Some(whole) = shown(bytes)?.as_ref().map(surface) else { return Ok(Vec::new()) };
     let diagonal = whole.diagonal();
-    let (cameras, looks) = (Viewing::DEFAULT.cameras(&whole), Looks::default());
+    let (cameras, looks) = (Viewing::DEFAULT.cameras(&whole), ShadingOptions::default());
     let taken = pictures(&whole, &cameras, looks);
     let report = |percent: u32| {
         let cut = (bytes.len() as u64 * u64::from(percent)).div_ceil(100);

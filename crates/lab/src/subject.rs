@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// A model with a cursor on it, whatever its kind.
 pub(crate) trait Runner {
-    /// Moves the cursor; nobody listens to what changes.
+    /// Moves the cursor; changes are ignored.
     fn seek(&mut self, lod: Lod) -> Traffic;
     /// Moves it, and says how many bytes that sends to a GPU besides.
     fn send(&mut self, lod: Lod) -> (Traffic, u64);

@@ -18,13 +18,13 @@ const JUMPS: u32 = 5;
 /// Points of a curve over LODs.
 const POINTS: usize = 100;
 
-/// Ranges of so many things for the points of a curve: each point stands at the last of its range.
+/// Divides `of` samples into a range for each point of a curve, which is at the last of its range.
 fn parts(of: usize) -> Vec<Range<usize>> {
     let count = of.min(POINTS);
     (0..count).map(|i| i * of / count..(i + 1) * of / count).collect()
 }
 
-/// Every so many stops, the last one included: the points of a curve.
+/// The points of a curve: LODs at equal intervals, the last one included.
 pub(crate) fn points<T: Copy>(of_stops: &[T]) -> Vec<T> {
     parts(of_stops.len()).into_iter().map(|part| of_stops[part.end - 1]).collect()
 }

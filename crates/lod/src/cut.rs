@@ -62,7 +62,8 @@ fn step(strip: &[u32], pieces: usize, most: usize) -> usize {
         .unwrap_or(even)
 }
 
-/// Returns whether the last of so many triangles is degenerate, so that nobody misses it.
+/// Returns whether the last of the first `triangles` triangles is degenerate, so that a cut need
+/// not repeat it.
 fn turns(strip: &[u32], triangles: usize) -> bool {
     let [a, b, c] = [strip[triangles - 1], strip[triangles], strip[triangles + 1]];
     triangles > 2 && (a == b || b == c || c == a)

@@ -90,7 +90,7 @@ impl Levels {
         self.collapses().lod_for_error(error).min(self.collapses().last_visible())
     }
 
-    /// The finest LOD with at most so many triangles, but for the last ones.
+    /// The finest LOD with at most `most` triangles; the last one with any if none has so few.
     #[must_use]
     pub fn with_triangles(&self, most: u32) -> Lod {
         self.collapses().lod_for_triangles(most).min(self.collapses().last_visible())

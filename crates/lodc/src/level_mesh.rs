@@ -30,7 +30,7 @@ pub enum Order {
 /// The way in which levels become meshes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shape {
-    /// The model to replay; none stands for the reference.
+    /// The model to replay; the reference if none.
     pub model: Option<ModelKind>,
     /// The order of its triangles and vertices.
     pub order: Order,

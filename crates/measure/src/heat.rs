@@ -1,7 +1,7 @@
 //! Pictures coloured by how far each place of a surface is from another one.
 
 use crate::colours::heat;
-use crate::picture::{Looks, Picture, Viewing, pictures};
+use crate::picture::{Picture, ShadingOptions, Viewing, pictures};
 use crate::surface::Surface;
 use lodc_nearest::TriangleTree;
 use lodc_scene::Image;
@@ -40,7 +40,7 @@ impl Picture {
 /// A sheet of pictures from four sides: `a`, `b`, and how far each place of `a` is from `b`.
 /// `hottest` is the distance that is drawn reddest.
 #[must_use]
-pub fn heat_sheet(a: &Surface, b: &Surface, looks: Looks, hottest: f64) -> Image {
+pub fn heat_sheet(a: &Surface, b: &Surface, looks: ShadingOptions, hottest: f64) -> Image {
     const BLACK: [u8; 4] = [0, 0, 0, 255];
     let cameras = VIEWING.cameras(a);
     let (of_a, of_b) = (pictures(a, &cameras, looks), pictures(b, &cameras, looks));

@@ -3,7 +3,9 @@
 //! it knows none of them.
 //!
 //! ```
-//! use lodc_measure::{Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
+//! use lodc_measure::{
+//!     Sampling, ShadingOptions, Surface, Viewing, compare_pictures, distances, pictures,
+//! };
 //!
 //! let square = |z: f32| Surface {
 //!     positions: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
@@ -17,7 +19,7 @@
 //! assert!((apart.hausdorff[0] - 0.25).abs() < 1e-9 && (apart.rms[1] - 0.25).abs() < 1e-9);
 //!
 //! let cameras = Viewing { views: 6, size: 64 }.cameras(&a);
-//! let shown = pictures(&a, &cameras, Looks::default());
+//! let shown = pictures(&a, &cameras, ShadingOptions::default());
 //! assert_eq!(compare_pictures(&shown, &shown).rmse, 0.0);
 //! ```
 
@@ -42,7 +44,7 @@ pub use distance::{Distances, Original, Sampling, distances, farther_than};
 pub use field::DistanceField;
 pub use heat::heat_sheet;
 pub use lodc_nearest::TriangleTree;
-pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
+pub use picture::{ImageError, Picture, ShadingOptions, Viewing, compare_pictures, pictures};
 pub use portrait::Portrait;
 pub use scene::SceneSurface;
 pub use stated::check_errors;

@@ -18,7 +18,7 @@ const DARK: f32 = 0.5;
 
 /// The looks that pictures show besides shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Looks {
+pub struct ShadingOptions {
     /// Shade with the surface's own normals, not with those of its triangles.
     pub own_normals: bool,
     /// Paint a checkerboard by texture coordinates: it shows where a texture is stretched or has
@@ -76,14 +76,14 @@ pub struct ImageError {
 
 /// Takes a picture from every camera.
 #[must_use]
-pub fn pictures(surface: &Surface, cameras: &[Camera], looks: Looks) -> Vec<Picture> {
+pub fn pictures(surface: &Surface, cameras: &[Camera], looks: ShadingOptions) -> Vec<Picture> {
     let own = looks.own_normals && !surface.normals.is_empty();
     let normals = if own {
         surface.triangles.iter().map(|t| t.map(|v| surface.normals[v as usize])).collect()
     } else {
         smooth(surface)
     };
-    let looks = Looks {
+    let looks = ShadingOptions {
         checkerboard: looks.checkerboard && !surface.texture.is_empty(),
         materials: looks.materials && !surface.material_of.is_empty(),
         ..looks
@@ -117,7 +117,12 @@ pub fn compare_pictures(a: &[Picture], b: &[Picture]) -> ImageError {
     ImageError { rmse: (sum / pixels as f64).sqrt(), silhouette: differ as f64 / pixels as f64 }
 }
 
-fn picture(surface: &Surface, normals: &[[Vec3; 3]], looks: Looks, camera: &Camera) -> Picture {
+fn picture(
+    surface: &Surface,
+    normals: &[[Vec3; 3]],
+    looks: ShadingOptions,
+    camera: &Camera,
+) -> Picture {
     let size = camera.size;
     let points: Vec<Point> =
         surface.positions.iter().map(|p| camera.project(p.as_dvec3())).collect();

@@ -1,6 +1,6 @@
 //! Pictures of one surface, for others to be compared with.
 
-use crate::picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
+use crate::picture::{ImageError, Picture, ShadingOptions, Viewing, compare_pictures, pictures};
 use crate::surface::Surface;
 use lodc_raster::Camera;
 
@@ -8,14 +8,14 @@ use lodc_raster::Camera;
 #[derive(Clone, Debug)]
 pub struct Portrait {
     cameras: Vec<Camera>,
-    looks: Looks,
+    looks: ShadingOptions,
     pictures: Vec<Picture>,
 }
 
 impl Portrait {
     /// Takes the pictures.
     #[must_use]
-    pub fn new(surface: &Surface, viewing: Viewing, looks: Looks) -> Self {
+    pub fn new(surface: &Surface, viewing: Viewing, looks: ShadingOptions) -> Self {
         let cameras = viewing.cameras(surface);
         let pictures = pictures(surface, &cameras, looks);
         Self { cameras, looks, pictures }
@@ -23,7 +23,7 @@ impl Portrait {
 
     /// The looks that are shown.
     #[must_use]
-    pub fn looks(&self) -> Looks {
+    pub fn looks(&self) -> ShadingOptions {
         self.looks
     }
 

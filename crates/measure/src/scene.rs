@@ -1,6 +1,6 @@
 //! The surface of a scene: every object where the default scene shows it.
 
-use crate::picture::Looks;
+use crate::picture::ShadingOptions;
 use crate::surface::Surface;
 use crate::texture::Pyramid;
 use lodc_mesh::{Attribute, Mesh, Semantic};
@@ -84,10 +84,10 @@ impl SceneSurface {
     /// Everything that this surface and another can be shown with: materials, or else a
     /// checkerboard where there are coordinates only.
     #[must_use]
-    pub fn common_looks(&self, other: &Self) -> Looks {
+    pub fn common_looks(&self, other: &Self) -> ShadingOptions {
         let both = |has: fn(&Self) -> bool| has(self) && has(other);
         let materials = both(|s| !s.surface.materials.is_empty());
-        Looks {
+        ShadingOptions {
             own_normals: both(|s| !s.surface.normals.is_empty()),
             checkerboard: !materials && both(|s| s.all_textured),
             materials,

@@ -22,29 +22,30 @@ fn sampling(triangles: usize) -> Sampling {
     }
 }
 
-/// Measured distances may be so much larger than the stored ones, which know samples only.
+/// Measured distances may be this many times the stored ones, which know samples only.
 const TOLERANCE: f64 = 1.05;
 
-/// Stored distances may be so many times the measured ones.
+/// Stored distances may be this many times the measured ones.
 const OVERSTATED: f64 = 3.0;
 
-/// Measured root mean square distances may be so much larger than the stored ones. Both are means
-/// of samples.
+/// Measured root mean square distances may be this many times the stored ones. Both are means of
+/// samples.
 const RMS_TOLERANCE: f64 = 1.9;
 
 /// Means below this share of the error are those of a hundredth of the surface, which the writer's
 /// samples may have missed: they are not refused for being stated too small.
 const RMS_OF_PARTS: f64 = 0.125;
 
-/// Stored ones may be so many times the measured ones: samples that travel stop where they are near
-/// enough, and faces that lie on each other count once.
+/// Stored ones may be this many times the measured ones: samples that travel stop where they are
+/// near enough, and faces that lie on each other count once.
 const RMS_OVERSTATED: f64 = 8.0;
 
 /// Samples of a root mean square distance: at first, and before it is refused.
 const RMS_SAMPLES: [u32; 2] = [2_000, 20_000];
 
-/// So many neighbouring slices of equal area may have been sampled where they are unusually near,
-/// or far: 3 of `n` that all miss a part have a chance of 5 % if that part is 3/n of the area.
+/// Number of neighbouring slices of equal area that may have been sampled where they are unusually
+/// near, or far: 3 of `n` that all miss a part have a chance of 5 % if that part is 3/n of the
+/// area.
 const MISSED_SLICES: f64 = 3.0;
 
 /// Compares the errors and root mean square distances of a sequence with measured ones: returns how

@@ -1,4 +1,4 @@
-//! A triangle surface as it stands in space.
+//! A triangle surface in space.
 
 use crate::texture::Pyramid;
 use glam::{DVec3, Vec2, Vec3};

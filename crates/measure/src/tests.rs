@@ -1,5 +1,6 @@
 use crate::{
-    Looks, Pyramid, Sampling, Surface, Viewing, compare_pictures, distances, farther_than, pictures,
+    Pyramid, Sampling, ShadingOptions, Surface, Viewing, compare_pictures, distances, farther_than,
+    pictures,
 };
 use glam::{Vec2, Vec3};
 use lodc_scene::{Image, Material, Texture, Wrap};
@@ -42,7 +43,7 @@ fn a_surface_is_nowhere_from_itself() {
     let d = distances(&s, &s, &Sampling::DEFAULT);
     assert!(d.hausdorff.iter().chain(&d.rms).all(|&x| x < 1e-6), "{d:?}");
     let cameras = Viewing { views: 5, size: 64 }.cameras(&s);
-    let p = pictures(&s, &cameras, Looks::default());
+    let p = pictures(&s, &cameras, ShadingOptions::default());
     let error = compare_pictures(&p, &p);
     assert_eq!((error.rmse, error.silhouette), (0.0, 0.0));
     assert!(p.iter().all(|p| p.colours.iter().any(|c| c[0] > 200.0)));
@@ -100,11 +101,12 @@ fn the_result_does_not_depend_on_threads() {
 fn coarser_spheres_look_and_are_worse_in_step() {
     let fine = sphere(48, 1.0, Vec3::ZERO);
     let cameras = Viewing { views: 6, size: 96 }.cameras(&fine);
-    let shown = pictures(&fine, &cameras, Looks::default());
+    let shown = pictures(&fine, &cameras, ShadingOptions::default());
     let mut last = (0.0, 0.0);
     for rows in [24, 12, 6] {
         let coarse = sphere(rows, 1.0, Vec3::ZERO);
-        let error = compare_pictures(&shown, &pictures(&coarse, &cameras, Looks::default()));
+        let error =
+            compare_pictures(&shown, &pictures(&coarse, &cameras, ShadingOptions::default()));
         let rms = distances(&fine, &coarse, &Sampling::DEFAULT).rms[0];
         assert!(error.rmse > last.0 && rms > last.1, "{rows}: {error:?} {rms}");
         last = (error.rmse, rms);
@@ -122,8 +124,8 @@ fn a_texture_that_slips_is_seen_on_the_checkerboard_only() {
     let error = |looks| {
         compare_pictures(&pictures(&a, &cameras, looks), &pictures(&slipped, &cameras, looks)).rmse
     };
-    assert_eq!(error(Looks::default()), 0.0);
-    assert!(error(Looks { checkerboard: true, ..Looks::default() }) > 5.0);
+    assert_eq!(error(ShadingOptions::default()), 0.0);
+    assert!(error(ShadingOptions { checkerboard: true, ..ShadingOptions::default() }) > 5.0);
 }
 
 #[test]
@@ -134,7 +136,7 @@ fn what_is_turned_inside_out_looks_the_same_without_normals_of_its_own() {
         ..a.clone()
     };
     let cameras = Viewing { views: 3, size: 64 }.cameras(&a);
-    let looks = Looks::default();
+    let looks = ShadingOptions::default();
     let error =
         compare_pictures(&pictures(&a, &cameras, looks), &pictures(&inside, &cameras, looks));
     assert!(error.rmse < 1e-3, "{error:?}");
@@ -168,7 +170,7 @@ fn a_texture_that_slips_is_seen_where_it_changes() {
     };
     let a = striped(0.0);
     let cameras = Viewing { views: 4, size: 128 }.cameras(&a);
-    let looks = Looks { materials: true, ..Looks::default() };
+    let looks = ShadingOptions { materials: true, ..ShadingOptions::default() };
     let shown = pictures(&a, &cameras, looks);
     let error = |b: &Surface, looks| compare_pictures(&shown, &pictures(b, &cameras, looks)).rmse;
     assert_eq!(error(&a, looks), 0.0);
@@ -176,7 +178,7 @@ fn a_texture_that_slips_is_seen_where_it_changes() {
     assert!(little > 20.0 && more > 1.5 * little, "{little} {more}");
     // A whole period later it is the same again.
     assert!(error(&striped(8.0 / 64.0), looks) < 0.1);
-    assert!(error(&a, Looks::default()) > 20.0);
+    assert!(error(&a, ShadingOptions::default()) > 20.0);
 }
 
 #[test]

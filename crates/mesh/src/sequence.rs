@@ -211,7 +211,7 @@ impl CollapseSequence {
             n => Lod(self.0.step_ends[n - 1]),
         }
     }
-    /// The vertex that stands for `vertex` at `lod` (at the coarsest LOD, if `lod` is beyond it).
+    /// The vertex that `vertex` has become at `lod` (at the coarsest LOD, if `lod` is beyond it).
     #[must_use]
     pub fn resolve(&self, mut vertex: u32, lod: Lod) -> u32 {
         let end = lod.min(self.last()).0;

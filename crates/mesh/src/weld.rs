@@ -28,7 +28,7 @@ pub fn weld_positions(parts: &mut MeshParts, tolerance: f64) -> usize {
         let submesh = parts.submeshes.get(parts.vertex_submesh[v as usize] as usize);
         submesh.is_some_and(|s| s.attributes.contains(&(stream as u32)))
     };
-    // Snapped vertices stand at a kept one, so no two kept ones are near each other and a cell
+    // Snapped vertices are at a kept one, so no two kept ones are near each other and a cell
     // holds only a few.
     let mut kept: BTreeMap<[u64; 3], Vec<u32>> = BTreeMap::new();
     let mut moved = 0;

@@ -60,7 +60,7 @@ pub struct Array {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// A triangle stands behind one that disappears before it.
+    /// A triangle comes after one that disappears before it.
     TriangleOrder {
         /// The submesh of both.
         submesh: usize,
@@ -85,7 +85,7 @@ impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TriangleOrder { submesh, triangle } => {
-                write!(f, "triangle {triangle} of submesh {submesh} stands behind one ")?;
+                write!(f, "triangle {triangle} of submesh {submesh} comes after one ")?;
                 f.write_str("that disappears before it")
             }
             Self::Malformed { array, what } => write!(f, "the array \"{array}\" {what}"),

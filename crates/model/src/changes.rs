@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 
 /// A listener to the triangles that a cursor removes and adds while it moves.
 pub trait Changes {
-    /// True if anybody listens. A model need not work out changes that nobody hears of.
+    /// False if changes are ignored: then a model need not work them out.
     const HEARD: bool = true;
     /// Takes note of a triangle that is not drawn any more.
     fn removed(&mut self, triangle: OrientedTriangle);

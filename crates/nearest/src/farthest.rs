@@ -60,8 +60,8 @@ pub struct Search {
     pub tolerance: f64,
     /// Distances below this are none.
     pub floor: f64,
-    /// Boxes of the tree that may be opened after all triangles were looked at once: so many for
-    /// each of them, and so many besides. Beyond, the bounds stay apart.
+    /// Boxes of the tree that may be opened after all triangles were looked at once: the
+    /// first number for each of them, and the second besides. Beyond, the bounds stay apart.
     pub boxes: [u32; 2],
 }
 
@@ -97,7 +97,7 @@ impl Search {
             let part = Part::new(Polygon::triangle(row[0]), NONE, to, bound, PATIENCE[0]);
             part.1
         };
-        let found: Vec<Found> = from.par_chunks(stride).map(first).collect();
+        let found: Vec<SearchResult> = from.par_chunks(stride).map(first).collect();
         found.into_iter().for_each(|found| open.learn(found));
         for together in from.chunks(TOGETHER * IN_A_ROW) {
             let row = |row: &[[DVec3; 3]]| {
@@ -125,7 +125,7 @@ impl Search {
                 part.divide(to, bound, &mut Vec::new(), |part| parts.push(part));
                 parts
             };
-            let parts: Vec<Vec<(Part, Found)>> = next.par_iter().map(divide).collect();
+            let parts: Vec<Vec<(Part, SearchResult)>> = next.par_iter().map(divide).collect();
             parts.iter().flatten().for_each(|part| open.take(part));
         }
         open.bounds()
@@ -162,7 +162,7 @@ impl Seeker {
     }
 }
 
-/// Where a search stands.
+/// The state of a search.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
     /// The largest distance found, and the one up to which nothing is looked for.
@@ -184,7 +184,7 @@ impl Bound {
 
 /// What looking at a part has found.
 #[derive(Clone, Copy, Debug)]
-struct Found {
+struct SearchResult {
     /// A point of it is that far off.
     distance: f64,
     opened: u32,
@@ -206,7 +206,7 @@ struct Open {
     free: Vec<u32>,
     /// Room for dividing.
     around: Vec<Polygon>,
-    divided: Vec<(Part, Found)>,
+    divided: Vec<(Part, SearchResult)>,
 }
 
 impl Open {
@@ -238,13 +238,13 @@ impl Open {
         Bound { least: self.least, allowed, slack: 0.1 * floor }
     }
 
-    fn learn(&mut self, found: Found) {
+    fn learn(&mut self, found: SearchResult) {
         self.least = self.least.max(found.distance);
         self.opened += u64::from(found.opened) + 1;
     }
 
     /// Takes a part with what was found in it, and closes it if it is near enough.
-    fn take(&mut self, (part, found): &(Part, Found)) {
+    fn take(&mut self, (part, found): &(Part, SearchResult)) {
         self.learn(*found);
         if part.most <= self.bound().allowed || !part.polygon.has_area() {
             self.closed = self.closed.max(part.most);
@@ -276,7 +276,7 @@ impl Open {
         part.0.near
     }
 
-    /// Divides parts until all are near enough or so many boxes were opened.
+    /// Divides parts until all are near enough or `most` boxes were opened.
     fn explore(&mut self, to: &impl Surface, most: u64) {
         while self.opened < most {
             let Some(part) = self.pop() else { return };
@@ -294,7 +294,7 @@ impl Open {
         self.closed = self.closed.max(other.closed);
         self.opened += other.opened;
         while let Some(part) = other.pop() {
-            self.take(&(part, Found { distance: 0.0, opened: 0 }));
+            self.take(&(part, SearchResult { distance: 0.0, opened: 0 }));
         }
         self.closed = self.closed.max(other.closed);
     }
@@ -343,7 +343,7 @@ impl Part {
         to: &impl Surface,
         bound: Bound,
         patience: u32,
-    ) -> (Self, Found) {
+    ) -> (Self, SearchResult) {
         let (middle, radius) = polygon.disc();
         let enough = (bound.allowed - radius).max(NEAR * bound.allowed);
         let (near, found) = ask(middle, hint, to, enough, patience);
@@ -361,7 +361,7 @@ impl Part {
         to: &impl Surface,
         bound: Bound,
         around: &mut Vec<Polygon>,
-        mut add: impl FnMut((Self, Found)),
+        mut add: impl FnMut((Self, SearchResult)),
     ) {
         let triangle = to.corners(self.near);
         let inside = self.polygon.near(triangle, 0.999 * bound.allowed, bound.slack, around);
@@ -371,7 +371,7 @@ impl Part {
         let (far, corner) = self.polygon.farthest_corner(triangle);
         let found = match far > bound.least && (!is_cut || far <= PROMISING * bound.least) {
             true => ask(corner, self.near, to, bound.least, PATIENCE[1]).1,
-            false => Found { distance: 0.0, opened: 0 },
+            false => SearchResult { distance: 0.0, opened: 0 },
         };
         if !is_cut {
             around.clear();
@@ -400,11 +400,11 @@ impl Part {
 
 /// Looks for a triangle near a point, or the first within a distance `enough`. What is found is the
 /// distance, unless it is within that or the search ended early: then it may be smaller.
-fn ask(p: DVec3, hint: u32, to: &impl Surface, enough: f64, patience: u32) -> (Hit, Found) {
+fn ask(p: DVec3, hint: u32, to: &impl Surface, enough: f64, patience: u32) -> (Hit, SearchResult) {
     let (near, opened) = to.near(p, hint, enough * enough, patience);
     let is_sure = opened < patience && near.squared > enough * enough;
     let distance = if is_sure { near.squared.sqrt() } else { 0.0 };
-    (near, Found { distance, opened })
+    (near, SearchResult { distance, opened })
 }
 
 /// The place of a part in the order: the farthest first.

@@ -54,7 +54,7 @@ impl Child {
 #[derive(Clone, Debug)]
 pub struct TriangleTree {
     root: Child,
-    /// Children stand after their parent.
+    /// Children come after their parent.
     nodes: Vec<Node>,
     /// The triangle in each slot, and the slot of each triangle.
     order: Vec<u32>,
@@ -72,7 +72,7 @@ impl TriangleTree {
         let empty = Child { at: 0, count: 0 };
         let node = Node { bounds: [Bounds::EMPTY; 2], child: [empty; 2] };
         let mut nodes = vec![node; inner_nodes(corners.len())];
-        let (_, root) = build(&mut items, Place { node: 0, slot: 0 }, &mut nodes);
+        let (_, root) = build(&mut items, Subtree { node: 0, slot: 0 }, &mut nodes);
         let order: Vec<u32> = items.iter().map(|item| item.triangle).collect();
         let mut slot = vec![0; order.len()];
         for (&triangle, at) in order.iter().zip(0..) {
@@ -287,9 +287,9 @@ fn inner_nodes(n: usize) -> usize {
     pair(n).0
 }
 
-/// Place of a subtree: its first node and the slot of its first triangle.
+/// A subtree: its first node and the slot of its first triangle.
 #[derive(Clone, Copy)]
-struct Place {
+struct Subtree {
     node: u32,
     slot: u32,
 }
@@ -298,7 +298,7 @@ struct Place {
 const PARALLEL: usize = 4096;
 
 /// Builds the subtree of some triangles into `nodes`.
-fn build(items: &mut [Item], at: Place, nodes: &mut [Node]) -> (Bounds, Child) {
+fn build(items: &mut [Item], at: Subtree, nodes: &mut [Node]) -> (Bounds, Child) {
     let all = items.iter().fold(Bounds::EMPTY, |all, item| Bounds::union(&all, &item.bounds));
     if items.len() <= LEAF {
         return (all, Child { at: at.slot, count: items.len() as u32 });
@@ -314,8 +314,9 @@ fn build(items: &mut [Item], at: Place, nodes: &mut [Node]) -> (Bounds, Child) {
     let parallel = items.len() >= PARALLEL;
     let (near, far) = items.split_at_mut(half);
     let (near_nodes, far_nodes) = nodes.split_at_mut(inner_nodes(half));
-    let first = Place { node: at.node + 1, slot: at.slot };
-    let second = Place { node: first.node + near_nodes.len() as u32, slot: at.slot + half as u32 };
+    let first = Subtree { node: at.node + 1, slot: at.slot };
+    let second =
+        Subtree { node: first.node + near_nodes.len() as u32, slot: at.slot + half as u32 };
     let mut near = || build(near, first, near_nodes);
     let mut far = || build(far, second, far_nodes);
     let (near, far) = if parallel { rayon::join(near, far) } else { (near(), far()) };

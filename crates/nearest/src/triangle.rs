@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// The place of the closest point of a triangle (by regions, Ericson 2005, section 5.1.5).
-enum Place {
+enum ClosestFeature {
     Corner(usize),
     /// On the edge from a corner to another, with the share of the way.
     Edge([usize; 2], f64),
@@ -16,55 +16,57 @@ enum Place {
 const EDGES: [[usize; 2]; 3] = [[0, 1], [1, 2], [0, 2]];
 
 #[inline]
-fn place(p: DVec3, [a, b, c]: [DVec3; 3]) -> Place {
+fn closest_feature(p: DVec3, [a, b, c]: [DVec3; 3]) -> ClosestFeature {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {
-        return Place::Corner(0);
+        return ClosestFeature::Corner(0);
     }
     let bp = p - b;
     let (d3, d4) = (ab.dot(bp), ac.dot(bp));
     if d3 >= 0.0 && d4 <= d3 {
-        return Place::Corner(1);
+        return ClosestFeature::Corner(1);
     }
     let cp = p - c;
     let (d5, d6) = (ab.dot(cp), ac.dot(cp));
     if d6 >= 0.0 && d5 <= d6 {
-        return Place::Corner(2);
+        return ClosestFeature::Corner(2);
     }
     let area = ab.cross(ac).length_squared();
     if area <= 1e-20 * ab.length_squared() * ac.length_squared() {
-        return Place::Flat;
+        return ClosestFeature::Flat;
     }
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return Place::Edge([0, 1], d1 / (d1 - d3));
+        return ClosestFeature::Edge([0, 1], d1 / (d1 - d3));
     }
     let vb = d5 * d2 - d1 * d6;
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return Place::Edge([0, 2], d2 / (d2 - d6));
+        return ClosestFeature::Edge([0, 2], d2 / (d2 - d6));
     }
     let va = d3 * d6 - d5 * d4;
     let (along_b, along_c) = (d4 - d3, d5 - d6);
     if va <= 0.0 && along_b >= 0.0 && along_c >= 0.0 {
-        return Place::Edge([1, 2], along_b / (along_b + along_c));
+        return ClosestFeature::Edge([1, 2], along_b / (along_b + along_c));
     }
-    Place::Inside([va, vb, vc])
+    ClosestFeature::Inside([va, vb, vc])
 }
 
 /// Returns the squared distance from a point to a triangle.
 #[inline]
 #[must_use]
 pub fn distance_squared(p: DVec3, t: [DVec3; 3]) -> f64 {
-    match place(p, t) {
-        Place::Corner(k) => (p - t[k]).length_squared(),
-        Place::Edge([i, j], share) => (p - t[i] - (t[j] - t[i]) * share).length_squared(),
-        Place::Inside(_) => {
+    match closest_feature(p, t) {
+        ClosestFeature::Corner(k) => (p - t[k]).length_squared(),
+        ClosestFeature::Edge([i, j], share) => (p - t[i] - (t[j] - t[i]) * share).length_squared(),
+        ClosestFeature::Inside(_) => {
             let normal = (t[1] - t[0]).cross(t[2] - t[0]);
             let height = (p - t[0]).dot(normal);
             height * height / normal.length_squared()
         }
-        Place::Flat => EDGES.iter().map(|&e| on_edge(p, t, e).1).fold(f64::INFINITY, f64::min),
+        ClosestFeature::Flat => {
+            EDGES.iter().map(|&e| on_edge(p, t, e).1).fold(f64::INFINITY, f64::min)
+        }
     }
 }
 
@@ -94,14 +96,14 @@ pub fn closest(p: DVec3, t: [DVec3; 3]) -> ([f64; 3], f64) {
         (coordinates[i], coordinates[j]) = (1.0 - share, share);
         coordinates
     };
-    let coordinates = match place(p, t) {
-        Place::Corner(k) => on([k, (k + 1) % 3], 0.0),
-        Place::Edge(edge, share) => on(edge, share),
-        Place::Inside([u, v, w]) => {
+    let coordinates = match closest_feature(p, t) {
+        ClosestFeature::Corner(k) => on([k, (k + 1) % 3], 0.0),
+        ClosestFeature::Edge(edge, share) => on(edge, share),
+        ClosestFeature::Inside([u, v, w]) => {
             let sum = u + v + w;
             [u / sum, v / sum, w / sum]
         }
-        Place::Flat => {
+        ClosestFeature::Flat => {
             let found = EDGES.map(|edge| (on_edge(p, t, edge), edge));
             let near = found.into_iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1));
             near.map_or([1.0, 0.0, 0.0], |((share, _), edge)| on(edge, share))

@@ -1,7 +1,7 @@
 //! Work on a graphics device as plain data: words, WGSL, and what must come out.
 //!
 //! A model that can live on a graphics device says so by making a [`Plan`]. `lodc-gpu` runs any
-//! plan and knows no model; nothing here knows a graphics API. Every kernel stands beside its twin,
+//! plan and knows no model; nothing here knows a graphics API. Every kernel is beside its twin,
 //! the Rust code that does the same.
 //!
 //! ```

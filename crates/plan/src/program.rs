@@ -24,7 +24,7 @@ pub struct Buffer {
 pub enum Contents {
     /// These words.
     Words(Arc<[u32]>),
-    /// So many zeros.
+    /// This number of zeros.
     Zeros(usize),
 }
 
@@ -117,7 +117,7 @@ pub struct Expected {
 pub struct Tolerance {
     /// Words of a record.
     pub stride: usize,
-    /// The first so many words of each are computed; the others are copies.
+    /// Number of words at the front of each that are computed; the others are copies.
     pub floats: usize,
 }
 
@@ -183,7 +183,8 @@ impl Program {
     pub fn size(&self) -> u64 {
         self.buffers.iter().map(|b| b.contents.len() as u64).sum()
     }
-    /// Words of all buffers together, as they are and with a normal for each of so many vertices.
+    /// Words of all buffers together, as they are and with a normal for each of `vertices`
+    /// vertices.
     #[must_use]
     pub fn words_with_normals(&self, vertices: usize) -> (u64, u64) {
         (self.size(), self.size() + 3 * vertices as u64)

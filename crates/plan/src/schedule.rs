@@ -36,7 +36,7 @@ pub const SWEEP: u32 = 1000;
 /// Updates between draws that are timed.
 pub const DRAWS: u32 = 10;
 
-/// A linear sweep over all LODs in so many updates, coarser and then finer again, LOD 0 at both
+/// A linear sweep over all LODs in `updates` updates, coarser and then finer again, LOD 0 at both
 /// ends.
 #[must_use]
 pub fn sweep(collapses: &CollapseSequence, updates: u32) -> Vec<Lod> {

@@ -25,7 +25,7 @@ pub struct MeshHeader {
 }
 
 impl MeshHeader {
-    /// The header of a simplified mesh that is coded in so many steps.
+    /// The header of a simplified mesh that is coded in `steps` steps.
     pub(crate) fn new(
         simplified: &Simplified,
         layout: VertexLayout,

@@ -112,7 +112,7 @@ impl MeshDecoder {
     }
 
     /// Vertices so far, with the points that are only announced: the mesh is that of the LOD with
-    /// so many.
+    /// this number of vertices.
     #[must_use]
     pub fn vertex_count(&self) -> u32 {
         self.codec.mesh.vertex_count()

@@ -37,7 +37,7 @@ pub struct BlockTarget {
     pub until_triangle: bool,
 }
 
-/// Padding that is added at once.
+/// Bytes of padding that are added at a time: their cost is small beside coding the block again.
 const PADDING: usize = 64;
 
 impl<'a> MeshEncoder<'a> {

@@ -33,7 +33,7 @@ struct Node {
     next: u32,
 }
 
-/// Sorted lists of fragments, one for each pixel. The first of each stands in the picture itself.
+/// Sorted lists of fragments, one for each pixel. The first of each is in the picture itself.
 #[derive(Clone, Debug)]
 pub struct Layers {
     heads: Vec<Node>,
@@ -42,7 +42,7 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Nothing behind any of so many pixels.
+    /// Nothing behind any of `pixels` pixels.
     #[must_use]
     pub fn new(pixels: usize) -> Self {
         Self {

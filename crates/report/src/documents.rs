@@ -2,7 +2,7 @@
 //! be added, none may change.
 #![expect(missing_docs, reason = "docs/CLI.md says what each key means")]
 
-use crate::{Case, ErrorsOver, Gone, Suite, Verdict};
+use crate::{Case, ErrorsOver, MissingPart, Suite, Verdict};
 use indexmap::IndexMap;
 use serde::Serialize;
 
@@ -163,7 +163,7 @@ pub struct ChainLevel {
     /// How far in poses it is from the next level once it has moved; null unless it does and bends.
     pub geomorph_pose_error: Option<f64>,
     /// What it no longer shows.
-    pub gone: Vec<Gone>,
+    pub gone: Vec<MissingPart>,
     /// The file with the level.
     pub output: String,
 }
@@ -294,7 +294,7 @@ pub struct ExtractReport {
     pub model: &'static str,
     pub objects: Vec<ExtractedObject>,
     /// What the level no longer shows; null in a view.
-    pub gone: Option<Vec<Gone>>,
+    pub gone: Option<Vec<MissingPart>>,
     pub warnings: Vec<String>,
 }
 

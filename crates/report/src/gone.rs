@@ -19,7 +19,7 @@ const OF_SCENE: f64 = 0.02;
 
 /// Something that a level no longer shows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Gone {
+pub struct MissingPart {
     /// `object`, `material` or `surface`: that of the whole scene.
     pub kind: &'static str,
     /// The name of the object or material; none of the surface.
@@ -28,7 +28,7 @@ pub struct Gone {
     pub share: f64,
 }
 
-impl fmt::Display for Gone {
+impl fmt::Display for MissingPart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { kind, name, share } = self;
         let percent = 100.0 * share;
@@ -65,7 +65,7 @@ impl<'a> Roll<'a> {
     /// What is gone where the objects are at `lods`, one each. Materials without names are left
     /// out.
     #[must_use]
-    pub fn gone(&self, lods: &[Lod]) -> Vec<Gone> {
+    pub fn gone(&self, lods: &[Lod]) -> Vec<MissingPart> {
         let error = |(object, &lod): (&LodObject, &Lod)| {
             let collapses = object.simplified.collapses();
             if collapses.is_measured() { collapses.error_at(lod).into() } else { f64::INFINITY }
@@ -76,7 +76,7 @@ impl<'a> Roll<'a> {
     /// As [`Self::gone`], where bounds of the errors of the levels are known otherwise: one for
     /// each object, in mesh units.
     #[must_use]
-    pub fn gone_at(&self, lods: &[Lod], errors: impl IntoIterator<Item = f64>) -> Vec<Gone> {
+    pub fn gone_at(&self, lods: &[Lod], errors: impl IntoIterator<Item = f64>) -> Vec<MissingPart> {
         if lods.iter().all(|lod| lod.0 == 0) {
             return Vec::new();
         }
@@ -88,18 +88,22 @@ impl<'a> Roll<'a> {
         let mut gone = Vec::new();
         for (object, &share) in self.objects.iter().zip(&shares) {
             if share > OF_OBJECT {
-                gone.push(Gone { kind: "object", name: Some(object.info.name.clone()), share });
+                gone.push(MissingPart {
+                    kind: "object",
+                    name: Some(object.info.name.clone()),
+                    share,
+                });
             }
         }
         for name in self.materials(&live) {
-            gone.push(Gone { kind: "material", name: Some(name), share: 1.0 });
+            gone.push(MissingPart { kind: "material", name: Some(name), share: 1.0 });
         }
         if shares.iter().any(|&share| share > 0.0) {
             let areas = || self.scene.seen().iter().map(|areas| areas.iter().sum::<f64>());
             let lost: f64 = areas().zip(&shares).map(|(area, share)| area * share).sum();
             let share = lost / areas().sum::<f64>();
             if share > OF_SCENE {
-                gone.push(Gone { kind: "surface", name: None, share });
+                gone.push(MissingPart { kind: "surface", name: None, share });
             }
         }
         gone

@@ -35,7 +35,7 @@ pub use compare::{
     TriangleCounts,
 };
 pub use errors_over::ErrorsOver;
-pub use gone::{Gone, Roll};
+pub use gone::{MissingPart, Roll};
 pub use page::{Facts, Level, curve, levels, page};
 
 /// Version of all documents; rises only if a key changes its meaning or goes away.

@@ -221,7 +221,7 @@ const SEQUENCE: &[Defect] = &[
             let last = p.mesh.submeshes[0].triangles().end - 1;
             p.mesh.triangles.swap(0, last);
         },
-        "triangle 1 stands behind one that dies before it",
+        "triangle 1 comes after one that dies before it",
     ),
     ("a triangle that shows its back", |p| p.mesh.triangles[0].swap(1, 2), "is only in the source"),
 ];

@@ -2,7 +2,7 @@
 
 use crate::transform::{LocalTransform, Transform};
 
-/// A node: where it stands relative to its parent, and which objects it shows.
+/// A node: its transform relative to its parent, and which objects it shows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Node {
     /// The node's name in the file; may be empty.

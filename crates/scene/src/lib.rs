@@ -1,8 +1,8 @@
-//! Scenes as plain data: where objects stand, how they are posed, and what they look like.
+//! Scenes as plain data: where objects are, how they are posed, and what they look like.
 //! Importers fill it; everything that shows or measures a scene shares its few computations.
 //!
 //! A [`Graph`] has nodes, skins and the roots of the default scene. A [`Pose`] says how its nodes
-//! stand relative to their parents and how much of each morph target is blended in;
+//! are relative to their parents and how much of each morph target is blended in;
 //! [`Graph::rest_pose`] is the one of the file. Together they give an [`Arrangement`] of
 //! [`Placement`]s: an object, the transform of the node that shows it, its joints' matrices and its
 //! morph weights.

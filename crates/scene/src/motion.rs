@@ -19,7 +19,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// A scene of so many objects.
+    /// A scene of `objects` objects.
     #[must_use]
     pub fn new(graph: Graph, animations: Vec<Animation>, objects: usize) -> Self {
         let rest = Arrangement::new(&graph, &graph.rest_pose(), objects);

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 /// Cosine of the angle between two triangles beyond which their edge is sharp: 60°.
 const CREASE: f64 = 0.5;
-/// At an edge with many triangles each is compared with so many of those after it; time would grow
-/// as a square otherwise.
+/// At an edge with many triangles each is compared with this many of those after it; time would
+/// grow with the square of their number otherwise. Chosen by hand.
 const MAX_COMPARED: usize = 16;
 
 /// Returns the normal of each triangle, of length one; zero without area.
@@ -22,7 +22,7 @@ pub fn flat_normals(triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<Vec3> {
 }
 
 /// Returns a normal for every corner of every triangle, of length one; zero where a triangle
-/// without area stands alone. `ids` says which vertices are at one position.
+/// without area is alone. `ids` says which vertices are at one position.
 ///
 /// # Panics
 /// If a triangle names a vertex without a position.

@@ -96,7 +96,7 @@ impl Graph {
             let once = [Transform::IDENTITY];
             for instance in node.instances.as_deref().unwrap_or(&once) {
                 let transform = world[number as usize] * *instance;
-                // A transform that overflows is no place: the object stands as it was modelled.
+                // A transform that overflows is no place: the object stays as it was modelled.
                 let finite = transform.is_finite();
                 let transform = if finite { transform } else { Transform::IDENTITY };
                 out.extend(node.objects.iter().map(|&object| Placement {

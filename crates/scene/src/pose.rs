@@ -1,4 +1,4 @@
-//! Poses: how the nodes of a scene stand at one moment.
+//! Poses: the transforms of a scene's nodes at one moment.
 
 use crate::graph::Graph;
 use crate::transform::{LocalTransform, Transform};

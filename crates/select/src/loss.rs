@@ -28,7 +28,7 @@ pub fn losses(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<f64>> {
 /// all sides.
 #[derive(Debug)]
 pub(crate) struct Visibility {
-    shown: Vec<Shown>,
+    shown: Vec<PlacedObject>,
     /// By object, placement and triangle the area that is seen. Nothing of an object that the scene
     /// does not show, and of a scene too large to look at: it counts with its whole area.
     areas: Vec<Vec<Vec<f64>>>,
@@ -39,7 +39,7 @@ impl Visibility {
         let of_placement = |p: &Placement| objects[p.object].mesh().triangles().len();
         let triangles = scene.placements().iter().map(of_placement).fold(0, usize::saturating_add);
         let visible = triangles <= MAX_TRIANGLES;
-        let shown: Vec<Shown> =
+        let shown: Vec<PlacedObject> =
             objects.par_iter().enumerate().map(|(o, s)| shown(o, s, scene, visible)).collect();
         let mut parts = Vec::new();
         for (simplified, shown) in objects.iter().zip(&shown) {
@@ -54,15 +54,16 @@ impl Visibility {
 
     /// The loss of each object after each of its steps, never falling: [`losses`].
     pub(crate) fn losses(&self, objects: &[&Simplified]) -> Vec<Vec<f64>> {
-        let loss = |((simplified, shown), areas): ((&&Simplified, &Shown), &Vec<Vec<f64>>)| {
-            shown.loss(simplified, areas)
-        };
+        let loss =
+            |((simplified, shown), areas): ((&&Simplified, &PlacedObject), &Vec<Vec<f64>>)| {
+                shown.loss(simplified, areas)
+            };
         objects.par_iter().zip(&self.shown).zip(&self.areas).map(loss).collect()
     }
 
     /// For each object the area of each triangle that is seen, in world units, instances together.
     pub(crate) fn areas(&self, objects: &[&Simplified]) -> Vec<Vec<f64>> {
-        let of_object = |((simplified, shown), seen): ((&&Simplified, &Shown), &Vec<_>)| {
+        let of_object = |((simplified, shown), seen): ((&&Simplified, &PlacedObject), &Vec<_>)| {
             let squares = shown.squares();
             let area = |(t, tri)| squares * shown.area(t, tri, seen, 0.0);
             simplified.mesh().triangles().iter().enumerate().map(area).collect()
@@ -73,7 +74,7 @@ impl Visibility {
 
 /// An object with all its placements.
 #[derive(Debug)]
-struct Shown {
+struct PlacedObject {
     /// The vertices of each placement; only of that of largest scale if nothing is looked at.
     placed: Vec<Vec<DVec3>>,
     is_visible: bool,
@@ -83,7 +84,12 @@ struct Shown {
     largest: usize,
 }
 
-fn shown(object: usize, simplified: &Simplified, scene: &Arrangement, visible: bool) -> Shown {
+fn shown(
+    object: usize,
+    simplified: &Simplified,
+    scene: &Arrangement,
+    visible: bool,
+) -> PlacedObject {
     let mesh = simplified.mesh();
     let usable = |s: f64| s.is_finite() && s > 0.0;
     let as_modelled = Placement::as_modelled(object);
@@ -106,10 +112,10 @@ fn shown(object: usize, simplified: &Simplified, scene: &Arrangement, visible: b
         placed = vec![placed[largest]];
     }
     let placed = placed.iter().map(|(placement, _)| posed_positions(mesh, placement)).collect();
-    Shown { placed, is_visible, scales, largest }
+    PlacedObject { placed, is_visible, scales, largest }
 }
 
-impl Shown {
+impl PlacedObject {
     /// The placements that are looked at.
     fn visible(&self) -> &[Vec<DVec3>] {
         if self.is_visible { &self.placed } else { &[] }

@@ -1,5 +1,5 @@
 //! Accumulated quadric error of a collapse sequence (Garland and Heckbert 1997): how far vertices
-//! have moved off the planes of the faces that they stand for, squared and summed over area.
+//! have moved off the planes of the faces that became theirs, squared and summed over area.
 
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, Csr, PositionIds};

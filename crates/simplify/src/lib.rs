@@ -89,7 +89,7 @@ pub fn simplify_guided(
     simplify_with(mesh, options, guidance, rounds::REGION, progress)
 }
 
-/// Simplifies in regions of about so many groups. One region keeps the exact order of costs.
+/// Simplifies in regions of about `region` groups each. One region keeps the exact order of costs.
 fn simplify_with(
     mesh: &Mesh,
     options: &Options,
@@ -122,7 +122,7 @@ struct Run<'a> {
     mesh: &'a Mesh,
     options: &'a Options,
     guidance: Guidance<'a>,
-    /// Groups of a region, about.
+    /// Number of groups of a region, about.
     region: usize,
     progress: &'a (dyn Fn(u64, u64) + Sync),
 }

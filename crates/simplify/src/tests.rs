@@ -4,7 +4,7 @@ use crate::{Guidance, Options, Weights, simplify, simplify_guided, simplify_with
 use lodc_fixtures as shapes;
 use lodc_mesh::{Attribute, Component, Lod, Mesh, MeshParts, Semantic, Simplified, Submesh};
 
-/// Simplifies in regions of about so many groups.
+/// Simplifies in regions of about `region` groups each.
 fn simplify_in(
     mesh: &Mesh,
     options: &Options,

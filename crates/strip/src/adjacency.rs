@@ -2,7 +2,7 @@
 
 use lodc_mesh::{NONE, is_degenerate};
 
-/// The neighbours of each triangle: slot `e` stands for the edge from corner `e` to corner `e + 1`,
+/// The neighbours of each triangle: slot `e` is the edge from corner `e` to corner `e + 1`,
 /// and holds the neighbour there with its own slot, as [`code`], or [`NONE`].
 ///
 /// Two triangles are neighbours only if they run through their edge in opposite directions. Where

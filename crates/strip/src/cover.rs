@@ -14,8 +14,10 @@ pub(crate) type Node = [u32; 4];
 /// The place of a path's bits in a [`Node`].
 pub(crate) const LINKS: usize = 3;
 
-/// By links and one linked slot: the way from that slot to the other linked one, 1 or 2 corners on;
-/// 0 at an end.
+/// `WAY[links][slot]`: the number of corners, 1 or 2, from a linked slot of an inner triangle to
+/// its other linked one, which says whether the path turns left or right there; 0 at an end. Two
+/// triangles that turn the same way have ways that add up to 3, since each is seen from the edge
+/// between them.
 const WAY: [[u32; 4]; 8] =
     [[0; 4], [0; 4], [0; 4], [1, 2, 0, 0], [0; 4], [2, 0, 1, 0], [0, 1, 2, 0], [0; 4]];
 

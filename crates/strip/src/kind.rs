@@ -19,7 +19,7 @@ pub enum StripKind {
 }
 
 impl StripKind {
-    /// All kinds, by the number that stands for them in stored arrays.
+    /// All kinds, each at the number by which stored arrays name it.
     pub const ALL: [Self; 2] = [Self::Stripe, Self::Cache];
 
     /// The generator of the longest strips: for strips by themselves, baselines and pictures.

@@ -18,7 +18,7 @@ impl<'a> Meter<'a> {
         Self { report, passes: passes.max(1) as u64, done: AtomicU64::new(0) }
     }
 
-    /// Notes that a pass is through with so many triangles.
+    /// Adds triangles that a pass has done.
     pub(crate) fn add(&self, triangles: usize) {
         let before = self.done.fetch_add(triangles as u64, Ordering::Relaxed);
         (self.report)((before + triangles as u64) / self.passes - before / self.passes);

@@ -1,20 +1,20 @@
 //! Triangle order for vertex caches: fan after fan, each about the cached vertex where that pays
 //! most (after Lin and Yu 2006, with the weights of our own).
 
-use crate::front::{Front, Touch};
+use crate::draw_state::{DrawState, Reference};
 use lodc_mesh::{Mesh, NONE};
 
-// What a fan is judged by, in fetched vertices. Found by trying, on three scans.
-/// Per vertex that is thrown out with triangles left.
+// What a fan is judged by, in fetched vertices. Chosen by misses on three scans.
+/// Per vertex that is evicted with triangles to be drawn.
 const EVICTED: f32 = 0.3;
-/// For each vertex without triangles left.
+/// Gain for each vertex that has no triangles to be drawn afterwards.
 const FINISHED: f32 = 0.2;
-/// For each triangle.
+/// Gain for each triangle.
 const TRIANGLE: f32 = 0.5;
 /// Per place in the cache: those that have to leave first have their turn first.
 const AGE: f32 = 0.1;
-/// So many vertices are tried, those that have to leave first. More gain nothing that can be
-/// measured.
+/// Number of vertices that are tried, those that leave the cache first. More gain nothing that can
+/// be measured on three scans.
 const TRIED: usize = 6;
 
 /// The mesh's triangles in an order in which a first-in first-out cache of `cache_size` vertices (4
@@ -37,72 +37,74 @@ pub fn order_list(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> V
 
 /// The numbers of triangles in the order in which they are drawn.
 fn sequence(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> Vec<u32> {
-    let mut front = Front::new(triangles, vertices, cache_size.clamp(4, 64));
+    let mut state = DrawState::new(triangles, vertices, cache_size.clamp(4, 64));
     let mut order: Vec<u32> = Vec::with_capacity(triangles.len());
     let mut cursor = 0;
     let mut fan = Vec::new();
     loop {
         let mut best: Option<(f32, u32)> = None;
-        let recent = front.recent();
+        let recent = state.recent();
         let mut tried = 0;
         for miss in recent.clone() {
-            let Some(v) = front.live(miss) else { continue };
+            let Some(v) = state.live(miss) else { continue };
             tried += 1;
             if tried > TRIED {
                 break;
             }
             let mut cost = AGE * (miss - recent.start) as f32;
-            for i in front.left(v) {
-                let t = front.incident(i);
-                if front.done[t as usize] {
+            for i in state.unfinished(v) {
+                let t = state.incident(i);
+                if state.done[t as usize] {
                     continue;
                 }
-                for corner in front.triangles[t as usize] {
-                    cost += match front.touch(corner) {
-                        Touch::Hit => 0.0,
-                        Touch::Miss => 1.0,
-                        Touch::MissAndLoss => 1.0 + EVICTED,
+                for corner in state.triangles[t as usize] {
+                    cost += match state.reference(corner) {
+                        Reference::Hit => 0.0,
+                        Reference::Miss => 1.0,
+                        Reference::MissEvicting => 1.0 + EVICTED,
                     };
                 }
-                cost -= TRIANGLE + FINISHED * front.draw(t) as f32;
+                cost -= TRIANGLE + FINISHED * state.draw(t) as f32;
             }
-            front.undo();
+            state.undo();
             if best.is_none_or(|(c, _)| cost < c) {
                 best = Some((cost, v));
             }
         }
-        let next = best.map(|(_, v)| v).or_else(|| front.go_back()).or_else(|| {
-            while cursor < triangles.len() && front.done[cursor] {
+        let next = best.map(|(_, v)| v).or_else(|| state.last_unfinished()).or_else(|| {
+            while cursor < triangles.len() && state.done[cursor] {
                 cursor += 1;
             }
             triangles.get(cursor).map(|t| t[0])
         });
         let Some(v) = next else { break };
         fan.clear();
-        fan.extend(front.left(v).map(|i| front.incident(i)).filter(|&t| !front.done[t as usize]));
-        draw_fan(&mut front, &mut fan, &mut order);
+        fan.extend(
+            state.unfinished(v).map(|i| state.incident(i)).filter(|&t| !state.done[t as usize]),
+        );
+        draw_fan(&mut state, &mut fan, &mut order);
     }
     order
 }
 
 /// Draws the triangles of a fan, each time the one that needs the fewest vertices.
-fn draw_fan(front: &mut Front<'_>, fan: &mut Vec<u32>, order: &mut Vec<u32>) {
+fn draw_fan(state: &mut DrawState<'_>, fan: &mut Vec<u32>, order: &mut Vec<u32>) {
     let mut last = [NONE; 3];
     while !fan.is_empty() {
         let key = |t: u32| {
-            let corners = front.triangles[t as usize];
-            let missing = corners.iter().filter(|&&v| !front.is_cached(v)).count();
+            let corners = state.triangles[t as usize];
+            let missing = corners.iter().filter(|&&v| !state.is_cached(v)).count();
             let shared = corners.iter().filter(|v| last.contains(v)).count();
             (missing, 3 - shared)
         };
         let (at, _) = fan.iter().enumerate().min_by_key(|(_, t)| key(**t)).expect("not empty");
         let t = fan.remove(at);
-        last = front.triangles[t as usize];
+        last = state.triangles[t as usize];
         for v in last {
-            front.touch(v);
+            state.reference(v);
         }
-        front.draw(t);
+        state.draw(t);
         order.push(t);
     }
-    front.keep();
+    state.commit();
 }

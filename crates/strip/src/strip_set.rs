@@ -8,7 +8,7 @@ use std::ops::Range;
 /// another.
 ///
 /// A strip `s` draws the triangles `s[k], s[k + 1], s[k + 2]`, every second one (odd `k`) with its
-/// first two corners exchanged. One that names a vertex twice is drawn by nobody: repeating a
+/// first two corners exchanged. One that names a vertex twice is not drawn: repeating a
 /// vertex is how a strip turns.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StripSet {

@@ -26,11 +26,11 @@ pub enum Failure {
         /// The LOD.
         lod: Lod,
     },
-    /// A cursor stands elsewhere than asked.
+    /// A cursor is at another LOD than asked for.
     Stopped {
         /// The LOD asked for.
         wanted: Lod,
-        /// The LOD where it stands.
+        /// The LOD where it is.
         shown: Lod,
     },
     /// The two independent ways to work out the reference disagree: a bug of this program.
@@ -54,7 +54,7 @@ pub enum Failure {
         /// The triangle, as an index into the mesh.
         triangle: u32,
     },
-    /// A triangle stands behind one of its submesh that dies before it.
+    /// A triangle comes after one of its submesh that dies before it.
     TriangleOrder {
         /// The triangle, as an index into the mesh.
         triangle: u32,
@@ -116,7 +116,7 @@ impl fmt::Display for Failure {
                 write!(f, "triangle {triangle}, dead before, returns at LOD {}", lod.0)
             }
             Self::TriangleOrder { triangle } => {
-                write!(f, "triangle {triangle} stands behind one that dies before it")
+                write!(f, "triangle {triangle} comes after one that dies before it")
             }
             Self::Apart { lod, record } => {
                 write!(

@@ -1,78 +1,86 @@
-//! Facts of a collapse sequence that follow from its records alone.
+//! Invariants of a collapse sequence that need no levels: what its steps move, and where fakes come
+//! from.
+//!
+//! A *record* turns one vertex into another; a *step* is the records of one half-edge collapse, all
+//! of a wedge group. A *fake* is a vertex that no triangle of LOD 0 uses: the simplifier makes one
+//! where a wedge has no neighbour at the target's position.
 
 use crate::check::Check;
 use crate::difference::Failure;
 use lodc_mesh::{Lod, PositionIds, Simplified};
 
-/// Returns whether every step moves one position onto one position, and every fake is made by a
-/// step that belongs there.
+/// Checks that every step moves one position onto one position, and that every fake first appears
+/// as a target beside a vertex that was in use at its position.
 pub(super) fn check(simplified: &Simplified, positions: &PositionIds) -> [Check; 2] {
     let sequence = simplified.collapses();
-    let mut apart = None;
+    let mut moves_several = None;
     let mut fakes = Fakes::new(simplified);
     let mut start = 0;
     for &end in &sequence.parts().step_ends {
-        let place = |v: u32| positions.of_vertex[v as usize];
-        // A target that disappears within the same step only hands on.
-        let mut arrives = sequence.targets()[start as usize..end as usize].to_vec();
-        for i in (0..arrives.len()).rev() {
-            if arrives[i] < end {
-                arrives[i] = arrives[(arrives[i] - start) as usize];
+        let position = |v: u32| positions.of_vertex[v as usize];
+        // A target may disappear within the same step; then what becomes of it counts. Later
+        // records are resolved first, as targets come after what becomes them.
+        let mut final_targets = sequence.targets()[start as usize..end as usize].to_vec();
+        for i in (0..final_targets.len()).rev() {
+            if final_targets[i] < end {
+                final_targets[i] = final_targets[(final_targets[i] - start) as usize];
             }
         }
-        let moves = |k: u32| (place(k), place(arrives[(k - start) as usize]));
+        let moves = |k: u32| (position(k), position(final_targets[(k - start) as usize]));
         if let Some(record) = (start..end).find(|&k| moves(k) != moves(start)) {
-            apart.get_or_insert(Failure::Apart { lod: Lod(end), record });
+            moves_several.get_or_insert(Failure::Apart { lod: Lod(end), record });
         }
-        fakes.step(start, end);
+        fakes.check_step(start, end);
         start = end;
     }
     let lods = sequence.steps() as u64;
     let check = |name, failure| Check { model: "sequence", name, lods, full: 0, failure };
-    [check("steps move one position", apart), check("fakes", fakes.failure)]
+    [check("steps move one position", moves_several), check("fakes", fakes.failure)]
 }
 
 struct Fakes<'a> {
     simplified: &'a Simplified,
     /// Vertices that LOD 0 uses, or that a step before this one leads to.
-    there: Vec<bool>,
+    in_use: Vec<bool>,
     failure: Option<Failure>,
 }
 
 impl<'a> Fakes<'a> {
     fn new(simplified: &'a Simplified) -> Self {
-        let mut there = vec![false; simplified.mesh().vertex_count()];
+        let mut in_use = vec![false; simplified.mesh().vertex_count()];
         for &v in simplified.mesh().triangles().as_flattened() {
-            there[v as usize] = true;
+            in_use[v as usize] = true;
         }
-        Self { simplified, there, failure: None }
+        Self { simplified, in_use, failure: None }
     }
 
-    fn step(&mut self, start: u32, end: u32) {
+    fn check_step(&mut self, start: u32, end: u32) {
         let targets = &self.simplified.collapses().targets()[start as usize..end as usize];
-        let lost = (start..end).find(|&k| !self.there[k as usize]);
-        let sorted = |new: bool| {
+        // What disappears without ever having been used.
+        let unused = (start..end).find(|&k| !self.in_use[k as usize]);
+        let targets_in_use = |in_use: bool| {
             let mut some: Vec<u32> =
-                targets.iter().copied().filter(|&t| self.there[t as usize] != new).collect();
+                targets.iter().copied().filter(|&t| self.in_use[t as usize] == in_use).collect();
             some.sort_unstable();
             some.dedup();
             some
         };
-        let (new, old) = (sorted(true), sorted(false));
-        // Nobody makes so many fakes in one step, except to make this slow.
+        let (new, old) = (targets_in_use(false), targets_in_use(true));
+        // A bound on the time that hostile files take: steps of real meshes have a handful of
+        // fakes. Beyond it their positions are not compared; models are replayed in any case.
         let affordable = new.len().saturating_mul(old.len()) <= 1_000_000;
         let misplaced =
             new.into_iter().find(|&f| affordable && !old.iter().any(|&t| self.same_place(f, t)));
-        if let Some(vertex) = lost.or(misplaced) {
+        if let Some(vertex) = unused.or(misplaced) {
             self.failure.get_or_insert(Failure::Fake { vertex });
         }
         for &t in targets {
-            self.there[t as usize] = true;
+            self.in_use[t as usize] = true;
         }
     }
 
-    /// Returns whether two vertices at one position are also moved alike by joints and morph
-    /// targets, as far as both can be.
+    /// Returns whether two vertices have the same position and, where both have such data, the same
+    /// joints, weights and morph displacements.
     fn same_place(&self, a: u32, b: u32) -> bool {
         let mesh = self.simplified.mesh();
         let has = |v: u32, stream: u32| {

@@ -71,8 +71,8 @@ impl VerifyOptions {
     /// Full comparisons that no size of a mesh makes fewer.
     pub const FEWEST: u32 = 16;
 
-    /// Returns the number of `wanted` full comparisons that a mesh of so many triangles gets: all
-    /// together look at some fifty million triangles, which takes a few seconds.
+    /// Returns the number of `wanted` full comparisons that a mesh of `triangles` triangles gets:
+    /// all together go over some fifty million triangles, which takes a few seconds.
     fn affordable(wanted: u32, triangles: usize) -> u32 {
         let affordable = u32::try_from(50_000_000 / triangles.max(1)).unwrap_or(u32::MAX);
         wanted.min(affordable.max(Self::FEWEST))

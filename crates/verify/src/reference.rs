@@ -55,13 +55,13 @@ impl<'a> Reference<'a> {
         self.hashes.len() - 1
     }
 
-    /// The LOD after so many steps.
+    /// The LOD after `steps` steps.
     #[must_use]
     pub fn lod(&self, steps: usize) -> Lod {
         if steps == 0 { Lod(0) } else { self.simplified.collapses().step(steps - 1).lod }
     }
 
-    /// The hash of the triangles after so many steps.
+    /// The hash of the triangles after `steps` steps.
     #[must_use]
     pub fn hash(&self, steps: usize) -> TriangleHash {
         self.hashes[steps]
@@ -75,7 +75,7 @@ impl<'a> Reference<'a> {
         *self.listed[steps].get_or_init(agrees)
     }
 
-    /// What the naive function says after so many steps.
+    /// The triangles after `steps` steps by the naive function.
     pub(super) fn list(&self, steps: usize) -> Vec<OrientedTriangle> {
         self.simplified.triangles_at_with(self.lod(steps), &self.positions)
     }

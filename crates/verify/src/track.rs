@@ -15,8 +15,8 @@ use lodc_mesh::{
 };
 use std::fmt;
 
-/// A sequence moves so many corners of live triangles that following them would take very long.
-/// Real ones move each about ten times.
+/// A sequence moves the corners of live triangles far more often than any of a real mesh, which
+/// moves each about ten times: following it would take very long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooMuchWork {
     /// The LOD at which it became too much.
@@ -67,12 +67,12 @@ pub(super) struct Tracker<'a> {
     border_touched: Vec<u32>,
     /// For sorting touched boundary edges: empty in between, kept to save allocating.
     edges_between: Vec<([u32; 2], usize)>,
-    found: Found,
+    found: Failures,
 }
 
 /// The first of every kind of failure.
 #[derive(Default)]
-struct Found {
+struct Failures {
     count: Option<Failure>,
     returned: Option<Failure>,
     submesh: Option<Failure>,
@@ -102,7 +102,7 @@ impl<'a> Tracker<'a> {
             triangles_touched: Vec::new(),
             border_touched: Vec::new(),
             edges_between: Vec::new(),
-            found: Found::default(),
+            found: Failures::default(),
             simplified,
             positions,
             border: border.clone(),
@@ -360,7 +360,7 @@ impl<'a> Tracker<'a> {
         Some(Failure::Torn { lod, edge: edge.map(point), surplus })
     }
 
-    /// Within a submesh, triangles must stand in reverse order of their removal_lod.
+    /// Within a submesh, triangles must be in reverse order of their removal_lod.
     fn out_of_order(&self) -> Option<Failure> {
         self.simplified.mesh().submeshes().iter().find_map(|s| {
             let i =

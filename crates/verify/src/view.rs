@@ -101,7 +101,7 @@ fn resolved(
     live
 }
 
-/// The vertex that each stands for at a LOD of its own, in near-linear time however long chains of
+/// The vertex that each has become at a LOD of its own, in near-linear time however long chains of
 /// collapses are: records are applied in order, and all that has become one vertex is a set.
 fn images(collapses: &CollapseSequence, lods: &[Lod]) -> Vec<u32> {
     let ends: Vec<u32> = lods.iter().map(|&lod| collapses.floor(lod).0).collect();

@@ -16,7 +16,7 @@ pub(super) struct Triangulator {
     /// Corners that are not strictly convex: only they can lie in an ear.
     reflex: Vec<u32>,
     is_reflex: Vec<bool>,
-    /// True if a corner stands in `reflex`, be it rightly or no longer.
+    /// True if a corner is listed in `reflex`, whether it still is reflex or not.
     is_listed: Vec<bool>,
     /// Tests of a point against a triangle that are left. A polygon that needs more is finished as
     /// a fan.

@@ -18,7 +18,7 @@ const UNLISTED: [&str; 5] = [
 /// What bytes of a buffer are for, in the order in which they are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Purpose {
-    /// What nodes stand by: matrices of skins, instances, points and lines.
+    /// What places nodes: matrices of skins, instances, points and lines.
     Placement,
     /// Images of base colours.
     BaseColor,
@@ -49,14 +49,14 @@ pub(crate) fn buffer_runs<'a>(
     }
     let wanted = wanted(&mut root, objects);
     let end = document.blob.len() as u64;
-    let mut views: Vec<(Range<u64>, Wanted)> = root
+    let mut views: Vec<(Range<u64>, Priority)> = root
         .entries("bufferViews")
         .zip(wanted)
         .filter_map(|(view, wanted)| Some((view_bytes(view)?, wanted)))
         .filter(|(bytes, _)| !bytes.is_empty() && bytes.end <= end)
         .collect();
     views.sort_by_key(|(bytes, _)| bytes.start);
-    let mut runs: Vec<(Range<u64>, Wanted)> = Vec::new();
+    let mut runs: Vec<(Range<u64>, Priority)> = Vec::new();
     for (bytes, wanted) in views {
         match runs.last_mut() {
             Some((last, by)) if bytes.start < last.end => {
@@ -91,10 +91,10 @@ pub(super) fn view_bytes(view: &Object) -> Option<Range<u64>> {
 }
 
 /// A purpose, and a rank among equals.
-type Wanted = (Purpose, usize);
+type Priority = (Purpose, usize);
 
 /// Returns what each view is wanted for first.
-fn wanted<'a>(root: &mut Object, objects: impl Iterator<Item = &'a ObjectInfo>) -> Vec<Wanted> {
+fn wanted<'a>(root: &mut Object, objects: impl Iterator<Item = &'a ObjectInfo>) -> Vec<Priority> {
     let mut moving = vec![false; Pool::Accessors.len(root)];
     let mut standing = moving.clone();
     references(root, Pool::Accessors, &mut |accessor, place| {
@@ -103,8 +103,8 @@ fn wanted<'a>(root: &mut Object, objects: impl Iterator<Item = &'a ObjectInfo>) 
             *mark = true;
         }
     });
-    let mut views: Vec<Option<Wanted>> = vec![None; Pool::BufferViews.len(root)];
-    let mut mark = |view: &Json, wanted: Wanted| {
+    let mut views: Vec<Option<Priority>> = vec![None; Pool::BufferViews.len(root)];
+    let mut mark = |view: &Json, wanted: Priority| {
         if let Some(first) = view.as_index().and_then(|i| views.get_mut(i)) {
             *first = Some(first.map_or(wanted, |first| first.min(wanted)));
         }
@@ -127,7 +127,7 @@ fn wanted<'a>(root: &mut Object, objects: impl Iterator<Item = &'a ObjectInfo>) 
 }
 
 /// Returns what each image is wanted for.
-fn images<'a>(root: &Object, objects: impl Iterator<Item = &'a ObjectInfo>) -> Vec<Wanted> {
+fn images<'a>(root: &Object, objects: impl Iterator<Item = &'a ObjectInfo>) -> Vec<Priority> {
     let meshes: Vec<&Object> = root.entries("meshes").collect();
     let mut order: Vec<usize> = Vec::new();
     for info in objects {

@@ -26,7 +26,7 @@ pub(crate) fn difference(
     if let Some(name) = lost {
         return Ok(Some(format!("extensionsUsed: {name} is gone")));
     }
-    let kept = Kept {
+    let kept = CommonParts {
         nodes: Pool::Nodes.len(&source),
         all_meshes: Pool::Meshes.len(&source) == Pool::Meshes.len(&level),
         grids: !uses(&level, QUANTIZATION) || uses(&source, QUANTIZATION),
@@ -42,16 +42,16 @@ pub(crate) fn difference(
 }
 
 /// What both documents have.
-struct Kept {
+struct CommonParts {
     /// Nodes of the source; what follows belongs to the level alone.
     nodes: usize,
     /// No mesh is gone.
     all_meshes: bool,
-    /// No mesh of the level stands on a grid of its own.
+    /// No mesh of the level is on a grid of its own.
     grids: bool,
 }
 
-impl Kept {
+impl CommonParts {
     /// Takes out what may differ.
     fn strip(&self, root: &mut Object) {
         for pool in [Pool::Accessors, Pool::BufferViews] {

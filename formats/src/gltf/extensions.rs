@@ -64,7 +64,7 @@ fn is_harmless(name: &str) -> bool {
     HARMLESS.contains(&name) || HARMLESS_PREFIXES.iter().any(|p| name.starts_with(p))
 }
 
-/// Refuses glTF versions other than 2, and required extensions that nobody here knows. Draco is
+/// Refuses glTF versions other than 2, and required extensions that are not known here. Draco is
 /// decoded later, where there is no fallback.
 pub(super) fn check(root: &Object) -> Result<(), FormatError> {
     let asset = root["asset"].as_object();
@@ -107,9 +107,9 @@ fn numbers(version: &str) -> Option<(u32, u32)> {
     Some((digits(major)?, digits(minor)?))
 }
 
-/// The first extension that might point to accessors or buffer views in a way nobody here knows:
-/// one that is not known and has a whole number somewhere. While there is one, nothing must be
-/// renumbered.
+/// The first extension that might point to accessors or buffer views in a way that is not known
+/// here: one that is not known and has a whole number somewhere. While there is one, nothing must
+/// be renumbered.
 pub(crate) fn opaque(root: &Object) -> Option<String> {
     root.iter().find_map(|(key, value)| opaque_below(key, value))
 }

@@ -2,7 +2,7 @@
 
 use super::json::{Object, parse};
 use super::uri;
-use crate::images::{Place, PlacedTextures, embedded_name};
+use crate::images::{ImagePlace, PlacedTextures, embedded_name};
 use crate::obj::write::{Library, SimpleMaterial};
 use crate::{FormatError, GltfDocument, Limits};
 
@@ -47,7 +47,7 @@ fn image_file(root: &Object, image: usize, textures: &PlacedTextures) -> Option<
     let path = root.list("images").get(image)?["uri"].as_str().and_then(uri::path);
     let name = path.clone().unwrap_or_else(|| embedded_name(image));
     match textures.of(&name) {
-        Some(Place::Beside(relative)) => Some(relative.clone()),
+        Some(ImagePlace::Beside(relative)) => Some(relative.clone()),
         _ => path,
     }
 }

@@ -226,7 +226,7 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// Calls `visit` for every reference into `pool` and the place where it stands. The document has
+/// Calls `visit` for every reference into `pool` and its place. The document has
 /// been checked.
 pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&mut Json, &str)) {
     for (path, kind) in TABLE {

@@ -47,7 +47,7 @@ pub(super) fn read_buffers<'a>(
     Ok(buffers)
 }
 
-/// A buffer that stands in for what is compressed elsewhere is not read: nothing needs it.
+/// A placeholder buffer for what is compressed elsewhere is not read: nothing needs it.
 fn is_fallback(buffer: &Object) -> bool {
     let marked = |name| buffer.extension(name)?.get("fallback")?.as_bool();
     extensions::MESHOPT.into_iter().filter_map(marked).any(|b| b)

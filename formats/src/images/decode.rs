@@ -63,7 +63,7 @@ fn decode_png(bytes: &[u8]) -> Result<Image, FormatError> {
         }
         e => FormatError::new(Fault::Malformed, "", format!("is a damaged PNG: {e}")),
     };
-    // Room for one row and its neighbour, and for the text and profiles that nobody reads.
+    // Room for one row and its neighbour, and for text and profiles, which are not used.
     let limits = png::Limits { bytes: 16 << 20 };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(png::Transformations::normalize_to_color8());

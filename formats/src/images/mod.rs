@@ -20,6 +20,6 @@ pub(crate) use pictures::Pictures;
 #[cfg(all(feature = "import", feature = "export"))]
 pub(crate) use place::kind;
 #[cfg(feature = "export")]
-pub(crate) use place::{Place, embedded_name};
+pub(crate) use place::{ImagePlace, embedded_name};
 #[cfg(feature = "export")]
 pub use place::{PlacedTextures, TextureMode, Textures};

@@ -28,7 +28,7 @@ pub enum TextureMode {
 /// Image files with a place in or beside an export. The default leaves every name as it is.
 #[derive(Clone, Debug, Default)]
 pub struct PlacedTextures {
-    places: BTreeMap<String, Place>,
+    places: BTreeMap<String, ImagePlace>,
     /// Files to write beside the output.
     pub copies: Vec<OutputFile>,
     /// One line for each that has another name than in the document, or no place.
@@ -37,7 +37,7 @@ pub struct PlacedTextures {
 
 /// The place of one image file.
 #[derive(Clone, Debug)]
-pub(crate) enum Place {
+pub(crate) enum ImagePlace {
     /// In the glTF.
     Inside { mime: &'static str, bytes: Vec<u8> },
     /// Beside the output, by its path from there with `/` between folders.
@@ -77,7 +77,7 @@ impl Textures {
             own.into_iter().chain([output.to_owned()]).map(|path| (path, 0)).collect();
         for (name, bytes) in self.files {
             let place = match (mode, kind(&bytes).map(|(mime, _)| mime)) {
-                (TextureMode::Embed, Some(mime)) => Place::Inside { mime, bytes },
+                (TextureMode::Embed, Some(mime)) => ImagePlace::Inside { mime, bytes },
                 (TextureMode::Embed, None) => {
                     let what = format!("{name}: no image that glTF can hold: not embedded");
                     placed.warnings.push(what);
@@ -93,7 +93,7 @@ impl Textures {
 
 impl PlacedTextures {
     /// The place of the file that the document calls `name`; none if it stays as it is.
-    pub(crate) fn of(&self, name: &str) -> Option<&Place> {
+    pub(crate) fn of(&self, name: &str) -> Option<&ImagePlace> {
         self.places.get(name)
     }
 
@@ -104,7 +104,7 @@ impl PlacedTextures {
         bytes: Vec<u8>,
         output: &Path,
         taken: &mut BTreeMap<PathBuf, u64>,
-    ) -> Place {
+    ) -> ImagePlace {
         let folder = output.parent().unwrap_or(Path::new(""));
         let hash = xxh3_64(&bytes);
         let mut relative = relative(name, &bytes, output);
@@ -124,7 +124,7 @@ impl PlacedTextures {
             self.copies.push(OutputFile { path: path.clone(), bytes });
         }
         taken.insert(path, hash);
-        Place::Beside(relative)
+        ImagePlace::Beside(relative)
     }
 }
 

@@ -62,7 +62,7 @@ fn ply(bytes: &[u8]) -> Counted {
         match name {
             Some("vertex") => counted.vertices = number,
             Some("face") => counted.triangles = number,
-            // The length of strips stands in the data: as many triangles as vertices, twice.
+            // The length of strips is in the data: as many triangles as vertices, twice.
             Some("tristrips") => counted.triangles = 2 * counted.vertices,
             _ => {}
         }

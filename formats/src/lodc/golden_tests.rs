@@ -85,13 +85,13 @@ fn golden_files_give_their_facts_and_the_same_bytes_again() {
 }
 
 /// Bytes that a page shows of a file, and which of them it has shown.
-struct Shown {
+struct GoldenFile {
     name: String,
     bytes: Vec<u8>,
     seen: Vec<bool>,
 }
 
-impl Shown {
+impl GoldenFile {
     fn new(name: &str) -> Self {
         let bytes = std::fs::read(golden().join(name)).expect("a golden file");
         Self { name: name.to_owned(), seen: vec![false; bytes.len()], bytes }
@@ -122,19 +122,19 @@ impl Shown {
 #[test]
 fn the_page_shows_golden_files_byte_by_byte() {
     let page = std::fs::read_to_string(root().join("docs/FORMAT.md")).expect("the page");
-    let mut files: Vec<Shown> = Vec::new();
+    let mut files: Vec<GoldenFile> = Vec::new();
     for line in page.lines() {
         if let Some((name, _)) =
             line.strip_prefix("`fixtures/golden/v1/").and_then(|rest| rest.split_once('`'))
         {
-            files.push(Shown::new(name));
+            files.push(GoldenFile::new(name));
         } else if let Some(file) = files.last_mut() {
             file.check(line);
         }
     }
     assert_eq!(files.len(), 3);
     // Of the last one the page shows what differs from the one before it.
-    files[..2].iter().for_each(Shown::finish);
+    files[..2].iter().for_each(GoldenFile::finish);
     assert!(files[2].seen.iter().filter(|&&seen| seen).count() > 250);
 }
 

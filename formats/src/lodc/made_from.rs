@@ -3,7 +3,7 @@
 
 use super::{VERSION, key};
 use crate::fields::{decode, to_bytes};
-use crate::{Assets, Fault, FormatError, GENERATOR, Sought};
+use crate::{Assets, Fault, FormatError, GENERATOR, RequestedFiles};
 use bincode::{Decode, Encode};
 use std::path::Path;
 
@@ -27,7 +27,12 @@ impl MadeFrom {
     /// and the warnings of the run. None if that is not certain: an input that came as a stream
     /// (`-`), a file that was read twice and had changed.
     #[must_use]
-    pub fn of(input: &Path, files: &Sought, options: &str, warnings: &[String]) -> Option<Self> {
+    pub fn of(
+        input: &Path,
+        files: &RequestedFiles,
+        options: &str,
+        warnings: &[String],
+    ) -> Option<Self> {
         let mut all = Vec::new();
         let mut part = |bytes: &[u8]| {
             all.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
@@ -61,7 +66,12 @@ impl MadeFrom {
     /// Returns every file that was looked for, if each of them is still what it was, or still not
     /// there. `assets` has the input as its main file and has read nothing.
     #[must_use]
-    pub fn unchanged(&self, input: &Path, assets: &Assets, options: &str) -> Option<Sought> {
+    pub fn unchanged(
+        &self,
+        input: &Path,
+        assets: &Assets,
+        options: &str,
+    ) -> Option<RequestedFiles> {
         if input.as_os_str() == "-" {
             return None;
         }

@@ -93,5 +93,5 @@ fn a_section_comes_back_and_its_end_may_grow() {
     assert!(MadeFrom::read(&bytes[..bytes.len() - 1]).is_err());
     bytes.push(1);
     assert_eq!(MadeFrom::read(&bytes), Ok(made));
-    assert_eq!(MadeFrom::of(Path::new("-"), &Sought::default(), "", &[]), None);
+    assert_eq!(MadeFrom::of(Path::new("-"), &RequestedFiles::default(), "", &[]), None);
 }

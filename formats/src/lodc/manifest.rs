@@ -81,7 +81,7 @@ pub(super) enum SemanticEntry {
 #[derive(Encode, Decode)]
 pub(super) struct ModelEntry {
     pub(super) name: String,
-    /// Names of its arrays, which are the next so many `MODA` sections of the object.
+    /// Names of its arrays: as many of the object's next `MODA` sections.
     pub(super) arrays: Vec<String>,
 }
 

@@ -3,7 +3,7 @@
 use super::arrays;
 use lodc_mesh::put_leb128;
 
-/// Marks a number of lost triangles that stands behind the bytes in full.
+/// Marks a number of lost triangles that follows the bytes in full.
 const ESCAPE: u8 = u8::MAX;
 
 /// One bit for each record, the lowest of a byte first: 1 if the next record belongs to the same
@@ -35,7 +35,7 @@ pub(super) fn step_ends(bits: &[u8], records: usize) -> Result<Vec<u32>, String>
     Ok((0..records).filter(|&k| !joined(k)).map(|k| k as u32 + 1).collect())
 }
 
-/// Number of triangles each step loses: a byte each, 255 standing for a number that follows behind
+/// Number of triangles each step loses: a byte each, 255 for a number that follows
 /// all the bytes.
 pub(super) fn lost_triangles(triangles: u32, step_triangles: &[u32]) -> Vec<u8> {
     let mut before = triangles;

@@ -18,12 +18,12 @@ impl ZeroBudget {
     /// Zeros that any file may leave out.
     const FREE: u64 = 32 << 20;
 
-    /// Allowance of a reader for a file of so many bytes.
+    /// Allowance of a reader for a file of `bytes` bytes.
     pub(super) fn of_file(bytes: usize) -> Self {
         Self { left_out: 0, stored: bytes as u64 }
     }
 
-    /// Returns whether so many more zeros can be left out.
+    /// Returns whether `zeros` more zeros can be left out.
     pub(super) fn take(&mut self, zeros: u64) -> bool {
         let fits = self.left_out.saturating_add(zeros)
             <= Self::FREE.saturating_add(self.stored.saturating_mul(2));

@@ -51,7 +51,7 @@ pub(super) fn put(out: &mut Vec<u8>, number: u64, block: Block<'_>) {
     out.extend_from_slice(block.payload);
 }
 
-/// Parses what stands at the beginning of `bytes`, which should be block `number`.
+/// Parses block `number` from the beginning of `bytes`.
 pub(super) fn parse(bytes: &[u8], number: u64) -> Parsed<'_> {
     let (at, [length, tag, steps]) = match parse_fields(bytes) {
         Fields::Complete(at, fields) => (at, fields),

@@ -54,7 +54,7 @@ pub(super) struct EncodedDocument {
     pub(super) bytes: Vec<u8>,
     /// Bytes that come before everything else.
     pub(super) head: usize,
-    /// Bytes up to which it says where everything stands.
+    /// Bytes up to which it says where everything is.
     pub(super) standing: usize,
     /// Bytes up to which it is needed for a picture: animations follow.
     pub(super) picture: usize,
@@ -91,7 +91,8 @@ struct SubmeshEntry {
 }
 impl EncodedDocument {
     /// Encodes a document for a stream whose steps have `step_bytes`; `None` if its text would be
-    /// too long. The document of a rig has nodes and skins that its meshes do not stand without.
+    /// too long. The document of a rig has nodes and skins that its meshes cannot be placed
+    /// without.
     pub(super) fn new<'a>(
         source: &Source,
         document: &Document,

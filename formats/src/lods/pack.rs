@@ -225,7 +225,7 @@ impl StreamWriter {
         bytes
     }
 
-    /// Puts what is due of the document before the next steps. What says where things stand takes
+    /// Puts what is due of the document before the next steps. What places things takes
     /// turns with steps, byte for byte, and so do images after a tenth of the triangles.
     fn put_due_documents(&mut self, is_a_tenth: bool) {
         let EncodedDocument { head, standing, picture, .. } = self.document;

@@ -60,11 +60,11 @@ pub(crate) fn with_file(line: &str, file: &str) -> String {
 /// What is read of a material; the last of several statements holds.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Meaning {
-    /// `Kd`, as it stands.
+    /// `Kd`, as written.
     pub(crate) diffuse: Option<[f64; 3]>,
-    /// `Ke`, as it stands.
+    /// `Ke`, as written.
     pub(crate) emissive: Option<[f64; 3]>,
-    /// `d`, or what `Tr` leaves, as it stands.
+    /// `d`, or what `Tr` leaves, as written.
     pub(crate) dissolve: Option<f64>,
     /// What follows `map_Kd`.
     pub(crate) texture: Option<String>,

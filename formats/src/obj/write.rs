@@ -2,7 +2,7 @@
 
 use super::mtl;
 use crate::flatten::{Placed, Vertices, component};
-use crate::images::{Place, PlacedTextures};
+use crate::images::{ImagePlace, PlacedTextures};
 use crate::provenance::Provenance;
 use crate::{ObjDocument, OutputFile};
 use lodc_mesh::{Mesh, Semantic};
@@ -292,7 +292,7 @@ impl Library {
 fn renamed(source: &str, textures: &PlacedTextures) -> String {
     let file = mtl::file(source).map(|name| name.replace('\\', "/"));
     match file.as_deref().and_then(|name| Some((name, textures.of(name)?))) {
-        Some((name, Place::Beside(other))) if name != other => mtl::with_file(source, other),
+        Some((name, ImagePlace::Beside(other))) if name != other => mtl::with_file(source, other),
         _ => source.to_owned(),
     }
 }

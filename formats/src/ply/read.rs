@@ -133,7 +133,7 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
         let name = &element.name;
         let later = &header.elem_defs[number..];
         if name == "face" && later.iter().any(|e| e.name == "vertex") {
-            let what = "element `face` stands before element `vertex`";
+            let what = "element `face` comes before element `vertex`";
             return Err(FormatError::new(Fault::Unsupported, HEADER, what));
         }
         if matches!(name.as_str(), "vertex" | "face" | "tristrips")

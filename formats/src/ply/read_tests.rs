@@ -155,7 +155,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ),
         (
             faces.replace("element", "ply\nformat ascii 1.0\nelement") + &PLAIN[21..] + POINTS,
-            "stands before",
+            "comes before",
         ),
         (PLAIN.to_owned() + &PLAIN[21..] + POINTS, "there are two elements `vertex`"),
     ] {

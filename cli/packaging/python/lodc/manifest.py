@@ -26,15 +26,20 @@ class ObjectEntry:
     """An object as the manifest describes it."""
 
     name: str
+    #: World units per mesh unit where the scene shows the object at its largest.
     world_scale: float
+    #: Number of its mesh in the glTF document.
     document_mesh: int
+    #: The LOD at which collapses that keep the surface sound end.
     last_legal_lod: int
     topology_changes: int
     first_topology_change: int | None
     submeshes: list[Submesh]
     triangle_counts: list[int]
     attributes: list[Attribute]
+    #: For each attribute: every vertex has it, not only those of some submeshes.
     full: list[bool]
+    #: The structures of the object (Speed Strips, ...), with the names of their arrays.
     models: list[tuple[str, list[str]]]
     bounds: Bounds
 

@@ -217,7 +217,7 @@ class Object:
         """The LOD that a selector means; exactly one must be given.
 
         ``lod`` is rounded down to a step. ``ratio`` (0.1 or ``"10%"``) stands for that share of the
-        triangles, ``triangles`` (500 or ``"10k"``) for the finest LOD with at most so many,
+        triangles, ``triangles`` (500 or ``"10k"``) for the finest LOD with at most that many,
         ``error`` and ``rms`` for the coarsest LOD within a distance: in the mesh's units, or
         ``"0.5%"`` of its diagonal. But for ``lod``, a mesh with triangles never comes back empty.
         """

@@ -154,7 +154,7 @@ def _stripe(words, keys):
 
 
 def _accumulate(data, secret, stripes):
-    """For each block of so many stripes what it adds to the lanes."""
+    """For each block of ``stripes`` stripes what it adds to the lanes."""
     words = np.frombuffer(data, dtype="<u8").reshape(-1, stripes, 8)
     keys = np.stack([np.frombuffer(secret, "<u8", 8, 8 * i) for i in range(stripes)])
     return _stripe(words, keys)

@@ -7,15 +7,15 @@ use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc::build::{
-    Known, Need, ScenePaints, SimplifiedObjects, Size, build_models, check_models, measure_all,
-    simplify_all,
+    Need, SceneContext, ScenePaints, SimplifiedObjects, Size, build_models, check_models,
+    measure_all, simplify_all,
 };
 use lodc::{LodFile, LodObject, write};
 use lodc_assets::Parts;
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::lods::as_streamed;
-use lodc_formats::{Document, ObjectInfo, Scene, Sought, import};
+use lodc_formats::{Document, ObjectInfo, RequestedFiles, Scene, import};
 use lodc_lod::ModelKind;
 use lodc_mesh::Simplified;
 use lodc_report::documents::InputReport;
@@ -29,7 +29,7 @@ pub(super) struct BuildOutput {
     pub(super) file: LodFile,
     /// Bytes of the file.
     pub(super) bytes: usize,
-    pub(super) files: Sought,
+    pub(super) files: RequestedFiles,
 }
 
 /// Makes one file. `report` is filled in as far as the work gets.
@@ -55,7 +55,7 @@ pub(super) fn make(
     let Scene { source, document, objects, mut files, .. } = scene;
     let limits = args.import.options().limits;
     let seen = paints.shown();
-    let known = Known { paints: seen, importance: &importance, document: &document, limits };
+    let known = SceneContext { paints: seen, importance: &importance, document: &document, limits };
     let watch = stages.watched(progress);
     let simplified = simplify_all(objects, &options, known, &watch)?;
     let simplified = match args.sequence.sequence {
@@ -103,7 +103,7 @@ fn streamed(objects: SimplifiedObjects) -> Outcome<SimplifiedObjects> {
 
 /// Looks for the image files that a document names: a file is up to date only with those that its
 /// levels are shown with.
-fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<Sought> {
+fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<RequestedFiles> {
     let mut assets = args.import.assets(input, None);
     Textures::read(document, &mut assets).map_err(|e| e.in_file(&input.display().to_string()))?;
     Ok(assets.files().clone())

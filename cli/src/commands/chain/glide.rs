@@ -101,7 +101,7 @@ pub(super) fn screen(args: &LevelArgs) -> ScreenFacts {
 }
 
 /// An object on its way from each level to the next: the mesh, where it goes, what moves.
-pub(super) type Way<'a> = (&'a Mesh, &'a Mesh, Range<u32>);
+pub(super) type MovingMesh<'a> = (&'a Mesh, &'a Mesh, Range<u32>);
 
 /// How far each level is from the next once it has moved, over the poses that errors are over, the
 /// largest of all objects; none of levels without skins and targets, and of the last. `ways` are by
@@ -112,14 +112,14 @@ pub(super) type Way<'a> = (&'a Mesh, &'a Mesh, Range<u32>);
 /// If the document is damaged.
 pub(super) fn pose_errors(
     asset: &Asset,
-    ways: &[Vec<Way<'_>>],
+    ways: &[Vec<MovingMesh<'_>>],
     joints: bool,
     limits: &Limits,
 ) -> Outcome<Vec<Option<f64>>> {
     let shapes = lodc::stated_shapes(&asset.objects, &asset.document, limits)?;
     let several = asset.objects.len() > 1;
     let unit = |o: usize| if several { asset.objects[o].info.world_scale } else { 1.0 };
-    let largest = |ways: &[Way<'_>], of: &dyn Fn(usize, &Way<'_>) -> f64| -> f64 {
+    let largest = |ways: &[MovingMesh<'_>], of: &dyn Fn(usize, &MovingMesh<'_>) -> f64| -> f64 {
         ways.iter().enumerate().map(|(o, way)| unit(o) * of(o, way)).fold(0.0, f64::max)
     };
     let last = ways.len().saturating_sub(1);

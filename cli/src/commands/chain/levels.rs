@@ -11,7 +11,7 @@ use lodc_assets::Parts;
 use lodc_formats::export::GlideFacts;
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainLevel;
-use lodc_report::{Gone, Roll};
+use lodc_report::{MissingPart, Roll};
 use lodc_select::{Selection, Target};
 use std::path::Path;
 
@@ -62,7 +62,7 @@ pub(super) struct Level {
     pub(super) distance: Option<f64>,
     /// Where it moves to the next level, if it does.
     pub(super) glide: Option<GlideFacts>,
-    pub(super) gone: Vec<Gone>,
+    pub(super) gone: Vec<MissingPart>,
 }
 
 impl Level {

@@ -8,7 +8,7 @@ mod summary;
 
 use super::asset::{self, Errors};
 use super::each::{self, AssetOptions};
-use super::export::{self, ExportArgs, Made};
+use super::export::{self, ExportArgs, ExportResult};
 use crate::batch::Asset;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
@@ -26,7 +26,7 @@ use lodc::build::refitted_meshes;
 use lodc::level_mesh::Order;
 use lodc::scene_levels;
 use lodc_formats::export::{LevelFacts, Provenance};
-use lodc_formats::{OutputFile, Sought};
+use lodc_formats::{OutputFile, RequestedFiles};
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainReport;
 use lodc_report::{ErrorsOver, Roll};
@@ -149,7 +149,7 @@ fn chain(
     out: &Path,
     format: FormatName,
     progress: &Progress,
-) -> Outcome<Made<ChainReport>> {
+) -> Outcome<ExportResult<ChainReport>> {
     // An asset may have options of its own.
     args.glide.check(format, out)?;
     let mut stages = Stages::default();
@@ -206,7 +206,7 @@ fn chain(
     files.extend(&images);
     let rules = rules(&made, &files);
     let over = ErrorsOver::of(asset.objects.iter().map(|o| &o.info));
-    Ok(Made { report: summary::report(name, &levels, &made, warnings, over), rules })
+    Ok(ExportResult { report: summary::report(name, &levels, &made, warnings, over), rules })
 }
 
 /// The origin of a file with these levels.
@@ -228,7 +228,7 @@ fn provenance(args: &ChainArgs, asset: &asset::Asset, levels: &[Level]) -> Prove
 }
 
 /// A rule for each file with levels.
-fn rules(made: &Files, files: &Sought) -> Vec<Rule> {
+fn rules(made: &Files, files: &RequestedFiles) -> Vec<Rule> {
     let mut outputs = made.of_level.clone();
     outputs.dedup();
     outputs.iter().map(|output| Rule::new(output, files)).collect()

@@ -1,6 +1,6 @@
 //! A file per level.
 
-use super::glide::{self, Way};
+use super::glide::{self, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
 use crate::commands::asset::Asset;
@@ -87,10 +87,10 @@ pub(super) fn gliding_files(
     let gliding: Vec<Vec<GlidingLevel>> =
         (0..objects.len()).map(of_object).collect::<Result<_, _>>()?;
     let carried = args.glide.carried().unwrap_or_default();
-    let way = |level: usize| -> Vec<Way<'_>> {
+    let way = |level: usize| -> Vec<MovingMesh<'_>> {
         gliding.iter().map(|g| (&g[level].mesh, &g[level].next, g[level].moving.clone())).collect()
     };
-    let ways: Vec<Vec<Way<'_>>> = (0..levels.len()).map(way).collect();
+    let ways: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(way).collect();
     let errors = glide::pose_errors(asset, &ways, carried.joints, &limits)?;
     glide::place(&args.levels, levels, &errors);
 

@@ -1,6 +1,6 @@
 //! All levels in one file, over one vertex buffer.
 
-use super::glide::{self, Way};
+use super::glide::{self, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
 use crate::commands::asset::Asset;
@@ -47,14 +47,14 @@ pub(super) fn files(
         level.vertices = chains.iter().map(|c| u64::from(c.prefixes[k])).sum();
     }
     if let Some(carried) = carried {
-        let of_level = |level: usize| -> Vec<Way<'_>> {
+        let of_level = |level: usize| -> Vec<MovingMesh<'_>> {
             let of_object = |o: usize| {
                 let moving = glide::moving(&chains[o].prefixes, level).unwrap_or(0..0);
                 (&chains[o].mesh, &next[o], moving)
             };
             (0..chains.len()).map(of_object).collect()
         };
-        let ways: Vec<Vec<Way<'_>>> = (0..levels.len()).map(of_level).collect();
+        let ways: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(of_level).collect();
         let limits = args.export.import.limits().limits();
         let errors = glide::pose_errors(asset, &ways, carried.joints, &limits)?;
         glide::place(&args.levels, levels, &errors);

@@ -1,7 +1,7 @@
 //! Two files: B at every level that is wanted, measured from A.
 
 use super::baseline::{self, Baseline, options};
-use super::surface::{Subject, Wish};
+use super::surface::{LevelChoice, Subject};
 use super::{CompareArgs, ROUNDING};
 use crate::commands::asset::Errors;
 use crate::exit::Outcome;
@@ -10,7 +10,7 @@ use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc_formats::images::png;
 use lodc_measure::{
-    Looks, Original, Portrait, Recorded, Sampling, SceneSurface, Viewing, heat_sheet,
+    Original, Portrait, Recorded, Sampling, SceneSurface, ShadingOptions, Viewing, heat_sheet,
 };
 use lodc_report::{Comparison, ImageReport, PairReport};
 use lodc_select::Target;
@@ -37,24 +37,25 @@ pub(super) fn compare(
 ) -> Outcome<Measured> {
     let then = baseline.map(|b| baseline::of(b, name, args)).transpose()?;
     let mut stages = Stages::default();
-    let wish_a = Wish { target: args.level_a, per_object: false };
+    let choice_a = LevelChoice { target: args.level_a, per_object: false };
     let level_a = args.level_a.map(|target| Errors::to_choose([target]));
     let a = Subject::read(path_a, level_a, args, &mut stages, progress)?;
-    let wishes = args.wishes();
-    let targets: Vec<Target> = wishes.iter().filter_map(|(_, wish)| wish.target).collect();
+    let level_choices = args.level_choices();
+    let targets: Vec<Target> =
+        level_choices.iter().filter_map(|(_, choice)| choice.target).collect();
     let levels = (!targets.is_empty()).then(|| Errors::to_choose(targets));
     let b = Subject::read(path_b, levels, args, &mut stages, progress)?;
     progress.clear();
-    let (a, mut of_a) = (a.surface(wish_a, args)?, None);
+    let (a, mut of_a) = (a.surface(choice_a, args)?, None);
     let sampling =
         Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
     let original = stages.run("distance", || Original::new(&a.surface, &sampling));
     let diagonal = a.surface.diagonal();
     let (mut all, mut names) = (Vec::new(), Vec::new());
-    for (level, wish) in wishes {
-        let surface = b.surface(wish, args)?;
+    for (level, choice) in level_choices {
+        let surface = b.surface(choice, args)?;
         let mut comparison = comparison(args, (&a, &original), &surface, &mut of_a, &mut stages);
-        let level_name = level.clone().unwrap_or_else(|| label(wish.target));
+        let level_name = level.clone().unwrap_or_else(|| label(choice.target));
         comparison.check(&args.most_allowed(), diagonal);
         if let Some(then) = &then {
             let then = then.as_ref().and_then(|recorded| recorded.levels.get(&level_name));
@@ -99,8 +100,8 @@ fn comparison(
 }
 
 /// Everything that both meshes can be shown with.
-fn looks(a: &SceneSurface, b: &SceneSurface, args: &CompareArgs) -> Looks {
-    if args.no_attributes { Looks::default() } else { a.common_looks(b) }
+fn looks(a: &SceneSurface, b: &SceneSurface, args: &CompareArgs) -> ShadingOptions {
+    if args.no_attributes { ShadingOptions::default() } else { a.common_looks(b) }
 }
 
 /// The name of a level in a baseline.

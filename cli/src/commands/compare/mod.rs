@@ -27,7 +27,7 @@ use lodc_report::{Case, Length, MostAllowed, PairReport, Suite, Verdict};
 use lodc_select::Target;
 use measure::Measured;
 use std::path::{Path, PathBuf};
-use surface::Wish;
+use surface::LevelChoice;
 
 /// Distances below this share of the diagonal are rounding: the heatmap shows none.
 const ROUNDING: f64 = 1e-6;
@@ -181,13 +181,13 @@ impl CompareArgs {
     }
 
     /// The levels of B, with their names if there may be several.
-    fn wishes(&self) -> Vec<(Option<String>, Wish)> {
+    fn level_choices(&self) -> Vec<(Option<String>, LevelChoice)> {
         let per_object = self.level_b.per_object();
-        let wish = |target| Wish { target, per_object };
+        let choice = |target| LevelChoice { target, per_object };
         if self.levels.is_empty() {
-            return vec![(None, wish(self.level_b.target()))];
+            return vec![(None, choice(self.level_b.target()))];
         }
-        self.levels.iter().map(|l| (Some(l.name.clone()), wish(Some(l.target)))).collect()
+        self.levels.iter().map(|l| (Some(l.name.clone()), choice(Some(l.target)))).collect()
     }
 }
 

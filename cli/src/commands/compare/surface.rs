@@ -22,7 +22,7 @@ const MAX_TRIANGLES: usize = 1 << 28;
 
 /// The level of a scene that is compared.
 #[derive(Clone, Copy)]
-pub(super) struct Wish {
+pub(super) struct LevelChoice {
     /// None: all of it.
     pub(super) target: Option<Target>,
     pub(super) per_object: bool,
@@ -85,13 +85,13 @@ impl Subject {
     ///
     /// # Errors
     /// If it has no such level, no triangles or too many.
-    pub(super) fn surface(&self, wish: Wish, args: &CompareArgs) -> Outcome<SceneSurface> {
+    pub(super) fn surface(&self, choice: LevelChoice, args: &CompareArgs) -> Outcome<SceneSurface> {
         let (name, limits) = (&self.name, args.import.options().limits);
         let infos = self.objects.infos();
         let graph = scene_graph(&self.document, &infos, &limits).map_err(|e| e.in_file(name))?;
         let pose = args.pose.of(Path::new(name), &self.document, &graph, &limits)?;
         let arrangement = Arrangement::new(&graph, &pose, infos.len());
-        let meshes = self.meshes(wish, args)?;
+        let meshes = self.meshes(choice, args)?;
         let meshes: Vec<&Mesh> = meshes.iter().map(AsRef::as_ref).collect();
         let counts = arrangement.placements().iter().map(|p| meshes[p.object].triangles().len());
         let triangles = counts.fold(0, usize::saturating_add);
@@ -108,18 +108,18 @@ impl Subject {
     }
 
     /// The meshes of the scene, or of a level of it.
-    fn meshes(&self, wish: Wish, args: &CompareArgs) -> Outcome<Vec<Cow<'_, Mesh>>> {
+    fn meshes(&self, choice: LevelChoice, args: &CompareArgs) -> Outcome<Vec<Cow<'_, Mesh>>> {
         let objects = match &self.objects {
             Objects::Meshes(objects) => {
                 return Ok(objects.iter().map(|o| Cow::Borrowed(&o.mesh)).collect());
             }
             Objects::Levels(objects) => objects,
         };
-        let lods = match wish.target {
+        let lods = match choice.target {
             Some(target) => {
                 let limits = args.import.limits().limits();
                 let levels = scene_levels(objects, &self.document, &limits)?;
-                let chosen = levels.select(target, wish.per_object)?;
+                let chosen = levels.select(target, choice.per_object)?;
                 for warning in &chosen.warnings {
                     console::warning(&self.name, warning);
                 }

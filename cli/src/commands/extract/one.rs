@@ -2,7 +2,7 @@
 
 use super::ExtractArgs;
 use crate::commands::asset::{self, Asset, Errors};
-use crate::commands::export::Made;
+use crate::commands::export::ExportResult;
 use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{Rule, Target};
@@ -20,7 +20,7 @@ use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Lod;
 use lodc_report::documents::{ExtractReport, ExtractedObject};
-use lodc_report::{ErrorsOver, Gone, Roll, SCHEMA_VERSION};
+use lodc_report::{ErrorsOver, MissingPart, Roll, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use std::path::Path;
 
@@ -34,7 +34,7 @@ pub(super) fn extract(
     target: &Target,
     format: FormatName,
     progress: &Progress,
-) -> Outcome<(Made<ExtractReport>, Option<&'static str>)> {
+) -> Outcome<(ExportResult<ExtractReport>, Option<&'static str>)> {
     let mut stages = Stages::default();
     let criterion = args.criterion()?;
     let (import, simplify) = (&args.export.import, &args.export.simplify);
@@ -69,7 +69,7 @@ pub(super) fn extract(
         Target::File(path) => vec![Rule::new(path, &files)],
         Target::Stdout => vec![],
     };
-    Ok((Made { report, rules }, tip))
+    Ok((ExportResult { report, rules }, tip))
 }
 
 /// Share of the triangles up to which textured meshes look better by `hybrid`.
@@ -93,7 +93,7 @@ struct Level {
     model: &'static str,
     criterion: Option<CriterionName>,
     /// None in a view.
-    gone: Option<Vec<Gone>>,
+    gone: Option<Vec<MissingPart>>,
     warnings: Vec<String>,
 }
 
@@ -133,7 +133,11 @@ fn uniform(
         lods: chosen.lods.into_iter().map(Some).collect(),
         model: shape.model.map_or("reference", ModelKind::name),
         criterion: None,
-        warnings: chosen.warnings.into_iter().chain(gone.iter().map(Gone::to_string)).collect(),
+        warnings: chosen
+            .warnings
+            .into_iter()
+            .chain(gone.iter().map(MissingPart::to_string))
+            .collect(),
         gone: Some(gone),
     })
 }
@@ -171,7 +175,7 @@ fn view(
     })
 }
 
-/// The model to replay; none stands for the reference.
+/// The model to replay; the reference if none.
 fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<ModelKind>> {
     let stored =
         || asset.objects.first().into_iter().flat_map(|o| o.models.iter().map(AnyModel::kind));

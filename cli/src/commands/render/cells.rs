@@ -2,7 +2,7 @@
 
 use super::RenderArgs;
 use super::options::Colouring;
-use super::scene::Shown;
+use super::scene::DrawableScene;
 use crate::commands::input::Objects;
 use crate::exit::{Failure, Outcome};
 use crate::views::CriterionName;
@@ -31,7 +31,7 @@ pub(super) struct Cell {
 
 impl Cell {
     /// Returns the mesh of an object's triangles.
-    pub(super) fn mesh<'a>(&'a self, shown: &'a Shown, object: usize) -> &'a Mesh {
+    pub(super) fn mesh<'a>(&'a self, shown: &'a DrawableScene, object: usize) -> &'a Mesh {
         self.meshes.get(object).unwrap_or_else(|| shown.objects.mesh(object))
     }
     /// `1,000 triangles (10.0 %)`.
@@ -62,7 +62,7 @@ fn percent(share: f64) -> String {
 ///
 /// # Errors
 /// If the selection makes no sense.
-pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
+pub(super) fn chosen(args: &RenderArgs, shown: &DrawableScene) -> Outcome<Vec<Cell>> {
     let objects = match &shown.objects {
         Objects::Levels(objects) => objects,
         Objects::Meshes(meshes) => {
@@ -117,11 +117,12 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
     wanted.iter().map(cell).collect()
 }
 
-/// The pictures of a view: as the criterion says, or with so many triangles.
+/// The pictures of a view: as the criterion says, or with the numbers of triangles that are asked
+/// for.
 fn seen(
     args: &RenderArgs,
     name: CriterionName,
-    shown: &Shown,
+    shown: &DrawableScene,
     levels: &SceneLevels<'_>,
 ) -> Outcome<Vec<Cell>> {
     let views = args.views.of_scene(name, &args.selector, levels, &shown.arrangement);

@@ -4,7 +4,7 @@ use super::RenderArgs;
 use super::cells::Cell;
 use super::heat::Heat;
 use super::options::{Backs, Colouring, Shading, View};
-use super::scene::Shown;
+use super::scene::DrawableScene;
 use crate::exit::{Failure, Outcome, Status};
 use crate::gpu::{Device, failure};
 use crate::kinds::UpAxis;
@@ -28,7 +28,7 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// If the device allows less than is needed, or fails.
 pub(super) fn pictures(
     args: &RenderArgs,
-    shown: &Shown,
+    shown: &DrawableScene,
     cells: &[Cell],
     heat: Option<&Heat>,
     device: &Device,
@@ -91,7 +91,7 @@ pub(super) fn pictures(
 const FROM_A_SIDE: f64 = 30.0;
 
 /// The camera that frames the input, whatever level of detail is shown.
-fn camera(args: &RenderArgs, shown: &Shown, aspect: f64) -> Camera {
+fn camera(args: &RenderArgs, shown: &DrawableScene, aspect: f64) -> Camera {
     let mut points: Vec<[f64; 3]> = Vec::new();
     for placement in shown.arrangement.placements() {
         let posed = posed(shown.objects.mesh(placement.object), placement);

@@ -1,7 +1,7 @@
 //! Colours by the distance of a level of detail from the input, all over its surface.
 
 use super::cells::{Cell, whole};
-use super::scene::Shown;
+use super::scene::DrawableScene;
 use lodc_formats::ObjectInfo;
 use lodc_gpu::picture::Corner;
 use lodc_measure::{DistanceField, TriangleTree, heat};
@@ -26,7 +26,7 @@ pub(super) struct Heat {
 }
 
 /// Measures every cell.
-pub(super) fn measure(shown: &Shown, cells: &[Cell]) -> Heat {
+pub(super) fn measure(shown: &DrawableScene, cells: &[Cell]) -> Heat {
     let objects = shown.objects.len();
     let scale = |o: usize| if objects > 1 { world_scale(shown.objects.info(o)) } else { 1.0 };
     let scales: Vec<f64> = (0..objects).map(scale).collect();

@@ -1,4 +1,4 @@
-//! The things to show: objects, what they look like, and where they stand.
+//! The things to show: objects, what they look like, and where they are.
 
 use super::RenderArgs;
 use super::options::Colouring;
@@ -17,7 +17,7 @@ const MAX_TRIANGLES: u64 = 1 << 26;
 const MAX_PLACEMENTS: usize = 1 << 20;
 
 /// An asset that can be drawn.
-pub(super) struct Shown {
+pub(super) struct DrawableScene {
     pub(super) objects: Objects,
     pub(super) document: Document,
     pub(super) appearance: Appearance,
@@ -31,7 +31,7 @@ pub(super) struct Shown {
 ///
 /// # Errors
 /// If the input cannot be read, or there is too much to draw.
-pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
+pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<DrawableScene> {
     let options = args.import.options();
     let read = stages.run("read", || read_input(&args.input, &options))?;
     let (objects, document, warnings) = match read {
@@ -61,7 +61,7 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
             format!("{name}: {triangles} triangles with all instances, more than {MAX_TRIANGLES}");
         return Err(Failure::new(Status::Limit, message));
     }
-    Ok(Shown { objects, document, appearance: looks, arrangement, warnings })
+    Ok(DrawableScene { objects, document, appearance: looks, arrangement, warnings })
 }
 
 fn of_scene(

@@ -40,7 +40,7 @@ pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
         None => Ok(Status::Done),
         Some(error) => {
             let mut failure = Failure::from(error);
-            failure.message += "; what stands before it was written";
+            failure.message += "; what came before it was written";
             Err(failure)
         }
     }

@@ -114,10 +114,11 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     Ok(worst)
 }
 
-/// Files that are verified together take so many bytes in all; a larger one is by itself.
+/// Most bytes of the files that are verified at a time; a larger file is verified alone. Enough for
+/// all threads to have work on small files, and little memory. Chosen by hand.
 const TOGETHER: u64 = 16 << 20;
 
-/// Runs of small files, each of at most so many.
+/// Divides inputs into runs that are verified at a time, each of at most `at_once` files.
 fn groups(inputs: &[PathBuf], at_once: usize) -> Vec<&[PathBuf]> {
     let bytes = |path: &PathBuf| path.metadata().map_or(0, |m| m.len());
     let (mut groups, mut first, mut sum) = (Vec::new(), 0, 0);

@@ -16,7 +16,7 @@ use clap::Args;
 use lodc::LodObject;
 use lodc_formats::images::Textures;
 use lodc_formats::import::{as_plain_glb, import_levels, states_levels};
-use lodc_formats::{Assets, OutputFile, ShippedLevels, Sought};
+use lodc_formats::{Assets, OutputFile, RequestedFiles, ShippedLevels};
 use lodc_lod::AnyModel;
 use lodc_report::text::{count, size};
 use lodc_strip::Strips;
@@ -75,7 +75,7 @@ pub(super) struct Page {
 }
 
 /// An asset for a page, and the files that it refers to.
-pub(super) struct Shown<'a> {
+pub(super) struct PageInput<'a> {
     pub(super) asset: &'a Asset,
     pub(super) assets: &'a mut Assets,
     pub(super) title: String,
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
             return run_shipped(args, *up, levels.len());
         }
     }
-    write(args, |Shown { asset, assets, title, stages }| {
+    write(args, |PageInput { asset, assets, title, stages }| {
         let (glb, warnings) = stages.run("export", || model(args, asset, assets))?;
         let text = stages.run("page", || page::page(&title, *up, &glb));
         let triangles = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
@@ -107,14 +107,14 @@ pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
 /// If the input cannot be read or shown, or the page not be written.
 pub(super) fn write<R>(
     args: &PageArgs,
-    make: impl FnOnce(Shown<'_>) -> Outcome<(Page, R)>,
+    make: impl FnOnce(PageInput<'_>) -> Outcome<(Page, R)>,
 ) -> Outcome<R> {
     let target = target(args)?;
     let mut stages = Stages::default();
     let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
     let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
-    let shown = Shown { asset: &asset, assets: &mut assets, title, stages: &mut stages };
+    let shown = PageInput { asset: &asset, assets: &mut assets, title, stages: &mut stages };
     let (mut page, result) = make(shown)?;
     page.warnings.splice(0..0, asset.warnings);
     let mut files = asset.files;
@@ -141,7 +141,7 @@ fn put(
     args: &PageArgs,
     target: &Target,
     page: Page,
-    files: &Sought,
+    files: &RequestedFiles,
     stages: &mut Stages,
 ) -> Outcome<()> {
     let Page { text, warnings, facts: [before, after] } = page;

@@ -41,7 +41,7 @@ struct Override {
     options: Options,
 }
 
-/// Options and where they stand.
+/// Options and their lines.
 #[derive(Clone, Debug)]
 pub struct Layer {
     /// File and table, for people.

@@ -15,7 +15,7 @@ pub(super) fn nearest(name: &str, input: &Path, folder: Option<&Path>) -> Option
     let parent = parent.canonicalize().ok()?;
     let top = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
     let inside = parent.starts_with(&top);
-    // An input outside of the current folder: what stands beside it, and nothing above.
+    // An input outside of the current folder: what is beside it, and nothing above.
     let ancestors =
         parent.ancestors().take_while(|a| inside && a.starts_with(&top) || *a == parent);
     let found = ancestors.map(|a| a.join(name)).find(|file| file.is_file())?;

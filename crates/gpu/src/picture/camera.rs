@@ -187,8 +187,8 @@ impl Camera {
         })
     }
 
-    /// The camera at a place that looks at a point, with so many degrees between the upper and the
-    /// lower edge of the picture. What is behind it is not seen.
+    /// The camera of a viewpoint: at a place, towards a point, with a vertical field of view in
+    /// degrees. What is behind it is not seen.
     #[must_use]
     pub fn at(points: &[[f64; 3]], view: &Viewpoint, aspect: f64) -> Self {
         let seen = SeenPoints::new(points, view.axes());

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 pub enum Colours<'a> {
     /// Materials, textures and vertex colours.
     Materials(&'a Appearance),
-    /// Colours that stand for something: the linear one of a submesh, by object and submesh.
+    /// Colours with a meaning: the linear one of a submesh, by object and submesh.
     Submeshes(&'a (dyn Fn(usize, usize) -> [f32; 3] + Sync)),
 }
 
@@ -57,7 +57,7 @@ impl Scene<'_> {
         Painter::new(device, images, &self.materials())
     }
 
-    /// All materials, and one more for colours that stand for something.
+    /// All materials, and one more for colours with a meaning.
     fn materials(&self) -> Vec<Material> {
         let matte = Material { double_sided: true, ..Material::default() };
         match self.colours {
@@ -117,12 +117,12 @@ struct Part<'a> {
 }
 
 /// The looks that a submesh gives its corners.
-struct Look<'a> {
+struct SubmeshStyle<'a> {
     material: usize,
     normals: bool,
     uv: Option<&'a Attribute>,
     colour: Option<&'a Attribute>,
-    /// The one colour of all of it, if colours stand for something.
+    /// The one colour of all of it, if colours have a meaning.
     fixed: Option<[f32; 3]>,
 }
 
@@ -132,7 +132,7 @@ impl Part<'_> {
         let Level { mesh, triangles, ref colours, ref division } = *self.level;
         let posed = posed(mesh, self.placement);
         let indices: Vec<[u32; 3]> = triangles.iter().map(|t| t.corners).collect();
-        let looks: Vec<Look<'_>> =
+        let looks: Vec<SubmeshStyle<'_>> =
             (0..mesh.submeshes().len()).map(|s| self.look(mesh, s, matte)).collect();
         let made: Vec<[[f32; 3]; 3]> = if self.scene.smooth {
             let smooth = smooth_normals(&indices, &posed.positions, self.points);
@@ -167,27 +167,27 @@ impl Part<'_> {
         runs
     }
 
-    fn look<'a>(&self, mesh: &'a Mesh, submesh: usize, matte: usize) -> Look<'a> {
+    fn look<'a>(&self, mesh: &'a Mesh, submesh: usize, matte: usize) -> SubmeshStyle<'a> {
         let object = self.placement.object;
         let normals = stream(mesh, submesh, &Semantic::Normal).is_some();
         let looks = match self.scene.colours {
             Colours::Materials(looks) => looks,
             Colours::Submeshes(colour) => {
                 let fixed = Some(colour(object, submesh));
-                return Look { material: matte, normals, uv: None, colour: None, fixed };
+                return SubmeshStyle { material: matte, normals, uv: None, colour: None, fixed };
             }
         };
         let material = looks.of_submesh[object][submesh];
         let set = looks.materials[material].texture.map(|t| t.set);
         let uv = set.and_then(|set| stream(mesh, submesh, &Semantic::TexCoord(set)));
         let colour = stream(mesh, submesh, &Semantic::Color(0));
-        Look { material, normals, uv, colour, fixed: None }
+        SubmeshStyle { material, normals, uv, colour, fixed: None }
     }
 
     fn corner(
         &self,
         posed: &PosedVertices,
-        look: &Look<'_>,
+        look: &SubmeshStyle<'_>,
         fixed: Option<[f32; 3]>,
         v: u32,
         made: [f32; 3],

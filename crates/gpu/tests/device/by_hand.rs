@@ -48,7 +48,7 @@ impl Gpu {
         self.words(&vec![0; count])
     }
 
-    /// Runs a shader of `lodc shaders` over so many threads.
+    /// Runs a shader of `lodc shaders` over a number of threads.
     pub(crate) fn run(
         &self,
         name: &str,

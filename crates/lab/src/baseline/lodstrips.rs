@@ -18,8 +18,8 @@ use std::sync::Arc;
 struct Entry {
     strip: u32,
     place: u32,
-    /// 0: the index at `place` changes. Else a repetition goes: so many elements, of a vertex
-    /// (positive) or an edge.
+    /// 0: the index at `place` changes. Else the number of elements of a repetition that is
+    /// removed, of a vertex (positive) or an edge (negative).
     repetitions: i32,
 }
 

@@ -2,7 +2,7 @@
 
 use super::figures::{Figure, place, turn};
 use super::report::{CrowdOnDevice, DrawnFrames};
-use super::walk::Stand;
+use super::walk::WalkerPosition;
 use super::{CrowdLevels, picture};
 use crate::device::Device;
 use crate::error::LabError;
@@ -25,14 +25,14 @@ const ENOUGH: Duration = Duration::from_secs(20);
 pub(crate) fn measure(
     device: &Device,
     figures: &mut [Figure<'_>],
-    stands: &[Vec<Stand>],
+    positions: &[Vec<WalkerPosition>],
     levels: [&CrowdLevels; 3],
     rounds: u32,
 ) -> Result<CrowdOnDevice, LabError> {
-    let camera = picture::camera(figures, stands);
+    let camera = picture::camera(figures, positions);
     let mut buffers = Buffers::default();
     let meshes = buffers.all(figures);
-    let frames = stands.len() - 1;
+    let frames = positions.len() - 1;
     let count = frames.min(DRAWN);
     let drawn: Vec<usize> = (1..=count).map(|i| i * frames / count).collect();
     let stage = Instanced::new(device, &meshes, &camera)?;
@@ -40,7 +40,7 @@ pub(crate) fn measure(
     let mut one = |levels: &CrowdLevels| -> Result<DrawnFrames, GpuError> {
         let frames: Vec<InstancedFrame> = drawn
             .iter()
-            .map(|&f| buffers.frame(figures, &stands[f], &levels.lods[f], f, &camera))
+            .map(|&f| buffers.frame(figures, &positions[f], &levels.lods[f], f, &camera))
             .collect();
         let begun = start.elapsed();
         let mut best = f64::INFINITY;
@@ -110,18 +110,18 @@ impl Buffers {
     fn frame(
         &self,
         figures: &mut [Figure<'_>],
-        stands: &[Stand],
+        positions: &[WalkerPosition],
         lods: &[Vec<Lod>],
         number: usize,
         camera: &Camera,
     ) -> InstancedFrame {
         let mut same: BTreeMap<Same, Vec<Instance>> = BTreeMap::new();
-        for (i, (stand, lods)) in stands.iter().zip(lods).enumerate() {
+        for (i, (walker, lods)) in positions.iter().zip(lods).enumerate() {
             let f = i % figures.len();
             let phase = figures[f].phase(i, number);
-            let at = place(stand);
+            let at = place(walker);
             let place = std::array::from_fn(|k| (at[k] - camera.centre[k]) as f32);
-            let instance = Instance { place, turn: turn(stand) };
+            let instance = Instance { place, turn: turn(walker) };
             for (p, part) in figures[f].parts(phase).iter().enumerate() {
                 same.entry(((f, phase, p), lods[part.object])).or_default().push(instance);
             }

@@ -1,7 +1,7 @@
 //! What a crowd looks like: each input in a few poses of its first animation, and the triangles of
 //! its levels.
 
-use super::walk::Stand;
+use super::walk::WalkerPosition;
 use crate::error::LabError;
 use crate::prepared::Input;
 use lodc_formats::{Limits, ObjectInfo, animation, animation_names, scene_graph};
@@ -50,7 +50,7 @@ impl<'a> Figure<'a> {
         };
         let mut phases: Vec<Vec<Part>> =
             poses.iter().map(|pose| parts(input, &graph, pose)).collect();
-        stand(&mut phases);
+        put_on_ground(&mut phases);
         Ok(Self { input, phases, levels: BTreeMap::new() })
     }
 
@@ -103,7 +103,7 @@ fn parts(input: &Input, graph: &Graph, pose: &Pose) -> Vec<Part> {
 
 /// Moves the first pose's feet to the origin and makes its largest extent 1, the other poses with
 /// it.
-fn stand(phases: &mut [Vec<Part>]) {
+fn put_on_ground(phases: &mut [Vec<Part>]) {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for p in phases[0].iter().flat_map(|part| &part.positions) {
         for i in 0..3 {
@@ -121,11 +121,11 @@ fn stand(phases: &mut [Vec<Part>]) {
 
 /// Cosine and sine of the turn that makes a figure, whose front looks along the third axis, look
 /// along its way.
-pub(crate) fn turn(stand: &Stand) -> [f32; 2] {
-    [stand.ahead[1] as f32, stand.ahead[0] as f32]
+pub(crate) fn turn(walker: &WalkerPosition) -> [f32; 2] {
+    [walker.ahead[1] as f32, walker.ahead[0] as f32]
 }
 
 /// The place of one of a crowd on the ground.
-pub(crate) fn place(stand: &Stand) -> [f64; 3] {
-    [stand.place[0], 0.0, stand.place[1]]
+pub(crate) fn place(walker: &WalkerPosition) -> [f64; 3] {
+    [walker.place[0], 0.0, walker.place[1]]
 }

@@ -32,7 +32,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
-use walk::{Crowd, FRAMES_PER_SECOND, Stand};
+use walk::{Crowd, FRAMES_PER_SECOND, WalkerPosition};
 
 /// A crowd, and how it is measured.
 #[derive(Clone, Copy, Debug)]
@@ -74,9 +74,9 @@ pub fn crowd(
     let of_input = |input: &Input| input.objects.iter().map(strips).collect();
     let baselines: Vec<Vec<Vec<Baseline>>> =
         inputs.iter().map(of_input).collect::<Result<_, LabError>>()?;
-    let stands = stands(instances, frames, seed);
+    let positions = positions(instances, frames, seed);
     let [continuous, discrete, none] = [at_distance, of_five, |_: &CollapseSequence, _| Lod(0)]
-        .map(|policy: Policy| levels(inputs, &stands, policy));
+        .map(|policy: Policy| levels(inputs, &positions, policy));
     let mut models = BTreeMap::new();
     for name in names(inputs, &baselines) {
         let frames = || Timed { levels: Vec::new() };
@@ -105,7 +105,8 @@ pub fn crowd(
     };
     let levels = [&continuous, &discrete, &none];
     let gpu = device.zip(rounds);
-    let gpu = gpu.map(|(device, rounds)| drawn(device, inputs, settings, &stands, levels, rounds));
+    let gpu =
+        gpu.map(|(device, rounds)| drawn(device, inputs, settings, &positions, levels, rounds));
     let none = Frames { extraction_ms_per_frame: rounds.map(|_| 0.0), ..none.frames };
     let by_distance = by_distance(inputs);
     let gpu = gpu.transpose()?;
@@ -160,11 +161,11 @@ fn drawn(
     device: &Device,
     inputs: &[Input],
     settings: &CrowdSettings,
-    stands: &[Vec<Stand>],
+    positions: &[Vec<WalkerPosition>],
     levels: [&CrowdLevels; 3],
     rounds: u32,
 ) -> Result<CrowdOnDevice, LabError> {
-    draws::measure(device, &mut figures::all(inputs, &settings.limits)?, stands, levels, rounds)
+    draws::measure(device, &mut figures::all(inputs, &settings.limits)?, positions, levels, rounds)
 }
 
 /// There is no device.
@@ -173,7 +174,7 @@ fn drawn(
     device: &Device,
     _: &[Input],
     _: &CrowdSettings,
-    _: &[Vec<Stand>],
+    _: &[Vec<WalkerPosition>],
     _: [&CrowdLevels; 3],
     _: u32,
 ) -> Result<CrowdOnDevice, LabError> {
@@ -192,7 +193,7 @@ pub fn crowd_picture(
     device: &Device,
 ) -> Result<Image, LabError> {
     let frames = settings.seconds * FRAMES_PER_SECOND;
-    let all = stands(settings.instances, frames, settings.seed);
+    let all = positions(settings.instances, frames, settings.seed);
     let now = all.len() / 2;
     let policies: [(&str, Policy); 2] = [("continuous", at_distance), ("five levels", of_five)];
     let policies = policies.map(|(name, policy)| (name, lods(inputs, &all[now], policy)));
@@ -218,12 +219,12 @@ fn names(inputs: &[Input], baselines: &[Vec<Vec<Baseline>>]) -> Vec<&'static str
 }
 
 /// The places of everyone in every frame, the start included.
-fn stands(instances: u32, frames: u32, seed: u64) -> Vec<Vec<Stand>> {
+fn positions(instances: u32, frames: u32, seed: u64) -> Vec<Vec<WalkerPosition>> {
     let mut crowd = Crowd::new(instances, seed);
-    let mut all = vec![crowd.stands()];
+    let mut all = vec![crowd.positions()];
     for _ in 0..frames {
         crowd.step();
-        all.push(crowd.stands());
+        all.push(crowd.positions());
     }
     all
 }
@@ -248,17 +249,17 @@ fn of_five(collapses: &CollapseSequence, distance: f64) -> Lod {
 type Policy = fn(&CollapseSequence, f64) -> Lod;
 
 /// The levels of everyone in a frame by a policy.
-fn lods(inputs: &[Input], stands: &[Stand], policy: Policy) -> Vec<Vec<Lod>> {
-    let of = |(i, stand): (usize, &Stand)| {
+fn lods(inputs: &[Input], positions: &[WalkerPosition], policy: Policy) -> Vec<Vec<Lod>> {
+    let of = |(i, walker): (usize, &WalkerPosition)| {
         let objects = inputs[i % inputs.len()].objects.iter();
-        objects.map(|o| policy(o.object.simplified.collapses(), stand.distance)).collect()
+        objects.map(|o| policy(o.object.simplified.collapses(), walker.distance)).collect()
     };
-    stands.iter().enumerate().map(of).collect()
+    positions.iter().enumerate().map(of).collect()
 }
 
 /// The levels of everyone in all frames by a policy.
-fn levels(inputs: &[Input], stands: &[Vec<Stand>], policy: Policy) -> CrowdLevels {
-    let lods: Vec<Vec<Vec<Lod>>> = stands.iter().map(|all| lods(inputs, all, policy)).collect();
+fn levels(inputs: &[Input], positions: &[Vec<WalkerPosition>], policy: Policy) -> CrowdLevels {
+    let lods: Vec<Vec<Vec<Lod>>> = positions.iter().map(|all| lods(inputs, all, policy)).collect();
     let (mut triangles, mut shared, mut changed) = (Vec::new(), 0, 0);
     for pair in lods.windows(2) {
         let mut seen: BTreeMap<(usize, &[Lod]), u64> = BTreeMap::new();
@@ -275,7 +276,7 @@ fn levels(inputs: &[Input], stands: &[Vec<Stand>], policy: Policy) -> CrowdLevel
         triangles.push(drawn as f64);
         shared += seen.values().filter(|&&n| n > 1).sum::<u64>();
     }
-    let all = (triangles.len() * stands[0].len()) as f64;
+    let all = (triangles.len() * positions[0].len()) as f64;
     let frames = Frames {
         triangles_per_frame: triangles.iter().sum::<f64>() / triangles.len() as f64,
         extraction_ms_per_frame: None,

@@ -2,7 +2,7 @@
 //! by five (thesis fig. 4.12).
 
 use super::figures::{Figure, place, turn};
-use super::walk::Stand;
+use super::walk::WalkerPosition;
 use crate::device::Device;
 use lodc_gpu::GpuError;
 use lodc_gpu::picture::{
@@ -19,15 +19,15 @@ const SIZE: [u32; 2] = [800, 640];
 const DEGREES: f64 = 30.0;
 
 /// The camera that sees all of a crowd in all its frames.
-pub(crate) fn camera(figures: &[Figure<'_>], stands: &[Vec<Stand>]) -> Camera {
+pub(crate) fn camera(figures: &[Figure<'_>], positions: &[Vec<WalkerPosition>]) -> Camera {
     let lens = Lens::Perspective(DEGREES);
     let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: DEGREES, lens, zoom: 1.0 };
-    Camera::around(&points(figures, stands.iter().flatten()), &framing, 1.0)
+    Camera::around(&points(figures, positions.iter().flatten()), &framing, 1.0)
 }
 
 /// The camera behind and above the viewer.
-fn behind(figures: &[Figure<'_>], stands: &[Stand]) -> Camera {
-    let points = points(figures, stands.iter());
+fn behind(figures: &[Figure<'_>], positions: &[WalkerPosition]) -> Camera {
+    let points = points(figures, positions.iter());
     let far = points.iter().flatten().fold(1.0, |a: f64, c| a.max(c.abs()));
     let (eye, target) = ([0.0, 0.16 * far, -0.5 * far], [0.0, 0.0, 0.2 * far]);
     let view = Viewpoint { eye, target, up: Up::Y, degrees: DEGREES, zoom: 1.0 };
@@ -35,12 +35,15 @@ fn behind(figures: &[Figure<'_>], stands: &[Stand]) -> Camera {
 }
 
 /// Boxes around everyone.
-fn points<'a>(figures: &[Figure<'_>], stands: impl Iterator<Item = &'a Stand>) -> Vec<[f64; 3]> {
+fn points<'a>(
+    figures: &[Figure<'_>],
+    positions: impl Iterator<Item = &'a WalkerPosition>,
+) -> Vec<[f64; 3]> {
     let high = figures.iter().flat_map(|f| (0..f.phases()).flat_map(|p| f.parts(p)));
     let high = high.flat_map(|part| &part.positions).map(|p| f64::from(p[1])).fold(0.0, f64::max);
     let mut points = Vec::new();
-    for stand in stands {
-        let [x, _, z] = place(stand);
+    for walker in positions {
+        let [x, _, z] = place(walker);
         for (dx, dz) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
             points.extend([[x + dx, 0.0, z + dz], [x + dx, high, z + dz]]);
         }
@@ -56,11 +59,11 @@ fn points<'a>(figures: &[Figure<'_>], stands: impl Iterator<Item = &'a Stand>) -
 pub(crate) fn picture(
     device: &Device,
     figures: &mut [Figure<'_>],
-    stands: &[Stand],
+    positions: &[WalkerPosition],
     policies: &[(&str, Vec<Vec<Lod>>)],
     now: usize,
 ) -> Result<Image, GpuError> {
-    let camera = behind(figures, stands);
+    let camera = behind(figures, positions);
     let style = Style { size: SIZE, background: [1.0; 4], back_faces: BackFaces::Shown, wire: 0.0 };
     let matte = Material { double_sided: true, ..Material::default() };
     let painter = Painter::new(device, &[], &[matte])?;
@@ -68,10 +71,10 @@ pub(crate) fn picture(
     for (name, lods) in policies {
         let mut frame = Frame::new(&painter, &camera, &style)?;
         let mut drawn = 0;
-        for (i, (stand, lods)) in stands.iter().zip(lods).enumerate() {
+        for (i, (walker, lods)) in positions.iter().zip(lods).enumerate() {
             let f = i % figures.len();
             let phase = figures[f].phase(i, now);
-            let corners = corners(&mut figures[f], phase, stand, lods, &camera);
+            let corners = corners(&mut figures[f], phase, walker, lods, &camera);
             drawn += corners.len() as u64 / 3;
             frame.draw(0, false, &corners)?;
         }
@@ -87,12 +90,12 @@ pub(crate) fn picture(
 fn corners(
     figure: &mut Figure<'_>,
     phase: usize,
-    stand: &Stand,
+    walker: &WalkerPosition,
     lods: &[Lod],
     camera: &Camera,
 ) -> Vec<Corner> {
-    let [cos, sin] = turn(stand);
-    let at = place(stand);
+    let [cos, sin] = turn(walker);
+    let at = place(walker);
     let mut corners = Vec::new();
     for p in 0..figure.parts(phase).len() {
         let object = figure.parts(phase)[p].object;

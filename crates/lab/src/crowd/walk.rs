@@ -9,7 +9,7 @@ const ROOM: f64 = 6.0;
 /// Speed in sizes a second.
 const SPEED: f64 = 0.8;
 
-/// A crowd in a square whose middle the viewer stands in. Lengths are in sizes of what walks.
+/// A crowd in a square with the viewer in its middle. Lengths are in sizes of what walks.
 pub(crate) struct Crowd {
     random: SplitMix64,
     /// Half the side of the square.
@@ -25,7 +25,7 @@ struct Walker {
 
 /// The place of one of a crowd in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Stand {
+pub(crate) struct WalkerPosition {
     /// Relative to the viewer.
     pub(crate) place: [f64; 2],
     /// Direction of the way, of length 1.
@@ -66,16 +66,16 @@ impl Crowd {
     }
 
     /// Returns where everyone is.
-    pub(crate) fn stands(&self) -> Vec<Stand> {
+    pub(crate) fn positions(&self) -> Vec<WalkerPosition> {
         let far = length([self.half; 2]);
-        let stand = |w: &Walker| {
+        let walker = |w: &Walker| {
             let way = [w.goal[0] - w.place[0], w.goal[1] - w.place[1]];
             let steps = length(way);
             let ahead = if steps > 0.0 { way.map(|c| c / steps) } else { [0.0, 1.0] };
             let distance = ((length(w.place) - 1.0) / (far - 1.0).max(1.0)).clamp(0.0, 1.0);
-            Stand { place: w.place, ahead, distance }
+            WalkerPosition { place: w.place, ahead, distance }
         };
-        self.walkers.iter().map(stand).collect()
+        self.walkers.iter().map(walker).collect()
     }
 }
 
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn a_crowd_is_the_same_for_a_seed_and_walks_without_leaps() {
         let (mut a, mut b, mut c) = (Crowd::new(40, 3), Crowd::new(40, 3), Crowd::new(40, 4));
-        let first = a.stands();
+        let first = a.positions();
         for _ in 0..500 {
             let before: Vec<_> = a.walkers.iter().map(|w| w.place).collect();
             [&mut a, &mut b, &mut c].into_iter().for_each(Crowd::step);
@@ -99,9 +99,9 @@ mod tests {
                 assert!(moved <= SPEED / f64::from(FRAMES_PER_SECOND) + 1e-9);
                 assert!(walker.place.iter().all(|c| c.abs() <= a.half));
             }
-            assert!(a.stands().iter().all(|s| (0.0..=1.0).contains(&s.distance)));
+            assert!(a.positions().iter().all(|s| (0.0..=1.0).contains(&s.distance)));
         }
-        assert_eq!(a.stands(), b.stands());
-        assert!(a.stands() != c.stands() && a.stands() != first);
+        assert_eq!(a.positions(), b.positions());
+        assert!(a.positions() != c.positions() && a.positions() != first);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The extraction pass of the thesis looks at all vertices below the LOD, which suits a GPU and a
 //! frame; walking through every one of 500,000 steps that way would be quadratic. A cursor moves in
-//! one of two ways. *Near*: the vertices that a record's vertex stands for lie side by side in a
+//! one of two ways. *Near*: the vertices that have become a record's vertex lie side by side in a
 //! [`Tour`] of the collapses, and those that still have triangles get its target. *Far*: every
 //! vertex is resolved anew, as a level is made from nothing.
 

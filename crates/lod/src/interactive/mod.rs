@@ -1,6 +1,6 @@
 //! Interactive Meshes (thesis chapter 5): one word per vertex, `collapse_to`, on top of the mesh.
 //!
-//! Vertices stand in collapse order and the triangles of a submesh in reverse order of their
+//! Vertices are in collapse order and the triangles of a submesh in reverse order of their
 //! disappearance, so a LOD is a prefix of each submesh's triangles with every vertex replaced by
 //! what it has become. Nothing else is stored: the `collapse_to` list is the sequence's own
 //! targets.
@@ -43,7 +43,7 @@ impl Interactive {
     /// once, so that the live prefix of a submesh is known at any LOD without searching.
     ///
     /// # Errors
-    /// If the triangles of a submesh do not stand in reverse order of their disappearance.
+    /// If the triangles of a submesh are not in reverse order of their disappearance.
     pub fn build(simplified: &Arc<Simplified>) -> Result<Self, BuildError> {
         let positions = PositionIds::new(simplified.mesh().positions());
         let removal_lods = lodc_mesh::removal_lods(simplified, &positions);

@@ -1,8 +1,8 @@
-//! The tree of collapses as a tour: whatever becomes a vertex stands behind it, side by side.
+//! The tree of collapses in preorder: whatever becomes a vertex follows it in one run.
 
 use std::ops::Range;
 
-/// Entries under one maximum.
+/// Entries whose maximum is stored as one, so that a search skips them at once. Chosen by hand.
 const BLOCK: usize = 64;
 
 /// The vertices in an order in which each is followed by all that become it, and the LOD at which

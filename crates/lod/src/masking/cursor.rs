@@ -15,7 +15,8 @@ use std::ops::Range;
 const LONGEST: usize = Masking::LONGEST_STRIP;
 /// Words in a cache line of most machines.
 const LINE: usize = 16;
-/// Number of copies that are looked at ahead.
+/// Number of copies whose cache lines are read together, about as many misses as a core has under
+/// way at a time. Moves on meshes beyond the cache take a third less with it.
 const BLOCK: usize = 16;
 
 /// The moving part of [`Masking`] strips.
@@ -174,7 +175,8 @@ impl Cursor {
         let (full, drawn) = room.split_at_mut(LONGEST);
         let (filter, mut count) = (usize::from(filter), 0);
         for (at, &vertex) in full.iter().enumerate() {
-            // What is not kept is overwritten by what follows, or stands behind the end.
+            // Without a branch: what is not kept is overwritten by what follows, or lies behind the
+            // end.
             drawn[count % LONGEST] = vertex;
             count += filter >> at & 1;
         }
@@ -202,7 +204,7 @@ impl Cursor {
     /// has changed it. Returns how many indices were written.
     fn jump(&mut self, model: &Masking, strip: usize, to: u32, records: &Range<u32>) -> u64 {
         if model.removal_lods[strip] <= to {
-            // What is dead at the finer LOD already does not change.
+            // A strip that is dead at the finer LOD, too, has been emptied already.
             if to == records.end && self.counts[strip] > 0 {
                 self.leave(strip, 0);
             }
@@ -226,7 +228,7 @@ impl Cursor {
         u64::from(filter.count_ones())
     }
 
-    /// A strip's filtered copy is new, its full strip is not.
+    /// Notes that a strip's filtered copy is new, its full strip stale.
     fn leave(&mut self, strip: usize, count: u8) {
         self.counts[strip] = count;
         self.stale_count += usize::from(!std::mem::replace(&mut self.stale[strip], true));

@@ -5,7 +5,8 @@ use super::pattern::Pattern;
 use super::shortest::Search;
 use super::trim::trimmed;
 
-/// Number of patterns that are remembered, by the lowest bits of their hashes.
+/// Number of patterns that are remembered, by the lowest bits of their hashes: half a megabyte for
+/// each thread. Chosen by hand.
 const REMEMBERED: usize = 1 << 14;
 
 /// Finds filters. What it remembers makes it faster, never different: a filter depends on the

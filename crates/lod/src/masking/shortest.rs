@@ -11,6 +11,7 @@
 use super::pattern::{LONGEST, Pattern};
 use lodc_mesh::NONE;
 
+/// Slots of the hash table of states: twice as many as a search may keep ([`Search::LIMIT`]).
 const SLOTS: usize = 1 << 14;
 
 /// The working memory of searches, used again and again.
@@ -49,8 +50,8 @@ struct Node {
 }
 
 impl Search {
-    /// States that one search may keep. Real strips need some tens; strips made to be hard get
-    /// another filter.
+    /// States that one search may keep. Strips of real meshes need some tens; those made to be hard
+    /// get a [`trimmed`](super::trim::trimmed) filter.
     pub(super) const LIMIT: usize = SLOTS / 2;
 
     pub(super) fn new() -> Self {

@@ -23,7 +23,7 @@ pub(super) fn remove(indices: &mut [u32], span: &mut Span, removal: Removal) -> 
     (span.end - at).into()
 }
 
-/// Puts elements back: copies of what stands before them, or what was left at the ends. Returns how
+/// Puts elements back: copies of what precedes them, or what was left at the ends. Returns how
 /// many elements are written.
 pub(super) fn restore(indices: &mut [u32], span: &mut Span, removal: Removal) -> u64 {
     if removal.kind == Kind::Front {

@@ -21,8 +21,8 @@ use lodc_model::{Changes, Model, Traffic};
 use lodc_strip::live_triangles;
 use std::ops::Range;
 
-/// One record's changes of one strip cost about as much as making so many elements of LOD 0 anew
-/// (measured on bunny and cow: 10 ns against 1.5 to 5 ns).
+/// Elements of LOD 0 that can be made anew in the time that one record's changes of one strip take
+/// (measured on bunny and cow: 10 ns beside 1.5 to 5 ns).
 const STRIP_COST: u64 = 4;
 
 /// The state of a strip.

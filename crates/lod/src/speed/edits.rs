@@ -1,9 +1,9 @@
 //! All changes of all strips as they are kept at run time: in order of records, ready to be
 //! streamed.
 //!
-//! Strips stand one behind the other in one buffer and keep their room when they get shorter, so an
-//! index change needs no strip: it is a place in the buffer and what to write there. Whatever a
-//! move needs is a few runs of such lists, without a look at single records.
+//! Strips follow one another in one buffer and keep their room when they get shorter, so an index
+//! change needs no strip: it is a place in the buffer and what to write there. A move reads a few
+//! runs of such lists, and no single records.
 
 use crate::trace::{History, Removal};
 use lodc_mesh::NONE;

@@ -20,7 +20,8 @@ const PACK: Shader = Shader { name: "pack", wgsl: include_str!("pack.wgsl") };
 pub const SHADERS: [Shader; 8] =
     [EDITS, VALUES, REWRITE, LENGTHS, SCAN, SCAN_ADD, PACK, STRIP_DRAWS];
 
-/// An entry passed costs about as much as making so many indices anew, as it does on the CPU.
+/// Indices that can be made anew in the time that passing an entry takes. An estimate from the CPU;
+/// not measured on devices.
 const ENTRY_COST: u64 = 6;
 
 /// Buffers and kernels.

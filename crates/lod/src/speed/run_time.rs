@@ -5,8 +5,7 @@ use super::edits::Removed;
 use crate::trace::{Kind, Removal};
 use lodc_mesh::Lod;
 
-/// The largest number that a byte holds by itself; it stands for "that or more, the number
-/// follows".
+/// The byte that says "this or more: the number follows".
 const ESCAPE: u8 = u8::MAX;
 
 /// Added to the number of elements that go at an end of a strip.
@@ -18,7 +17,7 @@ pub struct LodInfo {
     /// The target of the removed vertex.
     pub vertex: u32,
     /// Number of strips it changes. 255: that many or more, and the number is the `strip` of a
-    /// [`StripInfo`] that stands before those of the record.
+    /// [`StripInfo`] that precedes those of the record.
     pub strips_affected: u8,
 }
 

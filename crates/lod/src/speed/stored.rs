@@ -2,7 +2,7 @@
 //!
 //! For each strip in turn the number of its removals (varint), then for each removal three varints:
 //! how many of the strip's events (records that change it while it is live) lie between it and the
-//! event of the one before, or the start; where it stands before that event ([`Removal::at`]); and
+//! event of the one before, or the start; its place before that event ([`Removal::at`]); and
 //! four times how many elements go, plus the number of their [`Kind`].
 
 use crate::trace::{Kind, Leaving, Removal, Removals, WorkingStrip};
@@ -37,8 +37,8 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    /// Reads the array of so many strips. Whether removals fit their strips is for [`Replay`] to
-    /// find.
+    /// Reads the array of a number of strips. Whether removals fit their strips is for [`Replay`]
+    /// to find.
     pub(super) fn read(array: &Array, strips: usize) -> Result<Self, BuildError> {
         if array.wide {
             return Err(wrong("is never written wide"));

@@ -8,9 +8,10 @@
 //! another one if no triangle is drawn between the two. Whether a triangle is drawn is asked by
 //! position, whether elements repeat by vertex: refining puts them back by copying.
 //!
-//! Beyond the thesis, the dead ends of a strip go, whatever they are: what stands before its first
-//! drawn triangle (an even number, again for the winding) and behind its last. They stay in their
-//! room and come back by moving the ends (bunny: 497 bits per vertex without, 463 with).
+//! Beyond the thesis, the dead ends of a strip go, whatever they are: what comes before its first
+//! drawn triangle (an even number, again for the winding) and after its last. They keep their
+//! places in the buffer and come back by moving the ends (bunny: 497 bits per vertex without, 463
+//! with).
 
 use super::history::Kind;
 use super::tracer::Removals;
@@ -18,7 +19,9 @@ use super::working::{Leaving, WorkingStrip};
 use lodc_mesh::{NONE, is_degenerate};
 use lodc_model::BuildError;
 
-/// The distance from a change within which partners of a single element are looked for.
+/// The distance from a change within which partners of a single element are looked for. Between the
+/// two no triangle is drawn, so in real strips partners are next to each other; the bound keeps a
+/// strip of nothing but repetitions from taking quadratic time. Chosen by hand.
 const REACH: usize = 12;
 
 /// Number of changes a removal must spare. It takes two words itself and a change one, so this is
@@ -151,7 +154,7 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Takes out all that stands before the first drawn triangle and behind the last.
+    /// Takes out all that comes before the first drawn triangle and after the last.
     fn ends(&mut self, strip: &mut WorkingStrip) {
         let (front, mut last, mut count) = (strip.front(), strip.first_drawn(), 0);
         while last != front {

@@ -9,14 +9,14 @@ pub enum Kind {
     Vertex,
     /// An edge repetition: each element is the one two before it.
     Edge,
-    /// A dead front: all before the first triangle that is drawn. It is left where it was.
+    /// A dead front: all before the first triangle that is drawn. It stays in the buffer.
     Front,
-    /// A dead back: all behind the last triangle that is drawn. It is left where it was.
+    /// A dead back: all after the last triangle that is drawn. It stays in the buffer.
     Back,
 }
 
 impl Kind {
-    /// All kinds, by the number that stands for them in files.
+    /// All kinds, each at the number by which files name it.
     pub const ALL: [Self; 4] = [Self::Vertex, Self::Edge, Self::Front, Self::Back];
 
     /// Returns the distance at which an element of a repetition finds its equal before it; 0 for
@@ -43,8 +43,8 @@ pub struct Removal {
     pub kind: Kind,
 }
 
-/// The number of changes that one record makes to one strip. The changes themselves stand one
-/// behind the other in [`History`].
+/// The number of changes that one record makes to one strip. The changes themselves follow one
+/// another in [`History`].
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
     /// The strip.
@@ -79,7 +79,7 @@ pub struct History {
 }
 
 impl History {
-    /// Makes room for a strip of so many indices. Returns where they start.
+    /// Adds a strip of `indices` indices. Returns where they start.
     pub(crate) fn begin_strip(&mut self, indices: usize) -> usize {
         let first = self.index_removal_lods.len();
         self.index_removal_lods.resize(first + indices, NONE);

@@ -1,7 +1,6 @@
-//! Ranks of the elements of a strip that are left: a binary indexed tree
-//! (Fenwick 1994).
+//! Ranks of the remaining elements of a strip: a binary indexed tree (Fenwick 1994).
 
-/// Counts of what is left among the first elements.
+/// For each element the number of remaining ones before it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ranks {
     /// Node `i` counts the `i & -i` elements up to the `i`-th, from 1.
@@ -9,13 +8,13 @@ pub(super) struct Ranks {
 }
 
 impl Ranks {
-    /// All of `count` elements are left.
+    /// Starts with `count` elements, all of which remain.
     pub(super) fn fill(&mut self, count: usize) {
         self.tree.clear();
         self.tree.extend((0..=count as u32).map(|i| i & i.wrapping_neg()));
     }
 
-    /// Returns the number of elements before this one that are left.
+    /// Returns the number of remaining elements before this one.
     pub(super) fn rank(&self, element: u32) -> u32 {
         let (mut i, mut sum) = (element, 0);
         while i > 0 {
@@ -25,9 +24,11 @@ impl Ranks {
         sum
     }
 
-    /// The element with so many left before it. There must be one.
+    /// Returns the remaining element with `rank` remaining ones before it. There must be one.
     pub(super) fn select(&self, rank: u32) -> u32 {
         let last = self.tree.len() - 1;
+        // Descends the tree: `at` elements are before the one sought, `rest` of those that remain
+        // are not counted yet.
         let (mut at, mut rest) = (0, rank);
         let mut width = (last + 1).next_power_of_two();
         while width > 0 {
@@ -40,7 +41,7 @@ impl Ranks {
         at as u32
     }
 
-    /// An element goes.
+    /// Removes an element, which must remain until now.
     pub(super) fn remove(&mut self, element: u32) {
         let mut i = element as usize + 1;
         while i < self.tree.len() {

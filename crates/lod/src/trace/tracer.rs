@@ -11,7 +11,8 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
-/// Number of changes a strip may have per index. Real strips have about five.
+/// Number of changes a strip may have per index: strips of real meshes have about five, and a file
+/// may claim any.
 const MOST_CHANGES: usize = 300;
 
 /// The strips that are traced, and the sequence.
@@ -45,6 +46,8 @@ pub(crate) fn in_parallel<T: Send>(
     source: &Source<'_>,
     work: impl Fn(&mut StripTracer, Range<usize>) -> Result<T, BuildError> + Sync,
 ) -> Result<Vec<T>, BuildError> {
+    // Indices of a run: few enough that all threads have runs on meshes of tens of thousands of
+    // triangles. Chosen by hand.
     const INDICES: usize = 1 << 14;
     let strips = source.strips;
     let (mut runs, mut first, mut indices) = (Vec::new(), 0, 0);

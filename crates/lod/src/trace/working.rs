@@ -5,8 +5,8 @@ use super::history::Kind;
 use super::ranks::Ranks;
 use lodc_mesh::{NONE, PositionIds, is_degenerate};
 
-/// Elements that stand before and behind the strip, so that nobody has to ask whether there is a
-/// neighbour. Their values differ from each other and from every vertex.
+/// Sentinels before the strip, and as many after it, so that every element has two neighbours on
+/// each side. Their values differ from each other and from every vertex.
 const EDGE: u32 = 2;
 
 /// Consecutive elements that a record removes.
@@ -96,7 +96,7 @@ impl WorkingStrip {
     pub(crate) fn draws(&self, element: u32) -> bool {
         self.draws[element as usize]
     }
-    /// Returns whether this element stands for a vertex, and not for an edge of the strip.
+    /// Returns whether this element is one of the strip, not a sentinel.
     pub(crate) fn is_inside(&self, element: u32) -> bool {
         element >= EDGE && element < self.value.len() as u32 - EDGE
     }
@@ -114,7 +114,7 @@ impl WorkingStrip {
     pub(crate) fn place(&self, element: u32) -> u32 {
         self.ranks.rank(element) - EDGE + self.room
     }
-    /// The element that stands at a place. None if there is none.
+    /// The element at a place. None if there is none.
     pub(crate) fn at(&self, place: u32) -> Option<u32> {
         let end = self.ranks.rank(self.value.len() as u32 - EDGE);
         let rank = place.checked_sub(self.room)?.checked_add(EDGE)?;
@@ -190,7 +190,7 @@ impl WorkingStrip {
         self.next[before as usize] = end;
         self.previous[end as usize] = before;
     }
-    /// So many elements have gone at the front; others stay where they are.
+    /// Notes that `count` elements were removed at the front; others keep their places.
     pub(crate) fn leave_room(&mut self, count: u32) {
         self.room += count;
     }

@@ -34,7 +34,7 @@ impl Camera {
         Self { eye: [x, y, z + distance], near: distance - radius, far: distance + radius }
     }
 
-    /// Error per distance that covers so many pixels.
+    /// Error per distance that covers `pixels` pixels.
     pub(crate) fn slope(&self, pixels: f32) -> f32 {
         pixels * 2.0 * TANGENT / SIZE as f32
     }

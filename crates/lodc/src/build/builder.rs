@@ -1,7 +1,8 @@
 //! The whole way from a mesh file to a file with every level of it.
 
 use super::{
-    Importance, Known, POSES, ScenePaints, build_models, check_models, measure_all, simplify_all,
+    Importance, POSES, SceneContext, ScenePaints, build_models, check_models, measure_all,
+    simplify_all,
 };
 use crate::{Error, File, LodFile};
 use lodc_formats::Scene;
@@ -89,7 +90,7 @@ impl Builder {
         let paints = ScenePaints::read(&self.path, &self.import, &scene, &options)?;
         let Scene { source, document, objects, mut warnings, .. } = scene;
         let limits = self.import.limits;
-        let known = Known {
+        let known = SceneContext {
             paints: paints.shown(),
             importance: &Importance::default(),
             document: &document,

@@ -1,10 +1,10 @@
 //! Pictures of a scene's levels, to tell which of two simplifications looks better.
 
-use super::{Known, SimplifiedObjects};
+use super::{SceneContext, SimplifiedObjects};
 use crate::level_mesh;
 use crate::{Error, LodObject, scene_levels};
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
-use lodc_measure::{Looks, Portrait, SceneSurface, Viewing};
+use lodc_measure::{Portrait, SceneSurface, ShadingOptions, Viewing};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
 use lodc_select::Target;
@@ -56,7 +56,7 @@ pub(super) fn verdict(quadric: &Errors, other: &Errors) -> Verdict {
 
 /// A scene, and what it looks like.
 pub(super) struct Judge<'a> {
-    known: Known<'a>,
+    known: SceneContext<'a>,
     scene: Arrangement,
     portrait: Portrait,
 }
@@ -66,7 +66,10 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// If the stored document is damaged.
-    pub(super) fn new(objects: &[SceneObject], known: Known<'a>) -> Result<Option<Self>, Error> {
+    pub(super) fn new(
+        objects: &[SceneObject],
+        known: SceneContext<'a>,
+    ) -> Result<Option<Self>, Error> {
         let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
         let graph = scene_graph(known.document, &infos, &known.limits)?;
         let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
@@ -79,7 +82,7 @@ impl<'a> Judge<'a> {
         let meshes: Vec<&Mesh> = objects.iter().map(|o| &o.mesh).collect();
         let shown = surface(&meshes, &scene, known);
         // Shapes alone where the metric sees no more.
-        let looks = known.paints.map_or(Looks::default(), |_| shown.common_looks(&shown));
+        let looks = known.paints.map_or(ShadingOptions::default(), |_| shown.common_looks(&shown));
         let portrait = Portrait::new(&shown.surface, VIEWING, looks);
         Ok(Some(Self { known, scene, portrait }))
     }
@@ -108,7 +111,7 @@ impl<'a> Judge<'a> {
 }
 
 /// A scene as it is shown.
-fn surface(meshes: &[&Mesh], scene: &Arrangement, known: Known<'_>) -> SceneSurface {
+fn surface(meshes: &[&Mesh], scene: &Arrangement, known: SceneContext<'_>) -> SceneSurface {
     match known.paints {
         None => SceneSurface::new(meshes, scene, &Appearance::default()),
         Some(paints) => {

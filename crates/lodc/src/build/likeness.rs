@@ -2,10 +2,10 @@
 //! the mesh itself knows.
 //!
 //! Its textures have no part in it: a mesh has them and a file of its levels may not, and levels of
-//! both are to be the same. Noise stands for them, with as much detail of every size as pictures of
-//! the world have.
+//! both are to be the same. Noise takes their place, with as much detail of every size as pictures
+//! of the world have.
 
-use lodc_measure::{Looks, Portrait, Pyramid, SceneSurface, Viewing};
+use lodc_measure::{Portrait, Pyramid, SceneSurface, ShadingOptions, Viewing};
 use lodc_mesh::{Mesh, SplitMix64};
 use lodc_scene::{
     Appearance, Arrangement, Coordinates, Graph, Image, Material, Pose, Texture, Wrap,
@@ -40,11 +40,11 @@ impl Likeness {
         let looks = painted(coordinates);
         let shown = surface(mesh, &looks, noise);
         let all = shown.common_looks(&shown);
-        let shaded = Looks { materials: false, ..all };
+        let shaded = ShadingOptions { materials: false, ..all };
         let mut kinds = vec![shaded];
         if all.materials {
             kinds.push(all);
-            kinds.push(Looks { checkerboard: shown.all_textured, ..shaded });
+            kinds.push(ShadingOptions { checkerboard: shown.all_textured, ..shaded });
         }
         kinds.dedup();
         let portraits =
@@ -106,7 +106,7 @@ fn image() -> Image {
             }
         }
     }
-    // Sums of so many grains keep near the middle.
+    // Sums of that many grains are near the middle.
     let shade = |sum: f32| {
         let middle = GRAINS.len() as f32 / 2.0;
         (127.5 + 100.0 * (sum - middle)).clamp(0.0, 255.0) as u8

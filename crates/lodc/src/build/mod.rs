@@ -7,21 +7,21 @@ mod builder;
 mod errors;
 mod estimate;
 mod judge;
-mod known;
 mod likeness;
 mod models;
 mod paints;
 mod refitted;
+mod scene_context;
 mod simplify;
 mod watch;
 
 pub use builder::Builder;
 pub use errors::{LevelDistance, POSES, choose_poses, measure_all, measure_levels};
 pub use estimate::{Need, Size};
-pub use known::{Importance, Known};
 pub use models::{build_models, check_models, models};
 pub use paints::{ObjectColours, Paints, ScenePaints};
 pub use refitted::{measured, refitted_meshes};
+pub use scene_context::{Importance, SceneContext};
 pub use simplify::simplify_all;
 pub use watch::Watch;
 

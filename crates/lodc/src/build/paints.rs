@@ -1,7 +1,7 @@
 //! The colours of a scene's objects, for all that sees them.
 
 use lodc_formats::import::ImportOptions;
-use lodc_formats::{Assets, FormatError, ObjectInfo, Scene, Sought, appearance};
+use lodc_formats::{Assets, FormatError, ObjectInfo, RequestedFiles, Scene, appearance};
 use lodc_measure::Pyramid;
 use lodc_scene::Appearance;
 use lodc_simplify::{MetricKind, Options, SurfaceColours};
@@ -14,7 +14,7 @@ pub struct ScenePaints {
     /// The colours.
     pub paints: Option<Arc<Paints>>,
     /// The image files that were looked for.
-    pub files: Sought,
+    pub files: RequestedFiles,
     /// One line for each image that could not be read.
     pub warnings: Vec<String>,
 }

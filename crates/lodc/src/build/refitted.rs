@@ -93,7 +93,7 @@ fn over(
 /// A refitted level of an object, with its error and its root mean square distance as the object
 /// was modelled. These are measured: the stored ones are of the vertices where they were. `shown`
 /// are the texture coordinates of its submeshes, and what is painted by them.
-fn refitted(object: &LodObject, lod: Lod, shown: Shown<'_>) -> (Mesh, (f64, f64)) {
+fn refitted(object: &LodObject, lod: Lod, shown: TextureNoise<'_>) -> (Mesh, (f64, f64)) {
     let input = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
     if lod.0 == 0 {
@@ -130,7 +130,7 @@ fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
 }
 
 /// The texture coordinates of an object's submeshes, and the noise that is painted by them.
-type Shown<'a> = (&'a [Coordinates], &'a Arc<[Pyramid]>);
+type TextureNoise<'a> = (&'a [Coordinates], &'a Arc<[Pyramid]>);
 
 /// Tells how much better a refitted level looks than where the simplifier left it.
 struct Judge {
@@ -140,7 +140,7 @@ struct Judge {
 
 impl Judge {
     /// None for meshes without attributes: whatever is closer looks better.
-    fn new(input: &Mesh, unmoved: &Mesh, (shown, noise): Shown<'_>) -> Option<Self> {
+    fn new(input: &Mesh, unmoved: &Mesh, (shown, noise): TextureNoise<'_>) -> Option<Self> {
         if input.attributes().is_empty() {
             return None;
         }

@@ -2,7 +2,7 @@
 
 use super::judge::{Judge, Verdict, verdict};
 use super::watch::staged;
-use super::{Known, SimplifiedObjects, Watch};
+use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
 use lodc_formats::SceneObject;
 use lodc_mesh::{Mesh, PositionIds};
@@ -11,10 +11,13 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer faces, of those that lie on each other one, are small: there is time to look at
-/// more samples first, so many in all. They help most models and harm some.
+/// Scenes of fewer faces (of those that lie on each other one counts) are small: there is time to
+/// try more samples first. They help most models and harm some.
 const SMALL: u64 = 16_000;
 const SAMPLES_OF_SMALL: u64 = 64_000;
+/// `hybrid` decides everywhere, then between the levels where that looked better, then between those
+/// where this did: what comes before a level changes it, so one narrowing is not always enough.
+const TRIES: usize = 3;
 
 /// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides at those
 /// levels at which the scene looks worse otherwise: pictures of both decide.
@@ -24,7 +27,7 @@ const SAMPLES_OF_SMALL: u64 = 64_000;
 pub fn simplify_all(
     objects: Vec<SceneObject>,
     options: &[Options],
-    known: Known<'_>,
+    known: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, Error> {
     staged(watch, "simplify", None, || best(objects, options, known, watch))
@@ -33,7 +36,7 @@ pub fn simplify_all(
 fn best(
     objects: Vec<SceneObject>,
     options: &[Options],
-    known: Known<'_>,
+    known: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, Error> {
     if !options.iter().any(is_hybrid) {
@@ -46,17 +49,17 @@ fn best(
     let quadric = each(objects.clone(), &by_quadric, known, watch);
     let plain = judge.errors(&quadric)?;
     for options in with_samples(options, &objects).into_iter().chain([options.to_vec()]) {
-        let hybrid = each(objects.clone(), &options, known, watch);
-        let between = match verdict(&plain, &judge.errors(&hybrid)?) {
-            Verdict::Everywhere => return Ok(hybrid),
-            Verdict::Nowhere => continue,
-            Verdict::Between(between) => between,
-        };
-        drop(hybrid);
-        let partly = instead(&options, |o| Options { hybrid_between: between, ..o });
-        let mixed = each(objects.clone(), &partly, known, watch);
-        if verdict(&plain, &judge.errors(&mixed)?) == Verdict::Everywhere {
-            return Ok(mixed);
+        let mut between = [1.0, 0.0];
+        for _ in 0..TRIES {
+            let partly = instead(&options, |o| Options { hybrid_between: between, ..o });
+            let hybrid = each(objects.clone(), &partly, known, watch);
+            match verdict(&plain, &judge.errors(&hybrid)?) {
+                Verdict::Everywhere => return Ok(hybrid),
+                Verdict::Nowhere => break,
+                Verdict::Between([most, least]) => {
+                    between = [between[0].min(most), between[1].max(least)];
+                }
+            }
         }
     }
     Ok(quadric)
@@ -101,7 +104,7 @@ fn instead(options: &[Options], change: impl Fn(Options) -> Options) -> Vec<Opti
 fn each(
     objects: Vec<SceneObject>,
     options: &[Options],
-    known: Known<'_>,
+    known: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> SimplifiedObjects {
     let triangles = |object: &SceneObject| object.mesh.triangles().len() as u64;

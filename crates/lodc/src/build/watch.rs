@@ -4,7 +4,7 @@
 pub trait Watch: Sync {
     /// A stage begins, or the one that runs starts over: `units` of work, if they are counted.
     fn begin(&self, _stage: &'static str, _units: Option<u64>) {}
-    /// So many more units of the stage are done; called by any thread.
+    /// More units of the stage are done; called by any thread.
     fn add(&self, _units: u64) {}
     /// The stage is over.
     fn end(&self, _stage: &'static str) {}

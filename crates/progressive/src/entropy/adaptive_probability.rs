@@ -5,12 +5,12 @@ pub(crate) const PROBABILITY_BITS: u32 = 15;
 /// Sum of the frequencies that the coder shares out: 2^15.
 pub(crate) const TOTAL: u16 = 1 << PROBABILITY_BITS;
 
-/// Observations after which the rate of adaptation no longer falls. Fewer forget faster; measured
-/// on ten meshes.
+/// Observations after which the rate of adaptation no longer falls. Fewer forget faster; chosen by
+/// the sizes of ten meshes, whose figures are not kept.
 const MAX_COUNT: u8 = 160;
 /// Least probability of either value of a bit, of 65,536: both must stay possible.
 const MIN_PROBABILITY: u32 = 24;
-/// Least frequency of a symbol, of [`TOTAL`].
+/// Least frequency of a symbol, of [`TOTAL`], so that all stay possible: 13 bits at most.
 const MIN_FREQUENCY: i16 = 4;
 /// Sum of the adaptive parts of all frequencies.
 const ADAPTIVE_TOTAL: i16 = (TOTAL - 16 * MIN_FREQUENCY as u16) as i16;
@@ -27,7 +27,7 @@ const RATES: [u16; 256] = {
     rates
 };
 
-/// An interval of the range 0 to [`TOTAL`] that stands for one value.
+/// The interval of the range 0 to [`TOTAL`] that belongs to one value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Interval {
     /// First number of the interval: the cumulative frequency of all smaller values.
@@ -93,7 +93,8 @@ const UPDATE_TARGETS: [[i16; 16]; 16] = {
     targets
 };
 
-/// Observations that a new symbol context starts with.
+/// Observations that a new symbol context starts with: the first one observed does not take nearly
+/// all of the probability.
 const INITIAL_SYMBOL_COUNT: u8 = 2;
 
 impl AdaptiveSymbol {

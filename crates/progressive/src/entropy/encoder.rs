@@ -93,7 +93,7 @@ impl Coder for Encoder {
     }
 }
 
-/// A finished substream: its two ends, between which padding may stand.
+/// A finished substream: its two ends, between which there may be padding.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EncodedSubstream {
     front: Vec<u8>,

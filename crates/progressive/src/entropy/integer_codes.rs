@@ -7,7 +7,8 @@ use crate::entropy::coder::Coder;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ResidualCode(pub(crate) AdaptiveSymbol);
 
-/// Symbol of a magnitude as long as expected. 0 stands for a residual of 0.
+/// Symbol of a magnitude as long as expected: 9 below and 4 above have symbols, since residuals are
+/// smaller than expected more often than larger. Symbol 0 is a residual of 0.
 const EXPECTED_LENGTH: i32 = 10;
 /// Symbol of a length too far from the expected one: it follows as a plain number.
 const ESCAPE: u32 = 15;

@@ -3,7 +3,8 @@
 
 use lodc_mesh::NONE;
 
-/// A block of more corners than this is divided.
+/// A block of more corners than this is divided. Finding and inserting a corner takes a pass over a
+/// block, dividing one an allocation; chosen by hand.
 const MAX_BLOCK: usize = 128;
 
 #[derive(Clone, Debug, Default)]

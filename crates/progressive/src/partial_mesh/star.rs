@@ -8,7 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// triangle plus 0, 1 or 2; the fourth entry only makes masked accesses safe.
 pub(crate) const NEXT: [u32; 4] = [1, 2, 0, 0];
 
-/// Stars of more triangles are large: those of hubs, which meshes without hubs have none of.
+/// Stars of more triangles are large: those of hubs. Others cost no bit and no question for what
+/// hubs need, so the number is high; a limit of the format.
 pub(crate) const LARGE_STAR: u32 = 256;
 
 /// A triangle seen from one of its corners, at vertex v: (v, a, b) counter-clockwise.

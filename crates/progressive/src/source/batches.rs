@@ -5,7 +5,7 @@
 //! targets before what splits off them gives the same levels where the sets are the same. Steps are
 //! cut into batches; within one they come in the order in which a list of all wedge groups is
 //! walked through once. A group goes on being split until the batch has no more splits of it; each
-//! new group stands right behind the one that it splits off. A bit for each visit says all of it.
+//! new group follows right behind the one that it splits off. A bit for each visit says all of it.
 //!
 //! ```text
 //!   list           0   1   2          before the batch
@@ -16,8 +16,9 @@
 use lodc_mesh::{CollapseSequence, Lod, Mesh};
 use lodc_mesh::{MeshParts, NONE, PositionIds, SequenceParts, Simplified, removal_lods};
 
-/// A batch has one step, and one more for so many steps before it: it grows the mesh by a third.
-/// Shorter ones cost more bits (a quarter: 0.3 for each vertex), longer ones show worse levels.
+/// A batch has one step, and one more for each this many steps before it: it grows the mesh by a
+/// third. Shorter ones cost more bits (growing by a quarter: 0.3 bits for each vertex), longer ones
+/// have fewer levels that a prefix can show, since within a batch the order is not the metric's.
 const STEPS_FOR_ONE_MORE: usize = 3;
 
 /// The splits of an object in stream order.
@@ -35,19 +36,20 @@ pub(crate) struct StepTree<'a> {
     pub(crate) fixed: [u32; 2],
 }
 
-/// A step that must come before another one: (first vertex of it, first vertex of the other).
-type Before = [u32; 2];
+/// Two steps of which the first must come before the second, each by its first vertex.
+type Precedence = [u32; 2];
 
-/// How often each group may be passed, on average: 64 batches pass through all points, later ones
-/// through lists that grow by a third, so that each group counts four times.
+/// How often each group may be passed, on average. Passes through lists that grow by a third add up
+/// to four of the whole list; while steps are few beside the points, some dozens of batches pass
+/// through all of these. Other orders would take quadratic time, and are given up here.
 const MOST_PASSES: usize = 64;
 
 /// The list of wedge groups, each named by its first vertex, and the pass of a batch through it.
 struct Walk {
     /// The group behind each one.
     next: Vec<u32>,
-    /// Groups that may still be passed.
-    left: usize,
+    /// Number of groups that may still be passed.
+    budget: usize,
 }
 
 impl Walk {
@@ -56,7 +58,7 @@ impl Walk {
         if let Some(last) = (points as usize).checked_sub(1) {
             next[last] = NONE;
         }
-        Self { next, left: MOST_PASSES * (vertices + 1) }
+        Self { next, budget: MOST_PASSES * (vertices + 1) }
     }
 
     /// Puts a new group behind the one that it splits off.
@@ -69,9 +71,9 @@ impl Walk {
         self.next[group as usize] = self.next[step as usize];
     }
 
-    /// Goes on to the next group; none behind the last, or if that would be one too many.
+    /// Goes on to the next group; none behind the last, or when the budget is spent.
     fn advance(&mut self, group: u32) -> Option<u32> {
-        self.left = self.left.checked_sub(1)?;
+        self.budget = self.budget.checked_sub(1)?;
         Some(self.next[group as usize]).filter(|&next| next != NONE)
     }
 }
@@ -103,7 +105,9 @@ impl StepTree<'_> {
             }
             batches.push([first, count as u32]);
             rest = &rest[count..];
-            // An order that was not made of batches has about one for each two steps.
+            // An order that was not made of batches has about one for each two steps. One in which
+            // each grows by a third has 2.4 for each doubling: four, eight more at the beginning,
+            // and one in 32 steps leave room for cuts at fixed levels and before late steps.
             let done = steps.len() - rest.len();
             let most = 8 + 4 * (usize::BITS - done.leading_zeros()) as usize + done / 32;
             if count == 0 || batches.len() > most {
@@ -115,7 +119,7 @@ impl StepTree<'_> {
 
     /// Puts steps into an order of batches: the first vertex of each, as they are numbered. Some
     /// stay before others. Calls `begin` with the number of steps before each batch.
-    fn plan(&self, before: &[Before], mut begin: impl FnMut(usize)) -> Option<Vec<u32>> {
+    fn plan(&self, before: &[Precedence], mut begin: impl FnMut(usize)) -> Option<Vec<u32>> {
         let steps = self.steps()?;
         let mut walk = Walk::new(self.points, self.targets.len());
         let mut order = Vec::with_capacity(steps.len());
@@ -146,16 +150,17 @@ impl StepTree<'_> {
                         order.push(step);
                     }
                 }
-                let too_late = |&&[a, b]: &&Before| {
+                let too_late = |&&[a, b]: &&Precedence| {
                     let [a, b] = [a, b].map(|step| place[step as usize]);
                     a != u32::MAX && b != u32::MAX && a > b
                 };
-                let of_batch = |&[_, b]: &Before| b < steps[done];
+                let of_batch = |&[_, b]: &Precedence| b < steps[done];
                 let candidates = &before[before.partition_point(of_batch)..];
                 let until = steps.get(end).copied().unwrap_or(u32::MAX);
                 let late = candidates.iter().take_while(|[_, b]| *b < until).find(too_late);
                 let Some(&[_, cut]) = late else { break };
-                // Without that step and those after it the batch is in order.
+                // The batch ends before the step that came too early, and is walked again: what is
+                // left of it may come in another order now.
                 for step in order.drain(done..).rev() {
                     walk.join(self.group_of_target(step), step);
                     place[step as usize] = u32::MAX;
@@ -256,7 +261,7 @@ pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
 impl StepTree<'_> {
     /// Where a vertex becomes one of another submesh, its triangles are gone by then: the steps
     /// that must stay before those that bring the triangles, sorted by the latter.
-    fn borders_first(&self, simplified: &Simplified) -> Vec<Before> {
+    fn borders_first(&self, simplified: &Simplified) -> Vec<Precedence> {
         let last = simplified.collapses().records();
         let submesh = |v: u32| simplified.mesh().vertex_submesh()[(last - v) as usize];
         let mut first_of_step: Vec<u32> = (0..=last).collect();
@@ -389,8 +394,8 @@ fn has_triangles_across_submeshes(simplified: &Simplified) -> bool {
     appearances.iter().zip(simplified.mesh().triangles()).any(is_across)
 }
 
-/// The errors after each step: within a batch those at its beginning. Batches begin after so many
-/// steps of the stream; the last number is that of all.
+/// The errors after each step: within a batch those at its beginning. `batches` has the number of
+/// steps of the stream before each batch, and the number of all last.
 fn errors_of_batches(sequence: &SequenceParts, batches: &[usize]) -> (Vec<f32>, Vec<f32>) {
     let (mut errors, mut rms) = (sequence.step_errors.clone(), sequence.step_rms.clone());
     let all = batches.last().copied().unwrap_or_default();

@@ -11,7 +11,8 @@ use crate::partial_mesh::star::LARGE_STAR;
 use crate::source::first_appearance::FirstAppearance;
 use lodc_mesh::{Csr, NONE};
 
-/// Vertices of the same target that are tried, from the latest on.
+/// Vertices of the same target that are tried as parents, from the latest on. The latest nearly
+/// always has a small star; chosen by hand.
 const TRIES: usize = 8;
 
 /// The stars that are too large to be walked around.
@@ -19,14 +20,19 @@ const TRIES: usize = 8;
 pub(crate) struct StarRule {
     /// Stars of more triangles are large.
     pub(crate) large: u32,
-    /// A large star is named if it is more than so many times as large as what is transferred.
+    /// A large star is named if it is more than this many times as large as what is transferred.
     pub(crate) share: u64,
-    /// Stars are named only if all these have more than so many triangles for each of the mesh.
+    /// Stars are named only if all these have more than this many triangles for each of the mesh.
     pub(crate) worth: u64,
 }
 
 impl StarRule {
-    /// A triangle of a star costs a few nanoseconds, a triangle of the mesh some microseconds.
+    /// A triangle of a star costs a few nanoseconds, a triangle of the mesh some microseconds: a
+    /// mesh whose large stars take less than 32 triangles for each of its own is packed in time
+    /// anyway, and bits are smaller than names. By `share`, names cost less than the bits they
+    /// replace: 17 bits or so for each triangle that is transferred, for one bit of each of the
+    /// star. With these no hub of 25 made ones takes more than 1.3 times as long as loose
+    /// triangles.
     pub(crate) const DEFAULT: Self = Self { large: LARGE_STAR, share: 32, worth: 32 };
 }
 

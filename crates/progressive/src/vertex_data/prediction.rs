@@ -13,9 +13,11 @@ use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
 /// out. Fitted on four meshes; half or twice as much cost 0.1 to 0.4 bits.
 const PARENT: f64 = 0.2;
 const CUT: f64 = 0.16;
-/// Share of the mean distance that is added to a distance, so that no weight is infinite.
+/// Share of the mean distance that is added to a distance, so that no weight is infinite. A
+/// contract of the format, like the others; chosen by hand.
 const NEAR: f64 = 0.05;
-/// Share of their trace that is added to the diagonal of a fit's slopes: a ring is mostly flat.
+/// Share of their trace that is added to the diagonal of a fit's slopes: a ring is mostly flat, and
+/// tells nothing about the slope across. Chosen by hand.
 const RIDGE: f64 = 0.02;
 
 /// A predicted index, and the range of the indices around if it says how good the prediction is.
@@ -136,15 +138,15 @@ impl TangentPlane {
     }
 }
 
-/// The values around a vertex of which the position is known.
-pub(crate) struct Around<'a> {
+/// Predicts the values of a vertex from those around it, once its position is known.
+pub(crate) struct ValuePredictor<'a> {
     pub(crate) values: &'a VertexValues,
     pub(crate) neighborhood: &'a Neighborhood<'a>,
     /// The indices of the vertex that are known, those of its position first.
     pub(crate) position: &'a [i32],
 }
 
-impl Around<'_> {
+impl ValuePredictor<'_> {
     fn index(&self, vertex: u32, channel: usize) -> i32 {
         self.values.indices[vertex as usize * self.values.channels() + channel]
     }

@@ -4,17 +4,18 @@ use crate::entropy::adaptive_probability::AdaptiveSymbol;
 use crate::entropy::coder::Coder;
 use crate::entropy::integer_codes::{ResidualCode, bit_length};
 use crate::vertex_data::number_system::NumberSystem;
-use crate::vertex_data::prediction::{Around, Guess, Position, nearest_index};
+use crate::vertex_data::prediction::{Guess, Position, ValuePredictor, nearest_index};
 use crate::vertex_data::vertex_layout::{Prediction, Stream};
 use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
 
-/// Streams with contexts of their own; all further ones share those of stream 0.
+/// Streams with contexts of their own; all further ones share those of stream 0. More than nearly
+/// any mesh has.
 const STREAM_SLOTS: usize = 8;
 /// The slot of positions of which the last channel follows from a plane.
 const PLANE_SLOT: usize = STREAM_SLOTS;
 /// Channels of a stream with contexts of their own; further ones share the last.
 const CHANNEL_SLOTS: usize = 4;
-/// Classes of how well the channel before was predicted.
+/// Classes of how well the channel before was predicted. Six gain nothing over three.
 const ACCURACIES: usize = 3;
 /// The most vertices among whose values a value is looked for: those that a symbol can name.
 const MOST_SOURCES: usize = 15;
@@ -210,7 +211,8 @@ impl VertexCode<'_> {
         };
         if range.is_empty() {
             // Also a source that only a crafted stream names.
-            let around = Around { values, neighborhood: self.neighborhood, position: coded };
+            let around =
+                ValuePredictor { values, neighborhood: self.neighborhood, position: coded };
             let guesses = around.predict(stream);
             self.code_residuals(coder, contexts, [s, slot], &guesses, wanted, coded);
             return;

@@ -10,8 +10,8 @@ pub(crate) struct Cost {
 }
 
 impl Cost {
-    /// Returns whether so many bytes of a stream may cost this much. Real streams take a hundredth
-    /// of it; without a bound a few bytes could ask for any amount of memory and time.
+    /// Returns whether `bytes` of a stream may cost this much. Real streams take a hundredth of it;
+    /// without a bound a few bytes could ask for any amount of memory and time.
     pub(crate) fn is_within_budget(self, bytes: usize) -> bool {
         let bytes = bytes as u64;
         let most = |free: u64, each: u64| free.saturating_add(bytes.saturating_mul(each));

@@ -1,6 +1,6 @@
 //! Triangles of the parent's star that are transferred to the new vertex.
 //!
-//! The new triangles suggest it: each lies between a triangle that the parent keeps and one that is
+//! The new triangles predict it: each lies between a triangle that the parent keeps and one that is
 //! transferred, and triangles that share an edge go the same way.
 //!
 //! ```text
@@ -11,6 +11,9 @@
 //!   known                 trans.  kept          kept  trans.
 //!   spread  trans. trans. trans.  kept   kept   kept  trans.  (backwards only if forwards fails)
 //! ```
+//!
+//! The arrows are triangles, each from its first link vertex to its second; L is the new triangle
+//! to the left of the split edge, R the one to the right.
 
 use crate::entropy::adaptive_probability::AdaptiveBit;
 use crate::entropy::coder::Coder;
@@ -24,7 +27,8 @@ use crate::vertex_split::neighborhood::SplitNeighborhood;
 /// Contexts of the transfer of triangles.
 #[derive(Clone, Debug)]
 pub(crate) struct TransferContexts {
-    /// By what is expected (0 to 3), and by the triangle before: none, kept or transferred.
+    /// By the bits of the expected transfer ([`KEPT`], [`TRANSFERRED`]), and by the triangle
+    /// before: none, kept or transferred.
     pub(crate) transferred: [[AdaptiveBit; 3]; 4],
 }
 
@@ -71,7 +75,7 @@ impl SplitNeighborhood {
                 }
             }
             TransferRule::Implied => {
-                // An encoder has checked it when it chose the rule.
+                // An encoder has filled `expected` in `follows_rule`, when it chose the rule.
                 if !C::ENCODES {
                     expect(&self.star, &self.triangles, &mut self.expected);
                 }
@@ -115,7 +119,7 @@ impl SplitNeighborhood {
     }
 }
 
-/// Finds what the new triangles suggest for each triangle of the parent's star.
+/// Predicts the transfer of each triangle of the parent's star from the new triangles.
 fn expect(star: &[StarFace], triangles: &[NewTriangle], expected: &mut Vec<u8>) {
     expected.clear();
     expected.resize(star.len(), 0);
@@ -140,8 +144,9 @@ fn expect(star: &[StarFace], triangles: &[NewTriangle], expected: &mut Vec<u8>) 
     }
 }
 
-/// Spreads what is known about some triangles of a fan to their unknown neighbours: forwards,
-/// around a closed fan twice, then backwards.
+/// Spreads what is known about some triangles of a fan to their unknown neighbours: forwards, then
+/// backwards. A closed fan is passed twice, as what is known last goes on at its beginning. The
+/// order is a contract of the format: where both directions know something, forwards counts.
 fn spread(fan: &mut [u8], closed: bool) {
     let fill = |e: &mut u8, last: &mut u8| {
         *e = if *e == 0 { *last } else { *e };

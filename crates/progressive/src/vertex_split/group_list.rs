@@ -4,11 +4,13 @@ use crate::entropy::adaptive_probability::AdaptiveBit;
 use crate::entropy::integer_codes::{GammaCode, bit_length};
 use lodc_mesh::NONE;
 
-/// Classes of a group: by the splits of it in this batch (up to 3), and whether it is of the batch.
+/// Classes of a group: by its number of splits in this batch (up to 3), and whether it came with
+/// the batch.
 const CLASSES: usize = 8;
-/// Triangles of its first vertex, up to one fewer.
+/// Numbers of triangles of a group's first vertex that are told apart: 0 to one fewer, or more.
 const TRIANGLES: usize = 10;
-/// How much more groups than splits are left, as a power of two, up to one fewer.
+/// Ratios of the groups to the splits that are to come, as powers of two, that are told apart: 0 to
+/// one fewer, or more.
 const RATIOS: usize = 8;
 
 /// Contexts of batches.
@@ -44,7 +46,7 @@ pub(crate) struct GroupList {
 }
 
 impl GroupList {
-    /// The list of an object that begins with so many points.
+    /// The list of an object that begins with `points` points.
     pub(super) fn new(points: u32) -> Self {
         let mut next: Vec<u32> = (1..=points).collect();
         if let Some(last) = next.last_mut() {
@@ -61,12 +63,12 @@ impl GroupList {
         }
     }
 
-    /// Makes room for this many vertices more.
+    /// Reserves memory for this many more vertices.
     pub(super) fn reserve(&mut self, vertices: usize) {
         self.next.reserve_exact(vertices);
     }
 
-    /// Begins a batch of so many steps.
+    /// Begins a batch of `steps` steps.
     pub(super) fn begin(&mut self, steps: u32) {
         self.first_new = self.next.len() as u32;
         (self.group, self.splits, self.groups_left) = (0, 0, self.groups);
@@ -103,8 +105,8 @@ impl GroupList {
         self.next.get(self.group as usize).copied().filter(|&next| next != NONE)
     }
 
-    /// Returns the context of whether the group at hand, of which the first vertex has so many
-    /// triangles, is split.
+    /// Returns the context of whether the group at hand is split, given the number of triangles of
+    /// its first vertex.
     #[inline]
     pub(super) fn context<'c>(
         &self,

@@ -2,8 +2,8 @@
 //! numbers.
 //!
 //! A hub that hands over a few triangles at each of thousands of splits would be walked around each
-//! time if every triangle of its star had a bit. What is named stands for the star: the new
-//! triangles are coded in its link, and nothing of it is kept.
+//! time if every triangle of its star had a bit. So the triangles that are named take the place of
+//! the star: new triangles are coded in their link, and all of them are transferred.
 //!
 //! ```text
 //!     \   |   /                        named: t, u

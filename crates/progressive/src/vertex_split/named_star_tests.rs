@@ -142,7 +142,7 @@ fn hexagon() -> (PartialMesh, SplitNeighborhood) {
     (mesh, split)
 }
 
-/// Decodes a star of so many triangles that are named like this: their numbers, or the fault.
+/// Decodes a star of `size` triangles, named by `faces`: their numbers, or the fault.
 fn named(size: u32, faces: &[u32]) -> Result<Vec<u32>, &'static str> {
     let (mut coder, mut contexts) = (Encoder::default(), NamedStarContexts::NEW);
     coder.bit(&mut contexts.is_named, true);

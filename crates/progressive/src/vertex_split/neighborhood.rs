@@ -59,7 +59,7 @@ impl SplitNeighborhood {
         }
     }
 
-    /// Takes the star that stands there, which is named, and collects its link.
+    /// Makes `self.star`, which has been named, the star, and collects its link.
     pub(crate) fn take_named_star(&mut self) {
         (self.is_named, self.closed) = (true, is_closed_fan(&self.star));
         if !self.closed {

@@ -10,11 +10,13 @@ use crate::source::split_source::{SourceTriangle, SplitSource};
 use crate::vertex_split::corner_transfer::TransferRule;
 use crate::vertex_split::neighborhood::{Apex, SplitNeighborhood};
 
-/// Links of up to so many vertices have contexts of their own; in longer ones places are uniform.
+/// Links of up to this many vertices, which a symbol can name, have contexts of their own; in
+/// longer ones, of hubs, places are uniform.
 const MAX_LINK_CONTEXTS: usize = 16;
 /// The symbol of a number of triangles that does not fit a symbol.
 const COUNT_ESCAPE: u32 = 15;
-/// The most triangles that a split may add.
+/// The most triangles that a split may add: a limit of the format (docs/STREAM.md), against streams
+/// that ask for memory by one number.
 const MAX_TRIANGLES: usize = 1 << 20;
 
 /// The common forms of a split, in one symbol.

@@ -25,8 +25,9 @@ use lodc_mesh::NONE;
 /// The symbol of a parent that is not near along the circle of wedges.
 const FAR_WEDGE: u32 = 8;
 
-/// Memory is reserved for all of an object when this share of it is there: what has come then pays
-/// for it, as what comes before may take twice its size.
+/// Memory is reserved for all of an object when one in this many of its vertices, or triangles, is
+/// there: a header alone may announce anything, but bytes that have come for a quarter bound what
+/// can be asked for to four times of what they are worth.
 const RESERVED_FROM: u32 = 4;
 
 /// Limits of a step.
@@ -158,9 +159,8 @@ impl ObjectCodec {
         }
     }
 
-    /// Makes room for all vertices and triangles once a part of them is there, so that growing does
-    /// not end in twice as much memory as they take. Before that rooms double: a header can
-    /// announce anything.
+    /// Reserves memory for all vertices and triangles once a part of them is there (see
+    /// [`RESERVED_FROM`]), so that growing does not end in twice as much as they take.
     fn reserve(&mut self, limits: StepLimits) {
         let vertices = self.mesh.vertex_count();
         if vertices >= limits.vertices / RESERVED_FROM

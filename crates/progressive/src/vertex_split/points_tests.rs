@@ -55,7 +55,7 @@ fn points_come_when_a_split_or_a_triangle_needs_them_and_the_others_last() {
     assert_eq!(decoder.mesh_parts().positions, simplified.mesh().positions());
 }
 
-/// Decodes a block that announces so many points of an object with so many vertices.
+/// Decodes a block that announces `points` points of an object with `vertices` vertices.
 fn announced(points: u32, vertices: u32) -> &'static str {
     let (mut coder, mut contexts) = (Encoder::default(), Contexts::new());
     contexts.points.count.code(&mut coder, points - 1);

@@ -5,7 +5,7 @@ use lodc_formats::{Glide, GlidePart, ShippedLevels};
 use lodc_mesh::position_key;
 use std::collections::BTreeMap;
 
-/// Positions that rounding cannot tell apart, of which so many are compared.
+/// Most positions that are compared of those that rounding cannot tell apart.
 const ALIKE: usize = 64;
 
 /// Checks that each level that moves becomes the next one: every triangle that then has an area is
@@ -56,7 +56,7 @@ fn different(from: &GlidePart, to: &GlidePart) -> Option<String> {
     if from.width != to.width && !from.triangles.is_empty() && !to.triangles.is_empty() {
         return Some("moves other values than the next level has".to_owned());
     }
-    let places = Places::of(to, width);
+    let places = CornerPositions::of(to, width);
     let mut arrived: Vec<Corners> = Vec::new();
     for t in &from.triangles {
         let goals = t.map(|v| places.find(row(&from.values, v, width), row(&from.moved, v, width)));
@@ -145,7 +145,7 @@ fn is_flat(part: &GlidePart, t: [u32; 3], width: usize) -> bool {
 }
 
 /// The positions of a level's corners.
-struct Places {
+struct CornerPositions {
     /// The number of a position, by its bits.
     numbers: BTreeMap<[u32; 3], u32>,
     /// The positions by number.
@@ -155,7 +155,7 @@ struct Places {
     on_axis: [Vec<u32>; 3],
 }
 
-impl Places {
+impl CornerPositions {
     fn of(part: &GlidePart, width: usize) -> Self {
         let vertices = part.values.len() / width;
         let (mut numbers, mut places) = (BTreeMap::new(), Vec::new());

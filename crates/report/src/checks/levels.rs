@@ -11,10 +11,10 @@ use lodc_measure::{Original, Sampling, Surface};
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
 use lodc_scene::{Arrangement, Motion, Placement, posed, representative};
 
-/// Measured distances may be so much larger than what a level states.
+/// Measured distances may be this many times what a level states.
 const TOLERANCE: f64 = 1.05;
 
-/// What a level states may be so many times the largest distance that it can have.
+/// What a level states may be this many times the largest distance that it can have.
 const OVERSTATED: f64 = 1.5;
 
 /// Fewer samples than by default: where they are farthest triangles are searched.
@@ -160,7 +160,7 @@ impl<'a> Measure<'a> {
         Ok((stated > allowed(bound)).then(what))
     }
 
-    /// Half the diagonal of a cell of the coarsest grid that a level's vertices stand on: what is
+    /// Half the diagonal of a cell of the coarsest grid that a level's vertices are on: what is
     /// stated allows for it.
     fn rounding(&self, level: &Scene, shown: &Arrangement) -> f64 {
         if !level.quantized || self.source.quantized {
@@ -212,7 +212,7 @@ impl<'a> Measure<'a> {
     }
 }
 
-/// The placement of a level that stands where one of the source does. Their nodes come in the same
+/// The placement of a level that is where one of the source is. Their nodes come in the same
 /// order: an object on a grid has been moved to a child of its node.
 fn same_place<'a>(
     at: &Placement,

@@ -2,7 +2,7 @@
 
 use crate::SCHEMA_VERSION;
 use crate::text::{count, distance};
-use lodc_measure::{Distances, ImageError, Looks, Numbers, Viewing, Worse};
+use lodc_measure::{Distances, ImageError, Numbers, ShadingOptions, Viewing, Worse};
 use serde::Serialize;
 
 /// `compare --json` of two files. Lengths are in A's unit.
@@ -119,7 +119,7 @@ pub struct ImageReport {
 impl ImageReport {
     /// The difference of pictures that were taken so.
     #[must_use]
-    pub fn new(viewing: Viewing, looks: Looks, error: ImageError) -> Self {
+    pub fn new(viewing: Viewing, looks: ShadingOptions, error: ImageError) -> Self {
         Self {
             views: viewing.views,
             size: viewing.size,
@@ -159,7 +159,7 @@ pub struct MostAllowed {
 }
 
 impl Comparison {
-    /// Distances of two meshes of so many triangles, of which no limit is exceeded yet.
+    /// Distances of two meshes, given their numbers of triangles, with no limit exceeded yet.
     #[must_use]
     pub fn new([a, b]: [usize; 2], space: Distances, image: Option<ImageReport>) -> Self {
         Self {

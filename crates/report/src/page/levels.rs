@@ -1,10 +1,10 @@
 //! The levels that a report shows: counts, distances, and pictures from four sides.
 
-use crate::gone::{Gone, Roll};
+use crate::gone::{MissingPart, Roll};
 use lodc::{Error, LodObject, SceneLevels, level_mesh};
 use lodc_formats::images::png;
 use lodc_measure::{
-    ImageError, Looks, Picture, Portrait, SceneSurface, TriangleTree, Viewing, heat,
+    ImageError, Picture, Portrait, SceneSurface, ShadingOptions, TriangleTree, Viewing, heat,
 };
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
@@ -42,7 +42,7 @@ pub struct Level {
     /// The distance of the reddest colour: the error, in the units of the scene.
     pub hottest: f64,
     /// What it no longer shows.
-    pub gone: Vec<Gone>,
+    pub gone: Vec<MissingPart>,
 }
 
 /// The input and its levels, the finest first, each once.
@@ -59,7 +59,7 @@ pub fn levels(
     let whole: Vec<&Mesh> = objects.iter().map(|o| o.simplified.mesh()).collect();
     let all: usize = whole.iter().map(|m| m.triangles().len()).sum();
     let input = SceneSurface::new(&whole, arrangement, appearance);
-    let looks = Looks { checkerboard: false, ..input.common_looks(&input) };
+    let looks = ShadingOptions { checkerboard: false, ..input.common_looks(&input) };
     let portrait = Portrait::new(&input.surface, VIEWING, looks);
     let tree = input.surface.tree();
     let rounding = ROUNDING * input.surface.diagonal();

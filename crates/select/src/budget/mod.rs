@@ -86,9 +86,9 @@ impl View {
 /// Limit on a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// At most so many triangles of all instances together.
+    /// The most triangles of all instances together.
     Triangles(u64),
-    /// At most so many pixels of error on every instance.
+    /// The largest error of any instance, in pixels.
     Pixels(f32),
 }
 

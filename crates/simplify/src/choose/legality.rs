@@ -1,5 +1,7 @@
-//! The legality of collapses (algorithmic rules: Dey et al. for the link condition; thresholds
-//! measured).
+//! The legality of collapses: valence, orientation, topology (Dey et al. 1999), texture.
+//!
+//! The thresholds are from the first version, chosen by hand on a few models; they have not been
+//! tuned one by one.
 
 use super::link::{Link, Marks};
 use super::plan::WedgePlan;
@@ -8,16 +10,20 @@ use crate::price::{Attributes, MAX_LEN, OneRing};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
-/// The most neighbours a group may get from a legal collapse.
+/// The most neighbours a group may get from a legal collapse. Without a limit one vertex of a flat
+/// part, where all collapses cost nothing, may swallow all others and leave needles.
 const MAX_VALENCE: usize = 24;
-/// A face's normal may turn by at most this cosine in one collapse (75.5°). With zero, flips add up
-/// over steps.
+/// The least cosine of the angle by which a face's normal may turn in one collapse (75.5°). With
+/// zero no face flips in one step, but turns of nearly 90° in two steps add up to a flip.
 const MIN_TURN: f64 = 0.25;
 /// The same where single precision decides, whose error in that cosine is below 0.005.
 const SURE_TURN: f32 = 0.26;
-/// A face's area must stay above this share of its longest edge squared.
+/// A face's area must stay above this share of its longest edge squared; below, it is a line. The
+/// area itself, in double precision, is off by about 1e-16 of that square.
 const MIN_AREA: f64 = 1e-12;
-/// Price of a collapse that changes the topology, as a multiple of its geometric cost.
+/// Price of a collapse that changes the topology, as a multiple of its geometric cost: four times
+/// the distance, as costs are squared distances. A hole or handle that is that much smaller than
+/// what else could go is noise.
 const TOPOLOGY_PRICE: f64 = 16.0;
 
 /// The rules that may not be broken. Each stage drops one rule; all but the first are the terminal
@@ -96,13 +102,13 @@ impl Rules {
         if self.stage < Stage::Valence && is_overcrowded(mesh, from, to) {
             return None;
         }
-        // Before the link: where much is refused, a few faces say so.
+        // Before the link, which takes longer: where much is refused, a few faces do so.
         if self.stage < Stage::Flips && !keeps_orientation() {
             return None;
         }
         let link = Link::new(mesh, from, to, marks);
         if link.shared_faces == 0 {
-            // A hub's ranking may be older than its star.
+            // No neighbour any more: a hub's choice may be older than its star.
             return None;
         }
         let changes_topology = !link.holds;
@@ -124,8 +130,8 @@ impl Rules {
     }
 }
 
-/// Returns whether `from` has too many faces for `to`, whatever they share: no more than the faces
-/// at `to`.
+/// Returns whether `from` has too many faces for `to` whichever of them die, at most as many as
+/// `to` has. Cheaper than the link, and decides for fans, where that would take quadratic time.
 fn is_overcrowded(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let at_to = mesh.valence(to);
     mesh.valence(from).saturating_sub(at_to) > at_to.max(MAX_VALENCE)

@@ -5,9 +5,10 @@
 use crate::cut::{IS_HUB, OPEN, WorkingMesh};
 use lodc_mesh::NONE;
 
-/// Groups that are compared at a time.
+/// Groups that are compared at a time: two registers of four lanes. Rings have six on average.
 const RING: usize = 8;
-/// Pairs of hubs that are remembered.
+/// Pairs of hubs that are remembered: a mesh with more pairs pays a pass over a star for each
+/// question. Chosen by hand for bipyramids and the like, which have a few.
 const MAX_PAIRS: usize = 64;
 
 /// Marks of groups, used again without being cleared.
@@ -115,10 +116,11 @@ impl Link {
                 in_both += 1;
             }
         };
+        // The second way takes a pass over each neighbour's star, about eight corners each.
         if mesh.valence(to) <= 64 + 8 * star.len() {
             mesh.each_neighbour(to, |g| meet(marks, g));
         } else {
-            // A hub: asking the few neighbours of `from` is shorter than asking its many.
+            // A hub: fewer groups are next to `from` than to it.
             for g in star.iter().flat_map(|&c| others(c)).filter(|&g| g != to) {
                 if marks.marks[g as usize] == near && marks.touches_hub(mesh, g, to) {
                     meet(marks, g);

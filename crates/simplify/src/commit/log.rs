@@ -14,7 +14,7 @@ pub(crate) struct Step {
     pub(crate) error: f32,
     /// End of its records.
     records: u32,
-    /// End of its dead triangles.
+    /// End of its triangles that die.
     removals: u32,
     pub(crate) changes_topology: bool,
 }
@@ -32,7 +32,7 @@ pub(crate) struct CollapseLog {
 }
 
 impl CollapseLog {
-    /// A log with room for all steps of a mesh with so many groups, wedges and faces.
+    /// An empty log with capacity for the whole simplification of a mesh, by its counts.
     pub(crate) fn with_room(groups: usize, wedges: usize, faces: usize) -> Self {
         Self {
             steps: Vec::with_capacity(groups),

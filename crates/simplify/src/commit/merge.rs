@@ -1,25 +1,39 @@
 //! Moving all faces of a group to another: dead faces leave every star, the others change hands.
 //!
-//! A closed fan stays in counter-clockwise order: the moving group's path from the one face beside
-//! the collapsed edge to the other takes the place of the two faces that die. Faces at hubs know
-//! their places there, so that leaving takes constant time whatever the star.
+//! A closed fan stays in counter-clockwise order, so that pricing need never look for the next face
+//! around a group. Of the moving group's ring the two faces at the collapsed edge die; what is left
+//! is one path, and it takes the place of those two faces in the target's ring:
+//!
+//! ```text
+//!   faces by their other two groups, counter-clockwise
+//!   ring of `from`:   (to d) (d a) (a b) (b c) (c to)       the first and the last die;
+//!   ring of `to`:   … (x d) (d from) (from c) (c y) …       they are these two
+//!   joined:         … (x d) (d a) (a b) (b c) (c y) …
+//! ```
+//!
+//! Stars of all groups lie in one arena; a star that outgrows its room there gets a new one. Faces
+//! at hubs know their slots, so that leaving a star takes constant time however large it is.
 
 use crate::cut::{Corner, HUB_VALENCE, IS_HUB, OPEN, Star, WorkingMesh, next, previous};
 
 impl WorkingMesh {
-    /// Moves all of `from`'s faces to `to`. Faces that lose a corner die, and `died` gets their
-    /// triangles.
+    /// Moves all of `from`'s faces to `to`, which leaves `from` with an empty star. Faces that had
+    /// a corner at each die, and `died` gets their triangles.
     pub(crate) fn merge(&mut self, from: u32, to: u32, mut died: impl FnMut(u32)) {
-        let room = std::mem::take(&mut self.stars[from as usize]);
-        let range = room.start as usize..(room.start + room.len) as usize;
+        let vacated = std::mem::take(&mut self.stars[from as usize]);
+        let range = vacated.start as usize..(vacated.start + vacated.len) as usize;
+        // Turned so, a ring's first and last faces are those that die, and the path between them
+        // is in one piece. The order of an open star means nothing: any turn will do.
         let turn = self.arena[range.clone()].iter().position(|c| c.ahead == to).unwrap_or(0);
         self.arena[range.clone()].rotate_left(turn);
         let spliced = self.flags[from as usize] & OPEN == 0 && self.flags[to as usize] & OPEN == 0;
-        // In a closed fan the next corner leads to the group behind: no face has to be looked at.
+        // In a ring the group behind a corner is the one ahead of the next, which is here already.
+        // Reading it from the face would be a cache miss for most of them.
         let closed = !self.has(from, OPEN);
         let first = self.arena[range.clone()].first().map_or(to, |c| c.ahead);
         let (mut kept, end) = (range.start, range.end);
-        // Where the path of the moving group belongs in the star of `to`.
+        // The slot in the ring of `to` where the path belongs: that of the dead faces, which are
+        // next to each other there.
         let mut gap = self.valence(to);
         for i in range {
             let corner = self.arena[i];
@@ -34,6 +48,7 @@ impl WorkingMesh {
                 self.update_facet(face);
                 self.set_ahead(behind, face, to);
                 if self.has(to, IS_HUB) && (self.has(ahead, IS_HUB) || self.has(behind, IS_HUB)) {
+                    // Two hubs may have come to share a face: see `link::Marks`.
                     self.hub_epoch += 1;
                 }
                 self.arena[kept] = corner;
@@ -50,14 +65,16 @@ impl WorkingMesh {
                 gap = if slot < gap { slot } else { gap.min(self.valence(to)) };
             }
         }
-        self.join(room, kept - room.start as usize, to, if spliced { Some(gap) } else { None });
+        let gap = spliced.then_some(gap);
+        self.join(vacated, kept - vacated.start as usize, to, gap);
     }
 
-    /// Puts the first `moved` corners of `from`'s room into the star of `to`: into a gap, or at its
-    /// end. The star takes `from`'s room, its own, or new room.
-    fn join(&mut self, from: Star, moved: usize, to: u32, gap: Option<usize>) {
+    /// Puts the first `moved` corners of the vacated star into the star of `to`: at the slot `gap`,
+    /// or at its end. The joined star stays where it is if it fits, else takes the vacated room if
+    /// it fits there, else goes to the end of the arena.
+    fn join(&mut self, vacated: Star, moved: usize, to: u32, gap: Option<usize>) {
         let star = self.stars[to as usize];
-        let (path, old) = (from.start as usize, star.start as usize);
+        let (path, old) = (vacated.start as usize, star.start as usize);
         let (kept, len) = (star.len as usize, star.len as usize + moved);
         let gap = gap.unwrap_or(kept).min(kept);
         if len <= star.capacity as usize {
@@ -70,13 +87,17 @@ impl WorkingMesh {
             joined.extend_from_slice(&self.arena[old..old + gap]);
             joined.extend_from_slice(&self.arena[path..path + moved]);
             joined.extend_from_slice(&self.arena[old + gap..old + kept]);
-            let (start, capacity) = if len <= from.capacity as usize {
-                (path, from.capacity)
+            let (start, capacity) = if len <= vacated.capacity as usize {
+                (path, vacated.capacity)
             } else {
                 let start = self.arena.len();
+                // Half as much again: a star that grows with each of many collapses is copied a
+                // logarithmic number of times.
                 let capacity = len + len / 2;
                 if start + capacity > self.arena.capacity() {
-                    // By little: all regions are there at once.
+                    // By an eighth, where a vector would double: all regions of a mesh are in
+                    // memory at once, and so is what each has to spare. The share is chosen by
+                    // hand.
                     self.arena.reserve_exact(capacity + start / 8);
                 }
                 self.arena.resize(start + capacity, Corner::new(0, 0, 0));
@@ -102,7 +123,9 @@ impl WorkingMesh {
         }
         let start = self.stars[group as usize].start as usize;
         if let Some(&eight) = self.arena[start..].first_chunk::<8>() {
-            // No guess where the search ends. What lies behind a star's end is found after it.
+            // Nearly all stars have at most eight corners. All eight are compared without a branch,
+            // since a processor cannot predict at which of them a loop would stop. Slots beyond
+            // the star's end belong to others, and a match there counts for nothing.
             let found = (0..8).fold(0, |found, i| found | u32::from(eight[i].face() == face) << i);
             let slot = found.trailing_zeros() as usize;
             if slot < self.valence(group).min(8) {
@@ -112,11 +135,11 @@ impl WorkingMesh {
         self.star(group).iter().position(|c| c.face() == face)
     }
 
-    /// Names the group now ahead of `group` in a face. In `group`'s star, the moving one was.
+    /// Replaces the group ahead of `group` in a face, in the star of `group`.
     #[inline]
     fn set_ahead(&mut self, group: u32, face: u32, ahead: u32) {
         if self.has(group, OPEN) {
-            // Nobody reads it there.
+            // `ahead` is read in closed fans only.
             return;
         }
         if let Some(slot) = self.slot_of(group, face, 0) {
@@ -124,7 +147,7 @@ impl WorkingMesh {
         }
     }
 
-    /// Takes a face out of the star of the group at its corner `at`. Returns where it stood.
+    /// Takes a face out of the star of the group at its corner `at`. Returns the slot it had.
     #[inline]
     fn leave(&mut self, group: u32, face: u32, at: usize) -> Option<usize> {
         let slot = self.slot_of(group, face, at)?;
@@ -136,8 +159,9 @@ impl WorkingMesh {
             self.arena[start + slot] = corner;
             self.hub_slots[corner.face() as usize][corner.at()] = slot as u32;
         } else {
+            // In order, as a closed fan has to stay; a hub has no order, so its last corner may
+            // fill the slot.
             self.arena.copy_within(start + slot + 1..start + last + 1, start + slot);
-            // A closed fan: the slot behind now follows the slot before.
         }
         Some(slot)
     }

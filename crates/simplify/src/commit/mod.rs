@@ -35,6 +35,8 @@ impl Touched {
     fn start(&mut self) {
         self.groups.clear();
         self.united.clear();
+        // Two values a commit, so that marks need not be cleared: `epoch` is touched, `epoch + 1`
+        // merely marked.
         self.epoch = self.epoch.checked_add(2).unwrap_or_else(|| {
             self.marks.fill(0);
             2
@@ -93,6 +95,8 @@ impl<M: Reprice> Commit<'_, M> {
         let Self { region, touched, .. } = &mut self;
         region.mesh.each_neighbour(from, |g| touched.add(g));
         touched.groups.iter().for_each(|&g| region.prefetch(g));
+        // Then edges that were smooth may be seams now, which prices of all touched groups depend
+        // on.
         let seam_moves = plan.ambiguous || plan.fakes > 0;
         self.move_wedges(from, to, plan);
 
@@ -165,7 +169,7 @@ impl<M: Reprice> Commit<'_, M> {
             log.record(from, to);
             return;
         }
-        // Fakes come last: they take their place from the true edge's target.
+        // Fakes come last: their position is that of the true edge's target, which has to be known.
         for p in plan.wedges.iter().filter(|p| p.target != NONE) {
             log.record(p.wedge, p.target);
         }
@@ -175,7 +179,8 @@ impl<M: Reprice> Commit<'_, M> {
             if plan.wedges[i].target != NONE {
                 continue;
             }
-            // Two wedges that look alike share one fake.
+            // Wedges with the same attributes share a fake. A position with more than 64 wedges
+            // (chosen by hand; real meshes have a handful) may get some it could have shared.
             let mut earlier = plan.wedges[..i].iter().filter(|p| p.fake).take(64);
             let target = match earlier.find(|p| wedges.alike(input, p.wedge, wedge)) {
                 Some(p) => p.target,

@@ -120,7 +120,9 @@ pub(crate) const IS_HUB: u8 = 64;
 /// The group has moved onto another.
 pub(crate) const DEAD: u8 = 128;
 
-/// Stars with more faces than this are hubs.
+/// Stars with more faces than this are hubs. Below, leaving a star is a scan of at most eight cache
+/// lines; above, one collapse after another at a large fan would take quadratic time. Chosen by
+/// hand: scans have no such stars, CAD and terrain around a pole do.
 pub(crate) const HUB_VALENCE: usize = 64;
 
 /// Groups, faces and stars of one region.
@@ -132,7 +134,7 @@ pub(crate) struct WorkingMesh {
     /// The wedge at each corner of each face; empty where every group has one wedge, with the
     /// group's number.
     pub(super) wedges: Vec<[u32; 3]>,
-    /// Each group's position, as a number shared by the groups there; empty if no two share one.
+    /// Each group's position, as a number that groups there share; empty if no two share one.
     pub(super) position_id: Vec<u32>,
     /// The facet of each face, if they are kept instead of computed.
     facets: Vec<Facet>,
@@ -142,13 +144,13 @@ pub(crate) struct WorkingMesh {
     pub(crate) hub_slots: Vec<[u32; 3]>,
     /// Rises whenever two hubs may have come to share a face.
     pub(crate) hub_epoch: u32,
-    /// Room for a star that is being put together.
+    /// A buffer for a star that is being put together.
     pub(crate) joined: Vec<Corner>,
     pub(crate) live_faces: u32,
 }
 
 impl WorkingMesh {
-    /// Takes everything out. Lists keep their room.
+    /// Empties all lists, which keep their capacity.
     pub(super) fn clear(&mut self) {
         self.places.clear();
         self.flags.clear();
@@ -265,7 +267,7 @@ impl WorkingMesh {
         others.filter(move |&g| g != to && position(g) == position(to))
     }
 
-    /// Asks memory for the corners of a group.
+    /// Prefetches the corners of a group.
     #[inline]
     pub(super) fn prefetch_star(&self, group: u32) {
         let star = self.stars[group as usize];
@@ -273,7 +275,7 @@ impl WorkingMesh {
         prefetch_index(&self.arena, (star.start + star.len.saturating_sub(1)) as usize);
     }
 
-    /// Asks memory for what says where the corners of a group's neighbours are, and for its faces.
+    /// Prefetches the faces of a group, and the places in the arena of its neighbours' stars.
     #[inline]
     pub(crate) fn prefetch_neighbours(&self, group: u32) {
         for corner in self.star(group) {
@@ -282,7 +284,7 @@ impl WorkingMesh {
         }
     }
 
-    /// Asks memory for the faces at a group.
+    /// Prefetches the faces at a group.
     #[inline]
     pub(super) fn prefetch_faces(&self, group: u32) {
         for corner in self.star(group) {

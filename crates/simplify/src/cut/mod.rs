@@ -2,9 +2,9 @@
 //!
 //! What comes in is [`Input`](crate::number::Input), or, between two rounds, the regions of the
 //! round before; what goes out is [`Region`]s. A region is a small mesh with numbers of its own and
-//! everything that collapsing its groups needs, so that one thread works in its own cache and asks
-//! no other. Groups of other regions that share faces with it come along as position and cost only;
-//! those next to them are locked. The mesh alone decides where it is cut, never the number of
+//! everything that collapsing its groups needs, so that one thread works in its own cache and waits
+//! for no other. Groups of other regions that share faces with it come along as position and cost
+//! only; those next to them are locked. The mesh alone decides where it is cut, never the number of
 //! threads.
 
 mod gather;
@@ -15,7 +15,7 @@ mod region;
 mod table;
 mod wedges;
 
-pub(crate) use gather::{Home, Kept, Round};
+pub(crate) use gather::{Home, RegionLists, Round};
 pub(crate) use mesh::{
     Corner, DEAD, Facet, HUB_VALENCE, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, STALE, Star,
     WorkingMesh, next, previous,

@@ -6,14 +6,19 @@ use super::wedges::Wedges;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// Weight of the plane along a border edge, times its squared length.
+/// Weight of the plane along a border edge, times its squared length. Of 1 to 1,000, ten is best on
+/// the bunny at 1 %: 1,000 spends the triangles on its holes (0.2553 of error for 0.2236).
 const BORDER_WEIGHT: f64 = 10.0;
-/// Weight of the planes along an edge between two submeshes, times its squared length.
+/// Weight of the planes along an edge between two submeshes, times its squared length. As for a
+/// border, which each of them has there; not tuned by itself.
 const MATERIAL_WEIGHT: f64 = 10.0;
-/// Weight of the planes along an edge where attributes differ, times its squared length.
+/// Weight of the planes along an edge where attributes differ, times its squared length. One, so
+/// that an edge counts like a square face on it: a seam within a surface moves no outline. Not
+/// tuned.
 const SEAM_WEIGHT: f64 = 1.0;
-
 /// Weight of the plane along an edge whose faces fold back on each other, times its squared length.
+/// With it the cow at 5 % has 0.373 of error for 0.463 (ears and horns), and scans what they had;
+/// the weight itself was not tuned.
 const FOLD_WEIGHT: f64 = 1.0;
 
 /// An edge from the group to another.

@@ -2,7 +2,7 @@
 //! cancels).
 //!
 //! A quadric belongs to a point and is stored relative to it: `Q(δ) = δᵀAδ + 2b·δ + c` is the
-//! weighted sum of squared distances of the point moved by `δ` to the planes it stands for. A new
+//! weighted sum of squared distances of the point moved by `δ` to its planes. A new
 //! quadric has planes through its own point only, so `b` and `c` start as zero and there is no
 //! large number to subtract from another.
 
@@ -103,7 +103,7 @@ impl Quadrics {
         Self { surface, ..Self::default() }
     }
 
-    /// Takes all quadrics out. Lists keep their room.
+    /// Empties all lists, which keep their capacity.
     pub(super) fn clear(&mut self) {
         self.surface.clear();
         self.border.clear();

@@ -44,7 +44,8 @@ pub(crate) struct Region {
     pub(crate) groups: Vec<u32>,
 }
 
-/// Spare room in each star.
+/// Spare corners of each star in the arena: a collapse makes the target's star two larger on
+/// average where both have six faces.
 pub(super) const SLACK: u32 = 2;
 
 impl Region {
@@ -118,7 +119,7 @@ impl Region {
         Self::new(input, 0..input.groups() as u32, triangles, bare)
     }
 
-    /// Takes everything out. Lists keep their room.
+    /// Empties all lists, which keep their capacity.
     pub(super) fn clear(&mut self) {
         self.mesh.clear();
         self.wedges.clear();
@@ -133,8 +134,7 @@ impl Region {
         self.choices.len()
     }
 
-    /// Asks memory for the quadric and the corners of a group, so that they are there when it is
-    /// priced.
+    /// Prefetches the quadric and the corners of a group that is about to be priced.
     #[inline]
     pub(crate) fn prefetch(&self, group: u32) {
         self.mesh.prefetch_star(group);
@@ -191,7 +191,8 @@ impl Region {
             s.capacity += SLACK;
             start += s.capacity;
         }
-        // With room for stars that grow.
+        // Half as much again for stars that outgrow their room. Chosen by hand; an arena that is
+        // full grows by an eighth (`commit::merge`).
         mesh.arena = Vec::with_capacity(start as usize + start as usize / 2);
         mesh.arena.resize(start as usize, Corner::new(0, 0, 0));
         for (f, face) in (0..).zip(&mesh.faces) {

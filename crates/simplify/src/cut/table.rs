@@ -11,7 +11,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// A table with room for about so many entries.
+    /// A table for about that many entries without growing.
     pub(super) fn new(entries: usize) -> Self {
         let slots = (2 * entries.max(8)).next_power_of_two();
         Self { keys: vec![NONE; slots], values: vec![0; slots], len: 0 }

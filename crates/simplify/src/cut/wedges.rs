@@ -26,7 +26,7 @@ pub(crate) struct Wedges {
 }
 
 impl Wedges {
-    /// Takes all wedges out. Lists keep their room.
+    /// Empties all lists, which keep their capacity.
     pub(super) fn clear(&mut self) {
         let Self { ids, position_source, attribute_source, submesh, class, first, next, .. } = self;
         for list in [ids, position_source, attribute_source, submesh, class, first, next] {
@@ -108,7 +108,8 @@ impl Wedges {
         self.position_source.push(self.position_source[place as usize]);
         self.attribute_source.push(self.attribute_source[attributes as usize]);
         self.submesh.push(self.submesh[attributes as usize]);
-        // Numbers of classes are those of wedges in the whole mesh: these are far from them.
+        // A class of its own until `number_fakes`: counted down from the greatest number, where no
+        // wedge of the whole mesh has one.
         self.class.push(NONE - w);
         self.next.push(self.first[group as usize]);
         self.first[group as usize] = w;

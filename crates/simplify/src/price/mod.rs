@@ -29,7 +29,9 @@ use one_ring::{COST_SCALE, NoSurcharge};
 use ring_attributes::RingAttributes;
 use seam_ring::SeamRing;
 
-/// Groups with more faces than this are priced without their attributes.
+/// Groups with more faces than this are priced without their attributes: the cost of each candidate
+/// goes over all wedges, and there may be one for each face. Chosen by hand; the poles of spheres
+/// have a few hundred.
 const MAX_ATTRIBUTE_FACES: usize = 1024;
 
 /// The data that all regions read.
@@ -236,8 +238,9 @@ impl<M: Reprice> Pricer<'_, M> {
         }
     }
 
-    /// Returns the kinds of edges that a group with so many borders and seams may move along at the
-    /// present stage, if any.
+    /// Returns the kinds of edges that a group may move along at the present stage, if any, given
+    /// the numbers of borders and seams that end at it. A group on one line of them may follow it;
+    /// where several meet (a corner) it may move along any feature, at a price.
     fn permitted(&self, from: u32, borders: u32, seams: u32) -> Option<Permitted> {
         if self.leaves_features {
             return Some(Permitted::All);

@@ -8,17 +8,20 @@ use crate::cut::{Choice, Corner, Quadric, WorkingMesh, fold_plane};
 use crate::metric::{MEMORY, TIE_WEIGHT};
 use glam::{BVec4A, Mat4, Vec3, Vec4};
 
-/// Factor of a cost before it becomes a key: everything that a mesh of `f32` can cost fits `f32`
-/// then.
+/// Factor of a cost before it becomes a key of the queue. In working units every mesh is one to two
+/// across, so costs lie between 1 and about 1e-37: [`TIE_WEIGHT`] times area and squared length of
+/// the smallest faces that `f32` can place. Scaled, all of them are normal numbers.
 pub(super) const COST_SCALE: f32 = 1e12;
-/// Rings with more neighbours than this are priced one by one.
+/// Rings with more neighbours than this are priced one by one: three vectors hold twelve rows, of
+/// which one is the first row again.
 pub(crate) const MAX_LEN: usize = 11;
 
 /// The numbers of all lanes.
 const LANES: [Vec4; 3] =
     [Vec4::new(0.0, 1.0, 2.0, 3.0), Vec4::new(4.0, 5.0, 6.0, 7.0), Vec4::new(8.0, 9.0, 10.0, 11.0)];
-/// Twice a face's area by the longest spoke squared, from which on single precision says for sure
-/// how far the face turns.
+/// Twice a face's area by the longest spoke squared, from which on single precision is sure how far
+/// the face turns: its cross product is off by about 1e-6 of that square then, its direction by
+/// 0.001.
 const LEAST_AREA: f32 = 1e-3;
 
 /// One coordinate of up to four neighbours for each vector.
@@ -213,7 +216,9 @@ impl<const N: usize> OneRing<N> {
         })
     }
 
-    /// Adds what moving onto each neighbour costs by the planes of the faces.
+    /// Adds what moving onto each neighbour costs by the planes of the faces. Face by face and all
+    /// neighbours at a time: the other way round each face would have to be read again for each
+    /// vector of neighbours.
     #[inline(always)]
     pub(super) fn add_faces(&self, weights: &LaneArray<N>, sums: &mut LaneArray<N>) {
         for (f, weights) in weights.iter().enumerate() {

@@ -35,7 +35,8 @@ struct Slot {
 
 const NO_LIST: u8 = u8::MAX;
 const NO_SLOT: Slot = Slot { start: 0, len: NO_LIST, capacity: 0 };
-/// The least and the greatest block, as exponents of two.
+/// The least and the greatest block, as exponents of two. A group on a seam, the usual case here,
+/// has two to four candidates; lists longer than 128 are not kept.
 const LEAST: u32 = 2;
 const GREATEST: u32 = 7;
 
@@ -44,14 +45,14 @@ const GREATEST: u32 = 7;
 pub(crate) struct PriceLists {
     slots: Vec<Slot>,
     blocks: Vec<Priced>,
-    /// Blocks of each size that nobody has.
+    /// Free blocks of each size.
     free: [Vec<u32>; (GREATEST - LEAST + 1) as usize],
 }
 
 impl PriceLists {
-    /// No lists, and room for those of so many groups. The default never keeps any.
+    /// Empty lists of a region, given its number of groups. The default keeps no list at all.
     pub(crate) fn new(groups: usize) -> Self {
-        // Room that is not used is never touched.
+        // Four prices each. Memory that is reserved but not written takes no pages.
         let blocks = Vec::with_capacity(groups << LEAST);
         Self { slots: vec![NO_SLOT; groups], blocks, ..Self::default() }
     }
@@ -109,7 +110,7 @@ impl PriceLists {
     }
 }
 
-/// The least size of a block that holds so many.
+/// The size of the least block that holds a list of this length.
 fn size_of(len: usize) -> usize {
     (len.next_power_of_two().trailing_zeros().max(LEAST) - LEAST) as usize
 }

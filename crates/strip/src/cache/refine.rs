@@ -11,10 +11,14 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// Triangles of a chunk: what a thread works on at a time.
+/// Triangles of a chunk, about: what a thread works on at a time, small enough for its cache.
+/// Strips never cross chunks. Not tuned further.
 const CHUNK: usize = 1 << 12;
-/// Indices before a stretch that fill the cache, and indices after it that are counted too.
+/// Indices that are drawn before a stretch so that the cache holds what it would: ten caches' worth
+/// at the default size, since most indices are hits. Not exact for larger caches, which only makes
+/// the search aim a little off.
 const HEAD: usize = 160;
+/// Indices after a stretch whose misses count for it: three caches' worth at the default size.
 const TAIL: usize = 48;
 
 /// The drawing order that is improved: strips as paths.
@@ -33,11 +37,11 @@ pub(crate) struct Goal {
     pub(crate) searches: &'static [Search],
 }
 
-/// A strip that is written down: its first triangle and its indices.
-pub(crate) type Written = (u32, Vec<u32>);
+/// A finished strip: its first triangle and its indices.
+pub(crate) type FinishedStrip = (u32, Vec<u32>);
 
-/// Improves strips and writes them down.
-pub(crate) fn refine(drawing: &Drawing<'_>, goal: &Goal, meter: &Meter<'_>) -> Vec<Written> {
+/// Improves strips and returns them as indices.
+pub(crate) fn refine(drawing: &Drawing<'_>, goal: &Goal, meter: &Meter<'_>) -> Vec<FinishedStrip> {
     let chunks = Chunks::new(drawing);
     let improved = |number: usize| {
         let mut chunk = chunks.chunk(number);
@@ -48,7 +52,8 @@ pub(crate) fn refine(drawing: &Drawing<'_>, goal: &Goal, meter: &Meter<'_>) -> V
         meter.add(chunk.triangles.len());
         chunk.written()
     };
-    let done: Vec<Vec<Written>> = (0..chunks.ranges.len()).into_par_iter().map(improved).collect();
+    let done: Vec<Vec<FinishedStrip>> =
+        (0..chunks.ranges.len()).into_par_iter().map(improved).collect();
     done.into_iter().flatten().collect()
 }
 
@@ -91,7 +96,7 @@ impl<'a> Chunks<'a> {
         indices
     }
 
-    /// At least [`HEAD`] triangles' indices that are drawn before a path, if there are so many.
+    /// The indices of at least [`HEAD`] triangles drawn before a path, as far as there are any.
     fn head(&self, path: usize) -> Vec<u32> {
         let (mut first, mut length) = (path, 0);
         while first > 0 && length < HEAD {
@@ -189,7 +194,7 @@ impl Chunk {
     }
 
     /// The strips with the numbers of the mesh.
-    fn written(&self) -> Vec<Written> {
+    fn written(&self) -> Vec<FinishedStrip> {
         let written = |s: &Strip| {
             let first = self.triangles[decode(s.path[0]).0 as usize];
             (first, s.indices.iter().map(|&v| self.vertices[v as usize]).collect())
@@ -198,7 +203,7 @@ impl Chunk {
     }
 }
 
-/// At least [`HEAD`] indices that are drawn before a stretch, if there are so many.
+/// At least [`HEAD`] indices drawn before a stretch, as far as there are any.
 fn before(done: &[Strip], head: &[u32]) -> Vec<u32> {
     let (mut first, mut length) = (done.len(), 0);
     while first > 0 && length < HEAD {

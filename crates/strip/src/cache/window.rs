@@ -21,14 +21,14 @@ pub(crate) struct Search {
     pub(crate) cold: f64,
 }
 
-/// Of so many changes one turns a strip, all others link two. Cutting a strip, or moving it among
-/// the others, is not worth a proposal: links do both on the way.
-const CHANGES: u64 = 16;
-/// Fetched vertices that a change can be expected to save behind the stretch that it changes. It is
-/// given up where it lies behind by more than the luck of the draw allows: counting on costs a
-/// seventh more time and gains nothing that can be measured.
+/// One proposal in this many turns a strip round, all others link two strips. Proposals that only
+/// cut a strip, or move it among the others, never paid: links do both on the way.
+const TURN_ONE_IN: u64 = 16;
+/// Fetched vertices that a change may still save after the strips that it changes. Where it has
+/// lost more than that and than chance allows, it is refused before the rest is counted: counting
+/// to the end takes a seventh more time and gains nothing that can be measured.
 const REGAINED: f32 = 1.0;
-/// The number of temperatures.
+/// The number of temperatures, which fall linearly.
 const STAGES: usize = 16;
 
 /// The cache at some point: when each vertex was fetched last.
@@ -73,7 +73,7 @@ pub(crate) struct Workspace<'a> {
 }
 
 impl<'a> Workspace<'a> {
-    /// Prepares the search on a surface of so many vertices, for a cache of `size`.
+    /// Prepares the search on a surface with a number of vertices, for a cache of `size`.
     pub(crate) fn new(
         surface: &'a Surface,
         vertices: usize,
@@ -86,13 +86,13 @@ impl<'a> Workspace<'a> {
     }
 }
 
-/// Strips that a change makes, by their numbers.
-struct Made {
+/// The one or two strips that a proposed change adds, by their numbers.
+struct NewStrips {
     strips: [u32; 2],
     count: usize,
 }
 
-impl Made {
+impl NewStrips {
     fn one(strip: u32) -> Self {
         Self { strips: [strip, 0], count: 1 }
     }
@@ -109,16 +109,18 @@ pub(crate) struct Window<'w, 'a> {
     strips: Vec<Strip>,
     unused: Vec<u32>,
     sequence: Vec<u32>,
-    /// Vertices fetched so far, and how many before each strip of the sequence, and before the
-    /// tail, and in all.
+    /// The vertices that drawing the head, the stretch and the tail fetches, in order.
     history: Vec<u32>,
+    /// The length of the history before each strip of the sequence, before the tail, and at its
+    /// end.
     marks: Vec<usize>,
     /// Indices that are drawn after the stretch.
     tail: Vec<u32>,
-    // Kept between changes to save allocations.
+    /// The sequence with a proposed change.
     trial: Vec<u32>,
-    fresh: Vec<u32>,
-    fresh_marks: Vec<usize>,
+    /// What it fetches from the first strip that differs on, behind the cache's contents there.
+    trial_history: Vec<u32>,
+    trial_marks: Vec<usize>,
 }
 
 impl<'w, 'a> Window<'w, 'a> {
@@ -138,8 +140,8 @@ impl<'w, 'a> Window<'w, 'a> {
             marks: Vec::new(),
             tail,
             trial: Vec::new(),
-            fresh: Vec::new(),
-            fresh_marks: Vec::new(),
+            trial_history: Vec::new(),
+            trial_marks: Vec::new(),
         };
         window.shared.fifo.restart(&[]);
         window.shared.fifo.draw(head, &mut window.history);
@@ -178,16 +180,16 @@ impl<'w, 'a> Window<'w, 'a> {
         let bits = self.shared.random.bits();
         let at = below(bits, self.sequence.len());
         self.trial.clone_from(&self.sequence);
-        let made = if bits.is_multiple_of(CHANGES) {
+        let proposed = if bits.is_multiple_of(TURN_ONE_IN) {
             self.propose_turn(at)
         } else {
             self.propose_link(at, bits >> 4 & 0xff)
         };
-        let Some(made) = made else { return };
-        let new = &made.strips[..made.count];
+        let Some(proposed) = proposed else { return };
+        let new = &proposed.strips[..proposed.count];
         if self.improves(temperature) {
             for &s in &self.sequence {
-                // Strips that are gone: their triangles are in the new ones.
+                // Its triangles are in the new ones.
                 if !self.trial.contains(&s) {
                     self.unused.push(s);
                 }
@@ -202,7 +204,7 @@ impl<'w, 'a> Window<'w, 'a> {
             self.unused.extend(new);
         }
     }
-    /// Takes up a strip under a number of its own: `write` appends its path.
+    /// Adds a strip, of which `write` appends the path. Returns its number.
     fn add(&mut self, write: impl FnOnce(&Self, &mut Vec<u32>)) -> u32 {
         let s = self.unused.pop().unwrap_or_else(|| {
             self.strips.push(Strip::default());
@@ -219,20 +221,20 @@ impl<'w, 'a> Window<'w, 'a> {
     fn path(&self, s: u32) -> &[u32] {
         &self.strips[s as usize].path
     }
-    fn propose_turn(&mut self, at: usize) -> Option<Made> {
+    fn propose_turn(&mut self, at: usize) -> Option<NewStrips> {
         let turned = self.sequence[at];
         if self.path(turned).len() == 1 {
             return None;
         }
         let s = self.add(|window, path| window.reverse(window.path(turned), path));
         self.trial[at] = s;
-        Some(Made::one(s))
+        Some(NewStrips::one(s))
     }
     fn reverse(&self, path: &[u32], reversed: &mut Vec<u32>) {
         self.shared.surface.reverse(path, reversed);
     }
     /// Links an end of a strip to a neighbour in another, which is cut there if it goes on.
-    fn propose_link(&mut self, at: usize, bits: u64) -> Option<Made> {
+    fn propose_link(&mut self, at: usize, bits: u64) -> Option<NewStrips> {
         let a = self.sequence[at];
         let from_end = bits & 1 == 0;
         let path = self.path(a);
@@ -279,14 +281,14 @@ impl<'w, 'a> Window<'w, 'a> {
                 push_taken(path, !forward);
             }
         });
-        let mut made = Made::one(joined);
+        let mut new = NewStrips::one(joined);
         if rest.is_empty() {
             let (stay, go) = if bits & 32 == 0 { (at, there) } else { (there, at) };
             self.trial[stay] = joined;
             self.trial.remove(go);
         } else {
             let rest = self.add(|window, path| push_last(path, &window.path(b)[rest]));
-            made = Made::two(joined, rest);
+            new = NewStrips::two(joined, rest);
             self.trial[there] = rest;
             if bits & 32 == 0 {
                 self.trial[at] = joined;
@@ -295,9 +297,14 @@ impl<'w, 'a> Window<'w, 'a> {
                 self.trial.remove(if at < there { at } else { at + 1 });
             }
         }
-        Some(made)
+        Some(new)
     }
-    /// Returns whether the trial sequence is accepted. If so, the history is that of the trial.
+    /// Returns whether the trial sequence is accepted. If so, the history becomes that of the
+    /// trial.
+    ///
+    /// Only what differs is drawn: from the first strip that does, with the cache's contents of
+    /// then, to the first after the last at which the cache holds what it held there before.
+    /// Behind, the old history still holds.
     fn improves(&mut self, temperature: f64) -> bool {
         let (old, new) = (&self.sequence, &self.trial);
         let first = old.iter().zip(new).take_while(|(a, b)| a == b).count();
@@ -315,12 +322,14 @@ impl<'w, 'a> Window<'w, 'a> {
         let size = self.shared.fifo.size as usize;
         let start = self.marks[first];
         self.shared.fifo.restart(&self.history[start.saturating_sub(size)..start]);
-        self.fresh.clear();
-        self.fresh.extend(&self.history[start.saturating_sub(size)..start]);
-        let given = self.fresh.len();
-        self.fresh_marks.clear();
+        self.trial_history.clear();
+        self.trial_history.extend(&self.history[start.saturating_sub(size)..start]);
+        let cached = self.trial_history.len();
+        self.trial_marks.clear();
         let shift = old.len() as isize - new.len() as isize;
+        // The mark in the old history at which both caches are alike.
         let mut joins = None;
+        // Drawn once, so that refusing early and in the end agree.
         let luck = (self.shared.random.bits() >> 32) as f64;
         let refuses = |misses: f32| {
             let delta = f64::from(misses + self.shared.price * indices);
@@ -329,20 +338,21 @@ impl<'w, 'a> Window<'w, 'a> {
         for i in first..=new.len() {
             let was = (i as isize + shift) as usize;
             if i + same >= new.len() {
-                if ends_alike(&self.fresh, &self.history[..self.marks[was]], size) {
+                if ends_alike(&self.trial_history, &self.history[..self.marks[was]], size) {
                     joins = Some(was);
                     break;
                 }
-                let lost = (start + self.fresh.len() - given) as f32 - self.marks[was] as f32;
+                let lost =
+                    (start + self.trial_history.len() - cached) as f32 - self.marks[was] as f32;
                 if refuses(lost - REGAINED) {
                     return false;
                 }
             }
-            self.fresh_marks.push(start + self.fresh.len() - given);
+            self.trial_marks.push(start + self.trial_history.len() - cached);
             let indices = new.get(i).map_or(&self.tail, |&s| &self.strips[s as usize].indices);
-            self.shared.fifo.draw(indices, &mut self.fresh);
+            self.shared.fifo.draw(indices, &mut self.trial_history);
         }
-        let end = start + self.fresh.len() - given;
+        let end = start + self.trial_history.len() - cached;
         let joins = joins.unwrap_or(old.len() + 1);
         let misses = end as f32 - self.marks[joins] as f32;
         if refuses(misses) {
@@ -351,8 +361,8 @@ impl<'w, 'a> Window<'w, 'a> {
         let moved = end as isize - self.marks[joins] as isize;
         let rest = self.marks[joins];
         self.marks[joins..].iter_mut().for_each(|m| *m = (*m as isize + moved) as usize);
-        self.marks.splice(first..joins, self.fresh_marks.iter().copied());
-        self.history.splice(start..rest, self.fresh[given..].iter().copied());
+        self.marks.splice(first..joins, self.trial_marks.iter().copied());
+        self.history.splice(start..rest, self.trial_history[cached..].iter().copied());
         true
     }
 }

@@ -50,8 +50,9 @@ fn schedule(effort: Effort) -> &'static [search::Round] {
     }
 }
 
-/// Measured on three scans: two indices are what a strip costs by itself, three with a restart
-/// index. Starting with three would freeze early, ending with it costs nothing.
+/// Chosen by indices per triangle on three scans (bunny, cow, igea). Two indices are what a strip
+/// costs by itself, three with a restart index. Starting with three would freeze early, ending with
+/// it costs nothing.
 const FAST: &[search::Round] =
     &[search::Round { proposals: 1.5, warm: 0.25, cold: 0.15, strip: 2 }];
 const DEFAULT: &[search::Round] = &[

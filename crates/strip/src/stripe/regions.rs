@@ -12,8 +12,11 @@ use crate::meter::Meter;
 use lodc_mesh::NONE;
 use rayon::prelude::*;
 
-/// A region has about so many triangles: its nodes fit a second-level cache.
+/// Triangles of a region, about: with 13 bytes each they fit a second-level cache. Not tuned
+/// further.
 const REGION: usize = 1 << 13;
+/// Shares of the list of strips at which rounds begin.
+const START_SHARES: usize = 7;
 
 /// Runs all rounds.
 pub(crate) fn improve(cover: &mut Cover, rounds: &[Round], meter: &Meter<'_>) {
@@ -59,18 +62,23 @@ fn gather(cover: &Cover, order: &[u32], place: &[u32], start: usize, end: usize)
 }
 
 /// All triangles, region by region and strip by strip, and where each region ends. Regions grow
-/// over the surface from strip to strip; each round starts at another place and with another size.
+/// over the surface from strip to strip.
+///
+/// Each round starts with another strip and has regions of another size, so that borders of one
+/// round lie inside regions of the next: the six rounds of the most thorough effort differ in the
+/// first strip (both ends of the list, moved on by a seventh of it after every two rounds) and have
+/// four sizes. The shares are chosen by hand; any that differ do.
 fn divide(cover: &Cover, round: usize) -> (Vec<u32>, Vec<usize>) {
     let n = cover.nodes.len();
     let mut order = Vec::with_capacity(n);
     let mut ends = Vec::new();
-    // An end of every strip, in an order that changes with the round.
+    // Both ends of every strip, where a region may begin.
     let mut seeds: Vec<u32> = (0..n as u32).filter(|&t| cover.is_end(t)).collect();
     if round % 2 == 1 {
         seeds.reverse();
     }
-    let turn = seeds.len() / 7 * (round / 2 % 7);
-    seeds.rotate_left(turn);
+    let first = seeds.len() / START_SHARES * (round / 2 % START_SHARES);
+    seeds.rotate_left(first);
     let mut taken = vec![false; n];
     let mut path = Vec::new();
     let mut start = 0;
@@ -84,7 +92,8 @@ fn divide(cover: &Cover, round: usize) -> (Vec<u32>, Vec<usize>) {
             if order.len() - start >= REGION - REGION / 8 * (round % 4) {
                 ends.push(order.len());
                 start = order.len();
-                // The next region begins where this one stopped.
+                // The next region begins with the strip at hand. What waited was next to this
+                // region, on all sides of it, and would give the next one several parts.
                 waiting.clear();
             }
             cover.path(end_of(cover, t), &mut path);

@@ -20,19 +20,19 @@ pub(crate) struct Round {
     pub(crate) strip: i32,
 }
 
-/// A strip longer than this is not followed to see whether it would close: that change is not made.
+/// A strip longer than this is not followed to see whether a link would close it to a ring; the
+/// link is not made. Half a region: strips of scans are shorter (bunny: up to 604 vertices).
 const LONGEST_WALK: usize = 4096;
-
-/// The number of temperatures of a round.
+/// The number of temperatures of a round, which fall linearly. Chosen by hand.
 const STAGES: usize = 64;
-
-/// Of so many changes…
-const CHANGES: u64 = 16;
-/// … this many divide a strip …
+/// Kinds of proposals are drawn from this many, of which [`DIVIDE`] divide a strip, [`ANYWHERE`]
+/// link two triangles anywhere, and all others link an end of a strip to a neighbour.
+const KINDS: u64 = 16;
+/// Dividing and linking anywhere make ends, which cost a little and then wander from triangle to
+/// triangle until two meet: without them, swaps far from any end would stay for ever. Proposals at
+/// ends are the ones that pay, so they are most. The shares were chosen on three scans.
 const DIVIDE: u64 = 1;
-/// … and this many link two triangles anywhere, the others an end. What the two make is ends, which
-/// cost a little and then wander until they meet others: without that, swaps far from any end would
-/// stay for ever.
+/// See [`DIVIDE`].
 const ANYWHERE: u64 = 4;
 
 /// Triangles with their neighbours among them, as codes, and the links of a cover by paths: bit
@@ -115,8 +115,9 @@ impl Region {
 
 struct Search<'a> {
     region: &'a mut Region,
-    /// Triangles with fewer than two links, in any order, and where each stands.
+    /// Triangles with fewer than two links, in any order.
     ends: Vec<u32>,
+    /// For each triangle its place in `ends`; `NONE` if it is not there.
     place: Vec<u32>,
     random: SplitMix64,
     /// The probability that a change for the worse is accepted, by indices, in units of 2⁻³².
@@ -133,7 +134,7 @@ impl Search<'_> {
     /// The most indices that a change may cost, drawn by random bits.
     fn most(&self, bits: u64) -> i32 {
         let bits = bits & 0xffff_ffff;
-        // Nothing, nearly always.
+        // The usual case, without a search of the list.
         if bits >= self.likely[1] {
             return 0;
         }
@@ -142,7 +143,7 @@ impl Search<'_> {
     fn step(&mut self) {
         let bits = self.random.bits();
         let more = self.random.bits();
-        let kind = (more >> 40) % CHANGES;
+        let kind = (more >> 40) % KINDS;
         let count = self.region.links.len();
         if kind < DIVIDE {
             let t = below(bits, count) as u32;
@@ -216,7 +217,8 @@ impl Search<'_> {
             }
         }
         let around = &around[..n];
-        // The most swaps that may be left: often fewer than none.
+        // The most swaps that may be left. Often that is below zero: then the change need not be
+        // made and counted only to be taken back.
         let most = self.most(bits) + self.region.swaps(around) - delta;
         if most < 0 {
             return;

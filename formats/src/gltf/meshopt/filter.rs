@@ -169,7 +169,7 @@ fn exponential_word(float: u32, power: i32) -> Option<i32> {
     fits.then_some(power << 24 | signed & 0xff_ffff)
 }
 
-/// Bytes of a component of so many bits.
+/// Bytes of a component of `bits` bits.
 const fn size(bits: u8) -> usize {
     if bits <= 8 { 1 } else { 2 }
 }

@@ -114,7 +114,7 @@ impl Decoder<'_> {
     /// A triangle that shares no recent edge. Per corner: 0 a fresh index, 15 a free one, else a
     /// recent one.
     fn corners(&mut self, codes: [usize; 3]) -> Result<[u32; 3], &'static str> {
-        // All corners are looked up before any is remembered, and free ones stand after the codes
+        // All corners are looked up before any is remembered, and free ones come after the codes
         // in the data.
         let mut corners = codes.map(|code| match code {
             0 => self.fresh(),

@@ -147,7 +147,7 @@ pub(crate) enum Content<'a> {
     Attributes { stride: usize, bytes: &'a [u8] },
     /// Elements of floats, which may be multiples of powers of two.
     Floats { stride: usize, bytes: &'a [u8] },
-    /// Unit vectors that may have been rounded to so many bits on an octahedron.
+    /// Unit vectors that may have been rounded to `bits` bits on an octahedron.
     Directions { bits: u8, stride: usize, bytes: &'a [u8] },
     /// Triangle lists of 2 or 4 bytes per index.
     Triangles { size: usize, bytes: &'a [u8] },

@@ -12,19 +12,19 @@ pub(super) enum Coding {
     Exact,
     /// Positions on a grid.
     Positions(Grid<3>),
-    /// Differences of positions, in steps of so much.
+    /// Differences of positions, in steps of this length.
     Offsets(f64),
     /// Texture coordinates on a grid.
     TextureCoordinates(Grid<2>),
     /// Floats that are multiples of a power of two.
     Multiples(f64),
-    /// Numbers from 0 to 1 with so many bits.
+    /// Numbers from 0 to 1 with this number of bits.
     Fractions(u8),
-    /// Numbers from 0 to 1 with so many bits whose sum is 1.
+    /// Numbers from 0 to 1, whose sum is 1, with this number of bits.
     Shares(u8),
-    /// Numbers from −1 to 1 with so many bits.
+    /// Numbers from −1 to 1 with this number of bits.
     Deltas(u8),
-    /// Unit vectors with so many bits on the octahedron, and a fourth number of −1 or 1.
+    /// Unit vectors on the octahedron with this number of bits, and a fourth number of −1 or 1.
     Directions(u8),
 }
 
@@ -74,7 +74,7 @@ impl Coding {
     }
 }
 
-/// The largest integer of the bytes that so many bits need.
+/// The largest integer of the bytes that `bits` bits need.
 fn largest(bits: u8) -> f64 {
     last_number(if bits <= 8 { 8 } else { 16 })
 }

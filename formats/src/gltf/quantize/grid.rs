@@ -33,7 +33,7 @@ impl<const N: usize> Grid<N> {
     }
 }
 
-/// The largest number of so many bits.
+/// The largest number of `bits` bits.
 pub(super) fn last_number(bits: u8) -> f64 {
     f64::from((1u32 << bits) - 1)
 }

@@ -1,4 +1,4 @@
-//! Nodes whose mesh stands on a grid: the mesh moves to a child that scales the grid, so that the
+//! Nodes whose mesh is on a grid: the mesh moves to a child that scales the grid, so that the
 //! node's own transform, its animations and its other children stay as they are.
 
 use super::grid::Grid;
@@ -7,7 +7,7 @@ use crate::gltf::extensions::animation_pointer;
 use crate::gltf::json::{Json, Object};
 use std::collections::BTreeMap;
 
-/// Places all meshes of the document that stand on a grid.
+/// Places all meshes of the document that are on a grid.
 pub(super) fn place(root: &mut Object, blob: &mut [u8], grids: &BTreeMap<usize, Grid<3>>) {
     let skinned: BTreeMap<usize, Grid<3>> = skins::shown(root)
         .filter_map(|(mesh, matrices)| Some((matrices, *grids.get(&mesh)?)))

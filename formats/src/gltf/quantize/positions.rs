@@ -53,7 +53,7 @@ pub(super) fn grids(
     Ok(grids)
 }
 
-/// The longest side of the scene as it stands at rest. What has a skin counts by its size alone.
+/// The longest side of the scene at rest. What has a skin counts by its size alone.
 fn scene_size(
     document: &Document,
     subjects: &[Subject<'_>],
@@ -92,7 +92,7 @@ fn groups(root: &Object, subjects: &[Subject<'_>]) -> Vec<Vec<usize>> {
 
 /// Returns whether everything that shows an object can be given a transform: nodes without
 /// instances, and skins. Positions that are integers stay, and so do those that points or lines of
-/// the same mesh stand beside.
+/// the same mesh are beside.
 fn is_movable(root: &Object, subjects: &[Subject<'_>], object: usize) -> bool {
     let subject = &subjects[object];
     let written = |mesh: usize| subjects.iter().any(|s| s.mesh == mesh);

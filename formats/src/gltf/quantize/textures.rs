@@ -32,7 +32,7 @@ enum Use {
 }
 
 impl TextureGrids {
-    /// Grids of so many bits, for coordinates that nothing but submeshes' triangles and textures
+    /// Grids of `bits` bits, for coordinates that nothing but submeshes' triangles and textures
     /// without rotation and animation use.
     pub(super) fn new(root: &Object, subjects: &[Subject<'_>], bits: u8) -> Self {
         let readers = Readers::new(root, subjects);

@@ -103,7 +103,7 @@ impl BlobLayout {
         Run { buffer, start, end: start, at: self.blob.len() }
     }
 
-    /// Adds the bytes that compressed views stand for.
+    /// Adds the decompressed bytes of compressed views.
     fn add_compressed(&mut self, kept: &[usize], views: &Views<'_>) -> Result<(), FormatError> {
         for (i, &view) in kept.iter().enumerate().filter(|(_, view)| views.is_compressed(**view)) {
             let bytes = views.bytes(view)?;

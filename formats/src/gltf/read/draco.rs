@@ -148,7 +148,7 @@ impl Input<'_> {
         let mut attributes = Vec::new();
         let named = packed.get("attributes").and_then(Json::as_object);
         for (name, id) in named.into_iter().flat_map(|members| members.iter()) {
-            // An attribute that the primitive does not list is nobody's.
+            // An attribute that the primitive does not list is not used.
             let number = self.primitive.get("attributes").and_then(|a| a.get(name));
             let Some(number) = number else { continue };
             let wrong = |what| malformed(format!("{place}.attributes.{name}"), what);
@@ -230,7 +230,7 @@ fn stream<'b>(
     bytes.ok_or_else(|| malformed(place, "lies outside its buffer"))
 }
 
-/// The mesh in a stream, of at most so many bytes.
+/// The mesh in a stream; refused if it takes more than `most` bytes.
 fn decoded(bytes: &[u8], limits: &Limits, most: u64, place: &str) -> Result<Mesh, FormatError> {
     let ceilings = DecodeLimits::default()
         .with_max_points(limits.vertices.min(most / TRIANGLE))

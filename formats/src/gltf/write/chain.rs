@@ -22,7 +22,7 @@ pub struct ChainObject<'a> {
     /// Its description.
     pub info: &'a ObjectInfo,
     /// All vertices of all levels, those that coarse levels use first: within a submesh each level
-    /// uses the first so many.
+    /// uses a number of the first ones.
     pub mesh: &'a Mesh,
     /// Triangles by level and submesh, the finest level first.
     pub levels: Vec<Vec<Vec<[u32; 3]>>>,
@@ -99,12 +99,12 @@ struct Levels<'a> {
     /// Its primitives that are submeshes of the object.
     numbers: Vec<usize>,
     /// For each level the primitives that have triangles there.
-    primitives: Vec<Vec<Own>>,
+    primitives: Vec<Vec<LevelPrimitive>>,
 }
 
 /// What a primitive has of its own at one level.
 #[derive(Clone, Debug)]
-struct Own {
+struct LevelPrimitive {
     /// The primitive.
     number: usize,
     indices: Json,
@@ -154,8 +154,12 @@ impl<'a> Levels<'a> {
             if level == 0 {
                 primitive["indices"] = accessor.clone();
             }
-            let mut own =
-                Own { number, indices: accessor, target: None, attributes: Object::default() };
+            let mut own = LevelPrimitive {
+                number,
+                indices: accessor,
+                target: None,
+                attributes: Object::default(),
+            };
             if let (Some(glide), Some(next)) = (&self.object.glide, next)
                 && let Some(moving) = &glide.moving[level]
             {
@@ -237,7 +241,7 @@ impl<'a> Levels<'a> {
         let mut own = self.primitives[level].iter();
         for (p, primitive) in entry.objects_mut("primitives").enumerate() {
             // A level's mesh has the primitives with triangles in their order; the finest has all.
-            let is_own = |own: &&Own| primitive["indices"] == own.indices;
+            let is_own = |own: &&LevelPrimitive| primitive["indices"] == own.indices;
             let target = match own.clone().next().filter(is_own) {
                 Some(level) => {
                     own.next();

@@ -2,7 +2,7 @@
 
 use crate::gltf::json::{Json, Object};
 use crate::gltf::{uri, views};
-use crate::images::{Place, PlacedTextures};
+use crate::images::{ImagePlace, PlacedTextures};
 use std::collections::BTreeMap;
 
 /// Gives every image its place. Embedded ones get a buffer view each, at a multiple of four bytes
@@ -15,11 +15,11 @@ pub(super) fn put(root: &mut Object, blob: &mut Vec<u8>, textures: &PlacedTextur
         let path = image["uri"].as_str().and_then(uri::path);
         let Some(path) = path else { continue };
         match textures.of(&path) {
-            Some(Place::Beside(relative)) if *relative != path => {
+            Some(ImagePlace::Beside(relative)) if *relative != path => {
                 image["uri"] = uri::of_path(relative).into();
             }
-            None | Some(Place::Beside(_)) => {}
-            Some(Place::Inside { mime, bytes }) => {
+            None | Some(ImagePlace::Beside(_)) => {}
+            Some(ImagePlace::Inside { mime, bytes }) => {
                 let view = *known.entry(path).or_insert_with(|| {
                     added.push(views::put(blob, bytes));
                     first + added.len() - 1

@@ -1,6 +1,6 @@
 //! All levels in one GLB: LOD 0 as any reader of glTF shows it, its collapse sequence in `extras`.
 //!
-//! Vertices of a primitive stand in reverse order of their disappearance, so those of a level are
+//! Vertices of a primitive are in reverse order of their disappearance, so those of a level are
 //! the first ones; triangles that disappear last come first.
 
 use super::writer::Writer;

@@ -357,7 +357,7 @@ pub(super) struct Numbering<'w> {
 }
 
 impl Numbering<'_> {
-    /// Puts the triangles of a submesh into a primitive; false if there are none. Vertices stand in
+    /// Puts the triangles of a submesh into a primitive; false if there are none. Vertices are in
     /// the order in which triangles first use them; those that none uses are left out.
     pub(super) fn primitive(
         &mut self,

@@ -59,8 +59,8 @@ pub(super) fn take_octahedral(
     Ok(Some(Octahedral { bits }))
 }
 
-/// Takes the system of a stream with so many channels of this component off the front: one for
-/// each channel; nothing without any.
+/// Takes the number systems of a stream off the front, one for each of its channels; nothing
+/// without any.
 pub(super) fn take(
     bytes: &mut &[u8],
     channels: usize,

@@ -117,7 +117,7 @@ struct Reader<'a> {
     limits: &'a Limits,
     /// Positions, texture coordinates and normals of the file, if indices are compared with them.
     totals: Option<[u64; 3]>,
-    /// The current face: for each corner the numbers as they stand, 0 for none.
+    /// The current face: for each corner the numbers as written, 0 for none.
     face: Vec<[i64; 3]>,
     chunk: Chunk,
 }
@@ -277,7 +277,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The numbers of a corner as they stand, 0 for none.
+    /// The numbers of a corner as written, 0 for none.
     fn corner(&mut self, token: &[u8]) -> Result<[i64; 3], FormatError> {
         let mut corner = [0; 3];
         let mut parts = token.splitn(3, |&b| b == b'/');

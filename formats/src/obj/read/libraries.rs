@@ -81,7 +81,7 @@ impl Materials {
     }
 }
 
-/// Finds a library: under the name as it stands, with backslashes turned, or else as a list of
+/// Finds a library: under the name as written, with backslashes turned, or else as a list of
 /// names.
 fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError> {
     let turned = library.replace('\\', "/");

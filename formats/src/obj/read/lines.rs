@@ -82,7 +82,7 @@ impl<'a> Lines<'a> {
         (self.at > first).then(|| &self.bytes[first..self.at])
     }
 
-    /// The rest of the current statement as text. A `#` is part of it unless it stands alone
+    /// The rest of the current statement as text. A `#` is part of it unless it is alone
     /// between spaces: names like `Object #2` are common.
     pub(super) fn rest(&mut self) -> String {
         let mut words: Vec<u8> = Vec::new();

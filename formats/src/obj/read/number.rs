@@ -9,7 +9,7 @@ pub(super) fn number(token: &[u8]) -> Option<f32> {
 /// The value of a spelling that is in no standard but in files.
 fn unusual(token: &[u8]) -> Option<f32> {
     let text = std::str::from_utf8(token).ok()?;
-    // A sign that stands before the exponent's letter, `3.1+e2`.
+    // A sign before the exponent's letter, `3.1+e2`.
     if let Some(at) =
         text.find(['e', 'E']).filter(|&at| at >= 2 && matches!(token[at - 1], b'+' | b'-'))
     {

@@ -44,7 +44,7 @@ fn parse_chunks(bytes: &[u8], size: usize, limits: &Limits) -> Result<Parsed, Fo
     joined.finish()
 }
 
-/// What stands before a chunk.
+/// What precedes a chunk.
 #[derive(Clone, Copy, Default)]
 struct Base {
     /// Line ends.

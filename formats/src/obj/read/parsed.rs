@@ -11,7 +11,7 @@ pub(super) struct Parsed {
     pub(super) notes: Notes,
 }
 
-/// Counts of what was not taken as it stands, each with the first line where it happened.
+/// Counts of what was not taken as written, each with the first line where it happened.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     pub(super) lines: Count,

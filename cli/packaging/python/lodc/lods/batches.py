@@ -2,7 +2,7 @@
 
 
 class Groups:
-    """The list. A group is named by its first vertex; None stands behind the last."""
+    """The list. A group is named by its first vertex; None is after the last."""
 
     def __init__(self, points):
         self.next = [*range(1, points), None]

@@ -1,50 +1,54 @@
-"""Values out of a substream: asymmetric numeral systems from its front, plain bits from its back
-(docs/STREAM.md, section 2)."""
+"""Values out of a substream: asymmetric numeral systems from its front, plain bits from its back.
 
+All numbers here are contracts of the format: docs/STREAM.md, section 2, gives them and the reasons.
+"""
+
+# The rate of adaptation after n observations, of 65,536: 1 / (n + 1.6).
 RATES = [655360 // (10 * n + 16) for n in range(161)]
 MIN_STATE = 1 << 16
 
 
 class Bit:
-    """The context of a bit."""
+    """The adaptive probability of a bit: that it is set, of 65,536."""
 
-    __slots__ = ("p", "n")
+    __slots__ = ("count", "probability")
 
     def __init__(self):
-        self.p, self.n = 32768, 0
+        self.probability, self.count = 32768, 0
 
-    def learn(self, is_set):
-        """Moves towards a value that was seen."""
-        rate = RATES[self.n]
+    def update(self, is_set):
+        """Moves the estimate towards an observed value."""
+        rate, p = RATES[self.count], self.probability
         if is_set:
-            self.p = min(self.p + ((65535 - self.p) * rate >> 16), 65511)
+            self.probability = min(p + ((65535 - p) * rate >> 16), 65511)
         else:
-            self.p = max(self.p - (self.p * rate >> 16), 24)
-        if self.n < 160:
-            self.n += 1
+            self.probability = max(p - (p * rate >> 16), 24)
+        if self.count < 160:
+            self.count += 1
 
 
 class Symbol:
-    """The context of a symbol."""
+    """The adaptive frequencies of sixteen symbols: for each the sum of those below it, of 32,768
+    without the four that every symbol has besides."""
 
-    __slots__ = ("m", "n")
+    __slots__ = ("count", "cumulative")
 
     def __init__(self):
-        self.m, self.n = [2044 * i for i in range(16)], 2
+        self.cumulative, self.count = [2044 * i for i in range(16)], 2
 
-    def learn(self, value):
-        """Moves towards a value that was seen."""
-        m, rate = self.m, RATES[self.n]
+    def update(self, value):
+        """Moves the estimates towards an observed value. Shifts of negative numbers round down."""
+        sums, rate = self.cumulative, RATES[self.count]
         for i in range(value + 1):
-            m[i] += -m[i] * rate >> 16
+            sums[i] += -sums[i] * rate >> 16
         for i in range(value + 1, 16):
-            m[i] += (32704 - m[i]) * rate >> 16
-        if self.n < 160:
-            self.n += 1
+            sums[i] += (32704 - sums[i]) * rate >> 16
+        if self.count < 160:
+            self.count += 1
 
 
 class Gamma:
-    """The contexts of a number of any size."""
+    """The contexts of a number of any size: of its length in bits, by quarters, and the rest."""
 
     def __init__(self):
         self.high, self.low = Symbol(), [Symbol() for _ in range(9)]
@@ -61,11 +65,11 @@ class Substream:
             self.state, self.front = int.from_bytes(data[:4], "little"), 4
 
     def is_finished(self):
-        """Whether everything was used, and nothing else."""
+        """Whether exactly all of the data was used."""
         return self.state == MIN_STATE and not self.is_exhausted()
 
     def is_exhausted(self):
-        """Whether more was used than there is."""
+        """Whether more data was used than there is."""
         return self.front + (self.bits + 7) // 8 > len(self.data)
 
     def _advance(self, start, frequency, slot):
@@ -77,29 +81,32 @@ class Substream:
         self.state = state
 
     def bit(self, context):
+        """A bit with an adaptive probability."""
         slot = self.state & 32767
-        half = context.p >> 1
-        is_set = slot < half
+        set_frequency = context.probability >> 1
+        is_set = slot < set_frequency
         if is_set:
-            self._advance(0, half, slot)
+            self._advance(0, set_frequency, slot)
         else:
-            self._advance(half, 32768 - half, slot)
-        context.learn(is_set)
+            self._advance(set_frequency, 32768 - set_frequency, slot)
+        context.update(is_set)
         return is_set
 
     def symbol(self, context):
-        slot, m = self.state & 32767, context.m
+        """A symbol from 0 to 15 with adaptive frequencies."""
+        slot, sums = self.state & 32767, context.cumulative
         value = 15
-        while m[value] + 4 * value > slot:
+        while sums[value] + 4 * value > slot:
             value -= 1
-        start = m[value] + 4 * value
-        end = 32768 if value == 15 else m[value + 1] + 4 * (value + 1)
+        start = sums[value] + 4 * value
+        end = 32768 if value == 15 else sums[value + 1] + 4 * (value + 1)
         self._advance(start, end - start, slot)
-        context.learn(value)
+        context.update(value)
         return value
 
     def raw(self, bits):
-        """Plain bits, the lowest first: from the last byte backwards, of each its lowest first."""
+        """A number of ``bits`` plain bits, the lowest first. Bytes are used from the last one
+        backwards, the bits of each from the lowest."""
         value, data = 0, self.data
         for i in range(bits):
             at = len(data) - 1 - (self.bits >> 3)
@@ -109,17 +116,20 @@ class Substream:
         return value
 
     def uniform(self, n):
+        """A number below ``n``, all as likely: the first ones take a bit less than the others."""
         bits = n.bit_length() - 1
         short = (1 << bits + 1) - n
         value = self.raw(bits)
         return value if value < short else 2 * value + self.raw(1) - short
 
     def gamma(self, context):
+        """A number of any size: its length in bits as two symbols, then all bits but the highest."""
         high = min(self.symbol(context.high), 8)
         length = min(4 * high + self.symbol(context.low[high]) % 4, 32)
         return length if length < 2 else 1 << length - 1 | self.raw(length - 1)
 
     def bounded(self, context, n):
+        """A number below ``n``: how much shorter it is than the longest, then its bits."""
         longest = (n - 1).bit_length()
         saved = self.symbol(context)
         if saved == 15:
@@ -131,7 +141,7 @@ class Substream:
         return half + (self.uniform(n - half) if saved == 0 else self.raw(length - 1))
 
     def residual(self, context, expected):
-        """A signed number of about so many bits, and the bits that it has."""
+        """A signed number whose length in bits is predicted as ``expected``, and its length."""
         symbol = self.symbol(context)
         if symbol == 0:
             return 0, 0

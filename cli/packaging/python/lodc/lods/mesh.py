@@ -42,7 +42,7 @@ LONG = 256
 class LinkedCorners:
     """A long list of corners, linked both ways: any of them leaves or gets a neighbour at once.
 
-    None stands before the first and behind the last.
+    None is before the first and after the last.
     """
 
     def __init__(self, corners):

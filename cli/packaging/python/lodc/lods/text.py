@@ -64,19 +64,19 @@ class Model:
         return near >> 16, far >> 16
 
 
-class _Known:
-    """Codes what is known: contexts learn, and nothing is read."""
+class _Primer:
+    """Updates contexts by known text; nothing is read."""
 
     def bit(self, context, value):
-        context.learn(value)
+        context.update(value)
         return value
 
     def symbol(self, context, value):
-        context.learn(value)
+        context.update(value)
         return value
 
 
-class _Read:
+class _Reader:
     """Reads a substream."""
 
     def __init__(self, substream):
@@ -94,7 +94,7 @@ class TextCodec:
 
     def __init__(self):
         self.model = Model()
-        known = _Known()
+        known = _Primer()
         for byte in TYPICAL:
             self.model.byte(known, byte)
 
@@ -103,7 +103,7 @@ class TextCodec:
         if length > 65536 + 64 * len(data):
             return None
         substream, before = Substream(data), len(self.model.text)
-        read = _Read(substream)
+        read = _Reader(substream)
         for _ in range(length):
             self.model.byte(read)
         return bytes(self.model.text[before:]) if substream.is_finished() else None

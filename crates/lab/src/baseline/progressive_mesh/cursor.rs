@@ -16,7 +16,7 @@ pub struct Cursor {
     touched: Touched,
 }
 
-/// Triangles as they were before a move changed them; empty while nobody listens.
+/// Triangles as they were before a move changed them; empty while changes are ignored.
 #[derive(Clone, Debug, Default)]
 struct Touched {
     /// The move that last changed each triangle.

@@ -6,7 +6,7 @@
 //! from between its neighbours and keeps its own pointers, so that it can be put back. That is
 //! Hoppe's `flclw` and its rotation codes, made to hold for any sequence: a record may have several
 //! fans (borders, seams, edges of more than two triangles), and all records of a step apply
-//! together. The index list that would be drawn is up to date after every step: triangles stand in
+//! together. The index list that would be drawn is up to date after every step: triangles are in
 //! the order of their removal_lod, so the live ones are the first of each submesh.
 
 mod connect;
@@ -33,7 +33,7 @@ impl ProgressiveMesh {
     /// Makes the records by walking down the sequence once: linear but for sorting edges.
     ///
     /// # Errors
-    /// If the triangles of a submesh do not stand in reverse order of their disappearance.
+    /// If the triangles of a submesh are not in reverse order of their disappearance.
     pub fn build(simplified: &Arc<Simplified>) -> Result<Self, BuildError> {
         let records = walk::records(simplified);
         for (submesh, s) in simplified.mesh().submeshes().iter().enumerate() {

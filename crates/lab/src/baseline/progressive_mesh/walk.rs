@@ -25,7 +25,7 @@ pub(super) fn records(simplified: &Simplified) -> Records {
     Walk {
         simplified,
         positions,
-        around: Around::new(mesh),
+        around: CornerLists::new(mesh),
         fan_of: vec![NONE; faces.corners.len()],
         faces,
         records,
@@ -35,13 +35,13 @@ pub(super) fn records(simplified: &Simplified) -> Records {
 
 /// The corners that show each vertex, as lists that are joined in constant time. Dead triangles
 /// leave late.
-struct Around {
+struct CornerLists {
     first: Vec<u32>,
     last: Vec<u32>,
     next: Vec<u32>,
 }
 
-impl Around {
+impl CornerLists {
     fn new(mesh: &Mesh) -> Self {
         let (vertices, corners) = (mesh.vertex_count(), mesh.triangles().as_flattened());
         let mut around = Self {
@@ -81,7 +81,7 @@ struct Walk<'a> {
     simplified: &'a Simplified,
     positions: PositionIds,
     faces: Faces,
-    around: Around,
+    around: CornerLists,
     /// The record whose fans a corner is to be put into.
     fan_of: Vec<u32>,
     records: Records,

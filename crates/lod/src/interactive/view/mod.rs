@@ -44,14 +44,14 @@ pub struct Views<'a> {
 
 /// The content of one view.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
+pub struct ViewContent {
     /// The state of each vertex.
     pub states: Vec<State>,
     /// The records that are drawn.
     pub vertices: Vec<u32>,
 }
 
-impl Shown {
+impl ViewContent {
     /// Returns the first thing that is wrong with what is shown, `indices` being the triangles that
     /// are drawn and `stride` the words of a record.
     #[must_use]
@@ -105,7 +105,7 @@ impl<'a> Views<'a> {
 
     /// Returns the vertices of a view.
     #[must_use]
-    pub fn show(&self, view: &ViewQuery) -> Shown {
+    pub fn show(&self, view: &ViewQuery) -> ViewContent {
         let states = self.selector.states(&self.selector.lods(&view.criterion), view.morph);
         let mut vertices = Vec::with_capacity(self.records.words.len());
         let position = |v: u32| {
@@ -120,6 +120,6 @@ impl<'a> Views<'a> {
                 vertices[first..first + 3].copy_from_slice(&place.map(f32::to_bits));
             }
         }
-        Shown { states, vertices }
+        ViewContent { states, vertices }
     }
 }

@@ -1,4 +1,8 @@
-//! Views as a [`Plan`]: all criteria from seeded eyes, with and without morphing.
+//! Tests of view-dependent levels: every criterion from random viewpoints, with and without
+//! morphing, as a [`Plan`] for a device and as a check on the CPU.
+//!
+//! The CPU code that does the same as the kernels is their *twin* ([`Views`]). The twin itself is
+//! compared with the collapse sequence ([`ViewReference`]).
 
 use super::{Criterion, Filter, ViewPasses, ViewQuery, Views, filtered};
 use crate::interactive::{Interactive, replay};
@@ -8,28 +12,29 @@ use lodc_plan::{Expected, Plan, PlanError, Program, Step, Tolerance, VertexRecor
 use lodc_strip::order;
 use lodc_verify::{Check, ViewReference};
 
-/// Criteria of a round of [`sample`].
+/// Number of criteria of a round of [`sample`].
 const CRITERIA: usize = 10;
-/// Triangles up to which views are checked with morphing as well.
+/// Triangles up to which views are checked with morphing as well: a check takes seconds then.
 const SMALL: usize = 200_000;
 /// Entries of the vertex cache that triangles are ordered for.
 const CACHE: u32 = 16;
 
 impl Interactive {
-    /// Everything that runs on a device: the continuous variant over some LODs, and the
-    /// view-dependent one over a sample of views, fewer on large meshes.
+    /// Plans of everything that runs on a device: levels that are the same everywhere, at `lods`,
+    /// and view-dependent levels over a sample of views, fewer on large meshes.
     ///
     /// # Errors
     /// If the mesh is too large or its lists too long.
-    pub fn replays(&self, stops: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
+    pub fn replays(&self, lods: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
         let mesh = self.simplified().mesh();
+        // Each round has ten views, each of which is resolved on the CPU as well.
         let rounds = (2_000_000 / mesh.triangles().len().max(1)).clamp(1, 8) as u32;
         let views = sample(self.simplified(), rounds, 1);
-        Ok(vec![self.continuous(stops.to_vec())?, self.views(views, order(mesh, CACHE))?])
+        Ok(vec![self.continuous(lods.to_vec())?, self.views(views, order(mesh, CACHE))?])
     }
 
-    /// Compares a few views on the CPU with the plain sequence: every criterion without morphing,
-    /// and on small meshes with it, too.
+    /// Compares a few views on the CPU with the collapse sequence: every criterion without
+    /// morphing, and on small meshes with it, too.
     #[must_use]
     pub fn verify_views(&self) -> Check {
         let simplified = self.simplified().as_ref();
@@ -38,6 +43,7 @@ impl Interactive {
         let reference = ViewReference::new(simplified);
         let rounds = if mesh.triangles().len() <= SMALL { 2 } else { 1 };
         let mut queries = sample(simplified, rounds, 2);
+        // The first round without morphing, the second, if there is one, with it.
         let numbered = queries.iter_mut().enumerate();
         numbered.for_each(|(i, query)| query.morph = i >= CRITERIA);
         let stride = views.records.stride;
@@ -45,10 +51,10 @@ impl Interactive {
         let mut check = Check { model, name, lods: 0, full: 0, failure: None };
         for query in &queries {
             let shown = views.show(query);
-            let left = filtered(mesh, mesh.triangles(), &shown.vertices, stride);
+            let remaining = filtered(mesh, mesh.triangles(), &shown.vertices, stride);
             check.lods += 1;
             check.full += 1;
-            check.failure = shown.check(&reference, query, &left.indices, stride);
+            check.failure = shown.check(&reference, query, &remaining.indices, stride);
             if check.failure.is_some() {
                 break;
             }
@@ -56,13 +62,13 @@ impl Interactive {
         check
     }
 
-    /// The view-dependent variant over some views, each compared in full: drawn records, compacted
-    /// triangles and draw arguments with the twin; what the twin shows with the plain sequence, and
-    /// that it does not tear. `triangles` are those of the mesh, submesh by submesh, in the order
-    /// in which they shall be drawn.
+    /// A plan of view-dependent levels, each compared in full: drawn records, compacted triangles
+    /// and draw arguments with the twin; the twin's level with the collapse sequence, and that it
+    /// has no cracks. `triangles` are those of the mesh, submesh by submesh, in the order in which
+    /// they are drawn.
     ///
     /// # Errors
-    /// If the mesh is too large or collapses too deep.
+    /// If the mesh is too large, or one vertex has more collapses than kernels follow.
     pub fn views(
         &self,
         views: Vec<ViewQuery>,
@@ -89,14 +95,15 @@ impl Interactive {
         );
         let step = move |view: ViewQuery| {
             let shown = twin.show(&view);
-            let left = filtered(mesh, &triangles, &shown.vertices, stride);
-            let wrong = shown.check(&reference, &view, &left.indices, stride);
+            let remaining = filtered(mesh, &triangles, &shown.vertices, stride);
+            let wrong = shown.check(&reference, &view, &remaining.indices, stride);
+            // Morphing computes positions in floats; all else is copied.
             let tolerance = view.morph.then_some(Tolerance { stride, floats: 3 });
             let checks = vec![
                 Expected { tolerance, ..Expected::new(vertices, shown.vertices) },
-                Expected::new(filter.places, left.places),
-                Expected::new(filter.indices, left.indices),
-                Expected::new(filter.draws, left.draws),
+                Expected::new(filter.places, remaining.places),
+                Expected::new(filter.indices, remaining.indices),
+                Expected::new(filter.draws, remaining.draws),
             ];
             let passes =
                 std::iter::once(device.pass(&view, &twin)).chain(filter.passes()).collect();
@@ -132,9 +139,9 @@ fn name(view: &ViewQuery) -> String {
     }
 }
 
-/// Views for a verification: one LOD everywhere at some LODs, and `rounds` seeded views by each
-/// criterion, every second one with morphing. Some eyes and a box stand exactly at a vertex, whose
-/// zeros have the other sign.
+/// Views for a verification: `rounds` random ones by each criterion, every second one with
+/// morphing. Some eyes and the corner of a box are exactly at a vertex, with the other sign of its
+/// zeros: 0 and -0 are one place.
 #[must_use]
 pub fn sample(simplified: &Simplified, rounds: u32, seed: u64) -> Vec<ViewQuery> {
     let (collapses, mesh) = (simplified.collapses(), simplified.mesh());
@@ -151,6 +158,7 @@ pub fn sample(simplified: &Simplified, rounds: u32, seed: u64) -> Vec<ViewQuery>
         let mut point = |spread: f32| -> [f32; 3] {
             std::array::from_fn(|i| f32::midpoint(low[i], high[i]) + (unit() - 0.5) * spread * size)
         };
+        // A vertex, with the other sign of its zeros.
         let vertex = |share: f32| {
             let positions = mesh.positions();
             let at = positions.get((share * positions.len() as f32) as usize);
@@ -159,7 +167,7 @@ pub fn sample(simplified: &Simplified, rounds: u32, seed: u64) -> Vec<ViewQuery>
         let (eye, centre, corner) = (point(6.0), point(1.0), point(1.5));
         let reach = 0.6 * size;
         let slope = Criterion::slope(1.0 + 2.0 * round as f32, 1000.0, 0.5);
-        // Half a screen of 16 by 9, from narrow to wide.
+        // Tangents of half the angles of a screen of 16 by 9, from narrow to wide.
         let tangents = [1.6, 0.9].map(|side| side * (0.1 + 0.6 * (round % 4) as f32));
         let at_corner = |low: [f32; 3]| {
             let high = low.map(|c| if c == 0.0 { c } else { c + reach });

@@ -7,11 +7,13 @@ use super::eye_space::turn;
 use super::{Cone, Cones};
 use lodc_mesh::{CollapseSequence, Lod, NONE};
 
-/// Collapses of one vertex that are followed one by one.
+/// Collapses of one vertex that are followed one by one. The kernel has the same number, which
+/// bounds the time of a thread. Chosen by hand.
 const WALK: u32 = 64;
 
-/// Share of a move below which nobody sees it, nor those that it goes on with. Around a vertex of
-/// thousands of triangles that many may be under way one after the other.
+/// Share of a move below which neither it nor the moves that continue it can be seen: less than
+/// `f32` tells of the result. Without it, thousands of moves around a hub may be followed one after
+/// the other.
 const LEAST_SHARE: f32 = 1e-7;
 
 /// The state of a vertex between the steps in which it moves.
@@ -70,7 +72,7 @@ impl Point {
     }
 }
 
-/// Vertices at the places of a shape, as the kernel gets them. All of a group stand where its first
+/// Vertices at the places of a shape, as the kernel gets them. All of a group are where its first
 /// one does. Those of no group have an open cone.
 pub(super) fn points(cones: &Cones, shape: &[[f32; 3]]) -> Vec<Point> {
     let mut first = vec![NONE; cones.cones.len()];

@@ -26,9 +26,9 @@ impl<'a> Selector<'a> {
         Self::in_shape(simplified, simplified.mesh().positions())
     }
 
-    /// Finds groups, and cones for a surface whose vertices stand at the places of `shape`: where a
+    /// Finds groups, and cones for a surface whose vertices are at the places of `shape`: where a
     /// scene shows it, or as joints and morph targets bend it. Criteria are in its units; all
-    /// vertices of a group stand where the first one does.
+    /// vertices of a group are where the first one is.
     #[must_use]
     pub fn in_shape(simplified: &'a Simplified, shape: &[[f32; 3]]) -> Self {
         let collapses = simplified.collapses();

@@ -98,7 +98,7 @@ fn morphing_shows_the_same_entries_and_triangles_and_goes_the_last_part_of_the_w
     for lod in 0..simplified.collapses().records() {
         let view = |morph| ViewQuery { criterion: Criterion::everywhere(Lod(lod)), morph };
         let (still, moving) = (views.show(&view(false)), views.show(&view(true)));
-        let count = |shown: &Shown| kept(&simplified, &positions, &shown.states);
+        let count = |shown: &ViewContent| kept(&simplified, &positions, &shown.states);
         assert_eq!(count(&moving), count(&still), "LOD {lod}: what has gone stays away");
         for (v, (state, still)) in moving.states.iter().zip(&still.states).enumerate() {
             assert_eq!(state.entry, still.entry);

@@ -10,16 +10,22 @@ use super::{DISTANCE, PIXELS};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
 
-/// Energy of a place of a face where the input has nothing.
+/// Energy of a place of a face where the input has nothing: what was background shows a surface,
+/// which is less than a white place that shows the background ([`pixel`](super::pixel)). Chosen by
+/// pictures of wire frames; not tuned since.
 const SPURIOUS: f32 = 2.0;
 /// Energy per curvature and distance: a silhouette that is off by d uncovers a strip of width d,
 /// and a surface of mean convex curvature H and area A shows 2 H A d of it, in the unit of its own
-/// projected area. The factor is measured.
+/// projected area. By that the factor would be 2; with 6 image errors of eight textured models are
+/// lower by 0.02 at 10 % and 0.04 at 5 %; presumably since the background differs from a surface by
+/// more than two shades of it do.
 const SILHOUETTE: f32 = 6.0;
 /// Energy of texture coordinates that are off by a pixel, squared: a tenth of what the same distance
 /// in space has. Ten times as much has 2 % more image error over five models and stretches no less.
 const SLIDE: f32 = 0.1 / (DISTANCE * PIXELS * DISTANCE * PIXELS) as f32;
-/// Places of moved faces that are tested for input nearby: shares of the second and third corner.
+/// Places of moved faces that are tested for input nearby, as shares of the second and third
+/// corner: the centroid and the centroids of three corner parts. A hole smaller than those is
+/// missed.
 const PLACES: [[f32; 2]; 4] = [
     [1.0 / 3.0, 1.0 / 3.0],
     [2.0 / 3.0, 1.0 / 6.0],
@@ -49,7 +55,7 @@ impl Patch {
         let mut sum = 0.0;
         for four in &self.samples {
             let error = if self.moved.is_empty() {
-                // Nothing is left that could stand for them.
+                // No face is left: nothing covers them.
                 four.weight * UNCOVERED
             } else {
                 let fit = self.fit(four, samples, appearance, distance_weight);
@@ -66,7 +72,7 @@ impl Patch {
         sum
     }
 
-    /// Gives the star's samples to the faces that now stand for them, and stores the energy of
+    /// Gives each of the star's samples to the moved face nearest to it, and stores the energy of
     /// every face of the patch. Returns the root mean square distance of visible samples from their
     /// faces, in working units; 0 if none is visible.
     pub(super) fn settle(
@@ -115,7 +121,8 @@ impl Patch {
         seen + f64::from(samples.spurious(f.face))
     }
 
-    /// Finds what stands for four samples. There are moved faces.
+    /// Finds what the moved faces, of which there is one at least, show in the place of four
+    /// samples.
     fn fit(
         &self,
         four: &Four,

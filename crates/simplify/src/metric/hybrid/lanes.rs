@@ -7,9 +7,11 @@ use super::vectors::{Places, Vec3x4, cosines};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
 
-/// The input is near where a sample is nearer than this many times its extent.
+/// The input is near where a sample is nearer than this many times its extent. Samples of a lattice
+/// are at most 0.7 extents from any place between them; the rest is for uneven ones.
 const NEAR: f32 = 1.5;
-/// Squared distance, in squared extents, by which a face that turns its back comes later.
+/// Squared distance, in squared extents, by which a face that turns its back comes later: half an
+/// extent, so that only sheets that nearly coincide are told apart by it. Chosen by hand.
 const TURNED: f32 = 0.25;
 
 /// Four samples of a star. Those that are missing are like the first, and weigh nothing.

@@ -9,7 +9,8 @@ use crate::cut::{Wedges, WorkingMesh};
 use glam::Vec3;
 use lodc_mesh::NONE;
 
-/// Stars with more faces than this are priced without the faces around them.
+/// Stars with more faces than this are priced without the faces around them, whose number would
+/// make the time quadratic. Chosen by hand; legal collapses make no such stars.
 pub(super) const WIDE: usize = 32;
 
 /// A face with the normals and texture coordinates of its corners.
@@ -239,7 +240,7 @@ impl Patch {
         }
     }
 
-    /// The wedge whose attributes stand for those of a wedge after the move: one that it shares a
+    /// The wedge whose attributes a wedge has after the move: one that it shares a
     /// face with, the counterpart of a wedge with the same attributes, or, for a fake, itself.
     fn target(&self, wedges: &Wedges, wedge: u32) -> u32 {
         let class = wedges.class(wedge);

@@ -8,8 +8,8 @@ const AMBIENT: f32 = 0.176_470_6;
 /// The largest error of a place in white: it shows the background. The mean of (0.15 + 0.85 cos)²
 /// over all views that see it, in the unit of [`Shading`].
 const MAX_SHADING: f32 = 4.0 * AMBIENT * AMBIENT + 16.0 / 3.0 * AMBIENT + 2.0;
-/// Error of a place that nothing covers. Less than the background's, since most often another part
-/// of the surface is behind it. Measured.
+/// Error of a place that nothing covers. Less than [`MAX_SHADING`] (3.07), since most often another
+/// part of the surface is behind it. Chosen by image errors; the figures are not kept.
 pub(super) const UNCOVERED: f32 = 1.5;
 /// The largest error by distance and cover: a pixel can be no more than wrong.
 pub(super) const MAX_GEOMETRY: f32 = 3.0;

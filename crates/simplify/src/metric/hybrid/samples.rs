@@ -1,4 +1,4 @@
-//! Samples of the input's surface, each kept with the face that stands for its place now.
+//! Samples of the input's surface, each kept with the current face nearest to it.
 
 use super::appearance::{Appearance, Colour, attribute_vertex};
 use super::pixel::Shading;
@@ -7,12 +7,15 @@ use glam::Vec3;
 use lodc_mesh::NONE;
 use rayon::prelude::*;
 
-/// Faces further apart than this (60°, as its cosine) are shaded as if an edge were between them.
+/// Faces further apart than this (60°, as its cosine) are shaded as if an edge were between them:
+/// as `compare` and other viewers shade meshes that come without normals.
 pub(super) const CREASE: f32 = 0.5;
 
-/// The most samples of one face; beyond, every other one is dropped and the rest weigh more.
+/// The most samples of one face; beyond, every other one is dropped and the rest weigh more. With
+/// 16 webs between the rods of a wire chair went unseen.
 const MAX_SAMPLES_PER_FACE: usize = 64;
-/// Normals are averaged over at most this many faces, so that hubs take no quadratic time.
+/// Normals are averaged over at most this many faces, so that hubs take no quadratic time. Chosen
+/// by hand: more than nearly any star has.
 pub(super) const MAX_AVERAGED: usize = 64;
 
 /// A place on the input's surface.
@@ -25,7 +28,7 @@ pub(super) struct Sample {
     /// The colour of the input there, and the mean square of its channels.
     pub(super) colour: Colour,
     pub(super) power: f32,
-    /// Error of shading with the colour of the face that stands for it now.
+    /// Error of shading with the colour that its face shows in its place.
     pub(super) shading: Shading,
     /// Mean convex curvature of the input there: the inverse of a radius in working units.
     pub(super) curvature: f32,
@@ -33,13 +36,13 @@ pub(super) struct Sample {
     pub(super) footprint: f32,
     /// Texture coordinates there.
     pub(super) texture: [f32; 2],
-    /// The area it stands for, times its visible share.
+    /// Its share of the input's area, times its visible share.
     pub(super) weight: f32,
     /// Its place in its face: shares of the second and third corner.
     pub(super) at: [f32; 2],
     /// The weighted error by its distance from its face.
     pub(super) geometric: f32,
-    /// The size of the piece that it stands for: the square root of its area.
+    /// The size of its piece of the input: the square root of the area.
     pub(super) extent: f32,
     next: u32,
 }

@@ -7,7 +7,7 @@ use glam::Vec3;
 use lodc_raster::{Camera, SUBPIXELS, Window, scan};
 use rayon::prelude::*;
 
-/// Pixels across the pictures that say what is hidden.
+/// Pixels across the pictures that say what is hidden. Not tuned.
 const SIZE: u32 = 512;
 /// A sample is visible if it is at most this far behind the nearest surface around it, in the depth
 /// unit of cameras: half a pixel. So faces that coincide do not hide each other.

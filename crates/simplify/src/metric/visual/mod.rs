@@ -26,14 +26,16 @@ use rayon::prelude::*;
 use score::{Table, log_area};
 use view::{BACKGROUND, View};
 
-/// Covered pixels, of all views together, that a face needs so that what is seen can be priced.
+/// Covered pixels, of all views together, that a face needs so that what is seen can be priced:
+/// fewer than one in two or three views, and most faces have none. Chosen by hand.
 const PIXELS_PER_FACE: u64 = 8;
 
-/// Faces times candidates that are looked at; beyond, only the geometrically cheapest are.
+/// The most faces times candidates of a group that are looked at, the geometrically cheapest first:
+/// a bound on its time, chosen by hand.
 const PATIENCE: usize = 64;
-/// No more candidates than this are looked at.
+/// The most candidates of a group that are looked at: all that most groups have.
 const MOST: usize = 8;
-/// Weight of geometry beside what is seen: it decides where nothing is.
+/// Weight of geometry beside what is seen: small enough to decide only where nothing seen changes.
 const TIE: f64 = 1e-6;
 
 pub(crate) struct VisualMetric {
@@ -46,7 +48,7 @@ pub(crate) struct VisualMetric {
     areas: Vec<f64>,
     /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of each view.
     divergences: Vec<f64>,
-    /// With so many faces, or fewer, what is seen decides.
+    /// Largest number of faces with which what is seen decides.
     limit: u64,
     asleep_for_good: bool,
 }

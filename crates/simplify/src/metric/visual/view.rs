@@ -1,24 +1,27 @@
-//! One camera's picture of the mesh while it is being simplified, exact to the pixel after every
-//! collapse.
+//! One camera's item buffer (the face that each pixel shows) while the mesh is simplified, exact to
+//! the pixel after every collapse, and the number of pixels of each face.
+//!
+//! Each pixel keeps all fragments in order of depth, not only the nearest: a face that moves away
+//! uncovers what is behind it, and nothing has to be drawn again for that.
 
 use crate::cut::{Corner, WorkingMesh};
 use lodc_raster::{Camera, Fragment, Layers, Point, Window, scan};
 
-/// The background, as an item.
+/// The item of background pixels; all other items are faces.
 pub(super) const BACKGROUND: u32 = u32::MAX;
 
-/// The picture of one camera.
+/// The item buffer of one camera.
 pub(super) struct View {
-    /// The place of each group in the picture.
+    /// The projection of each group's position.
     points: Vec<Point>,
     layers: Layers,
     size: u32,
-    /// The pixels that each face covers.
+    /// Number of pixels of each face.
     area: Vec<u32>,
-    /// The pixels that none covers.
+    /// Number of background pixels.
     background: u32,
-    /// Fronts before a change.
-    before: Vec<u32>,
+    /// A buffer for the front items of a window before a collapse.
+    fronts_before: Vec<u32>,
 }
 
 impl View {
@@ -31,7 +34,7 @@ impl View {
             size,
             area: vec![0; mesh.faces.len()],
             background: 0,
-            before: Vec::new(),
+            fronts_before: Vec::new(),
         };
         for face in mesh.live() {
             view.draw(mesh.faces[face as usize].groups, face);
@@ -45,30 +48,31 @@ impl View {
         view
     }
 
-    /// The pixels that an item covers.
+    /// Number of pixels of an item.
     #[inline]
     pub(super) fn area(&self, item: u32) -> u32 {
         if item == BACKGROUND { self.background } else { self.area[item as usize] }
     }
 
-    /// The pixels that each face and, last, the background cover.
+    /// Numbers of pixels of all faces and, last, of the background.
     #[cfg(test)]
     pub(super) fn areas(&self) -> Vec<u32> {
         self.area.iter().copied().chain([self.background]).collect()
     }
 
-    /// Pixels in all.
+    /// Number of pixels of the picture.
     pub(super) fn pixels(&self) -> u32 {
         self.size * self.size
     }
 
-    /// The pixels that a group's faces may cover, before and after a collapse onto any neighbour.
+    /// A window around all pixels that a group's faces cover before or after a collapse onto any
+    /// neighbour: their corners are those of the star in either case.
     pub(super) fn window(&self, mesh: &WorkingMesh, star: &[Corner]) -> Window {
         let groups = star.iter().flat_map(|c| mesh.faces[c.face() as usize].groups);
         Window::whole(self.size).around(groups.map(|g| self.points[g as usize]))
     }
 
-    /// A pixel's place in the picture.
+    /// The index of a pixel.
     #[inline]
     fn pixel(&self, column: i32, row: i32) -> usize {
         (row * self.size as i32 + column) as usize
@@ -94,14 +98,14 @@ impl View {
         }
     }
 
-    /// The first fragment behind the front whose item is not `left_out`.
+    /// The first fragment behind the front whose item is not skipped.
     #[inline]
-    pub(super) fn behind(&self, pixel: usize, left_out: impl Fn(u32) -> bool) -> Fragment {
-        self.layers.behind(pixel).find(|f| !left_out(f.item())).unwrap_or(Fragment::NOTHING)
+    pub(super) fn behind(&self, pixel: usize, skips: impl Fn(u32) -> bool) -> Fragment {
+        self.layers.behind(pixel).find(|f| !skips(f.item())).unwrap_or(Fragment::NOTHING)
     }
 
-    /// Calls `visit` with column, row and fragment of everything that a face would cover with its
-    /// corners at `groups`.
+    /// Calls `visit` with column, row and fragment of every pixel that a face would cover with its
+    /// corners at these groups.
     #[inline]
     pub(super) fn cover(
         &self,
@@ -130,8 +134,8 @@ impl View {
         });
     }
 
-    /// `from`'s faces move to `to`; those that hold both go. `changed` is called for every item
-    /// whose area changes, with the areas before and after, pixel by pixel.
+    /// Moves `from`'s faces to `to`; faces at both are removed. Calls `changed` pixel by pixel for
+    /// every item whose number of pixels changes, with the numbers before and after.
     pub(super) fn collapse(
         &mut self,
         mesh: &WorkingMesh,
@@ -141,9 +145,9 @@ impl View {
     ) {
         let star = mesh.star(from);
         let window = self.window(mesh, star);
-        let mut before = std::mem::take(&mut self.before);
-        before.clear();
-        self.each_pixel(window, |pixel| before.push(self.layers.front(pixel).item()));
+        let mut fronts_before = std::mem::take(&mut self.fronts_before);
+        fronts_before.clear();
+        self.each_pixel(window, |pixel| fronts_before.push(self.layers.front(pixel).item()));
         for &corner in star {
             let face = corner.face();
             let groups = mesh.faces[face as usize].groups;
@@ -155,21 +159,22 @@ impl View {
         let mut i = 0;
         for row in window.top..window.bottom {
             for column in window.left..window.right {
-                let (old, new) = (before[i], self.layers.front(self.pixel(column, row)).item());
+                let (old, new) =
+                    (fronts_before[i], self.layers.front(self.pixel(column, row)).item());
                 i += 1;
                 if old != new {
-                    for (item, by) in [(old, -1), (new, 1)] {
+                    for (item, change) in [(old, -1), (new, 1)] {
                         let area = if item == BACKGROUND {
                             &mut self.background
                         } else {
                             &mut self.area[item as usize]
                         };
-                        let before = std::mem::replace(area, area.wrapping_add_signed(by));
+                        let before = std::mem::replace(area, area.wrapping_add_signed(change));
                         changed(item, before, *area);
                     }
                 }
             }
         }
-        self.before = before;
+        self.fronts_before = fronts_before;
     }
 }

@@ -6,7 +6,7 @@ use xxhash_rust::xxh3::xxh3_128;
 
 /// Files that were looked for, each once, in the order of the first look.
 #[derive(Clone, Debug, Default)]
-pub struct Sought {
+pub struct RequestedFiles {
     files: Vec<File>,
     /// The number of each file: a document may name any number of files that are not there.
     numbers: BTreeMap<PathBuf, usize>,
@@ -22,7 +22,7 @@ struct File {
     has_substitute: bool,
 }
 
-impl Sought {
+impl RequestedFiles {
     /// A file whose content does not matter.
     #[must_use]
     pub fn only(path: &Path) -> Self {

@@ -6,7 +6,7 @@ use lodc_simplify::Weights;
 
 /// Knowledge of a scene besides its meshes.
 #[derive(Clone, Copy)]
-pub struct Known<'a> {
+pub struct SceneContext<'a> {
     /// Its colours, where a metric sees them.
     pub paints: Option<&'a Paints>,
     /// Parts that matter more or less than others.
