@@ -20,12 +20,12 @@ pub(crate) struct BatchArgs {
     /// may be left out. Of compare, {"a": PATH, "input": PATH, "options": ...}.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub(crate) manifest: Option<PathBuf>,
-    /// Of folders, only files whose path below the folder matches
+    /// In folders, only files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
     #[arg(long, value_name = "GLOB", hide_short_help = true)]
     pub(crate) include: Vec<String>,
-    /// Of folders, no files whose path below the folder matches
+    /// In folders, no files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
     #[arg(long, value_name = "GLOB", hide_short_help = true)]

@@ -120,7 +120,7 @@ struct CrowdArgs {
     #[arg(long, value_name = "S", default_value = "50", requires = "crowd",
           value_parser = clap::value_parser!(u32).range(1..=10_000), hide_short_help = true)]
     seconds: u32,
-    /// Number that makes its paths; the same one gives the same paths
+    /// Seed of its paths: the same number gives the same paths
     #[arg(long, value_name = "K", default_value = "1", requires = "crowd", hide_short_help = true)]
     seed: u64,
     /// Draw the crowd, all levels beside five, on a graphics device

@@ -41,11 +41,11 @@ pub(crate) struct ExportArgs {
     pub(crate) import: ImportArgs,
 }
 
-/// Result of the work on one asset.
+/// What exporting one asset has led to.
 pub(crate) struct ExportResult<R> {
-    /// Its document.
+    /// Its part of the JSON document.
     pub(crate) report: R,
-    /// Its results, for a dependency file.
+    /// Its rules for a dependency file: which files it read and wrote.
     pub(crate) rules: Vec<Rule>,
 }
 
@@ -55,11 +55,11 @@ impl ExportArgs {
         !self.batch.takes_many(inputs) && inputs.iter().all(|input| each::is_small(input))
     }
 
-    /// Returns the assets of a run, with their targets at `output` and their own options, once
-    /// options are known to fit together.
+    /// Checks that the options fit together. Returns the assets of a run, with their targets at
+    /// `output` and their own options.
     ///
     /// # Errors
-    /// If they do not, or as [`batch::assets`] and [`ConfigArgs::apply`].
+    /// If options do not fit together, or as [`batch::assets`] and [`ConfigArgs::apply`].
     pub(crate) fn assets(
         &self,
         (program, command): (&Program, &str),
@@ -78,7 +78,7 @@ impl ExportArgs {
         Ok(assets)
     }
 
-    /// Checks that a format can hold what is wanted of it.
+    /// Checks that a format supports compression and textures as asked for.
     ///
     /// # Errors
     /// If it cannot.
@@ -87,14 +87,14 @@ impl ExportArgs {
         self.textures.check(format, *target == Target::Stdout)
     }
 
-    /// Limits on work at one time.
+    /// Workers and memory of a run; memory is unbounded where it is unknown.
     pub(crate) fn budget(&self) -> Budget {
         let bytes = self.import.limits().memory().unwrap_or(u64::MAX);
         Budget { workers: rayon::current_num_threads(), bytes }
     }
 
-    /// Ends a run: failures, dependency file, documents, a line that counts. Returns the highest
-    /// status.
+    /// Ends a run: writes the dependency file and the JSON document, and prints how many assets are
+    /// done and have failed. Returns the highest status.
     ///
     /// # Errors
     /// If the dependency file or standard output cannot be written.
@@ -131,7 +131,7 @@ impl ExportArgs {
     }
 }
 
-/// Does the work on one asset, and prints its failure.
+/// Does the work on one asset, and prints its failure; a panic is one, too.
 ///
 /// # Errors
 /// If the work fails.

@@ -18,7 +18,7 @@ const GUIDE: &str = include_str!("../../ENGINE.md");
 #[derive(Args, Debug)]
 #[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct ShadersArgs {
-    /// Folder to write to; made if need be
+    /// Folder to write to; created if missing
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     output: PathBuf,
 }

@@ -2,7 +2,7 @@
 //! triangles or strips.
 
 use crate::{GpuError, Session};
-use lodc_plan::Drawn;
+use lodc_plan::DrawInput;
 use std::num::NonZeroU64;
 
 /// Pixels across and down.
@@ -12,7 +12,7 @@ const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// A picture that is drawn over and over.
 pub(crate) struct Canvas {
-    drawn: Drawn,
+    drawn: DrawInput,
     pipeline: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
     targets: Targets,
@@ -31,7 +31,7 @@ impl Canvas {
     ///
     /// # Errors
     /// If the device refuses.
-    pub(crate) fn new(session: &Session, drawn: &Drawn) -> Result<Self, GpuError> {
+    pub(crate) fn new(session: &Session, drawn: &DrawInput) -> Result<Self, GpuError> {
         let gpu = &session.device.device;
         let position = wgpu::VertexBufferLayout {
             array_stride: 4 * drawn.stride as u64,

@@ -1,7 +1,7 @@
 //! A program on a device: its buffers, its kernels, running passes and reading words back.
 
 use crate::{Device, GpuError};
-use lodc_plan::{BufferId, Contents, Drawn, Kernel, KernelId, Pass, Program, WORKGROUP};
+use lodc_plan::{BufferId, Contents, DrawInput, Kernel, KernelId, Pass, Program, WORKGROUP};
 use std::cell::OnceCell;
 
 /// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts
@@ -92,7 +92,7 @@ impl Session {
 
     /// Draws what passes have made, with the pipeline that is set: vertex buffer 0, the index
     /// buffer, an indirect draw for each submesh.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, drawn: &Drawn) {
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, drawn: &DrawInput) {
         pass.set_vertex_buffer(0, self.buffers[drawn.vertices.0].slice(..));
         pass.set_index_buffer(self.buffers[drawn.indices.0].slice(..), wgpu::IndexFormat::Uint32);
         for draw in 0..drawn.count {
@@ -243,7 +243,7 @@ impl Session {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn drawn_triangles(&mut self, drawn: &Drawn) -> Result<Vec<[[f32; 3]; 3]>, GpuError> {
+    pub fn drawn_triangles(&mut self, drawn: &DrawInput) -> Result<Vec<[[f32; 3]; 3]>, GpuError> {
         let [records, indices, draws] =
             [self.read(drawn.vertices)?, self.read(drawn.indices)?, self.read(drawn.draws)?];
         let place = |&v: &u32| -> [f32; 3] {

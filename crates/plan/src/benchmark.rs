@@ -9,23 +9,23 @@ pub struct Benchmark {
     pub program: Program,
     /// Run once, before anything is timed.
     pub setup: Vec<Pass>,
-    /// The timed cases, in order. Each ends with the state that it starts from.
+    /// The timed cases, in order. Each leaves all buffers as it found them.
     pub cases: Vec<Case>,
-    /// The memory that the variants of the model take.
+    /// The memory of the variants of the structure.
     pub memory: Vec<Memory>,
 }
 
-/// Some runs of one kind.
+/// Runs that are timed, each alone, under one name.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// The name of the case.
     pub name: &'static str,
-    /// One after the other; each is timed by itself.
+    /// Passes of each run; runs follow one another.
     pub runs: Vec<Vec<Pass>>,
-    /// Vertices that all runs together look at.
+    /// Number of vertices that all runs together process.
     pub vertices: u64,
-    /// If set, not the passes are timed but drawing what they have made.
-    pub drawn: Option<Drawn>,
+    /// If set, drawing what the passes have made is timed instead of the passes.
+    pub drawn: Option<DrawInput>,
 }
 
 impl Case {
@@ -37,7 +37,7 @@ impl Case {
 
     /// Drawing that is timed, after the passes of each run.
     #[must_use]
-    pub fn drawing(name: &'static str, runs: Vec<Vec<Pass>>, drawn: Drawn) -> Self {
+    pub fn drawing(name: &'static str, runs: Vec<Vec<Pass>>, drawn: DrawInput) -> Self {
         Self { name, runs, vertices: 0, drawn: Some(drawn) }
     }
 
@@ -50,24 +50,24 @@ impl Case {
 
 /// The input of a draw: indexed triangles, by indirect draws.
 #[derive(Clone, Copy, Debug)]
-pub struct Drawn {
+pub struct DrawInput {
     /// Vertex records that start with a position.
     pub vertices: BufferId,
     /// Words of a record.
     pub stride: usize,
     /// The index buffer.
     pub indices: BufferId,
-    /// True if it holds strips, closed by restart indices; else triangles.
+    /// True if it holds strips, separated by restart indices; else triangles.
     pub strips: bool,
-    /// Five words for each draw.
+    /// Arguments of indexed indirect draws, five words each.
     pub draws: BufferId,
     /// Number of draws.
     pub count: usize,
-    /// Lowest and highest corner of what is drawn.
+    /// Lowest and highest corner of the bounding box.
     pub bounds: ([f32; 3], [f32; 3]),
 }
 
-/// The memory of a variant of a model on a device, in words.
+/// The memory of a variant of a structure on a device, in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
     /// The variant.

@@ -24,7 +24,7 @@ mod records;
 mod scan;
 mod schedule;
 
-pub use benchmark::{Benchmark, Case, Drawn, Memory};
+pub use benchmark::{Benchmark, Case, DrawInput, Memory};
 pub use error::{LONGEST_LOOP, PlanError};
 pub use packed::{Packed, RESTART, STRIP_DRAWS};
 pub use plan::{Plan, Step};

@@ -1,7 +1,7 @@
 //! Strips as they are drawn at once: one behind the other, each closed by a restart index, those
 //! without triangles left out.
 
-use crate::benchmark::Drawn;
+use crate::benchmark::DrawInput;
 use crate::program::{BufferId, Expected, KernelId, Pass, Program, Shader};
 use crate::scan::Scan;
 use lodc_mesh::NONE;
@@ -63,9 +63,9 @@ impl Packed {
 
     /// Returns their draw, with positions in `vertices`.
     #[must_use]
-    pub fn drawing(&self, vertices: BufferId, bounds: ([f32; 3], [f32; 3])) -> Drawn {
+    pub fn drawing(&self, vertices: BufferId, bounds: ([f32; 3], [f32; 3])) -> DrawInput {
         let count = self.count as usize;
-        Drawn {
+        DrawInput {
             vertices,
             stride: 3,
             indices: self.drawn,

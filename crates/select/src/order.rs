@@ -1,4 +1,4 @@
-//! The order in which the objects of a scene give up triangles: by loss per triangle spared.
+//! The order in which the objects of a scene lose triangles: by loss per triangle removed.
 //!
 //! For each object the lower convex hull of (triangles, loss) over its levels is cut into segments;
 //! the steps of a segment share its slope. All segments together, sorted by slope, are the order; a
@@ -9,8 +9,8 @@ use crate::loss::losses;
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use lodc_scene::Arrangement;
 
-/// Of every object this many triangles are given up last, so that none vanishes while others have
-/// triangles to spare.
+/// The last triangles of every object are removed after all others, so that none vanishes while
+/// others have triangles to spare. Four are the fewest that enclose something.
 const LAST_TRIANGLES: u32 = 4;
 
 /// A run of steps of one object.
@@ -18,28 +18,29 @@ const LAST_TRIANGLES: u32 = 4;
 struct Segment {
     /// True if it leaves fewer than [`LAST_TRIANGLES`].
     last: bool,
-    /// Loss per triangle spared.
+    /// Loss per triangle removed.
     slope: f64,
     object: usize,
     /// Steps that are complete at its end.
     end: usize,
-    /// Triangles that it spares.
-    spared: u64,
+    /// Number of triangles that it removes.
+    removed: u64,
 }
 
-/// A place in the order of a scene where one of its objects gives up triangles.
+/// A segment in the order of a scene, as a receiver of its levels needs it: when one of its objects
+/// loses triangles, and down to which level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Turn {
-    /// Its place, from 0 on, among the turns of all objects.
+    /// Its rank, from 0 on, among the turns of all objects.
     pub place: u32,
     /// The level that the object has after it.
     pub lod: Lod,
 }
 
-/// For each object of a scene its turns: with them a number of triangles can be met elsewhere as
-/// [`select`](crate::select()) meets it, without the losses. All turns are taken in the order of
-/// their places while the scene has too many triangles; of the one that would leave too few, the
-/// object takes the finest level that is enough.
+/// For each object of a scene its turns, by which a receiver can choose levels for a number of
+/// triangles as [`select`](crate::select()) does, without knowing losses: it takes turns in the
+/// order of their ranks while the scene has too many triangles; where one would leave more room
+/// than is needed, it takes the object's finest level that fits.
 #[must_use]
 pub fn turns(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<Turn>> {
     let collapses: Vec<&CollapseSequence> = objects.iter().map(|o| o.collapses()).collect();
@@ -51,7 +52,7 @@ pub fn turns(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<Turn>> {
     turns
 }
 
-/// The segments of all hulls in the order in which they are given up.
+/// The segments of all hulls in the order in which they are removed.
 fn order(objects: &[&CollapseSequence], losses: &[Vec<f64>]) -> Vec<Segment> {
     let mut segments: Vec<Segment> = Vec::new();
     for (number, (collapses, loss)) in objects.iter().zip(losses).enumerate() {
@@ -78,22 +79,23 @@ pub(crate) fn within_triangles(
         }
         let collapses = objects[segment.object];
         let lod = &mut lods[segment.object];
-        if total - segment.spared >= budget {
+        if total - segment.removed >= budget {
             *lod = Lod(collapses.parts().step_ends[segment.end - 1]);
-            total -= segment.spared;
+            total -= segment.removed;
             continue;
         }
         // Steps within a segment are taken one by one.
-        let live = u64::from(collapses.triangles_at(*lod));
-        let wanted = u32::try_from(live - (total - budget)).unwrap_or(u32::MAX);
+        let has = u64::from(collapses.triangles_at(*lod));
+        let wanted = u32::try_from(has - (total - budget)).unwrap_or(u32::MAX);
         *lod = collapses.lod_for_triangles(wanted);
         break;
     }
     lods
 }
 
-/// The segments of an object's hull up to its last level that has a triangle, slopes rising. Those
-/// that leave [`LAST_TRIANGLES`] and those that leave fewer have hulls of their own.
+/// The segments of an object's hull up to its last level that has a triangle, in the order of
+/// rising slopes. Those that leave [`LAST_TRIANGLES`] and those that leave fewer have hulls of
+/// their own.
 fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segment> {
     let parts = collapses.parts();
     let steps = collapses.steps_at(collapses.last_visible());
@@ -108,6 +110,7 @@ fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segmen
         for end in range.start + 1..=range.end {
             let newest = *corners.last().expect("never empty");
             if left(end) == left(newest) {
+                // No triangle is removed: the slope would be infinite.
                 continue;
             }
             while let [.., a, b] = corners[..]
@@ -122,7 +125,7 @@ fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segmen
             slope: slope(w[0], w[1]),
             object,
             end: w[1],
-            spared: u64::from(left(w[0]) - left(w[1])),
+            removed: u64::from(left(w[0]) - left(w[1])),
         }));
     }
     segments

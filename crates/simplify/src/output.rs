@@ -1,7 +1,7 @@
 //! The last step: the log becomes a [`Simplified`].
 //!
-//! What comes in is the log of the whole mesh. Regions wrote it side by side, so the legal steps
-//! are sorted by their stamps first. What goes out are the vertices in the order in which they
+//! The input is the log of the whole mesh. Regions wrote it side by side, so the legal steps
+//! are sorted by their stamps first. The output is the vertices in the order in which they
 //! disappeared, fakes among them, each with the bytes of the vertices that it has its data from,
 //! and the triangles, last to die first. Models rely on both orders: a level is a range of either.
 

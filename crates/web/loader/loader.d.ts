@@ -54,6 +54,8 @@ export class LodcModel extends Group<LodcModelEventMap> {
   readonly isLodcModel: true;
   /** A level errs by at most so many pixels; all triangles are drawn below 0. */
   pixels: number;
+  /** The level, counted from the finest, 0; chosen by `pixels` if it is null. */
+  level: number | null;
   animations: AnimationClip[];
   cameras: Camera[];
   /** Whether everything has come: all triangles, images, animations. */

@@ -104,22 +104,24 @@ export class LodcLoader extends THREE.Loader {
     this.manager.itemStart(url);
     const full = new URL(this.manager.resolveURL((this.path ?? '') + url), document.baseURI).href;
     const base = this.resourcePath || THREE.LoaderUtils.extractUrlBase(full);
-    const opening = new Opening(this, base, abort.signal);
-    opening.model.whenComplete = opening.whole(full, url, onProgress).finally(() => {
+    const opening = new Opening(this, base, abort);
+    const whole = opening.whole(full, url, onProgress).finally(() => {
       signal?.removeEventListener('abort', stop);
       this.aborts.delete(abort);
       this.manager.itemEnd(url);
     });
+    opening.model.loading.whole = whole;
     // Whoever does not look at it is told by the first promise, or does not care.
-    opening.model.whenComplete.catch(() => {});
+    whole.catch(() => {});
     return opening.shown;
   }
 }
 
 /** A model on its way. */
 class Opening {
-  constructor(loader, base, signal) {
-    Object.assign(this, { loader, base, signal });
+  constructor(loader, base, abort) {
+    const { signal } = abort;
+    Object.assign(this, { loader, base, abort, signal });
     this.model = new LodcModel();
     this.headers = [];
     this.came = [];
@@ -155,18 +157,20 @@ class Opening {
       send({ wasm: WASM });
       await Promise.race([this.fetch(full, url, onProgress, send), ended]);
       await ended;
+      this.refuse(new Error(`${url}: needs bytes that it does not have`));
       await this.shown;
       await this.rest();
     } catch (error) {
       if (decoding.worker) send({ drop: true });
       this.refuse(error);
       this.fail(error);
+      this.abort.abort(error);
       throw error;
     } finally {
       decoding.listeners.delete(id);
       if (decoding.listeners.size === 0) decoding.idle = setTimeout(endWorker, IDLE);
     }
-    this.model.isComplete = true;
+    this.model.loading.isComplete = true;
     this.model.dispatchEvent({ type: 'complete' });
     return this.model;
   }
@@ -237,15 +241,15 @@ class Opening {
       const wait = () => {
         const there = length === 0
           || this.came.some(([from, to]) => from <= start && start + length <= to);
-        if (this.error) reject(this.error);
-        else if (there) resolve(this.buffer.slice(start, start + length).buffer);
+        if (there) resolve(this.buffer.slice(start, start + length).buffer);
+        else if (this.error) reject(this.error);
         return there || Boolean(this.error);
       };
       if (!wait()) this.waiting.push(wait);
     });
   }
 
-  /** Nothing more will come. */
+  /** Nothing more will come: says why to whoever waits. */
   refuse(error) {
     this.error = error;
     this.waiting = this.waiting.filter((wait) => !wait());

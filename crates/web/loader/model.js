@@ -177,6 +177,10 @@ const Levelled = (Base) => class extends Base {
   choose(camera, height) {
     const { object } = this.lodc;
     const model = this.model;
+    if (typeof model?.level === 'number') {
+      this.level = Math.max(object.levels.length - 1 - Math.round(model.level), 0);
+      return;
+    }
     const bounds = this.boundingSphere ?? this.geometry.boundingSphere;
     sphere.copy(bounds).applyMatrix4(this.matrixWorld);
     const distance = point.setFromMatrixPosition(camera.matrixWorld).distanceTo(sphere.center);
@@ -252,14 +256,24 @@ export class LodcModel extends THREE.Group {
     this.type = 'LodcModel';
     /** A level errs by at most so many pixels. */
     this.pixels = 1;
+    /** The level, counted from the finest, 0; chosen by pixels if it is null. */
+    this.level = null;
     this.animations = [];
     this.cameras = [];
-    /** Whether everything has come: all triangles, images, animations. */
-    this.isComplete = false;
-    /** Resolves with the model when everything has come; fails if it does not. */
-    this.whenComplete = Promise.resolve(this);
+    /** What has come, of copies, too. */
+    this.loading = { isComplete: false, whole: Promise.resolve() };
     this.objects = [];
     this.parser = null;
+  }
+
+  /** Whether everything has come: all triangles, images, animations. */
+  get isComplete() {
+    return this.loading.isComplete;
+  }
+
+  /** Resolves with the model when everything has come; fails if it does not. */
+  get whenComplete() {
+    return this.loading.whole.then(() => this);
   }
 
   /** All meshes with levels. */
@@ -287,9 +301,8 @@ export class LodcModel extends THREE.Group {
 
   copy(source, recursive = true) {
     super.copy(source, recursive);
-    const { pixels, cameras, isComplete, whenComplete, objects, parser } = source;
-    this.animations = source.animations;
-    Object.assign(this, { pixels, cameras, isComplete, whenComplete, objects, parser });
+    const { pixels, level, animations, cameras, loading, objects, parser } = source;
+    Object.assign(this, { pixels, level, animations, cameras, loading, objects, parser });
     if (recursive) rebind(source, this);
     return this;
   }

@@ -1,4 +1,5 @@
-// Chromium without a window, spoken to over a pipe.
+// Chromium without a window, spoken to over a pipe. Whatever becomes of a test, nothing here keeps
+// its process alive or makes it wait without an end.
 
 import { spawn } from 'node:child_process';
 import { mkdtempSync, rmSync } from 'node:fs';
@@ -9,6 +10,8 @@ const FLAGS = [
   '--headless=new', '--no-sandbox', '--remote-debugging-pipe', '--no-first-run', '--mute-audio',
   '--enable-unsafe-swiftshader', '--use-angle=swiftshader', '--hide-scrollbars',
   '--disable-background-networking', '--disable-component-update', '--disable-dev-shm-usage',
+  // What a busy machine makes slow is not to be ended for it.
+  '--disable-gpu-watchdog', '--disable-hang-monitor', '--disable-renderer-backgrounding',
 ];
 
 /** Answers that take longer never come: milliseconds. */
@@ -21,12 +24,12 @@ export class Chromium {
     const stdio = ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'];
     const child = spawn('chromium', [...FLAGS, ...flags, `--user-data-dir=${profile}`], { stdio });
     const browser = new Chromium(child, profile);
-    // Whatever becomes of the tests, the browser does not stay.
     process.on('exit', () => child.kill('SIGKILL'));
     const { targetId } = await browser.send('Target.createTarget', { url: 'about:blank' });
     const attached = await browser.send('Target.attachToTarget', { targetId, flatten: true });
     browser.session = attached.sessionId;
-    for (const domain of ['Page', 'Runtime', 'Log']) await browser.send(`${domain}.enable`);
+    const domains = ['Inspector', 'Page', 'Runtime', 'Log'];
+    for (const domain of domains) await browser.send(`${domain}.enable`);
     return browser;
   }
 
@@ -46,6 +49,14 @@ export class Chromium {
     this.ended = new Promise((resolve) => {
       for (const event of ['exit', 'error']) child.once(event, resolve);
     });
+    const crashed = new Promise((resolve) => {
+      this.waits.push({ method: 'Inspector.targetCrashed', resolve });
+    });
+    this.gone = Promise.race([
+      this.ended.then(() => 'Chromium ended'), crashed.then(() => 'the page crashed'),
+    ]);
+    // A failure outside of all tests would wait for them.
+    for (const handle of [child, child.stdio[3], child.stdio[4]]) handle.unref();
     child.stdio[3].on('error', () => {});
   }
 
@@ -92,8 +103,7 @@ export class Chromium {
   async within(wanted, what) {
     let timer;
     const late = new Promise((resolve) => { timer = setTimeout(resolve, LONGEST, 'no answer'); });
-    const ended = this.ended.then(() => 'Chromium ended');
-    const failed = Promise.race([late, ended]).then((why) => {
+    const failed = Promise.race([late, this.gone]).then((why) => {
       throw new Error(`${what}: ${why}\n${this.console.join('\n')}`);
     });
     try {
@@ -116,8 +126,7 @@ export class Chromium {
   /** Opens an address and waits until it is loaded. */
   async goto(url) {
     const loaded = this.event('Page.loadEventFired');
-    await this.send('Page.navigate', { url });
-    await loaded;
+    await Promise.all([loaded, this.send('Page.navigate', { url })]);
   }
 
   /** The value of an expression, which may be a promise. */
@@ -144,8 +153,10 @@ export class Chromium {
   }
 
   async close() {
-    this.child.kill('SIGKILL');
+    const late = setTimeout(() => this.child.kill('SIGKILL'), 10_000);
+    this.send('Browser.close').catch(() => {});
     await this.ended;
+    clearTimeout(late);
     rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });
   }
 }

@@ -1,4 +1,4 @@
-// A server of files, some of them slowly.
+// A server of files that tests may hold back.
 
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
@@ -6,24 +6,47 @@ import { extname, join, normalize } from 'node:path';
 
 const TYPES = {
   '.html': 'text/html', '.js': 'text/javascript', '.wasm': 'application/wasm', '.png': 'image/png',
-  '.jpg': 'image/jpeg',
+  '.jpg': 'image/jpeg', '.json': 'application/json',
 };
 
-/** Serves folders, the first that has a file; `?slow=N` sends it in N pieces, 50 ms apart. */
+/** How much of a file is sent: a share that grows. */
+class Gate {
+  constructor() {
+    this.share = 0;
+    this.waiting = [];
+  }
+
+  open(share) {
+    this.share = share;
+    this.waiting.splice(0).forEach((go) => go());
+  }
+
+  opened() {
+    return new Promise((resolve) => this.waiting.push(resolve));
+  }
+}
+
+/**
+ * Serves folders, the first that has a file, until the process ends. `gates` has those of files
+ * that are held back, by their paths; `requests` the paths that were asked for.
+ */
 export async function serve(...folders) {
+  const gates = new Map();
+  const requests = [];
   const server = createServer(async (request, response) => {
-    const url = new URL(request.url, 'http://localhost');
-    const path = normalize(decodeURIComponent(url.pathname));
+    const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
+    requests.push(path);
     for (const folder of folders) {
       const bytes = await readFile(join(folder, path)).catch(() => null);
       if (!bytes) continue;
       const type = TYPES[extname(path)] ?? 'application/octet-stream';
       response.writeHead(200, { 'Content-Type': type, 'Content-Length': bytes.length });
-      const pieces = Number(url.searchParams.get('slow') ?? 1);
-      const size = Math.ceil(bytes.length / pieces) || 1;
-      for (let at = 0; at < bytes.length; at += size) {
-        if (at > 0) await new Promise((resolve) => setTimeout(resolve, 50));
-        response.write(bytes.subarray(at, at + size));
+      const gate = gates.get(path);
+      for (let at = 0; at < bytes.length;) {
+        const end = Math.ceil(bytes.length * (gate?.share ?? 1));
+        if (end > at) response.write(bytes.subarray(at, end));
+        else await gate.opened();
+        at = Math.max(at, end);
       }
       response.end();
       return;
@@ -31,5 +54,10 @@ export async function serve(...folders) {
     response.writeHead(404).end();
   });
   await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
-  return { server, url: `http://127.0.0.1:${server.address().port}` };
+  server.unref();
+  const gate = (path) => {
+    gates.set(path, new Gate());
+    return gates.get(path);
+  };
+  return { url: `http://127.0.0.1:${server.address().port}`, gate, requests };
 }

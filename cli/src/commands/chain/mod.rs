@@ -41,7 +41,7 @@ pub(crate) struct ChainArgs {
     inputs: Vec<PathBuf>,
     #[command(flatten)]
     levels: LevelArgs,
-    /// No level errs more than E (or E%)
+    /// Error of at most E (or E%) in every level
     ///
     /// However few triangles are asked for.
     #[arg(long, value_name = "E", value_parser = bound, help_heading = LEVEL)]
@@ -71,7 +71,7 @@ pub(crate) struct ChainArgs {
     /// (club.obj.glb).
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
     output: PathBuf,
-    /// Format, where OUT does not tell [default: glb]
+    /// Format, if the name of OUT does not say [default: glb]
     #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0, hide_short_help = true)]
     format: Option<FormatName>,
 }

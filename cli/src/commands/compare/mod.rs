@@ -66,7 +66,7 @@ pub(crate) struct CompareArgs {
           value_parser = clap::value_parser!(u32).range(1..=100_000_000),
           help_heading = MEASURED, hide_short_help = true)]
     samples: u32,
-    /// Number that makes the points; the same one gives the same points
+    /// Seed of the points: the same number gives the same points
     #[arg(long, value_name = "N", default_value = "1", help_heading = MEASURED,
           hide_short_help = true)]
     seed: u64,
@@ -104,13 +104,13 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "GREY", value_parser = grey, allow_negative_numbers = true,
           help_heading = FAILS)]
     max_image_rmse: Option<f64>,
-    /// Levels worse than the last time, by FILE or DIR
+    /// Levels worse than those recorded in FILE or DIR
     ///
     /// Then the exit status is 1. FILE is one document for all assets. DIR (one that is there, or a
     /// name with / at its end) has a file for each file of B.
     #[arg(long, value_name = "FILE|DIR", help_heading = FAILS)]
     baseline: Option<PathBuf>,
-    /// Write the baseline in place of comparing with it
+    /// Write the baseline instead of comparing with it
     #[arg(long, requires = "baseline", help_heading = FAILS)]
     record: bool,
     /// Share by which a number may be above the baseline

@@ -32,7 +32,7 @@ pub(crate) struct ExtractArgs {
     inputs: Vec<PathBuf>,
     #[command(flatten)]
     selector: SelectorArgs,
-    /// Never err more than E (or E%), whatever else is asked for
+    /// Error of at most E (or E%), whatever else is asked for
     #[arg(long, value_name = "E", value_parser = bound, conflicts_with = "criterion",
           help_heading = LEVEL, hide_short_help = true)]
     max_error: Option<lodc_select::Target>,
@@ -52,7 +52,7 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_enum, help_heading = BECOMES, display_order = 1,
           hide_short_help = true)]
     order: Option<OrderName>,
-    /// Structure that is replayed to get there [default: the first in the file]
+    /// Structure to replay [default: the first in the file]
     ///
     /// All give the same triangles.
     #[arg(long, value_parser = replays(), conflicts_with = "criterion", help_heading = BECOMES,
@@ -65,7 +65,7 @@ pub(crate) struct ExtractArgs {
     /// (club.obj.glb).
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
     output: PathBuf,
-    /// Format, where OUT does not tell [default: glb]
+    /// Format, if the name of OUT does not say [default: glb]
     #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0)]
     format: Option<FormatName>,
 }

@@ -32,12 +32,12 @@ pub(crate) struct InfoArgs {
     /// Print one JSON document on standard output
     #[arg(long, help_heading = OUTPUT)]
     json: bool,
-    /// Of folders, only files whose path below the folder matches
+    /// In folders, only files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
     #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
     include: Vec<String>,
-    /// Of folders, no files whose path below the folder matches
+    /// In folders, no files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
     #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]

@@ -31,13 +31,13 @@ pub(crate) struct UnpackArgs {
     /// A .lodc file needs the whole stream.
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
     output: PathBuf,
-    /// Format, where OUT does not tell [default: glb]
+    /// Format, if the name of OUT does not say [default: glb]
     #[arg(long, value_enum, help_heading = OUTPUT)]
     format: Option<FormatName>,
     /// Print one JSON document on standard output
     #[arg(long, help_heading = OUTPUT)]
     json: bool,
-    /// Take the complete stream only, else end with status 3
+    /// Fail with status 3 unless the stream is complete
     #[arg(long, help_heading = READ)]
     whole: bool,
     #[command(flatten)]

@@ -45,6 +45,7 @@ pub(super) fn print(
     Ok(())
 }
 
+/// What was unpacked in a sentence, and in a second one what has not come.
 fn sentence(report: &UnpackReport) -> String {
     let output = if report.output == "-" { "standard output" } else { &report.output };
     let sum = |of: fn(&UnpackedReport) -> u32| {
@@ -54,18 +55,21 @@ fn sentence(report: &UnpackReport) -> String {
     let worst = report.objects.iter().map(|o| o.error).fold(0.0, f64::max);
     let bytes = size(report.bytes);
     if report.whole {
-        return format!("{output}: {}, the whole stream of {bytes}", count(triangles, "triangle"));
+        return format!(
+            "{output}: {}, the complete stream of {bytes}",
+            count(triangles, "triangle")
+        );
     }
-    // Objects that are still to come have not said how many triangles they have.
+    // The numbers of triangles of objects that have not come are unknown.
     let is_known = report.objects.len() == report.all_objects as usize && all > 0;
     let of = if is_known { format!(" of {}", grouped(all)) } else { String::new() };
     let mut text = format!(
-        "{output}: {}{of} triangles, error {}: the stream ends after {bytes} that can be used",
+        "{output}: {}{of} triangles, error {}: from the first {bytes} of the stream",
         grouped(triangles),
         distance(worst)
     );
     if !report.left_out.is_empty() {
-        text += &format!("\n{output}: still to come and left out: {}", report.left_out.join(", "));
+        text += &format!("\n{output}: not received: {}", report.left_out.join(", "));
     }
     text
 }

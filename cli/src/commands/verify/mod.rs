@@ -35,11 +35,11 @@ pub(crate) struct VerifyArgs {
     /// .lodc files, levels (with --source), or folders of both; - for standard input
     #[arg(value_name = "INPUT", required = true)]
     inputs: Vec<PathBuf>,
-    /// Also prove that LOD 0 is this mesh, byte by byte; or that levels are of it
+    /// Also compare with the original: LOD 0 byte by byte, levels by distance
     ///
-    /// Triangle by triangle. Levels that extract and chain wrote are measured, and compared with
-    /// the mesh; without it only that levels of chain --geomorph become the next ones is proved. Of
-    /// a folder, the mesh whose content a file was made from, wherever it is in there.
+    /// LOD 0 of a .lodc file has to have the triangles of MESH. Levels that extract and chain wrote
+    /// are measured against it; without MESH only those of chain --geomorph are checked: each,
+    /// moved, has to be the next one. If MESH is a folder, the mesh is found there by its content.
     #[arg(long, value_name = "MESH", help_heading = CHECKED)]
     source: Option<PathBuf>,
     /// Check every N-th step
@@ -52,12 +52,12 @@ pub(crate) struct VerifyArgs {
     json: bool,
     #[command(flatten)]
     ci: CiArgs,
-    /// Of folders, only files whose path below the folder matches
+    /// In folders, only files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
     #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
     include: Vec<String>,
-    /// Of folders, no files whose path below the folder matches
+    /// In folders, no files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
     #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
@@ -72,7 +72,8 @@ Examples:
   lodc verify levels --source models --junit results.xml
   lodc verify chair.levels.glb --source chair.glb";
 
-/// Extensions of files that hold levels: of all, and of some beside the mesh that they are of.
+/// Extensions of files that are verified: those with all levels, then those with exported levels,
+/// which take a source.
 const LEVELS: [&str; 5] = ["lodc", "glb", "gltf", "obj", "ply"];
 
 pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
@@ -87,14 +88,15 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     let options = args.import.options();
     let kinds: &[&str] = if args.source.is_some() { &LEVELS } else { &LEVELS[..1] };
     let mut inputs = batch::expand(&args.inputs, kinds, &args.include, &args.exclude)?;
-    // Of folders, meshes that are no levels are someone else's.
+    // In folders, meshes that are not levels by lodc are skipped; named ones are checked anyway.
     inputs.retain(|path| {
         let is_named = args.inputs.contains(path) || path.extension() == Some(LEVELS[0].as_ref());
         is_named || states_levels(path, &options)
     });
     let sources = Sources::new(args.source.as_deref(), &options)?;
     let one = |input: &PathBuf| verify_one(args, &sources, gpu.as_ref(), input);
-    // A device has one file at a time.
+    // On a device one file at a time: they would share its memory.
+    // Two files a thread, so that none waits at the end of a run.
     let at_once = if gpu.is_some() { 1 } else { 2 * rayon::current_num_threads() };
     for group in groups(&inputs, at_once) {
         let done: Vec<(FileReport, Status)> = group.par_iter().with_max_len(1).map(one).collect();
@@ -164,7 +166,7 @@ fn check(
 ) -> Outcome<Vec<CheckReport>> {
     let options = args.import.options();
     if !is_stream(input) && !starts_as_lodc(input) {
-        return check_shipped(sources, input, &options);
+        return check_exported(sources, input, &options);
     }
     let limits = options.limits;
     let (file, _) = read_lodc(input, limits)?;
@@ -179,15 +181,16 @@ fn check(
     Ok(all)
 }
 
-/// Returns whether a file begins as a .lodc file does, or cannot be read.
+/// Returns whether a file begins as a .lodc file does, or cannot be read: then reading it as one
+/// says why.
 fn starts_as_lodc(input: &Path) -> bool {
     let mut head = [0; 8];
     let read = File::open(input).and_then(|mut file| file.read(&mut head));
     read.map_or(true, |n| lodc_formats::lodc::is_lodc(&head[..n]))
 }
 
-/// What `extract` and `chain` wrote, against the mesh.
-fn check_shipped(
+/// Checks levels that `extract` or `chain` wrote against the mesh.
+fn check_exported(
     sources: &Sources,
     input: &Path,
     options: &ImportOptions,
@@ -195,7 +198,7 @@ fn check_shipped(
     let levels = import_levels(input, options)?;
     let glide = check_glide(&levels);
     let Some(source) = sources.of(levels.stated.source, input)? else {
-        // That levels become the next ones needs no mesh.
+        // Whether each level, moved, is the next one can be told without the mesh.
         if let Some(glide) = glide {
             return Ok(vec![glide]);
         }
@@ -222,7 +225,7 @@ fn print(file: &FileReport) -> Outcome<()> {
         let object = check.object.as_deref().map(|o| format!(" {o}")).unwrap_or_default();
         let reason = check.first_difference.as_ref().or(check.skipped.as_ref());
         let reason = reason.map(|r| format!(": {r}")).unwrap_or_default();
-        // Where nothing or everything was compared in full, nothing has to be said.
+        // Said only where some levels were compared in full, not where none or all were.
         let full = if (1..check.lods).contains(&check.full) {
             format!(" ({} in full)", grouped(check.full))
         } else {

@@ -6,7 +6,7 @@ use super::{CollapseLists, Continuous, Counting, Interactive, replay};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_model::Model;
 use lodc_plan::{
-    Benchmark, BufferId, Case, DRAWS, Drawn, Memory, Pass, PlanError, Program, SWEEP,
+    Benchmark, BufferId, Case, DRAWS, DrawInput, Memory, Pass, PlanError, Program, SWEEP,
     VertexRecords, sweep,
 };
 use lodc_strip::order;
@@ -118,9 +118,9 @@ impl Passes<'_> {
         around.iter().map(|&eye| vec![self.dependent.pass(&query(eye), &self.views)]).collect()
     }
 
-    fn drawn(&self, indices: BufferId, draws: BufferId) -> Drawn {
+    fn drawn(&self, indices: BufferId, draws: BufferId) -> DrawInput {
         let mesh = self.simplified.mesh();
-        Drawn {
+        DrawInput {
             vertices: self.base.vertices,
             stride: 3,
             indices,

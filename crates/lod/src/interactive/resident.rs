@@ -3,7 +3,7 @@
 use super::view::{Filter, ViewPasses, ViewQuery, Views};
 use super::{Continuous, Counting, replay};
 use lodc_mesh::{Lod, Mesh, Simplified};
-use lodc_plan::{BufferId, Drawn, Pass, PlanError, Program, VertexRecords};
+use lodc_plan::{BufferId, DrawInput, Pass, PlanError, Program, VertexRecords};
 
 /// An object whose level is one everywhere.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub struct Resident {
     /// Buffers that every instance has for itself.
     pub own: Vec<BufferId>,
     /// The draws.
-    pub drawn: Drawn,
+    pub drawn: DrawInput,
     continuous: Continuous,
     counting: Counting,
 }
@@ -59,7 +59,7 @@ pub struct ResidentView<'a> {
     /// Buffers that every instance has for itself.
     pub own: Vec<BufferId>,
     /// The draws.
-    pub drawn: Drawn,
+    pub drawn: DrawInput,
     views: Views<'a>,
     passes: ViewPasses,
     filter: Filter,
@@ -94,7 +94,7 @@ impl<'a> ResidentView<'a> {
     }
 }
 
-fn drawn(mesh: &Mesh, stride: usize, [vertices, indices, draws]: [BufferId; 3]) -> Drawn {
+fn drawn(mesh: &Mesh, stride: usize, [vertices, indices, draws]: [BufferId; 3]) -> DrawInput {
     let (count, bounds) = (mesh.submeshes().len(), mesh.bounds());
-    Drawn { vertices, stride, indices, strips: false, draws, count, bounds }
+    DrawInput { vertices, stride, indices, strips: false, draws, count, bounds }
 }

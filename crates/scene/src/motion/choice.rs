@@ -1,8 +1,8 @@
 //! The choice of poses: those in which an object's shape differs most from rest and from each
 //! other.
 //!
-//! Shapes are told apart by distances between pairs of vertices, which no motion as a whole
-//! changes. The pose that is farthest from all chosen ones is the next (Gonzalez 1985).
+//! Shapes are compared by distances between pairs of vertices, which a motion of the whole object
+//! does not change. The pose that is farthest from all chosen ones is the next (Gonzalez 1985).
 
 use super::{Moment, Motion, targets};
 use crate::placement::Placement;
@@ -12,15 +12,17 @@ use glam::DVec3;
 use lodc_mesh::{Mesh, Posture};
 use rayon::prelude::*;
 
-/// Moments that are looked at: of each second, of each animation at least, and in all.
+/// Moments of a second of an animation that are tried. Chosen by hand, as are the next three.
 const PER_SECOND: f64 = 16.0;
+/// Fewest moments of an animation that are tried.
 const FEWEST: usize = 4;
+/// Most moments of all animations together that are tried.
 const MOST: usize = 128;
-
-/// Vertices that are looked at.
+/// Most vertices whose distances are compared.
 const VERTICES: usize = 1024;
 
-/// Shapes nearer to each other than this share of the diagonal are nearly the same.
+/// Shapes whose distances differ by less than this share of the largest are nearly the same. Chosen
+/// by hand.
 const NEARLY_SAME: f64 = 0.01;
 
 /// A pose that may be chosen, with its placement.
@@ -28,29 +30,30 @@ type Candidate = (Posture, Placement);
 
 impl Motion {
     /// Chooses for each object up to `most` poses in which its shape differs most from the one at
-    /// rest and from those before: moments of animations, and morph targets at weight 1. None for
-    /// an object without skin and morph targets, or that nothing moves but as a whole.
+    /// rest and from those before: moments of animations, and morph targets at weight 1. The list
+    /// of an object is empty if it has neither skin nor morph targets, or only moves as a whole.
     #[must_use]
     pub fn choose(&self, meshes: &[&Mesh], most: usize) -> Vec<Vec<Posture>> {
         let objects = meshes.iter().enumerate();
-        let bending: Vec<Option<Bending>> = objects.map(|(o, m)| self.bending(o, m)).collect();
-        if most == 0 || bending.iter().all(Option::is_none) {
+        let deformable: Vec<Option<Deformable>> =
+            objects.map(|(o, m)| self.deformable(o, m)).collect();
+        if most == 0 || deformable.iter().all(Option::is_none) {
             return vec![Vec::new(); meshes.len()];
         }
         let moments = self.moments();
-        let choose = |bending: &Option<Bending>| {
-            let Some(bending) = bending else { return Vec::new() };
-            farthest(bending, &self.candidates(bending, &moments), most)
+        let choose = |object: &Option<Deformable>| {
+            let Some(object) = object else { return Vec::new() };
+            farthest(object, &self.candidates(object, &moments), most)
         };
-        bending.par_iter().map(choose).collect()
+        deformable.par_iter().map(choose).collect()
     }
 
-    /// Returns an object whose shape may change; none for any other.
-    fn bending<'a>(&'a self, object: usize, mesh: &'a Mesh) -> Option<Bending<'a>> {
+    /// Returns an object if its shape may change.
+    fn deformable<'a>(&'a self, object: usize, mesh: &'a Mesh) -> Option<Deformable<'a>> {
         let (Some(rest), scale) = representative(mesh, object, &self.rest) else { return None };
         let targets = targets(mesh);
-        let bends = !rest.joints.is_empty() || !targets.is_empty();
-        bends.then_some(Bending { mesh, rest, scale, targets })
+        let deforms = !rest.joints.is_empty() || !targets.is_empty();
+        deforms.then_some(Deformable { mesh, rest, scale, targets })
     }
 
     /// Moments of all animations, evenly spread over each.
@@ -73,8 +76,8 @@ impl Motion {
     }
 
     /// The poses that an object may take.
-    fn candidates(&self, bending: &Bending, moments: &[(Posture, Moment)]) -> Vec<Candidate> {
-        let Bending { rest, targets, .. } = bending;
+    fn candidates(&self, object: &Deformable, moments: &[(Posture, Moment)]) -> Vec<Candidate> {
+        let Deformable { rest, targets, .. } = object;
         let moments = moments.iter().map(|(posture, m)| (*posture, m.placed(&self.graph, rest)));
         let targets = targets.iter().map(|&t| Posture::Target(t));
         let targets = targets.filter_map(|posture| Some((posture, self.placed(rest, posture)?)));
@@ -83,7 +86,7 @@ impl Motion {
 }
 
 /// An object whose shape may change.
-struct Bending<'a> {
+struct Deformable<'a> {
     mesh: &'a Mesh,
     rest: &'a Placement,
     /// Its scale at rest.
@@ -92,8 +95,10 @@ struct Bending<'a> {
     targets: Vec<u32>,
 }
 
-impl Bending<'_> {
-    /// Distances between pairs of vertices in a placement, in mesh units.
+impl Deformable<'_> {
+    /// Distances between pairs of vertices in a placement, in mesh units. Each of a sample of
+    /// vertices is paired with the one half the sample further on: vertices near each other in the
+    /// file are near in space, and distances across the object change most when it bends.
     fn distances(&self, placement: &Placement) -> Vec<f64> {
         let Self { mesh, scale, .. } = *self;
         let vertices = mesh.vertex_count();
@@ -109,15 +114,15 @@ impl Bending<'_> {
 }
 
 /// Chooses up to `most` of some poses, the farthest first.
-fn farthest(bending: &Bending, candidates: &[Candidate], most: usize) -> Vec<Posture> {
-    // Places that no mesh can have are no shape.
+fn farthest(object: &Deformable, candidates: &[Candidate], most: usize) -> Vec<Posture> {
+    // Poses with positions that are not finite, or overflow as floats, are left out.
     let sound = |distances: &Vec<f64>| distances.iter().all(|&d| d < f64::from(f32::MAX));
     let (candidates, distances): (Vec<Posture>, Vec<Vec<f64>>) = candidates
         .par_iter()
-        .map(|(posture, placement)| (*posture, bending.distances(placement)))
+        .map(|(posture, placement)| (*posture, object.distances(placement)))
         .filter(|(_, distances)| sound(distances))
         .unzip();
-    let mut latest = bending.distances(bending.rest);
+    let mut latest = object.distances(object.rest);
     let least = NEARLY_SAME * latest.iter().copied().fold(0.0, f64::max);
     let mut apart = vec![f64::INFINITY; candidates.len()];
     let mut chosen = Vec::new();
@@ -125,7 +130,7 @@ fn farthest(bending: &Bending, candidates: &[Candidate], most: usize) -> Vec<Pos
         for (apart, other) in apart.iter_mut().zip(&distances) {
             *apart = apart.min(difference(&latest, other));
         }
-        // The first of equals.
+        // Of equal ones the first.
         let next = (0..apart.len()).rev().max_by(|&a, &b| apart[a].total_cmp(&apart[b]));
         let Some(next) = next.filter(|&next| apart[next] > least) else { break };
         latest.clone_from(&distances[next]);

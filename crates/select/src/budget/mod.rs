@@ -2,9 +2,9 @@
 //! (thesis sections 2.5 and 6.2).
 //!
 //! All instances share one bound: the pixels that an error may take on the screen. Of every
-//! instance the coarsest level within the bound is shown. The smallest bound under which the
-//! triangles fit is what a greedy choice arrives at, which coarsens the instance whose next level
-//! would be seen least until the triangles fit.
+//! instance the coarsest level within the bound is shown. Taking the smallest bound under which the
+//! triangles fit is the same as coarsening, again and again, the instance whose next level is least
+//! visible, until they fit; but a bound can be searched for by bisection.
 //!
 //! ```text
 //!  eye ·──────────── d ───────────▪ instance, scale s     pixels = error · s · screen / d
@@ -33,8 +33,8 @@ pub use curve::{CurveLevel, LevelCurve};
 
 use curve::{LAST_STEP, error_of, step_of};
 
-/// Steps of the error, 128 to an octave, by which an instance may stay finer than it has to: while
-/// the camera moves a little its level stays.
+/// Error steps, 128 to an octave, by which an instance may stay finer than it has to: while the
+/// camera moves a little, its level stays. An eighth of an octave, 9 %: chosen by hand.
 const HYSTERESIS: u32 = 16;
 
 /// One instance of a model.
@@ -51,11 +51,11 @@ pub struct Instance {
 /// A camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Its place in the world.
+    /// Its position in the world.
     pub eye: [f32; 3],
-    /// Pixels that a unit of length takes at distance 1.
+    /// The focal length in pixels: what a unit of length takes at distance 1.
     pub screen: f32,
-    /// Point that it looks at. What is wholly behind the eye then has its coarsest level.
+    /// Point that it looks at. If given, instances wholly behind the eye get their coarsest level.
     pub target: Option<[f32; 3]>,
 }
 
@@ -131,13 +131,14 @@ impl SceneManager {
         self.curve(instance).at(self.current[instance])
     }
 
-    /// The bound of the last frame: no error takes more pixels, unless triangles ran out.
+    /// The bound of the last frame: no error takes more pixels, unless the budget of triangles was
+    /// too small for that.
     #[must_use]
     pub fn pixels(&self) -> f32 {
         error_of(self.bound)
     }
 
-    /// Number of times that all instances were added up so far; a measure of work.
+    /// Number of times that the triangles of all instances were summed so far; a measure of work.
     #[must_use]
     pub fn sums(&self) -> u64 {
         self.sums
@@ -153,7 +154,8 @@ impl SceneManager {
                 *per_pixel = f32::MAX;
                 continue;
             }
-            // The nearest point counts; inside the sphere everything is near.
+            // To the nearest point of the sphere; from inside it to a small share of the radius, so
+            // that errors stay finite.
             let distance = ((x * x + y * y + z * z).sqrt() - radius).max(radius / 64.0);
             *per_pixel = distance / (view.screen * instance.scale);
         }
@@ -173,16 +175,18 @@ impl SceneManager {
         &self.curves[self.instances[instance].curve as usize]
     }
 
-    /// The step of an instance under a bound: the one that it has while that is no coarser than it
-    /// may be and only a little finer, else the coarsest that it may have.
+    /// The error step of an instance under a bound: the coarsest within it, or the present one if
+    /// that is finer by no more than [`HYSTERESIS`].
     fn step(&self, instance: usize, bound: u32) -> u32 {
-        let most = step_of(error_of(bound) * self.per_pixel[instance]).min(LAST_STEP);
-        let most = self.curve(instance).clamped(most);
+        let coarsest = step_of(error_of(bound) * self.per_pixel[instance]).min(LAST_STEP);
+        let coarsest = self.curve(instance).clamped(coarsest);
         let now = self.current[instance];
-        if now <= most && most - now <= HYSTERESIS { now } else { most }
+        if now <= coarsest && coarsest - now <= HYSTERESIS { now } else { coarsest }
     }
 
-    /// Triangles of all instances under a bound; more for none that is larger.
+    /// Triangles of all instances under a bound: never more under a larger one. Hysteresis does not
+    /// change that, as an instance that stays finer under a bound stays so under all bounds up to
+    /// where it lets go, and then gets coarser.
     fn triangles(&mut self, bound: u32) -> u64 {
         self.sums += 1;
         let one = |i| u64::from(self.curve(i).at(self.step(i, bound)).triangles);
@@ -220,8 +224,8 @@ impl SceneManager {
         }
     }
 
-    /// Takes every instance to its level under the bound, then spends what is left of the budget
-    /// on levels of the next smaller bound, in the order of instances.
+    /// Chooses every instance's level under the bound, then spends the rest of the budget on levels
+    /// of the next smaller bound, in the order of instances. `u64::MAX` is no budget.
     fn choose(&mut self, budget: u64) -> u64 {
         let finer = self.bound.saturating_sub(1);
         let mut total = self.triangles(self.bound);

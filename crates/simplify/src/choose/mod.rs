@@ -1,6 +1,6 @@
 //! The fourth step: which collapse of a group is the cheapest that is legal?
 //!
-//! What comes in is a group and its prices; what goes out is a [`LegalCollapse`], and the plan of
+//! The input is a group and its prices; the output is a [`LegalCollapse`], and the plan of
 //! what becomes of each wedge (true, twin or fake). Rules refuse what would turn a face over,
 //! change the topology or tear a border; the terminal phase drops them one after another, so that
 //! in the end every mesh is one vertex. Nearly always the collapse that was ranked best is legal,

@@ -1,8 +1,8 @@
 //! The fifth step: one collapse is carried out and written down.
 //!
-//! What comes in is a legal collapse with its plan. Wedges, then faces and quadrics of the group
+//! The input is a legal collapse with its plan. Wedges, then faces and quadrics of the group
 //! move onto its target, and groups that have come to share a position there are united with it.
-//! What goes out is a step of the [`CollapseLog`]: each wedge with the one that it became, the
+//! The output is a step of the [`CollapseLog`]: each wedge with the one that it became, the
 //! triangles that died, the error, and a stamp that puts the step behind all that it builds on.
 //! Everything that was ranked by what is now different is [`Touched`].
 

@@ -1,6 +1,6 @@
 //! The third step: what does every collapse of a group cost? Legality is left aside.
 //!
-//! What comes in is a group of a [`Region`]; what goes out is its cheapest collapse as a
+//! The input is a group of a [`Region`]; the output is its cheapest collapse as a
 //! [`Choice`], or the prices of all. The quadric prices first, and attributes add their part. A
 //! closed fan without seams is by far the most common case: four of its collapses are priced at a
 //! time (`one_ring`), and with one seam through it nearly so (`seam_ring`); any other star is

@@ -1,6 +1,6 @@
 //! The sixth step: choose and commit, again and again, until one vertex is left.
 //!
-//! What comes in is a numbered mesh; what goes out is the [`CollapseLog`] of all its collapses. In
+//! The input is a numbered mesh; the output is the [`CollapseLog`] of all its collapses. In
 //! each round every region collapses what costs at most a common limit, by itself, as far as no
 //! other region is touched. Then the groups are shared out anew along a shifted curve, so that what
 //! was locked at a border comes to lie inside. Regions follow from the mesh alone, so the result is

@@ -8,7 +8,7 @@
 //! a target of its own. A doubled mesh thus loses the same positions in the same order as the
 //! single one.
 //!
-//! What comes in is a mesh; what goes out is the skin as a mesh (`layers` finds it), and later the
+//! The input is a mesh; the output is the skin as a mesh (`layers` finds it), and later the
 //! log of the skin's collapses carried out on the whole mesh (`follow`).
 
 mod follow;

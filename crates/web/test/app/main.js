@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { LodcLoader } from 'lodc';
+import './element.js';
 
 const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
 renderer.setSize(640, 480, false);
@@ -101,39 +102,46 @@ async function compare(url, plain, seconds = 0) {
 let streamed;
 
 /** Begins to load, and to draw whatever has come; resolves with the first picture. */
-async function begin(url, away) {
-  streamed = { pictures: 0, events: [], progress: 0, triangles: [] };
-  const begun = performance.now();
-  const model = await LodcLoader.load(url, { onProgress: ({ loaded, total }) => {
-    streamed.progress = loaded / total;
-  } });
-  streamed.model = model;
+async function begin(url) {
+  const model = await LodcLoader.load(url);
+  model.pixels = -1;
+  const stream = { model, events: [], triangles: [], waiting: [], camera: cameraFor(model) };
+  streamed = stream;
   const scene = stage();
   scene.add(model);
   const frame = () => {
-    streamed.camera ??= cameraFor(model, away);
-    model.pixels = -1;
-    renderer.render(scene, streamed.camera);
-    streamed.pictures += 1;
+    renderer.render(scene, stream.camera);
     const { triangles } = model;
-    if (triangles !== streamed.triangles.at(-1)) streamed.triangles.push(triangles);
-    if (!streamed.done) requestAnimationFrame(frame);
+    if (triangles !== stream.triangles.at(-1)) stream.triangles.push(triangles);
+    stream.waiting.splice(0).forEach((drawn) => drawn());
+    if (!stream.done) requestAnimationFrame(frame);
   };
   for (const type of ['grown', 'animations', 'complete']) {
-    model.addEventListener(type, () => streamed.events.push(type));
+    model.addEventListener(type, () => stream.events.push(type));
   }
   frame();
-  streamed.geometries = renderer.info.memory.geometries;
-  const milliseconds = performance.now() - begun;
-  return { milliseconds, triangles: model.triangles, progress: streamed.progress };
+  stream.geometries = renderer.info.memory.geometries;
+  return { triangles: model.triangles };
 }
 
-/** Waits until a share of a stream's bytes has come and is drawn. */
-async function until(share) {
-  while (streamed.progress < share) await new Promise((resolve) => setTimeout(resolve, 5));
-  if (share >= 1) await streamed.model.whenComplete;
-  await new Promise((resolve) => setTimeout(resolve, 60));
-  return { progress: streamed.progress, triangles: streamed.model.triangles };
+/** The next picture; fails with the stream. */
+function drawn() {
+  const next = new Promise((resolve) => streamed.waiting.push(resolve));
+  const failed = new Promise((_, reject) => streamed.model.whenComplete.catch(reject));
+  return Promise.race([next, failed]);
+}
+
+/** Waits until a stream shows more triangles than so many; how many it does. */
+async function grown(triangles) {
+  while (streamed.model.triangles <= triangles) await drawn();
+  return streamed.model.triangles;
+}
+
+/** Waits until all of a stream has come and is drawn. */
+async function whole() {
+  await streamed.model.whenComplete;
+  await drawn();
+  return streamed.model.triangles;
 }
 
 /** Ends drawing; levels for a picture from afar and from near. */
@@ -146,8 +154,7 @@ async function finish() {
     return model.triangles;
   });
   const result = {
-    near, far, triangles, pictures: streamed.pictures, complete: model.isComplete,
-    grown: events.filter((event) => event === 'grown').length, last: events.at(-1),
+    near, far, triangles, complete: model.isComplete, last: events.at(-1),
     geometries: [geometries, renderer.info.memory.geometries],
     colour: colourfulness(draw(model, cameraFor(model))),
   };
@@ -240,5 +247,7 @@ async function aborted(url) {
   }
 }
 
-Object.assign(window, { compare, begin, until, finish, crowd, longest, refused, aborted });
+Object.assign(window, {
+  compare, begin, grown, whole, finish, crowd, longest, refused, aborted,
+});
 document.documentElement.dataset.ready = '';

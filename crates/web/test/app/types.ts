@@ -1,5 +1,6 @@
 import { Scene, PerspectiveCamera, WebGLRenderer, AnimationMixer } from 'three';
 import { LodcLoader, LodcModel } from 'lodc';
+import { LodcView } from 'lodc/view';
 import { Decoder, WASM, read, type Header } from 'lodc/decoder';
 const controller = new AbortController();
 const model: LodcModel = await LodcLoader.load('a.lods', { signal: controller.signal, onProgress: (e) => e.loaded });
@@ -16,4 +17,9 @@ read(decoder.open(new Uint8Array(4)), headers, { levels: (number, levels) => lev
 model.meshes[0].level = 'fine';
 // @ts-expect-error: there is no such option
 LodcLoader.load('a.lodc', { sigal: controller.signal });
+const view: LodcView = document.createElement('lodc-view');
+view.addEventListener('error', ({ message }) => message.length);
+view.addEventListener('load', () => view.model?.triangles.toFixed());
+// @ts-expect-error: a model comes from `src`
+view.model = model;
 export { triangles, WebGLRenderer };

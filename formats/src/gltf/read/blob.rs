@@ -9,7 +9,7 @@ use crate::gltf::views::{Views, put};
 
 /// Lays the kept views out in one buffer, the document's first; after it come buffers that have no
 /// bytes, if a view still needs them. Overlapping views stay overlapping, so the blob is never
-/// larger than what it is made from; offsets keep their remainder by 4.
+/// larger than what it is made from; offsets modulo 4 stay as they were.
 pub(super) fn compact(
     root: &mut Object,
     kept: &[usize],
@@ -18,16 +18,16 @@ pub(super) fn compact(
     let mut layout = BlobLayout::new(kept.len());
     layout.add_plain(kept, views)?;
     layout.add_compressed(kept, views)?;
-    let BlobLayout { mut blob, placeholders, located } = layout;
-    relocate_views(root, &located);
+    let BlobLayout { mut blob, placeholders, locations } = layout;
+    relocate_views(root, &locations);
     embed_data_images(root, &mut blob);
     replace_buffers(root, &placeholders, &mut blob);
     Ok(blob)
 }
 
-/// The place of a kept view in the new buffers.
+/// The new buffer and offset of a kept view.
 #[derive(Clone, Copy, Default)]
-struct Located {
+struct NewLocation {
     /// 0 is the blob; the placeholders follow.
     buffer: usize,
     offset: usize,
@@ -41,7 +41,7 @@ struct Run {
     start: usize,
     end: usize,
     /// Offset of the first byte in the blob.
-    at: usize,
+    blob_offset: usize,
 }
 
 /// The new buffers as far as they are laid out.
@@ -49,8 +49,8 @@ struct BlobLayout {
     blob: Vec<u8>,
     /// Old buffers without bytes that a view still needs.
     placeholders: Vec<usize>,
-    /// By kept view.
-    located: Vec<Located>,
+    /// One for each kept view.
+    locations: Vec<NewLocation>,
 }
 
 impl BlobLayout {
@@ -58,11 +58,11 @@ impl BlobLayout {
         Self {
             blob: Vec::new(),
             placeholders: Vec::new(),
-            located: vec![Located::default(); views],
+            locations: vec![NewLocation::default(); views],
         }
     }
 
-    /// Adds the views that are not compressed, in the order of their bytes.
+    /// Adds the views that are not compressed, in the order of their bytes in the old buffers.
     fn add_plain(&mut self, kept: &[usize], views: &Views<'_>) -> Result<(), FormatError> {
         let mut plain: Vec<usize> =
             (0..kept.len()).filter(|&i| !views.is_compressed(kept[i])).collect();
@@ -77,7 +77,8 @@ impl BlobLayout {
                 if self.placeholders.last() != Some(&buffer) {
                     self.placeholders.push(buffer);
                 }
-                self.located[i] = Located { buffer: self.placeholders.len(), offset: range.start };
+                let buffer = self.placeholders.len();
+                self.locations[i] = NewLocation { buffer, offset: range.start };
                 continue;
             }
             let bytes = views.bytes(kept[i])?;
@@ -85,12 +86,13 @@ impl BlobLayout {
                 Some(run) if run.buffer == buffer && range.start <= run.end => run,
                 _ => self.begin_run(buffer, range.start),
             };
+            // In order, so the view starts within the run, and only its end may be new.
             if range.end > current.end {
                 self.blob.extend_from_slice(&bytes[current.end - range.start..]);
                 current.end = range.end;
             }
-            let offset = current.at + (range.start - current.start);
-            self.located[i] = Located { buffer: 0, offset };
+            let offset = current.blob_offset + (range.start - current.start);
+            self.locations[i] = NewLocation { buffer: 0, offset };
             run = Some(current);
         }
         Ok(())
@@ -100,7 +102,7 @@ impl BlobLayout {
         while self.blob.len() % 4 != start % 4 {
             self.blob.push(0);
         }
-        Run { buffer, start, end: start, at: self.blob.len() }
+        Run { buffer, start, end: start, blob_offset: self.blob.len() }
     }
 
     /// Adds the decompressed bytes of compressed views.
@@ -108,16 +110,16 @@ impl BlobLayout {
         for (i, &view) in kept.iter().enumerate().filter(|(_, view)| views.is_compressed(**view)) {
             let bytes = views.bytes(view)?;
             self.blob.resize(self.blob.len().next_multiple_of(4), 0);
-            self.located[i] = Located { buffer: 0, offset: self.blob.len() };
+            self.locations[i] = NewLocation { buffer: 0, offset: self.blob.len() };
             self.blob.extend_from_slice(bytes);
         }
         Ok(())
     }
 }
 
-/// Writes the new places into the document's views, which are not compressed any more.
-fn relocate_views(root: &mut Object, located: &[Located]) {
-    for (view, to) in root.objects_mut("bufferViews").zip(located) {
+/// Writes the new locations into the document's views, which are not compressed any more.
+fn relocate_views(root: &mut Object, locations: &[NewLocation]) {
+    for (view, to) in root.objects_mut("bufferViews").zip(locations) {
         view["buffer"] = to.buffer.into();
         if to.offset > 0 || view.contains_key("byteOffset") {
             view["byteOffset"] = to.offset.into();

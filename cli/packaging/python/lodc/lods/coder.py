@@ -123,7 +123,7 @@ class Substream:
         return value if value < short else 2 * value + self.raw(1) - short
 
     def gamma(self, context):
-        """A number of any size: its length in bits as two symbols, then all bits but the highest."""
+        """A number of any size: its length as two symbols, then all but its highest bit."""
         high = min(self.symbol(context.high), 8)
         length = min(4 * high + self.symbol(context.low[high]) % 4, 32)
         return length if length < 2 else 1 << length - 1 | self.raw(length - 1)

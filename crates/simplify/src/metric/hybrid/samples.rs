@@ -74,6 +74,7 @@ impl Samples {
             .with_min_len(1024)
             .map(|g| area_normal(mesh, g))
             .collect();
+        let sampled = SampledSurface { mesh, wedges, appearance, area_normals: &normals, pixel };
         let lists: Vec<Vec<Sample>> = (0..mesh.faces.len() as u32)
             .into_par_iter()
             .with_min_len(1024)
@@ -81,7 +82,7 @@ impl Samples {
                 let area = mesh.facet(face).area;
                 let count = if mean > 0.0 { (area / mean) as usize } else { 1 };
                 let count = count.clamp(1, MAX_SAMPLES_PER_FACE);
-                samples_of_face(mesh, wedges, appearance, &normals, pixel, face, count)
+                sampled.samples(face, count)
             })
             .collect();
         let mut all: Vec<Sample> = Vec::with_capacity(lists.iter().map(Vec::len).sum());
@@ -190,59 +191,65 @@ impl Samples {
     }
 }
 
-/// `count` samples of one face of the input.
-fn samples_of_face(
-    mesh: &WorkingMesh,
-    wedges: &Wedges,
-    appearance: &Appearance<'_>,
-    area_normals: &[Vec3],
+/// The surface of the input, as samples of it are taken.
+struct SampledSurface<'a> {
+    mesh: &'a WorkingMesh,
+    wedges: &'a Wedges,
+    appearance: &'a Appearance<'a>,
+    /// The mean normal around each group, by area.
+    area_normals: &'a [Vec3],
+    /// The area of a pixel in squared working units.
     pixel: f32,
-    face: u32,
-    count: usize,
-) -> Vec<Sample> {
-    let f = &mesh.faces[face as usize];
-    let facet = mesh.facet(face);
-    let corners = mesh.wedges(face);
-    let vertices = corners.map(|w| attribute_vertex(wedges, w));
-    let submesh = wedges.submesh(corners[0]);
-    let smooth_normal = |g: u32| {
-        let faces = mesh.star(g).iter().take(MAX_AVERAGED);
-        let normals = faces.map(|c| mesh.normal(c.face()));
-        normals.filter(|n| n.dot(facet.normal) > CREASE).sum::<Vec3>().normalize_or_zero()
-    };
-    let normals = if appearance.has_normals() {
-        vertices.map(|v| appearance.normal(v))
-    } else {
-        f.groups.map(smooth_normal)
-    };
-    let p = f.groups.map(|g| mesh.position(g).as_vec3());
-    let curvature = convex_curvature(f.groups.map(|g| area_normals[g as usize]), &p);
-    let places = vertices.map(|v| appearance.coordinates(v));
-    let [b, c] = [1, 2].map(|i| [0, 1].map(|k| places[i][k] - places[0][k]));
-    let in_texture = 0.5 * (b[0] * c[1] - b[1] * c[0]).abs();
-    let footprint = if facet.area > 0.0 { in_texture / facet.area * pixel } else { 0.0 };
-    (0..count)
-        .map(|i| {
-            let at = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
-            let texture = mix_coordinates(&places, at);
-            let colour = appearance.colour(submesh, texture, footprint);
-            Sample {
-                position: mix(&p, at),
-                normal: mix(&normals, at).normalize_or_zero(),
-                colour,
-                power: colour.power(),
-                shading: Shading::new(colour, colour),
-                curvature,
-                footprint,
-                texture,
-                weight: facet.area / count as f32,
-                at,
-                geometric: 0.0,
-                extent: (facet.area / count as f32).sqrt(),
-                next: NONE,
-            }
-        })
-        .collect()
+}
+
+impl SampledSurface<'_> {
+    /// `count` samples of one face.
+    fn samples(&self, face: u32, count: usize) -> Vec<Sample> {
+        let Self { mesh, wedges, appearance, area_normals, pixel } = *self;
+        let f = &mesh.faces[face as usize];
+        let facet = mesh.facet(face);
+        let corners = mesh.wedges(face);
+        let vertices = corners.map(|w| attribute_vertex(wedges, w));
+        let submesh = wedges.submesh(corners[0]);
+        let smooth_normal = |g: u32| {
+            let faces = mesh.star(g).iter().take(MAX_AVERAGED);
+            let normals = faces.map(|c| mesh.normal(c.face()));
+            normals.filter(|n| n.dot(facet.normal) > CREASE).sum::<Vec3>().normalize_or_zero()
+        };
+        let normals = if appearance.has_normals() {
+            vertices.map(|v| appearance.normal(v))
+        } else {
+            f.groups.map(smooth_normal)
+        };
+        let p = f.groups.map(|g| mesh.position(g).as_vec3());
+        let curvature = convex_curvature(f.groups.map(|g| area_normals[g as usize]), &p);
+        let places = vertices.map(|v| appearance.coordinates(v));
+        let [b, c] = [1, 2].map(|i| [0, 1].map(|k| places[i][k] - places[0][k]));
+        let in_texture = 0.5 * (b[0] * c[1] - b[1] * c[0]).abs();
+        let footprint = if facet.area > 0.0 { in_texture / facet.area * pixel } else { 0.0 };
+        (0..count)
+            .map(|i| {
+                let at = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
+                let texture = mix_coordinates(&places, at);
+                let colour = appearance.colour(submesh, texture, footprint);
+                Sample {
+                    position: mix(&p, at),
+                    normal: mix(&normals, at).normalize_or_zero(),
+                    colour,
+                    power: colour.power(),
+                    shading: Shading::new(colour, colour),
+                    curvature,
+                    footprint,
+                    texture,
+                    weight: facet.area / count as f32,
+                    at,
+                    geometric: 0.0,
+                    extent: (facet.area / count as f32).sqrt(),
+                    next: NONE,
+                }
+            })
+            .collect()
+    }
 }
 
 /// The unit mean of the normals around a group, by area; zero if they cancel.
