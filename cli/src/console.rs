@@ -22,10 +22,13 @@ pub(crate) type PrintHook = Box<dyn Fn(&dyn Fn()) + Send>;
 struct Console {
     loudness: Loudness,
     around: Option<PrintHook>,
+    /// Something stands on standard output.
+    printed: bool,
 }
 
 // A global because warnings arise everywhere and there is one standard error.
-static CONSOLE: Mutex<Console> = Mutex::new(Console { loudness: Loudness::Normal, around: None });
+static CONSOLE: Mutex<Console> =
+    Mutex::new(Console { loudness: Loudness::Normal, around: None, printed: false });
 
 fn console() -> MutexGuard<'static, Console> {
     CONSOLE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -44,6 +47,11 @@ pub(crate) fn set_loudness(loudness: Loudness) {
 /// Returns whether messages of this loudness are wanted.
 pub(crate) fn wants(loudness: Loudness) -> bool {
     console().loudness >= loudness
+}
+
+/// Returns whether a result has been printed, or was begun.
+pub(crate) fn has_printed() -> bool {
+    console().printed
 }
 
 /// Prints an error. Never fails: there is nowhere left to complain.
@@ -128,6 +136,7 @@ pub(crate) fn bytes(bytes: &[u8]) -> Outcome<()> {
 
 fn print(bytes: &[u8]) -> io::Result<()> {
     let mut out = io::stdout().lock();
+    console().printed = true;
     out.write_all(bytes)?;
     out.flush()
 }

@@ -3,10 +3,12 @@
 use crate::exit::{Failure, Outcome, Status};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-static COMMITTING: Mutex<()> = Mutex::new(());
+/// Whether a result is in place.
+static COMMITTING: Mutex<bool> = Mutex::new(false);
 
-/// Held while files are being written and renamed; an interruption waits until it is let go.
-pub(crate) fn committing() -> MutexGuard<'static, ()> {
+/// Held while files are being written and renamed; an interruption waits until it is let go. True
+/// once a file is in place.
+pub(crate) fn committing() -> MutexGuard<'static, bool> {
     COMMITTING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -1,5 +1,6 @@
 //! Options of reading inputs, and the limits on them.
 
+use crate::clock::Clock;
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{LIMITS, READ};
 use crate::huge_pages;
@@ -9,6 +10,7 @@ use lodc_formats::import::ImportOptions;
 use lodc_formats::{Assets, Limits};
 use lodc_report::text::{count, size as size_of};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Options of reading inputs, shared by every command that reads a mesh.
 #[derive(Args, Clone, Debug)]
@@ -44,6 +46,10 @@ impl ImportArgs {
     pub(crate) fn allowed(&self) -> &[PathBuf] {
         &self.allow_path
     }
+    /// Starts the clock of an asset.
+    pub(crate) fn clock(&self, input: &Path) -> Clock {
+        self.limits.clock(input)
+    }
     /// The files of an asset; those that it names are in another folder, if there is one.
     pub(crate) fn assets(&self, input: &Path, folder: Option<&PathBuf>) -> Assets {
         // Only the folder of that path counts.
@@ -57,6 +63,8 @@ impl ImportArgs {
 pub(crate) struct LimitArgs {
     limits: Limits,
     memory: Option<u64>,
+    /// Processor time.
+    time: Option<Duration>,
 }
 
 /// The option, repeated for several keys.
@@ -70,53 +78,83 @@ struct Key {
     option: &'static str,
     /// The numbers that the key takes.
     counts: &'static str,
-    /// None: the memory of the machine.
-    default: Option<u64>,
+    default: Preset,
+    /// Reads a value.
+    read: fn(&str) -> Result<u64, String>,
     set: fn(&mut LimitArgs, u64),
 }
 
-const KEYS: [Key; 6] = [
+/// The limit of a key that is not given.
+#[derive(Debug)]
+enum Preset {
+    Number(u64),
+    Words(&'static str),
+}
+
+const KEYS: [Key; 8] = [
     Key {
         name: "file",
         option: "limit-file-bytes",
         counts: "bytes of a single file",
-        default: Some(Limits::DEFAULT.file_bytes),
+        default: Preset::Number(Limits::DEFAULT.file_bytes),
+        read: size,
         set: |args, number| args.limits.file_bytes = number,
     },
     Key {
         name: "total",
         option: "limit-total-bytes",
         counts: "bytes of all files of one input together",
-        default: Some(Limits::DEFAULT.total_bytes),
+        default: Preset::Number(Limits::DEFAULT.total_bytes),
+        read: size,
         set: |args, number| args.limits.total_bytes = number,
     },
     Key {
         name: "line",
         option: "limit-line-bytes",
         counts: "bytes of a line of a text format",
-        default: Some(Limits::DEFAULT.line_bytes),
+        default: Preset::Number(Limits::DEFAULT.line_bytes),
+        read: size,
         set: |args, number| args.limits.line_bytes = number,
     },
     Key {
         name: "vertices",
         option: "limit-vertices",
         counts: "vertices",
-        default: Some(Limits::DEFAULT.vertices),
+        default: Preset::Number(Limits::DEFAULT.vertices),
+        read: size,
         set: |args, number| args.limits.vertices = number,
     },
     Key {
         name: "triangles",
         option: "limit-triangles",
         counts: "triangles",
-        default: Some(Limits::DEFAULT.triangles),
+        default: Preset::Number(Limits::DEFAULT.triangles),
+        read: size,
         set: |args, number| args.limits.triangles = number,
     },
     Key {
         name: "memory",
         option: "limit-memory",
         counts: "bytes that the work on one input may be expected to need",
-        default: None,
+        default: Preset::Words("what the machine has"),
+        read: size,
         set: |args, number| args.memory = Some(number),
+    },
+    Key {
+        name: "pixels",
+        option: "limit-pixels",
+        counts: "pixels of all images of one input that are decoded",
+        default: Preset::Number(Limits::DEFAULT.pixels),
+        read: size,
+        set: |args, number| args.limits.pixels = number,
+    },
+    Key {
+        name: "time",
+        option: "limit-time",
+        counts: "processor time of the work on one input: 90s, 500ms, 5m, 1h",
+        default: Preset::Words("none"),
+        read: milliseconds,
+        set: |args, number| args.time = Some(Duration::from_millis(number)),
     },
 ];
 
@@ -132,7 +170,7 @@ impl Args for LimitArgs {
             .help_heading(LIMITS)
             .hide_short_help(true);
         let own = |key: &'static Key| {
-            let own = Arg::new(key.option).long(key.option).value_parser(size);
+            let own = Arg::new(key.option).long(key.option).value_parser(key.read);
             own.help("The same as --limit with a key").help_heading(LIMITS).hide(true)
         };
         command.arg(limit).args(KEYS.iter().map(own))
@@ -150,14 +188,19 @@ fn long_help() -> String {
         _ => format!("{}M", number >> 20),
     };
     let line = |key: &Key| {
-        let default = key.default.map_or_else(|| "what the machine has".to_owned(), default);
+        let default = match key.default {
+            Preset::Number(number) => default(number),
+            Preset::Words(words) => words.to_owned(),
+        };
         format!("\n  {:10} {} ({default})", key.name, key.counts)
     };
     let lines: String = KEYS.iter().map(line).collect();
     format!(
         "Limit on each input, such as memory=8G\n\nMay be given several times; of several for one \
          key the last counts. Reaching a limit ends with status 5. Values are whole numbers, with \
-         K, M, G or T behind them for powers of 1024. Keys and their defaults:\n{lines}"
+         K, M, G or T behind them for powers of 1024. Keys and their defaults:\n{lines}\n\nAssets \
+         that are worked on together share the time of the process evenly. What is finished is \
+         the same with and without a limit."
     )
 }
 
@@ -196,7 +239,7 @@ fn limit(text: &str) -> Result<Limit, String> {
         let (name, number) = text.split_once('=').ok_or("KEY=VALUE is needed")?;
         let key = KEYS.iter().find(|key| key.name == name);
         let key = key.ok_or_else(|| format!("there is no key {name}"))?;
-        Ok(Limit { key, number: size(number)? })
+        Ok(Limit { key, number: (key.read)(number)? })
     };
     read().map_err(|why: String| {
         let names: Vec<&str> = KEYS.iter().map(|key| key.name).collect();
@@ -213,6 +256,11 @@ impl LimitArgs {
     /// unknown.
     pub(crate) fn memory(&self) -> Option<u64> {
         self.memory.or_else(crate::memory::available_bytes)
+    }
+
+    /// Starts the clock of an asset.
+    pub(crate) fn clock(&self, input: &Path) -> Clock {
+        Clock::start(input, self.time)
     }
 
     /// Refuses work on an asset that would not fit into memory, before the system kills the process
@@ -264,6 +312,21 @@ fn size(text: &str) -> Result<u64, String> {
     number.checked_mul(1 << shift).ok_or_else(|| "too large".to_owned())
 }
 
+/// Milliseconds of a time, which is seconds unless a unit says otherwise: `60`, `90s`, `500ms`.
+fn milliseconds(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match &text[digits.len()..] {
+        "ms" => 1,
+        "" | "s" => 1_000,
+        "m" => 60_000,
+        "h" => 3_600_000,
+        _ => return Err("a time is in ms, s, m or h".to_owned()),
+    };
+    let number = digits.parse::<u64>();
+    let number = number.map_err(|_| "a whole number of seconds, or with ms, m or h, is needed")?;
+    number.checked_mul(unit).ok_or_else(|| "too large".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -288,22 +351,26 @@ mod tests {
     fn keys_and_options_of_their_own_say_the_same_and_the_last_counts() {
         let numbers = |args: &LimitArgs| {
             let l = args.limits();
+            let seconds = args.time.map(|time| time.as_secs());
             [l.file_bytes, l.total_bytes, l.line_bytes, l.vertices, l.triangles]
                 .map(Some)
                 .into_iter()
-                .chain([args.memory])
+                .chain([args.memory, Some(l.pixels), seconds])
                 .collect::<Vec<_>>()
         };
         let before = numbers(&given(&[]).expect("no limits"));
         for (place, key) in KEYS.iter().enumerate() {
-            let (keyed, own) = (format!("{}=64K", key.name), format!("--{}", key.option));
+            let is_time = key.name == "time";
+            let (small, large, number) =
+                if is_time { ("18h", "64800", 64_800) } else { ("64k", "64K", 64 << 10) };
+            let (keyed, own) = (format!("{}={large}", key.name), format!("--{}", key.option));
             let mut expected = before.clone();
-            expected[place] = Some(64 << 10);
+            expected[place] = Some(number);
             for words in [
                 &["--limit", &keyed][..],
-                &[&own, "64k"],
+                &[&own, small],
                 &["--limit", &format!("{}=1", key.name), "--limit", &keyed],
-                &["--limit", &format!("{}=1", key.name), &own, "64K"],
+                &["--limit", &format!("{}=1", key.name), &own, large],
                 &[&own, "1", "--limit", &keyed],
             ] {
                 assert_eq!(numbers(&given(words).expect("limits")), expected, "{words:?}");
@@ -313,10 +380,22 @@ mod tests {
 
     #[test]
     fn wrong_limits_are_answered_with_the_keys() {
-        for wrong in ["", "memory", "memory=", "memory=x", "=1", "Memory=1", "vertex=1", "line=-1"]
-        {
+        let wrong = ["", "memory", "memory=", "memory=x", "=1", "Memory=1", "vertex=1", "line=-1"];
+        for wrong in wrong.into_iter().chain(["time=1K", "time=x"]) {
             let why = limit(wrong).expect_err(wrong);
             assert!(KEYS.iter().all(|key| why.contains(key.name)), "{wrong}: {why}");
+        }
+    }
+
+    #[test]
+    fn times_have_units() {
+        let known = [("0s", 0), ("7ms", 7), ("60", 60_000), ("60s", 60_000), ("2m", 120_000)];
+        for (text, time) in known.into_iter().chain([("1h", 3_600_000)]) {
+            assert_eq!(milliseconds(text), Ok(time), "{text}");
+        }
+        for wrong in ["", "s", "-1s", "1.5s", "1 s", "3K", "1d", "99999999999999999h", "é", "1é"]
+        {
+            assert!(milliseconds(wrong).is_err(), "{wrong}");
         }
     }
 

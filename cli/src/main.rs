@@ -4,6 +4,7 @@
 mod batch;
 mod bits;
 mod cli;
+mod clock;
 mod commands;
 mod compression;
 mod config;
@@ -54,7 +55,13 @@ static ALLOCATOR: MiMalloc = MiMalloc;
 fn main() -> ExitCode {
     huge_pages::forbid();
     panic::set_hook(Box::new(report_panic));
-    let status = panic::catch_unwind(run).unwrap_or(Status::Bug);
+    let status = panic::catch_unwind(run).unwrap_or_else(|payload| match clock::left(&*payload) {
+        Some(late) => {
+            console::error(&late);
+            late.status
+        }
+        None => Status::Bug,
+    });
     ExitCode::from(status.code())
 }
 

@@ -25,8 +25,10 @@ pub(crate) fn commit(files: &[OutputFile]) -> Outcome<()> {
     // Opening a pipe without a reader waits for ever, so there an interruption must get through;
     // it leaves nothing behind either, since pipes and devices are written to directly.
     let special = |f: &OutputFile| f.path.metadata().is_ok_and(|m| !m.is_file());
-    let _whole = (!files.iter().any(special)).then(interrupt::committing);
-    Ok(write_all(files)?)
+    let whole = (!files.iter().any(special)).then(interrupt::committing);
+    write_all(files)?;
+    whole.into_iter().for_each(|mut placed| *placed = true);
+    Ok(())
 }
 
 /// Writes one result.

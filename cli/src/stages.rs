@@ -1,5 +1,6 @@
 //! Durations of stages.
 
+use crate::clock::Clock;
 use crate::console::detail;
 use crate::memory;
 use crate::progress::Progress;
@@ -8,13 +9,21 @@ use lodc_report::documents::StageReport;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// The stages of one input so far.
-#[derive(Debug, Default)]
-pub(crate) struct Stages(Vec<StageReport>);
+/// The stages of one input so far, and its clock.
+#[derive(Debug)]
+pub(crate) struct Stages {
+    done: Vec<StageReport>,
+    clock: Clock,
+}
 
 impl Stages {
-    /// Does some work as a stage of this name.
+    /// No stages yet, of an input with this clock.
+    pub(crate) fn new(clock: Clock) -> Self {
+        Self { done: Vec::new(), clock }
+    }
+    /// Does some work as a stage of this name, unless there is no time left.
     pub(crate) fn run<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
+        self.clock.check();
         let start = Instant::now();
         let result = work();
         self.add(name, start);
@@ -22,32 +31,34 @@ impl Stages {
     }
     /// Work that says itself which of its stages runs.
     pub(crate) fn watched<'a>(&'a mut self, progress: &'a Progress) -> Watched<'a> {
-        Watched { progress, stages: Mutex::new((self, None)) }
+        Watched { progress, clock: self.clock.clone(), stages: Mutex::new((self, None)) }
     }
     fn add(&mut self, name: &'static str, start: Instant) {
         let seconds = start.elapsed().as_secs_f64();
         detail(&format!("{name:>9} {seconds:9.3} s {:7} MiB peak", memory::peak_bytes() >> 20));
-        self.0.push(StageReport { name, seconds });
+        self.done.push(StageReport { name, seconds });
     }
     /// Seconds of all stages.
     pub(crate) fn seconds(&self) -> f64 {
-        self.0.iter().map(|s| s.seconds).sum()
+        self.done.iter().map(|s| s.seconds).sum()
     }
     pub(crate) fn into_reports(self) -> Vec<StageReport> {
-        self.0
+        self.done
     }
 }
 
-/// Durations and progress of the library's work.
+/// Durations and progress of the library's work, which is left when there is no time any more.
 #[derive(Debug)]
 pub(crate) struct Watched<'a> {
     progress: &'a Progress,
+    clock: Clock,
     /// The stages so far, and when the present one began.
     stages: Mutex<(&'a mut Stages, Option<Instant>)>,
 }
 
 impl Watch for Watched<'_> {
     fn begin(&self, stage: &'static str, units: Option<u64>) {
+        self.clock.check();
         match units {
             Some(units) => self.progress.stage_of(stage, units),
             None => self.progress.stage(stage),
@@ -56,6 +67,7 @@ impl Watch for Watched<'_> {
         stages.1.get_or_insert_with(Instant::now);
     }
     fn add(&self, units: u64) {
+        self.clock.check();
         self.progress.add(units);
     }
     fn end(&self, stage: &'static str) {

@@ -8,14 +8,14 @@ use lodc_scene::{Appearance, Coordinates};
 /// cannot be had is a warning.
 ///
 /// # Errors
-/// If the stored document is damaged.
+/// If the stored document is damaged, or its images have more pixels than the limits allow.
 pub fn appearance(
     document: &Document,
     objects: &[&ObjectInfo],
     assets: &mut Assets,
 ) -> Result<Appearance, FormatError> {
     match document {
-        Document::Obj(obj) => Ok(obj::appearance(obj, objects, assets)),
+        Document::Obj(obj) => obj::appearance(obj, objects, assets),
         Document::Gltf(gltf) => gltf::appearance(gltf, objects, assets),
     }
 }

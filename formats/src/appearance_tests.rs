@@ -1,7 +1,7 @@
 use super::*;
 use crate::images::png;
 use crate::testing::Scratch;
-use crate::{GltfDocument, Limits, ObjDocument, ObjMaterial, SubmeshInfo, scene_graph};
+use crate::{Fault, GltfDocument, Limits, ObjDocument, ObjMaterial, SubmeshInfo, scene_graph};
 use lodc_scene::{AlphaMode, Arrangement, Image, Placement, Texture, Wrap};
 
 fn info(mesh: u32, material: Option<&str>) -> ObjectInfo {
@@ -195,4 +195,49 @@ fn a_document_that_lies_is_refused_without_a_panic() {
         "meshes":[{"primitives":[{"attributes":{}}]}],
         "nodes":[{"mesh":0,"children":[1]},{"children":[0]}]}"#;
     assert_eq!(arranged(loops, Vec::new(), &[0]).map(|a| a.placements().len()), Ok(1));
+}
+
+#[test]
+fn an_image_is_decoded_once_however_often_it_is_there_and_pixels_have_a_limit() {
+    let folder = Scratch::new("appearance-shared");
+    let one = red();
+    let blob = [one.as_slice(), &png(&Image { width: 1, height: 1, bytes: vec![9; 4] })].concat();
+    let texture =
+        |i: usize| serde_json::json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}});
+    let primitive = |m: usize| serde_json::json!({"attributes": {}, "material": m});
+    let image = |view: usize| serde_json::json!({"bufferView": view, "mimeType": "image/png"});
+    let list = |of: &dyn Fn(usize) -> serde_json::Value| (0..4).map(of).collect::<Vec<_>>();
+    let json = serde_json::json!({
+        "asset": {"version": "2.0"},
+        "meshes": [{"primitives": (list(&primitive))}],
+        "materials": (list(&texture)),
+        "textures": (list(&|i| serde_json::json!({"source": i}))),
+        "images": (list(&|i| image(usize::from(i == 2)))),
+        "bufferViews": [
+            {"buffer": 0, "byteLength": one.len()},
+            {"buffer": 0, "byteOffset": one.len(), "byteLength": blob.len() - one.len()}
+        ],
+        "buffers": [{"byteLength": blob.len()}]
+    });
+    let object = ObjectInfo {
+        submeshes: (0..4)
+            .map(|p| SubmeshInfo { document_primitive: p, ..info(0, None).submeshes[0].clone() })
+            .collect(),
+        ..info(0, None)
+    };
+    let document = Document::Gltf(GltfDocument { json: json.to_string(), blob });
+    let within = |pixels| {
+        let limits = Limits { pixels, ..Limits::DEFAULT };
+        let mut assets = Assets::new(&folder.path("a.gltf"), &[], limits);
+        appearance(&document, &[&object], &mut assets)
+    };
+    // Two pixels and one.
+    let looks = within(3).expect("as many as are allowed");
+    assert!(looks.warnings.is_empty() && looks.images.len() == 2, "{:?}", looks.warnings);
+    let shown = looks.of_submesh[0].iter().map(|&m| looks.materials[m].texture.map(|t| t.image));
+    assert_eq!(shown.collect::<Vec<_>>(), [Some(0), Some(0), Some(1), Some(0)]);
+    for pixels in [0, 2] {
+        let error = within(pixels).expect_err("more pixels than are allowed");
+        assert_eq!((error.fault, error.place.is_empty()), (Fault::Limit, false), "{error}");
+    }
 }

@@ -15,6 +15,8 @@ pub struct Limits {
     pub line_bytes: u64,
     /// Nesting of JSON.
     pub json_depth: u32,
+    /// Pixels of all images of one input that are decoded, each image once.
+    pub pixels: u64,
 }
 
 impl Limits {
@@ -26,6 +28,8 @@ impl Limits {
         triangles: 1 << 28,
         line_bytes: 64 << 20,
         json_depth: 128,
+        // 128 images of 4,096 x 4,096.
+        pixels: 1 << 31,
     };
 }
 

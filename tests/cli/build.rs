@@ -127,7 +127,11 @@ fn a_limit_ends_with_5_and_says_which() {
     for wrong in ["memory", "memory=much", "size=1", "=1"] {
         let run = f.lodc(["build", "grid.obj", "--limit", wrong]).fails(2);
         assert_eq!(run.err.lines().count(), 1, "{}", run.err);
-        assert!(run.err.contains("file, total, line, vertices, triangles, memory"), "{}", run.err);
+        assert!(
+            run.err.contains("file, total, line, vertices, triangles, memory, pixels, time"),
+            "{}",
+            run.err
+        );
     }
     for (stage, options) in [
         ("models", ["--models", "speed,masking,interactive"]),

@@ -23,6 +23,7 @@ mod geomorph;
 mod host;
 mod importance;
 mod inputs;
+mod limits;
 mod output;
 mod parts;
 mod paths;

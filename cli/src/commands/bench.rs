@@ -3,8 +3,9 @@
 
 use super::asset::{self, SimplifyArgs};
 use super::build::counts;
+use super::each;
 use super::read::read_lodc;
-use crate::console::{self, error, warning};
+use crate::console::{self, warning};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::{self, Device, GpuArgs, GpuUse};
 use crate::help::{MEASURED, MORE, OUTPUT};
@@ -25,7 +26,6 @@ use lodc_report::documents::ObjectCounts;
 use lodc_report::text::count;
 use serde::Serialize;
 use std::num::NonZeroU32;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 /// Options of `bench`.
@@ -262,39 +262,35 @@ fn bench_one(args: &BenchArgs, device: Option<&Device>, input: &Path) -> (BenchF
         let counts = counts(&object.info, &object.simplified);
         Ok(ObjectFigures { counts, figures: measure(prepared, &settings, device)? })
     };
-    let measured = catch_unwind(AssertUnwindSafe(|| {
-        read(args, input)?.objects.iter().map(one).collect::<Outcome<Vec<_>>>()
-    }));
-    let failure = match measured {
-        Ok(Ok(objects)) => return (BenchFile { file: name, error: None, objects }, Status::Done),
-        Ok(Err(failure)) => {
-            error(&failure);
-            failure
-        }
-        // The panic hook has said what and where.
-        Err(_) => Failure::new(Status::Bug, "internal error"),
+    let work = || read(args, input)?.objects.iter().map(one).collect::<Outcome<Vec<_>>>();
+    let failure = match each::guarded(input, work) {
+        Ok(objects) => return (BenchFile { file: name, error: None, objects }, Status::Done),
+        Err(failure) => failure,
     };
+    each::print(&failure);
     (BenchFile { file: name, error: Some(failure.message), objects: vec![] }, failure.status)
 }
 
 /// Reads an input and makes what is measured.
 fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
     let name = input.display().to_string();
+    let mut stages = Stages::new(args.import.clock(input));
     let (objects, document) = if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
-        let (file, _) = read_lodc(input, args.import.options().limits)?;
+        let limits = args.import.options().limits;
+        let (file, _) = stages.run("read", || read_lodc(input, limits))?;
         (file.objects, file.document)
     } else {
         let scene = import::import(input, &args.import.options())?;
         let how = SimplifyArgs::by(args.metric.metric);
-        let stages = &mut Stages::default();
-        let asset = asset::simplified(input, &args.import, &how, scene, stages)?;
+        let asset = asset::simplified(input, &args.import, &how, scene, &mut stages)?;
         asset.warnings.iter().for_each(|what| warning(&name, what));
         (asset.objects, asset.document)
     };
     let progress = Progress::new(&name);
     progress.stage("models");
     let prepared = |object| Prepared::new(object, &args.models, args.strips.options());
-    let objects = objects.into_iter().map(prepared).collect::<Result<_, _>>()?;
+    let prepare = || objects.into_iter().map(prepared).collect::<Result<Vec<_>, _>>();
+    let objects = stages.run("models", prepare)?;
     Ok(Input { name, objects, document })
 }
 

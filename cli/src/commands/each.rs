@@ -1,6 +1,7 @@
 //! Work on each of several inputs: its failures are its own, and the others have their turn.
 
 use crate::batch::{self, Asset, Budget, OptionValues};
+use crate::clock::{self, Turn};
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::huge_pages;
@@ -71,6 +72,9 @@ pub(crate) fn all<R: Send>(
     if let [bytes] = needs[..] {
         huge_pages::allow_for(bytes);
     }
+    if assets.len() > 1 {
+        clock::expect_several();
+    }
     let bar = BatchProgress::new(assets.len());
     batch::run(&needs, budget, |number| {
         let asset = &assets[number];
@@ -89,13 +93,17 @@ pub(crate) fn is_small(input: &Path) -> bool {
 /// The message of a panic. The panic hook has said what and where.
 const PANIC: &str = "internal error";
 
-/// Does the work on one input. A panic is a failure of this input alone, and a failure names it.
+/// Does the work on one input. A panic is a failure of this input alone, as is work that its clock
+/// ends, and a failure names it.
 ///
 /// # Errors
 /// If the work fails.
 pub(crate) fn guarded<T>(input: &Path, work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
+    let _turn = Turn::new();
     let done = catch_unwind(AssertUnwindSafe(work));
-    done.unwrap_or_else(|_| Err(Failure::new(Status::Bug, PANIC))).map_err(|f| naming(input, f))
+    let panic = || Failure::new(Status::Bug, PANIC);
+    let done = done.unwrap_or_else(|payload| Err(clock::left(&*payload).unwrap_or_else(panic)));
+    done.map_err(|failure| naming(input, failure))
 }
 
 /// An error in a file that the input refers to names that file; with several inputs both are

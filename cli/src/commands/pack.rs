@@ -64,7 +64,7 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
     if args.json && target == Target::Stdout {
         return Err(Failure::usage("the stream and the JSON do not fit one standard output"));
     }
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.limits.clock(&args.input));
     let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
     let quantize = args.quantize.unwrap_or_default();
     let options = PackOptions { quantize, exact: args.exact, ..PackOptions::default() };

@@ -71,7 +71,7 @@ fn price(text: &str) -> Result<f32, String> {
 pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     let target = output::target(&args.input, Some(&args.output), "strips")?;
     output::prepare([&target], output::is_folder(&args.output))?;
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.import.clock(&args.input));
     let scene = stages.run("import", || import::import(&args.input, &args.import.options()))?;
     for what in &scene.warnings {
         warning(&args.input.display().to_string(), what);

@@ -33,7 +33,7 @@ pub(crate) struct Step {
     pub(crate) source: u32,
     /// Faces that are left.
     pub(crate) live: u32,
-    /// The squared bound that the first way has found.
+    /// The squared bound that the forward pass has found.
     pub(crate) bound: f64,
     /// The mean squared distance of the samples.
     pub(crate) mean_square: f64,
@@ -46,9 +46,9 @@ pub(crate) struct Block {
     pub(crate) entries: Vec<Entry>,
     /// The points that corners move to.
     pub(crate) targets: Vec<u32>,
-    /// Work of the first way at the end.
+    /// Work of the forward pass at the end.
     pub(crate) work: Work,
-    /// True if the first way gave up after these steps.
+    /// True if the forward pass gave up after these steps.
     pub(crate) gave_up: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Where the other way runs: on a thread of its own, or between the blocks of the first.
+//! Where the backward pass runs: on a thread of its own, or between the blocks of the first.
 
 use crate::backward::{Backward, Followed};
 use crate::block::Block;
@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Scope;
 
-/// The other way.
+/// The backward pass.
 pub(crate) trait Follower {
     /// Gives it a block.
     fn send(&mut self, block: Block);

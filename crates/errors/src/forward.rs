@@ -1,13 +1,14 @@
-//! One way: how far points of the input are from the level.
+//! The forward pass: how far points of the input are from the level. Samples travel from face to
+//! face; what they cannot tell is searched.
 
 use crate::block::{Block, Entry, Step};
-use crate::care::Care;
 use crate::faces::{Changes, Faces};
 use crate::floor::Floor;
 use crate::gap::gap_of;
 use crate::input::Input;
 use crate::samples::{Sample, Samples};
 use crate::thinning::Thinning;
+use crate::thresholds::Thresholds;
 use crate::work::{FLOOR, Work};
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, NONE};
@@ -30,6 +31,14 @@ const UNCOVERED: f64 = 2.5e-3;
 /// Most triangles of a mesh in which this is done: larger ones have enough points.
 const COVERABLE: usize = 1 << 16;
 
+/// A new sample is kept if its squared distance is beyond this share of the squared bound (0.3 of
+/// the bound): nearer ones rarely come to decide it. Chosen by hand.
+const KEPT_BEYOND: f64 = 0.09;
+
+/// A sample that was searched around before is searched around again when its squared distance has
+/// grown by this factor. Chosen by hand.
+const GROWN: f64 = 1.1;
+
 /// Changed faces that a sample is tried on before the tree is searched: twice a large star. Chosen
 /// by hand.
 const TRIED: usize = 48;
@@ -42,7 +51,7 @@ const READ_AHEAD: u32 = 16;
 pub(crate) struct Forward<'a> {
     input: &'a Input,
     floor: Floor<'a>,
-    care: Care,
+    thresholds: Thresholds,
     faces: Faces,
     samples: Samples,
     thinning: Thinning,
@@ -53,7 +62,7 @@ pub(crate) struct Forward<'a> {
     bound: f64,
     seeker: Seeker,
     work: Work,
-    /// Work of the other way, as far as it is known.
+    /// Work of the backward pass, as far as it is known.
     other: Work,
     taken: Vec<(u32, u32)>,
     /// Samples that are far, with the face that each is nearest to.
@@ -72,18 +81,18 @@ impl<'a> Forward<'a> {
     pub(crate) fn new(
         input: &'a Input,
         wedges: Vec<[u32; 3]>,
-        (floor, care): (Floor<'a>, Care),
+        (floor, thresholds): (Floor<'a>, Thresholds),
     ) -> Self {
         let mut faces = Faces::new(input, &wedges);
         drop(wedges);
-        let samples = Samples::new(input, &mut faces.all, care.samples);
+        let samples = Samples::new(input, &mut faces.all, thresholds.samples);
         Self {
             input,
             floor,
-            care,
+            thresholds,
             faces,
             samples,
-            thinning: Thinning::new(care.kept),
+            thinning: Thinning::new(thresholds.kept),
             changes: Changes::default(),
             corners: vec![],
             bound: 0.0,
@@ -104,13 +113,13 @@ impl<'a> Forward<'a> {
         self.samples.at_points
     }
 
-    /// Takes over what the other way has found.
+    /// Takes over what the backward pass has found.
     pub(crate) fn learn(&mut self, bound: f64, work: Work) {
         self.bound = self.bound.max(bound);
         self.other = work;
     }
 
-    /// Follows some steps, and notes what the other way needs of them in `block`.
+    /// Follows some steps, and notes what the backward pass needs of them in `block`.
     pub(crate) fn run(
         &mut self,
         sequence: &CollapseSequence,
@@ -179,7 +188,7 @@ impl<'a> Forward<'a> {
             let (face, live) = (self.changes.changed[i], self.faces.live);
             self.thinning.thin(&mut self.samples, &mut self.faces.all, face, live, self.bound);
         }
-        if self.input.triangles.len() <= self.care.exhaustive {
+        if self.input.triangles.len() <= self.thresholds.exhaustive {
             self.cover_around();
         }
     }
@@ -265,7 +274,7 @@ impl<'a> Forward<'a> {
             let p = self.samples.all[number as usize].place();
             let nearest = self.nearest_face(p, own, self.bound * (NEAR * NEAR));
             if nearest.squared > self.enough()
-                && nearest.squared > 1.1 * f64::from(self.samples.all[number as usize].refined)
+                && nearest.squared > GROWN * f64::from(self.samples.all[number as usize].refined)
             {
                 self.doubtful.push((number, nearest.triangle));
             }
@@ -295,7 +304,7 @@ impl<'a> Forward<'a> {
                     3 => centroid(corners),
                     k => (corners[k] + corners[(k + 1) % 3]) * 0.5,
                 };
-                let near = self.bound * 0.09;
+                let near = self.bound * KEPT_BEYOND;
                 let nearest = self.nearest_face(p, t, near);
                 if nearest.squared <= near.max(FLOOR) || nearest.triangle == NONE {
                     continue;

@@ -11,23 +11,23 @@
 
 use crate::backward::{Backward, Followed};
 use crate::block::Block;
-use crate::care::Care;
 use crate::floor::{Floor, MARGIN};
 use crate::follower::{Follower, Here, beside};
 use crate::forward::Forward;
 use crate::input::Input;
 use crate::step_errors::StepErrors;
+use crate::thresholds::Thresholds;
 use crate::work::FLOOR;
 use lodc_mesh::Simplified;
 
 /// Steps of a block: a share of the steps done and of those to come, for the bound grows fast at
-/// both ends. The bounds keep blocks worth handing over, and short enough that the other way is
+/// both ends. The bounds keep blocks worth handing over, and short enough that the backward pass is
 /// never far behind. Chosen by hand.
 const SHARE: u32 = 16;
 const FEWEST: u32 = 32;
 const MOST: u32 = 2_048;
 
-/// Blocks that the first way is ahead: it learns what the other found in a block when it has
+/// Blocks that the forward pass is ahead: it learns what the other found in a block when it has
 /// followed this many more. Fewer, and threads wait for each other; more, and the bound comes late.
 const AHEAD: usize = 3;
 
@@ -39,13 +39,15 @@ pub(crate) fn run(
     input: &Input,
     wedges: Vec<[u32; 3]>,
     simplified: &Simplified,
-    (floor, care): (Floor<'_>, Care),
+    (floor, thresholds): (Floor<'_>, Thresholds),
 ) -> StepErrors {
-    let (forward, backward) =
-        rayon::join(|| Forward::new(input, wedges, (floor, care)), || Backward::new(input, care));
+    let (forward, backward) = rayon::join(
+        || Forward::new(input, wedges, (floor, thresholds)),
+        || Backward::new(input, thresholds),
+    );
     let steps = simplified.collapses().steps() as u32;
     let stated = Stated::new(input, steps, forward.at_points(), floor);
-    if rayon::current_num_threads() < care.threads || steps < FEW_STEPS {
+    if rayon::current_num_threads() < thresholds.threads || steps < FEW_STEPS {
         return follow(forward, stated, simplified, Here::new(backward));
     }
     std::thread::scope(|scope| {
@@ -54,7 +56,7 @@ pub(crate) fn run(
     })
 }
 
-/// Follows all steps, in blocks, of which the other way gets each.
+/// Follows all steps, in blocks, of which the backward pass gets each.
 fn follow(
     mut forward: Forward,
     mut stated: Stated,

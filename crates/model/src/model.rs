@@ -1,4 +1,4 @@
-//! A multiresolution model: an immutable thing that cursors move over.
+//! Multiresolution models: immutable structures that show any LOD of a mesh, through cursors.
 
 use crate::{Array, Changes, Layout, StorageCost};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
@@ -26,8 +26,8 @@ pub trait Model {
     fn lod(&self, cursor: &Self::Cursor) -> Lod;
 
     /// Moves a cursor to the LOD shown for `lod` (rounded down to the end of a step), finer or
-    /// coarser, near or far. `changes` hears of exactly the triangles that go and come: no triangle
-    /// that stays, none twice.
+    /// coarser, near or far. `changes` is told exactly the triangles that are removed and added:
+    /// none that stays, none twice.
     fn seek(&self, cursor: &mut Self::Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic;
 
     /// Bytes that a program which keeps the model on a GPU sends there for a move that cost

@@ -12,7 +12,7 @@ const FILLED: f64 = 0.95;
 /// Nothing seen is further out than this many pixels; what is, is moved to there.
 const FURTHEST: f64 = 131_072.0;
 
-/// Place of a point in a picture.
+/// The projection of a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Point {
     /// In 256ths of a pixel, from the left edge.
@@ -88,8 +88,8 @@ pub fn metric_cameras(center: DVec3, radius: f64, size: u32) -> Vec<Camera> {
     corners.into_iter().map(|c| Camera::new(turned(c).normalize(), center, radius, size)).collect()
 }
 
-/// Turns a vector by a fixed rotation without any symmetry: two Householder mirrors in planes of no
-/// importance.
+/// Turns a vector by a fixed rotation without any symmetry: two Householder mirrors in arbitrary
+/// planes.
 fn turned(v: DVec3) -> DVec3 {
     let mirrored =
         |v: DVec3, across: DVec3| v - across * (2.0 * v.dot(across) / across.length_squared());
@@ -100,10 +100,10 @@ fn turned(v: DVec3) -> DVec3 {
 /// [`metric_cameras`].
 #[must_use]
 pub fn spread_cameras(count: u32, center: DVec3, radius: f64, size: u32) -> Vec<Camera> {
-    // Cosine and sine of π (1 + √5), by which each point turns on from the one before: no library's
-    // sine is asked.
+    // Cosine and sine of π (1 + √5), by which each point is turned against the one before: as
+    // numbers, since sines of libraries differ between machines.
     let (cos, sin) = (-0.737_368_878_078_320_3, -0.675_490_294_261_523_2);
-    // Half a step to begin with.
+    // The first point is turned by half of that.
     let (mut x, mut y) = (0.362_374_890_080_479_8, -0.932_032_423_813_227_7);
     (0..count)
         .map(|i| {

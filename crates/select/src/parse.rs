@@ -1,4 +1,4 @@
-//! Wishes as people write them: shares and counts of triangles, distances.
+//! Reads targets as people write them: shares and counts of triangles, distances.
 
 use crate::selection::Target;
 

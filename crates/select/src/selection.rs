@@ -1,11 +1,11 @@
-//! From a wish (a record, a share, a count, an error) to one level of detail per object.
+//! From a target (a record, a share, a count, an error) to one level of detail per object.
 
 use crate::number::{decimal, threshold};
 use crate::order::within_triangles;
 use lodc_mesh::{CollapseSequence, Lod};
 use std::fmt;
 
-/// A wish.
+/// What the levels of an object or a scene are to meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// This many records applied.
@@ -48,7 +48,7 @@ pub struct Selection {
     /// The largest root mean square distance of an object, in the same units; none if it was not
     /// measured.
     pub rms: Option<f64>,
-    /// Wishes that could not be met in full: one line each.
+    /// Targets that could not be met in full: one line each.
     pub warnings: Vec<String>,
 }
 
@@ -68,9 +68,9 @@ impl fmt::Display for RecordOfScene {
 impl std::error::Error for RecordOfScene {}
 
 /// Chooses one level of detail per object. Unless `per_object`, several objects meet an error each
-/// by itself in world units, and numbers of triangles together: they give up triangles where least
+/// for itself in world units, and numbers of triangles together: triangles are removed where least
 /// is lost. `losses` returns for each object its loss after each step, never falling; it is called
-/// only if the wish is a number of triangles for several objects.
+/// only if the target is a number of triangles for several objects.
 ///
 /// # Errors
 /// If a record number is asked of several objects at once.
@@ -102,7 +102,7 @@ impl Selection {
         self.measure(objects);
     }
 
-    /// Gives some objects, by their numbers, the level that each has by itself.
+    /// Gives some objects, by their numbers, levels that meet targets of their own.
     pub fn put(&mut self, objects: &[Candidate<'_>], own: impl Iterator<Item = (usize, Target)>) {
         for (number, target) in own {
             self.lods[number] = alone(&objects[number], target, &mut self.warnings);
@@ -123,6 +123,7 @@ impl Selection {
     }
 }
 
+/// The level of one object, in its own units.
 fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> Lod {
     let c = object.collapses;
     let wanted = match target {
@@ -153,6 +154,7 @@ fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> 
     wanted.min(visible)
 }
 
+/// The levels of several objects, in world units or for a number of triangles of all.
 fn together<L: AsRef<[Vec<f64>]>>(
     objects: &[Candidate<'_>],
     target: Target,

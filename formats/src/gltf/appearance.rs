@@ -7,6 +7,7 @@ use super::uri;
 use crate::images::Pictures;
 use crate::{Assets, Fault, FormatError, GltfDocument, Limits, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
+use std::collections::BTreeSet;
 
 /// Linear colour of a mesh without a material. glTF says white, which leaves no room for light.
 const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
@@ -24,12 +25,13 @@ pub(crate) fn appearance(
     Stored::read(document, &limits, |stored, root| {
         let of_submesh = materials(root, objects);
         let view = |index| stored.view(index);
-        let mut reader = Reader { root, pictures: Pictures::default(), assets, view: &view };
+        let mut reader = Reader { root, pictures: Pictures::new(&limits), assets, view: &view };
         let mut materials = vec![Material { colour: PLAIN, ..Material::default() }];
+        // What nothing uses need not have its pictures read.
+        let used: BTreeSet<usize> = of_submesh.iter().flatten().copied().collect();
         for (number, source) in (1..).zip(root.list("materials")) {
-            // What nothing uses need not have its pictures read.
-            let used = of_submesh.iter().flatten().any(|&m| m == number);
-            materials.push(if used { reader.material(source) } else { Material::default() });
+            let used = used.contains(&number);
+            materials.push(if used { reader.material(source)? } else { Material::default() });
         }
         let Pictures { list, warnings, .. } = reader.pictures;
         Ok(Appearance { materials, of_submesh, images: list, warnings })
@@ -79,16 +81,19 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// A material of the document.
-    fn material(&mut self, source: &Json) -> Material {
+    ///
+    /// # Errors
+    /// If its picture is beyond the limits.
+    fn material(&mut self, source: &Json) -> Result<Material, FormatError> {
         let (colour, texture) = base(source);
         let cut_off = source["alphaCutoff"].as_f64().unwrap_or(0.5) as f32;
         let mut colour = colour.numbers([1.0; 4]).map(|v| (v as f32).clamp(0.0, 1.0));
-        let found = self.texture(texture);
+        let found = self.texture(texture)?;
         if found.is_none() && texture.is_object() {
             // White stands for the texture that could not be had; grey shows the shape.
             colour[..3].iter_mut().for_each(|c| *c *= 0.6);
         }
-        Material {
+        Ok(Material {
             colour,
             texture: found,
             coordinates: shown(source),
@@ -99,12 +104,13 @@ impl Reader<'_> {
                 _ => AlphaMode::Opaque,
             },
             unlit: source["extensions"]["KHR_materials_unlit"].is_object(),
-        }
+        })
     }
 
-    fn texture(&mut self, info: &Json) -> Option<Texture> {
-        let texture = &self.root["textures"][info["index"].as_index()?];
-        let image = self.image(texture["source"].as_index())?;
+    fn texture(&mut self, info: &Json) -> Result<Option<Texture>, FormatError> {
+        let Some(index) = info["index"].as_index() else { return Ok(None) };
+        let texture = &self.root["textures"][index];
+        let Some(image) = self.image(texture["source"].as_index())? else { return Ok(None) };
         let Coordinates { set, transform } = texture_coordinates(info);
         let sampler =
             texture["sampler"].as_index().map_or(&Json::Null, |s| &self.root["samplers"][s]);
@@ -113,22 +119,21 @@ impl Reader<'_> {
             Some(33648) => Wrap::Mirror,
             _ => Wrap::Repeat,
         };
-        Some(Texture {
+        Ok(Some(Texture {
             image,
             set,
             transform,
             wrap: [wrap("wrapS"), wrap("wrapT")],
             nearest: sampler["magFilter"].as_u64() == Some(9728),
-        })
+        }))
     }
 
-    fn image(&mut self, image: Option<usize>) -> Option<usize> {
+    fn image(&mut self, image: Option<usize>) -> Result<Option<usize>, FormatError> {
         let Some(image) = image else {
             let extensions = "in a format that an extension names";
-            self.pictures.get("", extensions, || {
+            return self.pictures.get("", extensions, || {
                 Err(FormatError::new(Fault::Unsupported, "", "a texture without a PNG or JPEG"))
             });
-            return None;
         };
         let source = &self.root["images"][image];
         let place = format!("images[{image}]");

@@ -19,10 +19,21 @@ const MAX_PIXELS: u64 = 1 << 26;
 /// # Errors
 /// If it is neither, damaged, or larger than 16384 pixels on a side or 64 million in all.
 pub fn decode(bytes: &[u8]) -> Result<Image, FormatError> {
+    decode_if(bytes, |_| Ok(()))
+}
+
+/// Decodes a PNG or JPEG as [`decode`] does, once `allowed` has seen how many pixels it has.
+///
+/// # Errors
+/// As [`decode`], and what `allowed` refuses.
+pub(crate) fn decode_if(
+    bytes: &[u8],
+    allowed: impl FnOnce(u64) -> Result<(), FormatError>,
+) -> Result<Image, FormatError> {
     if bytes.starts_with(b"\x89PNG") {
-        decode_png(bytes)
+        decode_png(bytes, allowed)
     } else if bytes.starts_with(b"\xff\xd8\xff") {
-        decode_jpeg(bytes)
+        decode_jpeg(bytes, allowed)
     } else {
         let known = [
             (&b"\xabKTX 2"[..], "a KTX2 texture"),
@@ -43,7 +54,11 @@ pub fn decode(bytes: &[u8]) -> Result<Image, FormatError> {
     }
 }
 
-fn check_size(width: usize, height: usize) -> Result<(), FormatError> {
+fn check_size(
+    width: usize,
+    height: usize,
+    allowed: impl FnOnce(u64) -> Result<(), FormatError>,
+) -> Result<(), FormatError> {
     if width == 0 || height == 0 {
         return Err(FormatError::new(Fault::Malformed, "", "has no pixel"));
     }
@@ -53,10 +68,13 @@ fn check_size(width: usize, height: usize) -> Result<(), FormatError> {
         );
         return Err(FormatError::new(Fault::Limit, "", what));
     }
-    Ok(())
+    allowed((width as u64) * (height as u64))
 }
 
-fn decode_png(bytes: &[u8]) -> Result<Image, FormatError> {
+fn decode_png(
+    bytes: &[u8],
+    allowed: impl FnOnce(u64) -> Result<(), FormatError>,
+) -> Result<Image, FormatError> {
     let damaged = |e: png::DecodingError| match e {
         png::DecodingError::LimitsExceeded => {
             FormatError::new(Fault::Limit, "", "takes too much memory")
@@ -71,7 +89,7 @@ fn decode_png(bytes: &[u8]) -> Result<Image, FormatError> {
     decoder.set_ignore_iccp_chunk(true);
     let mut reader = decoder.read_info().map_err(damaged)?;
     let (width, height) = (reader.info().width, reader.info().height);
-    check_size(width as usize, height as usize)?;
+    check_size(width as usize, height as usize, allowed)?;
     let size = reader.output_buffer_size();
     let size = size.ok_or_else(|| FormatError::new(Fault::Limit, "", "takes too much memory"))?;
     let mut raw = vec![0; size];
@@ -80,7 +98,10 @@ fn decode_png(bytes: &[u8]) -> Result<Image, FormatError> {
     Ok(Image { width, height, bytes: expanded(raw, info.color_type.samples()) })
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Image, FormatError> {
+fn decode_jpeg(
+    bytes: &[u8],
+    allowed: impl FnOnce(u64) -> Result<(), FormatError>,
+) -> Result<Image, FormatError> {
     let damaged = |e: zune_jpeg::errors::DecodeErrors| {
         FormatError::new(Fault::Malformed, "", format!("is a damaged JPEG: {e:?}"))
     };
@@ -91,7 +112,7 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Image, FormatError> {
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(damaged)?;
     let (width, height) = decoder.dimensions().unwrap_or_default();
-    check_size(width, height)?;
+    check_size(width, height, allowed)?;
     let raw = decoder.decode().map_err(damaged)?;
     let samples = raw.len() / (width * height);
     Ok(Image { width: width as u32, height: height as u32, bytes: expanded(raw, samples) })

@@ -14,6 +14,8 @@ mod tests;
 #[cfg(feature = "import")]
 pub use decode::decode;
 #[cfg(feature = "import")]
+use decode::decode_if;
+#[cfg(feature = "import")]
 pub use encode::png;
 #[cfg(feature = "import")]
 pub(crate) use pictures::Pictures;

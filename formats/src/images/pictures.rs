@@ -1,8 +1,10 @@
-//! Pictures as they are asked for: each read once, all together bounded.
+//! Pictures as they are asked for: each decoded once, all together bounded.
 
-use super::decode;
-use crate::FormatError;
+use super::decode_if;
+use crate::{Fault, FormatError, Limits};
 use lodc_scene::Image;
+use std::collections::BTreeMap;
+use xxhash_rust::xxh3::xxh3_128;
 
 /// Longest side that is kept.
 const SIDE: u32 = 4096;
@@ -10,40 +12,92 @@ const SIDE: u32 = 4096;
 const PIXELS: u64 = 1 << 28;
 
 /// The pictures of one scene.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Pictures {
     /// By the key they were asked for with: where they are, or nowhere.
-    known: Vec<(String, Option<usize>)>,
+    known: BTreeMap<String, Option<usize>>,
+    /// By a hash of their files: many images of a document may be one.
+    decoded: BTreeMap<u128, Result<usize, FormatError>>,
     pub(crate) list: Vec<Image>,
     pub(crate) warnings: Vec<String>,
     taken: u64,
+    /// Pixels that may be decoded, and those of them that are left.
+    limit: u64,
+    left: u64,
 }
 
 impl Pictures {
-    /// The picture of this key, read if it has not been asked for before. `name` is what a warning
-    /// calls it.
+    /// No pictures yet, of an input with these limits.
+    pub(crate) fn new(limits: &Limits) -> Self {
+        Self {
+            known: BTreeMap::new(),
+            decoded: BTreeMap::new(),
+            list: Vec::new(),
+            warnings: Vec::new(),
+            taken: 0,
+            limit: limits.pixels,
+            left: limits.pixels,
+        }
+    }
+
+    /// The picture of this key, read if it has not been asked for before; none, with a warning, if
+    /// it cannot be had. `name` is what messages call it.
+    ///
+    /// # Errors
+    /// If the pictures together have more pixels than the limits allow.
     pub(crate) fn get(
         &mut self,
         key: &str,
         name: &str,
         read: impl FnOnce() -> Result<Vec<u8>, FormatError>,
-    ) -> Option<usize> {
-        if let Some((_, known)) = self.known.iter().find(|(k, _)| k == key) {
-            return *known;
+    ) -> Result<Option<usize>, FormatError> {
+        if let Some(known) = self.known.get(key) {
+            return Ok(*known);
         }
-        let found = match read().and_then(|bytes| decode(&bytes)) {
+        let found = match read() {
+            Ok(bytes) => self.picture(&bytes, name)?,
+            Err(e) => Err(e),
+        };
+        let found = found.map_err(|e| {
+            self.warnings.push(format!("drawn without a texture: {}", e.in_file(name)));
+        });
+        self.known.insert(key.to_owned(), found.ok());
+        Ok(found.ok())
+    }
+
+    /// The picture in a file, or why there is none.
+    ///
+    /// # Errors
+    /// As [`Pictures::get`].
+    fn picture(
+        &mut self,
+        bytes: &[u8],
+        name: &str,
+    ) -> Result<Result<usize, FormatError>, FormatError> {
+        let hash = xxh3_128(bytes);
+        if let Some(known) = self.decoded.get(&hash) {
+            return Ok(known.clone());
+        }
+        let (left, mut too_many) = (&mut self.left, false);
+        let decoded = decode_if(bytes, |pixels| {
+            let rest = left.checked_sub(pixels).ok_or_else(|| {
+                too_many = true;
+                let what = format!("more than {} pixels of images to decode", self.limit);
+                FormatError::new(Fault::Limit, name, what)
+            });
+            rest.map(|rest| *left = rest)
+        });
+        let found = match decoded {
+            Err(e) if too_many => return Err(e),
+            Err(e) => Err(e),
             Ok(mut picture) => {
                 picture.shrink(SIDE, (PIXELS - self.taken.min(PIXELS)) / 4);
                 self.taken += u64::from(picture.width) * u64::from(picture.height);
                 self.list.push(picture);
-                Some(self.list.len() - 1)
-            }
-            Err(e) => {
-                self.warnings.push(format!("drawn without a texture: {}", e.in_file(name)));
-                None
+                Ok(self.list.len() - 1)
             }
         };
-        self.known.push((key.to_owned(), found));
-        found
+        self.decoded.insert(hash, found.clone());
+        Ok(found)
     }
 }

@@ -3,8 +3,9 @@
 
 use super::mtl::{self, Meaning};
 use crate::images::Pictures;
-use crate::{Assets, ObjDocument, ObjMaterial, ObjectInfo};
+use crate::{Assets, FormatError, ObjDocument, ObjMaterial, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap, to_linear};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Without a `.mtl`: a light grey, seen from both sides. The texture coordinate 0 is an image's
 /// bottom, its first row is the top.
@@ -18,37 +19,37 @@ const PLAIN: Material = Material {
 };
 
 /// The looks of an OBJ.
+///
+/// # Errors
+/// If its pictures are beyond the limits.
 pub(crate) fn appearance(
     obj: &ObjDocument,
     objects: &[&ObjectInfo],
     assets: &mut Assets,
-) -> Appearance {
-    let mut pictures = Pictures::default();
-    let used = |m: &ObjMaterial| {
-        objects
-            .iter()
-            .flat_map(|o| &o.submeshes)
-            .any(|s| s.material.as_deref() == Some(m.name.as_str()))
-    };
+) -> Result<Appearance, FormatError> {
+    let mut pictures = Pictures::new(assets.limits());
+    let shown = objects.iter().flat_map(|o| &o.submeshes).filter_map(|s| s.material.as_deref());
+    let used: BTreeSet<&str> = shown.collect();
     let mut materials = vec![PLAIN];
     // What nothing uses need not have its pictures read.
-    materials.extend(
-        obj.materials
-            .iter()
-            .map(|m| if used(m) { material(m, &mut pictures, assets) } else { PLAIN }),
-    );
-    let number = |name: &Option<String>| {
-        let name = name.as_ref()?;
-        obj.materials.iter().position(|m| m.name == *name).map(|i| i + 1)
-    };
+    for m in &obj.materials {
+        let used = used.contains(m.name.as_str());
+        materials.push(if used { material(m, &mut pictures, assets)? } else { PLAIN });
+    }
+    // Of several with one name the first counts.
+    let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
+    for (number, m) in (1..).zip(&obj.materials) {
+        numbers.entry(&m.name).or_insert(number);
+    }
+    let number = |name: &Option<String>| numbers.get(name.as_deref()?).copied();
     let of =
         |o: &&ObjectInfo| o.submeshes.iter().map(|s| number(&s.material).unwrap_or(0)).collect();
-    Appearance {
+    Ok(Appearance {
         materials,
         of_submesh: objects.iter().map(of).collect(),
         images: pictures.list,
         warnings: pictures.warnings,
-    }
+    })
 }
 
 /// The texture coordinates that submeshes of an OBJ show.
@@ -56,7 +57,11 @@ pub(crate) fn coordinates(objects: &[&ObjectInfo]) -> Vec<Vec<Coordinates>> {
     objects.iter().map(|o| vec![PLAIN.coordinates; o.submeshes.len()]).collect()
 }
 
-fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) -> Material {
+fn material(
+    source: &ObjMaterial,
+    pictures: &mut Pictures,
+    assets: &mut Assets,
+) -> Result<Material, FormatError> {
     // `Kd` has no colour space of its own; programs show it as they show texels.
     let linear = |v: f64| to_linear((v as f32).clamp(0.0, 1.0));
     let mut material = PLAIN;
@@ -67,7 +72,9 @@ fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) 
     if let Some(dissolve) = meaning.dissolve {
         material.colour[3] = (dissolve as f32).clamp(0.0, 1.0);
     }
-    material.texture = meaning.texture.as_deref().and_then(|map| texture(map, pictures, assets));
+    if let Some(map) = &meaning.texture {
+        material.texture = texture(map, pictures, assets)?;
+    }
     let black = material.colour[..3].iter().all(|&c| c == 0.0);
     if material.texture.is_some() && (black || meaning.diffuse.is_none()) {
         // Many writers leave `Kd` black or out where a texture says the colour.
@@ -84,12 +91,16 @@ fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) 
         _ if meaning.cut => AlphaMode::Mask(0.5),
         _ => AlphaMode::Opaque,
     };
-    material
+    Ok(material)
 }
 
 /// The texture of `map_Kd [-option value...]... FILE`.
-fn texture(rest: &str, pictures: &mut Pictures, assets: &mut Assets) -> Option<Texture> {
-    let (options, name) = mtl::options_and_file(rest)?;
+fn texture(
+    rest: &str,
+    pictures: &mut Pictures,
+    assets: &mut Assets,
+) -> Result<Option<Texture>, FormatError> {
+    let Some((options, name)) = mtl::options_and_file(rest) else { return Ok(None) };
     let (mut scale, mut offset, mut wrap) = ([1.0f32; 2], [0.0f32; 2], Wrap::Repeat);
     for (option, values) in options {
         let number =
@@ -103,7 +114,8 @@ fn texture(rest: &str, pictures: &mut Pictures, assets: &mut Assets) -> Option<T
     }
     let turned = name.replace('\\', "/");
     let image = pictures.get(&turned, name, || assets.read_reference(&turned))?;
+    let Some(image) = image else { return Ok(None) };
     // The picture's first row is the top, the texture coordinate 0 is the bottom.
     let transform = [[scale[0], 0.0, offset[0]], [0.0, -scale[1], 1.0 - offset[1]]];
-    Some(Texture { image, set: 0, transform, wrap: [wrap; 2], nearest: false })
+    Ok(Some(Texture { image, set: 0, transform, wrap: [wrap; 2], nearest: false }))
 }

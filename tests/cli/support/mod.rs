@@ -191,8 +191,8 @@ pub(crate) fn outside(variable: &str) -> Option<PathBuf> {
     asked(variable).then(|| named().into())
 }
 
-/// The longest that a program from outside may take: far more than any needs, so that one that hangs
-/// fails by itself.
+/// The longest that a program from outside may take: far more than any needs, so that one that
+/// hangs fails by itself.
 pub(crate) const LONGEST: Duration = Duration::from_secs(600);
 
 /// A program from outside that ends, with what it started, after [`LONGEST`].

@@ -128,7 +128,7 @@ fn build(
     progress: &Progress,
     report: &mut InputReport,
 ) -> Outcome<Option<Rule>> {
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.import.clock(input));
     crate::memory::reset_peak();
     let made = pipeline::make(args, input, target, &mut stages, progress, report);
     report.peak_bytes = crate::memory::peak_bytes();

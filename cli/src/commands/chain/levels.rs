@@ -11,7 +11,7 @@ use lodc_assets::Parts;
 use lodc_formats::export::GlideFacts;
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainLevel;
-use lodc_report::{MissingPart, Roll};
+use lodc_report::{MissingPart, PartInventory};
 use lodc_select::{Selection, Target};
 use std::path::Path;
 
@@ -187,7 +187,7 @@ pub(super) fn described(
     objects: &[LodObject],
     chosen: Vec<Chosen>,
     measured: Vec<Measured>,
-    roll: &Roll<'_>,
+    roll: &PartInventory<'_>,
 ) -> (Vec<Level>, Vec<String>) {
     let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();
     for (number, (chosen, measured)) in chosen.into_iter().zip(measured).enumerate() {

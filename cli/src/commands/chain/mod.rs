@@ -29,7 +29,7 @@ use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{OutputFile, RequestedFiles};
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainReport;
-use lodc_report::{ErrorsOver, Roll};
+use lodc_report::{ErrorsOver, PartInventory};
 use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
@@ -152,13 +152,13 @@ fn chain(
 ) -> Outcome<ExportResult<ChainReport>> {
     // An asset may have options of its own.
     args.glide.check(format, out)?;
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.export.import.clock(input));
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let errors = Errors::to_choose(args.levels.wanted().into_iter().chain(args.max_error));
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let limits = import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
-    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
+    let roll = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let chosen = stages.run("select", || {
         args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)
     })?;

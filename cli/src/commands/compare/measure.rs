@@ -36,7 +36,7 @@ pub(super) fn compare(
     progress: &Progress,
 ) -> Outcome<Measured> {
     let then = baseline.map(|b| baseline::of(b, name, args)).transpose()?;
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.import.clock(path_b));
     let choice_a = LevelChoice { target: args.level_a, per_object: false };
     let level_a = args.level_a.map(|target| Errors::to_choose([target]));
     let a = Subject::read(path_a, level_a, args, &mut stages, progress)?;

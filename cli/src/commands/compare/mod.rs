@@ -9,6 +9,7 @@ use super::asset::SimplifyArgs;
 use super::ci::CiArgs;
 use super::each::{self, AssetOptions};
 use crate::batch::{self, Asset, BatchArgs, Pair};
+use crate::clock;
 use crate::config::ConfigArgs;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
@@ -23,7 +24,7 @@ use crate::selector::{SelectorArgs, size};
 use baseline::Baseline;
 use clap::Args;
 use lodc_assets::AssetError;
-use lodc_report::{Case, Length, MostAllowed, PairReport, Suite, Verdict};
+use lodc_report::{Case, ComparisonLimits, Length, PairReport, Suite, Verdict};
 use lodc_select::Target;
 use measure::Measured;
 use std::path::{Path, PathBuf};
@@ -175,9 +176,9 @@ impl CompareArgs {
     }
 
     /// The limits given.
-    fn most_allowed(&self) -> MostAllowed {
+    fn most_allowed(&self) -> ComparisonLimits {
         let Self { max_rms: rms, max_hausdorff: hausdorff, max_image_rmse: image_rmse, .. } = *self;
-        MostAllowed { rms, hausdorff, image_rmse }
+        ComparisonLimits { rms, hausdorff, image_rmse }
     }
 
     /// The levels of B, with their names if there may be several.
@@ -218,6 +219,9 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     args.configuration.apply(program, "compare", &mut assets)?;
     let options = AssetOptions::new(program, "compare", &assets, |args: CompareArgs, _| args);
     let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
+    if assets.len() > 1 {
+        clock::expect_several();
+    }
     // One after the other: each takes all threads, and much memory for its pictures.
     let one = |(asset, other): (&Asset, Result<PathBuf, AssetError>)| {
         let done = each::guarded(&asset.input, || {

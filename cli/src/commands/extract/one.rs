@@ -20,7 +20,7 @@ use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Lod;
 use lodc_report::documents::{ExtractReport, ExtractedObject};
-use lodc_report::{ErrorsOver, MissingPart, Roll, SCHEMA_VERSION};
+use lodc_report::{ErrorsOver, MissingPart, PartInventory, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub(super) fn extract(
     format: FormatName,
     progress: &Progress,
 ) -> Outcome<(ExportResult<ExtractReport>, Option<&'static str>)> {
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.export.import.clock(input));
     let criterion = args.criterion()?;
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let errors = errors(args, criterion);
@@ -126,7 +126,7 @@ fn uniform(
         }
         meshes
     };
-    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
+    let roll = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let gone = stages.run("gone", || roll.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
     Ok(Level {
         meshes,

@@ -5,6 +5,7 @@ mod stream;
 
 use super::each;
 use crate::batch;
+use crate::clock;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{MANY, MEASURED, MORE, OUTPUT};
@@ -75,6 +76,9 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome<Status> {
     }
     let inputs = batch::expand(&args.inputs, &["lodc", "lods"], &args.include, &args.exclude)?;
     let several = args.inputs.len() > 1 || args.inputs.iter().any(|input| input.is_dir());
+    if several {
+        clock::expect_several();
+    }
     let (mut worst, mut results) = (Status::Done, Vec::new());
     for (number, input) in inputs.iter().enumerate() {
         let failure = match each::guarded(input, || content(args, input)) {
@@ -104,14 +108,17 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome<Status> {
 
 /// Returns the inside of an input, with the failure of a stream's part that cannot be used.
 fn content(args: &InfoArgs, input: &Path) -> Outcome<(Content, Option<Failure>)> {
-    let limits = args.limits.limits();
+    let (limits, clock) = (args.limits.limits(), args.limits.clock(input));
     let mut assets = Assets::new(input, &[], limits);
     let (name, bytes) = (assets.main_name(), assets.read_main()?);
+    clock.check();
     if lods::is_lods(&bytes) {
         let (report, failure) = stream::report(&name, &bytes, limits)?;
+        clock.check();
         return Ok((Content::Stream(report), failure));
     }
     let report = file::report(&name, &bytes, args.baselines)?;
+    clock.check();
     Ok((Content::File(report), None))
 }
 

@@ -179,7 +179,7 @@ fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
     use crate::stages::Stages;
 
     let name = args.input.display().to_string();
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.import.clock(&args.input));
     let shown = scene::read(args, &mut stages)?;
     let chosen = cells::chosen(args, &shown)?;
     for what in shown

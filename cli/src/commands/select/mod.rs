@@ -106,7 +106,7 @@ pub(crate) fn run(args: &SelectArgs) -> Outcome<()> {
 }
 
 fn one(args: &SelectArgs, file: &std::path::Path) -> Outcome<()> {
-    let model = Model::read(file, args.limits.limits())?;
+    let model = Model::read(file, &args.limits)?;
     let away = args.distance.expect("clap demands it beside a file");
     let pixels = args.pixels.expect("clap demands it beside a file");
     // The distance is that of the surface: a point without a sphere.
@@ -128,7 +128,7 @@ fn one(args: &SelectArgs, file: &std::path::Path) -> Outcome<()> {
 }
 
 fn many(args: &SelectArgs, list: &std::path::Path) -> Outcome<()> {
-    let scene = scene::read(list, args.limits.limits())?;
+    let scene = scene::read(list, &args.limits)?;
     let curves = scene.models.iter().map(|model| model.curve(model.radius)).collect();
     let mut manager = SceneManager::new(curves, scene.instances.clone());
     let view = args.screen.view(args.eye.expect("clap demands it"));

@@ -2,6 +2,7 @@
 
 use crate::commands::read::read_lodc;
 use crate::exit::{Failure, Outcome, Status};
+use crate::limits::LimitArgs;
 use lodc::{LodFile, scene_levels};
 use lodc_formats::{Limits, ObjectInfo, scene_graph};
 use lodc_report::ErrorsOver;
@@ -25,8 +26,10 @@ pub(super) struct Model {
 impl Model {
     /// # Errors
     /// If the file cannot be read or has no triangles.
-    pub(super) fn read(path: &Path, limits: Limits) -> Outcome<Self> {
+    pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Self> {
+        let (limits, clock) = (limits.limits(), limits.clock(path));
         let (file, _) = read_lodc(path, limits)?;
+        clock.check();
         let levels = scene_levels(&file.objects, &file.document, &limits)?.by_error();
         if levels.first().is_none_or(|&(_, triangles)| triangles == 0) {
             let what = format!("{}: has no triangles to choose a level of", path.display());

@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use crate::exit::{Failure, Outcome, Status};
-use lodc_formats::Limits;
+use crate::limits::LimitArgs;
 use lodc_select::Instance;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -33,7 +33,7 @@ pub(super) struct Scene {
 ///
 /// # Errors
 /// If a line is not such a document, or a file cannot be read.
-pub(super) fn read(path: &Path, limits: Limits) -> Outcome<Scene> {
+pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
     let failure = |what: String| Failure::new(Status::Input, format!("{}: {what}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|e| failure(e.to_string()))?;
     let mut scene = Scene::default();

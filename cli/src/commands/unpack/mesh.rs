@@ -22,7 +22,7 @@ pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
     let format = mesh_output::format(&args.output, args.format, output::is_folder(&args.output))?;
     let target = output::target(&args.input, Some(&args.output), format.extension())?;
     output::prepare([&target], output::is_folder(&args.output))?;
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.limits.clock(&args.input));
     let unpacker = Unpacker::new(args.limits.limits());
     let stream = read(args, unpacker, &mut stages)?;
     let arrived = arrived(args, &stream)?;

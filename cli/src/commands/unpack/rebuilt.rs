@@ -31,7 +31,7 @@ pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
     args.models.kinds()?;
     let target = output::target(&args.input, Some(&args.output), "lodc")?;
     output::prepare(std::slice::from_ref(&target), false)?;
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.limits.clock(&args.input));
     let mut stream = read(args, Unpacker::new(args.limits.limits()), &mut stages)?;
     if let Some(damaged) = stream.damaged.take() {
         return Err(damaged.into());

@@ -7,6 +7,7 @@ use super::ci::CiArgs;
 use super::each;
 use super::read::read_lodc;
 use crate::batch;
+use crate::clock::{self, Clock};
 use crate::console::{self, Loudness, wants};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
@@ -93,6 +94,9 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
         let is_named = args.inputs.contains(path) || path.extension() == Some(LEVELS[0].as_ref());
         is_named || states_levels(path, &options)
     });
+    if inputs.len() > 1 {
+        clock::expect_several();
+    }
     let sources = Sources::new(args.source.as_deref(), &options)?;
     let one = |input: &PathBuf| verify_one(args, &sources, gpu.as_ref(), input);
     // On a device one file at a time: they would share its memory.
@@ -164,14 +168,17 @@ fn check(
     gpu: Option<&Gpu>,
     input: &Path,
 ) -> Outcome<Vec<CheckReport>> {
-    let options = args.import.options();
+    let (options, clock) = (args.import.options(), args.import.clock(input));
     if !is_stream(input) && !starts_as_lodc(input) {
-        return check_exported(sources, input, &options);
+        return check_exported(sources, input, &options, &clock);
     }
     let limits = options.limits;
     let (file, _) = read_lodc(input, limits)?;
+    clock.check();
     let mut all = check_models(&file.objects, &file.document, args.stride.get(), &limits)?;
+    clock.check();
     all.extend(check_errors_again(&file, &limits)?);
+    clock.check();
     if let Some(source) = sources.of(file.source.content_hash, input)? {
         all.extend(check_source(&file, source, &options)?);
     }
@@ -194,8 +201,10 @@ fn check_exported(
     sources: &Sources,
     input: &Path,
     options: &ImportOptions,
+    clock: &Clock,
 ) -> Outcome<Vec<CheckReport>> {
     let levels = import_levels(input, options)?;
+    clock.check();
     let glide = check_glide(&levels);
     let Some(source) = sources.of(levels.stated.source, input)? else {
         // Whether each level, moved, is the next one can be told without the mesh.
@@ -206,7 +215,10 @@ fn check_exported(
         let what = format!("{name}: levels are verified against their mesh: add --source MESH");
         return Err(Failure::usage(what));
     };
-    let mut all = check_levels(&levels, &import(source, options)?, &options.limits)?;
+    let source = import(source, options)?;
+    clock.check();
+    let mut all = check_levels(&levels, &source, &options.limits)?;
+    clock.check();
     all.extend(glide);
     Ok(all)
 }

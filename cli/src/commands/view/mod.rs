@@ -110,7 +110,7 @@ pub(super) fn write<R>(
     make: impl FnOnce(PageInput<'_>) -> Outcome<(Page, R)>,
 ) -> Outcome<R> {
     let target = target(args)?;
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.import.clock(&args.input));
     let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
     let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
@@ -126,7 +126,7 @@ pub(super) fn write<R>(
 /// Makes the page of levels as a glTF holds them.
 fn run_shipped(args: &PageArgs, up: UpAxis, levels: usize) -> Outcome<()> {
     let target = target(args)?;
-    let mut stages = Stages::default();
+    let mut stages = Stages::new(args.import.clock(&args.input));
     let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let options = args.import.options();
     let (glb, warnings) = stages.run("export", || as_plain_glb(&mut assets, &options))?;

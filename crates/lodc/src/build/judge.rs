@@ -172,7 +172,7 @@ mod tests {
             |ratios: Errors, decided| verdict(&[2.0; 6], &ratios.map(|r| 2.0 * r), &decided);
         let worse_at_the_end = [0.9, 0.7, 0.8, 0.8, 0.9, 1.2];
         assert_eq!(against(worse_at_the_end, 0..=4), Verdict::At(0..=3));
-        assert_eq!(against([1.02, 1.0, 0.8, 0.8, 0.9, 1.0], 1..=5), Verdict::At(2..=5));
+        assert_eq!(against([1.02, 0.99, 0.8, 0.8, 0.9, 0.95], 1..=5), Verdict::At(2..=5));
         assert_eq!(against([0.9, 1.02, 1.0, 1.0, 1.0, 1.0], 0..=0), Verdict::Nowhere);
         // Levels at which the quadric decided are none to begin with.
         assert_eq!(against([0.9, 0.9, 0.9, 1.3, 0.5, 0.5], 0..=3), Verdict::At(0..=2));

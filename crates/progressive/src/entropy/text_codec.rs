@@ -14,7 +14,7 @@ use std::fmt::{self, Formatter};
 const MAX_EXPANSION: usize = 64;
 /// ... and this many bytes longer.
 const FREE_BYTES: usize = 1 << 16;
-/// What every text comes after: words of glTF, and of materials of OBJ files.
+/// The text that both sides code before any other: words of glTF, and of materials of OBJ files.
 const TYPICAL: &[u8] = include_bytes!("typical_text.txt");
 
 /// Codes texts, each after those before it.
@@ -70,7 +70,8 @@ impl TextCodec {
     }
 }
 
-/// Places are found by this many bits of a hash: a JSON of megabytes repeats what is near.
+/// Bits of the hashes by which earlier places are found. Newer places replace older ones, which
+/// does no harm: JSON repeats what is near.
 const HASH_BITS: u32 = 16;
 /// Matches that are told apart by their length so far.
 const RUNS: usize = 16;

@@ -4,7 +4,8 @@
 use crate::adjacency::decode;
 use crate::cover::{Cover, is_none};
 
-/// The weight of a swap against one neighbour more or less.
+/// The weight of a swap, which costs an index, against one free neighbour more or less, which
+/// counts 2. Chosen by hand.
 const SWAP: u32 = 2;
 
 /// Links triangles to strips, starting each at the triangle with the fewest neighbours left.
@@ -26,18 +27,20 @@ pub(crate) fn cover(cover: &mut Cover) {
     }
 }
 
-/// `free` of a triangle in a strip.
+/// The value of `free` of a triangle that is in a strip.
 const TAKEN: u8 = u8::MAX;
 
 struct Greedy<'a> {
     cover: &'a mut Cover,
-    /// Triangles by how many neighbours they have left. Outdated entries are skipped when they
-    /// surface.
+    /// Triangles by their number of free neighbours. Entries are not moved when it falls; those
+    /// that are out of date are skipped when they are taken.
     buckets: [Vec<u32>; 4],
+    /// Number of free neighbours of each triangle.
     free: Vec<u8>,
 }
 
 impl Greedy<'_> {
+    /// The free triangle with the fewest free neighbours.
     fn next_start(&mut self) -> Option<u32> {
         for (count, bucket) in self.buckets.iter_mut().enumerate() {
             while let Some(t) = bucket.pop() {
@@ -48,6 +51,7 @@ impl Greedy<'_> {
         }
         None
     }
+    /// Puts a triangle into a strip: it is no free neighbour any more.
     fn take(&mut self, t: u32) {
         self.free[t as usize] = TAKEN;
         for slot in 0..3 {
@@ -77,6 +81,7 @@ impl Greedy<'_> {
             at = next;
         }
     }
+    /// The slot of the neighbour to continue with: of the fewest free neighbours, a swap included.
     fn best(&self, at: u32) -> Option<u32> {
         let links = self.cover.links(at);
         let entered = (links != 0).then(|| links.trailing_zeros());
@@ -98,7 +103,7 @@ impl Greedy<'_> {
         }
         best.map(|(.., slot)| slot)
     }
-    /// The fewest neighbours left of any neighbour.
+    /// The least number of free neighbours of any free neighbour.
     fn ahead(&self, t: u32) -> u8 {
         (0..3)
             .filter_map(|slot| self.free_neighbour(t, slot))

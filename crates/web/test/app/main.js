@@ -202,26 +202,36 @@ async function crowd(url, count) {
   };
 }
 
-/** Opens a file in the page's sight; the longest task of the page's thread, in milliseconds. */
-async function longest(url) {
-  const tasks = [];
-  const observer = new PerformanceObserver((list) => {
-    tasks.push(...list.getEntries().map(({ duration }) => duration));
-  });
-  observer.observe({ type: 'longtask', buffered: false });
-  const begun = performance.now();
-  const { model } = await (async () => ({ model: await LodcLoader.load(url) }))();
+/**
+ * Opens a file: WebAssemblies that the page's thread compiled, bytes that it kept of what it sent to
+ * the worker, and buffers that the model's arrays lie in.
+ */
+async function aside(url) {
+  const { compile, instantiate, compileStreaming, instantiateStreaming } = WebAssembly;
+  const functions = { compile, instantiate, compileStreaming, instantiateStreaming };
+  const { postMessage } = Worker.prototype;
+  let [compiled, sent, copied] = [0, 0, 0];
+  for (const [name, own] of Object.entries(functions)) {
+    WebAssembly[name] = (...args) => {
+      compiled += 1;
+      return own(...args);
+    };
+  }
+  Worker.prototype.postMessage = function send(data, transfer) {
+    sent += data.bytes?.byteLength ?? 0;
+    postMessage.call(this, data, transfer);
+    copied += data.bytes?.byteLength ?? 0;
+  };
+  const model = await LodcLoader.load(url);
   await model.whenComplete;
-  const opened = performance.now() - begun;
-  await new Promise((resolve) => setTimeout(resolve, 300));
-  const opening = [...tasks];
-  tasks.length = 0;
-  draw(model, cameraFor(model, 3));
-  await new Promise((resolve) => setTimeout(resolve, 300));
-  const all = model.objects.reduce((sum, { header }) => sum + header.triangles, 0);
-  const shown = model.triangles;
+  Object.assign(WebAssembly, functions);
+  Worker.prototype.postMessage = postMessage;
+  const geometries = new Set(model.meshes.map(({ geometry }) => geometry));
+  const arrays = [...geometries].flatMap(({ index, attributes }) => (
+    [index, ...Object.values(attributes)].map(({ array }) => array)));
+  const buffers = new Set(arrays.map(({ buffer }) => buffer)).size;
   model.dispose();
-  return { opened, opening: Math.max(0, ...opening), drawing: Math.max(0, ...tasks), all, shown };
+  return { compiled, sent, copied, arrays: arrays.length, buffers };
 }
 
 /** Errors of all kinds: what is said, and that nothing goes on. */
@@ -248,6 +258,6 @@ async function aborted(url) {
 }
 
 Object.assign(window, {
-  compare, begin, grown, whole, finish, crowd, longest, refused, aborted,
+  compare, begin, grown, whole, finish, crowd, aside, refused, aborted,
 });
 document.documentElement.dataset.ready = '';

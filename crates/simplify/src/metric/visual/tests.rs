@@ -221,3 +221,10 @@ fn the_result_does_not_depend_on_threads() {
         assert_eq!(one, with(3), "{metric:?}");
     }
 }
+
+#[test]
+fn small_meshes_have_small_pictures() {
+    let sizes = [0, 12, 500, 2_000, u32::MAX].map(|faces| super::suitable(256, faces));
+    assert_eq!(sizes, [48, 48, 128, 256, 256]);
+    assert_eq!([0, u32::MAX].map(|faces| super::suitable(32, faces)), [32; 2]);
+}

@@ -2,8 +2,8 @@
 
 /// Thresholds of a pass. Shares are of the bound.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Care {
-    /// Threads of a pool from which on the other way has one of its own.
+pub(crate) struct Thresholds {
+    /// Threads of a pool from which on the backward pass has one of its own.
     pub(crate) threads: usize,
     /// Samples that a mesh of few triangles gets in all.
     pub(crate) samples: f64,
@@ -17,7 +17,7 @@ pub(crate) struct Care {
     pub(crate) means: bool,
 }
 
-impl Care {
+impl Thresholds {
     /// For the shape that all steps are measured in.
     pub(crate) const AT_REST: Self =
         Self { threads: 2, samples: 30_000.0, kept: 10_000, exhaustive: 512, means: true };
