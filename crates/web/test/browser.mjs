@@ -14,7 +14,7 @@ import test from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { Chromium } from './chromium.mjs';
-import { separated } from './models.mjs';
+import { boards, separated } from './models.mjs';
 import { serve } from './serve.mjs';
 
 const { LODC_WEB, LODC_WEB_TOOLS, LODC } = process.env;
@@ -55,6 +55,9 @@ for (const stem of ['machine_part', 'skinned_tube_u8', 'morphing_sphere', 'terra
 separated(models);
 lodc('build', 'scene.gltf', '-o', 'scene.lodc', '-q', '--models', 'none');
 lodc('pack', 'scene.lodc', '-o', 'scene.lods', '-q');
+boards(models);
+lodc('build', 'boards.obj', '-o', 'boards.lodc', '-q', '--models', 'none');
+lodc('pack', 'boards.lodc', '-o', 'boards.lods', '-q');
 tool('vite/bin/vite.js', 'build', '--logLevel', 'error');
 const server = await serve(join(fresh, 'dist'), models);
 const browser = await Chromium.start('--enable-unsafe-webgpu');
@@ -131,6 +134,17 @@ test('models look like the glTF they are made of, in motion, too, and so do copi
     assert.ok(copied <= drawn / 1000, `${mine}: ${copied} pixels of a copy differ`);
     assert.equal(clips[0], clips[1], mine);
     if (mine.startsWith('scene')) assert.ok(colours[0] > 60, `${mine} is grey: ${colours}`);
+  }
+});
+
+test('materials of an OBJ are those that three.js reads of its MTL', async () => {
+  for (const name of ['/boards.lodc', '/boards.lods']) {
+    const { differ, drawn, ends, missing } = await page('boards', name);
+    await keep('boards');
+    assert.ok(drawn > 5000, `${drawn} pixels are drawn`);
+    assert.ok(differ <= drawn / 1000, `${name}: ${differ} of ${drawn} pixels differ`);
+    assert.deepEqual(ends, [true, true], 'an image ends');
+    assert.equal(missing, 1, 'what has no material is grey');
   }
 });
 
@@ -308,6 +322,21 @@ test("axe finds nothing in the viewer's page, wide and narrow, light and dark", 
     }
   }
   await browser.size(640, 480);
+});
+
+test('the example shows a crowd by distance, and a stream', async () => {
+  const example = await serve(LODC_WEB, models);
+  browser.console.length = 0;
+  const query = 'model=/skinned_tube_u8.lodc&stream=/terrain.lods&copies=100';
+  await browser.goto(`${example.url}/example/index.html?${query}`);
+  // Browsers ask for an icon.
+  const written = () => said().filter((line) => !line.includes('/favicon.ico'));
+  await browser.until("/stream: [1-9][0-9,]* triangles$/.test(document.body.innerText.trim())");
+  await keep('example');
+  const { copies, drawn, whole } = await browser.value('({ ...document.documentElement.dataset })');
+  assert.equal(Number(copies), 100);
+  assert.ok(0 < Number(drawn) && Number(drawn) < Number(whole), `${drawn} of ${whole}`);
+  assert.deepEqual(written(), []);
 });
 
 test("the README's lines run", async () => {

@@ -2,6 +2,8 @@
 
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { MTLLoader } from 'three/addons/loaders/MTLLoader.js';
+import { OBJLoader } from 'three/addons/loaders/OBJLoader.js';
 import { LodcLoader } from 'lodc';
 import './element.js';
 
@@ -97,6 +99,41 @@ async function compare(url, plain, seconds = 0) {
     ...difference(mine, wanted), copied, colours: [colourfulness(mine), colourfulness(wanted)],
     clips: [model.animations.length, gltf.animations.length], triangles: model.triangles,
   };
+}
+
+/** A material without light, so that those of two kinds can be compared. */
+function unlit({ name, map, color, opacity, transparent }) {
+  // Those of which three.js's loader knows less are looked at, not compared.
+  const visible = ['floor', 'board'].includes(name);
+  const side = THREE.DoubleSide;
+  return new THREE.MeshBasicMaterial({ map, color, opacity, transparent, visible, side });
+}
+
+/** Draws `boards.obj` of a file or a stream, and by three.js's own loaders. */
+async function boards(url) {
+  const model = await LodcLoader.load(url);
+  await model.whenComplete;
+  model.pixels = -1;
+  const materials = model.meshes.map(({ material }) => material);
+  const { map } = materials.find(({ name }) => name === 'clamped');
+  const ends = [map.wrapS, map.wrapT].map((wrap) => wrap === THREE.ClampToEdgeWrapping);
+  const isGrey = ({ name, color: { r, g, b } }) => name === '' && r === 0.6 && g === r && b === r;
+  const missing = materials.filter(isGrey).length;
+  const manager = new THREE.LoadingManager();
+  const loaded = new Promise((resolve) => { manager.onLoad = resolve; });
+  const mtl = await new MTLLoader(manager).loadAsync('/plain.mtl');
+  mtl.preload();
+  const obj = await new OBJLoader(manager).setMaterials(mtl).loadAsync('/boards.obj');
+  await loaded;
+  for (const object of [model, obj]) {
+    object.traverse((node) => {
+      if (!node.material) return;
+      const { material } = node;
+      node.material = Array.isArray(material) ? material.map(unlit) : unlit(material);
+    });
+  }
+  const camera = cameraFor(obj);
+  return { ...difference(draw(model, camera), draw(obj, camera)), ends, missing };
 }
 
 let streamed;
@@ -203,8 +240,8 @@ async function crowd(url, count) {
 }
 
 /**
- * Opens a file: WebAssemblies that the page's thread compiled, bytes that it kept of what it sent to
- * the worker, and buffers that the model's arrays lie in.
+ * Opens a file: WebAssemblies that the page's thread compiled, bytes that it sent to the worker,
+ * those of them that it kept, and buffers that the model's arrays lie in.
  */
 async function aside(url) {
   const { compile, instantiate, compileStreaming, instantiateStreaming } = WebAssembly;
@@ -258,6 +295,6 @@ async function aborted(url) {
 }
 
 Object.assign(window, {
-  compare, begin, grown, whole, finish, crowd, aside, refused, aborted,
+  compare, boards, begin, grown, whole, finish, crowd, aside, refused, aborted,
 });
 document.documentElement.dataset.ready = '';
