@@ -94,6 +94,7 @@ impl LodcObject {
 }
 
 /// Gives every entity the mesh of its level. What stays as it is counts as unchanged.
+#[expect(clippy::needless_pass_by_value, reason = "systems take what they ask for by value")]
 pub(crate) fn choose(
     files: Res<Assets<Lodc>>,
     eyes: Query<(&LodEye, &GlobalTransform)>,
