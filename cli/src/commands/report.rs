@@ -42,9 +42,9 @@ fn facts<'a>(args: &PageArgs, shown: PageInput<'a>) -> Outcome<(Facts<'a>, Vec<S
         scene_graph(&asset.document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
     let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let scene = scene_levels(&asset.objects, &asset.document, &options.limits)?;
-    let roll = PartInventory::new(&asset.objects, &scene, &asset.document)?;
-    let levels =
-        stages.run("pictures", || levels(&asset.objects, &scene, &roll, &arrangement, &looks))?;
+    let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
+    let levels = stages
+        .run("pictures", || levels(&asset.objects, &scene, &inventory, &arrangement, &looks))?;
     if levels[0].triangles == 0 {
         let message = format!("{name}: has no triangles: there is nothing to report");
         return Err(Failure::new(Status::Input, message));

@@ -187,7 +187,7 @@ pub(super) fn described(
     objects: &[LodObject],
     chosen: Vec<Chosen>,
     measured: Vec<Measured>,
-    roll: &PartInventory<'_>,
+    inventory: &PartInventory<'_>,
 ) -> (Vec<Level>, Vec<String>) {
     let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();
     for (number, (chosen, measured)) in chosen.into_iter().zip(measured).enumerate() {
@@ -199,7 +199,7 @@ pub(super) fn described(
                 (meshes.iter().map(distance).collect(), Some(meshes))
             }
         };
-        let gone = roll.gone_at(&lods, distances.iter().map(|d| d.error));
+        let gone = inventory.gone_at(&lods, distances.iter().map(|d| d.error));
         warnings.extend(unmet);
         warnings.dedup();
         warnings.extend(gone.iter().map(|gone| format!("level {number}: {gone}")));

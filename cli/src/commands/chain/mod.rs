@@ -158,7 +158,7 @@ fn chain(
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let limits = import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
-    let roll = PartInventory::new(&asset.objects, &scene, &asset.document)?;
+    let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let chosen = stages.run("select", || {
         args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)
     })?;
@@ -179,7 +179,7 @@ fn chain(
         }
     };
     let (mut levels, mut warnings) =
-        stages.run("gone", || levels::described(&asset.objects, chosen, measured, &roll));
+        stages.run("gone", || levels::described(&asset.objects, chosen, measured, &inventory));
     warnings.splice(0..0, asset.warnings.iter().cloned());
     let target = Target::File(out.to_owned());
     let textures = stages.run("textures", || {

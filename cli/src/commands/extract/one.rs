@@ -126,8 +126,8 @@ fn uniform(
         }
         meshes
     };
-    let roll = PartInventory::new(&asset.objects, &scene, &asset.document)?;
-    let gone = stages.run("gone", || roll.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
+    let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
+    let gone = stages.run("gone", || inventory.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
     Ok(Level {
         meshes,
         lods: chosen.lods.into_iter().map(Some).collect(),

@@ -52,7 +52,7 @@ pub struct Level {
 pub fn levels(
     objects: &[LodObject],
     scene: &SceneLevels<'_>,
-    roll: &PartInventory<'_>,
+    inventory: &PartInventory<'_>,
     arrangement: &Arrangement,
     appearance: &Appearance,
 ) -> Result<Vec<Level>, Error> {
@@ -98,7 +98,7 @@ pub fn levels(
             heat,
             lost,
             hottest,
-            gone: roll.gone(&lods),
+            gone: inventory.gone(&lods),
         });
     }
     Ok(levels)
