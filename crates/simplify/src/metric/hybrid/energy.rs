@@ -20,8 +20,8 @@ const SPURIOUS: f32 = 2.0;
 /// lower by 0.02 at 10 % and 0.04 at 5 %; presumably since the background differs from a surface by
 /// more than two shades of it do.
 const SILHOUETTE: f32 = 6.0;
-/// Energy of texture coordinates that are off by a pixel, squared: 0.03 of what the same distance in
-/// space has. Measured: 0.1 stretches no less, and has 1 % more image error over eight models.
+/// Energy of texture coordinates that are off by a pixel, squared: 0.03 of what the same distance
+/// in space has. Measured: 0.1 stretches no less, and has 1 % more image error over eight models.
 const SLIDE: f32 = 0.03 / (DISTANCE * PIXELS * DISTANCE * PIXELS) as f32;
 /// Places of moved faces that are tested for input nearby, as shares of the second and third
 /// corner: the centroid and the centroids of three corner parts. A hole smaller than those is
