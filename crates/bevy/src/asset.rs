@@ -65,7 +65,7 @@ pub struct LodcPlacement {
 pub enum LevelWish {
     /// At most this share of the triangles.
     Ratio(f64),
-    /// At most so many triangles.
+    /// The most triangles.
     Triangles(u64),
     /// An error of at most that, in world units.
     Error(f64),

@@ -2,7 +2,7 @@
 //!
 //! [`LodcPlugin`] loads them as assets, with a [`Mesh`](bevy_mesh::Mesh) for each submesh of each
 //! level that is asked for, and in every frame gives each entity with a [`LevelOfDetail`] the
-//! coarsest level whose error nobody who looks through a [`LodEye`] can see.
+//! coarsest level whose error cannot be seen through any [`LodEye`].
 //!
 //! ```
 //! use bevy_app::App;

@@ -118,7 +118,7 @@ export class Viewer {
     return PIXELS[0] * (PIXELS[1] / PIXELS[0]) ** this.share;
   }
 
-  /** Where the slider stands for what an address asked for, at so many triangles. */
+  /** The slider's value for a number of triangles that an address asks for. */
   shareShown(triangles) {
     return this.selection.shareOf(triangles);
   }

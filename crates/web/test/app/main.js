@@ -199,7 +199,7 @@ async function finish() {
   return result;
 }
 
-/** So many copies at growing distances; what they share, and what a ray hits. */
+/** `count` copies at growing distances; what they share, and what a ray hits. */
 async function crowd(url, count) {
   const model = await LodcLoader.load(url);
   await model.whenComplete;
