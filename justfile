@@ -86,6 +86,14 @@ web: build
     target/release/lodc chain fixtures/terrain.glb -o target/web/models/chain.glb --auto 5 --geomorph -q
     python3 -m http.server 8000 --directory target/web
 
+# Measure how long the page's thread is busy at a stretch while a large model opens in a browser
+web-long-tasks *triangles: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    crates/web/build
+    (cd target/web && npm install --silent --no-audit --no-fund --no-save three@0.180.0)
+    LODC="$PWD/target/release/lodc" LODC_WEB="$PWD/target/web" node crates/web/test/longtasks.mjs {{triangles}}
+
 # The bars on lodc's time beside gltfpack and others; with a mesh how close levels are; --build-openmesh adds OpenMesh
 peers *words:
     tests/peers/run {{words}}

@@ -58,12 +58,34 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Scene, FormatError
 pub fn import_levels(path: &Path, options: &ImportOptions) -> Result<ShippedLevels, FormatError> {
     let mut assets = Assets::new(path, &options.allowed, options.limits);
     let bytes = assets.read_main()?;
+    levels_of(bytes, path, &mut assets, options)
+}
+
+/// The same of bytes that have been read already; further files lie beside `path`.
+///
+/// # Errors
+/// As [`import_levels`].
+pub fn levels_in(
+    bytes: Vec<u8>,
+    path: &Path,
+    options: &ImportOptions,
+) -> Result<ShippedLevels, FormatError> {
+    let mut assets = Assets::new(path, &options.allowed, options.limits);
+    levels_of(bytes, path, &mut assets, options)
+}
+
+fn levels_of(
+    bytes: Vec<u8>,
+    path: &Path,
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<ShippedLevels, FormatError> {
     let name = assets.main_name();
     if is_gltf(&bytes, path) {
-        return gltf::read::shipped(&bytes, &mut assets, options).map_err(|e| e.in_file(&name));
+        return gltf::read::shipped(&bytes, assets, options).map_err(|e| e.in_file(&name));
     }
     let stated = stated_in_text(&bytes);
-    let levels = vec![read(bytes, path, &mut assets, options)?];
+    let levels = vec![read(bytes, path, assets, options)?];
     let missing = || {
         let what = "states no level: only what extract and chain wrote does";
         FormatError::new(Fault::Malformed, "line 1", what).in_file(&name)

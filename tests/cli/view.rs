@@ -66,7 +66,7 @@ fn a_browser_finds_levels_by_triangles_and_by_error_as_extract_does() {
 fn a_page_is_made_of_a_mesh_and_of_its_lodc_file_alike() {
     let f = Folder::new();
     let args = ["build", PART, "-o", "m.lodc", "--models", "interactive", "-q"];
-    f.lodc(args.iter().chain(&["--metric", "hybrid"])).ends(0);
+    f.lodc(args).ends(0);
     f.lodc(["view", PART, "-o", "a.html", "--title", "part", "-q"]).ends(0);
     f.lodc(["view", "m.lodc", "-o", "b.html", "--title", "part", "-q"]).ends(0);
     assert_eq!(f.read("a.html"), f.read("b.html"));

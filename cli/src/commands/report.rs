@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome, Status};
 use lodc::scene_levels;
 use lodc_formats::appearance;
 use lodc_formats::{ObjectInfo, scene_graph};
-use lodc_report::{Facts, Roll, check_models, curve, levels, page};
+use lodc_report::{Facts, PartInventory, check_models, curve, levels, page};
 use lodc_scene::Arrangement;
 use lodc_select::scene_diagonal;
 
@@ -42,9 +42,9 @@ fn facts<'a>(args: &PageArgs, shown: PageInput<'a>) -> Outcome<(Facts<'a>, Vec<S
         scene_graph(&asset.document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
     let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let scene = scene_levels(&asset.objects, &asset.document, &options.limits)?;
-    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
-    let levels =
-        stages.run("pictures", || levels(&asset.objects, &scene, &roll, &arrangement, &looks))?;
+    let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
+    let levels = stages
+        .run("pictures", || levels(&asset.objects, &scene, &inventory, &arrangement, &looks))?;
     if levels[0].triangles == 0 {
         let message = format!("{name}: has no triangles: there is nothing to report");
         return Err(Failure::new(Status::Input, message));

@@ -11,7 +11,7 @@ use bevy_transform::components::Transform;
 use lodc::formats::{Document, Limits, ObjectInfo, scene_graph};
 use lodc::level_mesh::{Shape, meshes};
 use lodc::scene::{Arrangement, Placement};
-use lodc::{LodFile, LodObject, Select, scene_levels};
+use lodc::{LodFile, Select, scene_levels};
 use serde::{Deserialize, Serialize};
 
 /// The objects of a file, each at some levels.
@@ -65,7 +65,7 @@ pub struct LodcPlacement {
 pub enum LevelWish {
     /// At most this share of the triangles.
     Ratio(f64),
-    /// At most so many triangles.
+    /// The most triangles.
     Triangles(u64),
     /// An error of at most that, in world units.
     Error(f64),
@@ -105,11 +105,13 @@ impl AssetLoader for LodcLoader {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
         let file = lodc::read(&bytes)?;
-        let mut objects: Vec<LodcObject> = file.objects.iter().map(empty).collect();
+        let objects = file.objects.iter().map(|o| empty(&o.info, o.simplified.mesh()));
+        let mut objects: Vec<LodcObject> = objects.collect();
         for (number, wish) in settings.levels.iter().enumerate() {
             add_level(&file, number, *wish, &mut objects, context)?;
         }
-        Ok(Lodc { objects, placements: placements(&file)? })
+        let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
+        Ok(Lodc { objects, placements: placements(&file.document, &infos)? })
     }
 
     fn extensions(&self) -> &[&str] {
@@ -118,12 +120,12 @@ impl AssetLoader for LodcLoader {
 }
 
 /// An object without levels.
-fn empty(object: &LodObject) -> LodcObject {
-    let (low, high) = object.simplified.mesh().bounds();
+pub(crate) fn empty(info: &ObjectInfo, mesh: &lodc::mesh::Mesh) -> LodcObject {
+    let (low, high) = mesh.bounds();
     let [low, high] = [low, high].map(Vec3::from_array);
     LodcObject {
-        name: object.info.name.clone(),
-        materials: object.info.submeshes.iter().map(|s| s.material.clone()).collect(),
+        name: info.name.clone(),
+        materials: info.submeshes.iter().map(|s| s.material.clone()).collect(),
         levels: Vec::new(),
         centre: low.midpoint(high),
         radius: low.distance(high) / 2.0,
@@ -164,10 +166,13 @@ fn add_level(
     Ok(())
 }
 
-fn placements(file: &LodFile) -> Result<Vec<LodcPlacement>, BevyError> {
-    let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(&file.document, &infos, &Limits::DEFAULT)?;
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), file.objects.len());
+/// Where the default scene of a document shows objects.
+pub(crate) fn placements(
+    document: &Document,
+    infos: &[&ObjectInfo],
+) -> Result<Vec<LodcPlacement>, BevyError> {
+    let graph = scene_graph(document, infos, &Limits::DEFAULT)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let one = |placement: &Placement| {
         let columns = placement.transform.to_cols_array_2d().map(|c| c.map(|v| v as f32));
         let [x, y, z, t] = columns.map(|[x, y, z]| Vec3::new(x, y, z));

@@ -50,7 +50,7 @@ impl Default for LodEye {
 }
 
 impl LodEye {
-    /// The error that takes so many pixels at a distance, in world units.
+    /// The error that takes [`Self::pixels`] pixels at a distance, in world units.
     #[must_use]
     pub fn allowed(&self, distance: f32) -> f32 {
         self.pixels * 2.0 * (self.fovy / 2.0).tan() / self.height * distance
@@ -94,6 +94,7 @@ impl LodcObject {
 }
 
 /// Gives every entity the mesh of its level. What stays as it is counts as unchanged.
+#[expect(clippy::needless_pass_by_value, reason = "systems take what they ask for by value")]
 pub(crate) fn choose(
     files: Res<Assets<Lodc>>,
     eyes: Query<(&LodEye, &GlobalTransform)>,

@@ -2,7 +2,7 @@
 //!
 //! [`LodcPlugin`] loads them as assets, with a [`Mesh`](bevy_mesh::Mesh) for each submesh of each
 //! level that is asked for, and in every frame gives each entity with a [`LevelOfDetail`] the
-//! coarsest level whose error nobody who looks through a [`LodEye`] can see.
+//! coarsest level whose error cannot be seen through any [`LodEye`].
 //!
 //! ```
 //! use bevy_app::App;
@@ -22,10 +22,14 @@
 //! weights, as glTF means them. Materials are the host's: [`LodcObject::materials`] names them.
 
 mod asset;
+#[cfg(feature = "chain")]
+mod chain;
 mod choose;
 mod mesh;
 
 pub use asset::{LevelWish, Lodc, LodcLevel, LodcLoader, LodcObject, LodcPlacement, LodcSettings};
+#[cfg(feature = "chain")]
+pub use chain::ChainLoader;
 pub use choose::{LevelOfDetail, LodEye};
 
 use bevy_app::{App, Plugin, PostUpdate};
@@ -44,5 +48,7 @@ impl Plugin for LodcPlugin {
             .init_asset::<bevy_mesh::Mesh>()
             .init_asset_loader::<LodcLoader>()
             .add_systems(PostUpdate, choose::choose.after(TransformSystems::Propagate));
+        #[cfg(feature = "chain")]
+        app.init_asset_loader::<ChainLoader>();
     }
 }

@@ -33,19 +33,29 @@ impl Drop for Folder {
     }
 }
 
+fn fixture_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(name)
+}
+
 /// An app that has loaded a file made of a fixture.
 fn app(folder: &Folder, fixture: &str, settings: LodcSettings) -> (App, Handle<Lodc>) {
-    let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(fixture);
-    let file = lodc::build(input).run().expect("a fixture");
+    let file = lodc::build(fixture_path(fixture)).run().expect("a fixture");
     file.write(folder.0.join("part.lodc")).expect("it can be written");
+    loaded(folder, |server| {
+        let load =
+            server.load_builder().with_settings(move |s: &mut LodcSettings| *s = settings.clone());
+        load.load("part.lodc")
+    })
+}
+
+/// An app that has loaded something out of a folder.
+fn loaded(folder: &Folder, load: impl FnOnce(&AssetServer) -> Handle<Lodc>) -> (App, Handle<Lodc>) {
     let mut app = App::new();
     let file_path = folder.0.to_string_lossy().into_owned();
     let assets = AssetPlugin { file_path, ..AssetPlugin::default() };
     app.add_plugins((TaskPoolPlugin::default(), assets, TransformPlugin, LodcPlugin));
     let server = app.world().resource::<AssetServer>().clone();
-    let load =
-        server.load_builder().with_settings(move |s: &mut LodcSettings| *s = settings.clone());
-    let handle = load.load("part.lodc");
+    let handle = load(&server);
     for _ in 0..10_000 {
         app.update();
         match server.load_state(&handle) {
@@ -203,4 +213,47 @@ fn damage_fails_to_load() {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
     panic!("it does not fail");
+}
+
+/// Levels of a chain are those that it was told to have, with the errors that it states, and are
+/// chosen as those of a `.lodc` file are.
+#[cfg(feature = "chain")]
+#[test]
+fn a_chain_has_the_levels_that_it_states() {
+    let program = std::env::var_os("LODC").expect("LODC names the program");
+    for (fixture, shape) in [("machine_part.glb", None), ("terrain.glb", Some("--index-ranges"))] {
+        let folder = Folder::new(&format!("chain-{fixture}"));
+        let glb = folder.0.join("chain.glb");
+        let mut chain = Command::new(&program);
+        chain.arg("chain").arg(fixture_path(fixture)).arg("-o").arg(&glb).args(shape);
+        chain.args(["--levels", "100%,40%,10%,3%", "--json", "-q"]);
+        let report = chain.output().expect("it runs").stdout;
+        let report: serde_json::Value = serde_json::from_slice(&report).expect("a report");
+        let stated = report["levels"].as_array().expect("levels");
+        let (app, handle) = loaded(&folder, |server| server.load("chain.glb"));
+        let meshes = app.world().resource::<Assets<Mesh>>();
+        let file = app.world().resource::<Assets<Lodc>>().get(&handle).expect("it is there");
+        let object = &file.objects[0];
+        assert_eq!(object.levels.len(), 4, "{fixture}");
+        for (level, stated) in object.levels.iter().zip(stated) {
+            assert_eq!(Some(u64::from(level.triangles)), stated["triangles"].as_u64(), "{fixture}");
+            assert_eq!(
+                Some(f64::from(level.error)),
+                stated["error"].as_f64().map(|e| f64::from(e as f32))
+            );
+            assert_eq!(level.meshes.len(), object.materials.len());
+            let shown = level.meshes.iter().filter(|mesh| **mesh != Handle::default());
+            let triangles: usize =
+                shown.map(|mesh| asset(meshes.get(mesh).expect("it is loaded"), &[]).len()).sum();
+            assert_eq!(triangles, level.triangles as usize);
+        }
+        // Near the finest, far away the coarsest.
+        let eye = LodEye::default();
+        let level_at = |distance: f32| {
+            let at = GlobalTransform::from_translation(Vec3::new(0.0, 0.0, distance));
+            object.seen(&GlobalTransform::IDENTITY, std::iter::once((&eye, &at)))
+        };
+        assert_eq!([level_at(0.0), level_at(1e7)], [0, 3], "{fixture}");
+        assert!(!file.placements.is_empty());
+    }
 }

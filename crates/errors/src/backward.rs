@@ -1,10 +1,10 @@
 //! The backward pass: how far new faces are from the input.
 
 use crate::block::{Block, Entry, Step};
-use crate::care::Care;
 use crate::gap::gap_of;
 use crate::input::Input;
 use crate::samples::sources;
+use crate::thresholds::Thresholds;
 use crate::work::{FLOOR, Work};
 use glam::DVec3;
 use lodc_mesh::NONE;
@@ -68,7 +68,7 @@ pub(crate) struct Followed {
 /// The faces of the level as seen from the input.
 pub(crate) struct Backward<'a> {
     input: &'a Input,
-    care: Care,
+    thresholds: Thresholds,
     faces: Vec<Face>,
     seeker: Seeker,
     /// The squared bound.
@@ -84,7 +84,7 @@ pub(crate) struct Backward<'a> {
 
 /// A step while it is followed.
 #[derive(Clone, Copy)]
-struct Now<'b> {
+struct CurrentStep<'b> {
     step: Step,
     entries: &'b [Entry],
     targets: &'b [u32],
@@ -92,7 +92,7 @@ struct Now<'b> {
 
 impl<'a> Backward<'a> {
     /// Starts at LOD 0.
-    pub(crate) fn new(input: &'a Input, care: Care) -> Self {
+    pub(crate) fn new(input: &'a Input, thresholds: Thresholds) -> Self {
         let face = |(near, &points)| {
             let area = area(input.at(points)) as f32;
             Face { near, area, mean_square: 0.0, reach: 0.0 }
@@ -101,7 +101,7 @@ impl<'a> Backward<'a> {
         let weight = faces.iter().map(|f| f64::from(f.area)).sum();
         Self {
             input,
-            care,
+            thresholds,
             faces,
             seeker: Seeker::new(Search::within(input.diagonal)),
             bound: 0.0,
@@ -123,7 +123,7 @@ impl<'a> Backward<'a> {
             self.bound = self.bound.max(step.bound);
             self.work.done += entries.len() as u64;
             if !entries.is_empty() {
-                self.follow(Now { step, entries, targets });
+                self.follow(CurrentStep { step, entries, targets });
             }
             let [sum, weight] = self.sums;
             let mean_square = if weight > 0.0 { (sum / weight).max(0.0) } else { 0.0 };
@@ -133,7 +133,7 @@ impl<'a> Backward<'a> {
     }
 
     /// Decides how far every changed face is from the input, and notes the faces' mean distances.
-    fn follow(&mut self, now: Now) {
+    fn follow(&mut self, now: CurrentStep) {
         let reach = self.reach(now);
         let near = self.bound.max(FLOOR).sqrt();
         for &entry in now.entries {
@@ -149,11 +149,13 @@ impl<'a> Backward<'a> {
                 Some(_) if now.step.live > FEW && !self.is_doubtful(entry, corners) => {}
                 _ => self.seek(entry, corners),
             }
-            let is_small = self.input.triangles.len() <= self.care.exhaustive;
+            let is_small = self.input.triangles.len() <= self.thresholds.exhaustive;
             let mean_square = match f64::from(entry.mean_square) {
                 _ if is_small => Some(self.mean_square(entry.face, corners, &SPREAD)),
                 mean if !mean.is_nan() => Some(mean),
-                _ if self.care.means => Some(self.mean_square(entry.face, corners, &[MIDDLE])),
+                _ if self.thresholds.means => {
+                    Some(self.mean_square(entry.face, corners, &[MIDDLE]))
+                }
                 _ => None,
             };
             match mean_square {
@@ -230,8 +232,8 @@ impl<'a> Backward<'a> {
 
     /// Returns how far the changed faces are from the input at most, where a closed fan became a
     /// smaller one: they are as near to its faces as those to them.
-    fn reach(&mut self, now: Now) -> Option<f64> {
-        let Now { step, entries, targets } = now;
+    fn reach(&mut self, now: CurrentStep) -> Option<f64> {
+        let CurrentStep { step, entries, targets } = now;
         let faces = entries.iter().map(|entry| (entry.is_live, entry.points));
         let gap = gap_of(self.input, (step.source, targets), faces, &mut self.link)?;
         let reach = |entry: &Entry| f64::from(self.faces[entry.face as usize].reach);

@@ -2,13 +2,13 @@
 //! face; what they cannot tell is searched.
 
 use crate::block::{Block, Entry, Step};
-use crate::care::Care;
 use crate::faces::{Changes, Faces};
 use crate::floor::Floor;
 use crate::gap::gap_of;
 use crate::input::Input;
 use crate::samples::{Sample, Samples};
 use crate::thinning::Thinning;
+use crate::thresholds::Thresholds;
 use crate::work::{FLOOR, Work};
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, NONE};
@@ -51,7 +51,7 @@ const READ_AHEAD: u32 = 16;
 pub(crate) struct Forward<'a> {
     input: &'a Input,
     floor: Floor<'a>,
-    care: Care,
+    thresholds: Thresholds,
     faces: Faces,
     samples: Samples,
     thinning: Thinning,
@@ -81,18 +81,18 @@ impl<'a> Forward<'a> {
     pub(crate) fn new(
         input: &'a Input,
         wedges: Vec<[u32; 3]>,
-        (floor, care): (Floor<'a>, Care),
+        (floor, thresholds): (Floor<'a>, Thresholds),
     ) -> Self {
         let mut faces = Faces::new(input, &wedges);
         drop(wedges);
-        let samples = Samples::new(input, &mut faces.all, care.samples);
+        let samples = Samples::new(input, &mut faces.all, thresholds.samples);
         Self {
             input,
             floor,
-            care,
+            thresholds,
             faces,
             samples,
-            thinning: Thinning::new(care.kept),
+            thinning: Thinning::new(thresholds.kept),
             changes: Changes::default(),
             corners: vec![],
             bound: 0.0,
@@ -188,7 +188,7 @@ impl<'a> Forward<'a> {
             let (face, live) = (self.changes.changed[i], self.faces.live);
             self.thinning.thin(&mut self.samples, &mut self.faces.all, face, live, self.bound);
         }
-        if self.input.triangles.len() <= self.care.exhaustive {
+        if self.input.triangles.len() <= self.thresholds.exhaustive {
             self.cover_around();
         }
     }

@@ -16,7 +16,6 @@
 
 mod backward;
 mod block;
-mod care;
 mod direct;
 mod faces;
 mod floor;
@@ -29,14 +28,15 @@ mod pass;
 mod samples;
 mod step_errors;
 mod thinning;
+mod thresholds;
 mod work;
 
 pub use levels::{LevelError, at_levels};
 pub use step_errors::StepErrors;
 
-use care::Care;
 use floor::Floor;
 use lodc_mesh::Simplified;
+use thresholds::Thresholds;
 
 /// An error counts as raised if it is more than this many times itself, and this share of the
 /// diagonal besides: a twentieth is what stated errors may be too large by anyway.
@@ -60,7 +60,7 @@ const MANY: usize = 1 << 20;
 /// If there are not as many places as vertices.
 #[must_use]
 pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
-    measure_above(simplified, shown, &StepErrors::default(), Care::AT_REST)
+    measure_above(simplified, shown, &StepErrors::default(), Thresholds::AT_REST)
 }
 
 /// Measures every step of a sequence in several shapes, [`measure`] in the first and [`raise`] in
@@ -98,11 +98,12 @@ pub fn raise<S: AsRef<[[f32; 3]]> + Send>(
     let (collapses, triangles) = (simplified.collapses(), simplified.mesh().triangles().len());
     let coarsest = collapses.lod_for_triangles(triangles as u32 / COARSEST);
     let looked_at = collapses.steps_at(coarsest);
-    let care = Care { threads: if triangles > MANY { 2 } else { 4 }, ..Care::IN_POSES };
+    let thresholds =
+        Thresholds { threads: if triangles > MANY { 2 } else { 4 }, ..Thresholds::IN_POSES };
     let mut count = 0;
     while let Some(first) = shapes.next() {
         let second = shapes.next();
-        let look = |shape: S| measure_above(simplified, shape.as_ref(), errors, care);
+        let look = |shape: S| measure_above(simplified, shape.as_ref(), errors, thresholds);
         let (first, second) = if triangles > MANY {
             (look(first), second.map(look))
         } else {
@@ -126,13 +127,13 @@ fn measure_above(
     simplified: &Simplified,
     shown: &[[f32; 3]],
     before: &StepErrors,
-    care: Care,
+    thresholds: Thresholds,
 ) -> StepErrors {
     assert_eq!(shown.len(), simplified.mesh().vertex_count(), "a place for each vertex");
     let (input, wedges) = input::Input::new(simplified, shown);
     let floor = Floor::new(&before.error, input.unit);
     rayon::scope(|_| {
-        let mut errors = pass::run(&input, wedges, simplified, (floor, care));
+        let mut errors = pass::run(&input, wedges, simplified, (floor, thresholds));
         direct::complete(&mut errors, &input, simplified, shown);
         errors
     })

@@ -11,12 +11,12 @@
 
 use crate::backward::{Backward, Followed};
 use crate::block::Block;
-use crate::care::Care;
 use crate::floor::{Floor, MARGIN};
 use crate::follower::{Follower, Here, beside};
 use crate::forward::Forward;
 use crate::input::Input;
 use crate::step_errors::StepErrors;
+use crate::thresholds::Thresholds;
 use crate::work::FLOOR;
 use lodc_mesh::Simplified;
 
@@ -39,13 +39,15 @@ pub(crate) fn run(
     input: &Input,
     wedges: Vec<[u32; 3]>,
     simplified: &Simplified,
-    (floor, care): (Floor<'_>, Care),
+    (floor, thresholds): (Floor<'_>, Thresholds),
 ) -> StepErrors {
-    let (forward, backward) =
-        rayon::join(|| Forward::new(input, wedges, (floor, care)), || Backward::new(input, care));
+    let (forward, backward) = rayon::join(
+        || Forward::new(input, wedges, (floor, thresholds)),
+        || Backward::new(input, thresholds),
+    );
     let steps = simplified.collapses().steps() as u32;
     let stated = Stated::new(input, steps, forward.at_points(), floor);
-    if rayon::current_num_threads() < care.threads || steps < FEW_STEPS {
+    if rayon::current_num_threads() < thresholds.threads || steps < FEW_STEPS {
         return follow(forward, stated, simplified, Here::new(backward));
     }
     std::thread::scope(|scope| {

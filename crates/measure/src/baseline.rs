@@ -19,9 +19,9 @@ pub struct Numbers {
     pub image_rmse: Option<f64>,
 }
 
-/// A number that has become worse.
+/// A number that is worse than the recorded one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Worse {
+pub struct Regression {
     /// Its name.
     pub name: &'static str,
     /// As it is.
@@ -34,7 +34,7 @@ impl Numbers {
     /// Returns every number that is worse than it was by more than the share `tolerance`;
     /// `diagonal` is that of the surface that levels are compared with.
     #[must_use]
-    pub fn worse_than(&self, then: &Self, tolerance: f64, diagonal: f64) -> Vec<Worse> {
+    pub fn worse_than(&self, then: &Self, tolerance: f64, diagonal: f64) -> Vec<Regression> {
         let images = then.image_rmse.zip(self.image_rmse);
         let slack = ROUNDING[0] * diagonal;
         let pairs = [
@@ -43,7 +43,7 @@ impl Numbers {
             images.map(|(then, now)| ("image RMSE", then, now, ROUNDING[1])),
         ];
         let worse = |(name, then, now, slack): (&'static str, f64, f64, f64)| {
-            (now > then * (1.0 + tolerance) + slack).then_some(Worse { name, now, then })
+            (now > then * (1.0 + tolerance) + slack).then_some(Regression { name, now, then })
         };
         pairs.into_iter().flatten().filter_map(worse).collect()
     }

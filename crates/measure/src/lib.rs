@@ -37,7 +37,7 @@ mod stated;
 mod surface;
 mod texture;
 
-pub use baseline::{Numbers, Recorded, Worse};
+pub use baseline::{Numbers, Recorded, Regression};
 pub use beyond::share_beyond;
 pub use colours::{distinct, heat};
 pub use distance::{Distances, Original, Sampling, distances, farther_than};

@@ -228,8 +228,8 @@ impl CollapseSequence {
         map.extend(map.len() as u32..=self.records());
         map
     }
-    /// [`Self::resolve`] for the vertices that are gone at `lod`, the first ones; any other stands
-    /// for itself. Reuses the room of `shown`.
+    /// [`Self::resolve`] for the vertices that are gone at `lod`, the first ones; any other is what
+    /// it was. `shown` is cleared first.
     pub fn resolve_gone(&self, lod: Lod, shown: &mut Vec<u32>) {
         let end = lod.min(self.last()).0 as usize;
         shown.clear();

@@ -72,6 +72,9 @@ impl MeshDecoder {
     }
 
     fn check_step(&self, coder: &Decoder<'_>, is_last: bool) -> Result<(), InvalidStream> {
+        if self.codec.has_infinite_position {
+            return Err(InvalidStream("has a position that is not a finite number"));
+        }
         if coder.is_exhausted() {
             return Err(InvalidStream("ends before its steps do"));
         }

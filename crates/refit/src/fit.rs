@@ -61,7 +61,7 @@ struct Ties<'a> {
 }
 
 /// Distances of the level where the simplifier left it.
-struct First {
+struct UnmovedDistances {
     /// Mean squared distance, both directions added.
     energy: f64,
     /// The same around each point.
@@ -70,7 +70,7 @@ struct First {
     limit: f64,
 }
 
-impl First {
+impl UnmovedDistances {
     /// Marks the points that come farther than they were, if they spoil more than a little of the
     /// whole; returns whether any was not marked before.
     fn hold_worse(&self, around: &[f64], held: &mut [bool]) -> bool {
@@ -123,7 +123,8 @@ impl<'a> Fit<'a> {
         let (points, faces) = (&self.level.points, &self.level.faces);
         let start = self.tie(points);
         let limit = FARTHER * start.by_face.farthest();
-        let first = First { energy: start.energy, around: self.around(&start.by_face), limit };
+        let first =
+            UnmovedDistances { energy: start.energy, around: self.around(&start.by_face), limit };
         let (mut best, mut positions) = (None, points.clone());
         let (mut least, mut ties) = (first.around.iter().sum(), start);
         for _ in 0..iterations {
@@ -169,7 +170,7 @@ impl<'a> Fit<'a> {
         mut held: Vec<bool>,
         mut by_face: ByFace,
         input_normals: &[DVec3],
-        first: &First,
+        first: &UnmovedDistances,
     ) -> Vec<DVec3> {
         let level = self.level;
         let mut beyond = vec![false; moved.len()];

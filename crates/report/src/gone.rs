@@ -40,15 +40,15 @@ impl fmt::Display for MissingPart {
     }
 }
 
-/// A scene whose levels are looked through.
+/// The parts of a scene, to tell which of them a level no longer shows.
 #[derive(Debug)]
-pub struct Roll<'a> {
+pub struct PartInventory<'a> {
     objects: &'a [LodObject],
     scene: &'a SceneLevels<'a>,
     names: PartNames,
 }
 
-impl<'a> Roll<'a> {
+impl<'a> PartInventory<'a> {
     /// Objects, the scene that shows them, and the document with their names.
     ///
     /// # Errors

@@ -31,11 +31,11 @@ pub use checks::{
 };
 pub use ci::{Case, Suite, Verdict, github, junit};
 pub use compare::{
-    BothWays, Comparison, Content, ImageReport, Length, LevelComparison, MostAllowed, PairReport,
-    TriangleCounts,
+    BothWays, Comparison, ComparisonLimits, Content, ImageReport, Length, LevelComparison,
+    PairReport, TriangleCounts,
 };
 pub use errors_over::ErrorsOver;
-pub use gone::{MissingPart, Roll};
+pub use gone::{MissingPart, PartInventory};
 pub use page::{Facts, Level, curve, levels, page};
 
 /// Version of all documents; rises only if a key changes its meaning or goes away.

@@ -56,7 +56,7 @@ export class Host {
     this.pipeline = drawing(device, navigator.gpu.getPreferredCanvasFormat());
   }
 
-  /** Buffers of words, or of so many zeros, and the kernels that are used. */
+  /** Buffers of words, or of a number of zeros, and the kernels that are used. */
   setUp(shaders, contents) {
     const names = ['lists_length', 'scan', 'scan_add', 'lists_fill', 'extract', 'live'];
     this.kernels = Object.fromEntries(names.map((name, number) => [name, number]));

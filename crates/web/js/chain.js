@@ -47,7 +47,7 @@ export class ChainModel {
 export class LodcChain extends THREE.Group {
   /**
    * @param model a `ChainModel`
-   * @param pixels a level errs by at most so many pixels
+   * @param pixels the most that a level may err, in pixels
    */
   constructor(model, pixels = model.levels.screen?.pixels ?? 1) {
     super();
@@ -68,7 +68,7 @@ export class LodcChain extends THREE.Group {
     this.show(0, 0);
   }
 
-  /** Shows the level that a camera needs, in a picture of so many pixels in height. */
+  /** Shows the level that a camera needs, in a picture `height` pixels high. */
   update(camera, height) {
     this.updateWorldMatrix(true, false);
     const scale = this.matrixWorld.getMaxScaleOnAxis();

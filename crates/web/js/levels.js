@@ -113,7 +113,7 @@ export class Levels {
     return steps === 0 ? 0 : this.ends[steps - 1];
   }
 
-  /** The finest LOD with at most so many triangles. */
+  /** The finest LOD with at most `most` triangles. */
   forTriangles(most) {
     if (this.triangles <= most) return 0;
     const step = partition(this.counts.length, (s) => this.counts[s] <= most);

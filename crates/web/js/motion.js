@@ -33,7 +33,7 @@ export class Motion {
     return this.moves || now - this.movedAt < REST;
   }
 
-  /** Learns that a frame of so many triangles took so many milliseconds. */
+  /** Learns how many milliseconds a frame of a number of triangles took. */
   learn(milliseconds, triangles) {
     if (milliseconds > 1.5 * WANTED) {
       const most = triangles * clamp(WANTED / milliseconds, 0.05, 0.8);

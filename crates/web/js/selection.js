@@ -29,9 +29,9 @@ export class Selection {
   }
 
   /**
-   * The finest levels with at most so many triangles, as `lodc extract --triangles` has them: of
-   * several objects they give up triangles in their order. Objects that have none, since they are
-   * of several files, meet the smallest error in common.
+   * The finest levels with at most `most` triangles, as `lodc extract --triangles` has them:
+   * several objects lose triangles in their order. Objects that have none, since they are of
+   * several files, meet the smallest error in common.
    */
   byTriangles(most) {
     if (this.objects.length === 1) {

@@ -52,7 +52,7 @@ export interface LodcModelEventMap extends Object3DEventMap {
  */
 export class LodcModel extends Group<LodcModelEventMap> {
   readonly isLodcModel: true;
-  /** A level errs by at most so many pixels; all triangles are drawn below 0. */
+  /** The most that a level may err, in pixels; all triangles are drawn below 0. */
   pixels: number;
   /** The level, counted from the finest, 0; chosen by `pixels` if it is null. */
   level: number | null;
@@ -68,7 +68,7 @@ export class LodcModel extends Group<LodcModelEventMap> {
   /** Triangles at the levels that were drawn last. */
   readonly triangles: number;
   /**
-   * Chooses all levels for a camera and a picture of so many pixels in height, for rays and shadows
+   * Chooses all levels for a camera and a picture `height` pixels high, for rays and shadows
    * before the first picture. Drawing does it by itself.
    */
   update(camera: Camera, height: number): void;

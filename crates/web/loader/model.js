@@ -173,7 +173,7 @@ const Levelled = (Base) => class extends Base {
     return node;
   }
 
-  /** Chooses the level for a camera and a picture of so many pixels in height. */
+  /** Chooses the level for a camera and a picture `height` pixels high. */
   choose(camera, height) {
     const { object } = this.lodc;
     const model = this.model;
@@ -254,7 +254,7 @@ export class LodcModel extends THREE.Group {
     super();
     this.isLodcModel = true;
     this.type = 'LodcModel';
-    /** A level errs by at most so many pixels. */
+    /** The most that a level may err, in pixels. */
     this.pixels = 1;
     /** The level, counted from the finest, 0; chosen by pixels if it is null. */
     this.level = null;
@@ -291,7 +291,7 @@ export class LodcModel extends THREE.Group {
   }
 
   /**
-   * Chooses all levels for a camera and a picture of so many pixels in height, for rays and shadows
+   * Chooses all levels for a camera and a picture `height` pixels high, for rays and shadows
    * before the first picture. Drawing does it by itself.
    */
   update(camera, height) {

@@ -5,14 +5,16 @@
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import {
-  cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, symlinkSync, writeFileSync,
+  cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, statSync, symlinkSync,
+  writeFileSync,
 } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test from 'node:test';
+import { pathToFileURL } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { Chromium } from './chromium.mjs';
-import { separated } from './models.mjs';
+import { boards, separated } from './models.mjs';
 import { serve } from './serve.mjs';
 
 const { LODC_WEB, LODC_WEB_TOOLS, LODC } = process.env;
@@ -37,6 +39,7 @@ for (const name of readdirSync(LODC_WEB_TOOLS).filter((name) => !name.startsWith
 }
 const tool = (name, ...args) => run(fresh, 'node', join(LODC_WEB_TOOLS, name), ...args);
 const installed = join(fresh, 'node_modules/lodc');
+const axe = readFileSync(join(LODC_WEB_TOOLS, 'axe-core/axe.min.js'), 'utf8');
 
 /** A fixture as a file, and as a stream. */
 function built(name, ...options) {
@@ -52,9 +55,12 @@ for (const stem of ['machine_part', 'skinned_tube_u8', 'morphing_sphere', 'terra
 separated(models);
 lodc('build', 'scene.gltf', '-o', 'scene.lodc', '-q', '--models', 'none');
 lodc('pack', 'scene.lodc', '-o', 'scene.lods', '-q');
+boards(models);
+lodc('build', 'boards.obj', '-o', 'boards.lodc', '-q', '--models', 'none');
+lodc('pack', 'boards.lodc', '-o', 'boards.lods', '-q');
 tool('vite/bin/vite.js', 'build', '--logLevel', 'error');
 const server = await serve(join(fresh, 'dist'), models);
-const browser = await Chromium.start();
+const browser = await Chromium.start('--enable-unsafe-webgpu');
 await browser.size(640, 480);
 await browser.goto(`${server.url}/index.html`);
 await browser.until("'ready' in document.documentElement.dataset");
@@ -62,12 +68,15 @@ test.after(async () => {
   await browser.close();
   rmSync(scratch, { recursive: true });
 });
+/** What was written to the console, but for what reading pixels back says. */
+function said() {
+  return browser.console.filter((line) => !line.includes('GPU stall due to ReadPixels'));
+}
 /** Calls a function of the page; nothing may be written to its console meanwhile. */
 async function page(name, ...args) {
   browser.console.length = 0;
   const value = await browser.value(`${name}(${args.map((arg) => JSON.stringify(arg)).join()})`);
-  const said = browser.console.filter((line) => !line.includes('GPU stall due to ReadPixels'));
-  assert.deepEqual(said, [], `${name} ${args}`);
+  assert.deepEqual(said(), [], `${name} ${args}`);
   return value;
 }
 /** Keeps a picture of the page where LODC_PICTURES says. */
@@ -128,6 +137,17 @@ test('models look like the glTF they are made of, in motion, too, and so do copi
   }
 });
 
+test('materials of an OBJ are those that three.js reads of its MTL', async () => {
+  for (const name of ['/boards.lodc', '/boards.lods']) {
+    const { differ, drawn, ends, missing } = await page('boards', name);
+    await keep('boards');
+    assert.ok(drawn > 5000, `${drawn} pixels are drawn`);
+    assert.ok(differ <= drawn / 1000, `${name}: ${differ} of ${drawn} pixels differ`);
+    assert.deepEqual(ends, [true, true], 'an image ends');
+    assert.equal(missing, 1, 'what has no material is grey');
+  }
+});
+
 test('a stream shows within its first block and grows in place', async () => {
   const gate = server.gate('/terrain.lods');
   gate.open(0.05);
@@ -170,6 +190,17 @@ test('a crowd of 200 shares one geometry, and each copy has a level of its own',
   assert.equal(crowd.geometries, 1);
   assert.ok(crowd.near > 2 * crowd.far && crowd.far > 0, JSON.stringify(crowd));
   assert.ok(crowd.hit, 'a ray hits');
+});
+
+test("the page's thread decodes nothing and copies nothing", async () => {
+  const { size } = statSync(join(models, 'terrain.lodc'));
+  const file = await page('aside', '/terrain.lodc');
+  assert.deepEqual([file.compiled, file.sent, file.copied], [0, size, 0]);
+  assert.ok(file.arrays > 1);
+  assert.equal(file.buffers, 1, 'arrays lie where the message of the worker does');
+  const stream = await page('aside', '/machine_part.lods');
+  assert.deepEqual([stream.compiled, stream.copied], [0, 0]);
+  assert.ok(stream.sent > 0);
 });
 
 test('damage, a cut, an abortion are errors', async () => {
@@ -245,6 +276,67 @@ test('an element that is taken out frees its memory', async () => {
   assert.deepEqual(await page('freed'), { canvases: 0, isLost: true });
   await browser.send('HeapProfiler.collectGarbage');
   assert.equal(await page('lives'), false, 'the model is kept');
+});
+
+/** What axe finds in the page as it is; nothing may have been written to its console. */
+async function findings(what, where = 'html') {
+  await browser.value(`${axe}; null`);
+  const found = await browser.value(`axe.run('${where}').then(({ violations }) => (
+    violations.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary }) => (
+      \`\${id}: \${target}: \${failureSummary}\`)))))`);
+  assert.deepEqual(found, [], what);
+  assert.deepEqual(said(), [], what);
+}
+
+test('axe finds nothing in an element', async () => {
+  await page('element', { src: '/machine_part.lods', alt: 'A part' });
+  await page('events', 'complete');
+  await findings('a model', 'lodc-view');
+  await page('change', { src: '/damaged.lodc' });
+  await page('events', 'error');
+  await findings('an error', 'lodc-view');
+  await page('remove');
+});
+
+test("axe finds nothing in the viewer's page, wide and narrow, light and dark", async () => {
+  lodc('chain', 'machine_part.glb', '-o', 'chain.glb', '--geomorph', '-q');
+  for (const model of ['skinned_tube_u8.lodc', 'chain.glb']) {
+    lodc('view', model, '-o', `${model}.html`, '-q');
+    for (const [width, height] of [[1280, 800], [390, 844]]) {
+      await browser.size(width, height);
+      browser.console.length = 0;
+      await browser.goto(pathToFileURL(join(models, `${model}.html`)).href);
+      await browser.until("document.documentElement.dataset.ready === 'true'");
+      for (const value of ['light', 'dark']) {
+        const features = [{ name: 'prefers-color-scheme', value }];
+        await browser.send('Emulation.setEmulatedMedia', { features });
+        const side = value === 'dark' ? '<' : '>';
+        await browser.until(`viewer.shown.background[0] ${side} 0.5 && !viewer.due`);
+        await findings(`${model}, ${width} pixels, ${value}`);
+        await keep(`viewer-${model}-${width}-${value}`);
+        await browser.value("document.getElementById('look').click()");
+        await findings(`${model}, ${width} pixels, ${value}, options`);
+        await keep(`viewer-${model}-${width}-${value}-options`);
+        await browser.value("document.getElementById('look').click()");
+      }
+    }
+  }
+  await browser.size(640, 480);
+});
+
+test('the example shows a crowd by distance, and a stream', async () => {
+  const example = await serve(LODC_WEB, models);
+  browser.console.length = 0;
+  const query = 'model=/skinned_tube_u8.lodc&stream=/terrain.lods&copies=100';
+  await browser.goto(`${example.url}/example/index.html?${query}`);
+  // Browsers ask for an icon.
+  const written = () => said().filter((line) => !line.includes('/favicon.ico'));
+  await browser.until("/stream: [1-9][0-9,]* triangles$/.test(document.body.innerText.trim())");
+  await keep('example');
+  const { copies, drawn, whole } = await browser.value('({ ...document.documentElement.dataset })');
+  assert.equal(Number(copies), 100);
+  assert.ok(0 < Number(drawn) && Number(drawn) < Number(whole), `${drawn} of ${whole}`);
+  assert.deepEqual(written(), []);
 });
 
 test("the README's lines run", async () => {

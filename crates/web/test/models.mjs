@@ -57,6 +57,42 @@ function sheet(n) {
   return { positions, uvs, normals, indices };
 }
 
+const MTL = `newmtl floor
+Kd 1 1 1
+map_Kd -s 2 3 1 -o 0.25 0.1 0 images/greens.png
+newmtl board
+Kd 0.9 0.2 0.1
+d 0.5
+newmtl clamped
+map_Kd -clamp on -s 2 2 images/greens.png
+`;
+
+/**
+ * Writes `boards.obj` and its materials into the folder of `scene.gltf`: one with an image that is
+ * repeated and shifted, a transparent one, one whose image ends, none.
+ */
+export function boards(folder) {
+  const lines = ['mtllib boards.mtl'];
+  ['floor', 'board', 'clamped', 'missing'].forEach((material, n) => {
+    const { positions, uvs, indices } = sheet(12);
+    const first = n * 169 + 1;
+    for (let v = 0; v < 169; v++) {
+      const [x, y, z] = positions.slice(3 * v, 3 * v + 3);
+      lines.push(`v ${x + (n % 2) * 1.1} ${y + 0.2 * n} ${z + (n >> 1) * 1.1}`);
+      lines.push(`vt ${uvs[2 * v]} ${uvs[2 * v + 1]}`);
+    }
+    lines.push(`usemtl ${material}`);
+    for (let i = 0; i < indices.length; i += 3) {
+      const corners = indices.slice(i, i + 3).map((index) => `${first + index}/${first + index}`);
+      lines.push(`f ${corners.join(' ')}`);
+    }
+  });
+  writeFileSync(join(folder, 'boards.obj'), `${lines.join('\n')}\n`);
+  writeFileSync(join(folder, 'boards.mtl'), MTL);
+  // What three.js does not know would be a file's name to it.
+  writeFileSync(join(folder, 'plain.mtl'), MTL.replace(/^.*-clamp.*$/m, ''));
+}
+
 /** Writes `scene.gltf`, `scene.bin` and its images into a folder. */
 export function separated(folder) {
   const { positions, uvs, normals, indices } = sheet(40);

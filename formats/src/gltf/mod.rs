@@ -75,5 +75,5 @@ pub(crate) use missing::{bare_gltf, gltf_without_missing};
 pub use part_names::PartNames;
 #[cfg(feature = "export")]
 pub use write::{
-    Carried, ChainObject, ChainShape, Glide, LevelsObject, export_chain, export_levels,
+    ChainObject, ChainShape, Glide, LevelsObject, MovedStreams, export_chain, export_levels,
 };

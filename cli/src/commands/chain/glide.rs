@@ -9,7 +9,7 @@ use clap::Args;
 use lodc::glide::{bends, joints_error, pose_error};
 use lodc_formats::Limits;
 use lodc_formats::export::{GlideFacts, ScreenFacts};
-use lodc_formats::gltf::Carried;
+use lodc_formats::gltf::MovedStreams;
 use lodc_mesh::{Lod, Mesh};
 use std::ops::Range;
 use std::path::Path;
@@ -31,11 +31,11 @@ pub(super) struct GlideArgs {
     #[arg(long, value_name = "STREAMS", num_args = 0..=1, require_equals = true,
           default_missing_value = "", value_parser = carried, conflicts_with = "index_ranges",
           display_order = 1)]
-    geomorph: Option<Carried>,
+    geomorph: Option<MovedStreams>,
 }
 
-fn carried(text: &str) -> Result<Carried, String> {
-    let mut carried = Carried::default();
+fn carried(text: &str) -> Result<MovedStreams, String> {
+    let mut carried = MovedStreams::default();
     for word in text.split(',').filter(|word| !word.is_empty()) {
         match word {
             "tangent" => carried.tangents = true,
@@ -49,7 +49,7 @@ fn carried(text: &str) -> Result<Carried, String> {
 }
 
 impl GlideArgs {
-    pub(super) fn carried(self) -> Option<Carried> {
+    pub(super) fn carried(self) -> Option<MovedStreams> {
         self.geomorph
     }
 

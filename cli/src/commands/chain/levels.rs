@@ -11,7 +11,7 @@ use lodc_assets::Parts;
 use lodc_formats::export::GlideFacts;
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainLevel;
-use lodc_report::{MissingPart, Roll};
+use lodc_report::{MissingPart, PartInventory};
 use lodc_select::{Selection, Target};
 use std::path::Path;
 
@@ -187,7 +187,7 @@ pub(super) fn described(
     objects: &[LodObject],
     chosen: Vec<Chosen>,
     measured: Vec<Measured>,
-    roll: &Roll<'_>,
+    inventory: &PartInventory<'_>,
 ) -> (Vec<Level>, Vec<String>) {
     let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();
     for (number, (chosen, measured)) in chosen.into_iter().zip(measured).enumerate() {
@@ -199,7 +199,7 @@ pub(super) fn described(
                 (meshes.iter().map(distance).collect(), Some(meshes))
             }
         };
-        let gone = roll.gone_at(&lods, distances.iter().map(|d| d.error));
+        let gone = inventory.gone_at(&lods, distances.iter().map(|d| d.error));
         warnings.extend(unmet);
         warnings.dedup();
         warnings.extend(gone.iter().map(|gone| format!("level {number}: {gone}")));

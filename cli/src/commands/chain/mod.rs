@@ -29,7 +29,7 @@ use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{OutputFile, RequestedFiles};
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainReport;
-use lodc_report::{ErrorsOver, Roll};
+use lodc_report::{ErrorsOver, PartInventory};
 use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
@@ -158,7 +158,7 @@ fn chain(
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let limits = import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
-    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
+    let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let chosen = stages.run("select", || {
         args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)
     })?;
@@ -179,7 +179,7 @@ fn chain(
         }
     };
     let (mut levels, mut warnings) =
-        stages.run("gone", || levels::described(&asset.objects, chosen, measured, &roll));
+        stages.run("gone", || levels::described(&asset.objects, chosen, measured, &inventory));
     warnings.splice(0..0, asset.warnings.iter().cloned());
     let target = Target::File(out.to_owned());
     let textures = stages.run("textures", || {

@@ -11,7 +11,7 @@ use lodc::{
     level_mesh::{self, CACHE},
 };
 use lodc_formats::export::Additions;
-use lodc_formats::gltf::{Carried, ChainObject, ChainShape, Glide, export_chain};
+use lodc_formats::gltf::{ChainObject, ChainShape, Glide, MovedStreams, export_chain};
 use lodc_mesh::{Chain, GlidingChain, Lod, Mesh};
 use lodc_strip::{codec_order_list, order_list};
 use rayon::prelude::*;
@@ -59,7 +59,7 @@ pub(super) fn files(
         let errors = glide::pose_errors(asset, &ways, carried.joints, &limits)?;
         glide::place(&args.levels, levels, &errors);
     }
-    let glide = |object: usize, carried: Carried| Glide {
+    let glide = |object: usize, carried: MovedStreams| Glide {
         next: &next[object],
         moving: (0..levels.len()).map(|k| glide::moving(&chains[object].prefixes, k)).collect(),
         carried,

@@ -24,7 +24,7 @@ use crate::selector::{SelectorArgs, size};
 use baseline::Baseline;
 use clap::Args;
 use lodc_assets::AssetError;
-use lodc_report::{Case, Length, MostAllowed, PairReport, Suite, Verdict};
+use lodc_report::{Case, ComparisonLimits, Length, PairReport, Suite, Verdict};
 use lodc_select::Target;
 use measure::Measured;
 use std::path::{Path, PathBuf};
@@ -176,9 +176,9 @@ impl CompareArgs {
     }
 
     /// The limits given.
-    fn most_allowed(&self) -> MostAllowed {
+    fn most_allowed(&self) -> ComparisonLimits {
         let Self { max_rms: rms, max_hausdorff: hausdorff, max_image_rmse: image_rmse, .. } = *self;
-        MostAllowed { rms, hausdorff, image_rmse }
+        ComparisonLimits { rms, hausdorff, image_rmse }
     }
 
     /// The levels of B, with their names if there may be several.

@@ -20,7 +20,7 @@ use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Lod;
 use lodc_report::documents::{ExtractReport, ExtractedObject};
-use lodc_report::{ErrorsOver, MissingPart, Roll, SCHEMA_VERSION};
+use lodc_report::{ErrorsOver, MissingPart, PartInventory, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use std::path::Path;
 
@@ -126,8 +126,8 @@ fn uniform(
         }
         meshes
     };
-    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
-    let gone = stages.run("gone", || roll.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
+    let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
+    let gone = stages.run("gone", || inventory.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
     Ok(Level {
         meshes,
         lods: chosen.lods.into_iter().map(Some).collect(),

@@ -98,6 +98,8 @@ export class Controls {
       viewer.set({ copies });
     });
     element('theme').addEventListener('click', () => this.theme());
+    const system = matchMedia('(prefers-color-scheme: dark)');
+    system.addEventListener('change', () => viewer.invalidate());
     element('look').addEventListener('click', () => this.toggleOptions());
     if (window.innerWidth > 1100) this.toggleOptions();
   }

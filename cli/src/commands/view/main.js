@@ -33,8 +33,9 @@ async function start() {
   Object.assign(window, { viewer, controls });
   // At once: a page in the background gets no frames.
   viewer.frame(performance.now());
-  if (renderer instanceof WebglRenderer) await upgrade(viewer, scene);
-  if (shipped) return;
+  const hasDevice = !(renderer instanceof WebglRenderer) || await upgrade(viewer, scene);
+  // Where there is no device it is not asked for again: browsers complain of each time.
+  if (shipped || !hasDevice) return;
   const wgsl = document.getElementById('view-shader').textContent;
   const viewDependent = await ViewDependent.create(scene, wgsl);
   if (viewDependent) {
@@ -52,14 +53,14 @@ function overlay() {
   return canvas;
 }
 
-/** Goes on with WebGPU where it is there, and with WebGL if its device is lost. */
+/** Goes on with WebGPU where it is there, and with WebGL if its device is lost; whether it is. */
 async function upgrade(viewer, scene) {
-  if (!navigator.gpu) return;
+  if (!navigator.gpu) return false;
   const canvas = overlay();
   const renderer = await WebgpuRenderer.create(canvas, scene).catch(() => null);
   if (!renderer) {
     canvas.remove();
-    return;
+    return false;
   }
   const before = viewer.use(renderer);
   renderer.device.lost.then(async () => {
@@ -73,6 +74,7 @@ async function upgrade(viewer, scene) {
   await renderer.finished();
   canvas.hidden = false;
   before.close();
+  return true;
 }
 
 start().catch((error) => {

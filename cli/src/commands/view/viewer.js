@@ -66,10 +66,12 @@ export class Viewer {
     return before;
   }
 
-  /** Share of the canvas that the footer covers. */
+  /** Share of the canvas that is covered below: by the footer, on a narrow page by the options. */
   covered() {
-    const { top } = document.querySelector('footer').getBoundingClientRect();
-    return 1 - top / window.innerHeight;
+    const all = [...document.querySelectorAll('footer, aside')];
+    const boxes = all.map((one) => one.getBoundingClientRect());
+    const below = boxes.filter(({ left, width }) => width > 0 && left <= window.innerWidth / 2);
+    return 1 - Math.min(...below.map(({ top }) => top)) / window.innerHeight;
   }
 
   /** Share of the canvas that the options cover on the right; on a narrow page they stand below. */
@@ -116,7 +118,7 @@ export class Viewer {
     return PIXELS[0] * (PIXELS[1] / PIXELS[0]) ** this.share;
   }
 
-  /** Where the slider stands for what an address asked for, at so many triangles. */
+  /** The slider's value for a number of triangles that an address asks for. */
   shareShown(triangles) {
     return this.selection.shareOf(triangles);
   }

@@ -90,7 +90,7 @@ struct Buffers {
 }
 
 /// Instances that are one draw: their figure, phase and part, and the LOD.
-type Same = ((usize, usize, usize), Lod);
+type DrawKey = ((usize, usize, usize), Lod);
 
 impl Buffers {
     fn all(&mut self, figures: &[Figure<'_>]) -> Vec<Vec<[f32; 3]>> {
@@ -115,7 +115,7 @@ impl Buffers {
         number: usize,
         camera: &Camera,
     ) -> InstancedFrame {
-        let mut same: BTreeMap<Same, Vec<Instance>> = BTreeMap::new();
+        let mut same: BTreeMap<DrawKey, Vec<Instance>> = BTreeMap::new();
         for (i, (walker, lods)) in positions.iter().zip(lods).enumerate() {
             let f = i % figures.len();
             let phase = figures[f].phase(i, number);

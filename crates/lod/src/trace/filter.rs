@@ -71,14 +71,14 @@ impl<'a> Filter<'a> {
         }
         for &element in changed {
             for second in [false, true] {
-                if strip.is_left(element) {
+                if strip.remains(element) {
                     let e = if second { strip.next(strip.next(element)) } else { element };
                     self.pairs(strip, e);
                 }
             }
         }
         for &element in changed {
-            if strip.is_left(element) {
+            if strip.remains(element) {
                 self.singles(strip, element);
             }
         }

@@ -179,7 +179,7 @@ impl StripTracer {
         self.changed.clear();
         let mut vertex = NONE;
         while let Some(&Reverse((v, element))) = self.queue.peek() {
-            if self.strip.is_left(element) {
+            if self.strip.remains(element) {
                 if !self.changed.is_empty() && v != vertex {
                     break;
                 }

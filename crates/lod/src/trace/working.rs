@@ -24,7 +24,8 @@ pub(crate) struct WorkingStrip {
     value: Vec<u32>,
     previous: Vec<u32>,
     next: Vec<u32>,
-    left: Vec<bool>,
+    /// For each element whether it has not been removed.
+    remaining: Vec<bool>,
     /// True if the triangle that starts at each element is drawn. Once it is not, it never is
     /// again.
     draws: Vec<bool>,
@@ -51,8 +52,8 @@ impl WorkingStrip {
         self.previous.extend((0..count).map(|i| i.saturating_sub(1)));
         self.next.clear();
         self.next.extend((0..count).map(|i| (i + 1).min(count - 1)));
-        self.left.clear();
-        self.left.resize(count as usize, true);
+        self.remaining.clear();
+        self.remaining.resize(count as usize, true);
         self.ranks.fill(count as usize);
         self.draws.clear();
         self.draws.resize(count as usize, false);
@@ -76,8 +77,8 @@ impl WorkingStrip {
     pub(crate) fn number(element: u32) -> usize {
         (element - EDGE) as usize
     }
-    pub(crate) fn is_left(&self, element: u32) -> bool {
-        self.left[element as usize]
+    pub(crate) fn remains(&self, element: u32) -> bool {
+        self.remaining[element as usize]
     }
     /// Returns whether any triangle is drawn.
     pub(crate) fn is_live(&self) -> bool {
@@ -184,7 +185,7 @@ impl WorkingStrip {
         let mut element = first;
         let end = self.next(last);
         while element != end {
-            self.left[element as usize] = false;
+            self.remaining[element as usize] = false;
             element = self.next(element);
         }
         self.next[before as usize] = end;

@@ -8,6 +8,7 @@ use lodc_measure::{Portrait, SceneSurface, ShadingOptions, Viewing};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
 use lodc_select::Target;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// Levels that are looked at, as shares of the scene's triangles.
@@ -16,42 +17,66 @@ const LEVELS: [f64; 6] = [0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
 pub(super) type Errors = [f64; LEVELS.len()];
 /// An image error up to this many times another's is no worse.
 const NO_WORSE: f64 = 1.01;
+/// Levels of fewer triangles are no picture of anything, and are not compared.
+const FEWEST: f64 = 16.0;
 /// The pictures: fewer and smaller than those of `compare`, and from other sides.
 const VIEWING: Viewing = Viewing { views: 17, size: 256 };
 /// Scenes with more triangles than this, instances counted, are not looked at.
 const MAX_TRIANGLES: usize = 1 << 23;
 
 /// The levels at which a metric decides, so that nothing looks worse than by the quadric.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Verdict {
     Everywhere,
     Nowhere,
-    /// Between these shares of the triangles.
-    Between([f32; 2]),
+    /// At these of [`LEVELS`], which follow each other.
+    At(RangeInclusive<usize>),
 }
 
 /// Compares the image errors of a metric with those of the quadric at [`LEVELS`]: the metric
-/// decides around the levels that follow each other, look no worse, and gain most together.
-pub(super) fn verdict(quadric: &Errors, other: &Errors) -> Verdict {
+/// decides around the levels that follow each other, look no worse, and gain most together. They
+/// are fewer than those at which it decided when the errors were measured.
+pub(super) fn verdict(
+    quadric: &Errors,
+    other: &Errors,
+    decided: &RangeInclusive<usize>,
+) -> Verdict {
     let is_good = |i: usize| other[i] <= NO_WORSE * quadric[i];
-    if (0..LEVELS.len()).all(is_good) {
-        return Verdict::Everywhere;
-    }
-    let mut best: Option<(f64, [usize; 2])> = None;
-    for first in (0..LEVELS.len()).filter(|&i| is_good(i)) {
+    let Some(bad) = (0..LEVELS.len()).find(|&i| !is_good(i)) else { return Verdict::Everywhere };
+    let mut best: Option<(f64, RangeInclusive<usize>)> = None;
+    for first in decided.clone().filter(|&i| is_good(i)) {
         let mut product = 1.0;
-        for last in (first..LEVELS.len()).take_while(|&i| is_good(i)) {
+        for last in (first..=*decided.end()).take_while(|&i| is_good(i)) {
             product *= if quadric[last] > 0.0 { other[last] / quadric[last] } else { 1.0 };
-            if best.is_none_or(|b| product < b.0) {
-                best = Some((product, [first, last]));
+            if best.as_ref().is_none_or(|b| product < b.0) {
+                best = Some((product, first..=last));
             }
         }
     }
-    let Some((_, [first, last])) = best.filter(|b| b.0 < 1.0) else { return Verdict::Nowhere };
+    let Some((_, levels)) = best.filter(|b| b.0 < 1.0) else { return Verdict::Nowhere };
+    if levels != *decided {
+        return Verdict::At(levels);
+    }
+    // What came before it makes a level worse at which the quadric decided already: the metric
+    // stops a level earlier, or begins a level later.
+    let (first, last) = levels.into_inner();
+    match first < last {
+        true if bad < first => Verdict::At(first + 1..=last),
+        true => Verdict::At(first..=last - 1),
+        false => Verdict::Nowhere,
+    }
+}
+
+/// All levels that are looked at.
+pub(super) const ALL: RangeInclusive<usize> = 0..=LEVELS.len() - 1;
+
+/// The shares of the triangles around some of [`LEVELS`], the smaller first.
+pub(super) fn shares(levels: &RangeInclusive<usize>) -> [f32; 2] {
+    let (first, last) = (*levels.start(), *levels.end());
     let between = |i: usize| (LEVELS[i] * LEVELS[i + 1]).sqrt() as f32;
     let most = if first == 0 { 1.0 } else { between(first - 1) };
     let least = if last + 1 == LEVELS.len() { 0.0 } else { between(last) };
-    Verdict::Between([least, most])
+    [least, most]
 }
 
 /// A scene, and what it looks like.
@@ -59,6 +84,8 @@ pub(super) struct Judge<'a> {
     known: SceneContext<'a>,
     scene: Arrangement,
     portrait: Portrait,
+    /// Those of the scene, instances counted.
+    triangles: usize,
 }
 
 impl<'a> Judge<'a> {
@@ -84,10 +111,10 @@ impl<'a> Judge<'a> {
         // Shapes alone where the metric sees no more.
         let looks = known.paints.map_or(ShadingOptions::default(), |_| shown.common_looks(&shown));
         let portrait = Portrait::new(&shown.surface, VIEWING, looks);
-        Ok(Some(Self { known, scene, portrait }))
+        Ok(Some(Self { known, scene, portrait, triangles }))
     }
 
-    /// The image errors at [`LEVELS`].
+    /// The image errors at [`LEVELS`]; 0 at those of fewer than [`FEWEST`] triangles.
     ///
     /// # Errors
     /// If a level is no mesh: a bug.
@@ -101,6 +128,9 @@ impl<'a> Judge<'a> {
         let levels = scene_levels(&objects, self.known.document, &self.known.limits)?;
         let mut errors = Errors::default();
         for (share, error) in LEVELS.into_iter().zip(&mut errors) {
+            if (self.triangles as f64 * share) < FEWEST {
+                continue;
+            }
             let lods = levels.select(Target::Ratio(share), false)?.lods;
             let meshes = level_mesh::plain(&objects, &lods)?;
             let shown = surface(&meshes.iter().collect::<Vec<_>>(), &self.scene, self.known);
@@ -122,26 +152,36 @@ fn surface(meshes: &[&Mesh], scene: &Arrangement, known: SceneContext<'_>) -> Sc
 
 #[cfg(test)]
 mod tests {
-    use super::{Errors, Verdict, verdict};
+    use super::{ALL, Errors, Verdict, shares, verdict};
 
     #[test]
     fn the_metric_decides_where_it_looks_no_worse() {
-        let against = |ratios: Errors| verdict(&[2.0; 6], &ratios.map(|r| 2.0 * r));
+        let against = |ratios: Errors| verdict(&[2.0; 6], &ratios.map(|r| 2.0 * r), &ALL);
         assert_eq!(against([1.0, 0.9, 0.8, 1.01, 0.9, 1.0]), Verdict::Everywhere);
         assert_eq!(against([1.2, 1.1, 1.3, 1.04, 1.1, 1.2]), Verdict::Nowhere);
         assert_eq!(against([1.2, 1.01, 1.3, 1.04, 1.1, 1.2]), Verdict::Nowhere);
-        let Verdict::Between([least, most]) = against([1.1, 1.2, 0.9, 0.8, 0.9, 0.95]) else {
-            panic!("it is better at coarse levels")
-        };
-        assert!(least == 0.0 && most > 0.1 && most < 0.25, "{least} {most}");
-        let Verdict::Between([least, most]) = against([0.9, 0.7, 1.4, 0.8, 0.9, 1.0]) else {
-            panic!("it is better at fine levels")
-        };
-        assert!(most == 1.0 && least > 0.1 && least < 0.25, "{least} {most}");
-        let Verdict::Between([least, most]) = against([0.9, 0.7, 0.8, 0.8, 0.9, 1.2]) else {
-            panic!("it is worse at the coarsest level alone")
-        };
-        assert!(most == 1.0 && least > 0.01 && least < 0.02, "{least} {most}");
-        assert_eq!(verdict(&[0.0; 6], &[0.0; 6]), Verdict::Everywhere);
+        assert_eq!(against([1.1, 1.2, 0.9, 0.8, 0.9, 0.95]), Verdict::At(2..=5));
+        assert_eq!(against([0.9, 0.7, 1.4, 0.8, 0.9, 1.0]), Verdict::At(0..=1));
+        assert_eq!(against([0.9, 0.7, 0.8, 0.8, 0.9, 1.2]), Verdict::At(0..=4));
+        assert_eq!(verdict(&[0.0; 6], &[0.0; 6], &ALL), Verdict::Everywhere);
+    }
+
+    #[test]
+    fn it_gives_way_a_level_earlier_where_the_quadric_cannot_mend_what_came_before() {
+        let against =
+            |ratios: Errors, decided| verdict(&[2.0; 6], &ratios.map(|r| 2.0 * r), &decided);
+        let worse_at_the_end = [0.9, 0.7, 0.8, 0.8, 0.9, 1.2];
+        assert_eq!(against(worse_at_the_end, 0..=4), Verdict::At(0..=3));
+        assert_eq!(against([1.02, 0.99, 0.8, 0.8, 0.9, 0.95], 1..=5), Verdict::At(2..=5));
+        assert_eq!(against([0.9, 1.02, 1.0, 1.0, 1.0, 1.0], 0..=0), Verdict::Nowhere);
+        // Levels at which the quadric decided are none to begin with.
+        assert_eq!(against([0.9, 0.9, 0.9, 1.3, 0.5, 0.5], 0..=3), Verdict::At(0..=2));
+    }
+
+    #[test]
+    fn shares_lie_between_the_levels() {
+        assert_eq!(shares(&ALL), [0.0, 1.0]);
+        let [least, most] = shares(&(2..=4));
+        assert!(0.01 < least && least < 0.02 && 0.1 < most && most < 0.25, "{least} {most}");
     }
 }

@@ -1,6 +1,6 @@
 //! The stage that simplifies. Where objects are to look good, pictures decide how.
 
-use super::judge::{Judge, Verdict, verdict};
+use super::judge::{ALL, Judge, Verdict, shares, verdict};
 use super::watch::staged;
 use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
@@ -15,6 +15,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// try more samples first. They help most models and harm some.
 const SMALL: u64 = 16_000;
 const SAMPLES_OF_SMALL: u64 = 64_000;
+/// `hybrid` decides at all levels, then at those where that looked better, then at one fewer: the
+/// quadric does not always mend what came before its levels.
+const TRIES: usize = 3;
 
 /// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides at those
 /// levels at which the scene looks worse otherwise: pictures of both decide.
@@ -46,17 +49,15 @@ fn best(
     let quadric = each(objects.clone(), &by_quadric, known, watch);
     let plain = judge.errors(&quadric)?;
     for options in with_samples(options, &objects).into_iter().chain([options.to_vec()]) {
-        let hybrid = each(objects.clone(), &options, known, watch);
-        let between = match verdict(&plain, &judge.errors(&hybrid)?) {
-            Verdict::Everywhere => return Ok(hybrid),
-            Verdict::Nowhere => continue,
-            Verdict::Between(between) => between,
-        };
-        drop(hybrid);
-        let partly = instead(&options, |o| Options { hybrid_between: between, ..o });
-        let mixed = each(objects.clone(), &partly, known, watch);
-        if verdict(&plain, &judge.errors(&mixed)?) == Verdict::Everywhere {
-            return Ok(mixed);
+        let mut levels = ALL;
+        for _ in 0..TRIES {
+            let partly = instead(&options, |o| Options { hybrid_between: shares(&levels), ..o });
+            let hybrid = each(objects.clone(), &partly, known, watch);
+            match verdict(&plain, &judge.errors(&hybrid)?, &levels) {
+                Verdict::Everywhere => return Ok(hybrid),
+                Verdict::Nowhere => break,
+                Verdict::At(fewer) => levels = fewer,
+            }
         }
     }
     Ok(quadric)

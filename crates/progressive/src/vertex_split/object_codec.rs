@@ -64,6 +64,8 @@ pub(crate) struct ObjectCodec {
     pub(crate) package_bytes: u64,
     /// True if the step continues with the next vertex.
     continued: bool,
+    /// A position of the step is not a finite number: no encoder wrote it.
+    pub(crate) has_infinite_position: bool,
     /// The first of the wedges that the newest vertex is one of.
     first_mate: u32,
     /// The parent of the next step's first vertex, if the order is exact; else the group that is
@@ -101,6 +103,7 @@ impl ObjectCodec {
             work: 0,
             package_bytes: 0,
             continued: false,
+            has_infinite_position: false,
             first_mate: 0,
             next_parent: 0,
             groups: (!exact).then(|| GroupList::new(0)),
@@ -452,6 +455,17 @@ impl ObjectCodec {
         let wanted = if C::ENCODES { source.indices(new) } else { &[] };
         let coded = &mut self.buffers.indices;
         self.values.code(coder, &mut contexts.values, &neighborhood, wanted, coded);
-        self.values.indices.extend_from_slice(coded);
+        self.check_position();
+        self.values.indices.extend_from_slice(&self.buffers.indices);
+    }
+
+    /// Puts a position that was just decoded at index 0 if it is not finite, which fails the step:
+    /// what came before it is still a mesh.
+    pub(super) fn check_position(&mut self) {
+        let mut channels = self.values.layout.systems.iter().zip(&mut self.buffers.indices).take(3);
+        if channels.any(|(system, index)| !system.value(*index).is_finite()) {
+            self.buffers.indices[..3].fill(0);
+            self.has_infinite_position = true;
+        }
     }
 }

@@ -32,7 +32,7 @@ struct Point {
 pub(crate) struct Points {
     points: Vec<Point>,
     /// Number of points that are missing.
-    left: u32,
+    missing: u32,
     /// True in the first step, which is to show a triangle as soon as can be: points come without
     /// the others of their group.
     pub(super) one_by_one: bool,
@@ -50,7 +50,7 @@ impl Points {
         let point = Point { is_missing: true, child: NONE, group: 0..0, last_wedge: NONE };
         Self {
             points: vec![point; count as usize],
-            left: count,
+            missing: count,
             one_by_one: true,
             last: NONE,
             first_missing: 0,
@@ -62,12 +62,12 @@ impl Points {
     /// Returns whether a vertex is a point that has not come yet.
     #[inline]
     pub(crate) fn is_missing(&self, vertex: u32) -> bool {
-        self.left > 0 && self.points.get(vertex as usize).is_some_and(|point| point.is_missing)
+        self.missing > 0 && self.points.get(vertex as usize).is_some_and(|point| point.is_missing)
     }
 
     /// Returns whether all points have come.
     pub(crate) fn are_complete(&self) -> bool {
-        self.left == 0
+        self.missing == 0
     }
 
     /// Returns the first point that has not come; there must be one.
@@ -129,7 +129,7 @@ impl Points {
         let first = self.points[point as usize].group.start;
         self.points[first as usize].last_wedge = point;
         self.last = point;
-        self.left -= 1;
+        self.missing -= 1;
         self.work += 2;
         self.package_bytes += if point > 0 { 5 } else { 0 };
         if self.is_missing(parent) {

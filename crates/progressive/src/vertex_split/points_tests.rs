@@ -2,6 +2,7 @@ use crate::entropy::encoder::Encoder;
 use crate::header::MeshHeader;
 use crate::mesh_decoder::{MeshDecoder, StepBlock};
 use crate::mesh_encoder::{BlockTarget, MeshEncoder};
+use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use crate::vertex_split::contexts::Contexts;
 use lodc_mesh::{CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh};
@@ -75,4 +76,21 @@ fn a_few_bytes_cannot_announce_many_points() {
     assert_ne!(announced(most, u32::MAX), "expands more than any real stream");
     assert_eq!(announced(most + 2000, u32::MAX), "expands more than any real stream");
     assert_eq!(announced(u32::MAX, u32::MAX), "expands more than any real stream");
+}
+
+#[test]
+fn a_position_that_is_not_finite_fails_its_step() {
+    let simplified = two_triangles_and_a_point();
+    let mut encoder = MeshEncoder::new(&simplified, VertexLayout::choose(&simplified), true);
+    let mut header = encoder.header().clone();
+    // What is 2 or more in the steps of the encoder is infinite in these.
+    header.layout.systems.fill(NumberSystem::Grid { origin: 0.0, step: f32::MAX });
+    let mut decoder = MeshDecoder::new(header);
+    let target = BlockTarget { bytes: 0, before: 0, until_triangle: false };
+    let block = encoder.encode(&mut Contexts::new(), target);
+    let block = StepBlock { steps: 1, splits: &block.splits, bytes: 1000 };
+    let error = decoder.decode(&mut Contexts::new(), block).expect_err("it is infinite");
+    assert_eq!(error.0, "has a position that is not a finite number");
+    let positions = decoder.mesh_parts().positions;
+    assert!(positions.into_flattened().into_iter().all(f32::is_finite));
 }

@@ -4,6 +4,6 @@ mod report;
 mod suites;
 
 pub use report::{
-    BothWays, Comparison, Content, ImageReport, Length, LevelComparison, MostAllowed, PairReport,
-    TriangleCounts,
+    BothWays, Comparison, ComparisonLimits, Content, ImageReport, Length, LevelComparison,
+    PairReport, TriangleCounts,
 };

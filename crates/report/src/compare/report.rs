@@ -2,7 +2,7 @@
 
 use crate::SCHEMA_VERSION;
 use crate::text::{count, distance};
-use lodc_measure::{Distances, ImageError, Numbers, ShadingOptions, Viewing, Worse};
+use lodc_measure::{Distances, ImageError, Numbers, Regression, ShadingOptions, Viewing};
 use serde::Serialize;
 
 /// `compare --json` of two files. Lengths are in A's unit.
@@ -149,7 +149,7 @@ impl Length {
 
 /// Limits; none where anything is allowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MostAllowed {
+pub struct ComparisonLimits {
     /// Root mean square distance, either way.
     pub rms: Option<Length>,
     /// Largest distance, either way.
@@ -184,7 +184,7 @@ impl Comparison {
     }
 
     /// Adds a line for each limit that is exceeded.
-    pub fn check(&mut self, most: &MostAllowed, diagonal: f64) {
+    pub fn check(&mut self, most: &ComparisonLimits, diagonal: f64) {
         let lengths =
             [("rms", self.rms.max, most.rms), ("hausdorff", self.hausdorff.max, most.hausdorff)];
         for (name, found, limit) in lengths {
@@ -217,7 +217,7 @@ impl Comparison {
 
 /// A line for each number that is worse than that of the last time by more than a share.
 fn worse(now: &Numbers, then: &Numbers, tolerance: f64, diagonal: f64) -> Vec<String> {
-    let line = |Worse { name, now, then }| {
+    let line = |Regression { name, now, then }| {
         format!("{name} {} is worse than {} of the baseline", distance(now), distance(then))
     };
     now.worse_than(then, tolerance, diagonal).into_iter().map(line).collect()

@@ -1,6 +1,6 @@
 //! The levels that a report shows: counts, distances, and pictures from four sides.
 
-use crate::gone::{MissingPart, Roll};
+use crate::gone::{MissingPart, PartInventory};
 use lodc::{Error, LodObject, SceneLevels, level_mesh};
 use lodc_formats::images::png;
 use lodc_measure::{
@@ -52,7 +52,7 @@ pub struct Level {
 pub fn levels(
     objects: &[LodObject],
     scene: &SceneLevels<'_>,
-    roll: &Roll<'_>,
+    inventory: &PartInventory<'_>,
     arrangement: &Arrangement,
     appearance: &Appearance,
 ) -> Result<Vec<Level>, Error> {
@@ -98,7 +98,7 @@ pub fn levels(
             heat,
             lost,
             hottest,
-            gone: roll.gone(&lods),
+            gone: inventory.gone(&lods),
         });
     }
     Ok(levels)

@@ -1,13 +1,17 @@
 //! An indexed 4-ary heap: the cheapest group first, ties by index, with the cost of any group
 //! changeable in place.
 
+/// The slot of a group that is not in the heap.
 const ABSENT: u32 = u32::MAX;
+/// Children of a node: half the levels of a binary heap, and the four keys lie in one cache line.
 const ARITY: usize = 4;
 
 /// Groups ordered by cost. Cost and group share one integer (costs are not negative, so their bits
 /// order as they do), which makes a comparison one instruction and the order total.
 pub(crate) struct Heap {
+    /// Cost and group of each node, the cost in the upper half.
     keys: Vec<u64>,
+    /// The node of each group, or [`ABSENT`].
     slot: Vec<u32>,
 }
 

@@ -33,6 +33,7 @@ struct Slot {
     capacity: u8,
 }
 
+/// The length that says that there is no list.
 const NO_LIST: u8 = u8::MAX;
 const NO_SLOT: Slot = Slot { start: 0, len: NO_LIST, capacity: 0 };
 /// The least and the greatest block, as exponents of two. A group on a seam, the usual case here,

@@ -26,12 +26,15 @@ struct Cell {
     sides: Vec<[u32; 2]>,
 }
 
-/// A face, and what its plane counts besides what it does as a face of the skin.
-pub(super) type Counted = (u32, f64);
+/// A face, and the weight of its plane beyond that of a face of the skin, which may be negative.
+pub(super) type WeightedFace = (u32, f64);
 
 /// For each triangle: true if it lies on another that stands for it; and all those of pairs, so
 /// that a quadrilateral counts once, all of its sides alike. None if no triangle lies on another.
-pub(super) fn followers(mesh: &Mesh, positions: &PositionIds) -> Option<(Vec<bool>, Vec<Counted>)> {
+pub(super) fn followers(
+    mesh: &Mesh,
+    positions: &PositionIds,
+) -> Option<(Vec<bool>, Vec<WeightedFace>)> {
     let faces = Faces::new(mesh, positions);
     let cells = faces.cells();
     if cells.is_empty() {

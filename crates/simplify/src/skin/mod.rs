@@ -30,7 +30,7 @@ pub(crate) struct Skin {
     /// The vertex of the whole mesh that each vertex is.
     pub(crate) vertices: Vec<u32>,
     /// Faces of quadrilaterals that are divided both ways.
-    divided_otherwise: Vec<layers::Counted>,
+    divided_otherwise: Vec<layers::WeightedFace>,
 }
 
 impl Skin {

@@ -65,7 +65,7 @@ impl Message {
         self.pad();
     }
 
-    /// Appends what a document says, without buffer 0, which has so many bytes.
+    /// Appends what a document says, without buffer 0, of `buffer` bytes.
     pub(super) fn document(&mut self, document: &Document, objects: u32, buffer: u32) {
         match document {
             Document::Gltf(gltf) => self.chunk(Tag::Json, |m| {

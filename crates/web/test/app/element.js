@@ -72,8 +72,8 @@ async function remove() {
   view.remove();
   await task();
   const gl = stage.renderer.getContext();
-  left = { canvases: view.shadowRoot.querySelectorAll('canvas').length, isLost: gl.isContextLost() };
-  left.model = new WeakRef(model ?? {});
+  const canvases = view.shadowRoot.querySelectorAll('canvas').length;
+  left = { canvases, isLost: gl.isContextLost(), model: new WeakRef(model ?? {}) };
   view = null;
 }
 

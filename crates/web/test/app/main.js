@@ -2,6 +2,8 @@
 
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { MTLLoader } from 'three/addons/loaders/MTLLoader.js';
+import { OBJLoader } from 'three/addons/loaders/OBJLoader.js';
 import { LodcLoader } from 'lodc';
 import './element.js';
 
@@ -99,6 +101,41 @@ async function compare(url, plain, seconds = 0) {
   };
 }
 
+/** A material without light, so that those of two kinds can be compared. */
+function unlit({ name, map, color, opacity, transparent }) {
+  // Those of which three.js's loader knows less are looked at, not compared.
+  const visible = ['floor', 'board'].includes(name);
+  const side = THREE.DoubleSide;
+  return new THREE.MeshBasicMaterial({ map, color, opacity, transparent, visible, side });
+}
+
+/** Draws `boards.obj` of a file or a stream, and by three.js's own loaders. */
+async function boards(url) {
+  const model = await LodcLoader.load(url);
+  await model.whenComplete;
+  model.pixels = -1;
+  const materials = model.meshes.map(({ material }) => material);
+  const { map } = materials.find(({ name }) => name === 'clamped');
+  const ends = [map.wrapS, map.wrapT].map((wrap) => wrap === THREE.ClampToEdgeWrapping);
+  const isGrey = ({ name, color: { r, g, b } }) => name === '' && r === 0.6 && g === r && b === r;
+  const missing = materials.filter(isGrey).length;
+  const manager = new THREE.LoadingManager();
+  const loaded = new Promise((resolve) => { manager.onLoad = resolve; });
+  const mtl = await new MTLLoader(manager).loadAsync('/plain.mtl');
+  mtl.preload();
+  const obj = await new OBJLoader(manager).setMaterials(mtl).loadAsync('/boards.obj');
+  await loaded;
+  for (const object of [model, obj]) {
+    object.traverse((node) => {
+      if (!node.material) return;
+      const { material } = node;
+      node.material = Array.isArray(material) ? material.map(unlit) : unlit(material);
+    });
+  }
+  const camera = cameraFor(obj);
+  return { ...difference(draw(model, camera), draw(obj, camera)), ends, missing };
+}
+
 let streamed;
 
 /** Begins to load, and to draw whatever has come; resolves with the first picture. */
@@ -162,7 +199,7 @@ async function finish() {
   return result;
 }
 
-/** So many copies at growing distances; what they share, and what a ray hits. */
+/** `count` copies at growing distances; what they share, and what a ray hits. */
 async function crowd(url, count) {
   const model = await LodcLoader.load(url);
   await model.whenComplete;
@@ -202,26 +239,36 @@ async function crowd(url, count) {
   };
 }
 
-/** Opens a file in the page's sight; the longest task of the page's thread, in milliseconds. */
-async function longest(url) {
-  const tasks = [];
-  const observer = new PerformanceObserver((list) => {
-    tasks.push(...list.getEntries().map(({ duration }) => duration));
-  });
-  observer.observe({ type: 'longtask', buffered: false });
-  const begun = performance.now();
-  const { model } = await (async () => ({ model: await LodcLoader.load(url) }))();
+/**
+ * Opens a file: WebAssemblies that the page's thread compiled, bytes that it sent to the worker,
+ * those of them that it kept, and buffers that the model's arrays lie in.
+ */
+async function aside(url) {
+  const { compile, instantiate, compileStreaming, instantiateStreaming } = WebAssembly;
+  const functions = { compile, instantiate, compileStreaming, instantiateStreaming };
+  const { postMessage } = Worker.prototype;
+  let [compiled, sent, copied] = [0, 0, 0];
+  for (const [name, own] of Object.entries(functions)) {
+    WebAssembly[name] = (...args) => {
+      compiled += 1;
+      return own(...args);
+    };
+  }
+  Worker.prototype.postMessage = function send(data, transfer) {
+    sent += data.bytes?.byteLength ?? 0;
+    postMessage.call(this, data, transfer);
+    copied += data.bytes?.byteLength ?? 0;
+  };
+  const model = await LodcLoader.load(url);
   await model.whenComplete;
-  const opened = performance.now() - begun;
-  await new Promise((resolve) => setTimeout(resolve, 300));
-  const opening = [...tasks];
-  tasks.length = 0;
-  draw(model, cameraFor(model, 3));
-  await new Promise((resolve) => setTimeout(resolve, 300));
-  const all = model.objects.reduce((sum, { header }) => sum + header.triangles, 0);
-  const shown = model.triangles;
+  Object.assign(WebAssembly, functions);
+  Worker.prototype.postMessage = postMessage;
+  const geometries = new Set(model.meshes.map(({ geometry }) => geometry));
+  const arrays = [...geometries].flatMap(({ index, attributes }) => (
+    [index, ...Object.values(attributes)].map(({ array }) => array)));
+  const buffers = new Set(arrays.map(({ buffer }) => buffer)).size;
   model.dispose();
-  return { opened, opening: Math.max(0, ...opening), drawing: Math.max(0, ...tasks), all, shown };
+  return { compiled, sent, copied, arrays: arrays.length, buffers };
 }
 
 /** Errors of all kinds: what is said, and that nothing goes on. */
@@ -248,6 +295,6 @@ async function aborted(url) {
 }
 
 Object.assign(window, {
-  compare, begin, grown, whole, finish, crowd, longest, refused, aborted,
+  compare, boards, begin, grown, whole, finish, crowd, aside, refused, aborted,
 });
 document.documentElement.dataset.ready = '';

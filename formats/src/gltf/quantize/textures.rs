@@ -19,12 +19,12 @@ type Key = (usize, u32);
 pub(super) struct TextureGrids {
     grids: BTreeMap<Key, Grid<2>>,
     /// Submeshes' coordinates, by object, submesh and set.
-    codings: BTreeMap<(usize, usize, u32), Use>,
+    codings: BTreeMap<(usize, usize, u32), CoordinateUse>,
 }
 
 /// The meaning of a set of coordinates of a submesh.
 #[derive(Clone, Copy, Debug)]
-enum Use {
+enum CoordinateUse {
     /// Textures read it by a grid.
     Grid(Grid<2>),
     /// No texture reads it: floats that are multiples of this step.
@@ -39,8 +39,8 @@ impl TextureGrids {
         let streams = readers.streams(subjects);
         let grids = readers.grids(&streams, bits);
         let meaning = |stream: &Stream| match stream.keys.first() {
-            Some(key) => grids.get(key).copied().map(Use::Grid),
-            None => stream.bounds.map(|bounds| Use::Multiples(bounds.binary_step(bits))),
+            Some(key) => grids.get(key).copied().map(CoordinateUse::Grid),
+            None => stream.bounds.map(|bounds| CoordinateUse::Multiples(bounds.binary_step(bits))),
         };
         let codings = streams.iter().filter_map(|s| Some((s.place, meaning(s)?))).collect();
         Self { grids, codings }
@@ -50,8 +50,8 @@ impl TextureGrids {
     pub(super) fn coding(&self, object: usize, submesh: usize, set: u32) -> Coding {
         match self.codings.get(&(object, submesh, set)) {
             None => Coding::Exact,
-            Some(Use::Grid(grid)) => Coding::TextureCoordinates(*grid),
-            Some(Use::Multiples(step)) => Coding::Multiples(*step),
+            Some(CoordinateUse::Grid(grid)) => Coding::TextureCoordinates(*grid),
+            Some(CoordinateUse::Multiples(step)) => Coding::Multiples(*step),
         }
     }
 

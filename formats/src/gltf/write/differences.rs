@@ -5,7 +5,7 @@ use lodc_mesh::{Attribute, Mesh, Semantic};
 
 /// Streams that a glide moves besides positions and normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Carried {
+pub struct MovedStreams {
     /// Directions of tangents; their handedness stays.
     pub tangents: bool,
     /// Texture coordinates.
@@ -16,7 +16,7 @@ pub struct Carried {
     pub joints: bool,
 }
 
-impl Carried {
+impl MovedStreams {
     /// Number of components that move; none of a stream that stays.
     fn components(self, stream: &Attribute) -> Option<usize> {
         match stream.semantic {
@@ -44,7 +44,7 @@ pub(super) fn differences(
     next: &Mesh,
     submesh: usize,
     vertices: &[u32],
-    carried: Carried,
+    carried: MovedStreams,
 ) -> Vec<(String, usize, Vec<f32>)> {
     let position = Semantic::Position;
     let stored = [now, next].map(|mesh| stream(mesh, submesh, &position));

@@ -2,7 +2,7 @@
 //! leaves goes to the one that it becomes. Weights, their animations and the targets' names grow by
 //! one number each.
 
-use super::differences::Carried;
+use super::differences::MovedStreams;
 use super::writer::Writer;
 use crate::gltf::document::Stored;
 use crate::gltf::extensions::animation_pointer;
@@ -20,7 +20,7 @@ pub struct Glide<'a> {
     /// By level the vertices that move; none of a level that nothing comes after.
     pub moving: Vec<Option<Range<u32>>>,
     /// What moves besides positions and normals.
-    pub carried: Carried,
+    pub carried: MovedStreams,
 }
 
 /// Names the last target of a mesh, which has `targets` others.

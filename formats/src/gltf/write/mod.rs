@@ -22,7 +22,7 @@ use std::path::Path;
 use writer::Writer;
 
 pub use chain::{ChainObject, ChainShape, export_chain};
-pub use differences::Carried;
+pub use differences::MovedStreams;
 pub use glide::Glide;
 pub use levels::{LevelsObject, export_levels};
 

@@ -2,7 +2,7 @@
 //! compressed, one per stream, since likes compress best.
 
 use super::compressed::Compressed;
-use super::differences::{Carried, differences};
+use super::differences::{MovedStreams, differences};
 use super::samples::{self, Samples};
 use crate::gltf::accessor::{Shape, component_number};
 use crate::gltf::json::{Json, Object, malformed, object};
@@ -432,7 +432,7 @@ impl Numbering<'_> {
         submesh: usize,
         vertices: &[u32],
         run: Range<usize>,
-        (next, carried): (&Mesh, Carried),
+        (next, carried): (&Mesh, MovedStreams),
         attributes: &Json,
     ) -> (Object, Object) {
         let (mut target, mut taken) = (Object::default(), Object::default());

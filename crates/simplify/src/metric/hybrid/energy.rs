@@ -4,8 +4,9 @@ use super::appearance::Appearance;
 use super::lanes::{self, Four, Shaded4};
 use super::patch::{Patch, WIDE};
 use super::pixel::{MAX_GEOMETRY, Shading, UNCOVERED};
-use super::samples::{Samples, mix, mix_coordinates};
+use super::samples::{Sample, Samples, mix, mix_coordinates};
 use super::vectors::{Places, Vec3x4, cosines};
+use super::{DISTANCE, PIXELS};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
 
@@ -19,6 +20,9 @@ const SPURIOUS: f32 = 2.0;
 /// lower by 0.02 at 10 % and 0.04 at 5 %; presumably since the background differs from a surface by
 /// more than two shades of it do.
 const SILHOUETTE: f32 = 6.0;
+/// Energy of texture coordinates that are off by a pixel, squared: 0.03 of what the same distance
+/// in space has. Measured: 0.1 stretches no less, and has 1 % more image error over eight models.
+const SLIDE: f32 = 0.03 / (DISTANCE * PIXELS * DISTANCE * PIXELS) as f32;
 /// Places of moved faces that are tested for input nearby, as shares of the second and third
 /// corner: the centroid and the centroids of three corner parts. A hole smaller than those is
 /// missed.
@@ -140,7 +144,8 @@ impl Patch {
             for (i, &s) in four.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
                 let (s, f) = (samples.get(s), &self.moved[faces[i] as usize]);
                 let at = mix_coordinates(&f.texture, [u[i], v[i]]);
-                all[i] = Shading::new(s.colour, appearance.colour(f.submesh, at, s.footprint));
+                let now = appearance.colour(f.submesh, at, s.footprint);
+                all[i] = Shading::new(s.colour, now).plus(slid(s, at));
                 lanes.set(i, &all[i]);
             }
             (shading, shown) = (lanes.lanes(), Some(all));
@@ -173,6 +178,17 @@ impl Patch {
         };
         SPURIOUS * self.visible as f32 * placed.area() * PLACES.map(share).iter().sum::<f32>()
     }
+}
+
+/// The energy of texture coordinates that slid over the surface, which colours do not tell where a
+/// texture repeats within a pixel, or is plain under a normal map.
+fn slid(sample: &Sample, at: [f32; 2]) -> f32 {
+    if sample.footprint <= 0.0 {
+        return 0.0;
+    }
+    let [u, v] = [0, 1].map(|k| at[k] - sample.texture[k]);
+    let squared_pixels = (u * u + v * v) / sample.footprint;
+    (SLIDE * squared_pixels).min(1.0) * sample.power
 }
 
 /// The errors of four samples by their distances from their places. Beside its own plane nothing

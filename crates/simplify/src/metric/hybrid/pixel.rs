@@ -41,6 +41,14 @@ impl Shading {
     }
 }
 
+impl Shading {
+    /// With an error that does not depend on normals.
+    pub(super) fn plus(mut self, error: f32) -> Self {
+        self.coefficients[0] += error;
+        self
+    }
+}
+
 impl Shading<[f32; 4]> {
     /// Sets one of four.
     #[inline]

@@ -34,6 +34,8 @@ pub(super) struct Sample {
     pub(super) curvature: f32,
     /// The area of texture space that a pixel covers there.
     pub(super) footprint: f32,
+    /// Texture coordinates there.
+    pub(super) texture: [f32; 2],
     /// Its share of the input's area, times its visible share.
     pub(super) weight: f32,
     /// Its place in its face: shares of the second and third corner.
@@ -228,7 +230,8 @@ impl SampledSurface<'_> {
         (0..count)
             .map(|i| {
                 let at = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
-                let colour = appearance.colour(submesh, mix_coordinates(&places, at), footprint);
+                let texture = mix_coordinates(&places, at);
+                let colour = appearance.colour(submesh, texture, footprint);
                 Sample {
                     position: mix(&p, at),
                     normal: mix(&normals, at).normalize_or_zero(),
@@ -237,6 +240,7 @@ impl SampledSurface<'_> {
                     shading: Shading::new(colour, colour),
                     curvature,
                     footprint,
+                    texture,
                     weight: facet.area / count as f32,
                     at,
                     geometric: 0.0,

@@ -2,7 +2,7 @@
 
 /// Thresholds of a pass. Shares are of the bound.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Care {
+pub(crate) struct Thresholds {
     /// Threads of a pool from which on the backward pass has one of its own.
     pub(crate) threads: usize,
     /// Samples that a mesh of few triangles gets in all.
@@ -17,7 +17,7 @@ pub(crate) struct Care {
     pub(crate) means: bool,
 }
 
-impl Care {
+impl Thresholds {
     /// For the shape that all steps are measured in.
     pub(crate) const AT_REST: Self =
         Self { threads: 2, samples: 30_000.0, kept: 10_000, exhaustive: 512, means: true };
