@@ -1,7 +1,8 @@
 //! Output files appear whole or not at all.
 //!
 //! Each is written to a temporary file beside its target, synced, and renamed when all are
-//! complete. The files of several results are synced together. A temporary file is locked for as long as its writer lives, so a later run can tell
+//! complete. The files of several results are synced together.
+//! A temporary file is locked for as long as its writer lives, so a later run can tell
 //! what a killed one has left behind (and removes it) from what another is still writing.
 
 use crate::{Fault, FormatError};

@@ -34,7 +34,8 @@ pub(super) struct BuildOutput {
     pub(super) unwritten: Option<OutputFile>,
 }
 
-/// Makes one file, and writes it unless it is one of many. `report` is filled in as far as the work gets.
+/// Makes one file, and writes it unless it is one of many. `report` is filled in as far as the
+/// work gets.
 pub(super) fn make(
     args: &BuildArgs,
     (input, is_one_of_many): (&Path, bool),
