@@ -1,4 +1,4 @@
-//! Points of the input that travel along: each is tied to the face that it was found nearest to.
+//! Samples of the input's surface: each belongs to its nearest face of the level at hand.
 
 use crate::block::Entry;
 use crate::faces::Face;
@@ -37,7 +37,7 @@ pub(crate) struct Sample {
     origin: u32,
     /// Squared distance to its face.
     pub(crate) squared: f32,
-    /// The squared distance at which the input around it was looked at more closely.
+    /// The squared distance at which the input around it was searched last.
     pub(crate) refined: f32,
     /// The area of the input that belongs to it.
     pub(crate) weight: f32,
@@ -106,6 +106,7 @@ impl Samples {
             weight: areas.iter().copied().map(f64::from).sum(),
             at_points: 0.0,
         };
+        // A triangle's area is shared equally by its corners and the samples inside of it.
         let share = |(&area, &n): (&f32, &u8)| (f64::from(area) / (3.0 + f64::from(n))) as f32;
         let shares: Vec<f32> = areas.iter().zip(&inside).map(share).collect();
         for (point, &place) in (0..).zip(&input.places) {
@@ -163,7 +164,7 @@ impl Samples {
         s.squared = squared;
     }
 
-    /// Returns a word of a sample, to have it read.
+    /// Returns a word of a sample, which fetches it into the cache.
     #[inline]
     pub(crate) fn touch(&self, sample: u32) -> u32 {
         self.all.get(sample as usize).map_or(0, |s| s.next)
@@ -180,7 +181,7 @@ impl Samples {
         if self.weight > 0.0 { (self.sum / self.weight).max(0.0) } else { 0.0 }
     }
 
-    /// Returns what the other way needs of a live face at some corners.
+    /// Returns what the backward pass, from the level to the input, has to know of a live face.
     pub(crate) fn entry(&self, corners: [DVec3; 3], number: u32, face: &Face) -> Entry {
         let (middle, area) = (centroid(corners), area(corners));
         let (mut sum, mut weight, mut near, mut hint) = (0.0, 0.0, f64::INFINITY, NONE);

@@ -1,5 +1,9 @@
 // Shaders of the WebGL 2 renderer: glTF's metallic-roughness material under a studio sky.
 
+// mode: 0 the material, 1 painted colours of vertices, 2 baseColour alone. textureSets: the set of
+// texture coordinates of base colour, metallic-roughness, normal and occlusion; -1 for no texture.
+// copy: offset of a crowd's copy, and its turn about y in w. Constants of light are tuned by eye.
+
 export const VERTEX = `#version 300 es
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -33,6 +37,7 @@ void main() {
   }
   vec3 p = (matrix * vec4(position, 1.0)).xyz;
   mat3 linear = mat3(matrix);
+  // Cofactors: normals stay right where a matrix mirrors or scales unevenly.
   vec3 n = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]),
     cross(linear[0], linear[1])) * normal * sign(determinant(linear));
   float c = cos(copy.w), s = sin(copy.w);
@@ -85,10 +90,11 @@ vec3 surfaceNormal() {
   if (flatShaded) return flatNormal;
   vec3 n = normalize(direction);
   if (!gl_FrontFacing) n = -n;
-  // Made normals are round; where a face turns far away from them there is a sharp edge.
+  // Generated normals are smooth; where a face turns far away from them there is a sharp edge.
   if (edgy) n = normalize(mix(flatNormal, n, smoothstep(0.72, 0.86, dot(n, flatNormal))));
   if (textureSets.z < 0 || mode != 0) return n;
   vec2 uv = coordinates(textureSets.z);
+  // A tangent frame from derivatives on the screen.
   vec3 px = dFdx(place), py = dFdy(place);
   vec2 ux = dFdx(uv), uy = dFdy(uv);
   vec3 a = cross(py, n), b = cross(n, px);

@@ -49,14 +49,14 @@ async function decode(bytes) {
   try {
     const headers = [];
     if (!stream) {
-      read(decoder.open(bytes), headers);
+      read(decoder.open(bytes), headers, {});
       return 'read';
     }
     const piece = Math.max(1, Math.ceil(bytes.length / (1 + random(5))));
     for (let at = 0; at < bytes.length; at += piece) {
       decoder.feed(bytes.subarray(at, at + piece));
       const message = decoder.grown();
-      if (message.byteLength > 0) read(message, headers);
+      if (message.byteLength > 0) read(message, headers, {});
     }
     return 'read';
   } finally {

@@ -17,8 +17,9 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Result of one asset.
-struct Done {
+struct AssetResult {
     report: InputReport,
+    /// Its rule in the dependency file.
     rule: Option<Rule>,
     status: Status,
     /// A line about it.
@@ -34,23 +35,29 @@ pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outc
     let options = AssetOptions::new(program, "build", assets, resolving);
     let bytes = args.import.limits().memory().unwrap_or(u64::MAX);
     let budget = Budget { workers: rayon::current_num_threads(), bytes };
-    let all: Vec<OnceLock<Outcome<Done>>> = assets.iter().map(|_| OnceLock::new()).collect();
-    let told = |(number, done): (usize, Done), written| {
+    let results: Vec<OnceLock<Outcome<AssetResult>>> =
+        assets.iter().map(|_| OnceLock::new()).collect();
+    let on_written = |(number, done): (usize, AssetResult), written| {
         // Each asset has one result.
-        let _ = all[number].set(tell(args, done, written));
+        let _ = results[number].set(report_written(args, done, written));
     };
-    Results::gather(told, |results| {
+    Results::gather(on_written, |writer| {
         each::all(assets, budget, |number, asset, bar| {
-            let (done, file) = one(asset, &options, bar);
-            results.add(file, (number, done));
+            let (done, file) = build_asset(asset, &options, bar);
+            writer.add(file, (number, done));
         });
     });
-    let done = all.into_iter().map(|done| done.into_inner().expect("each asset has had its turn"));
+    let done =
+        results.into_iter().map(|done| done.into_inner().expect("each asset has had its turn"));
     report(args, done.collect::<Outcome<_>>()?)
 }
 
 /// Says what became of an asset.
-fn tell(args: &BuildArgs, mut done: Done, written: Outcome<()>) -> Outcome<Done> {
+fn report_written(
+    args: &BuildArgs,
+    mut done: AssetResult,
+    written: Outcome<()>,
+) -> Outcome<AssetResult> {
     match written {
         Ok(()) => done.line.iter().for_each(|line| console::note(line)),
         Err(failure) => {
@@ -67,7 +74,7 @@ fn tell(args: &BuildArgs, mut done: Done, written: Outcome<()>) -> Outcome<Done>
     Ok(done)
 }
 
-fn report(args: &BuildArgs, done: Vec<Done>) -> Outcome<Status> {
+fn report(args: &BuildArgs, done: Vec<AssetResult>) -> Outcome<Status> {
     let mut summary = Summary::default();
     for one in &done {
         match (one.status, one.report.up_to_date) {
@@ -103,12 +110,12 @@ fn report(args: &BuildArgs, done: Vec<Done>) -> Outcome<Status> {
     Ok(worst)
 }
 
-/// One asset from bytes to bytes, with the file that is still to be written.
-fn one(
+/// Builds one asset; its file is written later.
+fn build_asset(
     asset: &Asset,
     options: &AssetOptions<BuildArgs>,
     bar: &BatchProgress,
-) -> (Done, Option<OutputFile>) {
+) -> (AssetResult, Option<OutputFile>) {
     let start = Instant::now();
     let input = asset.input.as_path();
     let mut report = InputReport { input: input.display().to_string(), ..InputReport::default() };
@@ -134,7 +141,7 @@ fn one(
     };
     report.status = status.code();
     let Built { rule, line, unwritten } = built;
-    (Done { report, rule, status, line }, unwritten)
+    (AssetResult { report, rule, status, line }, unwritten)
 }
 
 /// What is left to do with the result of an asset.
@@ -145,14 +152,14 @@ struct Built {
     unwritten: Option<OutputFile>,
 }
 
-/// The rule of a result that is up to date, with the warnings of the run that made it, if that was
-/// asked for and it is.
+/// With `--if-changed`, the rule of a result that is up to date, and the warnings of the run that
+/// made it; else none.
 fn fresh(args: &BuildArgs, input: &Path, target: &Target) -> Option<(Rule, Vec<String>)> {
     let Target::File(path) = target else { return None };
     if !args.if_changed {
         return None;
     }
-    // A damaged result, or one that does not say, is made again.
+    // A damaged result, or one without a record of its inputs, is made again.
     let made = lodc::made_from(&std::fs::read(path).ok()?).ok()??;
     let files = made.unchanged(input, &args.import.assets(input, None), &args.resolved)?;
     Some((Rule::new(path, &files), made.warnings))

@@ -23,8 +23,8 @@ const BLOCK: usize = 16;
 #[derive(Clone, Debug)]
 pub struct Cursor {
     lod: u32,
-    /// For each strip [`ROOM`] words: the full strip, and its filtered copy. The first starts at a
-    /// cache line, behind `lead` words.
+    /// For each strip a slot of [`ROOM`] words: the full strip, then its filtered copy (what the
+    /// strip's mask of positions keeps). The first starts at a cache line, behind `lead` words.
     buffer: Vec<u32>,
     lead: usize,
     /// Number of indices each filtered copy has; 0 if no triangle is left.
@@ -33,7 +33,8 @@ pub struct Cursor {
     /// without it; how many.
     stale: Vec<bool>,
     stale_count: usize,
-    /// The vertex that each removed one has become: made for far jumps.
+    /// The vertex that each removed one has become at the LOD of the cursor; filled for far jumps
+    /// only.
     shown: Vec<u32>,
     /// Kept to save allocating.
     difference: Difference,
@@ -115,9 +116,10 @@ impl Cursor {
         traffic(rewritten)
     }
 
-    /// Returns how many indices were written, full strips apart.
+    /// Returns how many indices were written, without those of full strips.
     fn move_to(&mut self, model: &Masking, to: u32, records: &Range<u32>) -> u64 {
         let run = model.updates.of(records);
+        // Far: with more updates than strips it costs less to make each strip once.
         if run.strips.len() > self.counts.len() {
             model.simplified.collapses().resolve_gone(Lod(to), &mut self.shown);
             self.lod = to;
@@ -145,7 +147,7 @@ impl Cursor {
                 self.touch(block);
             }
             for copy in block {
-                // The last one of a strip on the way, in either direction.
+                // The last change of a strip's filter on the way alone copies it.
                 let (last, filter) = if coarsens {
                     (copy.next >= to, copy.filter)
                 } else {
@@ -184,7 +186,7 @@ impl Cursor {
         count as u64
     }
 
-    /// Makes a full strip that is stale that of the LOD where the cursor is.
+    /// Brings a stale full strip to the LOD of the cursor.
     fn refresh(&mut self, model: &Masking, strip: usize) {
         if !std::mem::take(&mut self.stale[strip]) {
             return;

@@ -33,9 +33,10 @@ pub(super) enum Verdict {
     At(RangeInclusive<usize>),
 }
 
-/// Compares the image errors of a metric with those of the quadric at [`LEVELS`]: the metric
-/// decides around the levels that follow each other, look no worse, and gain most together. They
-/// are fewer than those at which it decided when the errors were measured.
+/// Picks the levels at which a metric may replace the quadric, by the image errors of both at
+/// [`LEVELS`]: the run of levels, none of which looks worse, with the smallest product of error
+/// ratios. The run lies within `decided`, the levels at which the metric was used when `other` was
+/// measured; if it would be all of them one is left out, so that tries come to an end.
 pub(super) fn verdict(
     quadric: &Errors,
     other: &Errors,
@@ -57,8 +58,8 @@ pub(super) fn verdict(
     if levels != *decided {
         return Verdict::At(levels);
     }
-    // What came before it makes a level worse at which the quadric decided already: the metric
-    // stops a level earlier, or begins a level later.
+    // Every level of the run is good, but one beside it, at which the quadric was used, is worse:
+    // the quadric does not mend what the metric did before. The end of the run next to it goes.
     let (first, last) = levels.into_inner();
     match first < last {
         true if bad < first => Verdict::At(first + 1..=last),
@@ -79,7 +80,7 @@ pub(super) fn shares(levels: &RangeInclusive<usize>) -> [f32; 2] {
     [least, most]
 }
 
-/// A scene, and what it looks like.
+/// A scene, and reference pictures of it.
 pub(super) struct Judge<'a> {
     known: SceneContext<'a>,
     scene: Arrangement,

@@ -5,10 +5,10 @@ use lodc_mesh::Lod;
 /// A rule for the LOD of a wedge group. Positions and lengths are in the mesh's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
-    /// The angle between the group's cone of normals and the direction to the eye (thesis 5.3,
-    /// algorithm 6): `edge` where a normal of the cone may be perpendicular to it, so that the
-    /// outline keeps its detail, up to `face` where all have at least the cosine `width`, linear
-    /// in the cosine between.
+    /// How far the group's cone of normals is from the silhouette (thesis 5.3, algorithm 6): LOD
+    /// `edge` where some normal of the cone may be perpendicular to the direction of view, so that
+    /// the outline keeps its detail; LOD `face` where the cosine of every normal to it is at least
+    /// `width`; linear in the cosine between.
     Silhouette {
         /// The viewpoint.
         eye: [f32; 3],
@@ -16,8 +16,8 @@ pub enum Criterion {
         edge: Lod,
         /// The coarser LOD.
         face: Lod,
-        /// From 1, the thesis's rule, to nearly 0, a line: the share to which the band of detail
-        /// narrows. Sines of cones are multiplied by it.
+        /// Width of the band of detail along the silhouette, as a cosine: 1 is the thesis's rule;
+        /// towards 0 the band shrinks to a line. The sines of cones are multiplied by it, too.
         width: f32,
     },
     /// The coarsest LOD whose stored error, at the group's distance from the eye, covers at most

@@ -1,6 +1,6 @@
 //! Viewpoint metrics: a collapse costs what it changes in pictures from all sides (thesis 3.2.1 and
-//! 4.2.1; Castelló et al. 2007), `C = Σ_v |H_v − H'_v|`, with the quadric where nothing that is
-//! seen changes.
+//! 4.2.1; Castelló et al. 2007), `C = Σ_v |H_v − H'_v|`, where H_v is the entropy of view v before
+//! it and H'_v after it (`score`), with the quadric where nothing that is seen changes.
 //!
 //! Every camera keeps the sorted list of everything behind each of its pixels, so that looking at a
 //! collapse is exact, occlusion included, without drawing anything but the faces that move. All
@@ -26,11 +26,11 @@ use rayon::prelude::*;
 use score::{Table, log_area};
 use view::{BACKGROUND, View};
 
-/// Covered pixels, of all views together, that a face needs so that what is seen can be priced:
-/// fewer than one in two or three views, and most faces have none. Chosen by hand.
+/// Covered pixels per face, of all views together, from which on pictures can price a face. Below
+/// that most faces cover no pixel in any view. Chosen by hand.
 const PIXELS_PER_FACE: u64 = 8;
 /// Meshes of fewer faces have smaller pictures, so that a face has as many pixels as one of these:
-/// more take seconds for a box, and eight small meshes look no better (the smaller ones have 0.98
+/// full ones take seconds even for a box and gain nothing (over eight meshes smaller ones have 0.98
 /// times the image error of full ones on average, 1.1 at most).
 const FACES_OF_FULL: f64 = 2_000.0;
 /// Pixels across the smallest pictures, unless fewer are asked for.
@@ -271,6 +271,7 @@ impl Reprice for VisualMetric {
             candidate.0 = seen + TIE * candidate.0;
             worst = candidate.0.max(worst);
         }
+        // Candidates that were not looked at come after all that were.
         for candidate in far {
             candidate.0 = worst + TIE * candidate.0;
         }
