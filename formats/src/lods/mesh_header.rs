@@ -13,7 +13,7 @@ const PLACE: &str = "header of an object";
 /// Bytes of a header; a reader refuses more.
 const MAX_BYTES: u64 = 1 << 24;
 /// Streams that all submeshes list together; a reader refuses more.
-const MAX_SUBMESH_STREAMS: usize = 1 << 22;
+const MAX_ENTRIES: usize = 1 << 22;
 
 pub(super) fn malformed(what: &str) -> FormatError {
     FormatError::new(Fault::Malformed, PLACE, what)
@@ -22,8 +22,8 @@ pub(super) fn malformed(what: &str) -> FormatError {
 /// Returns the header as a payload begins with it; `None` if it would be too long.
 pub(super) fn to_bytes(mesh: &MeshHeader, codec: &mut TextCodec) -> Option<Vec<u8>> {
     let entries: usize = mesh.submeshes.iter().map(|s| s.attributes.len()).sum();
-    let (plain, mut out) = (uncompressed(mesh), Vec::new());
-    if entries > MAX_SUBMESH_STREAMS || plain.len() as u64 > MAX_BYTES {
+    let (plain, mut out) = (plain(mesh), Vec::new());
+    if entries > MAX_ENTRIES || plain.len() as u64 > MAX_BYTES {
         return None;
     }
     let coded = codec.encode(&plain);
@@ -44,17 +44,12 @@ pub(super) fn take(bytes: &mut &[u8], codec: &mut TextCodec) -> Result<MeshHeade
     parse(&decoded.ok_or_else(|| malformed("cannot be decoded"))?)
 }
 
-/// The header before it is coded: vertices, triangles, steps, exact; the number of attributes; the
-/// number systems of positions, then each attribute with its own (of a direction, two octahedral
-/// integers stand for the first three components); the submeshes, each 0 for the list before it, or
-/// 1 + the length of its list, and the list.
-fn uncompressed(mesh: &MeshHeader) -> Vec<u8> {
+fn plain(mesh: &MeshHeader) -> Vec<u8> {
     let mut out = Vec::new();
     for n in [mesh.vertices, mesh.triangles, mesh.steps, u32::from(mesh.exact)] {
         put_leb128(&mut out, n.into());
     }
     put_leb128(&mut out, mesh.attributes.len() as u64);
-    // Stream 0 has the positions.
     for (i, stream) in mesh.layout.streams.iter().enumerate() {
         if let Some(attribute) = i.checked_sub(1).and_then(|i| mesh.attributes.get(i)) {
             put_attribute(&mut out, attribute);
@@ -92,13 +87,12 @@ fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
     let mut attributes: Vec<Attribute> = Vec::new();
     let mut systems = systems::take(rest, 3, Component::F32)?;
     let mut octahedral = Vec::new();
-    // Every attribute takes a byte or more, so a forged count runs out of input.
+    // Each takes bytes, so their number is bounded by those that are there.
     for _ in 0..count {
         let attribute = attribute(rest)?;
         let mut channels = usize::from(attribute.components);
         octahedral.push(systems::take_octahedral(rest, &attribute)?);
         if octahedral.last() != Some(&None) {
-            // Two octahedral integers instead of three components.
             systems.extend([NumberSystem::Integer; 2]);
             channels -= 3;
         }
@@ -124,10 +118,10 @@ fn submeshes(rest: &mut &[u8]) -> Result<Vec<Submesh>, FormatError> {
         if let Some(streams) = number(rest)?.checked_sub(1) {
             before = (0..streams).map(|_| number(rest)).collect::<Result<_, _>>()?;
         }
-        // One byte 0 repeats a whole list, so the input's length does not bound the entries.
+        // A byte can repeat a list of any length.
         entries += before.len();
-        if entries > MAX_SUBMESH_STREAMS {
-            let what = format!("has more than {MAX_SUBMESH_STREAMS} streams of submeshes");
+        if entries > MAX_ENTRIES {
+            let what = format!("has more than {MAX_ENTRIES} streams of submeshes");
             return Err(FormatError::new(Fault::Limit, PLACE, what));
         }
         submeshes.push(Submesh { attributes: before.clone(), ..Submesh::default() });
