@@ -72,9 +72,9 @@ fn process_time() -> Duration {
     START.get_or_init(Instant::now).elapsed()
 }
 
-/// Says that a run has several assets: the process must not end with one.
-pub(crate) fn expect_several() {
-    shares().several = true;
+/// Says whether a run has several assets: then the process must not end with one.
+pub(crate) fn expect_several(several: bool) {
+    shares().several |= several;
 }
 
 /// An asset is at work for as long as this lives.

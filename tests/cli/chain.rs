@@ -1,6 +1,6 @@
 //! `lodc chain`: levels of one asset, over one vertex buffer or as a file each.
 
-use crate::support::{Folder, QUADRIC, grid};
+use crate::support::{Folder, grid};
 use serde_json::Value;
 
 fn chained(f: &Folder, input: &str, more: &[&str]) -> Value {
@@ -23,7 +23,6 @@ fn triangles(report: &Value) -> Vec<u64> {
 fn part(f: &Folder) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/machine_part.glb");
     f.file("part.glb", std::fs::read(path).expect("a fixture"));
-    f.file("lodc.toml", QUADRIC);
 }
 
 #[test]

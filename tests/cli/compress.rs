@@ -1,11 +1,10 @@
 //! Compressed geometry is read back as it was, and stays compressed.
 
-use crate::support::{Folder, QUADRIC};
+use crate::support::Folder;
 
 fn part(f: &Folder) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/machine_part.glb");
     f.file("part.glb", std::fs::read(path).expect("a fixture"));
-    f.file("lodc.toml", QUADRIC);
 }
 
 fn is_compressed(f: &Folder, name: &str) -> bool {

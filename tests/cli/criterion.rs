@@ -1,6 +1,6 @@
 //! View-dependent levels: `extract --criterion` and `render --criterion`.
 
-use crate::support::{Folder, LODC, QUADRIC, Run, grid, scene};
+use crate::support::{Folder, LODC, Run, grid, scene};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -109,7 +109,6 @@ fn every_criterion_meets_a_number_of_triangles_and_no_view_tears() {
 fn a_region_keeps_all_inside_and_the_pictured_side_more_than_the_other() {
     let f = Folder::new();
     f.file("t.obj", torus(40));
-    f.file("lodc.toml", QUADRIC);
     let inside = |face: &[String; 3]| {
         let x = |p: &String| p.split(' ').next().expect("x").parse::<f64>().expect("a number");
         face.iter().all(|p| x(p) >= 0.0)
@@ -138,7 +137,6 @@ fn a_region_keeps_all_inside_and_the_pictured_side_more_than_the_other() {
 fn eyes_and_regions_are_in_the_units_of_the_scene() {
     let f = Folder::new();
     f.file("s.gltf", scene(&[1.0, 1.0], 12));
-    f.file("lodc.toml", QUADRIC);
     let around = |x: &str| -> Vec<u64> {
         let target = format!("{x},6,0");
         let options = ["--criterion", "sphere", "--target", &target, "--radius", "10"];
@@ -158,7 +156,6 @@ fn eyes_and_regions_are_in_the_units_of_the_scene() {
 fn the_default_of_a_silhouette_is_the_rule_and_a_level_of_all_is_its_end() {
     let f = Folder::new();
     f.file("t.obj", torus(40));
-    f.file("lodc.toml", QUADRIC);
     let silhouette = |more: &[&str]| {
         let options = [&["--criterion", "silhouette", EYE[0], EYE[1]], more].concat();
         extract(&f, "t.obj", "o.obj", &options)["triangles"].as_u64().expect("a count")

@@ -1,6 +1,6 @@
 //! Folders of assets for `lodc extract` and `lodc chain`, with configurations.
 
-use crate::support::{Folder, QUADRIC, grid};
+use crate::support::{Folder, grid};
 use serde_json::Value;
 
 /// A folder `in` with meshes, a `.lodc` file, and a file that cannot be read.
@@ -8,7 +8,6 @@ fn assets() -> Folder {
     let f = Folder::new();
     f.file("in/a.obj", grid(6));
     f.file("in/props/b.obj", grid(8));
-    f.file("in/lodc.toml", QUADRIC);
     f.lodc(["build", "in/props/b.obj", "-o", "in/props/b.lodc", "-q"]).ends(0);
     f.file("in/bad.obj", "v 0 0 0\nf 1 2 3\n");
     f.file("in/readme.txt", "not a mesh");

@@ -1,7 +1,7 @@
 //! `lodc chain --geomorph`: a morph target takes each level to the next, and `verify` proves it.
 
 use crate::support::browser::{Browser, served};
-use crate::support::{Folder, QUADRIC, corpus, outside};
+use crate::support::{Folder, corpus, outside};
 use serde_json::Value;
 
 const FIXTURES: [&str; 5] = [
@@ -17,7 +17,6 @@ fn chained(fixture: &str, more: &[&str]) -> Folder {
     let f = Folder::new();
     let path = format!("{}/../fixtures/{fixture}", env!("CARGO_MANIFEST_DIR"));
     f.file(fixture, std::fs::read(path).expect("a fixture"));
-    f.file("lodc.toml", QUADRIC);
     let args = ["chain", fixture, "-o", "c.gltf", "-q"];
     f.lodc(args.iter().chain(more)).ends(0);
     f
@@ -78,7 +77,6 @@ fn files_of_their_own_glide_to_the_next_file() {
             let f = Folder::new();
             let path = format!("{}/../fixtures/{fixture}", env!("CARGO_MANIFEST_DIR"));
             f.file(fixture, std::fs::read(path).expect("a fixture"));
-            f.file("lodc.toml", QUADRIC);
             let args = ["chain", fixture, "-o", "out.glb", "-q", "--separate", "--geomorph"];
             f.lodc(args.iter().chain(more)).ends(0);
             for k in 0..3 {

@@ -1,6 +1,6 @@
 //! `lodc extract` of meshes and of several inputs.
 
-use crate::support::{Folder, QUADRIC, grid};
+use crate::support::{Folder, grid};
 use serde_json::Value;
 
 fn part(f: &Folder) {
@@ -32,7 +32,6 @@ fn a_mesh_gives_the_level_that_its_lodc_file_gives() {
 fn a_cap_holds_whatever_is_wanted() {
     let f = Folder::new();
     part(&f);
-    f.file("lodc.toml", QUADRIC);
     let extract = |more: &[&str]| -> Value {
         let args = ["extract", "part.glb", "-o", "o.glb", "--json", "-q"];
         f.lodc(args.iter().chain(more)).ends(0).json()

@@ -1,6 +1,6 @@
 //! `--pose`: scenes at a moment of an animation.
 
-use crate::support::{Folder, QUADRIC, base64, scene};
+use crate::support::{Folder, base64, scene};
 use serde_json::{Value, json};
 
 /// Two grids; an animation moves the second one from x = 20 to x = 1020 within a second.
@@ -45,7 +45,6 @@ fn diagonal(f: &Folder, input: &str, pose: &[&str]) -> f64 {
 fn an_animation_moves_what_is_compared_and_looked_at() {
     let f = Folder::new();
     f.file("s.gltf", animated());
-    f.file("lodc.toml", QUADRIC);
     f.lodc(["build", "s.gltf", "-o", "s.lodc", "-q"]).ends(0);
     for input in ["s.gltf", "s.lodc"] {
         let rest = diagonal(&f, input, &[]);

@@ -1,13 +1,12 @@
 //! `--poses`: errors that hold in the poses of an animated object, too.
 
-use crate::support::{Folder, QUADRIC};
+use crate::support::Folder;
 
 /// A sphere with two morph targets, which is stretched by them.
 fn folder() -> Folder {
     let f = Folder::new();
     let fixture = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/morphing_sphere.glb");
     f.file("m.glb", std::fs::read(fixture).expect("a fixture"));
-    f.file("lodc.toml", QUADRIC);
     f
 }
 
@@ -65,7 +64,7 @@ fn another_number_of_poses_makes_the_file_anew() {
     assert_eq!(build(&[]), Some(true));
     assert_eq!(build(&["--poses", "1"]), Some(false));
     assert_eq!(build(&["--poses", "1"]), Some(true));
-    f.file("lodc.toml", format!("{QUADRIC}poses = 0\n"));
+    f.file("lodc.toml", "[defaults]\nposes = 0\n");
     assert_eq!(build(&[]), Some(false));
     f.lodc(["build", "m.glb", "--poses", "65"]).ends(2);
 }

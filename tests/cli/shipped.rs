@@ -1,6 +1,6 @@
 //! `lodc verify LEVELS --source MESH`: what engines load is held to what it states.
 
-use crate::support::{Folder, QUADRIC, Run};
+use crate::support::{Folder, Run};
 use serde_json::{Value, json};
 
 /// A folder with a fixture and its chain as a glTF and a file of numbers beside it.
@@ -8,7 +8,6 @@ fn chained(fixture: &str, more: &[&str]) -> Folder {
     let f = Folder::new();
     let path = format!("{}/../fixtures/{fixture}", env!("CARGO_MANIFEST_DIR"));
     f.file(fixture, std::fs::read(path).expect("a fixture"));
-    f.file("lodc.toml", QUADRIC);
     let args = ["chain", fixture, "-o", "c.gltf", "-q"];
     f.lodc(args.iter().chain(more)).ends(0);
     f

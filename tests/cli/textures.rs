@@ -1,6 +1,6 @@
 //! Image files arrive with the model, its order suits caches, and it says where it comes from.
 
-use crate::support::{Folder, QUADRIC, grid};
+use crate::support::{Folder, grid};
 use serde_json::Value;
 
 /// A PNG of one pixel.
@@ -13,7 +13,6 @@ const PNG: &[u8] = &[
 
 /// An OBJ with a texture in a folder of its own and one that is missing.
 fn textured(f: &Folder) {
-    f.file("lodc.toml", QUADRIC);
     f.file("in/wood/a b.png", PNG);
     f.file("in/m.mtl", "newmtl w\nKd 1 1 1\nmap_Kd -s 1 1 1 wood\\a b.png\nbump gone.png\n");
     f.file("in/m.obj", format!("mtllib m.mtl\nusemtl w\n{}", grid(6)));
@@ -156,7 +155,6 @@ fn a_refitted_level_states_what_was_measured() {
     let f = Folder::new();
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/machine_part.glb");
     f.file("part.glb", std::fs::read(path).expect("a fixture"));
-    f.file("lodc.toml", QUADRIC);
     let args = ["extract", "part.glb", "--ratio", "20%", "--json", "-q", "-o"];
     let plain = f.lodc(args.iter().chain(&["a.glb"])).ends(0).json();
     let refitted = f.lodc(args.iter().chain(&["b.glb", "--refit"])).ends(0).json();
@@ -179,7 +177,6 @@ fn a_refitted_level_is_the_same_from_a_mesh_and_from_its_file() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/");
         std::fs::read(format!("{folder}{name}")).expect("a fixture")
     };
-    f.file("lodc.toml", QUADRIC);
     f.file("in/part.glb", fixture("machine_part.glb"));
     f.file("in/quarters.jpg", include_bytes!("quarters.jpg"));
     f.file("in/m.mtl", "newmtl w\nKd 1 1 1\nmap_Kd quarters.jpg\n");
@@ -225,7 +222,6 @@ fn lists(f: &Folder, name: &str, word: &str) -> Vec<Vec<u32>> {
 fn triangles_stand_in_an_order_for_caches_unless_that_of_the_file_is_wanted() {
     let f = Folder::new();
     f.file("g.obj", grid(40));
-    f.file("lodc.toml", QUADRIC);
     let args = ["extract", "g.obj", "--ratio", "50%", "-q", "-o"];
     f.lodc(args.iter().chain(&["cache.obj"])).ends(0);
     f.lodc(args.iter().chain(&["file.obj", "--order", "file"])).ends(0);

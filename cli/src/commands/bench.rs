@@ -5,6 +5,7 @@ use super::asset::{self, SimplifyArgs};
 use super::build::counts;
 use super::each;
 use super::read::read_lodc;
+use crate::clock;
 use crate::console::{self, warning};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::{self, Device, GpuArgs, GpuUse};
@@ -190,6 +191,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     if args.crowd.crowd {
         return crowd_of(args, device, report);
     }
+    clock::expect_several(args.inputs.len() > 1);
     let mut worst = Status::Done;
     for input in &args.inputs {
         let (file, status) = bench_one(args, device.as_ref(), input);

@@ -72,9 +72,7 @@ pub(crate) fn all<R: Send>(
     if let [bytes] = needs[..] {
         huge_pages::allow_for(bytes);
     }
-    if assets.len() > 1 {
-        clock::expect_several();
-    }
+    clock::expect_several(assets.len() > 1);
     let bar = BatchProgress::new(assets.len());
     batch::run(&needs, budget, |number| {
         let asset = &assets[number];

@@ -21,10 +21,6 @@ pub(crate) const LODC: &str = env!("CARGO_BIN_EXE_lodc");
 /// if the program did not see to it.
 const MISSING: &str = "XDG_RUNTIME_DIR";
 
-/// A configuration for tests that ask for levels and do not mind which: the metric of `extract` and
-/// `chain` takes a hundred times as long.
-pub(crate) const QUADRIC: &str = "[defaults]\nmetric = \"quadric\"\n";
-
 /// A folder that is gone when the test is.
 pub(crate) struct Folder(PathBuf);
 

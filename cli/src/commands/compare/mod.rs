@@ -219,9 +219,7 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     args.configuration.apply(program, "compare", &mut assets)?;
     let options = AssetOptions::new(program, "compare", &assets, |args: CompareArgs, _| args);
     let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
-    if assets.len() > 1 {
-        clock::expect_several();
-    }
+    clock::expect_several(assets.len() > 1);
     // One after the other: each takes all threads, and much memory for its pictures.
     let one = |(asset, other): (&Asset, Result<PathBuf, AssetError>)| {
         let done = each::guarded(&asset.input, || {

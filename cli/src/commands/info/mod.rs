@@ -76,9 +76,7 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome<Status> {
     }
     let inputs = batch::expand(&args.inputs, &["lodc", "lods"], &args.include, &args.exclude)?;
     let several = args.inputs.len() > 1 || args.inputs.iter().any(|input| input.is_dir());
-    if several {
-        clock::expect_several();
-    }
+    clock::expect_several(several);
     let (mut worst, mut results) = (Status::Done, Vec::new());
     for (number, input) in inputs.iter().enumerate() {
         let failure = match each::guarded(input, || content(args, input)) {

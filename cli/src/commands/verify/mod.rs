@@ -94,9 +94,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
         let is_named = args.inputs.contains(path) || path.extension() == Some(LEVELS[0].as_ref());
         is_named || states_levels(path, &options)
     });
-    if inputs.len() > 1 {
-        clock::expect_several();
-    }
+    clock::expect_several(inputs.len() > 1);
     let sources = Sources::new(args.source.as_deref(), &options)?;
     let one = |input: &PathBuf| verify_one(args, &sources, gpu.as_ref(), input);
     // On a device one file at a time: they would share its memory.

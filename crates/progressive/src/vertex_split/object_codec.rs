@@ -455,7 +455,9 @@ impl ObjectCodec {
         let wanted = if C::ENCODES { source.indices(new) } else { &[] };
         let coded = &mut self.buffers.indices;
         self.values.code(coder, &mut contexts.values, &neighborhood, wanted, coded);
-        self.check_position();
+        if !C::ENCODES {
+            self.check_position();
+        }
         self.values.indices.extend_from_slice(&self.buffers.indices);
     }
 

@@ -132,7 +132,9 @@ impl ObjectCodec {
                 self.values.code(coder, values, &neighborhood, wanted, coded);
             }
         }
-        self.check_position();
+        if !C::ENCODES {
+            self.check_position();
+        }
         let channels = self.values.channels();
         self.values.indices[point as usize * channels..][..channels]
             .copy_from_slice(&self.buffers.indices);
