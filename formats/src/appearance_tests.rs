@@ -1,5 +1,7 @@
 use super::*;
+use crate::export::{ExportFormat, export};
 use crate::images::png;
+use crate::options::{ExportObject, ImportOptions};
 use crate::testing::Scratch;
 use crate::{Fault, GltfDocument, Limits, ObjDocument, ObjMaterial, SubmeshInfo, scene_graph};
 use lodc_scene::{AlphaMode, Arrangement, Image, Placement, Texture, Wrap};
@@ -79,6 +81,66 @@ fn an_mtl_gives_colours_opacity_and_textures() {
     assert_eq!(texture.transform, [[2.0, 0.0, 0.5], [0.0, -3.0, 1.0]]);
     assert_eq!((looks.images[0].width, looks.images[0].height), (2, 1));
     assert!(looks.warnings.is_empty(), "{:?}", looks.warnings);
+}
+
+/// Exports the triangle of an OBJ with this material as another format, and reads that file.
+fn exported(lines: &[&str], to: ExportFormat, folder: &Scratch) -> crate::Scene {
+    folder.write("m.mtl", format!("newmtl m\n{}\n", lines.join("\n")).as_bytes());
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
+    let text = format!("mtllib m.mtl\n{vertices}usemtl m\nf 1/1 2/2 3/3\n");
+    folder.write("a.obj", text.as_bytes());
+    let mut path = folder.path("a.obj");
+    for (name, format) in [("b.gltf", ExportFormat::Gltf), ("c.obj", ExportFormat::Obj)] {
+        let scene = crate::import::import(&path, &ImportOptions::default()).expect("sound");
+        let objects = [ExportObject { info: &scene.objects[0].info, mesh: &scene.objects[0].mesh }];
+        path = folder.path(name);
+        for file in export(&path, format, &scene.document, &objects).expect("it can be written") {
+            std::fs::write(&file.path, &file.bytes).expect("written");
+        }
+        if format == to {
+            break;
+        }
+    }
+    crate::import::import(&path, &ImportOptions::default()).expect("sound")
+}
+
+/// Where a corner of the triangle shows its picture, from the top left.
+fn shown_at(scene: &crate::Scene, texture: &Texture, vertex: u32) -> [f32; 2] {
+    let streams = scene.objects[0].mesh.attributes();
+    let uv = streams.iter().find(|a| a.semantic == lodc_mesh::Semantic::TexCoord(0)).expect("uv");
+    let [u, v] = [0, 1].map(|c| uv.value(vertex, c));
+    texture.transform.map(|[by_u, by_v, moved]| by_u * u + by_v * v + moved)
+}
+
+#[test]
+fn what_an_obj_shows_is_what_its_gltf_shows_and_an_obj_made_of_that() {
+    let folder = Scratch::new("appearance-export");
+    folder.write("a b.png", &red());
+    for lines in [
+        &["Kd 0.5 0.25 1", "map_Kd -s 2 3 -o 0.25 0.125 -clamp on a b.png"][..],
+        &["map_Kd a b.png", "d 0.5"],
+        &["Kd 0 0 0", "map_Kd -s -1 1 a b.png", "d 0"],
+        &["Kd 0.2 0.4 0.6"],
+        &["Ks 1 1 1"],
+    ] {
+        let looks = [None, Some(ExportFormat::Gltf), Some(ExportFormat::Obj)].map(|format| {
+            let first = || crate::import::import(&folder.path("a.obj"), &ImportOptions::default());
+            let written = exported(lines, format.unwrap_or(ExportFormat::Gltf), &folder);
+            let scene = if format.is_some() { written } else { first().expect("sound") };
+            let mut assets = Assets::new(&folder.path("a.obj"), &[], Limits::DEFAULT);
+            let infos = [&scene.objects[0].info];
+            let looks = appearance(&scene.document, &infos, &mut assets).expect("sound");
+            let material = looks.materials[looks.of_submesh[0][0]];
+            let corners =
+                material.texture.map(|t| (t.wrap, [0, 1, 2].map(|v| shown_at(&scene, &t, v))));
+            (material.colour, material.alpha, corners)
+        });
+        for other in &looks[1..] {
+            let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-5;
+            assert!(looks[0].0.iter().zip(&other.0).all(near), "{lines:?}: {looks:?}");
+            assert_eq!((looks[0].1, &looks[0].2), (other.1, &other.2), "{lines:?}");
+        }
+    }
 }
 
 #[test]

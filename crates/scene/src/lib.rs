@@ -54,7 +54,7 @@ pub use pose::Pose;
 pub use posed::{PosedVertices, posed, posed_positions, stream};
 pub use scale::{ObjectInScene, object_in_scene, placement_scales, representative};
 pub use shape::{Shape, shape_in_scene};
-pub use srgb::{to_linear, to_srgb};
+pub use srgb::{srgb_value, to_linear, to_srgb};
 pub use transform::{
     LocalTransform, Transform, largest_stretch, transform_from_columns, transform_normal,
 };

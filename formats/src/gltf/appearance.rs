@@ -180,7 +180,7 @@ fn any_texture(source: &Json) -> Option<&Json> {
 }
 
 /// The texture coordinates that a texture reads.
-fn texture_coordinates(info: &Json) -> Coordinates {
+pub(super) fn texture_coordinates(info: &Json) -> Coordinates {
     let moved = &info["extensions"]["KHR_texture_transform"];
     let set = moved["texCoord"].as_index().or(info["texCoord"].as_index()).unwrap_or(0);
     Coordinates { set: u32::try_from(set).unwrap_or(u32::MAX), transform: transform(moved) }

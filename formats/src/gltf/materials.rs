@@ -1,10 +1,12 @@
 //! What materials of a glTF have in common with those of an MTL.
 
-use super::json::{Object, parse};
+use super::appearance::texture_coordinates;
+use super::json::{Json, Object, parse};
 use super::uri;
 use crate::images::{ImagePlace, PlacedTextures, embedded_name};
 use crate::obj::write::{Library, SimpleMaterial};
 use crate::{FormatError, GltfDocument, Limits};
+use lodc_scene::srgb_value;
 
 /// The materials of a document as a library, for an OBJ.
 ///
@@ -22,14 +24,16 @@ pub(crate) fn library(
             std::array::from_fn(|k| pbr["baseColorFactor"][k].as_f64().unwrap_or(1.0));
         let [r, g, b, opacity] = factor;
         let blended = material["alphaMode"].as_str() == Some("BLEND");
-        let texture = pbr["baseColorTexture"]["index"].as_index();
-        let texture = texture.and_then(|t| root.list("textures").get(t));
+        let info = &pbr["baseColorTexture"];
+        let texture = info["index"].as_index().and_then(|t| root.list("textures").get(t));
         let image = texture.and_then(|t| t["source"].as_index());
+        let file = image.and_then(|i| image_file(&root, i, textures));
+        let sampler = texture.and_then(|t| root.list("samplers").get(t["sampler"].as_index()?));
         library.add(&SimpleMaterial {
             name: material["name"].as_str().unwrap_or_default(),
-            colour: [r, g, b],
+            colour: [r, g, b].map(|light| decimals(srgb_value(light as f32).into())),
             opacity: blended.then_some(opacity),
-            texture: image.and_then(|i| image_file(&root, i, textures)),
+            texture: file.map(|file| format!("{}{file}", map_options(info, sampler))),
         });
     }
     for (m, mesh) in root.entries("meshes").enumerate() {
@@ -40,6 +44,33 @@ pub(crate) fn library(
         }
     }
     Ok(library)
+}
+
+/// Six decimals: no machine's power function decides a byte of a file.
+fn decimals(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+/// The options of `map_Kd` that show a texture as a glTF does, each with a space after it. A turned
+/// texture has none that could.
+fn map_options(info: &Json, sampler: Option<&Json>) -> String {
+    let mut options = String::new();
+    let [[su, skew, u], [turn, sv, v]] = texture_coordinates(info).transform;
+    if [skew, turn] == [0.0; 2] {
+        // Coordinates of an OBJ begin at the bottom of the picture, those of a glTF at the top.
+        let (u, v) = (u, 1.0 - sv - v);
+        if [su, sv] != [1.0; 2] {
+            options += &format!("-s {su} {sv} ");
+        }
+        if [u, v] != [0.0; 2] {
+            options += &format!("-o {u} {v} ");
+        }
+    }
+    let clamps = |key: &str| sampler.is_some_and(|s| s[key].as_u64() == Some(33071));
+    if clamps("wrapS") && clamps("wrapT") {
+        options += "-clamp on ";
+    }
+    options
 }
 
 /// The file of an image; none if it has none.

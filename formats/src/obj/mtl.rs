@@ -1,6 +1,7 @@
 //! Statements of MTL files: what a material's colours and textures are, and which files they name.
 
 use crate::ObjMaterial;
+use lodc_scene::{AlphaMode, to_linear};
 
 /// The file that a line of a material names: what follows the options. It may contain spaces. None
 /// for lines that name no file.
@@ -16,11 +17,11 @@ pub(crate) fn file(line: &str) -> Option<&str> {
 }
 
 /// An option of a texture, with its dash, and its arguments.
-pub(crate) type MapOption<'a> = (&'a str, Vec<&'a str>);
+type MapOption<'a> = (&'a str, Vec<&'a str>);
 
 /// The options of a statement `map_Kd -s 2 2 wood.png`, of which `rest` follows the first word, and
 /// the file that it names; none if there is none.
-pub(crate) fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
+fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
     let mut words = rest.trim();
     let mut options = Vec::new();
     while words.starts_with('-') {
@@ -48,6 +49,39 @@ pub(crate) fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)>
     (!words.is_empty()).then_some((options, words))
 }
 
+/// A texture as `map_Kd [-option value...]... FILE` says it.
+pub(crate) struct TextureMap<'a> {
+    /// As written.
+    pub(crate) file: &'a str,
+    /// `-s`: what texture coordinates are multiplied by.
+    pub(crate) scale: [f32; 2],
+    /// `-o`: what is added to them afterwards.
+    pub(crate) offset: [f32; 2],
+    /// `-clamp on`: the picture is not repeated.
+    pub(crate) clamped: bool,
+}
+
+impl<'a> TextureMap<'a> {
+    /// Reads what follows `map_Kd`; none if it names no file.
+    pub(crate) fn of(rest: &'a str) -> Option<Self> {
+        let (options, file) = options_and_file(rest)?;
+        let mut map = Self { file, scale: [1.0; 2], offset: [0.0; 2], clamped: false };
+        for (option, values) in options {
+            let numbers = |default: f32| {
+                let number = |text: &&str| text.parse().ok().filter(|v: &f32| v.is_finite());
+                [0, 1].map(|i| values.get(i).and_then(number).unwrap_or(default))
+            };
+            match option {
+                "-s" => map.scale = numbers(1.0),
+                "-o" => map.offset = numbers(0.0),
+                "-clamp" => map.clamped = values == ["on"],
+                _ => {}
+            }
+        }
+        Some(map)
+    }
+}
+
 /// The line with another file in its place.
 pub(crate) fn with_file(line: &str, file: &str) -> String {
     let line = line.trim_end();
@@ -56,6 +90,9 @@ pub(crate) fn with_file(line: &str, file: &str) -> String {
         None => line.to_owned(),
     }
 }
+
+/// Red, green and blue, linear, where neither `Kd` nor a texture says a colour: a light grey.
+pub(crate) const UNSAID: f32 = 0.6;
 
 /// What is read of a material; the last of several statements holds.
 #[derive(Debug, Default, PartialEq)]
@@ -87,6 +124,30 @@ impl Meaning {
             meaning.cut |= said.dissolve_texture.is_some();
         }
         meaning
+    }
+
+    /// The base colour as glTF means it: linear red, green and blue, and opacity, from 0 to 1.
+    ///
+    /// `Kd` has no colour space of its own; programs show it as they show texels, hence as sRGB.
+    pub(crate) fn base_colour(&self, textured: bool) -> [f32; 4] {
+        let unit = |v: f64| (v as f32).clamp(0.0, 1.0);
+        // Many writers leave `Kd` black or out where a texture says the colour.
+        let said = self.diffuse.filter(|kd| !textured || *kd != [0.0; 3]);
+        let unsaid = [if textured { 1.0 } else { UNSAID }; 3];
+        let [r, g, b] = said.map_or(unsaid, |kd| kd.map(|v| to_linear(unit(v))));
+        // Exporters that mean nothing by `d` write 0, and a thing that cannot be seen is no
+        // material.
+        let opacity = self.dissolve.map(unit).filter(|&d| d > 0.0).unwrap_or(1.0);
+        [r, g, b, opacity]
+    }
+
+    /// How opacity is shown: by blending where `d` says so; by cutting where there is a `map_d`.
+    pub(crate) fn alpha_mode(&self) -> AlphaMode {
+        match self.base_colour(false)[3] {
+            d if d < 1.0 => AlphaMode::Blend,
+            _ if self.cut && self.dissolve != Some(0.0) => AlphaMode::Mask(0.5),
+            _ => AlphaMode::Opaque,
+        }
     }
 }
 

@@ -159,7 +159,7 @@ fn gltf_scenes_become_objects_with_simple_materials() {
     let text = |i: usize| String::from_utf8(files[i].bytes.clone()).expect("text");
     assert_eq!(
         text(1),
-        "newmtl m\nKd 1 1 1\nnewmtl m_material1\nKd 0.5 0.25 1\nd 0.75\nmap_Kd a b.png\n"
+        "newmtl m\nKd 1 1 1\nnewmtl m_material1\nKd 0.735357 0.537099 1\nd 0.75\nmap_Kd a b.png\n"
     );
     let expected = "# lodc\nmtllib x.mtl\no a_b\nv 0 0 0\nvt 0.25 0.75\nvn 0 0 1\nv 1 0 0\n\
         vt 1 1\nv 0 1 0\nvt 0 0\n\

@@ -3,18 +3,29 @@
 
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::uri;
-use crate::obj::mtl::{Meaning, options_and_file};
+use crate::obj::mtl::{Meaning, TextureMap};
 use crate::{ObjDocument, ObjMaterial, ObjectInfo};
+use indexmap::IndexSet;
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
+use lodc_scene::AlphaMode;
+use std::collections::BTreeMap;
+
+const TRANSFORM: &str = "KHR_texture_transform";
+/// `CLAMP_TO_EDGE` of a sampler.
+const CLAMP: u32 = 33071;
 
 /// A document whose primitives have no geometry yet.
 pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Object {
-    let mut images: Vec<String> = Vec::new();
-    let materials: Vec<Json> = obj.materials.iter().map(|m| material(m, &mut images)).collect();
-    let number = |name: &str| obj.materials.iter().position(|m| m.name == name);
+    let mut textures = Textures::default();
+    let materials: Vec<Json> = obj.materials.iter().map(|m| material(m, &mut textures)).collect();
+    let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
+    for (number, material) in obj.materials.iter().enumerate() {
+        // Of several with one name the first counts.
+        numbers.entry(&material.name).or_insert(number);
+    }
     let mesh = |object: &&ObjectInfo| {
-        let primitive = |name: Option<&String>| match name.and_then(|n| number(n)) {
-            Some(material) => object! { "material" => material },
+        let primitive = |name: Option<&String>| match name.and_then(|n| numbers.get(&**n)) {
+            Some(&material) => object! { "material" => material },
             None => object! {},
         };
         let primitives: Vec<Json> =
@@ -23,59 +34,99 @@ pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Object {
     };
     let node = |i: usize| object! { "name" => &*objects[i].name, "mesh" => i };
     let mut root = Object::default();
-    let mut put = |key: &str, values: Vec<Json>| {
-        if !values.is_empty() {
-            root[key] = values.into();
-        }
-    };
-    put("meshes", objects.iter().map(mesh).collect());
-    put("nodes", (0..objects.len()).map(node).collect());
-    put("materials", materials);
-    put("textures", (0..images.len()).map(|i| object! { "source" => i }).collect());
-    put("images", images.iter().map(|uri| object! { "uri" => &**uri }).collect());
+    put(&mut root, "meshes", objects.iter().map(mesh).collect());
+    put(&mut root, "nodes", (0..objects.len()).map(node).collect());
+    put(&mut root, "materials", materials);
+    textures.write(&mut root);
     let roots: Vec<usize> = (0..objects.len()).collect();
     if !roots.is_empty() {
-        put("scenes", vec![object! { "nodes" => roots }]);
+        put(&mut root, "scenes", vec![object! { "nodes" => roots }]);
         root["scene"] = 0u32.into();
     }
     root["asset"] = object! { "version" => "2.0", "generator" => "lodc" };
     root
 }
 
-fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Json {
-    let meaning = Meaning::of(material);
-    let unit = |c: f64| c.clamp(0.0, 1.0);
-    let [r, g, b] = meaning.diffuse.unwrap_or([1.0; 3]).map(unit);
-    let mut color = [r, g, b, meaning.dissolve.map_or(1.0, unit)];
-    let emissive = meaning.emissive.unwrap_or_default().map(unit);
-    let mut pbr = object! { "baseColorFactor" => color, "metallicFactor" => 0.0 };
-    if let Some(uri) = meaning.texture.as_deref().and_then(file_name) {
-        let index = images.iter().position(|i| *i == uri).unwrap_or_else(|| {
-            images.push(uri);
-            images.len() - 1
-        });
-        // A factor of black would hide the texture; OBJ files with a texture often have it.
-        if color[..3] == [0.0; 3] {
-            color[..3].fill(1.0);
-            pbr["baseColorFactor"] = color.into();
+/// Sets a list, unless it is empty.
+fn put(root: &mut Object, key: &str, values: Vec<Json>) {
+    if !values.is_empty() {
+        root[key] = values.into();
+    }
+}
+
+/// The materials' textures: each picture as often as it is repeated in another way.
+#[derive(Default)]
+struct Textures {
+    /// URIs.
+    images: IndexSet<String>,
+    /// The image, and whether it is clamped.
+    textures: IndexSet<(usize, bool)>,
+    /// True if texture coordinates are moved.
+    transformed: bool,
+}
+
+impl Textures {
+    /// The reference of a material to a texture; none for paths that no relative URI can name.
+    fn info(&mut self, map: &TextureMap<'_>) -> Option<Json> {
+        let path = map.file.replace('\\', "/");
+        if path.starts_with('/') || path.contains([':', '\0']) {
+            return None;
         }
-        pbr["baseColorTexture"] = object! { "index" => index };
+        let image = self.images.insert_full(uri::of_path(&path)).0;
+        let index = self.textures.insert_full((image, map.clamped)).0;
+        let mut info = object! { "index" => index };
+        let ([su, sv], [u, v]) = (map.scale.map(f64::from), map.offset.map(f64::from));
+        if (map.scale, map.offset) != ([1.0; 2], [0.0; 2]) {
+            // Coordinates of an OBJ begin at the bottom of the picture, those of a glTF at the top.
+            let transform = object! { "offset" => [u, 1.0 - sv - v], "scale" => [su, sv] };
+            info["extensions"] = object! { TRANSFORM => transform };
+            self.transformed = true;
+        }
+        Some(info)
+    }
+
+    fn write(&self, root: &mut Object) {
+        let clamped = self.textures.iter().any(|&(_, clamped)| clamped);
+        let texture = |&(image, clamped): &(usize, bool)| {
+            let mut texture = object! { "source" => image };
+            if clamped {
+                texture["sampler"] = 0u32.into();
+            }
+            texture
+        };
+        put(root, "textures", self.textures.iter().map(texture).collect());
+        put(root, "images", self.images.iter().map(|i| object! { "uri" => &**i }).collect());
+        if clamped {
+            root["samplers"] = vec![object! { "wrapS" => CLAMP, "wrapT" => CLAMP }].into();
+        }
+        if self.transformed {
+            root["extensionsUsed"] = [TRANSFORM].into();
+        }
+    }
+}
+
+fn material(material: &ObjMaterial, textures: &mut Textures) -> Json {
+    let meaning = Meaning::of(material);
+    let map = meaning.texture.as_deref().and_then(TextureMap::of);
+    let texture = map.and_then(|map| textures.info(&map));
+    // Six decimals: no machine's power function decides a byte of a file.
+    let rounded = |c: f32| (f64::from(c) * 1e6).round() / 1e6;
+    let color = meaning.base_colour(texture.is_some()).map(rounded);
+    let mut pbr = object! { "baseColorFactor" => color, "metallicFactor" => 0.0 };
+    if let Some(texture) = texture {
+        pbr["baseColorTexture"] = texture;
     }
     let mut out = object! { "name" => &*material.name, "pbrMetallicRoughness" => pbr };
+    let emissive = meaning.emissive.unwrap_or_default().map(|c| c.clamp(0.0, 1.0));
     if emissive != [0.0; 3] {
         out["emissiveFactor"] = emissive.into();
     }
-    if color[3] < 1.0 {
-        out["alphaMode"] = "BLEND".into();
+    match meaning.alpha_mode() {
+        AlphaMode::Opaque => {}
+        AlphaMode::Mask(_) => out["alphaMode"] = "MASK".into(),
+        AlphaMode::Blend => out["alphaMode"] = "BLEND".into(),
     }
     out
-}
-
-/// The file of a `map_` statement as a URI. None for paths that no relative URI can name.
-fn file_name(rest: &str) -> Option<String> {
-    let path = options_and_file(rest)?.1.replace('\\', "/");
-    let relative = !path.starts_with('/') && !path.contains(':') && !path.contains('\0');
-    relative.then(|| uri::of_path(&path))
 }
 
 /// A mesh as glTF wants it: texture coordinates from the top down, normals of unit length, colours

@@ -281,7 +281,7 @@ fn what_came_from_obj_gets_a_scene_materials_and_the_conventions_of_gltf() {
         written(&Document::Obj(document), &[(&info, &mesh)], ExportFormat::Glb).remove(0).bytes;
     let left = json_of(&file);
     let pbr = &left["materials"][0]["pbrMetallicRoughness"];
-    assert_eq!(pbr["baseColorFactor"], json!([0.5, 0.25, 1.0, 0.5]));
+    assert_eq!(pbr["baseColorFactor"], json!([0.214041, 0.050876, 1.0, 0.5]));
     assert_eq!(left["materials"][0]["alphaMode"], json!("BLEND"));
     assert_eq!(left["images"], json!([{ "uri": "tex/my%20map.png" }]));
     assert_eq!(
