@@ -106,7 +106,11 @@ plots:
 growth *words: build
     python3 tests/growth.py target/release/lodc {{words}}
 
-# Kills, faults of system calls, determinism and the list of packages, with figures; then more mutated meshes through build and verify
+# Kills, faults of system calls, determinism, clean files and the list of packages, with figures; then more mutated meshes through build and verify
 campaign *words: build
     python3 tests/campaign.py target/release/lodc {{words}}
     LODC_MUTATIONS=5000 cargo test --release -p lodc-report --test mutated
+
+# Coverage-guided fuzzing of the readers, and of build and verify; runs and finds of each target: [--minutes N | --runs N] [TARGET...]
+fuzz *words:
+    python3 formats/fuzz/run.py {{words}}
