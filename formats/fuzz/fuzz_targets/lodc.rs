@@ -6,8 +6,8 @@
 use libfuzzer_sys::fuzz_target;
 use lodc::{read, write};
 use lodc_formats::lodc::with_valid_checksums;
-use lodc_model::Model;
 use lodc_mesh::Lod;
+use lodc_model::Model;
 
 fuzz_target!(|bytes: &[u8]| {
     for bytes in [bytes.to_vec(), with_valid_checksums(bytes)] {
