@@ -12,9 +12,9 @@ use lodc_mesh::{
 use lodc_nearest::{Search, TriangleTree};
 use rayon::prelude::*;
 
-/// A mesh whose vertices collapse as they stand, one in each step.
-fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> Simplified {
-    let mesh = Mesh::try_from(MeshParts {
+/// A mesh of one submesh.
+fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
+    Mesh::try_from(MeshParts {
         positions: positions.to_vec(),
         vertex_submesh: vec![0; positions.len()],
         triangles: triangles.to_vec(),
@@ -25,7 +25,12 @@ fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> 
         }],
         ..MeshParts::default()
     })
-    .expect("a mesh");
+    .expect("a mesh")
+}
+
+/// A mesh whose vertices collapse as they stand, one in each step.
+fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> Simplified {
+    let mesh = mesh(positions, triangles);
     let records = targets.len();
     let parts = SequenceParts {
         targets: targets.to_vec(),
@@ -457,6 +462,22 @@ fn curves_that_are_too_small_or_too_large_are_refused() {
             assert_eq!(wrong.is_none(), holds, "{name} × {scale}: {wrong:?}");
         }
     }
+}
+
+/// Found by fuzzing: each of the twenty was counted by `check_errors`, one of them here.
+#[test]
+fn faces_that_lie_on_each_other_count_once_on_both_sides() {
+    let (low, high) = (-0.5, 0.5);
+    let face = [[low, high, high], [low, low, high], [low, high, low]];
+    let needle = [[high, low, high], [high, low, 10.5], [high, high, high]];
+    let mut triangles = vec![[0, 1, 2]; 20];
+    triangles.push([3, 4, 5]);
+    let mesh = mesh(&[face, needle].concat(), &triangles);
+    let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
+    let StepErrors { error, rms } = measured(&simplified);
+    let stated = simplified.with_distances(error, rms).expect("they never fall");
+    let (levels, wrong) = lodc_measure::check_errors(&stated, &[stated.mesh().positions()]);
+    assert_eq!((levels > 0, wrong), (true, None));
 }
 
 /// The way back is followed on threads of its own, for which all threads of a pool may be waiting.

@@ -37,7 +37,7 @@ const RMS_TOLERANCE: f64 = 1.9;
 const RMS_OF_PARTS: f64 = 0.125;
 
 /// Stored ones may be this many times the measured ones: samples that travel stop where they are
-/// near enough, and faces that lie on each other count once.
+/// near enough.
 const RMS_OVERSTATED: f64 = 8.0;
 
 /// Samples of a root mean square distance: at first, and before it is refused.
@@ -95,12 +95,16 @@ fn first_difference(
 struct Levels<'a> {
     simplified: &'a Simplified,
     positions: PositionIds,
+    /// The first of the triangles that lie on each other, at every level.
+    distinct: Vec<[u32; 3]>,
     shapes: Vec<Shape<'a>>,
 }
 
 /// The input in one shape.
 struct Shape<'a> {
     places: &'a [[f32; 3]],
+    /// Vertices at one position are at one place, so that triangles on each other stay there.
+    is_whole: bool,
     input: TriangleTree,
     diagonal: f64,
     /// Twice the area.
@@ -121,13 +125,18 @@ impl Shape<'_> {
 
 impl<'a> Levels<'a> {
     fn new(simplified: &'a Simplified, shapes: &[&'a [[f32; 3]]]) -> Self {
-        let shape = |&places: &&'a [[f32; 3]]| {
-            let input = surface(places, simplified.mesh().triangles().to_vec());
-            let area = area(&input);
-            Shape { places, diagonal: input.diagonal(), input: input.tree(), area }
-        };
         let positions = PositionIds::new(simplified.mesh().positions());
-        Self { simplified, positions, shapes: shapes.par_iter().map(shape).collect() }
+        let all = simplified.mesh().triangles();
+        let distinct = distinct(all, &positions);
+        let shape = |&places: &&'a [[f32; 3]]| {
+            let first = |v: usize| positions.first_vertex[positions.of_vertex[v] as usize];
+            let is_whole = (0..places.len()).all(|v| places[v] == places[first(v) as usize]);
+            let input = surface(places, if is_whole { distinct.clone() } else { all.to_vec() });
+            let area = area(&input);
+            Shape { places, is_whole, diagonal: input.diagonal(), input: input.tree(), area }
+        };
+        let shapes = shapes.par_iter().map(shape).collect();
+        Self { simplified, positions, distinct, shapes }
     }
 
     /// Returns what is wrong with the distances that a level states.
@@ -208,16 +217,17 @@ impl<'a> Levels<'a> {
         let map = simplified.collapses().resolve_all(lod);
         let resolved = |t: [u32; 3]| t.map(|v| map[v as usize]);
         let is_live = |t: &[u32; 3]| !is_degenerate(t.map(|v| positions.of_vertex[v as usize]));
-        let triangles = simplified.mesh().triangles();
-        let before: Vec<[u32; 3]> = triangles.iter().copied().filter(is_changed).collect();
-        let after: Vec<[u32; 3]> = before.iter().copied().map(resolved).filter(is_live).collect();
         let shown = simplified.triangles_at_with(lod, positions);
-        let all: Vec<[u32; 3]> = shown.iter().map(|t| t.corners).collect();
+        let shown: Vec<[u32; 3]> = shown.iter().map(|t| t.corners).collect();
         let mut changes = Vec::with_capacity(self.shapes.len());
         for shape in &self.shapes {
-            let [level, before, after] =
-                [&all, &before, &after].map(|triangles| surface(shape.places, triangles.clone()));
-            let (areas, level) = ([shape.area, area(&level)], level.tree());
+            let all = if shape.is_whole { &self.distinct } else { simplified.mesh().triangles() };
+            let (before, same): (Vec<_>, Vec<_>) = all.iter().partition(|t| is_changed(t));
+            let after = before.iter().copied().map(resolved).filter(is_live).collect();
+            let [level, before, after, same] = [shown.clone(), before, after, same]
+                .map(|triangles| surface(shape.places, triangles));
+            let areas = [shape.area, area(&same) + area(&after)];
+            let level = level.tree();
             changes.push(Changes { input: &shape.input, level, before, after, areas });
         }
         changes
@@ -237,7 +247,7 @@ struct Changes<'a> {
     /// Those of the input that the level has not, and those of the level that the input has not.
     before: Surface,
     after: Surface,
-    /// Twice the areas of the whole input and of the whole level.
+    /// Twice the areas of the whole input and of the whole level; faces on each other count once.
     areas: [f64; 2],
 }
 
@@ -276,6 +286,22 @@ impl Changes<'_> {
             rayon::join(|| most(&self.before, &self.level), || most(&self.after, self.input));
         there.max(back)
     }
+}
+
+/// The first of each set of triangles whose positions are the same, in any order.
+fn distinct(triangles: &[[u32; 3]], positions: &PositionIds) -> Vec<[u32; 3]> {
+    let mut order: Vec<([u32; 3], u32)> = (0..)
+        .zip(triangles)
+        .map(|(number, t)| {
+            let mut ids = t.map(|v| positions.of_vertex[v as usize]);
+            ids.sort_unstable();
+            (ids, number)
+        })
+        .collect();
+    order.sort_unstable();
+    order.dedup_by_key(|(ids, _)| *ids);
+    order.sort_unstable_by_key(|&(_, number)| number);
+    order.into_iter().map(|(_, number)| triangles[number as usize]).collect()
 }
 
 /// Twice the area of a surface.

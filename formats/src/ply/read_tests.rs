@@ -130,6 +130,12 @@ fn points_alone_are_a_scene_without_triangles() {
 }
 
 #[test]
+fn no_faces_need_no_properties() {
+    let faces = PLAIN.to_owned() + "element face 0\n" + POINTS;
+    assert!(import_bytes(faces.as_bytes()).expect("valid").objects[0].mesh.triangles().is_empty());
+}
+
+#[test]
 fn what_is_wrong_is_said_with_its_place() {
     let faces = "element face 1\nproperty list uchar int vertex_indices\n";
     let all = |face: &str| PLAIN.to_owned() + faces + POINTS + face;

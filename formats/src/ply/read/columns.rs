@@ -286,7 +286,6 @@ pub(super) fn faces<'a>(
     strips: bool,
     most: u64,
 ) -> impl FnMut(usize, &[f64]) -> Result<(), String> + 'a {
-    let last = columns.len() - 1;
     let textures = columns.contains(&FaceColumn::Texture);
     let (mut corners, mut texcoords, mut texture) = (Vec::new(), Vec::new(), 0.0);
     move |column, values| {
@@ -296,7 +295,7 @@ pub(super) fn faces<'a>(
             FaceColumn::Texture => texture = values[0],
             FaceColumn::Unused => {}
         }
-        if column < last {
+        if column + 1 < columns.len() {
             return Ok(());
         }
         if strips {
