@@ -256,7 +256,7 @@ def large(lodc, asked):
         ended = subprocess.run(words).returncode
         wall, after = time.monotonic() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
         used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        figures = f"{used:.0f} s of processor time ({wall:.0f} s), {after.ru_maxrss / 1e3:.0f} MB"
+        figures = f"{used:.0f} s of processor time ({wall:.0f} s), {after.ru_maxrss / 1024:.0f} MiB"
         size = out.stat().st_size / 1e6 if out.exists() else 0
     print(f"large: {triangles} triangles: {figures}, {size:.0f} MB file, status {ended}")
     return ended

@@ -89,7 +89,9 @@ def seed(target, longest):
             is_seed = path.suffix[1:].lower() in SEEDS[target] and path.is_file()
             if is_seed and path.stat().st_size <= longest:
                 name = "-".join(path.relative_to(place).parts)
-                (folder / name).write_bytes(path.read_bytes())
+                # Of a stream the first byte says in how large pieces it comes.
+                head = b"\x3f" if target == "lods" else b""
+                (folder / name).write_bytes(head + path.read_bytes())
     return folder
 
 
