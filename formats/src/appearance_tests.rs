@@ -116,10 +116,11 @@ fn shown_at(scene: &crate::Scene, texture: &Texture, vertex: u32) -> [f32; 2] {
 fn what_an_obj_shows_is_what_its_gltf_shows_and_an_obj_made_of_that() {
     let folder = Scratch::new("appearance-export");
     folder.write("a b.png", &red());
+    folder.write("c.png", &red());
     for lines in [
         &["Kd 0.5 0.25 1", "map_Kd -s 2 3 -o 0.25 0.125 -clamp on a b.png"][..],
         &["map_Kd a b.png", "d 0.5"],
-        &["Kd 0 0 0", "map_Kd -s -1 1 a b.png", "d 0"],
+        &["Kd 0 0 0", "map_Kd -s -1 1 c.png", "d 0"],
         &["Kd 0.2 0.4 0.6"],
         &["Ks 1 1 1"],
     ] {
@@ -135,6 +136,8 @@ fn what_an_obj_shows_is_what_its_gltf_shows_and_an_obj_made_of_that() {
                 material.texture.map(|t| (t.wrap, [0, 1, 2].map(|v| shown_at(&scene, &t, v))));
             (material.colour, material.alpha, corners)
         });
+        let named = lines.iter().any(|line| line.starts_with("map_Kd"));
+        assert_eq!(looks[0].2.is_some(), named, "{lines:?}");
         for other in &looks[1..] {
             let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-5;
             assert!(looks[0].0.iter().zip(&other.0).all(near), "{lines:?}: {looks:?}");

@@ -36,7 +36,8 @@ fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
         words = after.trim_start();
         let mut arguments = Vec::new();
         while arguments.len() < most {
-            let (word, after) = words.split_once(char::is_whitespace)?;
+            // The last word is the file.
+            let Some((word, after)) = words.split_once(char::is_whitespace) else { break };
             // -o, -s and -t take one to three numbers.
             if most > 1 && word.parse::<f64>().is_err() {
                 break;
