@@ -31,7 +31,7 @@ pub fn coordinates(
     limits: &Limits,
 ) -> Result<Vec<Vec<Coordinates>>, FormatError> {
     match document {
-        Document::Obj(_) => Ok(obj::coordinates(objects)),
+        Document::Obj(obj) => Ok(obj::coordinates(obj, objects)),
         Document::Gltf(gltf) => gltf::coordinates(gltf, objects, limits),
     }
 }

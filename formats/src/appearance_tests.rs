@@ -4,7 +4,7 @@ use crate::images::png;
 use crate::options::{ExportObject, ImportOptions};
 use crate::testing::Scratch;
 use crate::{Fault, GltfDocument, Limits, ObjDocument, ObjMaterial, SubmeshInfo, scene_graph};
-use lodc_scene::{AlphaMode, Arrangement, Image, Placement, Texture, Wrap};
+use lodc_scene::{AlphaMode, Arrangement, Coordinates, Image, Placement, Texture, Wrap};
 
 fn info(mesh: u32, material: Option<&str>) -> ObjectInfo {
     let submesh = SubmeshInfo {
@@ -79,6 +79,7 @@ fn an_mtl_gives_colours_opacity_and_textures() {
     assert_eq!((texture.image, texture.wrap), (0, [Wrap::Clamp; 2]));
     // The bottom left corner of the coordinates is the bottom left of the picture.
     assert_eq!(texture.transform, [[2.0, 0.0, 0.5], [0.0, -3.0, 1.0]]);
+    assert_eq!(material.coordinates, Coordinates { set: 0, transform: texture.transform });
     assert_eq!((looks.images[0].width, looks.images[0].height), (2, 1));
     assert!(looks.warnings.is_empty(), "{:?}", looks.warnings);
 }

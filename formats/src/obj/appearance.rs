@@ -3,7 +3,7 @@
 
 use super::mtl::{Meaning, TextureMap, UNSAID};
 use crate::images::Pictures;
-use crate::{Assets, FormatError, ObjDocument, ObjMaterial, ObjectInfo};
+use crate::{Assets, FormatError, ObjDocument, ObjMaterial, ObjectInfo, SubmeshInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -36,25 +36,41 @@ pub(crate) fn appearance(
         let used = used.contains(m.name.as_str());
         materials.push(if used { material(m, &mut pictures, assets)? } else { PLAIN });
     }
-    // Of several with one name the first counts.
-    let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
-    for (number, m) in (1..).zip(&obj.materials) {
-        numbers.entry(&m.name).or_insert(number);
-    }
-    let number = |name: &Option<String>| numbers.get(name.as_deref()?).copied();
-    let of =
-        |o: &&ObjectInfo| o.submeshes.iter().map(|s| number(&s.material).unwrap_or(0)).collect();
+    let numbers = numbers(obj);
+    let number = |name: &str| numbers.get(name).map_or(0, |number| 1 + number);
+    let of_submesh = |s: &SubmeshInfo| s.material.as_deref().map_or(0, number);
     Ok(Appearance {
         materials,
-        of_submesh: objects.iter().map(of).collect(),
+        of_submesh: objects.iter().map(|o| o.submeshes.iter().map(of_submesh).collect()).collect(),
         images: pictures.list,
         warnings: pictures.warnings,
     })
 }
 
+/// The numbers of materials by their names. Of several with one name the first counts.
+fn numbers(obj: &ObjDocument) -> BTreeMap<&str, usize> {
+    obj.materials.iter().enumerate().rev().map(|(number, m)| (&*m.name, number)).collect()
+}
+
 /// The texture coordinates that submeshes of an OBJ show.
-pub(crate) fn coordinates(objects: &[&ObjectInfo]) -> Vec<Vec<Coordinates>> {
-    objects.iter().map(|o| vec![PLAIN.coordinates; o.submeshes.len()]).collect()
+pub(crate) fn coordinates(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Vec<Vec<Coordinates>> {
+    let of_material: Vec<Coordinates> =
+        obj.materials.iter().map(|m| shown(Meaning::of(m).map().as_ref())).collect();
+    let numbers = numbers(obj);
+    let of_submesh = |s: &SubmeshInfo| {
+        let number = s.material.as_deref().and_then(|name| numbers.get(name));
+        number.map_or(PLAIN.coordinates, |&number| of_material[number])
+    };
+    objects.iter().map(|o| o.submeshes.iter().map(of_submesh).collect()).collect()
+}
+
+/// The texture coordinates that a texture reads, whether its picture can be had or not.
+fn shown(map: Option<&TextureMap<'_>>) -> Coordinates {
+    let Some(&TextureMap { scale: [su, sv], offset: [u, v], .. }) = map else {
+        return PLAIN.coordinates;
+    };
+    // The picture's first row is the top, the texture coordinate 0 is the bottom.
+    Coordinates { set: 0, transform: [[su, 0.0, u], [0.0, -sv, 1.0 - v]] }
 }
 
 fn material(
@@ -63,29 +79,25 @@ fn material(
     assets: &mut Assets,
 ) -> Result<Material, FormatError> {
     let meaning = Meaning::of(source);
-    let mut material = PLAIN;
-    if let Some(map) = &meaning.texture {
-        material.texture = texture(map, pictures, assets)?;
-    }
-    let textured = material.texture.is_some();
-    material.colour = meaning.base_colour(textured);
-    material.alpha = meaning.alpha_mode();
-    Ok(material)
+    let map = meaning.map();
+    let coordinates = shown(map.as_ref());
+    let texture = match &map {
+        Some(map) => texture(map, coordinates, pictures, assets)?,
+        None => None,
+    };
+    let (colour, alpha) = (meaning.base_colour(texture.is_some()), meaning.alpha_mode());
+    Ok(Material { colour, alpha, texture, coordinates, ..PLAIN })
 }
 
-/// The texture of `map_Kd [-option value...]... FILE`.
+/// The picture of a texture; none if it cannot be had.
 fn texture(
-    rest: &str,
+    map: &TextureMap<'_>,
+    Coordinates { set, transform }: Coordinates,
     pictures: &mut Pictures,
     assets: &mut Assets,
 ) -> Result<Option<Texture>, FormatError> {
-    let Some(map) = TextureMap::of(rest) else { return Ok(None) };
     let turned = map.file.replace('\\', "/");
     let image = pictures.get(&turned, map.file, || assets.read_reference(&turned))?;
-    let Some(image) = image else { return Ok(None) };
-    // The picture's first row is the top, the texture coordinate 0 is the bottom.
-    let ([su, sv], [u, v]) = (map.scale, map.offset);
-    let transform = [[su, 0.0, u], [0.0, -sv, 1.0 - v]];
-    let wrap = if map.clamped { Wrap::Clamp } else { Wrap::Repeat };
-    Ok(Some(Texture { image, set: 0, transform, wrap: [wrap; 2], nearest: false }))
+    let wrap = [if map.clamped { Wrap::Clamp } else { Wrap::Repeat }; 2];
+    Ok(image.map(|image| Texture { image, set, transform, wrap, nearest: false }))
 }

@@ -127,6 +127,11 @@ impl Meaning {
         meaning
     }
 
+    /// The texture of the base colour; none if no file is named.
+    pub(crate) fn map(&self) -> Option<TextureMap<'_>> {
+        self.texture.as_deref().and_then(TextureMap::of)
+    }
+
     /// The base colour as glTF means it: linear red, green and blue, and opacity, from 0 to 1.
     ///
     /// `Kd` has no colour space of its own; programs show it as they show texels, hence as sRGB.

@@ -107,8 +107,7 @@ impl Textures {
 
 fn material(material: &ObjMaterial, textures: &mut Textures) -> Json {
     let meaning = Meaning::of(material);
-    let map = meaning.texture.as_deref().and_then(TextureMap::of);
-    let texture = map.and_then(|map| textures.info(&map));
+    let texture = meaning.map().and_then(|map| textures.info(&map));
     // Six decimals: no machine's power function decides a byte of a file.
     let rounded = |c: f32| (f64::from(c) * 1e6).round() / 1e6;
     let color = meaning.base_colour(texture.is_some()).map(rounded);
