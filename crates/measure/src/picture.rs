@@ -60,7 +60,7 @@ pub struct Picture {
     pub size: u32,
     /// Red, green and blue, 0 to 255, row by row from the top; negative where nothing is.
     pub colours: Vec<[f32; 3]>,
-    /// The point that each pixel shows, where there is one.
+    /// The point that each pixel shows, where there is one; empty if they were not asked for.
     pub points: Vec<DVec3>,
 }
 
@@ -77,18 +77,39 @@ pub struct ImageError {
 /// Takes a picture from every camera.
 #[must_use]
 pub fn pictures(surface: &Surface, cameras: &[Camera], looks: ShadingOptions) -> Vec<Picture> {
-    let own = looks.own_normals && !surface.normals.is_empty();
-    let normals = if own {
-        surface.triangles.iter().map(|t| t.map(|v| surface.normals[v as usize])).collect()
-    } else {
-        smooth(surface)
-    };
-    let looks = ShadingOptions {
-        checkerboard: looks.checkerboard && !surface.texture.is_empty(),
-        materials: looks.materials && !surface.material_of.is_empty(),
-        ..looks
-    };
-    cameras.par_iter().map(|camera| picture(surface, &normals, looks, camera)).collect()
+    let sitter = Sitter::new(surface, looks);
+    cameras.par_iter().map(|camera| sitter.picture(camera, true)).collect()
+}
+
+/// A surface that is ready to be looked at.
+pub(crate) struct Sitter<'a> {
+    surface: &'a Surface,
+    /// Of the corners of each triangle.
+    normals: Vec<[Vec3; 3]>,
+    looks: ShadingOptions,
+}
+
+impl<'a> Sitter<'a> {
+    pub(crate) fn new(surface: &'a Surface, looks: ShadingOptions) -> Self {
+        let own = looks.own_normals && !surface.normals.is_empty();
+        let normals = if own {
+            surface.triangles.iter().map(|t| t.map(|v| surface.normals[v as usize])).collect()
+        } else {
+            smooth(surface)
+        };
+        let looks = ShadingOptions {
+            checkerboard: looks.checkerboard && !surface.texture.is_empty(),
+            materials: looks.materials && !surface.material_of.is_empty(),
+            ..looks
+        };
+        Self { surface, normals, looks }
+    }
+
+    /// Takes a picture, with the points that it shows if they are asked for.
+    pub(crate) fn picture(&self, camera: &Camera, with_points: bool) -> Picture {
+        let Self { surface, normals, looks } = self;
+        picture(surface, normals, *looks, camera, with_points)
+    }
 }
 
 /// Smooth normals of all corners. Vertices at one position are one.
@@ -101,20 +122,46 @@ fn smooth(surface: &Surface) -> Vec<[Vec3; 3]> {
 /// Compares pictures taken by the same cameras.
 #[must_use]
 pub fn compare_pictures(a: &[Picture], b: &[Picture]) -> ImageError {
-    let (mut pixels, mut differ, mut sum) = (0u64, 0u64, 0.0);
-    for (x, y) in a.iter().zip(b).flat_map(|(a, b)| a.colours.iter().zip(&b.colours)) {
-        let shown = [x, y].map(|colour| colour[0] >= 0.0);
-        if shown[0] || shown[1] {
-            pixels += 1;
-            differ += u64::from(shown[0] != shown[1]);
-            let square = |c: usize| f64::from(x[c].max(0.0) - y[c].max(0.0)).powi(2);
-            sum += (square(0) + square(1) + square(2)) / 3.0;
+    mean(a.iter().zip(b).map(|(a, b)| Difference::new(a, b)))
+}
+
+/// The difference of two pictures by the same camera.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Difference {
+    /// Pixels that either shows, and those that only one does.
+    pixels: u64,
+    differ: u64,
+    squares: f64,
+}
+
+impl Difference {
+    pub(crate) fn new(a: &Picture, b: &Picture) -> Self {
+        let mut all = Self::default();
+        for (x, y) in a.colours.iter().zip(&b.colours) {
+            let shown = [x, y].map(|colour| colour[0] >= 0.0);
+            if shown[0] || shown[1] {
+                all.pixels += 1;
+                all.differ += u64::from(shown[0] != shown[1]);
+                let square = |c: usize| f64::from(x[c].max(0.0) - y[c].max(0.0)).powi(2);
+                all.squares += (square(0) + square(1) + square(2)) / 3.0;
+            }
         }
+        all
     }
-    if pixels == 0 {
+}
+
+/// The image error over some pictures.
+pub(crate) fn mean(pictures: impl Iterator<Item = Difference>) -> ImageError {
+    let all = pictures.fold(Difference::default(), |all, one| Difference {
+        pixels: all.pixels + one.pixels,
+        differ: all.differ + one.differ,
+        squares: all.squares + one.squares,
+    });
+    if all.pixels == 0 {
         return ImageError { rmse: 0.0, silhouette: 0.0 };
     }
-    ImageError { rmse: (sum / pixels as f64).sqrt(), silhouette: differ as f64 / pixels as f64 }
+    let pixels = all.pixels as f64;
+    ImageError { rmse: (all.squares / pixels).sqrt(), silhouette: all.differ as f64 / pixels }
 }
 
 fn picture(
@@ -122,6 +169,7 @@ fn picture(
     normals: &[[Vec3; 3]],
     looks: ShadingOptions,
     camera: &Camera,
+    with_points: bool,
 ) -> Picture {
     let size = camera.size;
     let points: Vec<Point> =
@@ -134,7 +182,7 @@ fn picture(
         });
     }
     let mut colours = vec![[-1.0; 3]; front.len()];
-    let mut shown = vec![DVec3::ZERO; front.len()];
+    let mut shown = vec![DVec3::ZERO; if with_points { front.len() } else { 0 }];
     for (i, fragment) in front.into_iter().enumerate().filter(|(_, f)| *f != Fragment::NOTHING) {
         let triangle = surface.triangles[fragment.item() as usize];
         let corners = triangle.map(|v| points[v as usize]);
@@ -156,7 +204,9 @@ fn picture(
             Vec3::ONE
         };
         colours[i] = (colour * light * 255.0).into();
-        shown[i] = mix(triangle.map(|v| surface.positions[v as usize])).as_dvec3();
+        if let Some(shown) = shown.get_mut(i) {
+            *shown = mix(triangle.map(|v| surface.positions[v as usize])).as_dvec3();
+        }
     }
     Picture { size, colours, points: shown }
 }

@@ -1,8 +1,12 @@
 //! Pictures of one surface, for others to be compared with.
 
-use crate::picture::{ImageError, Picture, ShadingOptions, Viewing, compare_pictures, pictures};
+use crate::picture::{
+    Difference, ImageError, Picture, ShadingOptions, Sitter, Viewing, compare_pictures, mean,
+    pictures,
+};
 use crate::surface::Surface;
 use lodc_raster::Camera;
+use rayon::prelude::*;
 
 /// A surface as it is seen from all sides.
 #[derive(Clone, Debug)]
@@ -17,7 +21,8 @@ impl Portrait {
     #[must_use]
     pub fn new(surface: &Surface, viewing: Viewing, looks: ShadingOptions) -> Self {
         let cameras = viewing.cameras(surface);
-        let pictures = pictures(surface, &cameras, looks);
+        let sitter = Sitter::new(surface, looks);
+        let pictures = cameras.par_iter().map(|camera| sitter.picture(camera, false)).collect();
         Self { cameras, looks, pictures }
     }
 
@@ -36,7 +41,11 @@ impl Portrait {
     /// Compares another surface.
     #[must_use]
     pub fn compare(&self, other: &Surface) -> ImageError {
-        self.compare_pictures(&self.pictures_of(other))
+        let sitter = Sitter::new(other, self.looks);
+        let own = self.cameras.par_iter().zip(&self.pictures);
+        let difference =
+            |(camera, picture)| Difference::new(picture, &sitter.picture(camera, false));
+        mean(own.map(difference).collect::<Vec<_>>().into_iter())
     }
 
     /// Compares the pictures of another surface, taken by [`Self::pictures_of`].

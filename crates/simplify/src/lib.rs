@@ -40,6 +40,7 @@ use price::{Attributes, Context};
 use rounds::{Progress, as_one, in_regions};
 use skin::Skin;
 
+pub use commit::Moves;
 pub use metric::{Checkerboard, SurfaceColours};
 pub use options::{MetricKind, Options, Weights};
 
@@ -66,7 +67,7 @@ pub fn simplify_coloured(
     simplify_guided(mesh, options, guidance, progress)
 }
 
-/// Knowledge of a surface besides its mesh. The default is none.
+/// Knowledge of a surface besides its mesh, and of an earlier run. The default is none.
 #[derive(Clone, Copy, Default)]
 pub struct Guidance<'a> {
     /// Colours for metrics that see the surface; none: a checkerboard by texture coordinates.
@@ -76,6 +77,20 @@ pub struct Guidance<'a> {
     /// For each submesh the importance of its attributes, in place of [`Options::weights`]. Empty:
     /// that of the options for all.
     pub weights: &'a [Weights],
+    /// Shares of the triangles, the larger of each pair first, between which
+    /// [`MetricKind::Hybrid`] decides; elsewhere the quadric does. None: it decides everywhere.
+    pub stretches: Option<&'a [[f32; 2]]>,
+    /// How the run begins; by its options if nothing is said.
+    pub begun: Option<Begun<'a>>,
+}
+
+/// The beginning of a run that is that of an earlier one of the same mesh, by the same options.
+#[derive(Clone, Copy, Debug)]
+pub struct Begun<'a> {
+    /// The collapses of the earlier run.
+    pub moves: &'a Moves,
+    /// The share of the triangles down to which they are made again.
+    pub share: f32,
 }
 
 /// Simplifies a mesh of which more is known.
@@ -86,6 +101,17 @@ pub fn simplify_guided(
     guidance: Guidance<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Simplified {
+    simplify_noting(mesh, options, guidance, progress).0
+}
+
+/// The same, with the collapses for another run to begin with. The quadric notes none.
+#[must_use]
+pub fn simplify_noting(
+    mesh: &Mesh,
+    options: &Options,
+    guidance: Guidance<'_>,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> (Simplified, Moves) {
     simplify_with(mesh, options, guidance, rounds::REGION, progress)
 }
 
@@ -96,11 +122,12 @@ fn simplify_with(
     guidance: Guidance<'_>,
     region: usize,
     progress: &(dyn Fn(u64, u64) + Sync),
-) -> Simplified {
+) -> (Simplified, Moves) {
     if mesh.vertex_count() == 0 {
         let empty = CollapseSequence::try_from(SequenceParts::default())
             .expect("an empty sequence is valid");
-        return Simplified::new(mesh.clone(), empty).expect("no vertices need no records");
+        let empty = Simplified::new(mesh.clone(), empty).expect("no vertices need no records");
+        return (empty, Moves::default());
     }
     let run = Run { mesh, options, guidance, region, progress };
     let positions = PositionIds::new(mesh.positions());
@@ -112,8 +139,9 @@ fn simplify_with(
     drop(positions);
     input.lock(guidance.locked);
     let mut sources = Sources::new(&input);
-    let Collapsed { log, legal, by_stamp } = run.collapse(&input, &mut sources);
-    output::output(&input, &sources, log, legal, by_stamp)
+    let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
+    let moves = std::mem::take(&mut log.moves);
+    (output::output(&input, &sources, log, legal, by_stamp), moves)
 }
 
 /// One simplification: what it is of, and how it is done.
@@ -139,22 +167,23 @@ struct Collapsed {
 impl<'a> Run<'a> {
     /// Simplifies one layer of a mesh whose faces lie on each other; the whole mesh follows. None
     /// if it cannot.
-    fn by_skin(self, skin: &Skin, positions: &PositionIds) -> Option<Simplified> {
-        let (moves, legal) = {
+    fn by_skin(self, skin: &Skin, positions: &PositionIds) -> Option<(Simplified, Moves)> {
+        let (moves, own, legal) = {
             let mut input = Input::new(&skin.mesh);
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
             let run = Run { mesh: &skin.mesh, ..self };
-            let Collapsed { log, legal, by_stamp } = run.collapse(&input, &mut sources);
-            (skin::moves(&input, &skin.vertices, &log, legal, by_stamp), legal)
+            let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
+            let own = std::mem::take(&mut log.moves);
+            (skin::moves(&input, &skin.vertices, &log, legal, by_stamp), own, legal)
         };
         let input = Input::with_positions(self.mesh, positions);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
         let (log, legal) = skin::follow(&context, &moves, legal, &mut sources)?;
         drop(context);
-        Some(output::output(&input, &sources, log, legal, false))
+        Some((output::output(&input, &sources, log, legal, false), own))
     }
 
     /// The data that all regions read.
@@ -185,7 +214,8 @@ impl<'a> Run<'a> {
                 let checkerboard = Checkerboard::new(mesh);
                 let colours = guidance.colours.unwrap_or(&checkerboard);
                 let colours = options.attributes.then_some(colours);
-                let metric = |r: &Region| HybridMetric::new(mesh, colours, r, input.size, options);
+                let metric =
+                    |r: &Region| HybridMetric::new(mesh, colours, r, input.size, options, guidance);
                 as_one(&context, metric, sources, &progress)
             }
             MetricKind::Viewpoint => {

@@ -80,9 +80,6 @@ pub struct Options {
     /// Pixels across the pictures that viewpoint metrics look at, 8 to 1024. Time grows with its
     /// square.
     pub picture: u32,
-    /// Shares of the triangles, the smaller first, between which [`MetricKind::Hybrid`] decides;
-    /// before and after them the quadric does.
-    pub hybrid_between: [f32; 2],
     /// Samples of the surface that [`MetricKind::Hybrid`] looks at, about, and no fewer than there
     /// are triangles. Time grows with their number.
     pub hybrid_samples: u32,
@@ -97,7 +94,6 @@ impl Options {
         attributes: true,
         weights: Weights::DEFAULT,
         picture: 256,
-        hybrid_between: [0.0, 1.0],
         hybrid_samples: 16_000,
     };
 }

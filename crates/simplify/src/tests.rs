@@ -11,7 +11,7 @@ fn simplify_in(
     region: usize,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Simplified {
-    simplify_with(mesh, options, Guidance::default(), region, progress)
+    simplify_with(mesh, options, Guidance::default(), region, progress).0
 }
 
 fn run(mesh: &Mesh) -> Simplified {
@@ -408,7 +408,7 @@ fn locked_vertices_stay_until_the_terminal_phase() {
     };
     assert_eq!(gone(&s), 0, "every locked vertex is left");
     assert!(gone(&run(&mesh)) > 20, "without locks they go");
-    let regions = simplify_with(&mesh, &Options::DEFAULT, guidance, 30, &|_, _| {});
+    let regions = simplify_with(&mesh, &Options::DEFAULT, guidance, 30, &|_, _| {}).0;
     assert_eq!(gone(&regions), 0, "in small regions, too");
 }
 

@@ -4,11 +4,10 @@ use super::{SceneContext, SimplifiedObjects};
 use crate::level_mesh;
 use crate::{Error, LodObject, scene_levels};
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
-use lodc_measure::{Portrait, SceneSurface, ShadingOptions, Viewing};
+use lodc_measure::{Portrait, SceneSurface, ShadingOptions, Surface, Viewing};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
 use lodc_select::Target;
-use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// Levels that are looked at, as shares of the scene's triangles.
@@ -24,61 +23,53 @@ const VIEWING: Viewing = Viewing { views: 17, size: 256 };
 /// Scenes with more triangles than this, instances counted, are not looked at.
 const MAX_TRIANGLES: usize = 1 << 23;
 
-/// The levels at which a metric decides, so that nothing looks worse than by the quadric.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Verdict {
-    Everywhere,
-    Nowhere,
-    /// At these of [`LEVELS`], which follow each other.
-    At(RangeInclusive<usize>),
-}
+/// The levels on the way to which a metric decides; on the way to the others the quadric does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Turns([bool; LEVELS.len()]);
 
-/// Picks the levels at which a metric may replace the quadric, by the image errors of both at
-/// [`LEVELS`]: the run of levels, none of which looks worse, with the smallest product of error
-/// ratios. The run lies within `decided`, the levels at which the metric was used when `other` was
-/// measured; if it would be all of them one is left out, so that tries come to an end.
-pub(super) fn verdict(
-    quadric: &Errors,
-    other: &Errors,
-    decided: &RangeInclusive<usize>,
-) -> Verdict {
-    let is_good = |i: usize| other[i] <= NO_WORSE * quadric[i];
-    let Some(bad) = (0..LEVELS.len()).find(|&i| !is_good(i)) else { return Verdict::Everywhere };
-    let mut best: Option<(f64, RangeInclusive<usize>)> = None;
-    for first in decided.clone().filter(|&i| is_good(i)) {
-        let mut product = 1.0;
-        for last in (first..=*decided.end()).take_while(|&i| is_good(i)) {
-            product *= if quadric[last] > 0.0 { other[last] / quadric[last] } else { 1.0 };
-            if best.as_ref().is_none_or(|b| product < b.0) {
-                best = Some((product, first..=last));
+impl Turns {
+    /// The metric decides everywhere.
+    pub(super) const ALL: Self = Self([true; LEVELS.len()]);
+
+    /// Lets the quadric decide on the way to a level that looks worse, or, if it does already, on
+    /// the way to the nearest one before it at which it does not: the quadric does not mend what
+    /// the metric did before. Returns the level from which on all is different then; none if
+    /// nothing can be.
+    pub(super) fn give_way(&mut self, level: usize) -> Option<usize> {
+        let last = (0..=level).rev().find(|&i| self.0[i])?;
+        self.0[last] = false;
+        Some(last)
+    }
+
+    /// Returns whether the quadric decides everywhere.
+    pub(super) fn are_none(self) -> bool {
+        !self.0.contains(&true)
+    }
+
+    /// The shares of the triangles between which the metric decides, the larger of each pair first.
+    pub(super) fn stretches(self) -> Vec<[f32; 2]> {
+        let mut stretches: Vec<[f32; 2]> = Vec::new();
+        for level in (0..LEVELS.len()).filter(|&i| self.0[i]) {
+            let (most, least) = (share_before(level), share_before(level + 1));
+            match stretches.last_mut() {
+                Some(before) if before[1] == most => before[1] = least,
+                _ => stretches.push([most, least]),
             }
         }
-    }
-    let Some((_, levels)) = best.filter(|b| b.0 < 1.0) else { return Verdict::Nowhere };
-    if levels != *decided {
-        return Verdict::At(levels);
-    }
-    // Every level of the run is good, but one beside it, at which the quadric was used, is worse:
-    // the quadric does not mend what the metric did before. The end of the run next to it goes.
-    let (first, last) = levels.into_inner();
-    match first < last {
-        true if bad < first => Verdict::At(first + 1..=last),
-        true => Verdict::At(first..=last - 1),
-        false => Verdict::Nowhere,
+        stretches
     }
 }
 
-/// All levels that are looked at.
-pub(super) const ALL: RangeInclusive<usize> = 0..=LEVELS.len() - 1;
-
-/// The shares of the triangles around some of [`LEVELS`], the smaller first.
-pub(super) fn shares(levels: &RangeInclusive<usize>) -> [f32; 2] {
-    let (first, last) = (*levels.start(), *levels.end());
-    let between = |i: usize| (LEVELS[i] * LEVELS[i + 1]).sqrt() as f32;
-    let most = if first == 0 { 1.0 } else { between(first - 1) };
-    let least = if last + 1 == LEVELS.len() { 0.0 } else { between(last) };
-    [least, most]
+/// The share of the triangles at which the way to a level begins.
+pub(super) fn share_before(level: usize) -> f32 {
+    match level {
+        0 => 1.0,
+        LEVELS_END => 0.0,
+        _ => (LEVELS[level - 1] * LEVELS[level]).sqrt() as f32,
+    }
 }
+
+const LEVELS_END: usize = LEVELS.len();
 
 /// A scene, and reference pictures of it.
 pub(super) struct Judge<'a> {
@@ -87,6 +78,7 @@ pub(super) struct Judge<'a> {
     portrait: Portrait,
     /// Those of the scene, instances counted.
     triangles: usize,
+    areas: Vec<f64>,
 }
 
 impl<'a> Judge<'a> {
@@ -112,7 +104,13 @@ impl<'a> Judge<'a> {
         // Shapes alone where the metric sees no more.
         let looks = known.paints.map_or(ShadingOptions::default(), |_| shown.common_looks(&shown));
         let portrait = Portrait::new(&shown.surface, VIEWING, looks);
-        Ok(Some(Self { known, scene, portrait, triangles }))
+        let areas = areas(&shown.surface, &scene, objects);
+        Ok(Some(Self { known, scene, portrait, triangles, areas }))
+    }
+
+    /// The areas that the scene shows of its objects, instances together.
+    pub(super) fn areas(&self) -> &[f64] {
+        &self.areas
     }
 
     /// The image errors at [`LEVELS`]; 0 at those of fewer than [`FEWEST`] triangles.
@@ -120,6 +118,41 @@ impl<'a> Judge<'a> {
     /// # Errors
     /// If a level is no mesh: a bug.
     pub(super) fn errors(&self, objects: &SimplifiedObjects) -> Result<Errors, Error> {
+        let mut errors = Errors::default();
+        self.look(objects, 0, |level, error| {
+            errors[level] = error;
+            true
+        })?;
+        Ok(errors)
+    }
+
+    /// The first of [`LEVELS`], not before `first`, that looks worse than by the quadric, whose
+    /// errors are given.
+    ///
+    /// # Errors
+    /// If a level is no mesh: a bug.
+    pub(super) fn worse(
+        &self,
+        objects: &SimplifiedObjects,
+        first: usize,
+        quadric: &Errors,
+    ) -> Result<Option<usize>, Error> {
+        let mut worse = None;
+        self.look(objects, first, |level, error| {
+            worse = (error > NO_WORSE * quadric[level]).then_some(level);
+            worse.is_none()
+        })?;
+        Ok(worse)
+    }
+
+    /// Calls `see` with the image error of one of [`LEVELS`] after the other, from `first` on,
+    /// while it returns true.
+    fn look(
+        &self,
+        objects: &SimplifiedObjects,
+        first: usize,
+        mut see: impl FnMut(usize, f64) -> bool,
+    ) -> Result<(), Error> {
         let object = |(info, simplified): &(ObjectInfo, _)| LodObject {
             info: info.clone(),
             simplified: Arc::clone(simplified),
@@ -127,18 +160,35 @@ impl<'a> Judge<'a> {
         };
         let objects: Vec<LodObject> = objects.iter().map(object).collect();
         let levels = scene_levels(&objects, self.known.document, &self.known.limits)?;
-        let mut errors = Errors::default();
-        for (share, error) in LEVELS.into_iter().zip(&mut errors) {
+        for (level, share) in LEVELS.into_iter().enumerate().skip(first) {
             if (self.triangles as f64 * share) < FEWEST {
-                continue;
+                break;
             }
             let lods = levels.select(Target::Ratio(share), false)?.lods;
             let meshes = level_mesh::plain(&objects, &lods)?;
             let shown = surface(&meshes.iter().collect::<Vec<_>>(), &self.scene, self.known);
-            *error = self.portrait.compare(&shown.surface).rmse;
+            if !see(level, self.portrait.compare(&shown.surface).rmse) {
+                break;
+            }
         }
-        Ok(errors)
+        Ok(())
     }
+}
+
+/// The area of each object on the surface of a scene.
+fn areas(shown: &Surface, scene: &Arrangement, objects: &[SceneObject]) -> Vec<f64> {
+    let mut areas = vec![0.0; objects.len()];
+    let mut first = 0;
+    for placement in scene.placements() {
+        let end = first + objects[placement.object].mesh.triangles().len();
+        let area = |t: usize| {
+            let [a, b, c] = shown.corners(t);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        areas[placement.object] += (first..end).map(area).sum::<f64>();
+        first = end;
+    }
+    areas
 }
 
 /// A scene as it is shown.
@@ -153,36 +203,28 @@ fn surface(meshes: &[&Mesh], scene: &Arrangement, known: SceneContext<'_>) -> Sc
 
 #[cfg(test)]
 mod tests {
-    use super::{ALL, Errors, Verdict, shares, verdict};
+    use super::{LEVELS, Turns, share_before};
 
     #[test]
-    fn the_metric_decides_where_it_looks_no_worse() {
-        let against = |ratios: Errors| verdict(&[2.0; 6], &ratios.map(|r| 2.0 * r), &ALL);
-        assert_eq!(against([1.0, 0.9, 0.8, 1.01, 0.9, 1.0]), Verdict::Everywhere);
-        assert_eq!(against([1.2, 1.1, 1.3, 1.04, 1.1, 1.2]), Verdict::Nowhere);
-        assert_eq!(against([1.2, 1.01, 1.3, 1.04, 1.1, 1.2]), Verdict::Nowhere);
-        assert_eq!(against([1.1, 1.2, 0.9, 0.8, 0.9, 0.95]), Verdict::At(2..=5));
-        assert_eq!(against([0.9, 0.7, 1.4, 0.8, 0.9, 1.0]), Verdict::At(0..=1));
-        assert_eq!(against([0.9, 0.7, 0.8, 0.8, 0.9, 1.2]), Verdict::At(0..=4));
-        assert_eq!(verdict(&[0.0; 6], &[0.0; 6], &ALL), Verdict::Everywhere);
+    fn the_quadric_decides_where_a_level_looks_worse_and_then_before_it() {
+        let mut turns = Turns::ALL;
+        assert_eq!(turns.stretches(), [[1.0, 0.0]]);
+        assert_eq!(turns.give_way(3), Some(3));
+        assert_eq!(turns.stretches(), [[1.0, share_before(3)], [share_before(4), 0.0]]);
+        // It does not mend what came before.
+        assert_eq!(turns.give_way(3), Some(2));
+        assert_eq!(turns.give_way(0), Some(0));
+        assert_eq!(turns.give_way(0), None);
+        assert_eq!(turns.stretches().len(), 2);
+        while turns.give_way(LEVELS.len() - 1).is_some() {}
+        assert!(turns.are_none() && turns.stretches().is_empty());
     }
 
     #[test]
-    fn it_gives_way_a_level_earlier_where_the_quadric_cannot_mend_what_came_before() {
-        let against =
-            |ratios: Errors, decided| verdict(&[2.0; 6], &ratios.map(|r| 2.0 * r), &decided);
-        let worse_at_the_end = [0.9, 0.7, 0.8, 0.8, 0.9, 1.2];
-        assert_eq!(against(worse_at_the_end, 0..=4), Verdict::At(0..=3));
-        assert_eq!(against([1.02, 0.99, 0.8, 0.8, 0.9, 0.95], 1..=5), Verdict::At(2..=5));
-        assert_eq!(against([0.9, 1.02, 1.0, 1.0, 1.0, 1.0], 0..=0), Verdict::Nowhere);
-        // Levels at which the quadric decided are none to begin with.
-        assert_eq!(against([0.9, 0.9, 0.9, 1.3, 0.5, 0.5], 0..=3), Verdict::At(0..=2));
-    }
-
-    #[test]
-    fn shares_lie_between_the_levels() {
-        assert_eq!(shares(&ALL), [0.0, 1.0]);
-        let [least, most] = shares(&(2..=4));
-        assert!(0.01 < least && least < 0.02 && 0.1 < most && most < 0.25, "{least} {most}");
+    fn the_way_to_a_level_begins_beyond_the_one_before() {
+        for level in 1..LEVELS.len() {
+            let share = f64::from(share_before(level));
+            assert!(share < LEVELS[level - 1] && share > LEVELS[level], "{share}");
+        }
     }
 }

@@ -1,26 +1,22 @@
 //! The stage that simplifies. Where objects are to look good, pictures decide how.
 
-use super::judge::{ALL, Judge, Verdict, shares, verdict};
+use super::judge::{Judge, Turns, share_before};
 use super::watch::staged;
 use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
 use lodc_formats::SceneObject;
 use lodc_mesh::{Mesh, PositionIds};
-use lodc_simplify::{Guidance, MetricKind, Options, SurfaceColours, simplify_guided};
+use lodc_simplify::{Begun, Guidance, MetricKind, Moves, Options, SurfaceColours, simplify_noting};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer faces (of those that lie on each other one counts) are small: there is time to
-/// try more samples first. They help most models and harm some.
+/// Scenes of fewer faces (of those that lie on each other one counts) are small: there is time for
+/// more samples. They help most models.
 const SMALL: u64 = 16_000;
-const SAMPLES_OF_SMALL: u64 = 64_000;
-/// `hybrid` decides at all levels, then at those where that looked better, then at one fewer: the
-/// quadric does not always mend what came before its levels.
-const TRIES: usize = 3;
-
-/// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides at those
-/// levels at which the scene looks worse otherwise: pictures of both decide.
+const SAMPLES_OF_SMALL: u32 = 64_000;
+/// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides on the
+/// way to those levels at which the scene looks worse otherwise: pictures of both decide.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -30,49 +26,107 @@ pub fn simplify_all(
     known: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, Error> {
-    staged(watch, "simplify", None, || best(objects, options, known, watch))
+    let scene = Scene { objects: &objects, known, watch };
+    staged(watch, "simplify", None, || scene.best(options))
 }
 
-fn best(
-    objects: Vec<SceneObject>,
-    options: &[Options],
-    known: SceneContext<'_>,
-    watch: &dyn Watch,
-) -> Result<SimplifiedObjects, Error> {
-    if !options.iter().any(is_hybrid) {
-        return Ok(each(objects, options, known, watch));
-    }
-    let Some(judge) = Judge::new(&objects, known)? else {
-        return Ok(each(objects, options, known, watch));
-    };
-    let by_quadric = instead(options, |o| Options { metric: MetricKind::Quadric, ..o });
-    let quadric = each(objects.clone(), &by_quadric, known, watch);
-    let plain = judge.errors(&quadric)?;
-    for options in with_samples(options, &objects).into_iter().chain([options.to_vec()]) {
-        let mut levels = ALL;
-        for _ in 0..TRIES {
-            let partly = instead(&options, |o| Options { hybrid_between: shares(&levels), ..o });
-            let hybrid = each(objects.clone(), &partly, known, watch);
-            match verdict(&plain, &judge.errors(&hybrid)?, &levels) {
-                Verdict::Everywhere => return Ok(hybrid),
-                Verdict::Nowhere => break,
-                Verdict::At(fewer) => levels = fewer,
-            }
+/// The objects of a scene, to be simplified.
+#[derive(Clone, Copy)]
+struct Scene<'a> {
+    objects: &'a [SceneObject],
+    known: SceneContext<'a>,
+    watch: &'a dyn Watch,
+}
+
+/// A simplification of all objects, with the collapses for another one to begin with.
+struct Run {
+    objects: SimplifiedObjects,
+    moves: Vec<Moves>,
+}
+
+/// The way in which `hybrid` and the quadric take turns.
+struct Plan<'a> {
+    stretches: &'a [[f32; 2]],
+    /// The run that it begins as, down to a share of the triangles.
+    begun: Option<(&'a Run, f32)>,
+}
+
+impl Scene<'_> {
+    fn best(self, options: &[Options]) -> Result<SimplifiedObjects, Error> {
+        let hybrid = options.iter().any(is_hybrid);
+        let judge = if hybrid { Judge::new(self.objects, self.known)? } else { None };
+        let Some(judge) = judge else { return Ok(self.run(options, None, None).objects) };
+        let by_quadric = instead(options, |o| Options { metric: MetricKind::Quadric, ..o });
+        let quadric = self.run(&by_quadric, None, None);
+        let plain = judge.errors(&quadric.objects)?;
+        let options = with_samples(options, self.objects, judge.areas());
+        let mut turns = Turns::ALL;
+        let plan = Plan { stretches: &turns.stretches(), begun: None };
+        let mut run = self.run(&options, Some(plan), Some(&quadric));
+        let mut first = 0;
+        while let Some(worse) = judge.worse(&run.objects, first, &plain)? {
+            let Some(from) = turns.give_way(worse).filter(|_| !turns.are_none()) else {
+                return Ok(quadric.objects);
+            };
+            let begun = Some((&run, share_before(from)));
+            let plan = Plan { stretches: &turns.stretches(), begun };
+            run = self.run(&options, Some(plan), Some(&quadric));
+            // Of several objects some go further than others: all levels may have changed.
+            first = if self.objects.len() == 1 { from } else { 0 };
         }
+        Ok(run.objects)
     }
-    Ok(quadric)
+
+    /// Simplifies every object by its options, several at once; those that the quadric simplifies
+    /// are taken from a run in which it did.
+    fn run(self, options: &[Options], plan: Option<Plan<'_>>, quadric: Option<&Run>) -> Run {
+        let triangles = |object: &SceneObject| object.mesh.triangles().len() as u64;
+        self.watch.begin("simplify", Some(self.objects.iter().map(triangles).sum()));
+        let one = |(number, object): (usize, &SceneObject)| {
+            // Objects weigh in by their triangles; each says how many of its groups are gone.
+            let weight = triangles(object);
+            if let Some(run) = quadric.filter(|_| !is_hybrid(&options[number])) {
+                self.watch.add(weight);
+                return (run.objects[number].clone(), Moves::default());
+            }
+            let before = AtomicU64::new(0);
+            let report_progress = |gone: u64, groups: u64| {
+                let now = weight * gone / groups.max(1);
+                let last = before.fetch_max(now, Ordering::Relaxed);
+                self.watch.add(now.saturating_sub(last));
+            };
+            let textured = self.known.paints.filter(|p| p.has_textures());
+            let colours = textured.map(|p| p.of_object(number));
+            let importance = self.known.importance;
+            let begun = plan.as_ref().and_then(|plan| plan.begun);
+            let guidance = Guidance {
+                colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
+                locked: importance.locked.get(number).map_or(&[], Vec::as_slice),
+                weights: importance.weights.get(number).map_or(&[], Vec::as_slice),
+                stretches: plan.as_ref().map(|plan| plan.stretches),
+                begun: begun.map(|(run, share)| Begun { moves: &run.moves[number], share }),
+            };
+            let (simplified, moves) =
+                simplify_noting(&object.mesh, &options[number], guidance, &report_progress);
+            ((object.info.clone(), Arc::new(simplified)), moves)
+        };
+        let (objects, moves) = self.objects.par_iter().enumerate().map(one).unzip();
+        Run { objects, moves }
+    }
 }
 
-/// The options of the objects of a small scene with more samples, shared out by their triangles;
-/// nothing if the scene is not small.
-fn with_samples(options: &[Options], objects: &[SceneObject]) -> Option<Vec<Options>> {
-    let faces: Vec<u64> = objects.par_iter().map(|o| distinct_faces(&o.mesh)).collect();
-    let all: u64 = faces.iter().sum();
-    let more = |(o, faces): (&Options, &u64)| {
-        let share = SAMPLES_OF_SMALL * faces / all.max(1);
-        Options { hybrid_samples: o.hybrid_samples.max(share as u32), ..*o }
+/// The options of the objects with their shares of the scene's samples, by the areas that it shows
+/// of them.
+fn with_samples(options: &[Options], objects: &[SceneObject], areas: &[f64]) -> Vec<Options> {
+    let faces: u64 = objects.par_iter().map(|o| distinct_faces(&o.mesh)).sum();
+    let most = options.iter().map(|o| o.hybrid_samples).max().unwrap_or(0);
+    let samples = if faces < SMALL { most.max(SAMPLES_OF_SMALL) } else { most };
+    let all: f64 = areas.iter().sum();
+    let share = |(o, area): (&Options, &f64)| {
+        let share = if all > 0.0 { f64::from(samples) * area / all } else { 0.0 };
+        Options { hybrid_samples: share as u32, ..*o }
     };
-    (all < SMALL).then(|| options.iter().zip(&faces).map(more).collect())
+    options.iter().zip(areas).map(share).collect()
 }
 
 /// The number of faces of a mesh, of those at the same three positions one.
@@ -96,36 +150,4 @@ fn is_hybrid(options: &Options) -> bool {
 /// The options of all objects, changed for those that `hybrid` simplifies.
 fn instead(options: &[Options], change: impl Fn(Options) -> Options) -> Vec<Options> {
     options.iter().map(|o| if is_hybrid(o) { change(*o) } else { *o }).collect()
-}
-
-/// Simplifies every object by its options, several at once.
-fn each(
-    objects: Vec<SceneObject>,
-    options: &[Options],
-    known: SceneContext<'_>,
-    watch: &dyn Watch,
-) -> SimplifiedObjects {
-    let triangles = |object: &SceneObject| object.mesh.triangles().len() as u64;
-    watch.begin("simplify", Some(objects.iter().map(triangles).sum()));
-    let one = |(number, object): (usize, SceneObject)| {
-        // Objects weigh in by their triangles; each says how many of its groups are gone.
-        let weight = triangles(&object);
-        let before = AtomicU64::new(0);
-        let report_progress = |gone: u64, groups: u64| {
-            let now = weight * gone / groups.max(1);
-            let last = before.fetch_max(now, Ordering::Relaxed);
-            watch.add(now.saturating_sub(last));
-        };
-        let textured = known.paints.filter(|p| p.has_textures());
-        let colours = textured.map(|p| p.of_object(number));
-        let guidance = Guidance {
-            colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
-            locked: known.importance.locked.get(number).map_or(&[], Vec::as_slice),
-            weights: known.importance.weights.get(number).map_or(&[], Vec::as_slice),
-        };
-        let simplified =
-            simplify_guided(&object.mesh, &options[number], guidance, &report_progress);
-        (object.info, Arc::new(simplified))
-    };
-    objects.into_par_iter().enumerate().map(one).collect()
 }

@@ -19,9 +19,23 @@ pub(crate) struct Step {
     pub(crate) changes_topology: bool,
 }
 
+/// A collapse of a group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Move {
+    pub(crate) from: u32,
+    pub(crate) to: u32,
+    pub(crate) changes_topology: bool,
+}
+
+/// The legal collapses of a run, in their order.
+#[derive(Clone, Debug, Default)]
+pub struct Moves(pub(crate) Vec<Move>);
+
 /// Collapses in the order in which they happened.
 #[derive(Default)]
 pub(crate) struct CollapseLog {
+    /// Those of a metric that sees.
+    pub(crate) moves: Moves,
     pub(crate) steps: Vec<Step>,
     /// Wedges that disappear.
     pub(crate) wedges: Vec<u32>,
@@ -35,6 +49,7 @@ impl CollapseLog {
     /// An empty log with capacity for the whole simplification of a mesh, by its counts.
     pub(crate) fn with_room(groups: usize, wedges: usize, faces: usize) -> Self {
         Self {
+            moves: Moves::default(),
             steps: Vec::with_capacity(groups),
             wedges: Vec::with_capacity(wedges),
             targets: Vec::with_capacity(wedges),

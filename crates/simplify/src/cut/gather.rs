@@ -328,7 +328,7 @@ mod tests {
         // Poles of hundreds of faces: more faces of a region are added after theirs.
         for mesh in [lodc_fixtures::uv_sphere(240, 6), lodc_fixtures::pole(300)] {
             for region in [24, 100] {
-                let simplified = simplify_with(
+                let (simplified, _) = simplify_with(
                     &mesh,
                     &Options::DEFAULT,
                     Guidance::default(),

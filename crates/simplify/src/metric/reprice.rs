@@ -1,5 +1,6 @@
 //! What a metric does beside the quadric, and the cameras of those that see.
 
+use crate::commit::Move;
 use crate::cut::{Wedges, WorkingMesh};
 use glam::DVec3;
 use lodc_raster::{Camera, metric_cameras};
@@ -23,6 +24,11 @@ pub(crate) trait Reprice: Sync {
     /// Starts or ends pricing. `legal` says that every rule holds.
     fn toggle(&mut self, mesh: &WorkingMesh, legal: bool);
 
+    /// The collapse that is to be the `i`-th whatever the prices are, if any is.
+    fn given(&self, _mesh: &WorkingMesh, _i: usize) -> Option<Move> {
+        None
+    }
+
     /// Factor of the attributes' cost before it is added.
     fn attribute_weight(&self) -> f64 {
         1.0
@@ -37,6 +43,19 @@ pub(crate) trait Reprice: Sync {
         candidates: &mut [(f64, u32)],
         scratch: &mut Self::ViewScratch,
     );
+
+    /// The same where only the cheapest is asked for: of others it is enough to know that they cost
+    /// more.
+    fn reprice_best(
+        &self,
+        mesh: &WorkingMesh,
+        wedges: &Wedges,
+        from: u32,
+        candidates: &mut [(f64, u32)],
+        scratch: &mut Self::ViewScratch,
+    ) {
+        self.reprice(mesh, wedges, from, candidates, scratch);
+    }
 
     /// Updates the metric for the collapse of `from` onto `to`. The faces of `from` have their new
     /// wedges already, but their groups are the old ones.

@@ -120,7 +120,12 @@ impl<M: Reprice> Pricer<'_, M> {
 
     /// The cheapest collapse of any group.
     pub(crate) fn rank_any(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
-        self.price_all(from, scratch);
+        self.price_plainly(from, scratch);
+        if self.metric.is_active() {
+            let Scratch { candidates, repricing, .. } = scratch;
+            let Region { mesh, wedges, .. } = self.region;
+            self.metric.reprice_best(mesh, wedges, from, candidates, repricing);
+        }
         let mut best = (f64::INFINITY, NONE);
         for &(cost, to) in &scratch.candidates {
             if cost < best.0 || cost == best.0 && to < best.1 {
@@ -155,15 +160,20 @@ impl<M: Reprice> Pricer<'_, M> {
 
     /// Prices all collapses of a group, as the metric sees them.
     pub(crate) fn price_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        self.price_geometry(from, scratch);
-        let Scratch { priced, candidates, .. } = scratch;
-        candidates.clear();
-        candidates.extend(priced.iter().map(|p| (p.cost(&self.region.mesh), p.to)));
+        self.price_plainly(from, scratch);
         if self.metric.is_active() {
             let Scratch { candidates, repricing, .. } = scratch;
             let Region { mesh, wedges, .. } = self.region;
             self.metric.reprice(mesh, wedges, from, candidates, repricing);
         }
+    }
+
+    /// Prices all collapses of a group before the metric sees them.
+    fn price_plainly(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
+        self.price_geometry(from, scratch);
+        let Scratch { priced, candidates, .. } = scratch;
+        candidates.clear();
+        candidates.extend(priced.iter().map(|p| (p.cost(&self.region.mesh), p.to)));
     }
 
     /// Prices all collapses of a group by the quadric and attributes.

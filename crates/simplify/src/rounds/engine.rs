@@ -2,7 +2,7 @@
 //! it has changed.
 
 use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stage};
-use crate::commit::{CollapseLog, Commit, Touched, join_points};
+use crate::commit::{CollapseLog, Commit, Move, Touched, join_points};
 use crate::cut::{Choice, DEAD, HUB_VALENCE, LOCKED, RESTRICTED, Region, STALE};
 use crate::metric::Reprice;
 use crate::price::{Context, Pricer, Scratch};
@@ -140,6 +140,10 @@ impl<'a, M: Reprice> Engine<'a, M> {
             self.rules.stage = stage;
             if M::REPRICES {
                 self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
+                if stage == Stage::Legal {
+                    self.collapse_as_given();
+                    self.metric.toggle(&self.region.mesh, true);
+                }
             }
             while self.region.mesh.live_faces > 0 {
                 let (before, faces) = (self.log.steps.len(), self.region.mesh.live_faces as usize);
@@ -157,6 +161,15 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
         join_points(self.region, &mut self.log);
         (self.log, legal)
+    }
+
+    /// Makes the collapses that an earlier run began with: all is as it was then.
+    fn collapse_as_given(&mut self) {
+        while let Some(given) = self.metric.given(&self.region.mesh, self.log.steps.len()) {
+            let choice = Choice { cost: 0.0, to: given.to };
+            let changes_topology = given.changes_topology;
+            self.commit(given.from, LegalCollapse { choice, changes_topology, is_planned: false });
+        }
     }
 
     /// Collapses what costs at most `limit`, as far as it is this region's alone.
@@ -283,6 +296,10 @@ impl<'a, M: Reprice> Engine<'a, M> {
             if !selector.pricer.region.wedges.is_bare() {
                 selector.planner().plan(from, legal.choice.to, plan);
             }
+        }
+        if M::REPRICES && self.rules.stage == Stage::Legal {
+            let LegalCollapse { choice, changes_topology, .. } = legal;
+            self.log.moves.0.push(Move { from, to: choice.to, changes_topology });
         }
         self.set_restricted(from, false);
         self.state.selection.lists.release(from);

@@ -290,7 +290,7 @@ mod tests {
         // All faces meet in one vertex, so only its region can go on.
         let mesh = shapes::fan(8000);
         let simplified =
-            simplify_with(&mesh, &Options::DEFAULT, Guidance::default(), 1000, &|_, _| {});
+            simplify_with(&mesh, &Options::DEFAULT, Guidance::default(), 1000, &|_, _| {}).0;
         let collapses = simplified.collapses();
         let mut depth = vec![0u32; collapses.records() as usize + 1];
         for record in (0..mesh.vertex_count() / 2).rev() {

@@ -44,13 +44,14 @@ struct Fit {
 }
 
 impl Patch {
-    /// The energy of the patch with the star moved. `distance_weight` is the energy of a squared
-    /// distance of one.
+    /// The energy of the patch with the star moved, or a part of it that is more than `most`.
+    /// `distance_weight` is the energy of a squared distance of one.
     pub(super) fn energy(
         &self,
         samples: &Samples,
         appearance: &Appearance<'_>,
         distance_weight: f32,
+        most: f64,
     ) -> f64 {
         let mut sum = 0.0;
         for four in &self.samples {
@@ -61,10 +62,17 @@ impl Patch {
                 let fit = self.fit(four, samples, appearance, distance_weight);
                 fit.shading + fit.geometric
             };
+            // No part is negative.
             sum += lanes::sum(error);
+            if sum > most {
+                return sum;
+            }
         }
         for i in 0..self.surrounding.len() {
             sum += self.surrounding_energy(i, samples);
+            if sum > most {
+                return sum;
+            }
         }
         for i in 0..self.moved.len() {
             sum += f64::from(self.spurious(i));

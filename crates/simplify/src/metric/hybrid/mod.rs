@@ -30,6 +30,8 @@ mod visibility;
 pub use appearance::{Checkerboard, SurfaceColours};
 pub(crate) use patch::Patch;
 
+use crate::Guidance;
+use crate::commit::Move;
 use crate::cut::{Region, Wedges, WorkingMesh};
 use crate::metric::reprice::Reprice;
 use crate::options::Options;
@@ -74,9 +76,11 @@ pub(crate) struct HybridMetric<'a> {
     distance_weight: f32,
     /// Weight of the quadric: it decides where nothing is visible, and in planes.
     tie_weight: f64,
-    /// Numbers of faces between which it decides, the smaller first.
-    between: [f64; 2],
-    /// Set in the legal phase: samples follow the faces.
+    /// Numbers of faces between which it decides, the larger first.
+    stretches: Vec<[f64; 2]>,
+    /// The collapses of an earlier run that come first, and the number of faces that ends them.
+    begun: Option<(&'a [Move], f64)>,
+    /// Set in the legal phase until it decides no more: samples follow the faces.
     follows: bool,
     /// Set while it decides.
     active: bool,
@@ -95,11 +99,14 @@ impl<'a> HybridMetric<'a> {
         Region { mesh, wedges, .. }: &Region,
         size: f64,
         options: &Options,
+        guidance: Guidance<'a>,
     ) -> Self {
         let appearance = colours.map_or_else(Appearance::of_shape, |c| Appearance::new(input, c));
         let pixel = (size / PIXELS).powi(2) as f32;
         let mut samples = Samples::new(mesh, wedges, &appearance, pixel, options.hybrid_samples);
         visibility::weigh(mesh, &mut samples);
+        let faces = |share: f32| f64::from(share) * mesh.faces.len() as f64;
+        let stretches = guidance.stretches.unwrap_or(&[[1.0, 0.0]]);
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
             appearance,
@@ -107,7 +114,8 @@ impl<'a> HybridMetric<'a> {
             energy: vec![0.0; mesh.faces.len()],
             distance_weight: per(DISTANCE) as f32,
             tie_weight: per(1.0),
-            between: options.hybrid_between.map(|share| f64::from(share) * mesh.faces.len() as f64),
+            stretches: stretches.iter().map(|shares| shares.map(faces)).collect(),
+            begun: guidance.begun.map(|begun| (&begun.moves.0[..], faces(begun.share))),
             follows: false,
             active: false,
             moved: None,
@@ -149,18 +157,51 @@ impl Reprice for HybridMetric<'_> {
 
     fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
         let faces = f64::from(mesh.live_faces);
-        let decides = self.follows && faces > self.between[0] && faces <= self.between[1];
+        let within = |&[most, least]: &[f64; 2]| faces > least && faces <= most;
+        let decides = self.follows && self.stretches.iter().any(within);
         decides != self.active
     }
 
     fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
-        self.follows = legal;
+        let faces = f64::from(mesh.live_faces);
+        self.follows = legal && self.stretches.iter().any(|stretch| faces > stretch[1]);
         if self.should_toggle(mesh) {
             self.active = !self.active;
         }
     }
 
+    fn given(&self, mesh: &WorkingMesh, i: usize) -> Option<Move> {
+        let (moves, end) = self.begun?;
+        moves.get(i).copied().filter(|_| f64::from(mesh.live_faces) > end)
+    }
+
     fn reprice(
+        &self,
+        mesh: &WorkingMesh,
+        wedges: &Wedges,
+        from: u32,
+        candidates: &mut [(f64, u32)],
+        patch: &mut Patch,
+    ) {
+        self.price::<false>(mesh, wedges, from, candidates, patch);
+    }
+
+    fn reprice_best(
+        &self,
+        mesh: &WorkingMesh,
+        wedges: &Wedges,
+        from: u32,
+        candidates: &mut [(f64, u32)],
+        patch: &mut Patch,
+    ) {
+        self.price::<true>(mesh, wedges, from, candidates, patch);
+    }
+}
+
+impl HybridMetric<'_> {
+    /// Prices candidates. With `BEST` those that turn out to be dearer than the cheapest one are
+    /// not looked at to the end.
+    fn price<const BEST: bool>(
         &self,
         mesh: &WorkingMesh,
         wedges: &Wedges,
@@ -177,11 +218,16 @@ impl Reprice for HybridMetric<'_> {
             .min(candidates.len());
         let (near, far) = candidates.split_at_mut(priced);
         let tie = self.tie_weight * (patch.visible + HIDDEN);
-        let mut worst = 0.0;
+        let (mut least, mut worst) = (f64::INFINITY, 0.0);
         for (cost, to) in near {
             patch.move_to(&source, from, *to);
-            let moved = patch.energy(samples, appearance, self.distance_weight);
+            let before = patch.current_energy - tie * *cost;
+            let most = if BEST { least + before } else { f64::INFINITY };
+            // The energy before is the larger by far, and what is taken from it rounds.
+            let most = most + 1e-9 * most.abs();
+            let moved = patch.energy(samples, appearance, self.distance_weight, most);
             let added = moved - patch.current_energy + tie * *cost;
+            least = added.min(least);
             *cost = if added >= 0.0 { ZERO + added } else { ZERO * ZERO / (ZERO - added) };
             worst = cost.max(worst);
         }

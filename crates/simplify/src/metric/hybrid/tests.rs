@@ -5,7 +5,7 @@ use super::{Checkerboard, HybridMetric, Patch};
 use crate::cut::Region;
 use crate::metric::Reprice;
 use crate::number::Input;
-use crate::{MetricKind, Options, simplify};
+use crate::{Begun, Guidance, MetricKind, Options, simplify, simplify_noting};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};
 
@@ -79,15 +79,37 @@ fn what_is_flat_is_free() {
 }
 
 #[test]
+fn a_run_that_begins_as_an_earlier_one_ends_as_if_it_had_decided_alone() {
+    let options = Options { metric: MetricKind::Hybrid, ..Options::DEFAULT };
+    let of = |mesh: &Mesh, guidance: Guidance<'_>| {
+        let (simplified, moves) = simplify_noting(mesh, &options, guidance, &|_, _| {});
+        let parts = simplified.collapses().parts();
+        let steps = (parts.targets.clone(), parts.step_errors.clone());
+        ((steps, simplified.mesh().positions().to_vec()), moves)
+    };
+    for mesh in [shapes::icosphere(3), shapes::terrain(), shapes::machine_part()] {
+        let (everywhere, moves) = of(&mesh, Guidance::default());
+        // The quadric decides from 40 to 20 %.
+        let stretches = Some(&[[1.0, 0.4], [0.2, 0.0]][..]);
+        let (alone, _) = of(&mesh, Guidance { stretches, ..Guidance::default() });
+        assert_ne!(alone.0, everywhere.0);
+        let begun = Some(Begun { moves: &moves, share: 0.4 });
+        let (after, _) = of(&mesh, Guidance { stretches, begun, ..Guidance::default() });
+        assert_eq!(alone, after);
+    }
+}
+
+#[test]
 fn a_commit_costs_what_the_look_said() {
     let (mut looked_at, mut off) = (0, 0);
     for mesh in [shapes::icosphere(3), shapes::terrain(), shapes::torus(), shapes::machine_part()] {
         let colours = Checkerboard::new(&mesh);
+        let (options, known) = (Options::DEFAULT, Guidance::default());
         let input = Input::new(&mesh);
         let mut region = Region::whole(&input, false);
         region.mesh.keep_facets();
         let mut metric =
-            HybridMetric::new(&mesh, Some(&colours), &region, input.size, &Options::DEFAULT);
+            HybridMetric::new(&mesh, Some(&colours), &region, input.size, &options, known);
         let Region { mesh: mut working, wedges, .. } = region;
         metric.toggle(&working, true);
         let mut random = shapes::Rng::new(5);

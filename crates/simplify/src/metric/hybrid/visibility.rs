@@ -6,9 +6,12 @@ use crate::metric::reprice::cameras;
 use glam::Vec3;
 use lodc_raster::{Camera, SUBPIXELS, Window, scan};
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 
-/// Pixels across the pictures that say what is hidden. Not tuned.
-const SIZE: u32 = 512;
+/// Pixels across the pictures that say what is hidden: so many that a face has 50 in a full one,
+/// within limits. Not tuned.
+const SIZES: RangeInclusive<u32> = 64..=512;
+const PIXELS_PER_FACE: u32 = 50;
 /// A sample is visible if it is at most this far behind the nearest surface around it, in the depth
 /// unit of cameras: half a pixel. So faces that coincide do not hide each other.
 const TOLERANCE: i32 = 512;
@@ -16,15 +19,17 @@ const TOLERANCE: i32 = 512;
 /// Multiplies every sample's weight by its visible share: the mean projected area that is seen, 1
 /// for one side of a surface with nothing in front of it. Both sides of a face are seen.
 pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut Samples) {
-    let cameras = cameras(mesh, SIZE);
+    let size = PIXELS_PER_FACE.saturating_mul(mesh.live_faces).isqrt();
+    let size = size.clamp(*SIZES.start(), *SIZES.end());
+    let cameras = cameras(mesh, size);
     let pictures: Vec<Vec<i32>> =
-        cameras.par_iter().map(|camera| farthest_around(&depths(mesh, camera))).collect();
+        cameras.par_iter().map(|camera| farthest_around(&depths(mesh, camera), size)).collect();
     let views = cameras.len() as f32;
     samples.scale_weights(mesh, |position, normal| {
         let seen = |(camera, picture): (&Camera, &Vec<i32>)| {
             let p = camera.project(position.as_dvec3());
             let pixel =
-                (p.y.div_euclid(SUBPIXELS) * SIZE as i32 + p.x.div_euclid(SUBPIXELS)) as usize;
+                (p.y.div_euclid(SUBPIXELS) * size as i32 + p.x.div_euclid(SUBPIXELS)) as usize;
             let is_seen = p.z <= picture[pixel].saturating_add(TOLERANCE);
             if is_seen { projected_share(normal, camera) } else { 0.0 }
         };
@@ -40,11 +45,12 @@ fn projected_share(normal: Vec3, camera: &Camera) -> f32 {
 
 /// The least depth at every pixel.
 fn depths(mesh: &WorkingMesh, camera: &Camera) -> Vec<i32> {
-    let mut depths = vec![i32::MAX; (SIZE * SIZE) as usize];
+    let size = camera.size;
+    let mut depths = vec![i32::MAX; (size * size) as usize];
     for f in &mesh.faces {
         let corners = f.groups.map(|g| camera.project(mesh.position(g)));
-        scan(corners, Window::whole(SIZE), |column, row, depth| {
-            let nearest = &mut depths[(row * SIZE as i32 + column) as usize];
+        scan(corners, Window::whole(size), |column, row, depth| {
+            let nearest = &mut depths[(row * size as i32 + column) as usize];
             *nearest = depth.min(*nearest);
         });
     }
@@ -53,8 +59,8 @@ fn depths(mesh: &WorkingMesh, camera: &Camera) -> Vec<i32> {
 
 /// The greatest depth at every pixel and those around it: what slopes is not taken for hidden by
 /// its own neighbourhood.
-fn farthest_around(depths: &[i32]) -> Vec<i32> {
-    let size = SIZE as usize;
+fn farthest_around(depths: &[i32], size: u32) -> Vec<i32> {
+    let size = size as usize;
     let around = |pixel: usize, step: usize, at: usize, source: &[i32]| {
         let mut most = source[pixel];
         if at > 0 {
