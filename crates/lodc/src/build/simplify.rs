@@ -5,7 +5,7 @@ use super::watch::staged;
 use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
 use lodc_formats::SceneObject;
-use lodc_mesh::{Mesh, PositionIds};
+use lodc_mesh::{Mesh, PositionIds, Simplified};
 use lodc_simplify::{Begun, Guidance, MetricKind, Moves, Options, SurfaceColours, simplify_noting};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -26,8 +26,21 @@ pub fn simplify_all(
     known: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, Error> {
-    let scene = Scene { objects: &objects, known, watch };
-    staged(watch, "simplify", None, || scene.best(options))
+    staged(watch, "simplify", None, || {
+        let scene = Scene { objects: &objects, known, watch };
+        if let Some(seen) = scene.best(options)? {
+            return Ok(seen);
+        }
+        scene.begin();
+        // Every object goes as soon as it is simplified.
+        let objects = objects.into_par_iter().enumerate();
+        let one = |(number, object): (usize, SceneObject)| {
+            let work = Work { number, options: &options[number], known, watch };
+            let (simplified, _) = work.simplified(&object.mesh, None);
+            (object.info, simplified)
+        };
+        Ok(objects.map(one).collect())
+    })
 }
 
 /// The objects of a scene, to be simplified.
@@ -52,66 +65,88 @@ struct Plan<'a> {
 }
 
 impl Scene<'_> {
-    fn best(self, options: &[Options]) -> Result<SimplifiedObjects, Error> {
+    /// The run that looks best; none if no object is simplified by `hybrid`, or nothing is shown.
+    fn best(self, options: &[Options]) -> Result<Option<SimplifiedObjects>, Error> {
         let hybrid = options.iter().any(is_hybrid);
         let judge = if hybrid { Judge::new(self.objects, self.known)? } else { None };
-        let Some(judge) = judge else { return Ok(self.run(options, None, None).objects) };
+        let Some(judge) = judge else { return Ok(None) };
         let by_quadric = instead(options, |o| Options { metric: MetricKind::Quadric, ..o });
         let quadric = self.run(&by_quadric, None, None);
         let plain = judge.errors(&quadric.objects)?;
         let options = with_samples(options, self.objects, judge.areas());
         let mut turns = Turns::ALL;
         let plan = Plan { stretches: &turns.stretches(), begun: None };
-        let mut run = self.run(&options, Some(plan), Some(&quadric));
+        let mut run = self.run(&options, Some(&plan), Some(&quadric));
         let mut first = 0;
         while let Some(worse) = judge.worse(&run.objects, first, &plain)? {
             let Some(from) = turns.give_way(worse).filter(|_| !turns.are_none()) else {
-                return Ok(quadric.objects);
+                return Ok(Some(quadric.objects));
             };
             let begun = Some((&run, share_before(from)));
             let plan = Plan { stretches: &turns.stretches(), begun };
-            run = self.run(&options, Some(plan), Some(&quadric));
+            run = self.run(&options, Some(&plan), Some(&quadric));
             // Of several objects some go further than others: all levels may have changed.
             first = if self.objects.len() == 1 { from } else { 0 };
         }
-        Ok(run.objects)
+        Ok(Some(run.objects))
+    }
+
+    /// Says how much there is to do.
+    fn begin(self) {
+        let triangles = |object: &SceneObject| object.mesh.triangles().len() as u64;
+        self.watch.begin("simplify", Some(self.objects.iter().map(triangles).sum()));
     }
 
     /// Simplifies every object by its options, several at once; those that the quadric simplifies
     /// are taken from a run in which it did.
-    fn run(self, options: &[Options], plan: Option<Plan<'_>>, quadric: Option<&Run>) -> Run {
-        let triangles = |object: &SceneObject| object.mesh.triangles().len() as u64;
-        self.watch.begin("simplify", Some(self.objects.iter().map(triangles).sum()));
+    fn run(self, options: &[Options], plan: Option<&Plan<'_>>, quadric: Option<&Run>) -> Run {
+        self.begin();
         let one = |(number, object): (usize, &SceneObject)| {
-            // Objects weigh in by their triangles; each says how many of its groups are gone.
-            let weight = triangles(object);
             if let Some(run) = quadric.filter(|_| !is_hybrid(&options[number])) {
-                self.watch.add(weight);
+                self.watch.add(object.mesh.triangles().len() as u64);
                 return (run.objects[number].clone(), Moves::default());
             }
-            let before = AtomicU64::new(0);
-            let report_progress = |gone: u64, groups: u64| {
-                let now = weight * gone / groups.max(1);
-                let last = before.fetch_max(now, Ordering::Relaxed);
-                self.watch.add(now.saturating_sub(last));
-            };
-            let textured = self.known.paints.filter(|p| p.has_textures());
-            let colours = textured.map(|p| p.of_object(number));
-            let importance = self.known.importance;
-            let begun = plan.as_ref().and_then(|plan| plan.begun);
-            let guidance = Guidance {
-                colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
-                locked: importance.locked.get(number).map_or(&[], Vec::as_slice),
-                weights: importance.weights.get(number).map_or(&[], Vec::as_slice),
-                stretches: plan.as_ref().map(|plan| plan.stretches),
-                begun: begun.map(|(run, share)| Begun { moves: &run.moves[number], share }),
-            };
-            let (simplified, moves) =
-                simplify_noting(&object.mesh, &options[number], guidance, &report_progress);
-            ((object.info.clone(), Arc::new(simplified)), moves)
+            let Self { known, watch, .. } = self;
+            let work = Work { number, options: &options[number], known, watch };
+            let (simplified, moves) = work.simplified(&object.mesh, plan);
+            ((object.info.clone(), simplified), moves)
         };
         let (objects, moves) = self.objects.par_iter().enumerate().map(one).unzip();
         Run { objects, moves }
+    }
+}
+
+/// The simplification of one object.
+struct Work<'a> {
+    number: usize,
+    options: &'a Options,
+    known: SceneContext<'a>,
+    watch: &'a dyn Watch,
+}
+
+impl Work<'_> {
+    fn simplified(&self, mesh: &Mesh, plan: Option<&Plan<'_>>) -> (Arc<Simplified>, Moves) {
+        let Self { number, options, known, watch } = *self;
+        // Objects weigh in by their triangles; each says how many of its groups are gone.
+        let weight = mesh.triangles().len() as u64;
+        let before = AtomicU64::new(0);
+        let report_progress = |gone: u64, groups: u64| {
+            let now = weight * gone / groups.max(1);
+            let last = before.fetch_max(now, Ordering::Relaxed);
+            watch.add(now.saturating_sub(last));
+        };
+        let textured = known.paints.filter(|p| p.has_textures());
+        let colours = textured.map(|p| p.of_object(number));
+        let begun = plan.and_then(|plan| plan.begun);
+        let guidance = Guidance {
+            colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
+            locked: known.importance.locked.get(number).map_or(&[], Vec::as_slice),
+            weights: known.importance.weights.get(number).map_or(&[], Vec::as_slice),
+            stretches: plan.map(|plan| plan.stretches),
+            begun: begun.map(|(run, share)| Begun { moves: &run.moves[number], share }),
+        };
+        let (simplified, moves) = simplify_noting(mesh, options, guidance, &report_progress);
+        (Arc::new(simplified), moves)
     }
 }
 
