@@ -24,6 +24,7 @@ mod choose;
 mod commit;
 mod cut;
 mod metric;
+mod moves;
 mod number;
 mod options;
 mod output;
@@ -40,8 +41,8 @@ use price::{Attributes, Context};
 use rounds::{Progress, as_one, in_regions};
 use skin::Skin;
 
-pub use commit::Moves;
 pub use metric::{Checkerboard, SurfaceColours};
+pub use moves::Moves;
 pub use options::{MetricKind, Options, Weights};
 
 /// Simplifies a mesh down to one vertex. `progress` gets (steps done, groups in all) now and then.

@@ -2,6 +2,7 @@
 //! comes from.
 
 use crate::cut::Region;
+use crate::moves::Moves;
 use crate::number::Input;
 use std::ops::Range;
 
@@ -18,18 +19,6 @@ pub(crate) struct Step {
     removals: u32,
     pub(crate) changes_topology: bool,
 }
-
-/// A collapse of a group.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Move {
-    pub(crate) from: u32,
-    pub(crate) to: u32,
-    pub(crate) changes_topology: bool,
-}
-
-/// The legal collapses of a run, in their order.
-#[derive(Clone, Debug, Default)]
-pub struct Moves(pub(crate) Vec<Move>);
 
 /// Collapses in the order in which they happened.
 #[derive(Default)]

@@ -9,8 +9,7 @@
 mod log;
 mod merge;
 
-pub use log::Moves;
-pub(crate) use log::{CollapseLog, Move, Sources, name_wedges};
+pub(crate) use log::{CollapseLog, Sources, name_wedges};
 
 use crate::choose::{LegalCollapse, WedgePlan};
 use crate::cut::{DEAD, OPEN, Region, SEAM};

@@ -1,7 +1,7 @@
 //! What a metric does beside the quadric, and the cameras of those that see.
 
-use crate::commit::Move;
 use crate::cut::{Wedges, WorkingMesh};
+use crate::moves::Move;
 use glam::DVec3;
 use lodc_raster::{Camera, metric_cameras};
 

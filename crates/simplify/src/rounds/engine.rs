@@ -2,9 +2,10 @@
 //! it has changed.
 
 use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stage};
-use crate::commit::{CollapseLog, Commit, Move, Touched, join_points};
+use crate::commit::{CollapseLog, Commit, Touched, join_points};
 use crate::cut::{Choice, DEAD, HUB_VALENCE, LOCKED, RESTRICTED, Region, STALE};
 use crate::metric::Reprice;
+use crate::moves::Move;
 use crate::price::{Context, Pricer, Scratch};
 use rayon::prelude::*;
 use std::sync::Mutex;

@@ -31,9 +31,9 @@ pub use appearance::{Checkerboard, SurfaceColours};
 pub(crate) use patch::Patch;
 
 use crate::Guidance;
-use crate::commit::Move;
 use crate::cut::{Region, Wedges, WorkingMesh};
 use crate::metric::reprice::Reprice;
+use crate::moves::Move;
 use crate::options::Options;
 use appearance::Appearance;
 use lodc_mesh::Mesh;
