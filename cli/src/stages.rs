@@ -4,7 +4,7 @@ use crate::clock::Clock;
 use crate::console::detail;
 use crate::memory;
 use crate::progress::Progress;
-use lodc::build::Watch;
+use lodc::build::{Tick, Watch};
 use lodc_report::documents::StageReport;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -28,6 +28,16 @@ impl Stages {
         let result = work();
         self.add(name, start);
         result
+    }
+    /// Does some work as a stage of this name that calls what it is given now and then, and is left
+    /// once there is no time any more.
+    pub(crate) fn checked<T>(
+        &mut self,
+        name: &'static str,
+        work: impl FnOnce(&Tick<'_>) -> T,
+    ) -> T {
+        let clock = self.clock.clone();
+        self.run(name, || work(&|| clock.check()))
     }
     /// Work that says itself which of its stages runs.
     pub(crate) fn watched<'a>(&'a mut self, progress: &'a Progress) -> Watched<'a> {

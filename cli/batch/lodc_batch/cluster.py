@@ -161,8 +161,9 @@ def results(client, tasks, lodc, output, options, timeout=TIMEOUT, completed=as_
             line = future.result()
         else:
             line = work.failure(group[0], 70, f"no result: {future.exception()}")
-        if line["status"] == work.LIMIT and memory < (most := largest_worker(client, timeout)):
-            # It needs more than was estimated: once more, with a worker to itself.
+        if work.lacks_memory(line) and memory < (most := largest_worker(client, timeout)):
+            # It needs more than was estimated: once more, with a worker to itself. What takes too
+            # much time, or has too many triangles, does so on any worker.
             key = future.key.removeprefix(f"lodc-{run}-")
             alive.add(submit(key, group, most, again=True))
             continue

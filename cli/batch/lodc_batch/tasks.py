@@ -179,6 +179,11 @@ def built(task, lodc, output, options, memory):
         return failure(task, *died(done))
 
 
+def lacks_memory(line):
+    """Returns whether a line of the report says that an asset needs more memory than it had."""
+    return line["status"] == LIMIT and "--limit memory=" in (line["error"] or "")
+
+
 def died(done):
     """Returns status and message of a process that left no report."""
     if done.returncode < 0:

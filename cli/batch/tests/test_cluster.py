@@ -140,7 +140,8 @@ limit = [int(a.split("=")[1]) for a in sys.argv if a.startswith("memory=")]
 with open("limits", "a") as file:
     file.write(f"{{limit}}\\n" if "3.obj" in lines else "")
 if "3.obj" in lines and limit[0] < 150e6:
-    report = {{"input": "in/3.obj", "output": "", "status": 5, "error": "too small"}}
+    report = {{"input": "in/3.obj", "output": "", "status": 5}}
+    report["error"] = "in/3.obj: may need more memory (--limit memory=SIZE)"
     print(json.dumps({{"inputs": [{{**report, "up_to_date": False, "seconds": 0}}]}}))
     sys.exit(5)
 sys.exit(subprocess.run([{LODC!r}, *sys.argv[1:]], input=lines, text=True).returncode)
@@ -155,6 +156,27 @@ sys.exit(subprocess.run([{LODC!r}, *sys.argv[1:]], input=lines, text=True).retur
         self.assertEqual(summary(lines), {"built": 6, "up_to_date": 0, "failed": 0})
         limits = Path("limits").read_text().splitlines()
         self.assertEqual(limits, [f"[{70 << 20}]", f"[{MEM}]"])
+
+    def test_an_asset_that_takes_too_much_time_is_not_tried_again(self):
+        self.meshes("in", 0)
+        late = {"input": "in/2.obj", "options": {"limit": "time=0s"}}
+        lines = Path("in.jsonl").read_text().splitlines()
+        Path("in.jsonl").write_text("\n".join([*lines[:2], json.dumps(late), *lines[3:]]))
+        program = self.folder / "lodc-counts"
+        program.write_text(
+            "#!/bin/sh\nlines=$(cat)\n"
+            'case "$lines $*" in *--estimate*) ;; *2.obj*) echo >> runs;; esac\n'
+            f'printf "%s" "$lines" | exec "{LODC}" "$@"\n'
+        )
+        program.chmod(0o755)
+        cluster = Cluster(self.folder, 2)
+        try:
+            lines = build(read_list("in.jsonl"), cluster.file, str(program), "out")
+        finally:
+            cluster.stop()
+        self.assertEqual([line["status"] for line in lines], [0, 0, 5, 0, 0, 0])
+        self.assertIn("--limit time=", lines[2]["error"])
+        self.assertEqual(Path("runs").read_text(), "\n", "it ran once")
 
     def test_what_is_not_there_is_said_in_a_line_within_the_time(self):
         tasks = self.meshes("in", 0)

@@ -12,8 +12,8 @@ use clap::Args;
 use lodc::{
     Input, LodObject,
     build::{
-        LevelDistance, Paints, SceneContext, ScenePaints, Size, choose_poses, measure_all,
-        measure_levels, simplify_all,
+        LevelDistance, Need, Paints, SceneContext, ScenePaints, Size, Tick, choose_poses,
+        measure_all, measure_levels, simplify_all,
     },
     read_input,
 };
@@ -68,9 +68,10 @@ impl Asset {
         &self,
         levels: &[&[Lod]],
         limits: &Limits,
+        tick: &Tick<'_>,
     ) -> Outcome<Vec<Vec<LevelDistance>>> {
         if self.errors == Errors::OfResult {
-            return Ok(measure_levels(&self.objects, levels, &self.document, limits)?);
+            return Ok(measure_levels(&self.objects, levels, &self.document, limits, tick)?);
         }
         let stated = |(object, &lod): (&LodObject, &Lod)| LevelDistance::stated(object, lod);
         let of_level =
@@ -126,6 +127,10 @@ pub(crate) struct SimplifyArgs {
 }
 
 impl SimplifyArgs {
+    /// What the stages need for a scene of this size.
+    pub(crate) fn needs(&self, size: Size) -> [Need; 2] {
+        [size.simplify(std::iter::once(self.metric.metric)), size.errors()]
+    }
     /// Simplification by a metric, with nothing weighted or locked.
     pub(crate) fn by(metric: MetricKind) -> Self {
         Self { metric: MetricArgs { metric }, ..Self::default() }

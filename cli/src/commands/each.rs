@@ -5,11 +5,15 @@ use crate::clock::{self, Turn};
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::huge_pages;
+use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::program::Program;
 use crate::progress::BatchProgress;
 use clap::FromArgMatches;
+use lodc::build::{Need, Size};
 use lodc_assets::expected_bytes;
+use lodc_formats::import;
+use lodc_formats::import::Counted;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -61,14 +65,21 @@ impl<A: FromArgMatches> AssetOptions<A> {
     }
 }
 
-/// Does the work on every asset, several at a time, the largest first, within a budget. Work
-/// is given the asset's number. The results are in the order of the assets.
+/// Does the work on every asset, several at a time, those first that need most, within a budget.
+/// `need` says how many bytes that is, if it is known. Work is given the asset's number. The results
+/// are in the order of the assets.
 pub(crate) fn all<R: Send>(
     assets: &[Asset],
     budget: Budget,
+    need: impl Fn(&Asset) -> Option<u64>,
     work: impl Fn(usize, &Asset, &BatchProgress) -> R + Sync,
 ) -> Vec<R> {
-    let needs: Vec<u64> = assets.iter().map(|asset| expected_bytes(&asset.input)).collect();
+    let expected = |asset: &Asset| expected_bytes(&asset.input);
+    let needs: Vec<u64> = match assets {
+        // One is in nobody's way.
+        [asset] => vec![expected(asset)],
+        _ => assets.iter().map(|a| need(a).unwrap_or_else(|| expected(a))).collect(),
+    };
     if let [bytes] = needs[..] {
         huge_pages::allow_for(bytes);
     }
@@ -81,6 +92,30 @@ pub(crate) fn all<R: Send>(
         bar.done(&asset.name);
         result
     })
+}
+
+/// Bytes that a byte of an input comes to: itself, what it decodes to, the document that the result
+/// holds, and the result.
+const OF_BYTE: u64 = 4;
+
+/// Counts what a mesh holds, and estimates the bytes of memory that work on it needs beside the
+/// program's own. `needs` says what the stages do.
+///
+/// # Errors
+/// If it cannot be read, or cannot be read twice.
+pub(crate) fn estimate<const N: usize>(
+    input: &Path,
+    import: &ImportArgs,
+    needs: impl FnOnce(Size) -> [Need; N],
+) -> Outcome<(Counted, u64)> {
+    if output::is_stream(input) {
+        let what = "standard input cannot be estimated: it can be read once only";
+        return Err(Failure::usage(what));
+    }
+    let counted = import::count(input, &import.options())?;
+    let of = Size { triangles: counted.triangles, vertices: counted.vertices };
+    let most = needs(of).iter().map(|need| need.bytes).max().unwrap_or(0);
+    Ok((counted, most.saturating_add(counted.bytes.saturating_mul(OF_BYTE))))
 }
 
 /// Returns whether an input is a file whose work is done before memory has to come back.

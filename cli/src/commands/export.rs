@@ -87,6 +87,12 @@ impl ExportArgs {
         self.textures.check(format, *target == Target::Stdout)
     }
 
+    /// Bytes of memory that an asset may need, if it is a mesh.
+    pub(crate) fn need(&self, input: &Path) -> Option<u64> {
+        let needs = |size| self.simplify.needs(size);
+        each::estimate(input, &self.import, needs).ok().map(|(_, bytes)| bytes)
+    }
+
     /// Workers and memory of a run; memory is unbounded where it is unknown.
     pub(crate) fn budget(&self) -> Budget {
         let bytes = self.import.limits().memory().unwrap_or(u64::MAX);

@@ -7,8 +7,8 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 /// triangle, a GLB some 30; images only make this more.
 const MEMORY_OF_BYTE: u64 = 14;
 
-/// Bytes of memory that an asset may need, from the bytes of its file and, for glTF, of its
-/// buffers; 0 if unknown.
+/// Bytes of memory that an asset may need where nothing but the size of its file and, for glTF, of
+/// its buffers is known; 0 if there is none.
 #[must_use]
 pub fn expected_bytes(input: &Path) -> u64 {
     let size = |path: &Path| path.metadata().map_or(0, |m| m.len());

@@ -5,6 +5,7 @@
 //! of them are stated as the coarser one; where it is far more than the finer one, one between them
 //! is measured, too.
 
+use crate::Tick;
 use crate::floor::MARGIN;
 use crate::input::Input;
 use crate::levels::Original;
@@ -34,8 +35,8 @@ const EACH: [u32; 2] = [200, 1_000_000];
 pub(crate) fn complete(
     errors: &mut StepErrors,
     input: &Input,
-    simplified: &Simplified,
-    shown: &[[f32; 3]],
+    (simplified, shown): (&Simplified, &[[f32; 3]]),
+    tick: &Tick<'_>,
 ) {
     let sequence = simplified.collapses();
     let first = errors.error.len();
@@ -44,7 +45,7 @@ pub(crate) fn complete(
     if first < last {
         // Numbered again: the pass saves the memory.
         let (_, wedges) = Input::new(simplified, shown);
-        let direct = Direct::new(input, simplified, &wedges);
+        let direct = Direct::new(input, simplified, &wedges, tick);
         let mut ends: Vec<usize> = (0..u32::BITS)
             .map(|halving| u64::from(left(first)) >> halving)
             .chain(SHARES.map(|share| u64::from(sequence.parts().triangles) * share / 100))
@@ -72,12 +73,18 @@ struct Direct<'a> {
     input: &'a Input,
     simplified: &'a Simplified,
     original: Original<'a>,
+    tick: &'a Tick<'a>,
 }
 
 impl<'a> Direct<'a> {
-    fn new(input: &'a Input, simplified: &'a Simplified, wedges: &'a [[u32; 3]]) -> Self {
+    fn new(
+        input: &'a Input,
+        simplified: &'a Simplified,
+        wedges: &'a [[u32; 3]],
+        tick: &'a Tick<'a>,
+    ) -> Self {
         let search = Search { boxes: EACH, ..Search::within(input.diagonal) };
-        Self { input, simplified, original: Original { input, simplified, wedges, search } }
+        Self { input, simplified, original: Original { input, simplified, wedges, search }, tick }
     }
 
     /// Measures the levels after the steps in `ends`, and others between them. Returns them in
@@ -116,6 +123,7 @@ impl<'a> Direct<'a> {
 
     /// Measures the level after `steps` steps. Returns the boxes that were opened for it, too.
     fn level(&self, steps: usize) -> ([f64; 2], u64) {
+        (self.tick)();
         let lod = self.simplified.collapses().step(steps - 1).lod;
         let (distances, opened) = self.original.measure(lod, 0.0);
         (distances.map(|distance| distance * self.input.unit), opened)

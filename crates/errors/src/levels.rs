@@ -1,5 +1,6 @@
 //! Levels that are measured as surfaces, each by itself: from nothing but their triangles.
 
+use crate::Tick;
 use crate::input::Input;
 use crate::step_errors::above;
 use glam::DVec3;
@@ -45,6 +46,7 @@ pub fn at_levels<S: AsRef<[[f32; 3]]>>(
     simplified: &Simplified,
     shapes: impl IntoIterator<Item = S>,
     lods: &[Lod],
+    tick: &Tick<'_>,
 ) -> Vec<LevelError> {
     let mut errors = vec![LevelError::default(); lods.len()];
     for shape in shapes {
@@ -54,6 +56,7 @@ pub fn at_levels<S: AsRef<[[f32; 3]]>>(
         let search = Search { boxes: BOXES, ..Search::within(input.diagonal) };
         let original = Original { input: &input, simplified, wedges: &wedges, search };
         for (level, &lod) in errors.iter_mut().zip(lods) {
+            tick();
             let before = f64::from(level.error) / input.unit;
             let ([error, rms], _) = original.measure(lod, before);
             let [error, rms] = [error, rms].map(|distance| above(distance * input.unit));

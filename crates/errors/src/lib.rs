@@ -9,7 +9,7 @@
 //! ```
 //! let mesh = lodc_fixtures::torus();
 //! let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| ());
-//! let distances = lodc_errors::measure(&simplified, simplified.mesh().positions());
+//! let distances = lodc_errors::measure(&simplified, simplified.mesh().positions(), &|| ());
 //! assert_eq!(distances.error.len(), simplified.collapses().steps());
 //! assert!(distances.error.is_sorted(), "coarser is never nearer");
 //! ```
@@ -51,6 +51,10 @@ const COARSEST: u32 = 100;
 /// triangle.
 const MANY: usize = 1 << 20;
 
+/// Called now and then while a stage works, by any thread. Where it unwinds, so does the stage, as
+/// after a panic.
+pub type Tick<'a> = dyn Fn() + Sync + 'a;
+
 /// Measures every step of a sequence. `shown` is the surface that is compared: a place for each
 /// vertex of the mesh, in the mesh's units, all finite.
 ///
@@ -59,8 +63,8 @@ const MANY: usize = 1 << 20;
 /// # Panics
 /// If there are not as many places as vertices.
 #[must_use]
-pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
-    measure_above(simplified, shown, &StepErrors::default(), Thresholds::AT_REST)
+pub fn measure(simplified: &Simplified, shown: &[[f32; 3]], tick: &Tick<'_>) -> StepErrors {
+    measure_above(simplified, shown, (&StepErrors::default(), Thresholds::AT_REST), tick)
 }
 
 /// Measures every step of a sequence in several shapes, [`measure`] in the first and [`raise`] in
@@ -71,9 +75,10 @@ pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
 pub fn measure_over<S: AsRef<[[f32; 3]]> + Send>(
     simplified: &Simplified,
     mut shapes: impl Iterator<Item = S>,
+    tick: &Tick<'_>,
 ) -> (StepErrors, usize) {
-    let mut errors = measure(simplified, shapes.next().expect("a shape").as_ref());
-    let raised = raise(&mut errors, simplified, shapes);
+    let mut errors = measure(simplified, shapes.next().expect("a shape").as_ref(), tick);
+    let raised = raise(&mut errors, simplified, shapes, tick);
     (errors, raised)
 }
 
@@ -92,6 +97,7 @@ pub fn raise<S: AsRef<[[f32; 3]]> + Send>(
     errors: &mut StepErrors,
     simplified: &Simplified,
     mut shapes: impl Iterator<Item = S>,
+    tick: &Tick<'_>,
 ) -> usize {
     assert_eq!(errors.error.len(), simplified.collapses().steps(), "a distance for each step");
     let tiny = TINY * simplified.mesh().diagonal();
@@ -103,7 +109,7 @@ pub fn raise<S: AsRef<[[f32; 3]]> + Send>(
     let mut count = 0;
     while let Some(first) = shapes.next() {
         let second = shapes.next();
-        let look = |shape: S| measure_above(simplified, shape.as_ref(), errors, thresholds);
+        let look = |shape: S| measure_above(simplified, shape.as_ref(), (errors, thresholds), tick);
         let (first, second) = if triangles > MANY {
             (look(first), second.map(look))
         } else {
@@ -126,15 +132,15 @@ pub fn raise<S: AsRef<[[f32; 3]]> + Send>(
 fn measure_above(
     simplified: &Simplified,
     shown: &[[f32; 3]],
-    before: &StepErrors,
-    thresholds: Thresholds,
+    (before, thresholds): (&StepErrors, Thresholds),
+    tick: &Tick<'_>,
 ) -> StepErrors {
     assert_eq!(shown.len(), simplified.mesh().vertex_count(), "a place for each vertex");
     let (input, wedges) = input::Input::new(simplified, shown);
     let floor = Floor::new(&before.error, input.unit);
     rayon::scope(|_| {
-        let mut errors = pass::run(&input, wedges, simplified, (floor, thresholds));
-        direct::complete(&mut errors, &input, simplified, shown);
+        let mut errors = pass::run(&input, wedges, simplified, (floor, thresholds), tick);
+        direct::complete(&mut errors, &input, (simplified, shown), tick);
         errors
     })
 }

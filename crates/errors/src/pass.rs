@@ -9,6 +9,7 @@
 //! Both ways run at once, up to some blocks of steps apart, and the first one always learns of a
 //! block the same number of blocks later: so nothing depends on their speed.
 
+use crate::Tick;
 use crate::backward::{Backward, Followed};
 use crate::block::Block;
 use crate::floor::{Floor, MARGIN};
@@ -40,7 +41,9 @@ pub(crate) fn run(
     wedges: Vec<[u32; 3]>,
     simplified: &Simplified,
     (floor, thresholds): (Floor<'_>, Thresholds),
+    tick: &Tick<'_>,
 ) -> StepErrors {
+    tick();
     let (forward, backward) = rayon::join(
         || Forward::new(input, wedges, (floor, thresholds)),
         || Backward::new(input, thresholds),
@@ -48,11 +51,11 @@ pub(crate) fn run(
     let steps = simplified.collapses().steps() as u32;
     let stated = Stated::new(input, steps, forward.at_points(), floor);
     if rayon::current_num_threads() < thresholds.threads || steps < FEW_STEPS {
-        return follow(forward, stated, simplified, Here::new(backward));
+        return follow(forward, stated, simplified, Here::new(backward), tick);
     }
     std::thread::scope(|scope| {
         let other = beside(scope, backward);
-        follow(forward, stated, simplified, other)
+        follow(forward, stated, simplified, other, tick)
     })
 }
 
@@ -62,11 +65,13 @@ fn follow(
     mut stated: Stated,
     simplified: &Simplified,
     mut other: impl Follower,
+    tick: &Tick<'_>,
 ) -> StepErrors {
     let sequence = simplified.collapses();
     let steps = sequence.steps() as u32;
     let (mut under_way, mut done) = (0, 0);
     loop {
+        tick();
         let mut block = Block::default();
         if under_way == AHEAD {
             let Some(followed) = other.receive() else { break };

@@ -11,6 +11,7 @@ use lodc_mesh::{
 };
 use lodc_nearest::{Search, TriangleTree};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A mesh of one submesh.
 fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
@@ -54,7 +55,7 @@ fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> 
 }
 
 fn measured(simplified: &Simplified) -> StepErrors {
-    measure(simplified, simplified.mesh().positions())
+    measure(simplified, simplified.mesh().positions(), &|| ())
 }
 
 /// The level's surface.
@@ -205,7 +206,7 @@ fn scaled_and_moved_places_scale_the_errors() {
     let plain = measured(&simplified);
     let doubled: Vec<[f32; 3]> =
         simplified.mesh().positions().iter().map(|p| p.map(|x| 2.0 * x)).collect();
-    let other = measure(&simplified, &doubled);
+    let other = measure(&simplified, &doubled, &|| ());
     let twice: Vec<f32> = plain.error.iter().map(|e| 2.0 * e).collect();
     assert_eq!(other.error, twice);
 }
@@ -216,7 +217,7 @@ fn places_count_and_not_positions() {
     let card = sequence(&SQUARE, &HALVES, &[1, 2, 3]);
     let mut shown = SQUARE;
     shown[3] = [0.0, 0.0, 3.0];
-    let [flat, folded] = [measured(&card), measure(&card, &shown)].map(|e| e.error[0]);
+    let [flat, folded] = [measured(&card), measure(&card, &shown, &|| ())].map(|e| e.error[0]);
     // The corner at the origin is off by its distance to the line from (1, 0, 0) to (0, 0, 3).
     assert!(near(flat, 0.5f64.sqrt()) && near(folded, 3.0 / 10.0f64.sqrt()), "{flat} {folded}");
 }
@@ -349,7 +350,7 @@ fn errors_are_the_largest_over_all_shapes() {
         let shapes = [turn, -turn / 2.0, 2.0 * turn].map(|turn| twisted(mesh, turn));
         let rest = measured(&simplified);
         let mut errors = rest.clone();
-        assert_eq!(raise(&mut errors, &simplified, shapes.iter()), 3, "{name}");
+        assert_eq!(raise(&mut errors, &simplified, shapes.iter(), &|| ()), 3, "{name}");
         assert!(errors.error.is_sorted() && errors.rms.is_sorted());
         assert!(rest.error.iter().zip(&errors.error).all(|(rest, all)| rest <= all));
         assert!(rest.error.iter().zip(&errors.error).any(|(rest, all)| 1.1 * rest < *all));
@@ -378,10 +379,10 @@ fn shapes_that_raise_nothing_end_the_search() {
     let rest = measured(&simplified);
     let mut errors = rest.clone();
     let same = vec![simplified.mesh().positions().to_vec(); 8];
-    assert_eq!(raise(&mut errors, &simplified, same.iter()), 2);
+    assert_eq!(raise(&mut errors, &simplified, same.iter(), &|| ()), 2);
     assert!(rest.error.iter().zip(&errors.error).all(|(rest, all)| *all <= 1.07 * rest));
-    assert_eq!(raise(&mut errors, &simplified, same[..1].iter()), 1);
-    assert_eq!(raise(&mut errors, &simplified, same[..0].iter()), 0);
+    assert_eq!(raise(&mut errors, &simplified, same[..1].iter(), &|| ()), 1);
+    assert_eq!(raise(&mut errors, &simplified, same[..0].iter(), &|| ()), 0);
 }
 
 #[test]
@@ -393,7 +394,7 @@ fn the_number_of_threads_changes_no_shape() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let mut errors = rest.clone();
-        pool.install(|| raise(&mut errors, &simplified, shapes.iter()));
+        pool.install(|| raise(&mut errors, &simplified, shapes.iter(), &|| ()));
         errors
     };
     let one = with(1);
@@ -489,4 +490,32 @@ fn many_meshes_at_once_end_on_two_threads() {
     let all: Vec<StepErrors> =
         pool.install(|| (0..6).into_par_iter().map(|_| measured(&simplified)).collect());
     assert!(all.iter().all(|errors| *errors == all[0]));
+}
+
+#[test]
+fn work_is_left_where_a_tick_unwinds() {
+    let sphere = fixtures::icosphere(5);
+    let simplified = lodc_simplify::simplify(&sphere, &lodc_simplify::Options::DEFAULT, &|_, _| {});
+    let places = simplified.mesh().positions();
+    for threads in [1, 4] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let left_after = |most: u32| {
+            let ticks = AtomicU32::new(0);
+            let tick = || {
+                if ticks.fetch_add(1, Ordering::Relaxed) == most {
+                    std::panic::resume_unwind(Box::new("late"));
+                }
+            };
+            let work = || pool.install(|| measure(&simplified, places, &tick));
+            let left = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work));
+            let late = left.err().and_then(|e| e.downcast_ref().copied());
+            (late, ticks.into_inner())
+        };
+        let (late, all) = left_after(u32::MAX);
+        // Blocks of at most 2,048 of 7,680 steps, shorter ones at the ends.
+        assert!(late.is_none() && all > 20, "{all} ticks");
+        for most in [0, 1, all / 2, all - 1] {
+            assert_eq!(left_after(most), (Some("late"), most + 1), "{threads} threads");
+        }
+    }
 }

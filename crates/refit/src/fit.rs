@@ -119,7 +119,7 @@ impl<'a> Fit<'a> {
 
     /// Returns the best positions of the points that `iterations` find. No sample ends up much
     /// farther from the other surface than the farthest was at the start.
-    pub(crate) fn run(mut self, iterations: u32) -> Vec<DVec3> {
+    pub(crate) fn run(mut self, iterations: u32, tick: &(dyn Fn() + Sync)) -> Vec<DVec3> {
         let (points, faces) = (&self.level.points, &self.level.faces);
         let start = self.tie(points);
         let limit = FARTHER * start.by_face.farthest();
@@ -128,6 +128,7 @@ impl<'a> Fit<'a> {
         let (mut best, mut positions) = (None, points.clone());
         let (mut least, mut ties) = (first.around.iter().sum(), start);
         for _ in 0..iterations {
+            tick();
             if ties.energy.sqrt() < ENOUGH * self.input.diagonal {
                 break;
             }

@@ -66,7 +66,7 @@ impl Default for Options {
 /// [`Refit::mesh`] for all of the way.
 #[must_use]
 pub fn refit(simplified: &Simplified, lod: Lod, options: &Options) -> Mesh {
-    Refit::new(simplified, lod, options).mesh(1.0)
+    Refit::new(simplified, lod, options, &|| ()).mesh(1.0)
 }
 
 /// A level of detail and the places where its vertices fit LOD 0 best.
@@ -79,16 +79,23 @@ pub struct Refit<'a> {
 
 impl<'a> Refit<'a> {
     /// Finds the places. Of all iterations the one with the least mean squared distance counts, the
-    /// start included. The result does not depend on the number of threads.
+    /// start included. The result does not depend on the number of threads. `tick` is called before
+    /// each; where it unwinds, so does this.
     #[must_use]
-    pub fn new(simplified: &'a Simplified, lod: Lod, options: &Options) -> Self {
+    pub fn new(
+        simplified: &'a Simplified,
+        lod: Lod,
+        options: &Options,
+        tick: &(dyn Fn() + Sync),
+    ) -> Self {
+        tick();
         let original = simplified.mesh();
         let level = Level::new(simplified, simplified.collapses().floor(lod));
         if level.faces.is_empty() || lod.0 == 0 {
             return Self { original, level, found: None };
         }
         let input = Input::new(original, level.faces.len());
-        let positions = Fit::new(&input, &level).run(options.iterations);
+        let positions = Fit::new(&input, &level).run(options.iterations, tick);
         Self { original, level, found: Some((input, positions)) }
     }
 

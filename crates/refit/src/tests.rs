@@ -5,6 +5,7 @@ use lodc_fixtures::{named, random};
 use lodc_measure::{Sampling, Surface, distances};
 use lodc_mesh::{Attribute, Component, MeshParts, PositionIds, Semantic, Submesh};
 use lodc_simplify::simplify;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 fn simplified(mesh: &Mesh) -> Simplified {
     simplify(mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {})
@@ -86,7 +87,7 @@ fn normals_are_nearer_than_those_that_are_looked_up() {
     for name in ["uv_sphere", "morphing_sphere"] {
         let s = simplified(&named(name).expect("a fixture"));
         for share in [0.25, 0.1] {
-            let found = Refit::new(&s, level(&s, share), &Options::DEFAULT);
+            let found = Refit::new(&s, level(&s, share), &Options::DEFAULT, &|| ());
             let (input, positions) = found.found.as_ref().expect("places");
             let looked_up = attributes::resample(s.mesh(), &input.tree, &found.level, positions);
             let looked_up = Mesh::try_from(looked_up).expect("a mesh");
@@ -135,7 +136,7 @@ fn tangential(mesh: &Mesh) -> Mesh {
 fn part_of_the_way_is_between_both_ends() {
     let s = simplified(&named("torus").expect("a fixture"));
     let lod = level(&s, 0.25);
-    let found = Refit::new(&s, lod, &Options::DEFAULT);
+    let found = Refit::new(&s, lod, &Options::DEFAULT, &|| ());
     assert_eq!(found.unmoved(), unrefitted(&s, lod));
     assert_eq!(found.mesh(0.0).positions(), found.unmoved().positions());
     assert_eq!(found.mesh(1.0), refit(&s, lod, &Options::DEFAULT));
@@ -347,4 +348,19 @@ fn what_a_level_lacks_does_not_pull_a_spike_out_of_it() {
     // The wedge as it was: its top could only be pulled out to where the candle stood.
     assert!(level.triangles().len() == 8 && level.bounds().1[2] == 0.8, "{:?}", level.bounds());
     assert_eq!(refit(&s, lod, &Options::DEFAULT), level);
+}
+
+#[test]
+fn work_is_left_where_a_tick_unwinds() {
+    let s = simplified(&named("uv_sphere").expect("a fixture"));
+    let lod = level(&s, 0.25);
+    let ticks = AtomicU32::new(0);
+    let count = || {
+        ticks.fetch_add(1, Ordering::Relaxed);
+    };
+    let _ = Refit::new(&s, lod, &Options::DEFAULT, &count);
+    assert!(ticks.load(Ordering::Relaxed) > 1);
+    let late = || std::panic::resume_unwind(Box::new("late"));
+    let left = std::panic::catch_unwind(|| Refit::new(&s, lod, &Options::DEFAULT, &late).mesh(1.0));
+    assert_eq!(left.err().and_then(|e| e.downcast_ref().copied()), Some("late"));
 }

@@ -23,7 +23,7 @@ const ONCE_WRONG: [u64; 11] = [229, 648, 1368, 3444, 4643, 6158, 6535, 6651, 876
 fn built(mesh: &Mesh) -> Vec<LodObject> {
     let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
     let at_rest = std::iter::once(simplified.mesh().positions());
-    let (errors, _) = step_errors(&simplified, at_rest);
+    let (errors, _) = step_errors(&simplified, at_rest, &|| ());
     let measured = simplified.with_distances(errors.error, errors.rms);
     let simplified = Arc::new(measured.expect("errors never fall"));
     let submesh = |s| SubmeshInfo { name: String::new(), material: None, document_primitive: s };

@@ -5,9 +5,7 @@ use crate::batch::{Asset, Budget};
 use crate::commands::each::{self, AssetOptions};
 use crate::console;
 use crate::exit::{Outcome, Status};
-use crate::output;
 use crate::program::Program;
-use lodc::build::Size;
 use lodc_formats::import;
 use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::{EstimateReport, InputEstimate};
@@ -16,9 +14,21 @@ use lodc_report::text::{count, size};
 /// Bytes that the program takes whatever it builds, with one thread: itself, its allocator's
 /// reserve, stacks (measured: 26 MB).
 const PROGRAM: u64 = 48 << 20;
-/// Bytes that a byte of an input comes to: itself, what it decodes to, the document that the result
-/// holds, and the result.
-const OF_BYTE: u64 = 4;
+/// Counts what an asset holds, and estimates the bytes of memory that it needs beside the program's
+/// own.
+///
+/// # Errors
+/// As [`each::estimate`], or if its options are wrong.
+pub(super) fn memory(
+    asset: &Asset,
+    options: &AssetOptions<BuildArgs>,
+) -> Outcome<(import::Counted, u64)> {
+    let args = options.of(asset)?;
+    let (metric, kinds) = (args.simplify_options().metric, args.models.kinds()?);
+    each::estimate(&asset.input, &args.import, |size| {
+        pipeline::needs(size, [metric].into_iter(), &kinds)
+    })
+}
 
 /// Estimates all assets, and says what was found.
 ///
@@ -27,7 +37,7 @@ const OF_BYTE: u64 = 4;
 pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outcome<Status> {
     let options = AssetOptions::new(program, "build", assets, |args, _| args);
     let budget = Budget { workers: rayon::current_num_threads(), bytes: u64::MAX };
-    let inputs = each::all(assets, budget, |_, asset, _| one(asset, &options));
+    let inputs = each::all(assets, budget, |_| None, |_, asset, _| one(asset, &options));
     let worst = inputs.iter().map(|(status, _)| *status).max().unwrap_or_default();
     for (_, input) in &inputs {
         match args.report {
@@ -51,19 +61,8 @@ pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outc
 fn one(asset: &Asset, options: &AssetOptions<BuildArgs>) -> (Status, InputEstimate) {
     let name = asset.input.display().to_string();
     let found = each::guarded(&asset.input, || {
-        let args = options.of(asset)?;
-        if output::is_stream(&asset.input) {
-            let what = "standard input cannot be estimated: it can be read once only";
-            return Err(crate::exit::Failure::usage(what));
-        }
-        let counted = import::count(&asset.input, &args.import.options())?;
-        let of = Size { triangles: counted.triangles, vertices: counted.vertices };
-        let metric = args.simplify_options().metric;
-        let needs = pipeline::needs(of, [metric].into_iter(), &args.models.kinds()?);
-        let most = needs.iter().map(|need| need.bytes).max().unwrap_or(0);
-        let memory =
-            most.saturating_add(counted.bytes.saturating_mul(OF_BYTE)).saturating_add(PROGRAM);
-        Ok((counted, memory))
+        let (counted, memory) = memory(asset, options)?;
+        Ok((counted, memory.saturating_add(PROGRAM)))
     });
     match found {
         Ok((counted, memory)) => (

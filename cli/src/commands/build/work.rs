@@ -1,6 +1,6 @@
 //! Work on the assets of a build: a report for each, whatever happens to it and to the others.
 
-use super::{BuildArgs, ReportFormat, pipeline, summary};
+use super::{BuildArgs, ReportFormat, estimate, pipeline, summary};
 use crate::batch::{Asset, Budget};
 use crate::commands::each::{self, AssetOptions};
 use crate::console::{self, error};
@@ -42,7 +42,8 @@ pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outc
         let _ = results[number].set(report_written(args, done, written));
     };
     Results::gather(on_written, |writer| {
-        each::all(assets, budget, |number, asset, bar| {
+        let need = |asset: &Asset| estimate::memory(asset, &options).ok().map(|(_, bytes)| bytes);
+        each::all(assets, budget, need, |number, asset, bar| {
             let (done, file) = build_asset(asset, &options, bar);
             writer.add(file, (number, done));
         });

@@ -103,7 +103,8 @@ pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
     let (assets, format) = reported(args.export.json, assets(args, program))?;
     let options = AssetOptions::new(program, "chain", &assets, |args: ChainArgs, _| args);
     let several = args.export.batch.takes_many(&args.inputs);
-    let done = each::all(&assets, args.export.budget(), |_, asset, bar| {
+    let need = |asset: &Asset| options.of(asset).ok()?.export.need(&asset.input);
+    let done = each::all(&assets, args.export.budget(), need, |_, asset, bar| {
         export::one(asset, || {
             let (args, target) = options.ready(asset)?;
             let Target::File(path) = target else { return Err(no_stream(&args.output)) };
@@ -168,13 +169,17 @@ fn chain(
         // Refitted levels are measured as they are made.
         true => {
             let order = if args.glide.carried().is_some() { Order::File } else { packing.order() };
-            let refitted =
-                |lods| refitted_meshes(&asset.objects, &asset.document, lods, order, &limits);
-            let refit = || lods.iter().map(|lods| refitted(lods)).collect::<Result<Vec<_>, _>>();
-            stages.run("refit", refit)?.into_iter().map(Measured::Refitted).collect()
+            let refitted = stages.checked("refit", |tick| {
+                let refitted = |lods: &&[Lod]| {
+                    refitted_meshes(&asset.objects, &asset.document, lods, order, &limits, tick)
+                };
+                lods.iter().map(refitted).collect::<Result<Vec<_>, _>>()
+            });
+            refitted?.into_iter().map(Measured::Refitted).collect()
         }
         false => {
-            let distances = stages.run("errors", || asset.distances(&lods, &limits))?;
+            let distances =
+                stages.checked("errors", |tick| asset.distances(&lods, &limits, tick))?;
             distances.into_iter().map(Measured::Plain).collect()
         }
     };

@@ -112,7 +112,8 @@ impl ExtractArgs {
 pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
     let (assets, format) = reported(args.export.json, assets(args, program))?;
     let options = AssetOptions::new(program, "extract", &assets, |args: ExtractArgs, _| args);
-    let done = each::all(&assets, args.export.budget(), |_, asset, bar| {
+    let need = |asset: &Asset| options.of(asset).ok()?.export.need(&asset.input);
+    let done = each::all(&assets, args.export.budget(), need, |_, asset, bar| {
         export::one(asset, || {
             let (args, target) = options.ready(asset)?;
             args.export.check(format, target)?;

@@ -115,10 +115,13 @@ fn uniform(
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
     let lods = &chosen.lods;
     let meshes = if args.refit {
-        let refitted = || refitted_meshes(&asset.objects, &asset.document, lods, order, &limits);
-        stages.run("extract", refitted)?
+        stages.checked("extract", |tick| {
+            refitted_meshes(&asset.objects, &asset.document, lods, order, &limits, tick)
+        })?
     } else {
-        let distances = stages.run("errors", || asset.distances(&[lods], &limits))?.swap_remove(0);
+        let distances = stages
+            .checked("errors", |tick| asset.distances(&[lods], &limits, tick))?
+            .swap_remove(0);
         let meshes = stages.run("extract", || level_mesh::meshes(&asset.objects, lods, shape));
         let mut meshes = meshes?;
         for (mesh, distance) in meshes.iter_mut().zip(distances) {

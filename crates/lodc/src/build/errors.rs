@@ -3,7 +3,7 @@
 use super::watch::staged;
 use super::{SimplifiedObjects, Watch};
 use crate::{LodObject, stated_shapes};
-use lodc_errors::{LevelError, at_levels};
+use lodc_errors::{LevelError, Tick, at_levels};
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_scene::Motion;
@@ -37,7 +37,7 @@ pub fn measure_all(
         let mesh = simplified.mesh();
         let shapes = motion.shapes(mesh, number, &info.poses);
         let shapes = shapes.iter().map(|shape| shape.of(mesh));
-        let (distances, poses) = lodc_errors::measure_over(&simplified, shapes);
+        let (distances, poses) = lodc_errors::measure_over(&simplified, shapes, &|| watch.add(0));
         info.poses.truncate(poses);
         let measured = Arc::unwrap_or_clone(simplified)
             .with_distances(distances.error, distances.rms)
@@ -97,6 +97,7 @@ pub fn measure_levels(
     levels: &[&[Lod]],
     document: &Document,
     limits: &Limits,
+    tick: &Tick<'_>,
 ) -> Result<Vec<Vec<LevelDistance>>, FormatError> {
     let shapes = stated_shapes(objects, document, limits)?;
     let of_object = |(number, object): (usize, &LodObject)| {
@@ -108,7 +109,7 @@ pub fn measure_levels(
             before.rms = before.rms.max(level.rms);
             Some(LevelDistance { error: decimal(before.error), rms: Some(decimal(before.rms)) })
         };
-        let measured = at_levels(&object.simplified, shapes, &lods);
+        let measured = at_levels(&object.simplified, shapes, &lods, tick);
         let none = LevelError { error: 0.0, rms: 0.0 };
         measured.into_iter().scan(none, coarser).collect()
     };

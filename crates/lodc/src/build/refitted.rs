@@ -3,6 +3,7 @@
 use super::likeness::{Likeness, noise};
 use crate::level_mesh::{LevelMesh, Order, ordered};
 use crate::{Error, LodObject, stated_shapes};
+use lodc_errors::Tick;
 use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
 use lodc_measure::{Original, Pyramid, Sampling, Surface, TriangleTree};
 use lodc_mesh::{Lod, Mesh};
@@ -23,7 +24,8 @@ const BETTER: f64 = 0.97;
 
 /// Makes the meshes of the objects at `lods`, one each, with vertices and normals where they fit
 /// the input best. The same objects and document give the same meshes, whether they come from a
-/// mesh or from a file of its levels, with textures at hand or without.
+/// mesh or from a file of its levels, with textures at hand or without. `tick` is called now and
+/// then.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -33,13 +35,14 @@ pub fn refitted_meshes(
     lods: &[Lod],
     order: Order,
     limits: &Limits,
+    tick: &Tick<'_>,
 ) -> Result<Vec<LevelMesh>, Error> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
     let shown = coordinates(document, &infos, limits)?;
     let shapes = stated_shapes(objects, document, limits)?;
     let noise = noise();
     let one = |((object, &lod), (shown, shapes)): ((&LodObject, &Lod), (&Vec<_>, &Vec<Shape>))| {
-        let (mesh, at_rest) = refitted(object, lod, (shown, &noise));
+        let (mesh, at_rest) = refitted(object, lod, (shown, &noise), tick);
         let (error, rms) = over(shapes, object.simplified.mesh(), &mesh, Some(at_rest));
         LevelMesh { mesh: ordered(mesh, order), error, rms: Some(rms) }
     };
@@ -93,9 +96,14 @@ fn over(
 /// A refitted level of an object, with its error and its root mean square distance as the object
 /// was modelled. These are measured: the stored ones are of the vertices where they were. `shown`
 /// are the texture coordinates of its submeshes, and what is painted by them.
-fn refitted(object: &LodObject, lod: Lod, shown: TextureNoise<'_>) -> (Mesh, (f64, f64)) {
+fn refitted(
+    object: &LodObject,
+    lod: Lod,
+    shown: TextureNoise<'_>,
+    tick: &Tick<'_>,
+) -> (Mesh, (f64, f64)) {
     let input = object.simplified.mesh();
-    let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
+    let found = Refit::new(&object.simplified, lod, &Options::DEFAULT, tick);
     if lod.0 == 0 {
         return (found.unmoved(), (0.0, 0.0));
     }
@@ -105,6 +113,7 @@ fn refitted(object: &LodObject, lod: Lod, shown: TextureNoise<'_>) -> (Mesh, (f6
     let judge = Judge::new(input, &unmoved, shown);
     let mut best = (BETTER, (unmoved, before));
     for share in SHARES {
+        tick();
         let mesh = found.mesh(share);
         let (error, rms) = from_input.bound_and_rms(&bare(&mesh));
         if error > FARTHER * before.0 {
@@ -198,9 +207,9 @@ mod tests {
             };
             let simplified = Arc::new(simplified);
             let object = LodObject { info, simplified, models: Vec::new() };
-            let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT).unmoved();
+            let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT, &|| ()).unmoved();
             let judge = Judge::new(&mesh, &unmoved, (&shown, &noise)).expect("attributes");
-            let (level, ..) = refitted(&object, lod, (&shown, &noise));
+            let (level, ..) = refitted(&object, lod, (&shown, &noise), &|| ());
             let is_held = level == unmoved;
             assert!(is_held || judge.kept(&level) <= BETTER, "{name}");
             held += u32::from(is_held);

@@ -118,7 +118,7 @@ fn errors_again(object: &LodObject, shapes: &[Shape]) -> CheckReport {
     let (collapses, shapes) = (simplified.collapses(), shapes.iter());
     let (stored, (again, _)) = (
         collapses.parts(),
-        step_errors(simplified, shapes.map(|shape| shape.of(simplified.mesh()))),
+        step_errors(simplified, shapes.map(|shape| shape.of(simplified.mesh())), &|| ()),
     );
     let differs = |stored: &[f32], again: &[f32], what: &str| {
         let (step, (stored, again)) =
