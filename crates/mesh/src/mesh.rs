@@ -1,6 +1,6 @@
 //! A triangle mesh with submeshes, valid by construction.
 
-use crate::{Attribute, position_key};
+use crate::{Attribute, Csr, position_key};
 use std::fmt;
 
 /// A part of a mesh with one material: a run of its triangles.
@@ -75,6 +75,13 @@ impl Mesh {
     #[must_use]
     pub fn vertex_submesh(&self) -> &[u32] {
         &self.0.vertex_submesh
+    }
+    /// The submeshes that have each attribute stream: row `i` holds those of stream `i`, rising.
+    #[must_use]
+    pub fn users_of_streams(&self) -> Csr {
+        let listed = self.submeshes().iter().zip(0..);
+        let listed = listed.flat_map(|(s, number)| s.attributes.iter().map(move |&a| (a, number)));
+        Csr::new(self.attributes().len(), listed)
     }
     /// The parts, for changing them.
     #[must_use]

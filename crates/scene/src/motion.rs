@@ -8,7 +8,7 @@ use crate::placement::{Arrangement, Placement};
 use crate::scale::representative;
 use crate::shape::Shape;
 use crate::transform::Transform;
-use lodc_mesh::{Mesh, Posture, Semantic};
+use lodc_mesh::{Mesh, Posture};
 
 /// A scene at rest, and its animations.
 #[derive(Clone, Debug)]
@@ -90,15 +90,6 @@ impl Moment {
             ..rest.clone()
         }
     }
-}
-
-/// Returns the morph targets that move positions of a mesh, rising.
-fn targets(mesh: &Mesh) -> Vec<u32> {
-    let of_positions = mesh.attributes().iter().filter(|a| a.semantic == Semantic::Position);
-    let mut targets: Vec<u32> = of_positions.filter_map(|a| a.morph_target).collect();
-    targets.sort_unstable();
-    targets.dedup();
-    targets
 }
 
 #[cfg(test)]

@@ -49,9 +49,14 @@ pub(crate) fn place(
     v: u32,
 ) -> (DVec3, Transform) {
     let transform = streams.transform(mesh, placement, v);
-    let position = transform.transform_point3(streams.position(mesh, v));
+    (placed(&transform, streams.position(mesh, v)), transform)
+}
+
+/// Returns the place of a vertex with morph targets that a transform moves.
+pub(crate) fn placed(transform: &Transform, position: DVec3) -> DVec3 {
+    let position = transform.transform_point3(position);
     // A position that overflows is drawn anywhere, but must not spoil cameras and bounds.
-    (if position.is_finite() { position } else { DVec3::ZERO }, transform)
+    if position.is_finite() { position } else { DVec3::ZERO }
 }
 
 /// Returns true if the transforms of most vertices mirror.
@@ -99,7 +104,7 @@ impl<'a> Streams<'a> {
     }
 
     /// The position with morph targets, before joints and nodes.
-    fn position(&self, mesh: &Mesh, v: u32) -> DVec3 {
+    pub(crate) fn position(&self, mesh: &Mesh, v: u32) -> DVec3 {
         let rest = Vec3::from(mesh.positions()[v as usize]).as_dvec3();
         morphed(rest, &self.deltas[submesh(mesh, v)][0], v)
     }
@@ -159,7 +164,7 @@ pub fn stream<'a>(mesh: &'a Mesh, submesh: usize, semantic: &Semantic) -> Option
     attributes(mesh, submesh).find(|a| a.semantic == *semantic && a.morph_target.is_none())
 }
 
-fn vector(stream: &Attribute, v: u32) -> DVec3 {
+pub(crate) fn vector(stream: &Attribute, v: u32) -> DVec3 {
     let component = |i: usize| {
         if i < usize::from(stream.components) { f64::from(stream.value(v, i)) } else { 0.0 }
     };

@@ -34,16 +34,18 @@ pub(crate) fn output(
     let look = |w: u32| sources.of(w).1;
     // A fake's place may belong to a submesh without some stream; then its own attributes' vertex
     // has to do.
-    let streams_of =
-        |vertex: u32| &mesh.submeshes()[mesh.vertex_submesh()[vertex as usize] as usize].attributes;
+    let users = mesh.users_of_streams();
     let attributes = mesh
         .attributes()
         .iter()
         .zip(0u32..)
         .map(|(a, i)| {
-            a.gathered(wedges.iter().map(|&w| {
-                if a.is_spatial() && streams_of(place(w)).contains(&i) { place(w) } else { look(w) }
-            }))
+            let mut by_place = vec![false; mesh.submeshes().len()];
+            if a.is_spatial() {
+                users.row(i).iter().for_each(|&s| by_place[s as usize] = true);
+            }
+            let has = |vertex: u32| by_place[mesh.vertex_submesh()[vertex as usize] as usize];
+            a.gathered(wedges.iter().map(|&w| if has(place(w)) { place(w) } else { look(w) }))
         })
         .collect();
     let triangles = last_to_die_first(mesh, &death)

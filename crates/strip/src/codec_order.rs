@@ -2,6 +2,7 @@
 //! codec still remembers, so that most take one byte, and each new vertex next to the last ones, so
 //! that differences between neighbours in the vertex buffer are small.
 
+use crate::order::numbered;
 use lodc_mesh::{Mesh, is_degenerate};
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -35,7 +36,8 @@ pub fn codec_order(mesh: &Mesh) -> Vec<[u32; 3]> {
 /// [`codec_order`] for a list of triangles over `vertices` vertices.
 #[must_use]
 pub fn codec_order_list(triangles: &[[u32; 3]], vertices: usize) -> Vec<[u32; 3]> {
-    let order = sequence(triangles, vertices);
+    let (own, count) = numbered(triangles, vertices);
+    let order = sequence(&own, count);
     order.into_iter().map(|t| triangles[t as usize]).collect()
 }
 

@@ -3,6 +3,7 @@
 
 use crate::draw_state::{DrawState, Reference};
 use lodc_mesh::{Mesh, NONE};
+use std::borrow::Cow;
 
 // What a fan is judged by, in fetched vertices. Chosen by misses on three scans.
 /// Per vertex that is evicted with triangles to be drawn.
@@ -31,8 +32,23 @@ pub fn order(mesh: &Mesh, cache_size: u32) -> Vec<[u32; 3]> {
 /// [`order`] for a list of triangles over `vertices` vertices.
 #[must_use]
 pub fn order_list(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> Vec<[u32; 3]> {
-    let order = sequence(triangles, vertices, cache_size);
+    let (own, count) = numbered(triangles, vertices);
+    let order = sequence(&own, count, cache_size);
     order.into_iter().map(|t| triangles[t as usize]).collect()
+}
+
+/// Returns triangles with vertices numbered in the order in which they were, without those between
+/// that none uses, and how many there are; as they are where that saves nothing. A mesh may have
+/// thousands of submeshes, and lists of all vertices for each would take quadratic time.
+pub(crate) fn numbered(triangles: &[[u32; 3]], vertices: usize) -> (Cow<'_, [[u32; 3]]>, usize) {
+    if 3 * triangles.len() >= vertices {
+        return (Cow::Borrowed(triangles), vertices);
+    }
+    let mut used = triangles.as_flattened().to_vec();
+    used.sort_unstable();
+    used.dedup();
+    let number = |v: u32| used.partition_point(|&other| other < v) as u32;
+    (triangles.iter().map(|t| t.map(number)).collect(), used.len())
 }
 
 /// The numbers of triangles in the order in which they are drawn.

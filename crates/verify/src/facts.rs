@@ -42,6 +42,8 @@ struct Fakes<'a> {
     simplified: &'a Simplified,
     /// Vertices that LOD 0 uses, or that a step before this one leads to.
     in_use: Vec<bool>,
+    /// The streams of each submesh that place its vertices, rising.
+    spatial: Vec<Vec<u32>>,
     failure: Option<Failure>,
 }
 
@@ -51,7 +53,13 @@ impl<'a> Fakes<'a> {
         for &v in simplified.mesh().triangles().as_flattened() {
             in_use[v as usize] = true;
         }
-        Self { simplified, in_use, failure: None }
+        let mesh = simplified.mesh();
+        let users = mesh.users_of_streams();
+        let mut spatial = vec![Vec::new(); mesh.submeshes().len()];
+        for (i, _) in (0..).zip(mesh.attributes()).filter(|(_, stream)| stream.is_spatial()) {
+            users.row(i).iter().for_each(|&s| spatial[s as usize].push(i));
+        }
+        Self { simplified, in_use, spatial, failure: None }
     }
 
     fn check_step(&mut self, start: u32, end: u32) {
@@ -83,13 +91,9 @@ impl<'a> Fakes<'a> {
     /// joints, weights and morph displacements.
     fn same_place(&self, a: u32, b: u32) -> bool {
         let mesh = self.simplified.mesh();
-        let has = |v: u32, stream: u32| {
-            mesh.submeshes()[mesh.vertex_submesh()[v as usize] as usize]
-                .attributes
-                .contains(&stream)
-        };
-        (0..).zip(mesh.attributes()).all(|(i, stream)| {
-            !stream.is_spatial() || !has(a, i) || !has(b, i) || stream.at(a) == stream.at(b)
-        })
+        let [of_a, of_b] =
+            [a, b].map(|v| &self.spatial[mesh.vertex_submesh()[v as usize] as usize]);
+        let both = of_a.iter().filter(|i| of_b.binary_search(i).is_ok());
+        both.map(|&i| &mesh.attributes()[i as usize]).all(|s| s.at(a) == s.at(b))
     }
 }

@@ -186,6 +186,14 @@ pub(crate) fn animation_pointer(target: &mut Json) -> Option<&mut String> {
     }
 }
 
+/// The node of a pointer such as `/nodes/7/weights`, and what follows it.
+pub(super) fn of_node(pointer: &str) -> Option<(usize, &str)> {
+    let (number, rest) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
+    let node: usize = number.parse().ok()?;
+    // Numbers have no sign and no zeros before them (RFC 6901, section 4).
+    (node.to_string() == number).then_some((node, rest))
+}
+
 /// The compression of a buffer view, by whichever name.
 pub(super) fn meshopt(view: &Object) -> Option<(&'static str, &Object)> {
     MESHOPT.into_iter().find_map(|name| Some((name, view.extension(name)?)))

@@ -227,6 +227,10 @@ impl Object {
         let elements = self.get_mut(key).and_then(Json::as_array_mut);
         elements.into_iter().flatten().filter_map(Json::as_object_mut)
     }
+    /// Element `i` of the array `key`, if it is there and an object, to be changed.
+    pub(crate) fn object_mut(&mut self, key: &str, i: usize) -> Option<&mut Object> {
+        self.get_mut(key)?.as_array_mut()?.get_mut(i)?.as_object_mut()
+    }
     /// The elements of the array `key` as objects, empty ones for others; none if there is no such
     /// array.
     pub(crate) fn entries(&self, key: &str) -> impl ExactSizeIterator<Item = &Object> {

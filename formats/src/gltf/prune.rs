@@ -3,11 +3,13 @@
 
 use super::extensions::animation_pointer;
 use super::json::{Json, Object};
-use super::schema::{Pool, references, retain};
+use super::schema::{Pool, references, renumbered, retain};
+use std::collections::BTreeSet;
 
 /// Drops primitives (mesh, primitive), then meshes without primitives. Nodes that showed such a
 /// mesh stay, without mesh, skin and weights, and animation channels of those weights go.
 pub(crate) fn without(root: &mut Object, empty: &[(usize, usize)]) {
+    let empty: BTreeSet<(usize, usize)> = empty.iter().copied().collect();
     let mut kept = vec![true; Pool::Meshes.len(root)];
     for (m, mesh) in root.objects_mut("meshes").enumerate() {
         let Some(Json::Array(primitives)) = mesh.get_mut("primitives") else { continue };
@@ -20,14 +22,14 @@ pub(crate) fn without(root: &mut Object, empty: &[(usize, usize)]) {
         return;
     }
     let gone = |mesh: Option<u64>| mesh.is_some_and(|m| kept.get(m as usize) == Some(&false));
-    let mut bare = Vec::new();
+    let mut bare = BTreeSet::new();
     for (n, node) in root.objects_mut("nodes").enumerate() {
         if gone(node["mesh"].as_u64()) {
             for key in ["mesh", "skin", "weights"] {
                 node.shift_remove(key);
             }
             node.remove_extension("EXT_mesh_gpu_instancing");
-            bare.push(n as u64);
+            bare.insert(n as u64);
         }
     }
     drop_channels(root, &kept, &bare);
@@ -42,13 +44,14 @@ pub(crate) fn without(root: &mut Object, empty: &[(usize, usize)]) {
 
 /// Drops animation channels that move something gone, and renumbers meshes in the pointers of the
 /// others.
-fn drop_channels(root: &mut Object, kept: &[bool], bare: &[u64]) {
+fn drop_channels(root: &mut Object, kept: &[bool], bare: &BTreeSet<u64>) {
+    let numbers = renumbered(kept);
     let Some(Json::Array(animations)) = root.get_mut("animations") else { return };
     let before = animations.len();
     animations.retain_mut(|animation| {
         let Some(Json::Array(channels)) = animation.get_mut("channels") else { return true };
         channels.retain_mut(|channel| {
-            channel.get_mut("target").is_none_or(|target| stays(target, kept, bare))
+            channel.get_mut("target").is_none_or(|target| stays(target, (kept, &numbers), bare))
         });
         !channels.is_empty()
     });
@@ -57,7 +60,8 @@ fn drop_channels(root: &mut Object, kept: &[bool], bare: &[u64]) {
     }
 }
 
-fn stays(target: &mut Json, kept: &[bool], bare: &[u64]) -> bool {
+/// `numbers` are those of the meshes that are kept.
+fn stays(target: &mut Json, (kept, numbers): (&[bool], &[u64]), bare: &BTreeSet<u64>) -> bool {
     let node = target["node"].as_u64();
     if target["path"].as_str() == Some("weights") {
         return node.is_none_or(|n| !bare.contains(&n));
@@ -74,7 +78,7 @@ fn stays(target: &mut Json, kept: &[bool], bare: &[u64]) -> bool {
             if kept.get(m) == Some(&false) {
                 return false;
             }
-            let number = kept.iter().take(m).filter(|k| **k).count();
+            let Some(number) = numbers.get(m) else { return true };
             *pointer = format!("/meshes/{number}/{}", rest.unwrap_or(""));
             true
         }

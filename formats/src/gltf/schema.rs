@@ -257,19 +257,13 @@ pub(crate) fn primitive_mut(
     mesh: usize,
     primitive: usize,
 ) -> Option<&mut Object> {
-    let mesh = root.get_mut("meshes")?.as_array_mut()?.get_mut(mesh)?;
-    mesh.get_mut("primitives")?.as_array_mut()?.get_mut(primitive)?.as_object_mut()
+    root.object_mut("meshes", mesh)?.object_mut("primitives", primitive)
 }
 
 /// Drops the entries of a pool that are not kept and renumbers all references to the others.
 /// Nothing may refer to what is dropped. An array without entries goes as a whole.
 pub(crate) fn retain(root: &mut Object, pool: Pool, kept: &[bool]) {
-    let mut next = 0u64;
-    let number = |&k: &bool| {
-        next += u64::from(k);
-        next - u64::from(k)
-    };
-    let numbers: Vec<u64> = kept.iter().map(number).collect();
+    let numbers = renumbered(kept);
     references(root, pool, &mut |value, _| {
         let old = value.as_u64().and_then(|i| numbers.get(i as usize).copied());
         *value = old.expect("the reference has been checked").into();
@@ -283,6 +277,16 @@ pub(crate) fn retain(root: &mut Object, pool: Pool, kept: &[bool]) {
             root.shift_remove(pool.name());
         }
     }
+}
+
+/// Returns for each of some entries how many before it are kept: its number afterwards, if it is.
+pub(crate) fn renumbered(kept: &[bool]) -> Vec<u64> {
+    let mut next = 0u64;
+    let number = |&k: &bool| {
+        next += u64::from(k);
+        next - u64::from(k)
+    };
+    kept.iter().map(number).collect()
 }
 
 fn check_one(

@@ -2,7 +2,7 @@
 //! model that moves to another folder keeps its textures.
 
 use crate::{Assets, FormatError, OutputFile};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
@@ -14,6 +14,8 @@ pub struct Textures {
     pub(crate) files: BTreeMap<String, Vec<u8>>,
     /// One line for each that could not be read.
     pub warnings: Vec<String>,
+    /// The paths of those.
+    missing: BTreeSet<String>,
 }
 
 /// Places for the image files that a document names.
@@ -52,16 +54,14 @@ impl Textures {
         read: impl FnOnce(&mut Assets) -> Result<Vec<u8>, FormatError>,
         assets: &mut Assets,
     ) {
-        if self.files.contains_key(path) {
+        if self.files.contains_key(path) || self.missing.contains(path) {
             return;
         }
         match read(assets) {
             Ok(bytes) => drop(self.files.insert(path.to_owned(), bytes)),
             Err(e) => {
-                let warning = format!("a texture is missing: {}", e.in_file(path));
-                if !self.warnings.contains(&warning) {
-                    self.warnings.push(warning);
-                }
+                self.missing.insert(path.to_owned());
+                self.warnings.push(format!("a texture is missing: {}", e.in_file(path)));
             }
         }
     }

@@ -3,6 +3,7 @@
 //! These types are the file format: they are not those of the scene, so that the scene can change
 //! and the file not. Fields are only ever added, at the end of a record.
 
+use super::streams::Plan;
 use super::{Bounds, LodFile, LodObject, StoredModel};
 use crate::fields::{LIMIT, Record, decode, to_bytes};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
@@ -101,11 +102,7 @@ impl Manifest {
         to_bytes(self)
     }
 
-    pub(super) fn of<M>(
-        file: &LodFile<M>,
-        models: &[Vec<StoredModel>],
-        plans: &[Vec<bool>],
-    ) -> Self {
+    pub(super) fn of<M>(file: &LodFile<M>, models: &[Vec<StoredModel>], plans: &[Plan]) -> Self {
         let objects = file.objects.iter().zip(models).zip(plans);
         let objects =
             objects.map(|((o, models), plan)| Record(object_entry(o, models, plan))).collect();
@@ -183,7 +180,7 @@ impl DocumentEntry {
     }
 }
 
-fn object_entry<M>(object: &LodObject<M>, models: &[StoredModel], plan: &[bool]) -> ObjectEntry {
+fn object_entry<M>(object: &LodObject<M>, models: &[StoredModel], plan: &Plan) -> ObjectEntry {
     let (mesh, sequence) = (object.simplified.mesh(), object.simplified.collapses().parts());
     let submeshes = mesh.submeshes().iter().enumerate().map(|(i, s)| {
         let info = object.info.submeshes.get(i);
@@ -195,8 +192,8 @@ fn object_entry<M>(object: &LodObject<M>, models: &[StoredModel], plan: &[bool])
             attributes: s.attributes.clone(),
         })
     });
-    let attributes =
-        mesh.attributes().iter().zip(plan).map(|(a, &full)| Record(AttributeEntry::of(a, full)));
+    let attributes = mesh.attributes().iter().zip(&plan.full);
+    let attributes = attributes.map(|(a, &full)| Record(AttributeEntry::of(a, full)));
     let models = models.iter().map(|m| {
         let arrays = m.arrays.iter().map(|a| a.name.clone()).collect();
         Record(ModelEntry { name: m.name.clone(), arrays })

@@ -3,7 +3,7 @@
 use super::container::{Container, Writer};
 use super::left_out::{LeftOut, shortened};
 use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
-use super::streams::{self, ZeroBudget};
+use super::streams::{self, Plan, ZeroBudget};
 use super::table::{Tag, place, tag};
 use super::{Bounds, LodObject, StoredModel, arrays, overview, poses, steps};
 use crate::fields::Record;
@@ -54,7 +54,7 @@ pub(super) fn write<'a>(
     number: u32,
     simplified: &'a Simplified,
     models: Vec<StoredModel>,
-    plan: &'a [bool],
+    plan: &'a Plan,
     layout: Layout,
 ) {
     let (mesh, sequence) = (simplified.mesh(), simplified.collapses().parts());
@@ -88,9 +88,9 @@ pub(super) fn write<'a>(
             out.extend(steps::error_growth(&sequence.step_rms));
         });
     }
-    for (i, &full) in plan.iter().enumerate() {
+    for i in 0..mesh.attributes().len() {
         writer.for_device(tag::ATTRIBUTE, number, i as u32, layout, move |out| {
-            streams::put(out, mesh, i, full, layout);
+            streams::put(out, mesh, i, plan, layout);
         });
     }
     for (index, array) in (0..).zip(models.into_iter().flat_map(|model| model.arrays)) {

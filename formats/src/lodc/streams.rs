@@ -2,7 +2,7 @@
 
 use super::arrays;
 use crate::{Fault, FormatError};
-use lodc_mesh::{Attribute, Mesh};
+use lodc_mesh::{Attribute, Csr, Mesh};
 use lodc_model::Layout;
 use std::borrow::Cow;
 
@@ -34,10 +34,32 @@ impl ZeroBudget {
     }
 }
 
-/// For each stream whether it is stored for all vertices, as all are that a device may be given.
-pub(super) fn plan(mesh: &Mesh, layout: Layout, budget: &mut ZeroBudget) -> Vec<bool> {
+/// What is stored of the streams of a mesh.
+#[derive(Debug)]
+pub(super) struct Plan {
+    /// For each stream whether it is stored for all vertices, as all are that a device may be
+    /// given.
+    pub(super) full: Vec<bool>,
+    /// The submeshes that have each stream.
+    users: Csr,
+    submeshes: usize,
+}
+
+impl Plan {
+    /// For each submesh whether it has a stream.
+    fn has(&self, stream: usize) -> Vec<bool> {
+        let mut has = vec![false; self.submeshes];
+        self.users.row(stream as u32).iter().for_each(|&submesh| has[submesh as usize] = true);
+        has
+    }
+}
+
+/// Decides what is stored of the streams of a mesh.
+pub(super) fn plan(mesh: &Mesh, layout: Layout, budget: &mut ZeroBudget) -> Plan {
+    let (users, submeshes) = (mesh.users_of_streams(), mesh.submeshes().len());
+    let mut plan = Plan { full: Vec::new(), users, submeshes };
     let full = |(i, stream): (usize, &Attribute)| {
-        let has = has_stream(mesh, i);
+        let has = plan.has(i);
         let (mut zeros, mut only_zeros) = (0, true);
         for (v, bytes) in stream.bytes.chunks_exact(stream.stride()).enumerate() {
             if !has[mesh.vertex_submesh()[v] as usize] {
@@ -50,18 +72,15 @@ pub(super) fn plan(mesh: &Mesh, layout: Layout, budget: &mut ZeroBudget) -> Vec<
         budget.stored += stream.bytes.len() as u64 - if full { 0 } else { zeros };
         full
     };
-    mesh.attributes().iter().enumerate().map(full).collect()
-}
-
-fn has_stream(mesh: &Mesh, stream: usize) -> Vec<bool> {
-    mesh.submeshes().iter().map(|s| s.attributes.contains(&(stream as u32))).collect()
+    plan.full = mesh.attributes().iter().enumerate().map(full).collect();
+    plan
 }
 
 /// Bytes of a vertex in the gpu layout are a multiple of this, as vertex buffers ask.
 const DEVICE_STRIDE: usize = 4;
 
 /// Appends a stream as planned.
-pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, full: bool, layout: Layout) {
+pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, plan: &Plan, layout: Layout) {
     let attribute = &mesh.attributes()[stream];
     if layout == Layout::Gpu && !attribute.stride().is_multiple_of(DEVICE_STRIDE) {
         let padding = attribute.stride().next_multiple_of(DEVICE_STRIDE) - attribute.stride();
@@ -71,11 +90,11 @@ pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, full: bool, lay
         }
         return;
     }
-    if full {
+    if plan.full[stream] {
         out.extend_from_slice(&attribute.bytes);
         return;
     }
-    let has = has_stream(mesh, stream);
+    let has = plan.has(stream);
     for (bytes, &submesh) in
         attribute.bytes.chunks_exact(attribute.stride()).zip(mesh.vertex_submesh())
     {

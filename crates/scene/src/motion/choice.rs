@@ -4,13 +4,15 @@
 //! Shapes are compared by distances between pairs of vertices, which a motion of the whole object
 //! does not change. The pose that is farthest from all chosen ones is the next (Gonzalez 1985).
 
-use super::{Moment, Motion, targets};
+use super::{Moment, Motion};
 use crate::placement::Placement;
-use crate::posed::{Streams, place};
+use crate::posed::{Streams, place, placed, vector};
 use crate::scale::representative;
+use crate::transform::Transform;
 use glam::DVec3;
-use lodc_mesh::{Mesh, Posture};
+use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Moments of a second of an animation that are tried. Chosen by hand, as are the next three.
 const PER_SECOND: f64 = 16.0;
@@ -25,8 +27,8 @@ const VERTICES: usize = 1024;
 /// by hand.
 const NEARLY_SAME: f64 = 0.01;
 
-/// A pose that may be chosen, with its placement.
-type Candidate = (Posture, Placement);
+/// A pose that may be chosen, with the distances of an object in it.
+type Candidate = (Posture, Vec<f64>);
 
 impl Motion {
     /// Chooses for each object up to `most` poses in which its shape differs most from the one at
@@ -43,7 +45,7 @@ impl Motion {
         let moments = self.moments();
         let choose = |object: &Option<Deformable>| {
             let Some(object) = object else { return Vec::new() };
-            farthest(object, &self.candidates(object, &moments), most)
+            farthest(object, self.candidates(object, &moments), most)
         };
         deformable.par_iter().map(choose).collect()
     }
@@ -77,11 +79,14 @@ impl Motion {
 
     /// The poses that an object may take.
     fn candidates(&self, object: &Deformable, moments: &[(Posture, Moment)]) -> Vec<Candidate> {
-        let Deformable { rest, targets, .. } = object;
-        let moments = moments.iter().map(|(posture, m)| (*posture, m.placed(&self.graph, rest)));
-        let targets = targets.iter().map(|&t| Posture::Target(t));
-        let targets = targets.filter_map(|posture| Some((posture, self.placed(rest, posture)?)));
-        moments.chain(targets).collect()
+        let at = |(posture, moment): &(Posture, Moment)| {
+            (*posture, object.distances(&moment.placed(&self.graph, object.rest)))
+        };
+        let rest = AtRest::new(object);
+        let with = |(&target, deltas): (&u32, &Deltas<'_>)| {
+            (Posture::Target(target), rest.distances(target, deltas))
+        };
+        moments.par_iter().map(at).chain(object.targets.par_iter().map(with)).collect()
     }
 }
 
@@ -92,36 +97,90 @@ struct Deformable<'a> {
     /// Its scale at rest.
     scale: f64,
     /// Its morph targets.
-    targets: Vec<u32>,
+    targets: BTreeMap<u32, Deltas<'a>>,
+}
+
+/// The deltas of positions of one morph target: a submesh, rising, and those of its vertices.
+type Deltas<'a> = Vec<(usize, &'a Attribute)>;
+
+/// Returns the morph targets that move positions of a mesh.
+fn targets(mesh: &Mesh) -> BTreeMap<u32, Deltas<'_>> {
+    let mut targets: BTreeMap<u32, Deltas<'_>> = BTreeMap::new();
+    for (s, submesh) in mesh.submeshes().iter().enumerate() {
+        for attribute in submesh.attributes.iter().map(|&a| &mesh.attributes()[a as usize]) {
+            if let (Some(target), Semantic::Position) =
+                (attribute.morph_target, &attribute.semantic)
+            {
+                targets.entry(target).or_default().push((s, attribute));
+            }
+        }
+    }
+    targets
 }
 
 impl Deformable<'_> {
+    /// Vertices whose distances are compared.
+    fn sample(&self) -> impl Iterator<Item = u32> {
+        let vertices = self.mesh.vertex_count();
+        let every = vertices.div_ceil(VERTICES).max(1);
+        (0..vertices).step_by(every).map(|v| v as u32)
+    }
+
     /// Distances between pairs of vertices in a placement, in mesh units. Each of a sample of
     /// vertices is paired with the one half the sample further on: vertices near each other in the
     /// file are near in space, and distances across the object change most when it bends.
     fn distances(&self, placement: &Placement) -> Vec<f64> {
-        let Self { mesh, scale, .. } = *self;
-        let vertices = mesh.vertex_count();
-        let every = vertices.div_ceil(VERTICES).max(1);
-        let streams = Streams::of(mesh, placement);
-        let chosen = (0..vertices).step_by(every);
-        let places: Vec<DVec3> =
-            chosen.map(|v| place(&streams, mesh, placement, v as u32).0).collect();
+        let streams = Streams::of(self.mesh, placement);
+        let places = self.sample().map(|v| place(&streams, self.mesh, placement, v).0);
+        self.apart(&places.collect::<Vec<_>>())
+    }
+
+    /// Distances between places of the sample.
+    fn apart(&self, places: &[DVec3]) -> Vec<f64> {
         let half = places.len() / 2;
-        let apart = |i: usize| (places[i] - places[(i + half) % places.len()]).length() / scale;
+        let apart =
+            |i: usize| (places[i] - places[(i + half) % places.len()]).length() / self.scale;
         (0..places.len()).map(apart).collect()
     }
 }
 
+/// The sample of an object at rest. Morph targets are many where each is looked at by itself, so
+/// one takes time for its own deltas alone.
+struct AtRest<'a> {
+    object: &'a Deformable<'a>,
+    /// Of each vertex its place before joints and nodes, and what they do to it.
+    sample: Vec<(u32, DVec3, Transform)>,
+}
+
+impl<'a> AtRest<'a> {
+    fn new(object: &'a Deformable<'a>) -> Self {
+        let (mesh, rest) = (object.mesh, object.rest);
+        let streams = Streams::of(mesh, rest);
+        let known = |v: u32| (v, streams.position(mesh, v), streams.transform(mesh, rest, v));
+        Self { object, sample: object.sample().map(known).collect() }
+    }
+
+    /// Distances with a morph target at weight 1.
+    fn distances(&self, target: u32, deltas: &Deltas<'_>) -> Vec<f64> {
+        let weight = self.object.rest.weights.get(target as usize).copied().unwrap_or(0.0);
+        let submeshes = self.object.mesh.vertex_submesh();
+        let moved = |&(v, position, transform): &(u32, DVec3, Transform)| {
+            let submesh = submeshes[v as usize] as usize;
+            let first = deltas.partition_point(|(s, _)| *s < submesh);
+            let own = deltas[first..].iter().take_while(|(s, _)| *s == submesh);
+            let sum = own.fold(position, |sum, (_, delta)| sum + (1.0 - weight) * vector(delta, v));
+            placed(&transform, sum)
+        };
+        self.object.apart(&self.sample.iter().map(moved).collect::<Vec<_>>())
+    }
+}
+
 /// Chooses up to `most` of some poses, the farthest first.
-fn farthest(object: &Deformable, candidates: &[Candidate], most: usize) -> Vec<Posture> {
+fn farthest(object: &Deformable, candidates: Vec<Candidate>, most: usize) -> Vec<Posture> {
     // Poses with positions that are not finite, or overflow as floats, are left out.
     let sound = |distances: &Vec<f64>| distances.iter().all(|&d| d < f64::from(f32::MAX));
-    let (candidates, distances): (Vec<Posture>, Vec<Vec<f64>>) = candidates
-        .par_iter()
-        .map(|(posture, placement)| (*posture, object.distances(placement)))
-        .filter(|(_, distances)| sound(distances))
-        .unzip();
+    let (candidates, distances): (Vec<Posture>, Vec<Vec<f64>>) =
+        candidates.into_iter().filter(|(_, distances)| sound(distances)).unzip();
     let mut latest = object.distances(object.rest);
     let least = NEARLY_SAME * latest.iter().copied().fold(0.0, f64::max);
     let mut apart = vec![f64::INFINITY; candidates.len()];

@@ -3,7 +3,7 @@
 
 use super::grid::Grid;
 use super::skins;
-use crate::gltf::extensions::animation_pointer;
+use crate::gltf::extensions::{animation_pointer, of_node};
 use crate::gltf::json::{Json, Object};
 use std::collections::BTreeMap;
 
@@ -15,24 +15,24 @@ pub(super) fn place(root: &mut Object, blob: &mut [u8], grids: &BTreeMap<usize, 
     for (matrices, grid) in &skinned {
         skins::transform(root, blob, *matrices, grid);
     }
-    let nodes = root.list("nodes").len();
-    for node in 0..nodes {
+    let mut children = BTreeMap::new();
+    for node in 0..root.list("nodes").len() {
         let shown = &root["nodes"][node];
         let grid = shown["mesh"]
             .as_index()
             .and_then(|m| grids.get(&m))
             .filter(|_| shown.get("skin").is_none());
         if let Some(grid) = grid {
-            let child = move_mesh(root, node, grid);
-            redirect_weights(root, node, child);
+            children.insert(node, move_mesh(root, node, grid));
         }
     }
+    redirect_weights(root, &children);
 }
 
 /// Moves a node's mesh, and the weights of its morph targets, to a new child; returns its number.
 fn move_mesh(root: &mut Object, node: usize, grid: &Grid<3>) -> usize {
     let number = root.list("nodes").len();
-    let node = root.objects_mut("nodes").nth(node).expect("the document has the node");
+    let node = root.object_mut("nodes", node).expect("the document has the node");
     let mut child = Object::default();
     for key in ["mesh", "weights"] {
         child.extend(node.shift_remove(key).map(|value| (key.to_owned(), value)));
@@ -44,16 +44,18 @@ fn move_mesh(root: &mut Object, node: usize, grid: &Grid<3>) -> usize {
     number
 }
 
-/// Lets animations of a node's weights move those of another one.
-fn redirect_weights(root: &mut Object, from: usize, to: usize) {
+/// Lets animations of nodes' weights move those of their children that have the meshes.
+fn redirect_weights(root: &mut Object, children: &BTreeMap<usize, usize>) {
     let channels = root.objects_mut("animations").flat_map(|a| a.objects_mut("channels"));
     for target in channels.filter_map(|channel| channel.get_mut("target")) {
-        if target["node"].as_index() == Some(from) && target["path"].as_str() == Some("weights") {
-            target["node"] = to.into();
+        let child = target["node"].as_index().and_then(|node| children.get(&node));
+        if let Some(&child) = child.filter(|_| target["path"].as_str() == Some("weights")) {
+            target["node"] = child.into();
         }
         let Some(pointer) = animation_pointer(target) else { continue };
-        if let Some(rest) = pointer.strip_prefix(&format!("/nodes/{from}/weights")) {
-            *pointer = format!("/nodes/{to}/weights{rest}");
+        let Some((node, rest)) = of_node(pointer) else { continue };
+        if let Some(child) = children.get(&node).filter(|_| rest.starts_with("weights")) {
+            *pointer = format!("/nodes/{child}/{rest}");
         }
     }
 }

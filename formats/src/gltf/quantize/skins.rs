@@ -28,7 +28,7 @@ fn of_matrices(root: &Object, accessor: usize) -> Option<Floats> {
 /// Multiplies the matrices of an accessor by the transform of a grid.
 pub(super) fn transform(root: &mut Object, blob: &mut [u8], accessor: usize, grid: &Grid<3>) {
     let floats = of_matrices(root, accessor);
-    if let Some(accessor) = root.objects_mut("accessors").nth(accessor) {
+    if let Some(accessor) = root.object_mut("accessors", accessor) {
         // They are optional, and no longer true.
         ["min", "max"].iter().for_each(|key| drop(accessor.shift_remove(*key)));
     }

@@ -7,7 +7,7 @@ use crate::gltf::json::malformed;
 use crate::gltf::views::Views;
 use crate::{Fault, FormatError, Limits};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh, weld_positions};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// State that all meshes of a document share while they are read.
 #[derive(Debug)]
@@ -99,9 +99,9 @@ impl<'a> Reading<'a> {
         &mut self,
         primitives: &[Primitive],
     ) -> Result<Option<(Mesh, Vec<usize>)>, FormatError> {
-        let mut parts = MeshParts::default();
+        let (mut parts, mut streams) = (MeshParts::default(), Streams::default());
         for primitive in primitives {
-            self.add(primitive, &mut parts)?;
+            self.add(primitive, &mut parts, &mut streams)?;
         }
         let total = parts.positions.len();
         for a in &mut parts.attributes {
@@ -130,7 +130,12 @@ impl<'a> Reading<'a> {
         Ok(Some((Mesh::try_from(parts).map_err(|e| place(&e))?, kept)))
     }
 
-    fn add(&mut self, primitive: &Primitive, parts: &mut MeshParts) -> Result<(), FormatError> {
+    fn add(
+        &mut self,
+        primitive: &Primitive,
+        parts: &mut MeshParts,
+        streams: &mut Streams,
+    ) -> Result<(), FormatError> {
         let (place, budget, views) = (primitive.place.as_str(), self.views.budget, self.views);
         let accessors = self.accessors;
         let get = |a: usize| {
@@ -170,7 +175,8 @@ impl<'a> Reading<'a> {
         let mut used = Vec::with_capacity(primitive.streams.len());
         for (semantic, morph_target, index) in &primitive.streams {
             let accessor = get(*index)?;
-            let stream = find_stream(&mut parts.attributes, semantic, *morph_target, accessor);
+            let wanted = described(semantic, *morph_target, accessor);
+            let stream = streams.find(wanted, &mut parts.attributes);
             let a = &mut parts.attributes[stream];
             extend_with_zeros(a, base, budget)?;
             budget.charge(sources.len() as u64, a.stride() as u64, place)?;
@@ -256,25 +262,20 @@ fn positions(
     Ok(out)
 }
 
-/// The stream of this meaning and format, which primitives share.
-fn find_stream(
-    streams: &mut Vec<Attribute>,
-    semantic: &Semantic,
-    morph_target: Option<u32>,
-    accessor: &Accessor,
-) -> usize {
-    let wanted = described(semantic, morph_target, accessor);
-    let same = |a: &Attribute| {
-        a.component == wanted.component
-            && a.components == wanted.components
-            && a.normalized == wanted.normalized
-            && a.morph_target == wanted.morph_target
-            && a.semantic == wanted.semantic
-    };
-    streams.iter().position(same).unwrap_or_else(|| {
-        streams.push(wanted);
-        streams.len() - 1
-    })
+/// The streams of a mesh by meaning and format.
+#[derive(Debug, Default)]
+struct Streams(HashMap<(Semantic, Option<u32>, Component, u8, bool), usize>);
+
+impl Streams {
+    /// The stream of this meaning and format among `all`, which primitives share.
+    fn find(&mut self, wanted: Attribute, all: &mut Vec<Attribute>) -> usize {
+        let Attribute { morph_target, component, components, normalized, .. } = wanted;
+        let key = (wanted.semantic.clone(), morph_target, component, components, normalized);
+        *self.0.entry(key).or_insert_with(|| {
+            all.push(wanted);
+            all.len() - 1
+        })
+    }
 }
 
 fn described(semantic: &Semantic, morph_target: Option<u32>, accessor: &Accessor) -> Attribute {
@@ -330,9 +331,11 @@ fn drop_empty_submeshes(parts: &mut MeshParts) -> Vec<usize> {
             as u32;
     }
     parts.submeshes = kept.iter().map(|&s| std::mem::take(&mut parts.submeshes[s])).collect();
-    let used =
-        |stream: usize| parts.submeshes.iter().any(|s| s.attributes.contains(&(stream as u32)));
-    let streams: Vec<usize> = (0..parts.attributes.len()).filter(|&a| used(a)).collect();
+    let mut used = vec![false; parts.attributes.len()];
+    for &stream in parts.submeshes.iter().flat_map(|s| &s.attributes) {
+        used[stream as usize] = true;
+    }
+    let streams: Vec<usize> = (0..parts.attributes.len()).filter(|&a| used[a]).collect();
     parts.attributes = streams.iter().map(|&a| parts.attributes[a].clone()).collect();
     for stream in parts.submeshes.iter_mut().flat_map(|s| &mut s.attributes) {
         *stream = streams.binary_search(&(*stream as usize)).expect("it is used") as u32;

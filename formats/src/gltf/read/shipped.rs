@@ -176,7 +176,7 @@ impl Chain {
                     meshes_kept[mesh] = false;
                 }
             }
-            if let Some(entry) = own.objects_mut("nodes").nth(node) {
+            if let Some(entry) = own.object_mut("nodes", node) {
                 entry.remove_extension("MSFT_lod");
                 forget_extra(entry, "MSFT_screencoverage");
             }

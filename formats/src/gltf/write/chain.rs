@@ -80,8 +80,8 @@ pub fn export_chain<'a>(
         levels.push(made);
     }
     let mut gliding = BTreeSet::new();
-    for level in levels.iter().filter(|_| shape == ChainShape::Nodes) {
-        level.put(&mut root, &mut writer, &mut gliding);
+    if shape == ChainShape::Nodes {
+        put_levels(&mut root, &mut writer, &levels, &mut gliding);
     }
     glide::widen(&mut root, &mut writer, document, &gliding)?;
     prune::without(&mut root, &empty);
@@ -89,6 +89,30 @@ pub fn export_chain<'a>(
     let mut files = if binary { vec![glb(path, &root, &blob)?] } else { gltf(path, root, blob) };
     files.extend(additions.textures.copies.iter().cloned());
     Ok(files)
+}
+
+/// Puts the coarser levels of all meshes into the document, and the ways to the next one. Meshes
+/// that glide are added to `gliding`.
+fn put_levels(
+    root: &mut Object,
+    writer: &mut Writer,
+    levels: &[Levels<'_>],
+    gliding: &mut BTreeSet<usize>,
+) {
+    let mut showing: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (node, entry) in root.entries("nodes").enumerate() {
+        if let Some(mesh) = entry["mesh"].as_index() {
+            showing.entry(mesh).or_default().push(node);
+        }
+    }
+    let mut copies = Vec::new();
+    for level in levels {
+        let meshes = level.put(root, writer, gliding);
+        for &node in showing.get(&level.mesh).into_iter().flatten().filter(|_| meshes.len() > 1) {
+            copies.extend(level.put_nodes(root, node, &meshes[1..]));
+        }
+    }
+    copy_channels(root, &copies);
 }
 
 /// The levels of one mesh of the document.
@@ -175,12 +199,17 @@ impl<'a> Levels<'a> {
         Ok(!levels[0].is_empty())
     }
 
-    /// Puts the coarser levels into the document: a mesh each, and a node each for every node that
-    /// shows the mesh. A level that does not differ from the one before has a mesh of its own all
+    /// Puts the coarser levels into the document, a mesh each; returns the meshes of all levels. A
+    /// level that does not differ from the one before has a mesh of its own all
     /// the same: engines dispose of the levels that they have replaced.
     ///
     /// Meshes that glide are added to `gliding`.
-    fn put(&self, root: &mut Object, writer: &mut Writer, gliding: &mut BTreeSet<usize>) {
+    fn put(
+        &self,
+        root: &mut Object,
+        writer: &mut Writer,
+        gliding: &mut BTreeSet<usize>,
+    ) -> Vec<usize> {
         let mut meshes = vec![self.mesh];
         for level in 1..self.primitives.len() {
             let before = meshes[level - 1];
@@ -191,13 +220,7 @@ impl<'a> Levels<'a> {
                 self.put_targets(root, writer, mesh, level);
             }
         }
-        let nodes = root.list("nodes").len();
-        for node in 0..nodes {
-            let shows = root["nodes"][node]["mesh"].as_index();
-            if shows == Some(self.mesh) && meshes.len() > 1 {
-                self.put_nodes(root, node, &meshes[1..]);
-            }
-        }
+        meshes
     }
 
     /// Adds the mesh of a level. None if it would have no primitive, which glTF does not allow.
@@ -239,7 +262,7 @@ impl<'a> Levels<'a> {
         };
         let of_others = root["meshes"][mesh]["primitives"].list().iter();
         let of_others: Vec<_> = of_others.map(|p| p.as_object().and_then(counts)).collect();
-        let Some(entry) = root.objects_mut("meshes").nth(mesh) else { return };
+        let Some(entry) = root.object_mut("meshes", mesh) else { return };
         let mut targets = 0;
         let mut own = self.primitives[level].iter();
         for (p, primitive) in entry.objects_mut("primitives").enumerate() {
@@ -265,20 +288,20 @@ impl<'a> Levels<'a> {
         glide::name_target(entry, targets);
     }
 
-    /// Adds a node per coarser level beside `node`, with its transform, skin and animations.
-    fn put_nodes(&self, root: &mut Object, node: usize, meshes: &[usize]) {
+    /// Adds a node per coarser level beside `node`, with its transform and skin. Returns the number
+    /// of `node` with that of each.
+    fn put_nodes(&self, root: &mut Object, node: usize, meshes: &[usize]) -> Vec<[usize; 2]> {
         let first = root.list("nodes").len();
         let ids: Vec<usize> = (first..first + meshes.len()).collect();
         let source = &root["nodes"][node];
-        let copies = (1..).zip(meshes).map(|(level, &mesh)| copied(source, mesh, level)).collect();
-        root.append("nodes", copies);
-        for &id in &ids {
-            copy_channels(root, node, id);
-        }
-        let entry = root.objects_mut("nodes").nth(node).expect("the node that was copied");
+        let made = (1..).zip(meshes).map(|(level, &mesh)| copied(source, mesh, level)).collect();
+        root.append("nodes", made);
+        let copies = ids.iter().map(|&id| [node, id]).collect();
+        let entry = root.object_mut("nodes", node).expect("the node that was copied");
         entry["extensions"]["MSFT_lod"] = object! { "ids" => ids };
         entry["extras"]["MSFT_screencoverage"] = self.object.coverage.clone().into();
         extensions::add(root, "extensionsUsed", "MSFT_lod");
+        copies
     }
 }
 
@@ -313,23 +336,38 @@ fn copied(node: &Json, mesh: usize, level: usize) -> Json {
     Json::Object(copy)
 }
 
-/// Repeats the animation channels of a node for its copy.
-fn copy_channels(root: &mut Object, node: usize, copy: usize) {
+/// Repeats the animation channels of nodes for their copies, each given with its node.
+fn copy_channels(root: &mut Object, copies: &[[usize; 2]]) {
+    let mut copies_of: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (place, [node, _]) in copies.iter().enumerate() {
+        copies_of.entry(*node).or_default().push(place);
+    }
+    let places = |node: usize| copies_of.get(&node).into_iter().flatten();
     for animation in root.objects_mut("animations") {
-        let mut copies = Vec::new();
+        let mut own: Vec<(usize, Json)> = Vec::new();
         for channel in animation.list("channels") {
-            let mut own = channel.clone();
-            let target = &mut own["target"];
-            if target["node"].as_index() == Some(node) {
-                target["node"] = copy.into();
-                copies.push(own);
-            } else if let Some(pointer) = extensions::animation_pointer(target)
-                && let Some(rest) = pointer.strip_prefix(&format!("/nodes/{node}/"))
-            {
-                *pointer = format!("/nodes/{copy}/{rest}");
-                copies.push(own);
+            let node = channel["target"]["node"].as_index();
+            own.extend(node.into_iter().flat_map(places).map(|&place| {
+                let mut copy = channel.clone();
+                copy["target"]["node"] = copies[place][1].into();
+                (place, copy)
+            }));
+            let mut copy = channel.clone();
+            let Some(pointer) = extensions::animation_pointer(&mut copy["target"]) else {
+                continue;
+            };
+            let Some((of, rest)) = extensions::of_node(pointer) else { continue };
+            let rest = rest.to_owned();
+            for &place in places(of).filter(|_| node != Some(of)) {
+                let mut copy = copy.clone();
+                if let Some(pointer) = extensions::animation_pointer(&mut copy["target"]) {
+                    *pointer = format!("/nodes/{}/{rest}", copies[place][1]);
+                }
+                own.push((place, copy));
             }
         }
-        animation.append("channels", copies);
+        // All channels of a copy, then those of the next.
+        own.sort_by_key(|(place, _)| *place);
+        animation.append("channels", own.into_iter().map(|(_, channel)| channel).collect());
     }
 }

@@ -70,7 +70,7 @@ pub fn export_levels(
             }
         }
         let extras = levels.sequence(&mut writer)?;
-        if let Some(mesh) = root.objects_mut("meshes").nth(mesh) {
+        if let Some(mesh) = root.object_mut("meshes", mesh) {
             mesh["extras"]["lodc"] = extras;
         }
     }

@@ -61,10 +61,15 @@ fn named(root: &Object) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     for animation in root.entries("animations") {
         let channels = animation.list("channels");
+        // The first channel of each counts.
+        let mut paths: BTreeMap<usize, &Json> = BTreeMap::new();
+        for channel in channels {
+            if let Some(sampler) = channel["sampler"].as_index() {
+                paths.entry(sampler).or_insert(&channel["target"]["path"]);
+            }
+        }
         for (s, sampler) in animation.list("samplers").iter().enumerate() {
-            let of_sampler = |c: &&Json| c["sampler"].as_index() == Some(s);
-            let channel = channels.iter().find(of_sampler);
-            let path = channel.and_then(|c| c["target"]["path"].as_str()).unwrap_or("other");
+            let path = paths.get(&s).and_then(|path| path.as_str()).unwrap_or("other");
             found.extend(sampler["input"].as_index().map(|a| (a, "times".to_owned())));
             found.extend(sampler["output"].as_index().map(|a| (a, path.to_owned())));
         }
