@@ -102,7 +102,7 @@ peers *words:
 plots:
     python3 tests/plots.py
 
-# How time grows with each count that a file can hold (ten minutes and more): at most 2.4 times for twice the count
+# How counted work grows with each count that a file can hold (by valgrind, ten minutes): at most 2.4 times for twice the count. --time: how time does, at larger counts
 growth *words: build
     python3 tests/growth.py target/release/lodc {{words}}
 
