@@ -66,8 +66,8 @@ impl<A: FromArgMatches> AssetOptions<A> {
 }
 
 /// Does the work on every asset, several at a time, those first that need most, within a budget.
-/// `need` says how many bytes that is, if it is known. Work is given the asset's number. The results
-/// are in the order of the assets.
+/// `need` says how many bytes that is, if it is known. Work is given the asset's number. The
+/// results are in the order of the assets.
 pub(crate) fn all<R: Send>(
     assets: &[Asset],
     budget: Budget,

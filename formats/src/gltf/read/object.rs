@@ -7,7 +7,7 @@ use crate::gltf::json::malformed;
 use crate::gltf::views::Views;
 use crate::{Fault, FormatError, Limits};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh, weld_positions};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// State that all meshes of a document share while they are read.
 #[derive(Debug)]
@@ -264,13 +264,13 @@ fn positions(
 
 /// The streams of a mesh by meaning and format.
 #[derive(Debug, Default)]
-struct Streams(HashMap<(Semantic, Option<u32>, Component, u8, bool), usize>);
+struct Streams(BTreeMap<(Semantic, Option<u32>, u8, u8, bool), usize>);
 
 impl Streams {
     /// The stream of this meaning and format among `all`, which primitives share.
     fn find(&mut self, wanted: Attribute, all: &mut Vec<Attribute>) -> usize {
         let Attribute { morph_target, component, components, normalized, .. } = wanted;
-        let key = (wanted.semantic.clone(), morph_target, component, components, normalized);
+        let key = (wanted.semantic.clone(), morph_target, component as u8, components, normalized);
         *self.0.entry(key).or_insert_with(|| {
             all.push(wanted);
             all.len() - 1
