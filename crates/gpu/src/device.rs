@@ -1,10 +1,12 @@
-//! Opening a graphics device.
+//! Opens a graphics device by the name of its adapter, keeps its first error, and checks sizes
+//! against its limits.
 
 use crate::GpuError;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// The wait for an answer after which a device counts as lost.
+/// The wait for an answer after which a device counts as lost: longer than the slowest pass on a
+/// software adapter.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// The description of an adapter.
@@ -16,7 +18,7 @@ pub struct Adapter {
     pub driver: String,
     /// The graphics API that it is reached through.
     pub backend: &'static str,
-    /// True if it is a processor that plays a graphics device.
+    /// True if it is software that runs on the processor.
     pub software: bool,
 }
 
@@ -131,7 +133,7 @@ impl Device {
         // Left alone, an error would panic. The first one is the cause; what follows are
         // consequences.
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
-            let said = match e {
+            let gpu_error = match e {
                 wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory,
                 wgpu::Error::Validation { description, .. }
                 | wgpu::Error::Internal { description, .. } => {
@@ -141,7 +143,7 @@ impl Device {
                     }
                 }
             };
-            slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(said);
+            slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(gpu_error);
         }));
         Ok(Self { adapter: described, device, queue, error })
     }

@@ -1,5 +1,5 @@
-//! Drawing what kernels have made, as an engine does it: indexed indirect draws of flat-shaded
-//! triangles or strips.
+//! Draws what kernels have written, as an engine does it: indexed indirect draws of flat-shaded
+//! triangles or strips, for timing and for tests.
 
 use crate::{GpuError, Session};
 use lodc_plan::DrawInput;

@@ -1,5 +1,5 @@
-//! Timing frames in which many instances of a few meshes are drawn, those with the same triangles
-//! by one draw.
+//! Times frames in which many instances of a few meshes are drawn, instances with the same
+//! triangles by one draw.
 
 use crate::draw::{Targets, pipeline};
 use crate::picture::Camera;
@@ -8,13 +8,13 @@ use crate::{Device, GpuError};
 use std::ops::Range;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-/// The place of an instance.
+/// The position and rotation of an instance.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Instance {
-    /// Added to the positions of the mesh, after the turn; relative to the camera's centre.
+    /// Added to the positions of the mesh, after the rotation; relative to the camera's centre.
     pub place: [f32; 3],
-    /// Cosine and sine of the turn about the second axis.
+    /// Cosine and sine of the rotation about the second axis.
     pub turn: [f32; 2],
 }
 
@@ -152,9 +152,9 @@ fn buffer(
 ) -> Result<wgpu::Buffer, GpuError> {
     device.allows_buffer("a crowd (bytes)", bytes.len() as u64)?;
     let contents = if bytes.is_empty() { &[0; 64] } else { bytes };
-    let made =
+    let created =
         device.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage });
-    device.check().map(|()| made)
+    device.check().map(|()| created)
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
-//! Timing passes and draws by the device's own clock.
+//! Times the cases of a benchmark, passes or draws, by the device's own clock or the host's.
 
 use crate::draw::Canvas;
 use crate::{Device, GpuError, Session};
 use lodc_plan::{Benchmark, Case};
 use std::time::Duration;
 
-/// A case is not repeated once it has taken so long.
+/// A case is not repeated once it has taken this long. Chosen by hand.
 const ENOUGH: Duration = Duration::from_secs(4);
 
 /// The time of one case.

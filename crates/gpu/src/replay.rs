@@ -1,4 +1,5 @@
-//! Running a plan and finding the first word that is not what it should be.
+//! Runs a plan on a device step by step, and reports the first word that differs from what the plan
+//! expects.
 
 use crate::{Device, GpuError, Session};
 use lodc_plan::{Expected, Plan, Tolerance};
@@ -24,7 +25,7 @@ pub struct Difference {
     pub buffer: &'static str,
     /// The word of the buffer.
     pub word: usize,
-    /// The part of the mesh that it belongs to.
+    /// The part of the mesh that it belongs to, in words.
     pub place: String,
     /// The word on the CPU.
     pub expected: u32,

@@ -1,4 +1,4 @@
-//! A program on a device: its buffers, its kernels, running passes and reading words back.
+//! A program on a device: creates its buffers and pipelines, runs passes, and reads words back.
 
 use crate::{Device, GpuError};
 use lodc_plan::{BufferId, Contents, DrawInput, Kernel, KernelId, Pass, Program, WORKGROUP};
@@ -6,9 +6,9 @@ use std::cell::OnceCell;
 
 /// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts
 /// as an offset.
-const SLOT: u64 = 256;
-/// Bytes that are read back at once.
-const STAGING: u64 = 32 << 20;
+const PARAMETER_SLOT: u64 = 256;
+/// Bytes that are read back at once. Chosen by hand.
+const STAGING_BYTES: u64 = 32 << 20;
 
 /// A program on a device.
 pub struct Session {
@@ -37,7 +37,7 @@ impl Session {
         let largest = program.buffers.iter().map(|b| bytes_of(&b.contents)).max().unwrap_or(16);
         let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("staging"),
-            size: largest.min(STAGING),
+            size: largest.min(STAGING_BYTES),
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -143,8 +143,8 @@ impl Session {
             let pipeline = self.pipeline(pass.kernel)?;
             let uniform = wgpu::BufferBinding {
                 buffer: &parameters,
-                offset: SLOT * i as u64,
-                size: std::num::NonZeroU64::new(SLOT),
+                offset: PARAMETER_SLOT * i as u64,
+                size: std::num::NonZeroU64::new(PARAMETER_SLOT),
             };
             let mut entries = vec![wgpu::BindGroupEntry {
                 binding: 0,
@@ -169,17 +169,17 @@ impl Session {
 
     fn pipeline(&self, kernel: KernelId) -> Result<&wgpu::ComputePipeline, GpuError> {
         let cell = &self.pipelines[kernel.0];
-        if let Some(made) = cell.get() {
-            return Ok(made);
+        if let Some(created) = cell.get() {
+            return Ok(created);
         }
-        let made = pipeline(&self.device, &self.kernels[kernel.0])?;
-        Ok(cell.get_or_init(|| made))
+        let created = pipeline(&self.device, &self.kernels[kernel.0])?;
+        Ok(cell.get_or_init(|| created))
     }
 
     /// The parameters of all passes, each in a slot of its own.
     fn parameters(&self, passes: &[Pass]) -> wgpu::Buffer {
-        let mut words = vec![0u32; SLOT as usize / 4 * passes.len().max(1)];
-        for (slot, pass) in words.chunks_mut(SLOT as usize / 4).zip(passes) {
+        let mut words = vec![0u32; PARAMETER_SLOT as usize / 4 * passes.len().max(1)];
+        for (slot, pass) in words.chunks_mut(PARAMETER_SLOT as usize / 4).zip(passes) {
             debug_assert!(
                 pass.parameters.len() <= Pass::MOST_PARAMETERS,
                 "a pass has too many parameters"
@@ -199,20 +199,20 @@ impl Session {
     /// Workgroups in two dimensions; none if there is nothing to do.
     fn groups(&self, pass: &Pass) -> Result<Option<(u32, u32)>, GpuError> {
         let groups = pass.threads.div_ceil(WORKGROUP);
-        let most = self.device.device.limits().max_compute_workgroups_per_dimension;
-        let rows = groups.div_ceil(most);
-        if rows > most {
+        let max_groups = self.device.device.limits().max_compute_workgroups_per_dimension;
+        let rows = groups.div_ceil(max_groups);
+        if rows > max_groups {
             return Err(GpuError::Limit {
                 what: "a pass (workgroups)".to_owned(),
                 limit: "max_compute_workgroups_per_dimension",
                 needed: u64::from(groups),
-                allowed: u64::from(most) * u64::from(most),
+                allowed: u64::from(max_groups) * u64::from(max_groups),
             });
         }
         Ok((groups > 0).then(|| (groups.div_ceil(rows), rows)))
     }
 
-    /// Puts words into a buffer.
+    /// Writes words into a buffer.
     ///
     /// # Errors
     /// If the device fails.
@@ -239,19 +239,19 @@ impl Session {
         Ok(words)
     }
 
-    /// The places of the corners of all triangles that [`Self::draw`] draws, of triangle lists.
+    /// The positions of the corners of all triangles that [`Self::draw`] draws, of triangle lists.
     ///
     /// # Errors
     /// If the device fails.
     pub fn drawn_triangles(&mut self, drawn: &DrawInput) -> Result<Vec<[[f32; 3]; 3]>, GpuError> {
         let [records, indices, draws] =
             [self.read(drawn.vertices)?, self.read(drawn.indices)?, self.read(drawn.draws)?];
-        let place = |&v: &u32| -> [f32; 3] {
+        let corner = |&v: &u32| -> [f32; 3] {
             std::array::from_fn(|i| f32::from_bits(records[v as usize * drawn.stride + i]))
         };
         let of_submesh = |draw: &[u32; 5]| &indices[draw[2] as usize..][..draw[0] as usize];
         let corners = draws.as_chunks::<5>().0.iter().flat_map(of_submesh);
-        let corners: Vec<[f32; 3]> = corners.map(place).collect();
+        let corners: Vec<[f32; 3]> = corners.map(corner).collect();
         Ok(corners.as_chunks::<3>().0.to_vec())
     }
 
@@ -266,19 +266,21 @@ impl Session {
         ranges: &[(BufferId, usize, usize)],
         mut see: impl FnMut(usize, usize, &[u32]) -> bool,
     ) -> Result<(), GpuError> {
-        let room = (self.staging.size() / 4) as usize;
+        let capacity = (self.staging.size() / 4) as usize;
         let mut pieces: Vec<(usize, usize, usize)> = Vec::new();
         for (range, &(_, _, words)) in ranges.iter().enumerate() {
             pieces.extend(
-                (0..words).step_by(room).map(|start| (range, start, room.min(words - start))),
+                (0..words)
+                    .step_by(capacity)
+                    .map(|start| (range, start, capacity.min(words - start))),
             );
         }
-        let mut rest = pieces.as_slice();
-        while !rest.is_empty() {
+        let mut pending = pieces.as_slice();
+        while !pending.is_empty() {
             let (mut used, mut batch) = (0, 0);
             let mut encoder = self.device.encoder();
-            while batch < rest.len() && used + rest[batch].2 <= room {
-                let (range, start, words) = rest[batch];
+            while batch < pending.len() && used + pending[batch].2 <= capacity {
+                let (range, start, words) = pending[batch];
                 let (buffer, first, _) = ranges[range];
                 let from = 4 * (first + start) as u64;
                 let (from_buffer, size) = (&self.buffers[buffer.0], 4 * words as u64);
@@ -293,19 +295,19 @@ impl Session {
                 batch += 1;
             }
             self.device.queue.submit([encoder.finish()]);
-            let mut go_on = true;
+            let mut continues = true;
             self.device.map(&self.staging, 4 * used as u64, |bytes| {
                 let mut words: &[u32] = bytemuck::cast_slice(bytes);
-                for &(range, start, len) in &rest[..batch] {
-                    let (piece, more) = words.split_at(len);
-                    words = more;
-                    go_on = go_on && see(range, start, piece);
+                for &(range, start, len) in &pending[..batch] {
+                    let (piece, further) = words.split_at(len);
+                    words = further;
+                    continues = continues && see(range, start, piece);
                 }
             })?;
-            if !go_on {
+            if !continues {
                 return Ok(());
             }
-            rest = &rest[batch..];
+            pending = &pending[batch..];
         }
         Ok(())
     }

@@ -1,4 +1,5 @@
-//! Running many runs at once, each timed by itself.
+//! Times runs of passes or draws: many are submitted at once, each between two time stamps of the
+//! device, or by the host's clock.
 
 use crate::draw::Canvas;
 use crate::{Device, GpuError, Session};
@@ -8,7 +9,7 @@ use std::time::Duration;
 /// The host's clock, from any start.
 pub(crate) type Now<'n> = &'n dyn Fn() -> Duration;
 
-/// Runs that are submitted at once: submitting takes longer than a small run does.
+/// Runs that are submitted at once: submitting takes longer than a small run does. Chosen by hand.
 const BATCH: usize = 256;
 
 impl Session {

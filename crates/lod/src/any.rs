@@ -1,4 +1,5 @@
-//! The closed list of models: the one place that names them all.
+//! The closed list of level-of-detail models, and a model of any kind. No other file names them
+//! all.
 
 use crate::{Interactive, Masking, Speed};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};

@@ -1,5 +1,5 @@
-//! Cutting long strips. Masks have one bit for each vertex of a strip; and a record costs as much
-//! as the strips that it changes are long.
+//! Cuts long strips into pieces that draw the same triangles. Masks have one bit for each vertex of
+//! a strip, and the time of a record grows with the length of the strips that it changes.
 
 use lodc_strip::{StripSet, Strips};
 use std::cmp::Reverse;
@@ -30,15 +30,17 @@ pub(crate) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
     }
     let (mut indices, mut ends, mut submesh_ends) = (Vec::new(), Vec::new(), Vec::new());
     for submesh in 0..strips.submesh_count() {
-        for mut rest in strips.submesh(submesh).map(|s| strips.strip(s)) {
-            let pieces = (rest.len() - 2).div_ceil(longest - 2);
-            for left in (2..=pieces).rev() {
-                let step = step(rest, left, longest - 2);
-                indices.extend_from_slice(&rest[..step + 2 - usize::from(turns(rest, step))]);
+        for mut remaining in strips.submesh(submesh).map(|s| strips.strip(s)) {
+            let pieces = (remaining.len() - 2).div_ceil(longest - 2);
+            for pieces_left in (2..=pieces).rev() {
+                let count = piece_triangles(remaining, pieces_left, longest - 2);
+                indices.extend_from_slice(
+                    &remaining[..count + 2 - usize::from(turns(remaining, count))],
+                );
                 ends.push(indices.len() as u32);
-                rest = &rest[step..];
+                remaining = &remaining[count..];
             }
-            indices.extend_from_slice(rest);
+            indices.extend_from_slice(remaining);
             ends.push(indices.len() as u32);
         }
         submesh_ends.push(ends.len() as u32);
@@ -50,16 +52,17 @@ pub(crate) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
 }
 
 /// Returns the number of triangles of the first of `pieces` pieces: an even number, such that
-/// `most` are enough for each of the others. Where the strip turns if it does, else about as many
-/// as in the others.
-fn step(strip: &[u32], pieces: usize, most: usize) -> usize {
-    let all = strip.len() - 2;
-    let even = all.div_ceil(pieces).next_multiple_of(2);
-    let least = all.saturating_sub((pieces - 1) * most).next_multiple_of(2).max(2);
-    let steps = (least..=most).step_by(2).filter(|&step| step < all);
+/// `max_triangles` are enough for each of the others. Cut where the strip turns if it does, else so
+/// that all pieces are about equally long.
+fn piece_triangles(strip: &[u32], pieces: usize, max_triangles: usize) -> usize {
+    let total = strip.len() - 2;
+    let equal_share = total.div_ceil(pieces).next_multiple_of(2);
+    let min_triangles =
+        total.saturating_sub((pieces - 1) * max_triangles).next_multiple_of(2).max(2);
+    let steps = (min_triangles..=max_triangles).step_by(2).filter(|&count| count < total);
     steps
-        .max_by_key(|&step| (turns(strip, step), Reverse(step.abs_diff(even)), step))
-        .unwrap_or(even)
+        .max_by_key(|&count| (turns(strip, count), Reverse(count.abs_diff(equal_share)), count))
+        .unwrap_or(equal_share)
 }
 
 /// Returns whether the last of the first `triangles` triangles is degenerate, so that a cut need

@@ -1,4 +1,4 @@
-//! Strips as models store them.
+//! The array in which models store strips: writing it, and reading it with every count checked.
 
 use lodc_mesh::{Mesh, put_leb128};
 use lodc_model::bytes::{Reader, put_narrow};
@@ -47,7 +47,7 @@ pub(crate) fn from_array(array: &Array, mesh: &Mesh) -> Result<Strips, BuildErro
         count = count.checked_add(number(&mut reader).ok_or_else(short)?).ok_or_else(short)?;
         submesh_ends.push(count);
     }
-    if count as usize > reader.left() {
+    if count as usize > reader.remaining() {
         return Err(short());
     }
     let mut end = 0u32;
@@ -61,7 +61,7 @@ pub(crate) fn from_array(array: &Array, mesh: &Mesh) -> Result<Strips, BuildErro
         ends.push(end);
     }
     let width = layout.width(mesh.vertex_count());
-    if (end as usize).checked_mul(width) != Some(reader.left()) {
+    if (end as usize).checked_mul(width) != Some(reader.remaining()) {
         return Err(wrong("has another length than its strips"));
     }
     let mut indices = Vec::with_capacity(end as usize);

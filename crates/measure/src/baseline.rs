@@ -1,9 +1,11 @@
-//! The numbers of comparisons as they were, to tell whether a surface has become worse.
+//! The numbers of a comparison and those that were recorded earlier: tells which have become worse,
+//! for `lodc compare --baseline`.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Distances that are rounding, as shares of the diagonal, and grey levels that are.
+/// Differences that count as rounding: of distances as a share of the diagonal, of pixels in grey
+/// levels. Chosen by hand.
 const ROUNDING: [f64; 2] = [1e-6, 0.01];
 
 /// The numbers of a comparison that tell whether a level is worse than another.
@@ -24,9 +26,9 @@ pub struct Numbers {
 pub struct Regression {
     /// Its name.
     pub name: &'static str,
-    /// As it is.
+    /// As measured now.
     pub now: f64,
-    /// As it was.
+    /// As recorded.
     pub then: f64,
 }
 
@@ -49,7 +51,7 @@ impl Numbers {
     }
 }
 
-/// An asset as it was.
+/// The recorded numbers of an asset.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Recorded {
     /// Options that the numbers depend on, as text.

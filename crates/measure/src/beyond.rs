@@ -1,4 +1,4 @@
-//! How much of a surface is far from another one.
+//! The share of a surface that is farther from another one than a distance, by samples.
 
 use crate::spread::over_weights;
 use crate::surface::Surface;
@@ -6,11 +6,11 @@ use lodc_mesh::NONE;
 use lodc_nearest::TriangleTree;
 use rayon::prelude::*;
 
-/// Places that are looked at: a share is known to about a hundredth.
+/// Sampled points: by them a share is known to about a hundredth.
 const SAMPLES: usize = 4096;
-/// Chooses the places.
+/// The seed of the points: any number ("gone" in ASCII).
 const SEED: u64 = 0x676f_6e65;
-/// Places that one thread looks at one after the other.
+/// Points that one thread looks up one after the other. Not measured; results do not depend on it.
 const RUN: usize = 256;
 
 /// The share of a surface that is farther than `distance` from another one; triangles count by
@@ -22,15 +22,15 @@ pub fn share_beyond(
     other: &TriangleTree,
     distance: f64,
 ) -> f64 {
-    let places = over_weights(surface, weights, SAMPLES, SEED);
-    // Slices follow the triangles, so the triangle that was near one place is often near the next.
-    let far = |run: &[(_, u32)]| {
+    let points = over_weights(surface, weights, SAMPLES, SEED);
+    // Slices follow the triangles, so the triangle near one point is often near the next.
+    let count_far = |run: &[(_, u32)]| {
         let mut hint = NONE;
         let is_far =
-            |&&(place, _): &&(_, u32)| !other.may_be_within(place, distance * distance, &mut hint);
+            |&&(point, _): &&(_, u32)| !other.may_be_within(point, distance * distance, &mut hint);
         run.iter().filter(is_far).count()
     };
-    places.par_chunks(RUN).map(far).sum::<usize>() as f64 / places.len().max(1) as f64
+    points.par_chunks(RUN).map(count_far).sum::<usize>() as f64 / points.len().max(1) as f64
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Colours that stand for numbers.
+//! Colour scales for pictures: one for shares from 0 to 1, one that tells numbers apart.
 
 /// The colour of a share: from 0 (blue) over green, yellow and orange to 1 (red), in sRGB. The
 /// scheme is Spectral (Harrower and Brewer 2003), reversed.

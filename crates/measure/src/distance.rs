@@ -1,4 +1,6 @@
-//! Distances between two surfaces (as Cignoni et al. 1998, Metro, measure them).
+//! Distances between two surfaces by sampled points: root mean square and largest, both ways (as
+//! Cignoni et al. 1998, Metro). The largest is then searched for around the samples that are
+//! farthest.
 
 use crate::spread::{over_area, over_triangles};
 use crate::surface::Surface;
@@ -8,27 +10,30 @@ use lodc_nearest::{Search, TriangleTree, morton_order};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Points that one thread looks up one after the other.
+/// Points that one thread looks up one after the other. Not measured; results do not depend on it.
 const RUN: usize = 256;
 
-/// Samples whose triangles are looked at more closely, those that are farthest.
+/// The farthest samples whose triangles are searched for points that are farther still. Chosen by
+/// hand.
 const WORST_SAMPLES: usize = 256;
 
-/// Boxes that may be opened for that, for each triangle and besides.
-const LOOKED_AT: [u32; 2] = [500, 30_000];
+/// Boxes of the tree that the search may open for each of these triangles, and besides. Chosen by
+/// hand.
+const BOX_BUDGET: [u32; 2] = [500, 30_000];
 
-/// A sample is as good as beyond a bound from this share of it on.
-const NEARLY: f64 = 0.8;
+/// A sample this share of a bound away is searched around, too: its triangle may reach beyond the
+/// bound. Chosen by hand.
+const NEAR_SHARE: f64 = 0.8;
 
 /// Density of samples on surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
     /// Points spread over the area of each surface.
     pub samples: usize,
-    /// Most points, on lattices over the triangles of each, that are asked besides for the largest
-    /// distance.
+    /// The most points, on lattices over the triangles of each surface, that are sampled besides
+    /// for the largest distance.
     pub lattice: usize,
-    /// Makes the samples.
+    /// The seed of the samples.
     pub seed: u64,
 }
 
@@ -77,10 +82,10 @@ impl Original {
     /// Measures both ways, as [`distances`] does.
     #[must_use]
     pub fn distances(&self, other: &Surface) -> Distances {
-        let there = self.samples.farthest_and_mean(&other.tree(), |t| self.tree.corners_of(t));
-        let back = Samples::new(other, &self.sampling);
-        let back = back.farthest_and_mean(&self.tree, |t| other.corners(t as usize));
-        Distances { hausdorff: [there.0, back.0], rms: [there.1, back.1] }
+        let forward = self.samples.farthest_and_mean(&other.tree(), |t| self.tree.corners_of(t));
+        let backward = Samples::new(other, &self.sampling);
+        let backward = backward.farthest_and_mean(&self.tree, |t| other.corners(t as usize));
+        Distances { hausdorff: [forward.0, backward.0], rms: [forward.1, backward.1] }
     }
 }
 
@@ -102,16 +107,16 @@ impl Original {
             });
         let search = Search::within((high - low).max(DVec3::ZERO).length());
         let tree = TriangleTree::new(&others);
-        let there = || (search.farthest(&own, &tree).most, self.samples.area.mean_square(&tree));
-        let back = || {
+        let forward = || (search.farthest(&own, &tree).most, self.samples.area.mean_square(&tree));
+        let backward = || {
             let area = over_area(other, self.sampling.samples, self.sampling.seed);
             (search.farthest(&others, &*self.tree).most, Points::new(area).mean_square(&self.tree))
         };
-        let (there, back) = rayon::join(there, back);
-        let bound = there.0.max(back.0);
+        let (forward, backward) = rayon::join(forward, backward);
+        let bound = forward.0.max(backward.0);
         // Rounding errors of coordinates are no distances.
         let bound = if bound <= 2.0 * search.floor { 0.0 } else { bound };
-        (bound, there.1.max(back.1).sqrt())
+        (bound, forward.1.max(backward.1).sqrt())
     }
 }
 
@@ -126,17 +131,17 @@ struct Samples {
 /// other.
 #[derive(Clone, Debug)]
 struct Points {
-    places: Vec<DVec3>,
+    positions: Vec<DVec3>,
     triangles: Vec<u32>,
     order: Vec<u32>,
 }
 
 impl Points {
     fn new(points: Vec<(DVec3, u32)>) -> Self {
-        let (places, triangles): (Vec<DVec3>, Vec<u32>) = points.into_iter().unzip();
-        let place = |i: u32| [places[i as usize].as_vec3().into(); 3];
-        let order = morton_order(0..places.len() as u32, place);
-        Self { places, triangles, order }
+        let (positions, triangles): (Vec<DVec3>, Vec<u32>) = points.into_iter().unzip();
+        let position = |i: u32| [positions[i as usize].as_vec3().into(); 3];
+        let order = morton_order(0..positions.len() as u32, position);
+        Self { positions, triangles, order }
     }
 
     /// The mean squared distance to a surface; 0 without points.
@@ -154,7 +159,8 @@ impl Samples {
     }
 
     /// The largest and the root mean square distance to another surface. The triangles of the
-    /// samples that are farthest, with `corners`, are looked at more closely.
+    /// farthest samples, whose corners `corners` gives, are searched for points that are farther
+    /// still.
     fn farthest_and_mean(
         &self,
         to: &TriangleTree,
@@ -167,7 +173,7 @@ impl Samples {
         };
         let mut all = with_triangles(area, &self.area);
         all.extend(with_triangles(lattice, &self.lattice));
-        (beyond_samples(all, to, corners), mean.sqrt())
+        (search_worst(all, to, corners), mean.sqrt())
     }
 }
 
@@ -182,7 +188,7 @@ fn mean(squares: &[f64]) -> f64 {
 }
 
 /// The largest distance found from the triangles of samples, given with their squared distances.
-fn beyond_samples(
+fn search_worst(
     mut samples: Vec<(f64, u32)>,
     to: &TriangleTree,
     corners: impl Fn(u32) -> [DVec3; 3],
@@ -199,34 +205,34 @@ fn beyond_samples(
     triangles.sort_unstable();
     triangles.dedup();
     let from: Vec<[DVec3; 3]> = triangles.into_iter().map(corners).collect();
-    let search = Search { tolerance: 0.01, boxes: LOOKED_AT, ..Search::within(largest) };
+    let search = Search { tolerance: 0.01, boxes: BOX_BUDGET, ..Search::within(largest) };
     largest.max(search.farthest(&from, to).least)
 }
 
 /// The squared distances of points, each searched for from the triangle of the one before it in an
 /// order.
 fn squares(points: &Points, to: &TriangleTree) -> Vec<f64> {
-    let Points { places, order, .. } = points;
-    let along = |run: &[u32]| {
+    let Points { positions, order, .. } = points;
+    let measure_run = |run: &[u32]| {
         let mut hint = NONE;
-        let look = |&i: &u32| {
-            let (squared, triangle) = to.distance_from(places[i as usize], hint);
+        let measure = |&i: &u32| {
+            let (squared, triangle) = to.distance_from(positions[i as usize], hint);
             hint = triangle;
             squared
         };
-        run.iter().map(look).collect::<Vec<f64>>()
+        run.iter().map(measure).collect::<Vec<f64>>()
     };
-    let found: Vec<Vec<f64>> = order.par_chunks(RUN).map(along).collect();
-    let mut squares = vec![0.0; places.len()];
-    for (&i, squared) in order.iter().zip(found.into_iter().flatten()) {
+    let measured: Vec<Vec<f64>> = order.par_chunks(RUN).map(measure_run).collect();
+    let mut squares = vec![0.0; positions.len()];
+    for (&i, squared) in order.iter().zip(measured.into_iter().flatten()) {
         squares[i as usize] = squared;
     }
     squares
 }
 
 /// Returns the largest distance found from one surface to another, if it is more than `bound`.
-/// Asks the points that [`distances`] asks, each first whether it is about that far off, and looks
-/// more closely at the triangles of those that are.
+/// Samples the points that [`distances`] does, asks of each first whether it is about that far
+/// away, and searches the triangles of those that are.
 #[must_use]
 pub fn farther_than(
     from: &Surface,
@@ -235,23 +241,27 @@ pub fn farther_than(
     sampling: &Sampling,
 ) -> Option<f64> {
     let Samples { area, lattice } = Samples::new(from, sampling);
-    let near = NEARLY * bound;
-    let far_ones = |points: &Points| {
-        let along = |run: &[u32]| {
+    let near_bound = NEAR_SHARE * bound;
+    let far_samples = |points: &Points| {
+        let far_of_run = |run: &[u32]| {
             let mut hint = NONE;
-            let is_far =
-                |&&i: &&u32| !to.may_be_within(points.places[i as usize], near * near, &mut hint);
-            let far: Vec<u32> = run.iter().filter(is_far).copied().collect();
-            let squared = |i: u32| to.distance_squared(points.places[i as usize]);
-            far.into_iter().map(|i| (squared(i), points.triangles[i as usize])).collect::<Vec<_>>()
+            let is_far = |&&i: &&u32| {
+                !to.may_be_within(points.positions[i as usize], near_bound * near_bound, &mut hint)
+            };
+            let far_points: Vec<u32> = run.iter().filter(is_far).copied().collect();
+            let squared = |i: u32| to.distance_squared(points.positions[i as usize]);
+            far_points
+                .into_iter()
+                .map(|i| (squared(i), points.triangles[i as usize]))
+                .collect::<Vec<_>>()
         };
-        points.order.par_chunks(RUN).flat_map_iter(along).collect::<Vec<_>>()
+        points.order.par_chunks(RUN).flat_map_iter(far_of_run).collect::<Vec<_>>()
     };
-    let mut far = far_ones(&area);
-    far.extend(far_ones(&lattice));
-    if far.is_empty() {
+    let mut far_points = far_samples(&area);
+    far_points.extend(far_samples(&lattice));
+    if far_points.is_empty() {
         return None;
     }
-    let largest = beyond_samples(far, to, |t| from.corners(t as usize));
+    let largest = search_worst(far_points, to, |t| from.corners(t as usize));
     (largest > bound).then_some(largest)
 }

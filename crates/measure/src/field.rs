@@ -1,42 +1,43 @@
-//! Distances all over triangles, for colouring them.
+//! A distance field over triangles: the distance to a surface at lattice points of every triangle,
+//! for colouring them in pictures.
 
 use glam::DVec3;
 use lodc_nearest::TriangleTree;
 use rayon::prelude::*;
 
-/// Most parts of an edge.
+/// Most parts of an edge. Chosen by hand.
 const MAX_PARTS: usize = 48;
-/// Places measured in one field, more or less.
-const MAX_PLACES: usize = 4 << 20;
+/// Most points that are measured in one field, about. Chosen by hand: 16 MB.
+const MAX_POINTS: usize = 4 << 20;
 
-/// Distances from places of some triangles to a surface. The vertices of a level of detail are
+/// Distances from points of some triangles to a surface. The vertices of a level of detail are
 /// vertices of its input, so that only what lies between them shows how far off it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DistanceField {
     /// For each triangle, the number of parts of its edges.
     parts: Vec<usize>,
-    /// For each triangle, the distances of its places, row by row.
+    /// For each triangle, the distances of its points, row by row.
     distances: Vec<Vec<f32>>,
 }
 
 impl DistanceField {
-    /// Measures triangles by their corners, at steps of about `step`. Where there are too many
-    /// places for that, steps are longer.
+    /// Measures triangles by their corners, at steps of about `step`. Where that would be too many
+    /// points, steps are longer.
     #[must_use]
     pub fn new(triangles: &[[DVec3; 3]], to: &TriangleTree, step: f64) -> Self {
-        let wanted = |&[a, b, c]: &[DVec3; 3]| {
+        let parts_of = |&[a, b, c]: &[DVec3; 3]| {
             let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
             if step > 0.0 { ((longest / step).ceil() as usize).clamp(1, MAX_PARTS) } else { 1 }
         };
-        let mut parts: Vec<usize> = triangles.iter().map(wanted).collect();
-        let places: usize = parts.iter().map(|k| k * k / 2).sum();
-        if places > MAX_PLACES {
-            let less = (MAX_PLACES as f64 / places as f64).sqrt();
-            parts.iter_mut().for_each(|k| *k = ((*k as f64 * less) as usize).max(1));
+        let mut parts: Vec<usize> = triangles.iter().map(parts_of).collect();
+        let points: usize = parts.iter().map(|k| k * k / 2).sum();
+        if points > MAX_POINTS {
+            let factor = (MAX_POINTS as f64 / points as f64).sqrt();
+            parts.iter_mut().for_each(|k| *k = ((*k as f64 * factor) as usize).max(1));
         }
         let distances = |(&[a, b, c], &k): (&[DVec3; 3], &usize)| -> Vec<f32> {
-            let place = |s: [f64; 3]| a * s[0] + b * s[1] + c * s[2];
-            lattice(k).map(|s| to.distance_squared(place(s)).sqrt() as f32).collect()
+            let point = |s: [f64; 3]| a * s[0] + b * s[1] + c * s[2];
+            lattice(k).map(|s| to.distance_squared(point(s)).sqrt() as f32).collect()
         };
         let distances = triangles.par_iter().zip(&parts).map(distances).collect();
         Self { parts, distances }
@@ -53,16 +54,16 @@ impl DistanceField {
     pub fn parts<T: Copy>(&self, triangle: usize, corner: impl Fn([f64; 3], f32) -> T) -> Vec<T> {
         let k = self.parts[triangle];
         let distances = &self.distances[triangle];
-        let places: Vec<T> =
+        let points: Vec<T> =
             lattice(k).zip(distances).map(|(shares, &distance)| corner(shares, distance)).collect();
         let mut out = Vec::with_capacity(3 * k * k);
         let mut start = 0;
         for row in 0..k {
             let (length, next) = (k - row, start + k - row + 1);
             for i in 0..length {
-                out.extend([start + i, start + i + 1, next + i].map(|p| places[p]));
+                out.extend([start + i, start + i + 1, next + i].map(|p| points[p]));
                 if i + 1 < length {
-                    out.extend([start + i + 1, next + i + 1, next + i].map(|p| places[p]));
+                    out.extend([start + i + 1, next + i + 1, next + i].map(|p| points[p]));
                 }
             }
             start = next;
@@ -71,7 +72,8 @@ impl DistanceField {
     }
 }
 
-/// The places of a triangle whose edges have `k` parts, row by row, as shares of its corners.
+/// The lattice points of a triangle whose edges have `k` parts, row by row, as shares of its
+/// corners.
 fn lattice(k: usize) -> impl Iterator<Item = [f64; 3]> {
     let part = 1.0 / k as f64;
     (0..=k).flat_map(move |row| {
@@ -92,11 +94,11 @@ mod tests {
         let plane = TriangleTree::new(&[triangle.map(|p| p + DVec3::Z)]);
         for (step, k) in [(9.0, 1), (5.0, 2), (1.8, 5)] {
             let field = DistanceField::new(&[triangle], &plane, step);
-            let place = |s: [f64; 3], distance: f32| {
+            let point = |s: [f64; 3], distance: f32| {
                 assert!((distance - 1.0).abs() < 1e-6);
                 triangle[0] * s[0] + triangle[1] * s[1] + triangle[2] * s[2]
             };
-            let parts = field.parts(0, place);
+            let parts = field.parts(0, point);
             assert_eq!(parts.len(), 3 * k * k);
             let area = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).z;
             let areas: Vec<f64> = parts.as_chunks::<3>().0.iter().map(area).collect();

@@ -1,4 +1,5 @@
-//! Pictures coloured by how far each place of a surface is from another one.
+//! Heat maps: pictures of a surface coloured by the distance of each pixel's point from another
+//! one.
 
 use crate::colours::heat;
 use crate::picture::{Picture, ShadingOptions, Viewing, pictures};
@@ -7,18 +8,19 @@ use lodc_nearest::TriangleTree;
 use lodc_scene::Image;
 use rayon::prelude::*;
 
-/// Pictures side by side, and pixels across each.
+/// Four pictures side by side, 320 pixels across each.
 const VIEWING: Viewing = Viewing { views: 4, size: 320 };
 
 impl Picture {
-    /// Distance of each pixel's place from a surface, row by row from the top; 0 where nothing is.
+    /// Distance of each pixel's point from a surface, row by row from the top; 0 where nothing is
+    /// shown.
     #[must_use]
     pub fn distances(&self, tree: &TriangleTree) -> Vec<f64> {
-        let of = |(colour, &place): (&[f32; 3], &_)| match colour[0] < 0.0 {
+        let distance_of = |(colour, &place): (&[f32; 3], &_)| match colour[0] < 0.0 {
             true => 0.0,
             false => tree.distance_squared(place).sqrt(),
         };
-        self.colours.iter().zip(&self.points).map(of).collect()
+        self.colours.iter().zip(&self.points).map(distance_of).collect()
     }
 
     /// The picture in colours by the number and the own colour of each pixel, row by row from the
@@ -37,7 +39,7 @@ impl Picture {
     }
 }
 
-/// A sheet of pictures from four sides: `a`, `b`, and how far each place of `a` is from `b`.
+/// A sheet of pictures from four sides: `a`, `b`, and how far each point of `a` is from `b`.
 /// `hottest` is the distance that is drawn reddest.
 #[must_use]
 pub fn heat_sheet(a: &Surface, b: &Surface, looks: ShadingOptions, hottest: f64) -> Image {
@@ -45,17 +47,17 @@ pub fn heat_sheet(a: &Surface, b: &Surface, looks: ShadingOptions, hottest: f64)
     let cameras = VIEWING.cameras(a);
     let (of_a, of_b) = (pictures(a, &cameras, looks), pictures(b, &cameras, looks));
     let tree = b.tree();
-    let heated = |picture: &Picture| {
-        let far = picture.distances(&tree);
+    let heat_map = |picture: &Picture| {
+        let distances = picture.distances(&tree);
         // The root shows small differences, too.
-        let share = |i: usize| if hottest > 0.0 { (far[i] / hottest).sqrt() } else { 0.0 };
+        let share = |i: usize| if hottest > 0.0 { (distances[i] / hottest).sqrt() } else { 0.0 };
         picture.image(BLACK, |i, _| heat(share(i)))
     };
-    let seen = |p: &Picture| p.image(BLACK, |_, colour| colour.map(|v| v as u8));
+    let plain = |p: &Picture| p.image(BLACK, |_, colour| colour.map(|v| v as u8));
     let rows: [Vec<Image>; 3] = [
-        of_a.iter().map(seen).collect(),
-        of_b.iter().map(seen).collect(),
-        of_a.par_iter().map(heated).collect(),
+        of_a.iter().map(plain).collect(),
+        of_b.iter().map(plain).collect(),
+        of_a.par_iter().map(heat_map).collect(),
     ];
     let line = 4 * VIEWING.size as usize;
     let lines = rows.iter().flat_map(|row| {

@@ -1,5 +1,5 @@
-//! Pictures of surfaces, and how different they look: grey or as they are painted, with a light at
-//! the camera, from all sides.
+//! Pictures of surfaces for comparison: grey or with materials, with a light at the camera, from
+//! cameras spread evenly around; and the difference of two sets of pictures.
 
 use crate::surface::Surface;
 use glam::{DVec3, Vec2, Vec3};
@@ -8,7 +8,7 @@ use lodc_raster::{Camera, Fragment, Point, SUBPIXELS, Window, scan, spread_camer
 use lodc_scene::smooth_normals;
 use rayon::prelude::*;
 
-/// Light that comes from everywhere, and what the lamp at the camera adds at most. Shares of white.
+/// Ambient light, and what the lamp at the camera adds at most, as shares of white. Chosen by hand.
 const AMBIENT: f32 = 0.15;
 const LAMP: f32 = 0.85;
 /// Squares of the checkerboard in a unit of texture coordinates, both ways, and how dark the dark
@@ -95,7 +95,7 @@ impl<'a> Sitter<'a> {
         let normals = if own {
             surface.triangles.iter().map(|t| t.map(|v| surface.normals[v as usize])).collect()
         } else {
-            smooth(surface)
+            smoothed_normals(surface)
         };
         let looks = ShadingOptions {
             checkerboard: looks.checkerboard && !surface.texture.is_empty(),
@@ -113,7 +113,7 @@ impl<'a> Sitter<'a> {
 }
 
 /// Smooth normals of all corners. Vertices at one position are one.
-fn smooth(surface: &Surface) -> Vec<[Vec3; 3]> {
+fn smoothed_normals(surface: &Surface) -> Vec<[Vec3; 3]> {
     let single: Vec<[f32; 3]> = surface.positions.iter().map(|p| p.to_array()).collect();
     let positions: Vec<DVec3> = surface.positions.iter().map(|p| p.as_dvec3()).collect();
     smooth_normals(&surface.triangles, &positions, &PositionIds::new(&single))
@@ -174,16 +174,18 @@ fn picture(
     let size = camera.size;
     let points: Vec<Point> =
         surface.positions.iter().map(|p| camera.project(p.as_dvec3())).collect();
-    let mut front = vec![Fragment::NOTHING; (size * size) as usize];
+    let mut nearest_fragments = vec![Fragment::NOTHING; (size * size) as usize];
     for (t, triangle) in (0..).zip(&surface.triangles) {
         scan(triangle.map(|v| points[v as usize]), Window::whole(size), |column, row, depth| {
-            let nearest = &mut front[(row * size as i32 + column) as usize];
+            let nearest = &mut nearest_fragments[(row * size as i32 + column) as usize];
             *nearest = Fragment::new(t, depth).min(*nearest);
         });
     }
-    let mut colours = vec![[-1.0; 3]; front.len()];
-    let mut shown = vec![DVec3::ZERO; if with_points { front.len() } else { 0 }];
-    for (i, fragment) in front.into_iter().enumerate().filter(|(_, f)| *f != Fragment::NOTHING) {
+    let mut colours = vec![[-1.0; 3]; nearest_fragments.len()];
+    let mut shown = vec![DVec3::ZERO; if with_points { nearest_fragments.len() } else { 0 }];
+    for (i, fragment) in
+        nearest_fragments.into_iter().enumerate().filter(|(_, f)| *f != Fragment::NOTHING)
+    {
         let triangle = surface.triangles[fragment.item() as usize];
         let corners = triangle.map(|v| points[v as usize]);
         let (column, row) = (i as u32 % size, i as u32 / size);
@@ -227,12 +229,12 @@ fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
     let colour = Vec3::new(r, g, b).max(Vec3::ZERO).map(f32::sqrt);
     let Some(texture) = material.texture else { return colour };
     let image = &surface.images[texture.image];
-    let place = |uv: Vec2| Vec2::from(texture.place(uv.into()));
+    let transformed = |uv: Vec2| Vec2::from(texture.place(uv.into()));
     let triangle = surface.triangles[t];
-    let [a, b, c] = triangle.map(|v| place(surface.texture[v as usize]));
+    let [a, b, c] = triangle.map(|v| transformed(surface.texture[v as usize]));
     let pixels = (area.abs() / f64::from(SUBPIXELS * SUBPIXELS)) as f32;
     let texels = (b - a).perp_dot(c - a).abs() * image.area() / pixels.max(f32::MIN_POSITIVE);
-    colour * image.at(place(textured(surface, triangle, shares)), texels, texture.wrap)
+    colour * image.at(transformed(textured(surface, triangle, shares)), texels, texture.wrap)
 }
 
 fn is_dark(at: Vec2) -> bool {

@@ -1,4 +1,4 @@
-//! Pictures of one surface, for others to be compared with.
+//! The pictures of one surface from all sides, kept so that several others can be compared with it.
 
 use crate::picture::{
     Difference, ImageError, Picture, ShadingOptions, Sitter, Viewing, compare_pictures, mean,

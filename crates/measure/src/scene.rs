@@ -1,4 +1,5 @@
-//! The surface of a scene: every object where the default scene shows it.
+//! The surface of a scene: the triangles of every object where the default scene places it, with
+//! normals, texture coordinates and materials.
 
 use crate::picture::ShadingOptions;
 use crate::surface::Surface;

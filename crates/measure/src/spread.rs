@@ -1,4 +1,5 @@
-//! Points spread over a surface: the same for the same seed, whatever the threads.
+//! Sample points on a surface: one in each slice of equal area, or a lattice on each triangle. They
+//! depend on the surface and the seed, not on the number of threads.
 
 use crate::surface::Surface;
 use glam::DVec3;
@@ -6,7 +7,7 @@ use lodc_mesh::SplitMix64;
 use rayon::prelude::*;
 
 /// Most intervals into which a triangle's edge is cut by a lattice.
-const FINEST: usize = 7;
+const MAX_INTERVALS: usize = 7;
 
 /// `count` points, one in each of as many slices of equal area, with their triangles.
 pub(crate) fn over_area(surface: &Surface, count: usize, seed: u64) -> Vec<(DVec3, u32)> {
@@ -47,14 +48,14 @@ pub(crate) fn over_weights(
         .collect()
 }
 
-/// A regular lattice on every triangle, corners and edges included, as fine as `most` points in all
-/// allow: it finds what area samples miss on slivers. With more triangles than that, the corners of
-/// some. With their triangles.
-pub(crate) fn over_triangles(surface: &Surface, most: usize) -> Vec<(DVec3, u32)> {
+/// A regular lattice on every triangle, corners and edges included, as fine as `max_points` points
+/// in all allow: it finds what area samples miss on slivers. With more triangles than that, the
+/// corners of some. With their triangles.
+pub(crate) fn over_triangles(surface: &Surface, max_points: usize) -> Vec<(DVec3, u32)> {
     let triangles = surface.triangles.len();
     let points = |k: usize| (k + 1) * (k + 2) / 2;
-    let k = (1..=FINEST).rev().find(|&k| points(k) * triangles <= most).unwrap_or(1);
-    let stride = (points(k) * triangles).div_ceil(most.max(1)).max(1);
+    let k = (1..=MAX_INTERVALS).rev().find(|&k| points(k) * triangles <= max_points).unwrap_or(1);
+    let stride = (points(k) * triangles).div_ceil(max_points.max(1)).max(1);
     let lattice = |t: usize| {
         let [a, b, c] = surface.corners(t);
         (0..=k).flat_map(move |i| {

@@ -1,4 +1,5 @@
-//! The errors that a sequence states, against distances that are measured here at a few levels.
+//! Checks the errors that a collapse sequence stores against distances that are measured
+//! independently at a few levels, for `lodc verify`.
 
 use crate::distance::{Sampling, farther_than, mean_square};
 use crate::surface::Surface;
@@ -6,14 +7,14 @@ use lodc_mesh::{CollapseSequence, Lod, PositionIds, Simplified, SplitMix64, is_d
 use lodc_nearest::{Search, TriangleTree};
 use rayon::prelude::*;
 
-/// Levels that are measured, spread over the triangle counts.
+/// Levels that are measured, spread over the triangle counts. Chosen by hand.
 const LEVELS: u32 = 8;
 
-/// Chooses the levels.
+/// The seed by which levels are chosen: any number ("errors" in ASCII).
 const SEED: u64 = 0x6572_726f_7273;
 
-/// Fewer samples than [`Sampling::DEFAULT`], and on small surfaces about one and the corners and
-/// middles of edges for a triangle: what samples find nearly too far is looked at closely.
+/// Fewer samples than [`Sampling::DEFAULT`], and on small surfaces about one a triangle, with the
+/// corners and middles of its edges: where a sample is nearly too far, a search follows.
 fn sampling(triangles: usize) -> Sampling {
     Sampling {
         samples: triangles.clamp(1_000, 20_000),
@@ -22,7 +23,7 @@ fn sampling(triangles: usize) -> Sampling {
     }
 }
 
-/// Measured distances may be this many times the stored ones, which know samples only.
+/// Measured distances may be this many times the stored ones, which are made from samples.
 const TOLERANCE: f64 = 1.05;
 
 /// Stored distances may be this many times the measured ones.
@@ -50,8 +51,8 @@ const MISSED_SLICES: f64 = 3.0;
 
 /// Compares the errors and root mean square distances of a sequence with measured ones: returns how
 /// many levels were measured, and what is wrong with the first whose error does not hold. `shapes`
-/// are the surfaces that the errors are the maximum over, each with a place for every vertex: the
-/// one at rest first.
+/// are the surfaces that the errors are the maximum over, each with a position for every vertex:
+/// the one at rest first.
 #[must_use]
 pub fn check_errors<S: AsRef<[[f32; 3]]> + Sync>(
     simplified: &Simplified,
@@ -65,14 +66,14 @@ pub fn check_errors<S: AsRef<[[f32; 3]]> + Sync>(
 /// Returns levels with triangles, one by chance from each of some ranges of triangle counts.
 fn levels(collapses: &CollapseSequence) -> Vec<Lod> {
     let mut random = SplitMix64::new(SEED);
-    let mut above = f64::from(collapses.parts().triangles);
-    let ratio = above.powf(1.0 / f64::from(LEVELS));
+    let mut upper = f64::from(collapses.parts().triangles);
+    let ratio = upper.powf(1.0 / f64::from(LEVELS));
     let mut lods = Vec::new();
     for _ in 0..LEVELS {
-        let below = above / ratio;
-        let wanted = below + (above - below) * f64::from(random.unit());
-        lods.push(collapses.lod_for_triangles(wanted as u32).min(collapses.last_visible()));
-        above = below;
+        let lower = upper / ratio;
+        let triangles = lower + (upper - lower) * f64::from(random.unit());
+        lods.push(collapses.lod_for_triangles(triangles as u32).min(collapses.last_visible()));
+        upper = lower;
     }
     lods.dedup();
     lods.retain(|&lod| lod > Lod(0));
@@ -102,8 +103,9 @@ struct Levels<'a> {
 
 /// The input in one shape.
 struct Shape<'a> {
-    places: &'a [[f32; 3]],
-    /// Vertices at one position are at one place, so that triangles on each other stay there.
+    positions: &'a [[f32; 3]],
+    /// Vertices at one position at rest are at one position in this shape, so that coincident
+    /// triangles stay so.
     is_whole: bool,
     input: TriangleTree,
     diagonal: f64,
@@ -128,12 +130,20 @@ impl<'a> Levels<'a> {
         let positions = PositionIds::new(simplified.mesh().positions());
         let all = simplified.mesh().triangles();
         let distinct = distinct(all, &positions);
-        let shape = |&places: &&'a [[f32; 3]]| {
+        let shape = |&shape_positions: &&'a [[f32; 3]]| {
             let first = |v: usize| positions.first_vertex[positions.of_vertex[v] as usize];
-            let is_whole = (0..places.len()).all(|v| places[v] == places[first(v) as usize]);
-            let input = surface(places, if is_whole { distinct.clone() } else { all.to_vec() });
+            let is_whole = (0..shape_positions.len())
+                .all(|v| shape_positions[v] == shape_positions[first(v) as usize]);
+            let input =
+                surface(shape_positions, if is_whole { distinct.clone() } else { all.to_vec() });
             let area = area(&input);
-            Shape { places, is_whole, diagonal: input.diagonal(), input: input.tree(), area }
+            Shape {
+                positions: shape_positions,
+                is_whole,
+                diagonal: input.diagonal(),
+                input: input.tree(),
+                area,
+            }
         };
         let shapes = shapes.par_iter().map(shape).collect();
         Self { simplified, positions, distinct, shapes }
@@ -158,16 +168,16 @@ impl<'a> Levels<'a> {
             // No point is farther than the error, so what samples miss cannot matter more.
             let missed = MISSED_SLICES / f64::from(samples) * error * error;
             let square = mean_square_of(changes, samples);
-            let least = (square - missed).max(0.0).sqrt();
-            let too_small = least > (RMS_TOLERANCE * rms).max(RMS_OF_PARTS * error) + slack;
-            let most = || {
+            let lower_bound = (square - missed).max(0.0).sqrt();
+            let too_small = lower_bound > (RMS_TOLERANCE * rms).max(RMS_OF_PARTS * error) + slack;
+            let upper_bound = || {
                 // It never falls: a finer level may be the one that is that far.
-                let rose = collapses.parts().step_rms.partition_point(|&r| r < stored);
-                let finer = self.changes(collapses.step(rose).lod);
+                let first_step = collapses.parts().step_rms.partition_point(|&r| r < stored);
+                let finer = self.changes(collapses.step(first_step).lod);
                 (square.max(mean_square_of(&finer, samples)) + missed).sqrt()
             };
             let is_tiny = rms <= tiny || rms <= RMS_OVERSTATED * (square + missed).sqrt();
-            if !too_small && (is_tiny || rms <= RMS_OVERSTATED * most()) {
+            if !too_small && (is_tiny || rms <= RMS_OVERSTATED * upper_bound()) {
                 return None;
             }
             measured = square.sqrt();
@@ -181,32 +191,34 @@ impl<'a> Levels<'a> {
         let collapses = self.simplified.collapses();
         let stored = collapses.error_at(lod);
         let error = f64::from(stored);
-        let third = error / OVERSTATED;
-        let mut holds = error <= self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
+        let too_large_below = error / OVERSTATED;
+        let mut is_reached = error <= self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
         for (number, shape) in self.shapes.iter().enumerate() {
-            let most = TOLERANCE * error + shape.slack();
-            let found = changes[number].farther_than(if holds { most } else { third });
-            match found {
-                Some(largest) if largest > most => {
+            let allowed = TOLERANCE * error + shape.slack();
+            let farther =
+                changes[number].farther_than(if is_reached { allowed } else { too_large_below });
+            match farther {
+                Some(largest) if largest > allowed => {
                     let pose =
                         if number > 0 { format!(" in pose {number}") } else { String::new() };
                     let what = format!("the error is {stored}, measured are {largest}{pose}");
                     return Some(what);
                 }
-                found => holds |= found.is_some(),
+                farther => is_reached |= farther.is_some(),
             }
         }
-        if holds {
+        if is_reached {
             return None;
         }
         // Errors never fall: a finer level may be the one that is that far. Samples may miss a
         // small part, so only a bound tells that there is none.
-        let rose = collapses.parts().step_errors.partition_point(|&e| e < stored);
-        let finer = self.changes(collapses.step(rose).lod);
+        let first_step = collapses.parts().step_errors.partition_point(|&e| e < stored);
+        let finer = self.changes(collapses.step(first_step).lod);
         let search = |shape: &Shape| Search::within(shape.diagonal);
         let bounds = finer.iter().zip(&self.shapes).map(|(c, shape)| c.bound(search(shape)));
         let bound = bounds.fold(0.0, f64::max);
-        (bound < third).then(|| format!("the error is {stored}, no point is farther than {bound}"))
+        (bound < too_large_below)
+            .then(|| format!("the error is {stored}, no point is farther than {bound}"))
     }
 
     /// What a level changes in each shape. Triangles that it has in common with the input are
@@ -222,13 +234,21 @@ impl<'a> Levels<'a> {
         let mut changes = Vec::with_capacity(self.shapes.len());
         for shape in &self.shapes {
             let all = if shape.is_whole { &self.distinct } else { simplified.mesh().triangles() };
-            let (before, same): (Vec<_>, Vec<_>) = all.iter().partition(|t| is_changed(t));
-            let after = before.iter().copied().map(resolved).filter(is_live).collect();
-            let [level, before, after, same] = [shown.clone(), before, after, same]
-                .map(|triangles| surface(shape.places, triangles));
-            let areas = [shape.area, area(&same) + area(&after)];
+            let (input_changed, same): (Vec<_>, Vec<_>) = all.iter().partition(|t| is_changed(t));
+            let level_changed =
+                input_changed.iter().copied().map(resolved).filter(is_live).collect();
+            let [level, input_changed, level_changed, same] =
+                [shown.clone(), input_changed, level_changed, same]
+                    .map(|triangles| surface(shape.positions, triangles));
+            let areas = [shape.area, area(&same) + area(&level_changed)];
             let level = level.tree();
-            changes.push(Changes { input: &shape.input, level, before, after, areas });
+            changes.push(Changes {
+                input: &shape.input,
+                level,
+                input_changed,
+                level_changed,
+                areas,
+            });
         }
         changes
     }
@@ -245,8 +265,8 @@ struct Changes<'a> {
     input: &'a TriangleTree,
     level: TriangleTree,
     /// Those of the input that the level has not, and those of the level that the input has not.
-    before: Surface,
-    after: Surface,
+    input_changed: Surface,
+    level_changed: Surface,
     /// Twice the areas of the whole input and of the whole level; faces on each other count once.
     areas: [f64; 2],
 }
@@ -254,37 +274,41 @@ struct Changes<'a> {
 impl Changes<'_> {
     /// Returns the largest distance that samples find, either way, if it is more than `bound`.
     fn farther_than(&self, bound: f64) -> Option<f64> {
-        let way = |from: &Surface, to: &TriangleTree| {
+        let one_way = |from: &Surface, to: &TriangleTree| {
             farther_than(from, to, bound, &sampling(from.triangles.len()))
         };
-        let (there, back) =
-            rayon::join(|| way(&self.before, &self.level), || way(&self.after, self.input));
-        there.into_iter().chain(back).max_by(f64::total_cmp)
+        let (forward, backward) = rayon::join(
+            || one_way(&self.input_changed, &self.level),
+            || one_way(&self.level_changed, self.input),
+        );
+        forward.into_iter().chain(backward).max_by(f64::total_cmp)
     }
 
     /// The mean squared distance over the whole area, the larger of both ways. What is the same on
     /// both sides adds area alone.
     fn mean_square(&self, samples: usize) -> f64 {
-        let way = |changed: &Surface, to: &TriangleTree, all: f64| {
+        let one_way = |changed: &Surface, to: &TriangleTree, all: f64| {
             let share = area(changed) / all;
             if share > 0.0 { share * mean_square(changed, to, samples, SEED) } else { 0.0 }
         };
-        let (there, back) = rayon::join(
-            || way(&self.before, &self.level, self.areas[0]),
-            || way(&self.after, self.input, self.areas[1]),
+        let (forward, backward) = rayon::join(
+            || one_way(&self.input_changed, &self.level, self.areas[0]),
+            || one_way(&self.level_changed, self.input, self.areas[1]),
         );
-        there.max(back)
+        forward.max(backward)
     }
 
     /// An upper bound of the distance, either way.
     fn bound(&self, search: Search) -> f64 {
-        let most = |from: &Surface, to: &TriangleTree| {
+        let upper_bound = |from: &Surface, to: &TriangleTree| {
             let corners: Vec<_> = (0..from.triangles.len()).map(|t| from.corners(t)).collect();
             search.farthest(&corners, to).most
         };
-        let (there, back) =
-            rayon::join(|| most(&self.before, &self.level), || most(&self.after, self.input));
-        there.max(back)
+        let (forward, backward) = rayon::join(
+            || upper_bound(&self.input_changed, &self.level),
+            || upper_bound(&self.level_changed, self.input),
+        );
+        forward.max(backward)
     }
 }
 
@@ -306,11 +330,11 @@ fn distinct(triangles: &[[u32; 3]], positions: &PositionIds) -> Vec<[u32; 3]> {
 
 /// Twice the area of a surface.
 fn area(surface: &Surface) -> f64 {
-    let twice = |t| {
+    let doubled_area = |t| {
         let [a, b, c] = surface.corners(t);
         (b - a).cross(c - a).length()
     };
-    (0..surface.triangles.len()).map(twice).sum()
+    (0..surface.triangles.len()).map(doubled_area).sum()
 }
 
 fn surface(shape: &[[f32; 3]], triangles: Vec<[u32; 3]>) -> Surface {

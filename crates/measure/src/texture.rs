@@ -1,10 +1,11 @@
-//! Images laid over triangles by texture coordinates, as a camera sees them.
+//! Textures for pictures: an image and its halved sizes (mipmaps), sampled linearly between texels
+//! and between sizes.
 
 use glam::{Vec2, Vec3};
 use lodc_scene::{Image, Wrap};
 
-/// An image that can be read at any place and size: itself and all its halves. Texture coordinates
-/// 0 to 1 span it, with its first row at 0.
+/// An image that can be read at any coordinates and size: itself and all its halved sizes. Texture
+/// coordinates 0 to 1 span it, with its first row at 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pyramid {
     levels: Vec<Image>,
@@ -25,27 +26,27 @@ impl Pyramid {
         self.levels[0].width as f32 * self.levels[0].height as f32
     }
 
-    /// Returns the colour at a place, sRGB values from 0 to 1, for a pixel of a picture as large
-    /// as `texels` of the image. Linear between texels and between sizes.
+    /// Returns the colour at texture coordinates, sRGB values from 0 to 1, for a pixel of a picture
+    /// as large as `texels` of the image. Linear between texels and between sizes.
     #[must_use]
-    pub fn at(&self, place: Vec2, texels: f32, wrap: [Wrap; 2]) -> Vec3 {
-        let (mut level, mut left) = (0, texels);
-        while left > 4.0 && level + 2 < self.levels.len() {
-            left *= 0.25;
+    pub fn at(&self, uv: Vec2, texels: f32, wrap: [Wrap; 2]) -> Vec3 {
+        let (mut level, mut texels_left) = (0, texels);
+        while texels_left > 4.0 && level + 2 < self.levels.len() {
+            texels_left *= 0.25;
             level += 1;
         }
-        let near = bilinear(&self.levels[level], place, wrap);
-        let share = ((left - 1.0) / 3.0).clamp(0.0, 1.0);
+        let finer = bilinear(&self.levels[level], uv, wrap);
+        let share = ((texels_left - 1.0) / 3.0).clamp(0.0, 1.0);
         match self.levels.get(level + 1) {
-            Some(next) if share > 0.0 => near.lerp(bilinear(next, place, wrap), share),
-            _ => near,
+            Some(next) if share > 0.0 => finer.lerp(bilinear(next, uv, wrap), share),
+            _ => finer,
         }
     }
 }
 
-fn bilinear(image: &Image, place: Vec2, wrap: [Wrap; 2]) -> Vec3 {
-    let x = along(place.x, image.width, wrap[0]);
-    let y = along(place.y, image.height, wrap[1]);
+fn bilinear(image: &Image, uv: Vec2, wrap: [Wrap; 2]) -> Vec3 {
+    let x = axis_texels(uv.x, image.width, wrap[0]);
+    let y = axis_texels(uv.y, image.height, wrap[1]);
     let texel = |i: usize, j: usize| {
         let start = 4 * (y.0[j] as usize * image.width as usize + x.0[i] as usize);
         let texel = &image.bytes[start..start + 3];
@@ -66,33 +67,34 @@ const SHARES: [f32; 256] = {
     shares
 };
 
-/// The two texels beside a place along one axis, and how far it is from the first to the second.
-fn along(place: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
-    let place = if place.is_finite() { place } else { 0.0 };
-    let turns = match wrap {
-        Wrap::Repeat => place - floor(place),
-        Wrap::Mirror => 2.0 * (place * 0.5 - floor(place * 0.5)),
-        Wrap::Clamp => place.clamp(0.0, 1.0),
+/// The two texels beside a coordinate along one axis, and how far it is from the first to the
+/// second.
+fn axis_texels(coordinate: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
+    let coordinate = if coordinate.is_finite() { coordinate } else { 0.0 };
+    let in_image = match wrap {
+        Wrap::Repeat => coordinate - floor(coordinate),
+        Wrap::Mirror => 2.0 * (coordinate * 0.5 - floor(coordinate * 0.5)),
+        Wrap::Clamp => coordinate.clamp(0.0, 1.0),
     };
-    let at = turns * size as f32 - 0.5;
-    let before = floor(at);
+    let position = in_image * size as f32 - 0.5;
+    let lower = floor(position);
     let size = i64::from(size);
     let index = |i: i64| {
         (match wrap {
-            Wrap::Repeat => within(i, size),
+            Wrap::Repeat => wrapped(i, size),
             Wrap::Clamp => i.clamp(0, size - 1),
             Wrap::Mirror => {
-                let i = within(i, 2 * size);
+                let i = wrapped(i, 2 * size);
                 i.min(2 * size - 1 - i)
             }
         }) as u32
     };
-    ([index(before as i64), index(before as i64 + 1)], at - before)
+    ([index(lower as i64), index(lower as i64 + 1)], position - lower)
 }
 
-/// A number that is at most one beyond the range from 0 to `size`, as if that began again.
+/// A number that is at most one beyond the range from 0 to `size`, wrapped into it.
 #[inline]
-fn within(i: i64, size: i64) -> i64 {
+fn wrapped(i: i64, size: i64) -> i64 {
     if i < 0 {
         i + size
     } else if i >= size {
@@ -106,7 +108,7 @@ fn within(i: i64, size: i64) -> i64 {
 /// call for that of the standard library.
 #[inline]
 fn floor(x: f32) -> f32 {
-    // From here on there are whole numbers only.
+    // Floats from 2^23 on are whole numbers.
     const WHOLE: f32 = 8_388_608.0;
     if x.abs() >= WHOLE {
         return x;
@@ -134,8 +136,8 @@ mod tests {
             for (step, wrap) in (0..200)
                 .flat_map(|step| [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp].map(|wrap| (step, wrap)))
             {
-                let place = (step as f32 - 100.0) * 0.037;
-                let at = f64::from(place) * f64::from(size) - 0.5;
+                let coordinate = (step as f32 - 100.0) * 0.037;
+                let at = f64::from(coordinate) * f64::from(size) - 0.5;
                 let expected = [0, 1].map(|next| {
                     let (i, size) = (at.floor() as i64 + next, i64::from(size));
                     match wrap {
@@ -146,12 +148,12 @@ mod tests {
                         }
                     }
                 });
-                let found = along(place, size, wrap).0.map(i64::from);
+                let found = axis_texels(coordinate, size, wrap).0.map(i64::from);
                 // Rounding may decide where a place is at a texel's middle.
                 let is_middle = (at - at.round()).abs() < 1e-5;
                 assert!(
                     is_middle || found == expected,
-                    "{place} of {size}: {found:?}, not {expected:?}"
+                    "{coordinate} of {size}: {found:?}, not {expected:?}"
                 );
             }
         }

@@ -1,4 +1,5 @@
-//! The same mesh in another order.
+//! Reorders a mesh: triangles in a given order, identical vertices merged, vertices in the order of
+//! their first use.
 
 use crate::{Mesh, NONE};
 
@@ -9,10 +10,10 @@ impl Mesh {
     /// none uses are left out.
     #[must_use]
     pub fn arranged(&self, order: impl FnOnce(&Self) -> Vec<[u32; 3]>) -> Self {
-        let same = self.first_of_identical();
+        let first_identical = self.first_of_identical();
         let mut parts = self.clone().into_parts();
         for corner in parts.triangles.iter_mut().flatten() {
-            *corner = same[*corner as usize];
+            *corner = first_identical[*corner as usize];
         }
         let merged = Self::try_from(parts).expect("identical vertices are at one position");
         let mut triangles = order(&merged);
@@ -37,8 +38,8 @@ impl Mesh {
         let compare = |&a: &u32, &b: &u32| {
             let streams = &self.submeshes()[submesh(a) as usize].attributes;
             let streams = || streams.iter().map(|&s| &self.attributes()[s as usize]);
-            let places = (submesh(a), bits(a)).cmp(&(submesh(b), bits(b)));
-            places.then_with(|| streams().map(|s| s.at(a)).cmp(streams().map(|s| s.at(b))))
+            let key_order = (submesh(a), bits(a)).cmp(&(submesh(b), bits(b)));
+            key_order.then_with(|| streams().map(|s| s.at(a)).cmp(streams().map(|s| s.at(b))))
         };
         let mut sorted: Vec<u32> = (0..self.vertex_count() as u32).collect();
         sorted.sort_unstable_by(|a, b| compare(a, b).then(a.cmp(b)));

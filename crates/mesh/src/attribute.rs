@@ -77,8 +77,8 @@ impl Attribute {
         self.component.size() * usize::from(self.components)
     }
 
-    /// Returns whether the stream places a vertex, at rest or moved by joints and morph targets. A
-    /// vertex that takes another's place takes these streams from it.
+    /// Returns whether the stream decides the position of a vertex, at rest or moved by joints and
+    /// morph targets. A vertex that moves to another's position takes these streams from it.
     #[must_use]
     pub fn is_spatial(&self) -> bool {
         matches!(self.semantic, Semantic::Position | Semantic::Joints(_) | Semantic::Weights(_))

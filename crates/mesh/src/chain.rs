@@ -1,4 +1,5 @@
-//! A chain of levels over one vertex buffer, of which every level uses a prefix.
+//! A chain: several levels of one mesh over one vertex buffer, of which every level uses a prefix;
+//! with geomorphing, what each vertex moves to.
 
 use crate::{Attribute, Lod, Mesh, MeshError, MeshParts, Simplified, Submesh};
 
@@ -17,7 +18,7 @@ pub struct Chain {
     pub prefixes: Vec<u32>,
 }
 
-/// A chain with the way from each level to the next.
+/// A chain with what moves each level into the next one (geomorphing).
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlidingChain {
     /// The levels; the mesh also has the vertices that others become without having a triangle.
@@ -29,14 +30,14 @@ pub struct GlidingChain {
 }
 
 impl GlidingChain {
-    /// Returns the mesh with every vertex where it goes, without triangles. A vertex that becomes
-    /// one of another submesh takes its place alone: its other values stay.
+    /// Returns the mesh with every vertex moved to what it becomes, without triangles. A vertex
+    /// that becomes one of another submesh takes its position alone: its other values stay.
     #[must_use]
     pub fn next(&self) -> Mesh {
         let mesh = &self.chain.mesh;
         let of = |v: u32| mesh.vertex_submesh()[v as usize];
-        let own = |(v, &to): (u32, &u32)| if of(v) == of(to) { to } else { v };
-        let values: Vec<u32> = (0..).zip(&self.becomes).map(own).collect();
+        let value_source = |(v, &to): (u32, &u32)| if of(v) == of(to) { to } else { v };
+        let values: Vec<u32> = (0..).zip(&self.becomes).map(value_source).collect();
         let attribute = |a: &Attribute| match a.is_spatial() {
             true => a.gathered(self.becomes.iter().copied()),
             false => a.gathered(values.iter().copied()),
@@ -69,8 +70,8 @@ impl Simplified {
         self.chain_with(lods, &[]).map(|(chain, _)| chain)
     }
 
-    /// Returns the levels at `lods`, which do not fall, and what each vertex becomes on the way
-    /// from one to the next.
+    /// Returns the levels at `lods`, which do not fall, and what each vertex becomes between
+    /// one and the next.
     ///
     /// # Errors
     /// As [`Self::chain`].
@@ -79,14 +80,14 @@ impl Simplified {
         // Of every vertex of the input, and of the one that it becomes.
         let mut becomes: Vec<u32> = (0..self.mesh().vertex_count() as u32).collect();
         for pair in floors.windows(2) {
-            let gone = pair[0].0 as usize..pair[1].0 as usize;
-            for v in gone.clone() {
+            let removed = pair[0].0 as usize..pair[1].0 as usize;
+            for v in removed.clone() {
                 becomes[v] = self.collapses().targets()[v];
             }
-            for v in gone.clone().rev() {
+            for v in removed.clone().rev() {
                 // Targets come later: this one's own is resolved already.
                 let to = becomes[v] as usize;
-                becomes[v] = if gone.contains(&to) { becomes[to] } else { to as u32 };
+                becomes[v] = if removed.contains(&to) { becomes[to] } else { to as u32 };
             }
         }
         let (chain, used) = self.chain_with(lods, &becomes)?;

@@ -1,4 +1,5 @@
-//! Dropping what takes no part in any level of detail, and counting it.
+//! Drops degenerate triangles and unused vertices, which take no part in any level of detail, and
+//! counts them.
 
 use crate::{MeshParts, NONE, is_degenerate, position_key};
 
@@ -33,17 +34,17 @@ impl MeshParts {
     /// As [`Self::clean`].
     pub fn drop_degenerate(&mut self) -> usize {
         let before = self.triangles.len();
-        let mut kept = Vec::with_capacity(self.triangles.len());
+        let mut remaining = Vec::with_capacity(self.triangles.len());
         for submesh in &mut self.submeshes {
-            let first = kept.len();
-            kept.extend(self.triangles[submesh.triangles()].iter().copied().filter(|t| {
+            let first = remaining.len();
+            remaining.extend(self.triangles[submesh.triangles()].iter().copied().filter(|t| {
                 let keys = t.map(|v| position_key(self.positions[v as usize]));
                 !is_degenerate(keys)
             }));
             submesh.first_triangle = first as u32;
-            submesh.triangle_count = (kept.len() - first) as u32;
+            submesh.triangle_count = (remaining.len() - first) as u32;
         }
-        self.triangles = kept;
+        self.triangles = remaining;
         before - self.triangles.len()
     }
 

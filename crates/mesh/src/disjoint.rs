@@ -1,4 +1,4 @@
-//! Disjoint sets: which elements hang together (union-find with path halving).
+//! Disjoint sets of elements that are connected (union-find with path halving).
 
 /// Elements from 0 on, each in one set.
 #[derive(Clone, Debug)]
@@ -15,13 +15,13 @@ impl DisjointSets {
 
     /// Returns the smallest element of the set that `element` is in.
     pub fn find(&mut self, element: u32) -> u32 {
-        let mut at = element;
-        while self.parent[at as usize] != at {
-            let above = self.parent[at as usize];
-            self.parent[at as usize] = self.parent[above as usize];
-            at = self.parent[at as usize];
+        let mut current = element;
+        while self.parent[current as usize] != current {
+            let parent = self.parent[current as usize];
+            self.parent[current as usize] = self.parent[parent as usize];
+            current = self.parent[current as usize];
         }
-        at
+        current
     }
 
     /// Makes one set of those that two elements are in.

@@ -1,4 +1,4 @@
-//! A level of detail as a mesh of its own.
+//! Extracts triangles of a mesh, such as a level of detail, as a mesh of its own.
 
 use crate::{Mesh, MeshError, MeshParts, OrientedTriangle, Submesh};
 
@@ -37,10 +37,11 @@ impl Mesh {
                 submesh
             })
             .collect();
-        let mut place: Vec<usize> = submeshes.iter().map(|s| s.first_triangle as usize).collect();
+        let mut next_slot: Vec<usize> =
+            submeshes.iter().map(|s| s.first_triangle as usize).collect();
         let mut sorted = vec![[0; 3]; triangles.len()];
         for t in triangles {
-            let slot = &mut place[t.submesh as usize];
+            let slot = &mut next_slot[t.submesh as usize];
             sorted[*slot] = t.corners.map(|v| new_index[v as usize]);
             *slot += 1;
         }

@@ -1,5 +1,5 @@
-//! Wedge groups: the vertices at one position whose triangles hang together there. The unit of
-//! collapse.
+//! Wedge groups: the vertices at one position whose triangles are connected through edges at that
+//! position. A half-edge collapse moves a group.
 
 use crate::{DisjointSets, Mesh, NONE, PositionIds};
 
@@ -18,7 +18,7 @@ impl WedgeGroups {
     /// two groups.
     #[must_use]
     pub fn new(mesh: &Mesh, positions: &PositionIds) -> Self {
-        let mut joined = DisjointSets::new(mesh.vertex_count());
+        let mut sets = DisjointSets::new(mesh.vertex_count());
         // Most meshes have one vertex per position: nothing to join there, so those corners are
         // left out.
         let mut vertices_at = vec![0u32; positions.len()];
@@ -40,13 +40,13 @@ impl WedgeGroups {
         spokes.sort_unstable();
         for pair in spokes.windows(2) {
             if pair[0].0 == pair[1].0 && pair[0].1 == pair[1].1 {
-                joined.join(pair[0].2, pair[1].2);
+                sets.join(pair[0].2, pair[1].2);
             }
         }
         let mut of_vertex = vec![NONE; mesh.vertex_count()];
         let mut first_vertex = Vec::new();
         for v in 0..mesh.vertex_count() as u32 {
-            let root = joined.find(v) as usize;
+            let root = sets.find(v) as usize;
             if of_vertex[root] == NONE {
                 of_vertex[root] = first_vertex.len() as u32;
                 first_vertex.push(v);

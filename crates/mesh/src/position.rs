@@ -1,4 +1,4 @@
-//! Positions compared bit for bit, with −0 and +0 the same.
+//! Positions as identities: compared bit for bit, with −0 and +0 the same, and numbered.
 
 /// The identity of a position: two vertices are at one position exactly if their keys are equal.
 #[must_use]
@@ -28,7 +28,7 @@ impl PositionIds {
     /// their hashes collide would make this quadratic.
     fn by_hashing(positions: &[[f32; 3]]) -> Option<Self> {
         const EMPTY: u32 = u32::MAX;
-        let mut patience = 16 * positions.len() + 1024;
+        let mut probes_left = 16 * positions.len() + 1024;
         let slots = (positions.len() * 3 / 2 + 1).next_power_of_two();
         let mask = slots - 1;
         let mut table = vec![EMPTY; slots];
@@ -49,7 +49,7 @@ impl PositionIds {
                     break id;
                 }
                 slot = (slot + 1) & mask;
-                patience = patience.checked_sub(1)?;
+                probes_left = probes_left.checked_sub(1)?;
             };
             of_vertex.push(id);
         }
@@ -61,19 +61,19 @@ impl PositionIds {
         let mut order: Vec<u32> = (0..index(positions.len())).collect();
         let key = |v: u32| position_key(positions[v as usize]);
         order.sort_unstable_by_key(|&v| (key(v), v));
-        let mut leader: Vec<u32> = (0..index(positions.len())).collect();
+        let mut first_equal: Vec<u32> = (0..index(positions.len())).collect();
         for pair in order.windows(2) {
             if key(pair[0]) == key(pair[1]) {
-                leader[pair[1] as usize] = leader[pair[0] as usize];
+                first_equal[pair[1] as usize] = first_equal[pair[0] as usize];
             }
         }
         let (mut of_vertex, mut first_vertex) = (vec![0; positions.len()], Vec::new());
         for v in 0..positions.len() {
-            if leader[v] as usize == v {
+            if first_equal[v] as usize == v {
                 of_vertex[v] = index(first_vertex.len());
                 first_vertex.push(index(v));
             } else {
-                of_vertex[v] = of_vertex[leader[v] as usize];
+                of_vertex[v] = of_vertex[first_equal[v] as usize];
             }
         }
         Self { of_vertex, first_vertex }

@@ -1,4 +1,4 @@
-//! Names of poses.
+//! How a pose of one object is named: a moment of an animation, or a morph target.
 
 /// A pose of one object, by what gives it a shape other than the one at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,7 +19,7 @@ pub struct Step {
     /// Error of that LOD in the mesh's units; never smaller than that of the step before, infinite
     /// where a mesh that had triangles has none left.
     pub error: f32,
-    /// Triangles that are left.
+    /// Triangles of that LOD.
     pub triangles: u32,
 }
 
@@ -49,15 +49,15 @@ pub struct SequenceParts {
     pub first_topology_change: Option<Lod>,
 }
 
-/// Records between two entries of the index of step ends.
-const STRIDE: usize = 32;
+/// Records between two entries of the index of step ends. Not measured.
+const INDEX_STRIDE: usize = 32;
 
 /// A valid collapse sequence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollapseSequence(SequenceParts, StepIndex);
 
-/// Number of complete steps at every [`STRIDE`]th LOD, so that the step of a LOD is found in a
-/// few reads.
+/// Number of complete steps at every [`INDEX_STRIDE`]th LOD, so that the step of a LOD is found in
+/// a few reads.
 #[derive(Clone, Debug, PartialEq)]
 struct StepIndex(Vec<u32>);
 
@@ -71,17 +71,23 @@ impl StepIndex {
             steps as u32
         };
         // The last entry is all of them.
-        Self((0..records / STRIDE + 2).map(|i| complete((STRIDE * i).min(records))).collect())
+        Self(
+            (0..records / INDEX_STRIDE + 2)
+                .map(|i| complete((INDEX_STRIDE * i).min(records)))
+                .collect(),
+        )
     }
 
     /// Returns the number of complete steps at a LOD, which is not beyond the last.
     fn complete(&self, step_ends: &[u32], lod: usize) -> usize {
-        let [below, above] = [self.0[lod / STRIDE], self.0[lod / STRIDE + 1]].map(|n| n as usize);
+        let [at_or_before, at_next] =
+            [self.0[lod / INDEX_STRIDE], self.0[lod / INDEX_STRIDE + 1]].map(|n| n as usize);
         // Each step has a record at least: no more steps than records, and all others have yet to
         // come.
-        let (passed, left) = (lod % STRIDE, STRIDE - lod % STRIDE);
-        let (least, most) = (below.max(above.saturating_sub(left)), above.min(below + passed));
-        least + step_ends[least..most].partition_point(|&end| end as usize <= lod)
+        let (passed, to_next) = (lod % INDEX_STRIDE, INDEX_STRIDE - lod % INDEX_STRIDE);
+        let (min_steps, max_steps) =
+            (at_or_before.max(at_next.saturating_sub(to_next)), at_next.min(at_or_before + passed));
+        min_steps + step_ends[min_steps..max_steps].partition_point(|&end| end as usize <= lod)
     }
 }
 
@@ -228,8 +234,8 @@ impl CollapseSequence {
         map.extend(map.len() as u32..=self.records());
         map
     }
-    /// [`Self::resolve`] for the vertices that are gone at `lod`, the first ones; any other is what
-    /// it was. `shown` is cleared first.
+    /// [`Self::resolve`] for the vertices that have disappeared at `lod`, the first ones; all
+    /// others are themselves. `shown` is cleared first.
     pub fn resolve_gone(&self, lod: Lod, shown: &mut Vec<u32>) {
         let end = lod.min(self.last()).0 as usize;
         shown.clear();

@@ -1,4 +1,5 @@
-//! Shortcuts through long chains of collapses.
+//! Jump pointers through long chains of collapses, so that any chain is followed in logarithmic
+//! time.
 
 /// For each vertex one further vertex down its chain of collapses, chosen so that any chain is
 /// walked in a logarithmic number of moves (the skew-binary jump pointers of Myers 1983).
@@ -15,25 +16,25 @@ impl Shortcuts {
         let mut depth = vec![0u32; last + 1];
         for v in (0..last).rev() {
             let next = targets[v] as usize;
-            let far = further[next] as usize;
-            let farther = further[far] as usize;
+            let jump = further[next] as usize;
+            let second_jump = further[jump] as usize;
             depth[v] = depth[next] + 1;
-            let even = depth[next] - depth[far] == depth[far] - depth[farther];
-            further[v] = if even { farther } else { next } as u32;
+            let is_balanced = depth[next] - depth[jump] == depth[jump] - depth[second_jump];
+            further[v] = if is_balanced { second_jump } else { next } as u32;
         }
         Self(further)
     }
 
-    /// Returns the first vertex of the chain from `vertex` on that `is_left`, which holds for all
+    /// Returns the first vertex of the chain from `vertex` on that `has_ended`, which holds for all
     /// behind one for which it holds, and for the last one.
     #[must_use]
-    pub fn first(&self, targets: &[u32], vertex: u32, is_left: impl Fn(u32) -> bool) -> u32 {
-        let mut at = vertex;
-        while !is_left(at) {
-            let far = self.0[at as usize];
-            at = if is_left(far) { targets[at as usize] } else { far };
+    pub fn first(&self, targets: &[u32], vertex: u32, has_ended: impl Fn(u32) -> bool) -> u32 {
+        let mut current = vertex;
+        while !has_ended(current) {
+            let jump = self.0[current as usize];
+            current = if has_ended(jump) { targets[current as usize] } else { jump };
         }
-        at
+        current
     }
 }
 

@@ -1,4 +1,5 @@
-//! Welding: giving positions that are nearly the same exactly the same coordinates.
+//! Welding: snaps positions that are within a tolerance of each other to exactly the same
+//! coordinates.
 
 use crate::{MeshParts, Semantic, position_key};
 use std::collections::BTreeMap;
@@ -12,7 +13,7 @@ pub fn weld_positions(parts: &mut MeshParts, tolerance: f64) -> usize {
     }
     let cell = |p: [f32; 3]| p.map(|c| (f64::from(c) / tolerance).floor());
     let key = |c: [f64; 3]| c.map(|x| (x + 0.0).to_bits());
-    let near = |a: [f32; 3], b: [f32; 3]| {
+    let is_near = |a: [f32; 3], b: [f32; 3]| {
         (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>()
             <= tolerance * tolerance
     };
@@ -30,21 +31,21 @@ pub fn weld_positions(parts: &mut MeshParts, tolerance: f64) -> usize {
     };
     // Snapped vertices are at a kept one, so no two kept ones are near each other and a cell
     // holds only a few.
-    let mut kept: BTreeMap<[u64; 3], Vec<u32>> = BTreeMap::new();
+    let mut snapped_to: BTreeMap<[u64; 3], Vec<u32>> = BTreeMap::new();
     let mut moved = 0;
     for v in 0..parts.positions.len() as u32 {
-        let (p, home) = (parts.positions[v as usize], cell(parts.positions[v as usize]));
-        let mut earlier: Vec<u32> = around(home)
-            .filter_map(|c| kept.get(&key(c)))
+        let (p, own_cell) = (parts.positions[v as usize], cell(parts.positions[v as usize]));
+        let mut earlier: Vec<u32> = around(own_cell)
+            .filter_map(|c| snapped_to.get(&key(c)))
             .flatten()
             .copied()
-            .filter(|&u| near(parts.positions[u as usize], p))
+            .filter(|&u| is_near(parts.positions[u as usize], p))
             .collect();
         earlier.sort_unstable();
         let follows =
             |u: &u32| raw.iter().all(|&stream| !has(parts, v, stream) || has(parts, *u, stream));
         if earlier.is_empty() {
-            kept.entry(key(home)).or_default().push(v);
+            snapped_to.entry(key(own_cell)).or_default().push(v);
         } else if let Some(u) = earlier.into_iter().find(follows) {
             let q = parts.positions[u as usize];
             if position_key(q) != position_key(p) {

@@ -1,4 +1,5 @@
-//! Arrays that models give to files: named runs of bytes, and their errors.
+//! The arrays that a model stores in files besides mesh and sequence, and the errors of building a
+//! model from them.
 
 use std::fmt;
 

@@ -1,5 +1,5 @@
-//! Numbers as bytes in stored arrays: variable-length, or as wide as the largest needs. Reading
-//! trusts nothing.
+//! Numbers as bytes in stored arrays: variable-length, or as wide as the largest needs. The reader
+//! checks every length.
 
 use lodc_mesh::take_leb128;
 
@@ -23,34 +23,34 @@ pub fn put_narrow(out: &mut Vec<u8>, number: u32, width: usize) {
 /// another way than the writer's.
 #[derive(Clone, Debug)]
 pub struct Reader<'a> {
-    rest: &'a [u8],
+    unread: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
     /// Starts at the first byte.
     #[must_use]
     pub fn new(bytes: &'a [u8]) -> Self {
-        Self { rest: bytes }
+        Self { unread: bytes }
     }
 
     /// Number of bytes left: no more numbers than that can come.
     #[must_use]
-    pub fn left(&self) -> usize {
-        self.rest.len()
+    pub fn remaining(&self) -> usize {
+        self.unread.len()
     }
 
     /// Reads a number written by [`put_leb128`](lodc_mesh::put_leb128), in the fewest bytes.
     pub fn varint(&mut self) -> Option<u32> {
-        take_leb128(&mut self.rest, u32::MAX.into()).map(|number| number as u32)
+        take_leb128(&mut self.unread, u32::MAX.into()).map(|number| number as u32)
     }
 
     /// Reads a number of `width` bytes, 1 to 4.
     pub fn narrow(&mut self, width: usize) -> Option<u32> {
-        let (bytes, rest) = self.rest.split_at_checked(width)?;
-        self.rest = rest;
-        let mut four = [0; 4];
-        four[..width].copy_from_slice(bytes);
-        Some(u32::from_le_bytes(four))
+        let (bytes, unread) = self.unread.split_at_checked(width)?;
+        self.unread = unread;
+        let mut word = [0; 4];
+        word[..width].copy_from_slice(bytes);
+        Some(u32::from_le_bytes(word))
     }
 }
 
@@ -64,7 +64,7 @@ mod tests {
             let (mut bytes, largest) = (Vec::new(), count.saturating_sub(1) as u32);
             put_narrow(&mut bytes, largest, width(count));
             let mut reader = Reader::new(&bytes);
-            assert_eq!((reader.narrow(width(count)), reader.left()), (Some(largest), 0));
+            assert_eq!((reader.narrow(width(count)), reader.remaining()), (Some(largest), 0));
             assert_eq!(reader.narrow(1), None);
         }
     }

@@ -1,12 +1,13 @@
-//! Triangles that a move of a cursor removes and adds.
+//! The triangles that a move of a cursor removes and adds, as a listener hears of them, and the
+//! difference of two lists.
 
 use lodc_mesh::OrientedTriangle;
 use std::cmp::Ordering;
 
 /// A listener to the triangles that a cursor removes and adds while it moves.
 pub trait Changes {
-    /// False if changes are ignored: then a model need not work them out.
-    const HEARD: bool = true;
+    /// False if changes are ignored: then a model need not find them.
+    const REPORTED: bool = true;
     /// Takes note of a triangle that is not drawn any more.
     fn removed(&mut self, triangle: OrientedTriangle);
     /// Takes note of a triangle that is drawn from now on.
@@ -15,7 +16,7 @@ pub trait Changes {
 
 /// Listens to nothing.
 impl Changes for () {
-    const HEARD: bool = false;
+    const REPORTED: bool = false;
     fn removed(&mut self, _: OrientedTriangle) {}
     fn added(&mut self, _: OrientedTriangle) {}
 }
@@ -37,13 +38,13 @@ impl Difference {
     }
 
     /// Keeps the triangles of one more strip before a move.
-    pub fn before(&mut self, triangles: impl Iterator<Item = OrientedTriangle>) {
+    pub fn add_before(&mut self, triangles: impl Iterator<Item = OrientedTriangle>) {
         self.before.extend(triangles);
         self.ends.push(self.before.len());
     }
 
     /// Reports what the move did to the strip that was kept as the `number`-th, from 0.
-    pub fn after(
+    pub fn report_after(
         &mut self,
         number: usize,
         triangles: impl Iterator<Item = OrientedTriangle>,

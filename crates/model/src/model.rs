@@ -1,4 +1,5 @@
-//! Multiresolution models: immutable structures that show any LOD of a mesh, through cursors.
+//! The trait of multiresolution models: immutable structures that show any LOD of a mesh through
+//! cursors.
 
 use crate::{Array, Changes, Layout, StorageCost};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};

@@ -1,4 +1,4 @@
-//! Boxes whose sides are parallel to the axes.
+//! Axis-aligned boxes in `f32`, rounded outwards: the nodes of the trees of this package.
 
 use glam::DVec3;
 
@@ -24,10 +24,10 @@ impl Bounds {
     #[inline]
     pub(crate) fn distance_squared(&self, p: DVec3) -> f64 {
         let outside = |x: f64, low: f32, high: f32| {
-            let below = f64::from(low) - x;
-            let above = x - f64::from(high);
-            let out = if below > above { below } else { above };
-            if out > 0.0 { out } else { 0.0 }
+            let under = f64::from(low) - x;
+            let over = x - f64::from(high);
+            let excess = if under > over { under } else { over };
+            if excess > 0.0 { excess } else { 0.0 }
         };
         let x = outside(p.x, self.low[0], self.high[0]);
         let y = outside(p.y, self.low[1], self.high[1]);

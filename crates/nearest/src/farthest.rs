@@ -1,12 +1,12 @@
-//! How far the farthest point of one surface is from another, between two bounds.
+//! How far the farthest point of one surface is from another, between a lower and an upper bound.
 //!
 //! Branch and bound (as Guthe, Borodin and Klein 2005), the part that may be farthest first. A part
-//! is a convex polygon. From one triangle its distance is convex, so it is largest at a corner: a
-//! part whose corners are near enough to one triangle is closed. From any other part that is cut
-//! off which is near enough to the triangle next to its middle: over the triangle, and as far
-//! around it as the distance allows. What is left goes to the triangles beside it; so flat places
-//! end exactly, and cover is decided, where bisection alone would go on for ever along common
-//! edges.
+//! is a convex polygon. Its distance from one triangle is a convex function, so it is largest at a
+//! corner: a part whose corners are near enough to one triangle is closed. Of any other part, the
+//! region is cut off that is near enough to the triangle next to its middle: over the triangle, and
+//! as far around it as the distance allows. The remaining pieces are compared with the triangles
+//! beside it. So flat regions end exactly, and it is decided whether triangles cover a part, where
+//! bisection alone would go on for ever along common edges.
 
 use crate::moving::Hit;
 use crate::polygon::Polygon;
@@ -18,29 +18,32 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Parts, and triangles in a row, that are looked at together. Part of the result, unlike the
-/// number of threads.
-const TOGETHER: usize = 512;
-const IN_A_ROW: usize = 32;
+/// Rows of triangles in a batch that is searched in parallel, and triangles in a row, searched one
+/// after the other. Results depend on these, not on the number of threads. Chosen by hand.
+const ROWS_PER_BATCH: usize = 512;
+const TRIANGLES_PER_ROW: usize = 32;
 
-/// Triangles, spread evenly, that are looked at before all others, for a bound to begin with.
-const FIRST: usize = 1_024;
+/// Triangles, spread evenly, whose middles are looked up first, for a lower bound. Chosen by hand.
+const INITIAL_TRIANGLES: usize = 1_024;
 
-/// A part is cut if at least this share of it is near the triangle next to its middle.
+/// A part is cut if at least this share of it is near the triangle next to its middle, else halved.
+/// Chosen by hand.
 const WORTH_CUTTING: f64 = 0.125;
 
-/// A triangle within this share of the bound is near enough to cut a part by.
-const NEAR: f64 = 0.25;
+/// A search for a triangle to cut a part by ends at one within this share of the bound. Chosen by
+/// hand.
+const NEAR_SHARE: f64 = 0.25;
 
-/// The farthest corner of a part that is cut is asked where it is at most this many times the
-/// bound off: farther ones have more often a triangle besides that is nearer.
+/// The distance of a cut part's farthest corner is looked up where it is at most this many times
+/// the lower bound: farther ones more often have another triangle that is nearer. Chosen by hand.
 const PROMISING: f64 = 1.5;
 
-/// Boxes that the search for one triangle may open: at first, and for a part that may be farthest.
+/// Boxes that the search for the triangle near one point may open: at first, and for a part that
+/// may be farthest. Chosen by hand.
 const PATIENCE: [u32; 2] = [128, 4_096];
 
-/// Boxes that may be opened for a triangle before all others were looked at.
-const IN_TURN: u64 = 2_000;
+/// Boxes that may be opened for a triangle before all others had their turn. Chosen by hand.
+const BOXES_PER_TRIANGLE: u64 = 2_000;
 
 /// The largest distance of any point of a surface from another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,58 +92,58 @@ impl Search {
         if to.near(p, NONE, 0.0, PATIENCE[0]).0.triangle == NONE {
             return Farthest { least: f64::INFINITY, most: f64::INFINITY, opened: 0 };
         }
-        let mut open = Open::new(*self, least);
-        let bound = open.bound();
+        let mut state = SearchState::new(*self, least);
+        let bound = state.bound();
         // A bound to begin with, where none is known.
-        let stride = if least > 0.0 { from.len() } else { (from.len() / FIRST).max(1) };
-        let first = |row: &[[DVec3; 3]]| {
+        let stride = if least > 0.0 { from.len() } else { (from.len() / INITIAL_TRIANGLES).max(1) };
+        let initial = |row: &[[DVec3; 3]]| {
             let part = Part::new(Polygon::triangle(row[0]), NONE, to, bound, PATIENCE[0]);
             part.1
         };
-        let found: Vec<SearchResult> = from.par_chunks(stride).map(first).collect();
-        found.into_iter().for_each(|found| open.learn(found));
-        for together in from.chunks(TOGETHER * IN_A_ROW) {
+        let results: Vec<SearchResult> = from.par_chunks(stride).map(initial).collect();
+        results.into_iter().for_each(|results| state.record(results));
+        for batch in from.chunks(ROWS_PER_BATCH * TRIANGLES_PER_ROW) {
             let row = |row: &[[DVec3; 3]]| {
-                let mut open = Open::new(*self, open.least);
+                let mut state = SearchState::new(*self, state.least);
                 let mut near = NONE;
                 for &corners in row {
-                    near = open.triangle(corners, near, to, PATIENCE[0]);
-                    open.explore(to, open.opened + IN_TURN);
+                    near = state.triangle(corners, near, to, PATIENCE[0]);
+                    state.explore(to, state.opened + BOXES_PER_TRIANGLE);
                 }
-                open
+                state
             };
-            let rows: Vec<Open> = together.par_chunks(IN_A_ROW).map(row).collect();
-            rows.into_iter().for_each(|row| open.join(row));
+            let rows: Vec<SearchState> = batch.par_chunks(TRIANGLES_PER_ROW).map(row).collect();
+            rows.into_iter().for_each(|row| state.join(row));
         }
         let [each, besides] = self.boxes.map(u64::from);
-        let most = open.opened + each * from.len() as u64 + besides;
-        while open.opened < most {
-            let next = open.next(TOGETHER);
+        let max_opened = state.opened + each * from.len() as u64 + besides;
+        while state.opened < max_opened {
+            let next = state.next(ROWS_PER_BATCH);
             if next.is_empty() {
                 break;
             }
-            let bound = open.bound();
+            let bound = state.bound();
             let divide = |part: &Part| {
                 let mut parts = Vec::new();
                 part.divide(to, bound, &mut Vec::new(), |part| parts.push(part));
                 parts
             };
             let parts: Vec<Vec<(Part, SearchResult)>> = next.par_iter().map(divide).collect();
-            parts.iter().flatten().for_each(|part| open.take(part));
+            parts.iter().flatten().for_each(|part| state.add_part(part));
         }
-        open.bounds()
+        state.bounds()
     }
 }
 
 /// Looks for points beyond a bound in one triangle after the other, on the thread that asks.
 #[derive(Clone, Debug)]
-pub struct Seeker(Open);
+pub struct Seeker(SearchState);
 
 impl Seeker {
     /// One that searches as `search` says.
     #[must_use]
     pub fn new(search: Search) -> Self {
-        Self(Open::new(search, 0.0))
+        Self(SearchState::new(search, 0.0))
     }
 
     /// Looks for a point of a triangle that is farther than `least`, the least distance that is
@@ -154,11 +157,11 @@ impl Seeker {
         to: &impl Surface,
         boxes: u64,
     ) -> Farthest {
-        let Self(open) = self;
-        open.clear(least);
-        open.triangle(corners, near, to, PATIENCE[1]);
-        open.explore(to, boxes);
-        open.bounds()
+        let Self(state) = self;
+        state.clear(least);
+        state.triangle(corners, near, to, PATIENCE[1]);
+        state.explore(to, boxes);
+        state.bounds()
     }
 }
 
@@ -182,17 +185,17 @@ impl Bound {
     }
 }
 
-/// What looking at a part has found.
+/// What the search at one point found.
 #[derive(Clone, Copy, Debug)]
 struct SearchResult {
-    /// A point of it is that far off.
+    /// The point is that far from the other surface; 0 if that is not known for sure.
     distance: f64,
     opened: u32,
 }
 
 /// The parts that may have a point farther than any found.
 #[derive(Clone, Debug)]
-struct Open {
+struct SearchState {
     search: Search,
     /// The largest distance found.
     least: f64,
@@ -204,12 +207,12 @@ struct Open {
     /// Parts by the numbers that their ranks have, and numbers that are free.
     parts: Vec<Part>,
     free: Vec<u32>,
-    /// Room for dividing.
-    around: Vec<Polygon>,
+    /// Kept to save allocating.
+    pieces: Vec<Polygon>,
     divided: Vec<(Part, SearchResult)>,
 }
 
-impl Open {
+impl SearchState {
     fn new(search: Search, least: f64) -> Self {
         Self {
             search,
@@ -219,12 +222,12 @@ impl Open {
             order: BinaryHeap::new(),
             parts: vec![],
             free: vec![],
-            around: vec![],
+            pieces: vec![],
             divided: vec![],
         }
     }
 
-    /// Begins anew.
+    /// Starts another search.
     fn clear(&mut self, least: f64) {
         (self.least, self.closed, self.opened) = (least, 0.0, 0);
         self.order.clear();
@@ -238,27 +241,27 @@ impl Open {
         Bound { least: self.least, allowed, slack: 0.1 * floor }
     }
 
-    fn learn(&mut self, found: SearchResult) {
+    fn record(&mut self, found: SearchResult) {
         self.least = self.least.max(found.distance);
         self.opened += u64::from(found.opened) + 1;
     }
 
-    /// Takes a part with what was found in it, and closes it if it is near enough.
-    fn take(&mut self, (part, found): &(Part, SearchResult)) {
-        self.learn(*found);
+    /// Adds a part with what was found in it, or closes it if it is near enough.
+    fn add_part(&mut self, (part, found): &(Part, SearchResult)) {
+        self.record(*found);
         if part.most <= self.bound().allowed || !part.polygon.has_area() {
             self.closed = self.closed.max(part.most);
             return;
         }
         let number = self.free.pop().unwrap_or(self.parts.len() as u32);
         match self.parts.get_mut(number as usize) {
-            Some(place) => *place = *part,
+            Some(slot) => *slot = *part,
             None => self.parts.push(*part),
         }
         self.order.push(Rank { most: part.most, number });
     }
 
-    /// Looks at a triangle. Returns a triangle of the other surface near it.
+    /// Adds a triangle as a part. Returns a triangle of the other surface near it.
     fn triangle(
         &mut self,
         corners: [DVec3; 3],
@@ -272,7 +275,7 @@ impl Open {
             return near;
         }
         let part = Part::new(Polygon::triangle(corners), near, to, bound, patience);
-        self.take(&part);
+        self.add_part(&part);
         part.0.near
     }
 
@@ -282,24 +285,24 @@ impl Open {
             let Some(part) = self.pop() else { return };
             let bound = self.bound();
             let mut divided = std::mem::take(&mut self.divided);
-            part.divide(to, bound, &mut self.around, |part| divided.push(part));
-            divided.drain(..).for_each(|part| self.take(&part));
+            part.divide(to, bound, &mut self.pieces, |part| divided.push(part));
+            divided.drain(..).for_each(|part| self.add_part(&part));
             self.divided = divided;
         }
     }
 
-    /// Takes over what another search has found and left.
+    /// Adds the results and the open parts of another search.
     fn join(&mut self, mut other: Self) {
         self.least = self.least.max(other.least);
         self.closed = self.closed.max(other.closed);
         self.opened += other.opened;
         while let Some(part) = other.pop() {
-            self.take(&(part, SearchResult { distance: 0.0, opened: 0 }));
+            self.add_part(&(part, SearchResult { distance: 0.0, opened: 0 }));
         }
         self.closed = self.closed.max(other.closed);
     }
 
-    /// Returns the part that may be farthest; none if all that are left are near enough.
+    /// Returns the part that may be farthest; none if all open ones are near enough.
     fn pop(&mut self) -> Option<Part> {
         let Rank { most, number } = self.order.pop()?;
         if most <= self.bound().allowed {
@@ -318,8 +321,8 @@ impl Open {
     }
 
     fn bounds(&self) -> Farthest {
-        let open = self.order.peek().map_or(0.0, |rank| rank.most);
-        let most = self.least.max(self.closed).max(open);
+        let state = self.order.peek().map_or(0.0, |rank| rank.most);
+        let most = self.least.max(self.closed).max(state);
         Farthest { least: self.least, most, opened: self.opened }
     }
 }
@@ -345,8 +348,8 @@ impl Part {
         patience: u32,
     ) -> (Self, SearchResult) {
         let (middle, radius) = polygon.disc();
-        let enough = (bound.allowed - radius).max(NEAR * bound.allowed);
-        let (near, found) = ask(middle, hint, to, enough, patience);
+        let enough = (bound.allowed - radius).max(NEAR_SHARE * bound.allowed);
+        let (near, found) = find_near(middle, hint, to, enough, patience);
         let mut most = near.squared.sqrt() + radius;
         if most > bound.allowed && near.triangle != NONE {
             most = most.min(polygon.farthest_corner(to.corners(near.triangle)).0);
@@ -354,32 +357,33 @@ impl Part {
         (Self { polygon, near: near.triangle, most: most.max(found.distance) }, found)
     }
 
-    /// Calls `add` with the parts that it falls into, with what was found there. `around` is room
-    /// for them.
+    /// Divides it: calls `add` with the new parts, and with what was found at their middles.
+    /// `pieces` is kept to save allocating.
     fn divide(
         &self,
         to: &impl Surface,
         bound: Bound,
-        around: &mut Vec<Polygon>,
+        pieces: &mut Vec<Polygon>,
         mut add: impl FnMut((Self, SearchResult)),
     ) {
         let triangle = to.corners(self.near);
-        let inside = self.polygon.near(triangle, 0.999 * bound.allowed, bound.slack, around);
+        let inside = self.polygon.split_near(triangle, 0.999 * bound.allowed, bound.slack, pieces);
         let mut most = inside.farthest_corner(triangle).0;
         // Of a line nothing would be cut off.
         let is_cut = most <= bound.allowed && inside.area() > WORTH_CUTTING * self.polygon.area();
-        let (far, corner) = self.polygon.farthest_corner(triangle);
-        let found = match far > bound.least && (!is_cut || far <= PROMISING * bound.least) {
-            true => ask(corner, self.near, to, bound.least, PATIENCE[1]).1,
+        let (distance, corner) = self.polygon.farthest_corner(triangle);
+        let found = match distance > bound.least && (!is_cut || distance <= PROMISING * bound.least)
+        {
+            true => find_near(corner, self.near, to, bound.least, PATIENCE[1]).1,
             false => SearchResult { distance: 0.0, opened: 0 },
         };
         if !is_cut {
-            around.clear();
+            pieces.clear();
             // What is no larger than a rounding error stays as it is.
             let is_small = self.polygon.disc().1 <= bound.slack;
             most = if is_small { self.most } else { 0.0 };
             if !is_small {
-                around.extend(self.polygon.halves());
+                pieces.extend(self.polygon.halves());
             }
         }
         let mut part = |polygon: Polygon| {
@@ -387,27 +391,33 @@ impl Part {
                 add(Self::new(polygon, self.near, to, bound, PATIENCE[1]));
             }
         };
-        for polygon in around.drain(..) {
+        for polygon in pieces.drain(..) {
             if polygon.is_simple() {
                 part(polygon);
             } else {
-                polygon.simple().into_iter().for_each(&mut part);
+                polygon.split().into_iter().for_each(&mut part);
             }
         }
         add((Self { polygon: Polygon::EMPTY, near: self.near, most }, found));
     }
 }
 
-/// Looks for a triangle near a point, or the first within a distance `enough`. What is found is the
-/// distance, unless it is within that or the search ended early: then it may be smaller.
-fn ask(p: DVec3, hint: u32, to: &impl Surface, enough: f64, patience: u32) -> (Hit, SearchResult) {
+/// Returns the triangle nearest to a point, or the first one within a distance `enough`; and the
+/// distance, 0 where it is not sure: within `enough`, or after a search that ended early.
+fn find_near(
+    p: DVec3,
+    hint: u32,
+    to: &impl Surface,
+    enough: f64,
+    patience: u32,
+) -> (Hit, SearchResult) {
     let (near, opened) = to.near(p, hint, enough * enough, patience);
     let is_sure = opened < patience && near.squared > enough * enough;
     let distance = if is_sure { near.squared.sqrt() } else { 0.0 };
     (near, SearchResult { distance, opened })
 }
 
-/// The place of a part in the order: the farthest first.
+/// The priority of a part: the farthest first.
 #[derive(Clone, Copy, Debug)]
 struct Rank {
     most: f64,

@@ -1,4 +1,5 @@
-//! Triangles in an order in which neighbours are near each other.
+//! Sorts triangles along a Morton (Z-order) curve, so that neighbours in the order are near in
+//! space.
 
 use crate::bounds::Bounds;
 
@@ -33,9 +34,9 @@ pub fn morton_order(
             starts[i + 1] += starts[i];
         }
         for &entry in &keyed {
-            let at = &mut starts[digit(entry.0)];
-            sorted[*at as usize] = entry;
-            *at += 1;
+            let slot = &mut starts[digit(entry.0)];
+            sorted[*slot as usize] = entry;
+            *slot += 1;
         }
         std::mem::swap(&mut keyed, &mut sorted);
     }

@@ -1,11 +1,13 @@
-//! A search tree over triangles that move: an implicit binary tree of boxes over the Morton order.
+//! A search tree for the nearest triangle of a mesh under simplification, whose triangles move and
+//! disappear: an implicit binary tree of boxes over the Morton order. Boxes grow when a triangle
+//! moves and are closed when their triangles are gone.
 
 use crate::bounds::Bounds;
 use crate::triangle;
 use glam::DVec3;
 use lodc_mesh::NONE;
 
-/// Triangles in one leaf.
+/// Triangles in one leaf. Not measured.
 const LEAF: usize = 4;
 
 /// A set of triangles as a tree sees it.
@@ -49,10 +51,10 @@ impl Hit {
 /// A tree. Boxes only grow, until all of their triangles have died; dead ones are passed over.
 #[derive(Clone, Debug)]
 pub struct MovingTree {
-    /// The triangles in the order of leaves, and the place of each in it, [`NONE`] if the tree does
+    /// The triangles in the order of leaves, and the index of each in it, [`NONE`] if the tree does
     /// not hold it; both empty if the order is that of their numbers.
     order: Vec<u32>,
-    place: Vec<u32>,
+    index_of: Vec<u32>,
     count: u32,
     /// Box 1 is the root, boxes 2i and 2i + 1 are the children of box i. The last half of them are
     /// the leaves, of which the first ones may be a level higher than the others.
@@ -72,23 +74,23 @@ impl MovingTree {
     /// `all` triangles.
     #[must_use]
     pub fn of(order: Vec<u32>, all: usize, corners: impl Fn(u32) -> [[f32; 3]; 3]) -> Self {
-        let mut place = vec![NONE; all];
-        for (&t, at) in order.iter().zip(0..) {
-            place[t as usize] = at;
+        let mut index_of = vec![NONE; all];
+        for (&t, index) in order.iter().zip(0..) {
+            index_of[t as usize] = index;
         }
         let count = order.len() as u32;
-        Self::build(order, place, count, corners)
+        Self::build(order, index_of, count, corners)
     }
 
     fn build(
         order: Vec<u32>,
-        place: Vec<u32>,
+        index_of: Vec<u32>,
         count: u32,
         corners: impl Fn(u32) -> [[f32; 3]; 3],
     ) -> Self {
         let first_leaf = (count as usize).div_ceil(LEAF).max(1);
         let boxes = vec![Bounds::EMPTY; 2 * first_leaf];
-        let mut tree = Self { order, place, count, boxes, first_leaf };
+        let mut tree = Self { order, index_of, count, boxes, first_leaf };
         for leaf in 0..(count as usize).div_ceil(LEAF) {
             let mut bounds = Bounds::EMPTY;
             for p in tree.leaf(leaf).flat_map(&corners) {
@@ -104,29 +106,30 @@ impl MovingTree {
 
     /// Returns the triangles that the tree holds, dead ones too.
     pub fn triangles(&self) -> impl Iterator<Item = u32> + Clone {
-        (0..self.count).map(|at| self.triangle(at))
+        (0..self.count).map(|index| self.triangle(index))
     }
 
     /// Returns the triangles of a leaf.
     #[inline]
     fn leaf(&self, leaf: usize) -> impl Iterator<Item = u32> {
         let start = ((LEAF * leaf) as u32).min(self.count);
-        (start..(start + LEAF as u32).min(self.count)).map(|at| self.triangle(at))
+        (start..(start + LEAF as u32).min(self.count)).map(|index| self.triangle(index))
     }
 
     #[inline]
-    fn triangle(&self, at: u32) -> u32 {
-        if self.order.is_empty() { at } else { self.order[at as usize] }
+    fn triangle(&self, index: u32) -> u32 {
+        if self.order.is_empty() { index } else { self.order[index as usize] }
     }
 
     /// Returns the leaf of a triangle, if the tree holds it.
     #[inline]
     fn leaf_of(&self, triangle: u32) -> Option<usize> {
-        let place = if self.place.is_empty() { triangle } else { self.place[triangle as usize] };
-        (place != NONE).then_some(place as usize / LEAF)
+        let index =
+            if self.index_of.is_empty() { triangle } else { self.index_of[triangle as usize] };
+        (index != NONE).then_some(index as usize / LEAF)
     }
 
-    /// Returns a word of a triangle's leaf, to have it read.
+    /// Returns a word of a triangle's leaf, to load its cache line early.
     #[inline]
     pub fn touch(&self, triangle: u32) -> u32 {
         let leaf = self.leaf_of(triangle).and_then(|leaf| self.boxes.get(self.first_leaf + leaf));
@@ -168,19 +171,19 @@ impl MovingTree {
         patience: u32,
         nearest: &mut Hit,
     ) -> u32 {
-        let mut search = Search { tree: self, triangles, p, enough, nearest, left: patience };
+        let mut search = Search { tree: self, triangles, p, enough, nearest, boxes_left: patience };
         match (hint != NONE).then(|| self.leaf_of(hint)).flatten() {
             Some(leaf) => {
                 let mut i = self.first_leaf + leaf;
                 search.leaf(i);
                 while i > 1 && !search.is_done() {
-                    search.down(i ^ 1);
+                    search.descend(i ^ 1);
                     i /= 2;
                 }
             }
-            None => search.down(1),
+            None => search.descend(1),
         }
-        patience - search.left
+        patience - search.boxes_left
     }
 }
 
@@ -190,12 +193,12 @@ struct Search<'a, T> {
     p: DVec3,
     enough: f64,
     nearest: &'a mut Hit,
-    left: u32,
+    boxes_left: u32,
 }
 
 impl<T: Triangles> Search<'_, T> {
     fn is_done(&self) -> bool {
-        self.nearest.squared <= self.enough || self.left == 0 && self.nearest.triangle != NONE
+        self.nearest.squared <= self.enough || self.boxes_left == 0 && self.nearest.triangle != NONE
     }
 
     fn leaf(&mut self, i: usize) {
@@ -209,34 +212,34 @@ impl<T: Triangles> Search<'_, T> {
         }
     }
 
-    fn down(&mut self, root: usize) {
+    fn descend(&mut self, root: usize) {
         let boxes = &self.tree.boxes;
-        let mut open = [(0.0, 0usize); 40];
-        open[0] = (boxes[root].distance_squared(self.p), root);
+        let mut stack = [(0.0, 0usize); 40];
+        stack[0] = (boxes[root].distance_squared(self.p), root);
         let mut depth = 1;
         while depth > 0 && !self.is_done() {
             depth -= 1;
-            let (distance, i) = open[depth];
+            let (distance, i) = stack[depth];
             if distance >= self.nearest.squared {
                 continue;
             }
-            self.left = self.left.saturating_sub(1);
+            self.boxes_left = self.boxes_left.saturating_sub(1);
             if i >= self.tree.first_leaf {
                 self.leaf(i);
                 continue;
             }
-            let mut near = (boxes[2 * i].distance_squared(self.p), 2 * i);
-            let mut far = (boxes[2 * i + 1].distance_squared(self.p), 2 * i + 1);
+            let mut nearer = (boxes[2 * i].distance_squared(self.p), 2 * i);
+            let mut farther = (boxes[2 * i + 1].distance_squared(self.p), 2 * i + 1);
             // The nearer one is opened first, so it is put down last.
-            if far.0 < near.0 {
-                (near, far) = (far, near);
+            if farther.0 < nearer.0 {
+                (nearer, farther) = (farther, nearer);
             }
-            if far.0 < self.nearest.squared {
-                open[depth] = far;
+            if farther.0 < self.nearest.squared {
+                stack[depth] = farther;
                 depth += 1;
             }
-            if near.0 < self.nearest.squared {
-                open[depth] = near;
+            if nearer.0 < self.nearest.squared {
+                stack[depth] = nearer;
                 depth += 1;
             }
         }

@@ -1,27 +1,30 @@
-//! Convex polygons, and what of them is near a triangle.
+//! Convex polygons, cut by planes: which part of a polygon is within a distance of a triangle, for
+//! the search in `farthest`.
 
 use crate::triangle::distance_squared;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Most corners of a polygon.
-const CORNERS: usize = 12;
+/// Most corners of a polygon: a simple one cut by the eight planes around a triangle rarely has
+/// more. Not measured.
+const MAX_CORNERS: usize = 12;
 
 /// Most corners of one that is to be cut: each cut may add one.
-const FEW: usize = 6;
+const MAX_SIMPLE: usize = 6;
 
-/// Share of a distance up to which a polygon is looked at above a triangle, where it rises beyond.
+/// Height above a triangle, as a share of the distance, at which a polygon that rises beyond the
+/// distance is cut. Chosen by hand.
 const HEIGHT: f64 = 0.8;
 
 /// A convex polygon.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polygon {
-    corners: [DVec3; CORNERS],
+    corners: [DVec3; MAX_CORNERS],
     count: usize,
 }
 
 impl Polygon {
-    pub(crate) const EMPTY: Self = Self { corners: [DVec3::ZERO; CORNERS], count: 0 };
+    pub(crate) const EMPTY: Self = Self { corners: [DVec3::ZERO; MAX_CORNERS], count: 0 };
 
     pub(crate) fn triangle(corners: [DVec3; 3]) -> Self {
         let mut polygon = Self::EMPTY;
@@ -36,8 +39,8 @@ impl Polygon {
 
     /// Adds a corner. Returns false if there is no room.
     fn push(&mut self, corner: DVec3) -> bool {
-        let Some(place) = self.corners.get_mut(self.count) else { return false };
-        *place = corner;
+        let Some(slot) = self.corners.get_mut(self.count) else { return false };
+        *slot = corner;
         self.count += 1;
         true
     }
@@ -76,7 +79,7 @@ impl Polygon {
     /// corner within `slack` of it is on both, and no side is thinner: slivers along common edges
     /// would be divided for ever. All on the negative side if there is no room for more corners.
     fn cut(&self, at: DVec3, normal: DVec3, slack: f64) -> [Self; 2] {
-        let mut heights = [0.0; CORNERS];
+        let mut heights = [0.0; MAX_CORNERS];
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (height, &p) in heights.iter_mut().zip(self.corners()) {
             *height = (p - at).dot(normal);
@@ -89,46 +92,46 @@ impl Polygon {
             return [Self::EMPTY, *self];
         }
         let mut sides = [Self::EMPTY; 2];
-        let mut room = true;
+        let mut fits = true;
         for i in 0..self.count {
-            let before = if i == 0 { self.count - 1 } else { i - 1 };
-            let (p, q) = (self.corners[before], self.corners[i]);
-            let (h, k) = (heights[before], heights[i]);
+            let previous = if i == 0 { self.count - 1 } else { i - 1 };
+            let (p, q) = (self.corners[previous], self.corners[i]);
+            let (h, k) = (heights[previous], heights[i]);
             if h < -slack && k > slack || h > slack && k < -slack {
                 let crossing = p + (q - p) * (h / (h - k));
-                room &= sides[0].push(crossing) & sides[1].push(crossing);
+                fits &= sides[0].push(crossing) & sides[1].push(crossing);
             }
             if k <= slack {
-                room &= sides[0].push(q);
+                fits &= sides[0].push(q);
             }
             if k >= -slack {
-                room &= sides[1].push(q);
+                fits &= sides[1].push(q);
             }
         }
-        if room { sides } else { [*self, Self::EMPTY] }
+        if fits { sides } else { [*self, Self::EMPTY] }
     }
 
     /// Returns the part that is within a distance of a triangle, nearly all of it, and fills
-    /// `around` with the parts around that. The first is what lies in the triangle's prism, so high
+    /// `pieces` with the parts around that. The first is what lies in the triangle's prism, so high
     /// that the distance is not exceeded and widened as far as it is not.
-    pub(crate) fn near(
+    pub(crate) fn split_near(
         &self,
         [a, b, c]: [DVec3; 3],
         distance: f64,
         slack: f64,
-        around: &mut Vec<Self>,
+        pieces: &mut Vec<Self>,
     ) -> Self {
-        around.clear();
+        pieces.clear();
         let Some(normal) = (b - a).cross(c - a).try_normalize() else {
-            around.push(*self);
+            pieces.push(*self);
             return Self::EMPTY;
         };
         let mut inside = *self;
         let mut cut = |at: DVec3, outwards: DVec3| {
-            let [rest, out] = inside.cut(at, outwards, slack);
-            if out.has_area() {
-                inside = rest;
-                around.push(out);
+            let [inner, outer] = inside.cut(at, outwards, slack);
+            if outer.has_area() {
+                inside = inner;
+                pieces.push(outer);
             }
         };
         let (mut sum, mut low, mut high) = (0.0, 0.0f64, 0.0f64);
@@ -145,19 +148,19 @@ impl Polygon {
         }
         // A corner between two planes that meet at no more than a right angle is no farther from
         // the triangle than √2 times them.
-        let wide = (distance * distance - height * height).max(0.0).sqrt();
-        let wide = (wide * FRAC_1_SQRT_2 - slack).max(0.0);
+        let margin = (distance * distance - height * height).max(0.0).sqrt();
+        let margin = (margin * FRAC_1_SQRT_2 - slack).max(0.0);
         let directions = [b - a, c - b, a - c].map(DVec3::normalize_or_zero);
-        for (corner, along) in [a, b, c].into_iter().zip(directions) {
-            let outwards = along.cross(normal);
-            cut(corner + outwards * wide, outwards);
+        for (corner, direction) in [a, b, c].into_iter().zip(directions) {
+            let outwards = direction.cross(normal);
+            cut(corner + outwards * margin, outwards);
         }
         for (i, corner) in [a, b, c].into_iter().enumerate() {
-            let (before, after) = (directions[(i + 2) % 3], directions[i]);
-            let is_sharp = before.dot(after) < 0.0;
+            let (incoming, outgoing) = (directions[(i + 2) % 3], directions[i]);
+            let is_sharp = incoming.dot(outgoing) < 0.0;
             if is_sharp {
-                let outwards = (before - after).normalize_or_zero();
-                cut(corner + outwards * wide, outwards);
+                let outwards = (incoming - outgoing).normalize_or_zero();
+                cut(corner + outwards * margin, outwards);
             }
         }
         inside
@@ -165,19 +168,19 @@ impl Polygon {
 
     /// Returns whether it has room for the corners that cutting adds.
     pub(crate) fn is_simple(&self) -> bool {
-        self.count <= FEW
+        self.count <= MAX_SIMPLE
     }
 
     /// Two parts with fewer corners.
-    pub(crate) fn simple(&self) -> [Self; 2] {
+    pub(crate) fn split(&self) -> [Self; 2] {
         let half = self.count / 2;
         let mut parts = [Self::EMPTY; 2];
         parts[0].corners[..=half].copy_from_slice(&self.corners[..=half]);
         parts[0].count = half + 1;
-        let rest = self.count - half;
-        parts[1].corners[..rest].copy_from_slice(&self.corners[half..self.count]);
-        parts[1].corners[rest] = self.corners[0];
-        parts[1].count = rest + 1;
+        let count_second = self.count - half;
+        parts[1].corners[..count_second].copy_from_slice(&self.corners[half..self.count]);
+        parts[1].corners[count_second] = self.corners[0];
+        parts[1].count = count_second + 1;
         parts
     }
 
@@ -211,7 +214,7 @@ mod tests {
             let [triangle, corners] = [0; 2].map(|_| [0; 3].map(|_| point()));
             let distance = 0.05 * f64::from(round % 10);
             let polygon = Polygon::triangle(corners);
-            let inside = polygon.near(triangle, distance, 1e-12, &mut around);
+            let inside = polygon.split_near(triangle, distance, 1e-12, &mut around);
             assert!(inside.farthest_corner(triangle).0 <= distance + 1e-11, "{round}");
             let sum = inside.area() + around.iter().map(Polygon::area).sum::<f64>();
             assert!((sum - polygon.area()).abs() < 1e-9, "{round}: {sum} {}", polygon.area());

@@ -1,4 +1,5 @@
-//! Surfaces that are asked which triangle is near a point.
+//! The trait of surfaces that can be asked which triangle is near a point, and triangles that move
+//! as one.
 
 use crate::moving::{Hit, MovingTree, Triangles};
 use glam::DVec3;

@@ -1,4 +1,5 @@
-//! A tree of boxes over triangles that stay.
+//! A search tree for the nearest triangle of a fixed set: a binary tree of boxes, split at the
+//! median, so that its depth is the logarithm of the number of triangles.
 
 use crate::bounds::Bounds;
 use crate::moving::Hit;
@@ -188,7 +189,7 @@ impl TriangleTree {
             return true;
         }
         // One entry for each level that was passed: halves of 2^32 triangles.
-        let mut open = [(0.0, self.root); 32];
+        let mut stack = [(0.0, self.root); 32];
         let (mut depth, mut at) = (0, self.root);
         loop {
             if at.count == 0 {
@@ -200,14 +201,14 @@ impl TriangleTree {
                 let (a, b) =
                     (node.bounds[0].distance_squared(p), node.bounds[1].distance_squared(p));
                 let [first, second] = node.child;
-                let (near, far) =
+                let (nearer, farther) =
                     if a < b { ((a, first), (b, second)) } else { ((b, second), (a, first)) };
-                if far.0 < limit {
-                    open[depth] = far;
+                if farther.0 < limit {
+                    stack[depth] = farther;
                     depth += 1;
                 }
-                if near.0 < limit {
-                    at = near.1;
+                if nearer.0 < limit {
+                    at = nearer.1;
                     continue;
                 }
             } else {
@@ -218,11 +219,11 @@ impl TriangleTree {
                     return true;
                 }
                 depth -= 1;
-                if open[depth].0 < limit {
+                if stack[depth].0 < limit {
                     break;
                 }
             }
-            at = open[depth].1;
+            at = stack[depth].1;
         }
     }
 }
@@ -238,16 +239,16 @@ impl Surface for TriangleTree {
         if let Some(&slot) = self.slot.get(hint as usize) {
             best.look(p, self.corners[slot as usize], hint);
         }
-        let mut left = patience;
+        let mut boxes_left = patience;
         if best.squared > enough {
-            self.search(p, best.squared, &mut left, |slots| {
+            self.search(p, best.squared, &mut boxes_left, |slots| {
                 for slot in slots {
                     best.look(p, self.corners[slot], self.order[slot]);
                 }
                 if best.squared > enough { best.squared } else { 0.0 }
             });
         }
-        (best, patience - left)
+        (best, patience - boxes_left)
     }
 }
 
@@ -312,15 +313,15 @@ fn build(items: &mut [Item], at: Subtree, nodes: &mut [Node]) -> (Bounds, Child)
         x.total_cmp(&y).then(a.triangle.cmp(&b.triangle))
     });
     let parallel = items.len() >= PARALLEL;
-    let (near, far) = items.split_at_mut(half);
+    let (low, high) = items.split_at_mut(half);
     let (near_nodes, far_nodes) = nodes.split_at_mut(inner_nodes(half));
     let first = Subtree { node: at.node + 1, slot: at.slot };
     let second =
         Subtree { node: first.node + near_nodes.len() as u32, slot: at.slot + half as u32 };
-    let mut near = || build(near, first, near_nodes);
-    let mut far = || build(far, second, far_nodes);
-    let (near, far) = if parallel { rayon::join(near, far) } else { (near(), far()) };
-    *node = Node { bounds: [near.0, far.0], child: [near.1, far.1] };
+    let mut low = || build(low, first, near_nodes);
+    let mut high = || build(high, second, far_nodes);
+    let (low, high) = if parallel { rayon::join(low, high) } else { (low(), high()) };
+    *node = Node { bounds: [low.0, high.0], child: [low.1, high.1] };
     (all, Child { at: at.node, count: 0 })
 }
 

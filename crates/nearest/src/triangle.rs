@@ -1,8 +1,10 @@
-//! Points and triangles, which may be degenerate.
+//! The closest point of a triangle to a point, and their distance, for degenerate triangles, too
+//! (Ericson 2005, section 5.1.5).
 
 use glam::DVec3;
 
-/// The place of the closest point of a triangle (by regions, Ericson 2005, section 5.1.5).
+/// The part of a triangle that its closest point to a point lies on (by regions, Ericson 2005,
+/// section 5.1.5).
 enum ClosestFeature {
     Corner(usize),
     /// On the edge from a corner to another, with the share of the way.
@@ -75,9 +77,9 @@ pub fn distance_squared(p: DVec3, t: [DVec3; 3]) -> f64 {
 #[inline]
 pub(crate) fn may_be_within(p: DVec3, [a, b, c]: [DVec3; 3], squared: f64) -> bool {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-    let apart = (low - p).max(p - high).max(DVec3::ZERO).length_squared();
+    let gap_squared = (low - p).max(p - high).max(DVec3::ZERO).length_squared();
     // Less than what rounding may make of the distance.
-    apart * (1.0 - 1e-9) <= squared
+    gap_squared * (1.0 - 1e-9) <= squared
 }
 
 /// Returns whether a triangle is within a squared distance of a point.
@@ -104,9 +106,9 @@ pub fn closest(p: DVec3, t: [DVec3; 3]) -> ([f64; 3], f64) {
             [u / sum, v / sum, w / sum]
         }
         ClosestFeature::Flat => {
-            let found = EDGES.map(|edge| (on_edge(p, t, edge), edge));
-            let near = found.into_iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1));
-            near.map_or([1.0, 0.0, 0.0], |((share, _), edge)| on(edge, share))
+            let candidates = EDGES.map(|edge| (on_edge(p, t, edge), edge));
+            let nearest = candidates.into_iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1));
+            nearest.map_or([1.0, 0.0, 0.0], |((share, _), edge)| on(edge, share))
         }
     };
     (coordinates, (point_at(t, coordinates) - p).length_squared())
@@ -114,10 +116,10 @@ pub fn closest(p: DVec3, t: [DVec3; 3]) -> ([f64; 3], f64) {
 
 /// Returns the share of the way along an edge to its closest point, and its squared distance.
 fn on_edge(p: DVec3, t: [DVec3; 3], [i, j]: [usize; 2]) -> (f64, f64) {
-    let (from, along) = (t[i], t[j] - t[i]);
-    let length = along.length_squared();
-    let share = if length > 0.0 { ((p - from).dot(along) / length).clamp(0.0, 1.0) } else { 0.0 };
-    (share, (p - from - along * share).length_squared())
+    let (from, edge) = (t[i], t[j] - t[i]);
+    let length = edge.length_squared();
+    let share = if length > 0.0 { ((p - from).dot(edge) / length).clamp(0.0, 1.0) } else { 0.0 };
+    (share, (p - from - edge * share).length_squared())
 }
 
 /// Returns the point of a triangle with given barycentric coordinates.

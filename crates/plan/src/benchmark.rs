@@ -1,4 +1,5 @@
-//! Cases to time on a device.
+//! The cases of a model that are timed on a graphics device: passes or draws, and the memory that
+//! its variants take.
 
 use crate::program::{BufferId, Pass, Program};
 

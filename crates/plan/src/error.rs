@@ -1,4 +1,4 @@
-//! Errors of plans that no device can run.
+//! The errors of plans that no device can run, and the longest loop that a kernel may have.
 
 use std::fmt;
 

@@ -1,5 +1,5 @@
-//! Strips as they are drawn at once: one behind the other, each closed by a restart index, those
-//! without triangles left out.
+//! Strips packed into one index buffer that one draw per submesh shows: one behind the other, each
+//! closed by a restart index, those without triangles left out.
 
 use crate::benchmark::DrawInput;
 use crate::program::{BufferId, Expected, KernelId, Pass, Program, Shader};
@@ -19,7 +19,7 @@ pub const RESTART: u32 = NONE;
 pub struct Packed {
     submeshes: BufferId,
     /// One word per strip and one more: a pass writes the length of each with its restart index, or
-    /// 0; prefix sums make it the place of each.
+    /// 0; prefix sums make it the offset of each in `drawn`.
     pub places: BufferId,
     /// The packed strips.
     pub drawn: BufferId,
@@ -49,7 +49,7 @@ impl Packed {
     }
 
     /// Returns the passes between the pass that writes lengths and `write`, which writes strips to
-    /// their places; and what follows.
+    /// their offsets; and what follows.
     #[must_use]
     pub fn around(&self, write: Pass) -> Vec<Pass> {
         let arguments = Pass {

@@ -1,4 +1,5 @@
-//! A replay: what to run on a device, and what must come out.
+//! A plan for a graphics device: passes to run step by step, and the words that must be in its
+//! buffers after each.
 
 use crate::program::{BufferId, Expected, Pass, Program};
 use lodc_mesh::Lod;
@@ -29,8 +30,8 @@ impl<'a> Plan<'a> {
         locate: impl Fn(BufferId, usize) -> String + 'a,
     ) -> Self {
         let uploaded = Step::look("upload", program.uploaded(&[]));
-        let kept = Step::look("the end", program.uploaded(written));
-        let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([kept]));
+        let unchanged = Step::look("the end", program.uploaded(written));
+        let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([unchanged]));
         Self { model, name, program, steps, locate: Box::new(locate) }
     }
 }

@@ -1,4 +1,5 @@
-//! Buffers and kernels, named by numbers that passes refer to.
+//! The buffers and kernels of a program for a graphics device, named by numbers that passes refer
+//! to.
 
 use std::sync::Arc;
 
@@ -156,9 +157,9 @@ impl Program {
     }
     /// Adds a kernel with values of its pipeline-overridable constants, or finds it if it is there.
     pub fn kernel_with(&mut self, shader: Shader, constants: &[(&'static str, u32)]) -> KernelId {
-        let known =
+        let existing =
             self.kernels.iter().position(|k| k.name == shader.name && k.constants == constants);
-        KernelId(known.unwrap_or_else(|| {
+        KernelId(existing.unwrap_or_else(|| {
             self.kernels.push(Kernel {
                 name: shader.name,
                 wgsl: shader.text(),

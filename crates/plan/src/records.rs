@@ -1,4 +1,4 @@
-//! Vertices as a device holds them: interleaved, one record of words after the other.
+//! Vertices as a graphics device holds them: interleaved, one record of 32-bit words per vertex.
 
 use crate::error::PlanError;
 use lodc_mesh::Mesh;

@@ -1,9 +1,9 @@
-//! At which LODs a device is compared: both ends, a grid down and up, and jumps.
+//! The LODs at which a device is compared with the CPU: both ends, a grid going coarser and finer,
+//! and random jumps; and the linear sweep that is timed.
 
 use lodc_mesh::{CollapseSequence, Lod, Simplified, SplitMix64};
 
-/// Triangles that all comparisons together look at, which takes a processor that plays a graphics
-/// device some seconds.
+/// Triangles that all comparisons together look at: some seconds for a software adapter.
 const AFFORDABLE: usize = 40_000_000;
 
 /// The schedule of a verification: every 0.1 % of the steps down and up and a hundred jumps, fewer
@@ -33,7 +33,7 @@ pub fn schedule(collapses: &CollapseSequence, grid: u32, jumps: u32, seed: u64) 
 /// Updates of the thesis's linear sweep down (3.5.2: steps of 0.1 %); as many up.
 pub const SWEEP: u32 = 1000;
 
-/// Updates between draws that are timed.
+/// Updates between draws that are timed. Chosen by hand.
 pub const DRAWS: u32 = 10;
 
 /// A linear sweep over all LODs in `updates` updates, coarser and then finer again, LOD 0 at both

@@ -1,4 +1,5 @@
-//! The error after a step, as a stream codes it: the upper bits of the float.
+//! The code of a level's error in a stream: the upper 13 bits of the float, rounded up, so that it
+//! stays an upper bound and is at most 1/16 too large.
 
 /// Mantissa bits that are left out; the error is rounded up.
 const DROPPED_BITS: u32 = 19;

@@ -1,4 +1,5 @@
-//! The facts of an object that a decoder needs before its first vertex.
+//! The header of an object in a stream: what a decoder needs before the first vertex. It is
+//! everything but vertices and triangles.
 
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::vertex_layout::VertexLayout;

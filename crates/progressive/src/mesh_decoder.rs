@@ -1,4 +1,4 @@
-//! The decoder of one object, which can be asked for its mesh after any step.
+//! The decoder of one object: takes blocks of steps, and gives the mesh after any step.
 
 use crate::entropy::decoder::Decoder;
 use crate::error_code::{error_value, rms_value};
@@ -13,9 +13,9 @@ use std::ops::Range;
 
 /// Decodes the steps of one object.
 ///
-/// Vertices and triangles are numbered in stream order: those that are there keep their numbers
-/// when more come, only corners change. Vertex `i` is vertex `n − 1 − i` of the `n` vertices that
-/// the object has in collapse order.
+/// Vertices and triangles are numbered in stream order: they keep their numbers when more come,
+/// only corners of triangles change. Vertex `i` is vertex `n − 1 − i` of the `n` vertices that the
+/// object has in collapse order.
 #[derive(Clone, Debug)]
 pub struct MeshDecoder {
     header: MeshHeader,
@@ -180,7 +180,7 @@ impl MeshDecoder {
     /// that has not come.
     #[must_use]
     pub fn targets(&self) -> &[u32] {
-        &self.codec.parents
+        &self.codec.targets
     }
 
     /// For each vertex whether its step continues with the next one.

@@ -1,4 +1,4 @@
-//! The encoder of one object.
+//! The encoder of one object: gives blocks of steps of about a wanted size, coarse to fine.
 
 use crate::entropy::encoder::Encoder;
 use crate::header::MeshHeader;
@@ -26,7 +26,7 @@ pub struct EncodedSteps {
     pub splits: Vec<u8>,
 }
 
-/// The size of a block, and its place in the stream.
+/// The size of a block, and where in the stream it begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockTarget {
     /// Bytes after which no further step is added.
@@ -37,7 +37,7 @@ pub struct BlockTarget {
     pub until_triangle: bool,
 }
 
-/// Bytes of padding that are added at a time: their cost is small beside coding the block again.
+/// Bytes of padding that are added at a time. Only streams that cost next to nothing are padded.
 const PADDING: usize = 64;
 
 impl<'a> MeshEncoder<'a> {
@@ -113,8 +113,8 @@ impl<'a> MeshEncoder<'a> {
             let step = self.codec.code_step(&mut coder, &self.source, contexts, limits);
             step.expect("an encoder's source has only valid splits");
             steps += 1;
-            let waits = target.until_triangle && self.triangles() == 0;
-            if coder.len() >= target.bytes && !waits || self.is_complete() {
+            let must_go_on = target.until_triangle && self.triangles() == 0;
+            if coder.len() >= target.bytes && !must_go_on || self.is_complete() {
                 break;
             }
         }

@@ -1,5 +1,5 @@
-//! Orthographic cameras spread around a sphere: those that drive a metric, and others that judge
-//! what came of it.
+//! Orthographic cameras around a sphere: the 20 that visual metrics see through, and others, spread
+//! evenly, that judge the result.
 
 use glam::DVec3;
 
@@ -7,9 +7,11 @@ use glam::DVec3;
 pub const SUBPIXELS: i32 = 256;
 /// Steps of depth per pixel: finer than across, so that close layers keep their order.
 const DEPTH_STEPS: f64 = 1024.0;
-/// The share of the picture that the sphere around the mesh fills.
+/// The share of the picture's width that the sphere around the mesh fills: a margin of some pixels.
+/// Chosen by hand.
 const FILLED: f64 = 0.95;
-/// Nothing seen is further out than this many pixels; what is, is moved to there.
+/// Pixels from the middle beyond which points are clamped, so that products of coordinates fit 64
+/// bits.
 const FURTHEST: f64 = 131_072.0;
 
 /// The projection of a point.
@@ -58,10 +60,10 @@ impl Camera {
         let p = (point - self.center) * self.scale;
         let half = 0.5 * f64::from(self.size);
         let snap = |pixels: f64, steps: f64| {
-            let at = pixels.clamp(-FURTHEST, FURTHEST) * steps + 0.5;
+            let steps_ = pixels.clamp(-FURTHEST, FURTHEST) * steps + 0.5;
             // Rounded down by hand: rounding is a call where cutting off is one instruction.
-            let cut = at as i32;
-            cut - i32::from(at < f64::from(cut))
+            let truncated = steps_ as i32;
+            truncated - i32::from(steps_ < f64::from(truncated))
         };
         Point {
             x: snap(half + p.dot(self.right), f64::from(SUBPIXELS)),
@@ -71,8 +73,9 @@ impl Camera {
     }
 }
 
-/// The 20 cameras of viewpoint metrics: corners of a dodecahedron (Castelló et al. 2007), turned so
-/// that none of them looks along an axis, a diagonal or a plane of symmetry of what people model.
+/// The 20 cameras of viewpoint metrics: corners of a dodecahedron (Castelló et al. 2007), rotated
+/// so that none of them looks along an axis, a diagonal or a plane of symmetry of what people
+/// model.
 #[must_use]
 pub fn metric_cameras(center: DVec3, radius: f64, size: u32) -> Vec<Camera> {
     let golden = f64::midpoint(1.0, 5.0_f64.sqrt());

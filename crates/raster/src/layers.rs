@@ -1,5 +1,5 @@
-//! Everything behind every pixel of one picture, sorted by depth: what is seen, and what would be
-//! without it.
+//! For every pixel of a picture, the list of all fragments there, sorted by depth: what is seen,
+//! and what would be seen if a triangle went away.
 
 /// One item at a pixel: items at one depth are sorted by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,6 +25,7 @@ impl Fragment {
     }
 }
 
+/// The end of a list.
 const END: u32 = u32::MAX;
 
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +39,7 @@ struct Node {
 pub struct Layers {
     heads: Vec<Node>,
     nodes: Vec<Node>,
+    /// The first free node, which leads to the next one; [`END`] for none.
     free: u32,
 }
 
@@ -56,40 +58,40 @@ impl Layers {
     pub fn insert(&mut self, pixel: usize, fragment: Fragment) {
         let head = self.heads[pixel];
         if fragment < head.fragment {
-            let next = if head.fragment == Fragment::NOTHING { END } else { self.keep(head) };
+            let next = if head.fragment == Fragment::NOTHING { END } else { self.allocate(head) };
             self.heads[pixel] = Node { fragment, next };
             return;
         }
-        let mut before = END;
-        let mut at = head.next;
-        while at != END && self.nodes[at as usize].fragment < fragment {
-            before = at;
-            at = self.nodes[at as usize].next;
+        let mut previous = END;
+        let mut current = head.next;
+        while current != END && self.nodes[current as usize].fragment < fragment {
+            previous = current;
+            current = self.nodes[current as usize].next;
         }
-        let new = self.keep(Node { fragment, next: at });
-        *self.link(pixel, before) = new;
+        let new = self.allocate(Node { fragment, next: current });
+        *self.link(pixel, previous) = new;
     }
 
-    /// Takes an item's fragment away. It must be there.
+    /// Removes an item's fragment, which must be there.
     pub fn remove(&mut self, pixel: usize, item: u32) {
         let head = self.heads[pixel];
         if head.fragment.item() == item {
             let empty = Node { fragment: Fragment::NOTHING, next: END };
-            self.heads[pixel] = if head.next == END { empty } else { self.take(head.next) };
+            self.heads[pixel] = if head.next == END { empty } else { self.free_node(head.next) };
             return;
         }
-        let mut before = END;
-        let mut at = head.next;
-        while self.nodes[at as usize].fragment.item() != item {
-            before = at;
-            at = self.nodes[at as usize].next;
+        let mut previous = END;
+        let mut current = head.next;
+        while self.nodes[current as usize].fragment.item() != item {
+            previous = current;
+            current = self.nodes[current as usize].next;
         }
-        let next = self.take(at).next;
-        *self.link(pixel, before) = next;
+        let next = self.free_node(current).next;
+        *self.link(pixel, previous) = next;
     }
 
-    /// Finds room for a node.
-    fn keep(&mut self, node: Node) -> u32 {
+    /// Stores a node in a free slot. Returns its number.
+    fn allocate(&mut self, node: Node) -> u32 {
         if self.free == END {
             self.nodes.push(node);
             return self.nodes.len() as u32 - 1;
@@ -99,19 +101,19 @@ impl Layers {
         new
     }
 
-    /// Frees a node's room.
-    fn take(&mut self, at: u32) -> Node {
-        let node = self.nodes[at as usize];
-        self.nodes[at as usize].next = std::mem::replace(&mut self.free, at);
+    /// Frees a node's slot. Returns the node.
+    fn free_node(&mut self, current: u32) -> Node {
+        let node = self.nodes[current as usize];
+        self.nodes[current as usize].next = std::mem::replace(&mut self.free, current);
         node
     }
 
-    /// Slot of the number of the node after `before`, `END` being the head.
-    fn link(&mut self, pixel: usize, before: u32) -> &mut u32 {
-        if before == END {
+    /// Slot of the number of the node after `previous`, `END` being the head.
+    fn link(&mut self, pixel: usize, previous: u32) -> &mut u32 {
+        if previous == END {
             &mut self.heads[pixel].next
         } else {
-            &mut self.nodes[before as usize].next
+            &mut self.nodes[previous as usize].next
         }
     }
 
@@ -131,10 +133,10 @@ impl Layers {
     /// The fragments behind the first one, nearest first.
     #[inline]
     pub fn behind(&self, pixel: usize) -> impl Iterator<Item = Fragment> + '_ {
-        let mut at = self.heads[pixel].next;
+        let mut current = self.heads[pixel].next;
         std::iter::from_fn(move || {
-            let node = self.nodes.get(at as usize)?;
-            at = node.next;
+            let node = self.nodes.get(current as usize)?;
+            current = node.next;
             Some(node.fragment)
         })
     }

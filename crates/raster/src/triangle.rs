@@ -1,5 +1,5 @@
-//! Pixel centres that a triangle covers, decided in integers (Pineda 1988, with the top-left
-//! rule).
+//! Rasterises a triangle: visits the pixel centres that it covers, decided in integers (Pineda
+//! 1988, with the top-left rule).
 
 use crate::camera::{Point, SUBPIXELS};
 
@@ -64,17 +64,17 @@ impl Window {
     }
 }
 
-/// Runs shorter than this are tried column by column, which is quicker than a division.
-const SHORT: i64 = 6;
+/// Runs of pixels shorter than this are tried column by column, which is quicker than a division.
+const MAX_TRIED_COLUMNS: i64 = 6;
 
 /// Windows of at most this many pixels across and down are tried pixel by pixel.
-const FEW: usize = 8;
+const MAX_SMALL_SIDE: usize = 8;
 
 /// Corners that are nearer to each other than this, across and down, have areas that 32 bits hold.
-const NEAR: i64 = 1 << 13;
+const MAX_32_BIT_EXTENT: i64 = 1 << 13;
 
-/// More than any depth.
-const DEEP: f64 = 1_073_741_824.0;
+/// More than any depth, so that sums to be truncated are positive.
+const DEPTH_OFFSET: f64 = 1_073_741_824.0;
 
 /// One edge of a triangle as a function of the pixel: positive on the inner side.
 #[derive(Clone, Copy)]
@@ -100,10 +100,9 @@ impl Edge {
 
     /// The part of a run of columns, from the window's left, that is on the inner side.
     #[inline]
-    fn within(&self, mut first: i64, mut last: i64) -> (i64, i64) {
+    fn clip_run(&self, mut first: i64, mut last: i64) -> (i64, i64) {
         let inside = |column: i64| self.value + column * self.right + self.bias >= 0;
-        if last - first < SHORT {
-            // Few enough to be tried.
+        if last - first < MAX_TRIED_COLUMNS {
             while first <= last && !inside(first) {
                 first += 1;
             }
@@ -135,10 +134,13 @@ pub fn scan(corners: [Point; 3], window: Window, visit: impl FnMut(i32, i32, i32
     if window.is_empty() {
         return;
     }
-    let is_near = |p: i32, q: i32| (i64::from(p) - i64::from(q)).abs() < NEAR;
+    let is_near = |p: i32, q: i32| (i64::from(p) - i64::from(q)).abs() < MAX_32_BIT_EXTENT;
     let all_near = [b, c].iter().all(|p| is_near(p.x, a.x) && is_near(p.y, a.y));
-    if all_near && window.width() <= FEW && window.len() <= FEW * FEW {
-        scan_few(corners, window, visit);
+    if all_near
+        && window.width() <= MAX_SMALL_SIDE
+        && window.len() <= MAX_SMALL_SIDE * MAX_SMALL_SIDE
+    {
+        scan_small(corners, window, visit);
     } else {
         scan_rows(corners, window, visit);
     }
@@ -172,12 +174,16 @@ fn scan_rows(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32
     for row in window.top..window.bottom {
         let [mut first, mut last] = [0, i64::from(window.right) - i64::from(window.left) - 1];
         for e in &edges {
-            (first, last) = e.within(first, last);
+            (first, last) = e.clip_run(first, last);
         }
         let mut sum = weighed(edges.map(|e| e.value + first * e.right));
         for column in window.left + first as i32..=window.left + last as i32 {
             // Rounded by cutting off, which is one instruction where rounding is a call.
-            visit(column, row, ((sum * share + (DEEP + 0.5)) as i64 - DEEP as i64) as i32);
+            visit(
+                column,
+                row,
+                ((sum * share + (DEPTH_OFFSET + 0.5)) as i64 - DEPTH_OFFSET as i64) as i32,
+            );
             sum += step;
         }
         for e in &mut edges {
@@ -189,7 +195,7 @@ fn scan_rows(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32
 /// [`scan`] where the corners are near each other and the window around them has few pixels, as of
 /// most triangles of dense meshes.
 #[inline]
-fn scan_few(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32, i32)) {
+fn scan_small(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32, i32)) {
     let [a, mut b, mut c] = corners;
     let area_of = |b: Point, c: Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     let mut area = area_of(b, c);
@@ -218,7 +224,11 @@ fn scan_few(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32,
             if (u + e.3) | (v + f.3) | (w + g.3) >= 0 {
                 let sum =
                     f64::from(u) * depths.0 + f64::from(v) * depths.1 + f64::from(w) * depths.2;
-                visit(column, row, ((sum * share + (DEEP + 0.5)) as i64 - DEEP as i64) as i32);
+                visit(
+                    column,
+                    row,
+                    ((sum * share + (DEPTH_OFFSET + 0.5)) as i64 - DEPTH_OFFSET as i64) as i32,
+                );
             }
             (u, v, w) = (u + e.1, v + f.1, w + g.1);
         }
@@ -252,7 +262,7 @@ mod tests {
                 });
                 let window = Window::whole(12).around(corners.into_iter());
                 let (mut few, mut rows) = (vec![], vec![]);
-                scan_few(corners, window, |x, y, z| few.push((x, y, z)));
+                scan_small(corners, window, |x, y, z| few.push((x, y, z)));
                 scan_rows(corners, window, |x, y, z| rows.push((x, y, z)));
                 assert_eq!(few, rows, "{corners:?}");
                 visited += few.len();

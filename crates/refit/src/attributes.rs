@@ -1,4 +1,5 @@
-//! Attributes at the new places: taken from the input's surface, each within its own chart.
+//! The attributes of a refitted level: each moved vertex takes them from the nearest point of the
+//! input's surface within its own chart.
 
 use crate::blend::{Source, blend};
 use crate::charts::{Continuity, charts};
@@ -13,8 +14,8 @@ use rayon::prelude::*;
 /// Returns the level with its points at `positions` and its attributes as the input has them there;
 /// `whole` is the tree of the input's triangles.
 ///
-/// A vertex looks for the nearest place in its own chart, in which texture coordinates, colours
-/// and normals are continuous. It keeps what it has where that is farther than it moved, faces the
+/// A vertex searches the nearest point in its own chart, in which texture coordinates, colours and
+/// normals are continuous. It keeps what it has where that is farther than it moved, faces the
 /// other way (a thin sheet has two sides), or lies beyond a seam. Positions come as `f32`: a stream
 /// that held them quantised is left out.
 pub(crate) fn resample(
@@ -67,9 +68,10 @@ fn sources(
     };
     let rows = input.vertex_count();
     let triangles = Csr::new(rows, chart.iter().zip(0..).map(|(&c, t)| (c, t)));
-    let movers = (0..chart_of.len()).filter(|&v| moved(v) > 0.0 && chart_of[v] != NONE);
-    let movers: Vec<(u32, u32)> = movers.map(|v| (chart_of[v], v as u32)).collect();
-    let movers = Csr::new(rows, movers.into_iter());
+    let moving_vertices = (0..chart_of.len()).filter(|&v| moved(v) > 0.0 && chart_of[v] != NONE);
+    let moving_vertices: Vec<(u32, u32)> =
+        moving_vertices.map(|v| (chart_of[v], v as u32)).collect();
+    let moving_vertices = Csr::new(rows, moving_vertices.into_iter());
 
     let facing = facing(level, positions);
     let point = |v: u32| DVec3::from_array(input.positions()[v as usize].map(f64::from));
@@ -81,19 +83,20 @@ fn sources(
         let tree = if is_all { whole } else { &TriangleTree::new(&corners) };
         let find = |&v: &u32| {
             let p = positions[level.point_of[v as usize] as usize];
-            let found = tree.nearest(p, NONE).filter(|n| {
-                let along = cross(corners[n.triangle as usize]).dot(facing[v as usize]) >= 0.0;
-                n.squared <= moved(v as usize) && along
+            let nearest_point = tree.nearest(p, NONE).filter(|n| {
+                let faces_same_way =
+                    cross(corners[n.triangle as usize]).dot(facing[v as usize]) >= 0.0;
+                n.squared <= moved(v as usize) && faces_same_way
             });
             let corners = |t: u32| input.triangles()[own[t as usize] as usize];
-            (v, found.map(|n| (corners(n.triangle), n.barycentric)))
+            (v, nearest_point.map(|n| (corners(n.triangle), n.barycentric)))
         };
-        movers.row(c).par_iter().map(find).collect()
+        moving_vertices.row(c).par_iter().map(find).collect()
     };
-    let used: Vec<u32> = (0..rows as u32).filter(|&c| !movers.row(c).is_empty()).collect();
-    let found: Vec<Vec<(u32, Source)>> = used.into_par_iter().map(in_chart).collect();
+    let used: Vec<u32> = (0..rows as u32).filter(|&c| !moving_vertices.row(c).is_empty()).collect();
+    let nearest_point: Vec<Vec<(u32, Source)>> = used.into_par_iter().map(in_chart).collect();
     let mut sources = vec![None; level.mesh.vertex_count()];
-    for (v, source) in found.into_iter().flatten() {
+    for (v, source) in nearest_point.into_iter().flatten() {
         sources[v as usize] = source;
     }
     sources
@@ -123,7 +126,7 @@ fn drop_quantised_positions(parts: &mut MeshParts) {
         .collect();
     parts.attributes.retain(stays);
     for submesh in &mut parts.submeshes {
-        let kept = submesh.attributes.iter().filter_map(|&a| new_index[a as usize]);
-        submesh.attributes = kept.collect();
+        let new_indices = submesh.attributes.iter().filter_map(|&a| new_index[a as usize]);
+        submesh.attributes = new_indices.collect();
     }
 }

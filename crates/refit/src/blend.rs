@@ -1,4 +1,5 @@
-//! Values between the corners of a triangle, stream by stream.
+//! Interpolates attribute values between the corners of a triangle, stream by stream, and stores
+//! them in the stream's number type.
 
 use lodc_mesh::{Attribute, Component, Semantic};
 
@@ -13,28 +14,29 @@ pub(crate) fn blend(stream: &mut Attribute, from: &Attribute, sources: &[Source]
     if matches!(stream.semantic, Semantic::Joints(_) | Semantic::Weights(_) | Semantic::Custom(_)) {
         return;
     }
-    let (n, direction) = (usize::from(stream.components), is_direction(stream));
+    let (components, is_unit) = (usize::from(stream.components), is_direction(stream));
     for (v, source) in sources.iter().enumerate() {
         let Some((corners, weights)) = source else { continue };
         let mut value = [0.0f64; 16];
         for (c, &corner) in corners.iter().enumerate() {
-            for (k, sum) in value[..n].iter_mut().enumerate() {
+            for (k, sum) in value[..components].iter_mut().enumerate() {
                 *sum += weights[c] * f64::from(from.value(corner, k));
             }
         }
-        if direction && n >= 3 {
+        if is_unit && components >= 3 {
             let length = value[..3].iter().map(|x| x * x).sum::<f64>().sqrt();
             if length < 1e-6 {
                 continue;
             }
             value[..3].iter_mut().for_each(|x| *x /= length);
         }
-        if stream.semantic == Semantic::Tangent && stream.morph_target.is_none() && n == 4 {
+        if stream.semantic == Semantic::Tangent && stream.morph_target.is_none() && components == 4
+        {
             // Handedness is one of two values: that of the nearest corner.
             let nearest = (0..3).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or(0);
             value[3] = f64::from(from.value(corners[nearest], 3));
         }
-        put(stream, v, &value[..n]);
+        put(stream, v, &value[..components]);
     }
 }
 
@@ -54,7 +56,7 @@ pub(crate) fn put(stream: &mut Attribute, vertex: usize, values: &[f64]) {
 
 /// A number in the bytes of a component, rounded to what it can hold.
 fn encoded(component: Component, normalized: bool, value: f64) -> [u8; 4] {
-    let (least, most) = match component {
+    let (min_value, max_value) = match component {
         Component::I8 => (-127.0, 127.0),
         Component::U8 => (0.0, 255.0),
         Component::I16 => (-32767.0, 32767.0),
@@ -62,9 +64,9 @@ fn encoded(component: Component, normalized: bool, value: f64) -> [u8; 4] {
         Component::U32 => (0.0, f64::from(u32::MAX)),
         Component::F32 => return (value as f32).to_le_bytes(),
     };
-    let scaled = if normalized { value * most } else { value };
+    let scaled = if normalized { value * max_value } else { value };
     // Two's complement: the low bytes of a wider integer are those of a narrow one.
-    (scaled.round().clamp(least, most) as i64 as u32).to_le_bytes()
+    (scaled.round().clamp(min_value, max_value) as i64 as u32).to_le_bytes()
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
-//! Distances of samples, added up by the face of the level that they are tied to.
+//! Squared distances of samples, summed and maximised by the face of the level that each is tied
+//! to: tells which parts of a level a refit has made worse.
 
 use crate::system::Tie;
 use lodc_mesh::DisjointSets;
 
-/// Most of its squared distance that a part of a level keeps where a refit is worth it.
-const WORTH: f64 = 0.9;
+/// The share of its squared distance above which a part of a level has gained too little from a
+/// refit. Chosen by hand.
+const MAX_REMAINING: f64 = 0.9;
 
 /// Squared distances of the samples that are tied to each face of a level.
 #[derive(Clone, Debug)]
@@ -47,8 +49,9 @@ impl ByFace {
     }
 }
 
-/// Returns for each point whether its part of a level, the faces that hang together, comes hardly
-/// closer than at `first` even if every point that comes farther stays: energies [around] points.
+/// Returns for each point whether its part of a level (its connected faces) comes hardly closer
+/// than at `first`, even if every point that comes farther stays where it was. `first` and `now`
+/// are energies [around] points.
 ///
 /// Where most points of a part are held back, the others make the best of it: they may end up
 /// far from where they were, as spikes, for next to nothing.
@@ -61,12 +64,15 @@ pub(crate) fn hardly_closer(first: &[f64], now: &[f64], faces: &[[u32; 3]]) -> V
         parts.join(a, c);
     }
     let mut sums = vec![[0.0; 2]; first.len()];
-    for ((p, before), now) in (0..).zip(first).zip(now) {
+    for ((p, at_start), now) in (0..).zip(first).zip(now) {
         let sum: &mut [f64; 2] = &mut sums[parts.find(p) as usize];
-        *sum = [sum[0] + before, sum[1] + now.min(*before)];
+        *sum = [sum[0] + at_start, sum[1] + now.min(*at_start)];
     }
     let of_part = |p: u32| sums[parts.find(p) as usize];
-    (0..first.len() as u32).map(of_part).map(|[before, now]| now > WORTH * before).collect()
+    (0..first.len() as u32)
+        .map(of_part)
+        .map(|[at_start, now]| now > MAX_REMAINING * at_start)
+        .collect()
 }
 
 /// The sum of energies around points if every point that comes farther than at `first` stays.

@@ -1,4 +1,5 @@
-//! Charts: regions of a surface over which attributes are continuous, and the curves between them.
+//! Charts: connected regions of a surface over which attributes are continuous; and the curves
+//! between them (seams, borders).
 
 use crate::sides::{Side, sides};
 use lodc_mesh::{DisjointSets, Mesh, NONE, PositionIds, Semantic};
@@ -26,14 +27,14 @@ impl Continuity {
 /// Returns the chart of each triangle: triangles of one submesh hang together at vertices whose
 /// position and streams are bit for bit the same.
 pub(crate) fn charts(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
-    let class = classes(mesh, continuity);
-    let mut joined = DisjointSets::new(mesh.vertex_count());
+    let class_of = classes(mesh, continuity);
+    let mut sets = DisjointSets::new(mesh.vertex_count());
     for t in mesh.triangles() {
-        let [a, b, c] = t.map(|v| class[v as usize]);
-        joined.join(a, b);
-        joined.join(a, c);
+        let [a, b, c] = t.map(|v| class_of[v as usize]);
+        sets.join(a, b);
+        sets.join(a, c);
     }
-    mesh.triangles().iter().map(|t| joined.find(class[t[0] as usize])).collect()
+    mesh.triangles().iter().map(|t| sets.find(class_of[t[0] as usize])).collect()
 }
 
 /// For each vertex the first vertex that it is equal to.
@@ -53,12 +54,12 @@ fn classes(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
         }
         by.then(a.cmp(&b))
     });
-    let alike = |a: u32, b: u32| key(a) == key(b) && streams.iter().all(|s| s.at(a) == s.at(b));
-    let mut class = vec![NONE; mesh.vertex_count()];
-    for run in order.chunk_by(|&a, &b| alike(a, b)) {
-        run.iter().for_each(|&v| class[v as usize] = run[0]);
+    let is_equal = |a: u32, b: u32| key(a) == key(b) && streams.iter().all(|s| s.at(a) == s.at(b));
+    let mut class_of = vec![NONE; mesh.vertex_count()];
+    for run in order.chunk_by(|&a, &b| is_equal(a, b)) {
+        run.iter().for_each(|&v| class_of[v as usize] = run[0]);
     }
-    class
+    class_of
 }
 
 /// Returns the curves of a surface as `3 * face + corner` of one side each: edges that one face has

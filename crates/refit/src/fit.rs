@@ -1,4 +1,6 @@
-//! The iteration: tie both surfaces together, solve for the moves, guard them, keep the best.
+//! The iteration of a refit: tie samples of each surface to the nearest point of the other, solve
+//! least squares for the moves of the points, guard faces against turning over, and keep the best
+//! state.
 
 use crate::by_face::{ByFace, hardly_closer, within_reach};
 use crate::charts::curves;
@@ -13,26 +15,29 @@ use lodc_nearest::{TriangleTree, point_at};
 use rayon::prelude::*;
 
 /// Distances below this share of the diagonal have no direction worth following.
-const TINY: f64 = 1e-7;
-/// Most that a point moves in one iteration, in mean edge lengths around it.
-const STEP: f64 = 0.5;
-/// Most that a point ends up from where it was, in mean edge lengths there.
-const WHOLE: f64 = 1.0;
-/// Points on each curve edge of the level.
+const TINY_SHARE: f64 = 1e-7;
+/// The most that a point moves in one iteration, in mean edge lengths around it. Chosen by hand.
+const MAX_STEP: f64 = 0.5;
+/// The most that a point moves in all, in mean edge lengths around its start. Chosen by hand.
+const MAX_MOVE: f64 = 1.0;
+/// Points on each curve edge of the level. Chosen by hand.
 const ON_CURVE: usize = 4;
 /// Samples, or faces, that are looked up in parallel before they are added up in order.
-const BLOCK: usize = 1 << 14;
+const SAMPLES_PER_BLOCK: usize = 1 << 14;
 /// Samples that one thread looks up one after the other, each with the last one's triangle as a
 /// hint.
-const RUN: usize = 1 << 8;
-/// Share of the farthest sample's squared distance at the start that no sample may go beyond.
-const FARTHER: f64 = 1.05 * 1.05;
-/// Number of times that what goes beyond is held back.
+const SAMPLES_PER_THREAD: usize = 1 << 8;
+/// The most that a sample's squared distance may become, as a share of the farthest sample's at the
+/// start: 5 % more in distance. Chosen by hand.
+const MAX_FARTHEST: f64 = 1.05 * 1.05;
+/// Number of times that points with samples beyond the limit are held back. Chosen by hand.
 const HELD_ROUNDS: usize = 4;
-/// Share of the squared distance at the start that may be added where points come farther.
-const SPOILT: f64 = 0.02;
-/// Root mean square distance, as a share of the diagonal, below which a level is left alone.
-const ENOUGH: f64 = 1e-6;
+/// The share of the squared distance at the start that points which come farther may add. Chosen by
+/// hand.
+const MAX_SPOILT: f64 = 0.02;
+/// Root mean square distance, as a share of the diagonal, below which a level is not refitted
+/// further: rounding of `f32` coordinates.
+const GOOD_ENOUGH: f64 = 1e-6;
 
 /// Points of the level on their way to a better fit.
 pub(crate) struct Fit<'a> {
@@ -51,7 +56,7 @@ pub(crate) struct Fit<'a> {
     backward_hints: Vec<u32>,
 }
 
-/// One look at both surfaces.
+/// The ties between both surfaces at one state of the points.
 struct Ties<'a> {
     system: System<'a>,
     /// Mean squared distance, both directions added.
@@ -73,10 +78,10 @@ struct UnmovedDistances {
 impl UnmovedDistances {
     /// Marks the points that come farther than they were, if they spoil more than a little of the
     /// whole; returns whether any was not marked before.
-    fn hold_worse(&self, around: &[f64], held: &mut [bool]) -> bool {
-        let worse = |p: usize| around[p] - self.around[p];
+    fn hold_worse(&self, energies_around: &[f64], held: &mut [bool]) -> bool {
+        let worse = |p: usize| energies_around[p] - self.around[p];
         let spoilt: f64 = (0..held.len()).map(|p| worse(p).max(0.0)).sum();
-        if spoilt <= SPOILT * self.around.iter().sum::<f64>() {
+        if spoilt <= MAX_SPOILT * self.around.iter().sum::<f64>() {
             return false;
         }
         let mut new = false;
@@ -122,49 +127,53 @@ impl<'a> Fit<'a> {
     pub(crate) fn run(mut self, iterations: u32, tick: &(dyn Fn() + Sync)) -> Vec<DVec3> {
         let (points, faces) = (&self.level.points, &self.level.faces);
         let start = self.tie(points);
-        let limit = FARTHER * start.by_face.farthest();
-        let first =
-            UnmovedDistances { energy: start.energy, around: self.around(&start.by_face), limit };
+        let limit = MAX_FARTHEST * start.by_face.farthest();
+        let first = UnmovedDistances {
+            energy: start.energy,
+            around: self.energies_around(&start.by_face),
+            limit,
+        };
         let (mut best, mut positions) = (None, points.clone());
-        let (mut least, mut ties) = (first.around.iter().sum(), start);
+        let (mut least_energy, mut ties) = (first.around.iter().sum(), start);
         for _ in 0..iterations {
             tick();
-            if ties.energy.sqrt() < ENOUGH * self.input.diagonal {
+            if ties.energy.sqrt() < GOOD_ENOUGH * self.input.diagonal {
                 break;
             }
             let moves = self.clamped(&positions, &ties.system.solve());
             positions = self.guard(&ties.input_normals).limit(&positions, &moves);
             ties = self.tie(&positions);
-            let around = self.around(&ties.by_face);
-            let reach = within_reach(&first.around, &around);
-            if reach < least {
-                least = reach;
-                best = Some((positions.clone(), ties.energy, ties.by_face.clone(), around));
+            let energies_around = self.energies_around(&ties.by_face);
+            let energy_within_reach = within_reach(&first.around, &energies_around);
+            if energy_within_reach < least_energy {
+                least_energy = energy_within_reach;
+                best =
+                    Some((positions.clone(), ties.energy, ties.by_face.clone(), energies_around));
             }
         }
-        let Some((best, energy, by_face, around)) = best else { return points.clone() };
-        let mut held = hardly_closer(&first.around, &around, faces);
+        let Some((best, energy, by_face, energies_around)) = best else { return points.clone() };
+        let mut held = hardly_closer(&first.around, &energies_around, faces);
         let is_good = energy < first.energy && by_face.farthest() <= limit && !held.contains(&true);
-        if !first.hold_worse(&around, &mut held) && is_good {
+        if !first.hold_worse(&energies_around, &mut held) && is_good {
             return best;
         }
         let held = self.held_back(&best, held, by_face, &ties.input_normals, &first);
         let ties = self.tie(&held);
-        let most = if is_good { energy } else { first.energy };
+        let max_energy = if is_good { energy } else { first.energy };
         match () {
-            () if ties.energy < most && ties.by_face.farthest() <= limit => held,
+            () if ties.energy < max_energy && ties.by_face.farthest() <= limit => held,
             () if is_good => best,
             () => self.level.points.clone(),
         }
     }
 
-    fn around(&self, by_face: &ByFace) -> Vec<f64> {
+    fn energies_around(&self, by_face: &ByFace) -> Vec<f64> {
         by_face.around(&self.level.faces, self.level.points.len())
     }
 
     /// Puts the points that are `held`, and the corners of faces with a sample beyond the limit,
-    /// back to where they were, wider around them each time, and points that come farther, until
-    /// none is beyond and hardly any comes farther.
+    /// back to their start, with a ring of neighbours more each time, and points that come farther,
+    /// until no sample is beyond and hardly any point comes farther.
     fn held_back(
         &mut self,
         moved: &[DVec3],
@@ -174,16 +183,16 @@ impl<'a> Fit<'a> {
         first: &UnmovedDistances,
     ) -> Vec<DVec3> {
         let level = self.level;
-        let mut beyond = vec![false; moved.len()];
+        let mut beyond_limit = vec![false; moved.len()];
         let mut positions = moved.to_vec();
         for _ in 0..HELD_ROUNDS {
             let touched = |f: &usize| {
-                let is_beyond = |&p: &u32| beyond[p as usize];
+                let is_beyond = |&p: &u32| beyond_limit[p as usize];
                 by_face.farthest_of(*f) > first.limit || level.faces[*f].iter().any(is_beyond)
             };
-            let wider: Vec<usize> = (0..level.faces.len()).filter(touched).collect();
-            for &p in wider.iter().flat_map(|&f| &level.faces[f]) {
-                beyond[p as usize] = true;
+            let affected_faces: Vec<usize> = (0..level.faces.len()).filter(touched).collect();
+            for &p in affected_faces.iter().flat_map(|&f| &level.faces[f]) {
+                beyond_limit[p as usize] = true;
                 held[p as usize] = true;
             }
             let moves: Vec<DVec3> = (0..moved.len())
@@ -191,8 +200,8 @@ impl<'a> Fit<'a> {
                 .collect();
             positions = self.guard(input_normals).limit(&level.points, &moves);
             by_face = self.tie(&positions).by_face;
-            let again = first.hold_worse(&self.around(&by_face), &mut held);
-            if by_face.farthest() <= first.limit && !again {
+            let got_worse = first.hold_worse(&self.energies_around(&by_face), &mut held);
+            if by_face.farthest() <= first.limit && !got_worse {
                 break;
             }
         }
@@ -208,10 +217,10 @@ impl<'a> Fit<'a> {
         let lengths = self.level.edge_lengths(positions);
         (0..positions.len())
             .map(|i| {
-                let step = moves[i].clamp_length_max(STEP * lengths[i]);
+                let step = moves[i].clamp_length_max(MAX_STEP * lengths[i]);
                 let first = self.level.points[i];
-                let whole = positions[i] + step - first;
-                first + whole.clamp_length_max(WHOLE * self.first_lengths[i]) - positions[i]
+                let total = positions[i] + step - first;
+                first + total.clamp_length_max(MAX_MOVE * self.first_lengths[i]) - positions[i]
             })
             .map(|m| if m.is_finite() { m } else { DVec3::ZERO })
             .collect()
@@ -235,46 +244,48 @@ impl<'a> Fit<'a> {
     /// From the input's samples to the level.
     fn tie_input(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
         let (input, tree) = (self.input, &self.tree);
-        let tiny = (TINY * input.diagonal).powi(2);
-        for (block, hints) in self.hints.chunks_mut(BLOCK).enumerate() {
-            let look = |i: usize, hint: u32| {
+        let tiny = (TINY_SHARE * input.diagonal).powi(2);
+        for (block, hints) in self.hints.chunks_mut(SAMPLES_PER_BLOCK).enumerate() {
+            let tie_sample = |i: usize, hint: u32| {
                 let (p, weight) = input.sample(i);
-                let found = tree.nearest(p, hint)?;
-                let face = found.triangle as usize;
-                let residual = point_at(corners[face], found.barycentric) - p;
+                let nearest = tree.nearest(p, hint)?;
+                let face = nearest.triangle as usize;
+                let residual = point_at(corners[face], nearest.barycentric) - p;
                 let normal = crosses[face].normalize_or_zero();
-                let direction = direction(residual, found.squared, tiny, normal);
+                let direction = direction(residual, nearest.squared, tiny, normal);
                 let tie = Tie {
-                    face: found.triangle,
-                    barycentric: found.barycentric,
+                    face: nearest.triangle,
+                    barycentric: nearest.barycentric,
                     residual,
                     direction,
                     weight,
                 };
-                Some((tie, found.squared))
+                Some((tie, nearest.squared))
             };
             let run = |(run, hints): (usize, &mut [u32])| -> Vec<(Tie, f64)> {
-                let (first, mut last) = (BLOCK * block + RUN * run, NONE);
-                let one = |(i, hint): (usize, &mut u32)| {
+                let (first, mut last) =
+                    (SAMPLES_PER_BLOCK * block + SAMPLES_PER_THREAD * run, NONE);
+                let tie_next = |(i, hint): (usize, &mut u32)| {
                     let guess = if *hint == NONE { last } else { *hint };
-                    let found = look(first + i, guess);
-                    *hint = found.map_or(NONE, |f| f.0.face);
+                    let nearest = tie_sample(first + i, guess);
+                    *hint = nearest.map_or(NONE, |f| f.0.face);
                     last = *hint;
-                    found
+                    nearest
                 };
-                hints.iter_mut().enumerate().filter_map(one).collect()
+                hints.iter_mut().enumerate().filter_map(tie_next).collect()
             };
-            let found: Vec<_> = hints.par_chunks_mut(RUN).enumerate().map(run).collect();
-            found.iter().flatten().for_each(|found| ties.add(found));
+            let nearest: Vec<_> =
+                hints.par_chunks_mut(SAMPLES_PER_THREAD).enumerate().map(run).collect();
+            nearest.iter().flatten().for_each(|nearest| ties.add(nearest));
         }
     }
 
     /// From points on the level's faces to the input.
     fn tie_level(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
         let input = self.input;
-        let tiny = (TINY * input.diagonal).powi(2);
+        let tiny = (TINY_SHARE * input.diagonal).powi(2);
         let area = crosses.iter().map(|c| c.length()).sum::<f64>().max(f64::MIN_POSITIVE);
-        let look = |(face, hints): (&u32, &mut [u32])| {
+        let tie_face = |(face, hints): (&u32, &mut [u32])| {
             let (face, mut normal) = (*face as usize, DVec3::ZERO);
             let mut found = [None; SIX.len()];
             for (k, (barycentric, share)) in SIX.iter().enumerate() {
@@ -282,10 +293,11 @@ impl<'a> Fit<'a> {
                 let hint = if hints[k] == NONE { hints[k.saturating_sub(1)] } else { hints[k] };
                 let Some(nearest) = input.tree.nearest(q, hint) else { continue };
                 hints[k] = nearest.triangle;
-                let there = nearest.triangle as usize;
-                normal += input.normals[there] * *share;
-                let residual = q - input.at(there, nearest.barycentric);
-                let direction = direction(residual, nearest.squared, tiny, input.normals[there]);
+                let input_triangle = nearest.triangle as usize;
+                normal += input.normals[input_triangle] * *share;
+                let residual = q - input.at(input_triangle, nearest.barycentric);
+                let direction =
+                    direction(residual, nearest.squared, tiny, input.normals[input_triangle]);
                 let weight = crosses[face].length() * share / area;
                 let (face, barycentric) = (face as u32, *barycentric);
                 let tie = Tie { face, barycentric, residual, direction, weight };
@@ -293,10 +305,10 @@ impl<'a> Fit<'a> {
             }
             (found, normal.normalize_or_zero())
         };
-        let blocks = self.backward_hints.chunks_mut(BLOCK * SIX.len());
-        for (faces, hints) in self.tree.order().chunks(BLOCK).zip(blocks) {
+        let blocks = self.backward_hints.chunks_mut(SAMPLES_PER_BLOCK * SIX.len());
+        for (faces, hints) in self.tree.order().chunks(SAMPLES_PER_BLOCK).zip(blocks) {
             let hints = hints.par_chunks_mut(SIX.len());
-            let found: Vec<_> = faces.par_iter().zip(hints).map(look).collect();
+            let found: Vec<_> = faces.par_iter().zip(hints).map(tie_face).collect();
             for (&face, (points, normal)) in faces.iter().zip(found) {
                 ties.input_normals[face as usize] = normal;
                 points.iter().flatten().for_each(|found| ties.add(found));
@@ -326,15 +338,16 @@ impl<'a> Fit<'a> {
             let direction = residual.normalize_or_zero();
             Tie { face: side / 3, barycentric, residual, direction, weight }
         };
-        let there: Vec<Option<Tie>> = (input.curve_points.par_iter().zip(&input.curve_lengths))
-            .map(|(&p, length)| {
-                let found = tree.nearest(p, NONE)?;
-                let (segment, t) = (found.triangle as usize, 1.0 - found.barycentric[0]);
-                let [a, b] = segments[segment];
-                Some(tie(segment, t, a.lerp(b, t) - p, length * band))
-            })
-            .collect();
-        let back: Vec<Option<Tie>> = (0..ON_CURVE * segments.len())
+        let from_input: Vec<Option<Tie>> =
+            (input.curve_points.par_iter().zip(&input.curve_lengths))
+                .map(|(&p, length)| {
+                    let found = tree.nearest(p, NONE)?;
+                    let (segment, t) = (found.triangle as usize, 1.0 - found.barycentric[0]);
+                    let [a, b] = segments[segment];
+                    Some(tie(segment, t, a.lerp(b, t) - p, length * band))
+                })
+                .collect();
+        let from_level: Vec<Option<Tie>> = (0..ON_CURVE * segments.len())
             .into_par_iter()
             .map(|i| {
                 let (segment, k) = (i / ON_CURVE, i % ON_CURVE);
@@ -345,7 +358,7 @@ impl<'a> Fit<'a> {
                 Some(tie(segment, t, q - p, lengths[segment] / ON_CURVE as f64 * band))
             })
             .collect();
-        there.into_iter().chain(back).flatten().for_each(|tie| ties.system.add(&tie));
+        from_input.into_iter().chain(from_level).flatten().for_each(|tie| ties.system.add(&tie));
     }
 }
 

@@ -1,4 +1,5 @@
-//! The input as a refit sees it: a tree over its triangles, samples on them, and its curves.
+//! The input of a refit, fixed over all iterations: a tree over its triangles, samples on them,
+//! charts, and curves with their own tree.
 
 use crate::charts::{Continuity, charts, curves};
 use crate::quadrature::for_ratio;
@@ -75,13 +76,13 @@ impl Input {
 
     /// A sample, and its share of the whole area. Samples with near numbers are near each other.
     pub(crate) fn sample(&self, i: usize) -> (DVec3, f64) {
-        let (triangle, barycentric, weight) = self.place(i);
+        let (triangle, barycentric, weight) = self.sample_location(i);
         (self.at(triangle, barycentric), weight)
     }
 
     /// The triangle of a sample, its barycentric coordinates there, and its share of the whole
     /// area.
-    pub(crate) fn place(&self, i: usize) -> (usize, [f64; 3], f64) {
+    pub(crate) fn sample_location(&self, i: usize) -> (usize, [f64; 3], f64) {
         let triangle = self.tree.order()[i / self.rule.len()] as usize;
         let (barycentric, share) = self.rule[i % self.rule.len()];
         (triangle, barycentric, self.areas[triangle] * share / self.area)

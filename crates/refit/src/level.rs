@@ -1,4 +1,5 @@
-//! A level of detail as unknowns: one position for all vertices that share one.
+//! A level of detail as the unknowns of a refit: one point for all vertices that share a position,
+//! with faces and edges between points.
 
 use crate::sides::sides;
 use glam::DVec3;

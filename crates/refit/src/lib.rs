@@ -7,7 +7,7 @@
 //! normal equations of point-to-plane distances for one move per position, and holds back what
 //! would turn a face over. Vertices at one position move together, so seams stay closed; borders,
 //! borders of materials and seams of charts are tied to each other as curves. Attributes are taken
-//! from the input at the new place, within their chart.
+//! from the input at the new position, within their chart.
 //!
 //! ```
 //! use lodc_mesh::{Lod, Mesh};
@@ -63,22 +63,22 @@ impl Default for Options {
 }
 
 /// Returns the level of detail `lod` with its vertices moved to where they fit LOD 0 best:
-/// [`Refit::mesh`] for all of the way.
+/// [`Refit::mesh`] with a share of 1.
 #[must_use]
 pub fn refit(simplified: &Simplified, lod: Lod, options: &Options) -> Mesh {
     Refit::new(simplified, lod, options, &|| ()).mesh(1.0)
 }
 
-/// A level of detail and the places where its vertices fit LOD 0 best.
+/// A level of detail and the positions at which its vertices fit LOD 0 best.
 pub struct Refit<'a> {
     original: &'a Mesh,
     level: Level,
     /// None where nothing moves.
-    found: Option<(Input, Vec<DVec3>)>,
+    fitted: Option<(Input, Vec<DVec3>)>,
 }
 
 impl<'a> Refit<'a> {
-    /// Finds the places. Of all iterations the one with the least mean squared distance counts, the
+    /// Finds the positions. Of all iterations the one with the least mean squared distance counts, the
     /// start included. The result does not depend on the number of threads. `tick` is called before
     /// each; where it unwinds, so does this.
     #[must_use]
@@ -92,17 +92,17 @@ impl<'a> Refit<'a> {
         let original = simplified.mesh();
         let level = Level::new(simplified, simplified.collapses().floor(lod));
         if level.faces.is_empty() || lod.0 == 0 {
-            return Self { original, level, found: None };
+            return Self { original, level, fitted: None };
         }
         let input = Input::new(original, level.faces.len());
         let positions = Fit::new(&input, &level).run(options.iterations, tick);
-        Self { original, level, found: Some((input, positions)) }
+        Self { original, level, fitted: Some((input, positions)) }
     }
 
     /// The tree of LOD 0's triangles; none where nothing moves.
     #[must_use]
     pub fn tree(&self) -> Option<Arc<TriangleTree>> {
-        self.found.as_ref().map(|(input, _)| Arc::clone(&input.tree))
+        self.fitted.as_ref().map(|(input, _)| Arc::clone(&input.tree))
     }
 
     /// Returns the level as the simplifier left it.
@@ -111,13 +111,13 @@ impl<'a> Refit<'a> {
         self.level.mesh.clone()
     }
 
-    /// Returns the level with its vertices a share of the way to those places, from 0 to 1, with
+    /// Returns the level with its vertices a share of the way to those positions, from 0 to 1, with
     /// normals that fit LOD 0's best and with other attributes as LOD 0 has them there. The
     /// triangles are those of the level, in the order of [`Mesh::extract`].
     #[must_use]
     pub fn mesh(&self, share: f64) -> Mesh {
         let level = &self.level;
-        let Some((input, positions)) = &self.found else { return self.unmoved() };
+        let Some((input, positions)) = &self.fitted else { return self.unmoved() };
         let mut positions = part_way(level, positions, share);
         // Positions are stored as f32: what that makes of slivers is known only afterwards.
         loop {

@@ -1,8 +1,8 @@
-//! Normals of a level, fitted: by least squares to those of the input, each over the part of the
-//! level that it stands for.
+//! Fits the normals of a refitted level by least squares to those of the input, each over the part
+//! of the level that it stands for.
 //!
 //! What counts is the normal that is seen between the corners of a face, of unit length. So fits
-//! are repeated, each time to normals as long as the level's are there.
+//! are repeated, each time to normals as long as the level's are at that point.
 
 use crate::blend::put;
 use crate::charts::{Continuity, charts};
@@ -15,17 +15,18 @@ use lodc_mesh::{Mesh, MeshParts, NONE, Semantic};
 use lodc_nearest::{TriangleTree, point_at};
 use rayon::prelude::*;
 
-/// Number of fits.
-const ROUNDS: usize = 3;
+/// Number of fits. Chosen by hand.
+const FITS: usize = 3;
 /// Length below which a fitted normal has no direction worth following: the input's cancel out.
-const SHORT: f64 = 0.1;
-/// Pull towards the normals at the start, as a share of a normal's own weight.
+const MIN_LENGTH: f64 = 0.1;
+/// Pull towards the normals at the start, as a share of a normal's own weight. Chosen by hand.
 const DAMPING: f64 = 0.02;
-/// Most steps of conjugate gradients, and the share of the residual at which they end.
-const MOST_STEPS: usize = 30;
+/// The most steps of conjugate gradients, and the share of the residual at which they end. Chosen
+/// by hand.
+const MAX_STEPS: usize = 30;
 const RESIDUAL: f64 = 1e-4;
 /// Samples, or faces, that one thread looks up one after the other.
-const RUN: usize = 1 << 8;
+const SAMPLES_PER_THREAD: usize = 1 << 8;
 
 /// Replaces the normals in `parts`, a level with its points at `positions`, by those that fit the
 /// input's best; tangents follow. Starts from the normals that are there. Without normals nothing
@@ -45,12 +46,12 @@ pub(crate) fn fit(
     let surface = Surface { mesh, normals: unit_normals(&input_parts), input };
     let ties = surface.ties(level, positions, &wedges);
     let mut fitted = wedges.first.clone();
-    for _ in 0..ROUNDS {
+    for _ in 0..FITS {
         let mut system = System::new(&wedges.faces, fitted.len());
         ties.iter().for_each(|tie| system.add(tie, &fitted));
         let solved = system.solve(&fitted, &wedges.first);
         for ((own, solved), first) in fitted.iter_mut().zip(solved).zip(&wedges.first) {
-            if solved.length() > SHORT && solved.dot(*first) > 0.0 {
+            if solved.length() > MIN_LENGTH && solved.dot(*first) > 0.0 {
                 *own = solved.normalize();
             }
         }
@@ -70,17 +71,19 @@ struct Wedges {
 
 impl Wedges {
     fn new(level: &Level, parts: &MeshParts) -> Self {
-        let (own, there) = (unit_normals(&level.mesh.clone().into_parts()), unit_normals(parts));
-        let key =
-            |v: u32| (level.point_of[v as usize], own[v as usize].to_array().map(f64::to_bits));
-        let has = |v: &u32| own[*v as usize] != DVec3::ZERO;
-        let mut order: Vec<u32> = (0..own.len() as u32).filter(has).collect();
+        let (level_normals, normals) =
+            (unit_normals(&level.mesh.clone().into_parts()), unit_normals(parts));
+        let key = |v: u32| {
+            (level.point_of[v as usize], level_normals[v as usize].to_array().map(f64::to_bits))
+        };
+        let has = |v: &u32| level_normals[*v as usize] != DVec3::ZERO;
+        let mut order: Vec<u32> = (0..level_normals.len() as u32).filter(has).collect();
         order.sort_unstable_by_key(|&v| (key(v), v));
-        let (mut of_vertex, mut first) = (vec![NONE; own.len()], Vec::new());
-        for alike in order.chunk_by(|&a, &b| key(a) == key(b)) {
-            let sum: DVec3 = alike.iter().map(|&v| there[v as usize]).sum();
-            alike.iter().for_each(|&v| of_vertex[v as usize] = first.len() as u32);
-            first.push(sum.try_normalize().unwrap_or(own[alike[0] as usize]));
+        let (mut of_vertex, mut first) = (vec![NONE; level_normals.len()], Vec::new());
+        for equal in order.chunk_by(|&a, &b| key(a) == key(b)) {
+            let sum: DVec3 = equal.iter().map(|&v| normals[v as usize]).sum();
+            equal.iter().for_each(|&v| of_vertex[v as usize] = first.len() as u32);
+            first.push(sum.try_normalize().unwrap_or(level_normals[equal[0] as usize]));
         }
         let faces =
             level.mesh.triangles().iter().map(|t| t.map(|v| of_vertex[v as usize])).collect();
@@ -138,8 +141,8 @@ impl Surface<'_> {
         let corners = level.corners(positions);
         let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
         let area = crosses.iter().map(|c| c.length()).sum::<f64>().max(f64::MIN_POSITIVE);
-        let tie = |face: u32, barycentric, triangle: usize, there, weight| {
-            let normal = self.normal(triangle, there);
+        let tie = |face: u32, barycentric, triangle: usize, from_input, weight| {
+            let normal = self.normal(triangle, from_input);
             let source = level.source[face as usize] as usize;
             let is_own = chart[triangle] == chart[source]
                 && normal.dot(crosses[face as usize]) > 0.0
@@ -147,32 +150,34 @@ impl Surface<'_> {
             is_own.then_some(Tie { face, barycentric, normal, weight })
         };
         let tree = TriangleTree::new(&corners);
-        let starts: Vec<usize> = (0..input.samples()).step_by(RUN).collect();
-        let there = starts.par_iter().flat_map_iter(|&start| {
-            let (mut found, mut last) = (Vec::with_capacity(RUN), NONE);
-            for i in start..(start + RUN).min(input.samples()) {
-                let (triangle, place, weight) = input.place(i);
-                let Some(near) = tree.nearest(input.at(triangle, place), last) else { continue };
-                last = near.triangle;
-                found.extend(tie(last, near.barycentric, triangle, place, weight));
+        let starts: Vec<usize> = (0..input.samples()).step_by(SAMPLES_PER_THREAD).collect();
+        let from_input = starts.par_iter().flat_map_iter(|&start| {
+            let (mut found, mut last) = (Vec::with_capacity(SAMPLES_PER_THREAD), NONE);
+            for i in start..(start + SAMPLES_PER_THREAD).min(input.samples()) {
+                let (triangle, location, weight) = input.sample_location(i);
+                let Some(nearest) = tree.nearest(input.at(triangle, location), last) else {
+                    continue;
+                };
+                last = nearest.triangle;
+                found.extend(tie(last, nearest.barycentric, triangle, location, weight));
             }
             found
         });
-        let back = tree.order().par_chunks(RUN).flat_map_iter(|faces| {
-            let mut found = Vec::with_capacity(SIX.len() * RUN);
+        let from_level = tree.order().par_chunks(SAMPLES_PER_THREAD).flat_map_iter(|faces| {
+            let mut found = Vec::with_capacity(SIX.len() * SAMPLES_PER_THREAD);
             for &face in faces {
                 let mut last = level.source[face as usize];
-                for &(place, share) in SIX {
-                    let q = point_at(corners[face as usize], place);
-                    let Some(near) = input.tree.nearest(q, last) else { continue };
-                    last = near.triangle;
+                for &(location, share) in SIX {
+                    let q = point_at(corners[face as usize], location);
+                    let Some(nearest) = input.tree.nearest(q, last) else { continue };
+                    last = nearest.triangle;
                     let weight = crosses[face as usize].length() * share / area;
-                    found.extend(tie(face, place, last as usize, near.barycentric, weight));
+                    found.extend(tie(face, location, last as usize, nearest.barycentric, weight));
                 }
             }
             found
         });
-        there.chain(back).collect()
+        from_input.chain(from_level).collect()
     }
 
     fn normal(&self, triangle: usize, barycentric: [f64; 3]) -> DVec3 {
@@ -195,27 +200,27 @@ impl<'a> System<'a> {
     }
 
     /// Adds the squared distance of the level's normal from a tie's, made as long as it is now.
-    fn add(&mut self, tie: &Tie, now: &[DVec3]) {
+    fn add(&mut self, tie: &Tie, current: &[DVec3]) {
         let (face, [a, b, c]) = (tie.face as usize, tie.barycentric);
         let products = [a * a, b * b, c * c, a * b, b * c, c * a];
         self.blocks[face].iter_mut().zip(products).for_each(|(sum, p)| *sum += tie.weight * p);
         let corners = self.faces[face];
-        let length = point_at(corners.map(|v| now[v as usize]), tie.barycentric).length();
+        let length = point_at(corners.map(|v| current[v as usize]), tie.barycentric).length();
         for (&v, share) in corners.iter().zip(tie.barycentric) {
             self.right[v as usize] += tie.normal * (tie.weight * share * length);
         }
     }
 
     /// Returns the normals with the least sum of squares, not of unit length, searched for from
-    /// `now` and drawn to `first` (conjugate gradients, preconditioned by the diagonal).
-    fn solve(mut self, now: &[DVec3], first: &[DVec3]) -> Vec<DVec3> {
+    /// `current` and drawn to `first` (conjugate gradients, preconditioned by the diagonal).
+    fn solve(mut self, current: &[DVec3], first: &[DVec3]) -> Vec<DVec3> {
         let mut diagonal = vec![0.0; self.right.len()];
         for (f, block) in self.tied() {
             (0..3).for_each(|k| diagonal[f[k] as usize] += block[k]);
         }
         let mean = diagonal.iter().sum::<f64>() / diagonal.len().max(1) as f64;
-        let least = f64::max(0.1 * mean, f64::MIN_POSITIVE);
-        let damping: Vec<f64> = diagonal.iter().map(|d| DAMPING * d.max(least)).collect();
+        let min_diagonal = f64::max(0.1 * mean, f64::MIN_POSITIVE);
+        let damping: Vec<f64> = diagonal.iter().map(|d| DAMPING * d.max(min_diagonal)).collect();
         for v in 0..diagonal.len() {
             self.right[v] += first[v] * damping[v];
             diagonal[v] += damping[v];
@@ -223,14 +228,14 @@ impl<'a> System<'a> {
         let precondition = |r: &[DVec3]| -> Vec<DVec3> {
             r.iter().zip(&diagonal).map(|(&r, &d)| if d > 0.0 { r / d } else { r }).collect()
         };
-        let mut x = now.to_vec();
+        let mut x = current.to_vec();
         let product = self.times(&x, &damping);
         let mut r: Vec<DVec3> = self.right.iter().zip(product).map(|(&b, a)| b - a).collect();
         let mut z = precondition(&r);
         let mut p = z.clone();
         let mut rz = dot(&r, &z);
         let enough = RESIDUAL * RESIDUAL * rz;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let q = self.times(&p, &damping);
             let pq = dot(&p, &q);
             if rz <= enough || pq <= 0.0 {

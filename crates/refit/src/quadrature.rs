@@ -1,4 +1,5 @@
-//! Fixed sample points on triangles, with their shares of the area (Dunavant 1985).
+//! Quadrature rules for triangles: fixed sample points with their shares of the area (Dunavant
+//! 1985).
 
 /// A rule: barycentric coordinates and the share of the triangle's area of each point.
 pub(crate) type Rule = &'static [([f64; 3], f64)];

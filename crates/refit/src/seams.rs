@@ -1,11 +1,12 @@
-//! Seams within a chart: a chart that goes round meets itself where its texture coordinates jump.
+//! Seams within one chart, which meets itself where its texture coordinates jump: vertices do not
+//! take attributes from beyond such a seam.
 
 use crate::blend::Source;
 use crate::level::Level;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 
-/// Takes its source from every vertex that found a place beyond a seam of its own chart: one whose
-/// texture coordinates are nearer to those of another vertex at the same point.
+/// Removes the source of every vertex that found a point beyond a seam of its own chart: one whose
+/// texture coordinates are nearer to those of another vertex at the same position.
 pub(crate) fn keep_to_own_side(
     input: &Mesh,
     level: &Level,
@@ -18,23 +19,32 @@ pub(crate) fn keep_to_own_side(
     for twins in order.chunk_by(|a, b| key(a) == key(b)).filter(|twins| twins.len() > 1) {
         for &v in twins {
             let Some(source) = sources[v as usize] else { continue };
-            let own = gap(input, level, v, source);
-            if twins.iter().any(|&other| gap(input, level, other, source) < own) {
+            let own_distance = texture_distance(input, level, v, source);
+            if twins
+                .iter()
+                .any(|&other| texture_distance(input, level, other, source) < own_distance)
+            {
                 sources[v as usize] = None;
             }
         }
     }
 }
 
-/// The squared distance of a vertex's texture coordinates from those at a place of the input.
-fn gap(input: &Mesh, level: &Level, v: u32, (corners, weights): ([u32; 3], [f64; 3])) -> f64 {
+/// The squared distance of a vertex's texture coordinates from those at a point of the input.
+fn texture_distance(
+    input: &Mesh,
+    level: &Level,
+    v: u32,
+    (corners, weights): ([u32; 3], [f64; 3]),
+) -> f64 {
     let streams = input.attributes().iter().zip(level.mesh.attributes());
     let read = |(a, _): &(&Attribute, &Attribute)| {
         matches!(a.semantic, Semantic::TexCoord(_)) && a.morph_target.is_none()
     };
     let difference = |from: &Attribute, to: &Attribute, k: usize| {
-        let there = corners.iter().zip(weights).map(|(&c, w)| w * f64::from(from.value(c, k)));
-        there.sum::<f64>() - f64::from(to.value(v, k))
+        let interpolated =
+            corners.iter().zip(weights).map(|(&c, w)| w * f64::from(from.value(c, k)));
+        interpolated.sum::<f64>() - f64::from(to.value(v, k))
     };
     streams
         .filter(read)

@@ -1,4 +1,5 @@
-//! Joints and weights between the corners of a triangle: influences add up by joint.
+//! Interpolates joints and weights between the corners of a triangle: influences of one joint are
+//! summed, the strongest kept.
 
 use crate::blend::{Source, put};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic};
@@ -25,24 +26,26 @@ pub(crate) fn blend(parts: &mut MeshParts, input: &Mesh, sources: &[Source]) {
     if sets.is_empty() {
         return;
     }
-    let room: usize = sets.iter().map(|s| usize::from(input.attributes()[s.0].components)).sum();
+    let capacity: usize =
+        sets.iter().map(|s| usize::from(input.attributes()[s.0].components)).sum();
     for (v, source) in sources.iter().enumerate() {
         let Some((corners, weights)) = source else { continue };
-        let mut influences = added(input, &sets, corners, weights);
-        influences.truncate(room);
+        let mut influences = summed_influences(input, &sets, corners, weights);
+        influences.truncate(capacity);
         let sum: f64 = influences.iter().map(|i| i.1).sum();
         if sum <= 0.0 {
             continue;
         }
         influences.iter_mut().for_each(|i| i.1 /= sum);
-        influences.resize(room, (0, 0.0));
+        influences.resize(capacity, (0, 0.0));
         round(&mut influences, &input.attributes()[sets[0].1]);
-        let mut rest = &influences[..];
+        let mut pending = &influences[..];
         for &(joints, weights) in &sets {
-            let (own, others) = rest.split_at(usize::from(parts.attributes[joints].components));
-            rest = others;
-            let numbers: Vec<f64> = own.iter().map(|i| f64::from(i.0)).collect();
-            let shares: Vec<f64> = own.iter().map(|i| i.1).collect();
+            let (in_set, others) =
+                pending.split_at(usize::from(parts.attributes[joints].components));
+            pending = others;
+            let numbers: Vec<f64> = in_set.iter().map(|i| f64::from(i.0)).collect();
+            let shares: Vec<f64> = in_set.iter().map(|i| i.1).collect();
             put(&mut parts.attributes[joints], v, &numbers);
             put(&mut parts.attributes[weights], v, &shares);
         }
@@ -50,7 +53,7 @@ pub(crate) fn blend(parts: &mut MeshParts, input: &Mesh, sources: &[Source]) {
 }
 
 /// All influences of some corners by joint, the strongest first, of equal ones the lower joint.
-fn added(
+fn summed_influences(
     input: &Mesh,
     sets: &[(usize, usize)],
     corners: &[u32; 3],
@@ -78,12 +81,12 @@ fn added(
 /// Rounds weights to what an integer stream can hold such that they still sum up to 1: what is
 /// left over goes to the strongest.
 fn round(influences: &mut [(u32, f64)], weights: &Attribute) {
-    let most = match weights.component {
+    let max_value = match weights.component {
         Component::U8 if weights.normalized => 255.0,
         Component::U16 if weights.normalized => 65535.0,
         _ => return,
     };
-    influences.iter_mut().for_each(|i| i.1 = (i.1 * most).round() / most);
+    influences.iter_mut().for_each(|i| i.1 = (i.1 * max_value).round() / max_value);
     let sum: f64 = influences.iter().map(|i| i.1).sum();
     influences[0].1 += 1.0 - sum;
 }

@@ -1,4 +1,5 @@
-//! The normal equations of one least-squares step, and their solution by conjugate gradients.
+//! The normal equations of one least-squares step of a refit, a 3 × 3 block per vertex and edge,
+//! solved by conjugate gradients.
 
 use glam::DVec3;
 
@@ -7,16 +8,16 @@ use glam::DVec3;
 pub(crate) struct Symmetric([f64; 6]);
 
 impl Symmetric {
-    /// `share` of the projection onto the unit vector `u`, and `rest` of the identity.
-    pub(crate) fn projection(u: DVec3, share: f64, rest: f64) -> Self {
+    /// `share` of the projection onto the unit vector `u`, and `identity` of the identity.
+    pub(crate) fn projection(u: DVec3, share: f64, identity: f64) -> Self {
         let s = u * share;
         Self([
-            s.x * u.x + rest,
+            s.x * u.x + identity,
             s.x * u.y,
             s.x * u.z,
-            s.y * u.y + rest,
+            s.y * u.y + identity,
             s.y * u.z,
-            s.z * u.z + rest,
+            s.z * u.z + identity,
         ])
     }
 
@@ -73,12 +74,14 @@ pub(crate) struct Tie {
     pub(crate) weight: f64,
 }
 
-/// Share of a distance that counts along the surface, so that vertices do not drift.
-const ALONG: f64 = 0.01;
-/// Damping, as a share of a vertex's own stiffness.
+/// Share of a distance that counts along the surface, so that vertices do not drift. Chosen by
+/// hand.
+const TANGENTIAL: f64 = 0.01;
+/// Damping, as a share of a vertex's own stiffness. Chosen by hand.
 const DAMPING: f64 = 0.01;
-/// Most steps of conjugate gradients, and the share of the residual at which they end.
-const MOST_STEPS: usize = 20;
+/// The most steps of conjugate gradients, and the share of the residual at which they end. Chosen
+/// by hand.
+const MAX_STEPS: usize = 20;
 const RESIDUAL: f64 = 1e-3;
 
 /// A sparse symmetric system of one 3 × 3 block per vertex and per edge.
@@ -112,8 +115,8 @@ impl<'a> System<'a> {
     /// Adds the squared distance of a tie.
     pub(crate) fn add(&mut self, tie: &Tie) {
         let (u, r) = (tie.direction, tie.residual);
-        let block = Symmetric::projection(u, 1.0 - ALONG, ALONG);
-        let pull = u * ((1.0 - ALONG) * r.dot(u)) + r * ALONG;
+        let block = Symmetric::projection(u, 1.0 - TANGENTIAL, TANGENTIAL);
+        let pull = u * ((1.0 - TANGENTIAL) * r.dot(u)) + r * TANGENTIAL;
         let face = tie.face as usize;
         for k in 0..3 {
             let vertex = self.faces[face][k] as usize;
@@ -131,8 +134,8 @@ impl<'a> System<'a> {
         let vertices = self.diagonal.len();
         let stiffness: Vec<f64> = self.diagonal.iter().map(|b| b.trace() / 3.0).collect();
         let mean = stiffness.iter().sum::<f64>() / vertices.max(1) as f64;
-        for (block, own) in self.diagonal.iter_mut().zip(&stiffness) {
-            block.add_diagonal(DAMPING * own.max(0.1 * mean));
+        for (block, vertex_stiffness) in self.diagonal.iter_mut().zip(&stiffness) {
+            block.add_diagonal(DAMPING * vertex_stiffness.max(0.1 * mean));
         }
         let inverse: Vec<Symmetric> = self.diagonal.iter().map(Symmetric::inverse).collect();
         let precondition = |r: &[DVec3]| -> Vec<DVec3> {
@@ -144,7 +147,7 @@ impl<'a> System<'a> {
         let mut p = z.clone();
         let mut rz = dot(&r, &z);
         let enough = rz * RESIDUAL * RESIDUAL;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             if rz <= enough {
                 break;
             }

@@ -88,7 +88,7 @@ fn normals_are_nearer_than_those_that_are_looked_up() {
         let s = simplified(&named(name).expect("a fixture"));
         for share in [0.25, 0.1] {
             let found = Refit::new(&s, level(&s, share), &Options::DEFAULT, &|| ());
-            let (input, positions) = found.found.as_ref().expect("places");
+            let (input, positions) = found.fitted.as_ref().expect("places");
             let looked_up = attributes::resample(s.mesh(), &input.tree, &found.level, positions);
             let looked_up = Mesh::try_from(looked_up).expect("a mesh");
             let [before, after] =

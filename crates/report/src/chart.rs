@@ -1,4 +1,5 @@
-//! Charts as SVG: curves over two axes, as part of a page or as a file of its own.
+//! Charts as SVG: curves over two axes, linear or logarithmic, as part of a page or as a file of
+//! its own.
 
 use crate::text::grouped;
 use std::fmt::Write;
@@ -33,7 +34,7 @@ pub fn colour_of(structure: &str) -> usize {
 pub enum Scale {
     /// From 0 on.
     Linear,
-    /// Powers of ten; values that are not above 0 have no place.
+    /// Powers of ten; values that are not above 0 are left out.
     Log,
 }
 
@@ -88,7 +89,7 @@ impl Axis {
         }
     }
 
-    /// Values with a line, at most about six of them, and their labels.
+    /// Values with a grid line, at most about six of them, and their labels.
     fn ticks(&self) -> Vec<(f64, String)> {
         if self.scale == Scale::Linear {
             let step = step(self.high);
@@ -106,7 +107,7 @@ impl Axis {
 
 impl Chart<'_> {
     /// The chart as a part of a page, which says what `curve`, `grid` and `left` look like. Empty
-    /// if fewer than two points have a place.
+    /// if fewer than two points can be drawn.
     #[must_use]
     pub fn svg(&self) -> String {
         self.draw(MARGINS, "", "")
@@ -138,9 +139,9 @@ impl Chart<'_> {
             let across = left + x.share(p[0]) * (WIDTH - left - right);
             (across, HEIGHT - bottom - y.share(p[1]) * (HEIGHT - top - bottom))
         };
-        let wide = WIDTH + if self.curves.len() > 1 { LEGEND[0] } else { 0.0 };
-        let high = HEIGHT.max(top + LEGEND[1] * (self.curves.len() + 1) as f64);
-        let mut svg = format!("<svg{attributes} viewBox=\"0 0 {wide} {high}\" role=\"img\">\n");
+        let width = WIDTH + if self.curves.len() > 1 { LEGEND[0] } else { 0.0 };
+        let height = HEIGHT.max(top + LEGEND[1] * (self.curves.len() + 1) as f64);
+        let mut svg = format!("<svg{attributes} viewBox=\"0 0 {width} {height}\" role=\"img\">\n");
         // Writing to a string cannot fail.
         let _ = writeln!(svg, "<title>{} against {}</title>", self.labels[1], self.labels[0]);
         svg.push_str(style);

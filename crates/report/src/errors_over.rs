@@ -1,4 +1,4 @@
-//! What stated errors are the largest over.
+//! The poses over which stated errors are the largest, as reports name them.
 
 use crate::text::count;
 use lodc_formats::ObjectInfo;

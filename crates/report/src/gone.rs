@@ -1,4 +1,5 @@
-//! What of a scene a level no longer shows: objects, materials, and how much of what is seen.
+//! Which parts of a scene a level no longer shows: objects, materials, and a share of the visible
+//! surface.
 
 use lodc::{LodObject, SceneLevels};
 use lodc_formats::{Document, FormatError, ObjectInfo, PartNames};
@@ -9,9 +10,9 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// A place of an object is gone where its level has nothing within this share of its diagonal. An
-/// object whose error is smaller has lost nothing.
-const BEYOND: f64 = 0.05;
+/// A point of an object is gone where its level has nothing within this share of its diagonal. An
+/// object whose error is smaller has lost nothing. Chosen by hand, as are the next two.
+const GONE_DISTANCE: f64 = 0.05;
 /// An object is named if more than this share of what is seen of it is gone.
 const OF_OBJECT: f64 = 0.5;
 /// The scene is named if more than this share of all that is seen is gone.
@@ -113,7 +114,7 @@ impl<'a> PartInventory<'a> {
     /// `error`.
     fn lost(&self, number: usize, error: f64, live: &[OrientedTriangle]) -> f64 {
         let mesh = self.objects[number].simplified.mesh();
-        let beyond = BEYOND * mesh.diagonal();
+        let beyond = GONE_DISTANCE * mesh.diagonal();
         if mesh.triangles().is_empty() || live.len() == mesh.triangles().len() {
             return 0.0;
         }
@@ -137,15 +138,21 @@ impl<'a> PartInventory<'a> {
 
     /// Materials of which the input has triangles and the level none.
     fn materials(&self, live: &[Vec<OrientedTriangle>]) -> BTreeSet<String> {
-        let (mut before, mut after) = (BTreeSet::new(), BTreeSet::new());
+        let (mut in_input, mut in_level) = (BTreeSet::new(), BTreeSet::new());
         for ((object, live), names) in self.objects.iter().zip(live).zip(&self.names.materials) {
             let submeshes = object.simplified.mesh().submeshes();
             let of_input = submeshes.iter().zip(names).filter(|(s, _)| s.triangle_count > 0);
-            before.extend(of_input.map(|(_, name)| name));
-            let mut there = vec![false; names.len()];
-            live.iter().for_each(|t| there[t.submesh as usize] = true);
-            after.extend(names.iter().zip(there).filter(|(_, there)| *there).map(|(n, _)| n));
+            in_input.extend(of_input.map(|(_, name)| name));
+            let mut has_triangles = vec![false; names.len()];
+            live.iter().for_each(|t| has_triangles[t.submesh as usize] = true);
+            in_level.extend(
+                names
+                    .iter()
+                    .zip(has_triangles)
+                    .filter(|(_, has_triangles)| *has_triangles)
+                    .map(|(n, _)| n),
+            );
         }
-        before.difference(&after).filter(|n| !n.is_empty()).map(|n| (*n).clone()).collect()
+        in_input.difference(&in_level).filter(|n| !n.is_empty()).map(|n| (*n).clone()).collect()
     }
 }

@@ -1,4 +1,4 @@
-//! Parts of HTML pages: text and bytes as a page holds them.
+//! Escapes text and encodes bytes (base64) for HTML pages.
 
 /// Text as HTML shows it.
 #[must_use]
@@ -18,13 +18,13 @@ pub fn escaped(text: &str) -> String {
 pub fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for three in bytes.chunks(3) {
-        let word = three.iter().fold(0, |word, &b| word << 8 | u32::from(b));
-        let word = word << (8 * (3 - three.len()));
+    for bytes3 in bytes.chunks(3) {
+        let word = bytes3.iter().fold(0, |word, &b| word << 8 | u32::from(b));
+        let word = word << (8 * (3 - bytes3.len()));
         for digit in 0..4 {
             let value = word >> (18 - 6 * digit) & 63;
-            let sign = if digit <= three.len() { DIGITS[value as usize] } else { b'=' };
-            out.push(char::from(sign));
+            let character = if digit <= bytes3.len() { DIGITS[value as usize] } else { b'=' };
+            out.push(char::from(character));
         }
     }
     out

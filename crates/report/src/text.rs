@@ -1,4 +1,4 @@
-//! Numbers, sizes and paths as people read them.
+//! Formats numbers, sizes, distances and paths for people.
 
 use std::path::Path;
 
@@ -43,7 +43,7 @@ pub fn size(bytes: u64) -> String {
     }
 }
 
-/// A distance with four digits that count; plain where that is short.
+/// A distance with four significant digits; without an exponent where that is short.
 #[must_use]
 pub fn distance(d: f64) -> String {
     if d == 0.0 {
@@ -51,8 +51,8 @@ pub fn distance(d: f64) -> String {
     } else if d == f64::INFINITY {
         "infinite".to_owned()
     } else if (1e-4..1e5).contains(&d) {
-        let places = (3.0 - d.log10().floor()).clamp(0.0, 7.0);
-        format!("{d:.*}", places as usize)
+        let decimals = (3.0 - d.log10().floor()).clamp(0.0, 7.0);
+        format!("{d:.*}", decimals as usize)
     } else {
         format!("{d:.3e}")
     }

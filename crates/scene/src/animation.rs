@@ -1,4 +1,5 @@
-//! Animations: how nodes and morph weights change over time (glTF 2.0, 3.11 and appendix C).
+//! Animations: keyframes of nodes and morph weights, and the pose at a moment (glTF 2.0, 3.11 and
+//! appendix C).
 
 use crate::graph::Graph;
 use crate::pose::Pose;
@@ -20,7 +21,7 @@ pub struct Channel {
     pub node: u32,
     /// The part of it that changes.
     pub property: Property,
-    /// The way from one key to the next.
+    /// The interpolation between keys.
     pub interpolation: Interpolation,
     /// Seconds of the keys, rising.
     pub times: Vec<f64>,
@@ -42,7 +43,7 @@ pub enum Property {
     Weights,
 }
 
-/// The way from one key to the next.
+/// The interpolation between two keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
     /// Straight; rotations along the shorter arc.
@@ -112,18 +113,18 @@ impl Channel {
         if next == 0 || next > last {
             return Some(self.value(if next == 0 { first } else { last }).to_vec());
         }
-        let (before, span) = (next - 1, self.times[next] - self.times[next - 1]);
-        let t = (seconds - self.times[before]) / span;
+        let (previous, span) = (next - 1, self.times[next] - self.times[next - 1]);
+        let t = (seconds - self.times[previous]) / span;
         Some(match self.interpolation {
-            Interpolation::Step => self.value(before).to_vec(),
+            Interpolation::Step => self.value(previous).to_vec(),
             Interpolation::Linear if self.property == Property::Rotation => {
-                slerp(self.value(before), self.value(next), t)
+                slerp(self.value(previous), self.value(next), t)
             }
             Interpolation::Linear => {
-                let ends = self.value(before).iter().zip(self.value(next));
+                let ends = self.value(previous).iter().zip(self.value(next));
                 ends.map(|(a, b)| a + t * (b - a)).collect()
             }
-            Interpolation::CubicSpline => self.spline(before, t, span),
+            Interpolation::CubicSpline => self.spline(previous, t, span),
         })
     }
 
@@ -142,15 +143,15 @@ impl Channel {
         self.of_key(key, self.interpolation.values_per_key() / 2)
     }
 
-    fn spline(&self, before: usize, t: f64, span: f64) -> Vec<f64> {
+    fn spline(&self, previous: usize, t: f64, span: f64) -> Vec<f64> {
         let (t2, t3) = (t * t, t * t * t);
-        let (a, b) = (self.value(before), self.value(before + 1));
-        let (leaving, arriving) = (self.of_key(before, 2), self.of_key(before + 1, 0));
+        let (a, b) = (self.value(previous), self.value(previous + 1));
+        let (outgoing, incoming) = (self.of_key(previous, 2), self.of_key(previous + 1, 0));
         let at = |i: usize| {
             (2.0 * t3 - 3.0 * t2 + 1.0) * a[i]
-                + span * (t3 - 2.0 * t2 + t) * leaving[i]
+                + span * (t3 - 2.0 * t2 + t) * outgoing[i]
                 + (3.0 * t2 - 2.0 * t3) * b[i]
-                + span * (t3 - t2) * arriving[i]
+                + span * (t3 - t2) * incoming[i]
         };
         (0..self.width()).map(at).collect()
     }

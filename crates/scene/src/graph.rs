@@ -1,4 +1,4 @@
-//! The nodes of a scene.
+//! The node graph of a scene: transforms, objects, skins and instances, and walks over it.
 
 use crate::transform::{LocalTransform, Transform};
 

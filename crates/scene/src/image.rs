@@ -1,4 +1,4 @@
-//! Decoded images.
+//! Decoded images, and their halved sizes for texture levels (mipmaps).
 
 use crate::srgb::{to_linear, to_srgb};
 
@@ -40,13 +40,13 @@ impl Image {
         let light: [f32; 256] = std::array::from_fn(|i| to_linear(i as f32 / 255.0));
         let mut bytes = Vec::with_capacity(4 * w as usize * h as usize);
         // The old rows or columns that a new one is made of.
-        let span =
+        let source_range =
             |i: u32, new: u32, old: u32| if i + 1 == new { 2 * i..old } else { 2 * i..2 * i + 2 };
         for y in 0..h {
             for x in 0..w {
                 let mut mean = Mean::default();
-                for oy in span(y, h, self.height) {
-                    for ox in span(x, w, self.width) {
+                for oy in source_range(y, h, self.height) {
+                    for ox in source_range(x, w, self.width) {
                         mean.add(self.at(ox, oy), &light);
                     }
                 }
@@ -84,7 +84,7 @@ impl Image {
 struct Mean {
     /// Light by opacity, and as if all were opaque.
     visible: [f32; 3],
-    plain: [f32; 3],
+    opaque: [f32; 3],
     opacity: f32,
     pixels: f32,
 }
@@ -95,7 +95,7 @@ impl Mean {
         for c in 0..3 {
             let light = light[usize::from(pixel[c])];
             self.visible[c] += opacity * light;
-            self.plain[c] += light;
+            self.opaque[c] += light;
         }
         self.opacity += opacity;
         self.pixels += 1.0;
@@ -105,7 +105,7 @@ impl Mean {
         let [r, g, b] = if self.opacity > 0.0 {
             self.visible.map(|c| to_srgb(c / self.opacity))
         } else {
-            self.plain.map(|c| to_srgb(c / self.pixels))
+            self.opaque.map(|c| to_srgb(c / self.pixels))
         };
         [r, g, b, (self.opacity / self.pixels * 255.0 + 0.5) as u8]
     }

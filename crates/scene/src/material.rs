@@ -1,4 +1,4 @@
-//! Base colours and textures of surfaces (glTF 2.0, 3.9).
+//! Materials as far as their base colour goes: colour, texture, opacity (glTF 2.0, 3.9).
 
 use crate::image::Image;
 
@@ -71,7 +71,7 @@ impl Coordinates {
     /// The first set as it is.
     pub const PLAIN: Self = Self { set: 0, transform: Texture::UNTRANSFORMED };
 
-    /// Returns the place in an image of texture coordinates of the mesh.
+    /// Returns the image's coordinates at texture coordinates of the mesh.
     #[must_use]
     pub fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         self.transform.map(|[x, y, shift]| x * u + y * v + shift)
@@ -98,7 +98,7 @@ impl Texture {
     /// Texture coordinates that stay as they are.
     pub const UNTRANSFORMED: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
-    /// Returns the place in the image of texture coordinates of the mesh.
+    /// Returns the image's coordinates at texture coordinates of the mesh.
     #[must_use]
     pub fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         self.transform.map(|[x, y, shift]| x * u + y * v + shift)

@@ -1,4 +1,5 @@
-//! Objects in motion: the poses in which an object has another shape than at rest.
+//! The shapes that a scene gives an object: at rest, and in the poses in which animations or morph
+//! targets change it.
 
 mod choice;
 

@@ -1,4 +1,5 @@
-//! Smooth normals: the one rule by which surfaces without normals of their own are shaded.
+//! Smooth normals for surfaces without normals of their own, by one rule for all pictures and
+//! comparisons.
 //!
 //! Around a position, triangles that share an edge, one on each side of it, are smooth across it
 //! unless their normals are more than 60° apart. All triangles that smooth edges connect share a
@@ -38,14 +39,14 @@ pub fn smooth_normals(
         ids,
         flat: triangles.par_iter().map(|t| flat_normal(t, positions)).collect(),
     };
-    let at: Vec<[u32; 3]> =
+    let faces: Vec<[u32; 3]> =
         triangles.par_iter().map(|t| t.map(|v| ids.of_vertex[v as usize])).collect();
-    let around = Csr::corners(&at, ids.first_vertex.len());
+    let around = Csr::corners(&faces, ids.first_vertex.len());
     let points = 0..around.rows() as u32;
-    let found: Vec<Vec3> =
+    let corner_normals: Vec<Vec3> =
         points.into_par_iter().flat_map_iter(|p| star.normals(around.row(p))).collect();
     let mut normals = vec![[Vec3::ZERO; 3]; triangles.len()];
-    for (&corner, normal) in around.values.iter().zip(found) {
+    for (&corner, normal) in around.values.iter().zip(corner_normals) {
         normals[corner as usize / 3][corner as usize % 3] = normal;
     }
     normals
@@ -86,11 +87,11 @@ impl Star<'_> {
         let mut sets: Vec<usize> = (0..corners.len()).collect();
         for edge in spokes.chunk_by(|a, b| a.0 == b.0) {
             for (i, &(_, one, outward)) in edge.iter().enumerate() {
-                for &(_, other, also) in edge[i + 1..].iter().take(MAX_COMPARED) {
+                for &(_, other, other_outward) in edge[i + 1..].iter().take(MAX_COMPARED) {
                     let [n, m] = [one, other].map(|k| self.flat[corners[k] as usize / 3]);
                     // Where both run the same way, they are not one face after the other: the back
                     // of a two-sided sheet is near its front's neighbour beyond a sharp edge.
-                    if outward != also && n.dot(m) > CREASE {
+                    if outward != other_outward && n.dot(m) > CREASE {
                         let [a, b] = [one, other].map(|k| root(&mut sets, k));
                         sets[a.max(b)] = a.min(b);
                     }

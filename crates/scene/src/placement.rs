@@ -1,4 +1,5 @@
-//! Objects where a scene shows them.
+//! Where a scene shows its objects: one placement per node and instance, with the transform, joint
+//! matrices and morph weights.
 
 use crate::graph::{Graph, Skin};
 use crate::pose::Pose;
@@ -96,7 +97,7 @@ impl Graph {
             let once = [Transform::IDENTITY];
             for instance in node.instances.as_deref().unwrap_or(&once) {
                 let transform = world[number as usize] * *instance;
-                // A transform that overflows is no place: the object stays as it was modelled.
+                // A transform that overflows is ignored: the object stays as it was modelled.
                 let finite = transform.is_finite();
                 let transform = if finite { transform } else { Transform::IDENTITY };
                 out.extend(node.objects.iter().map(|&object| Placement {

@@ -1,4 +1,4 @@
-//! Poses: the transforms of a scene's nodes at one moment.
+//! Poses of a scene: the transforms of its nodes and their morph weights at one moment.
 
 use crate::graph::Graph;
 use crate::transform::{LocalTransform, Transform};

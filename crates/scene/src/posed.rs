@@ -23,13 +23,13 @@ pub struct PosedVertices {
 #[must_use]
 pub fn posed(mesh: &Mesh, placement: &Placement) -> PosedVertices {
     let streams = Streams::of(mesh, placement);
-    let place = |v: u32| {
-        let (position, transform) = place(&streams, mesh, placement, v);
+    let vertex = |v: u32| {
+        let (position, transform) = posed_vertex(&streams, mesh, placement, v);
         let normal = streams.normal(mesh, v).map(|n| transform_normal(&transform.matrix3, n));
         (position, normal.unwrap_or(DVec3::ZERO))
     };
     let vertices = mesh.vertex_count() as u32;
-    let (positions, normals) = (0..vertices).into_par_iter().map(place).unzip();
+    let (positions, normals) = (0..vertices).into_par_iter().map(vertex).unzip();
     PosedVertices { positions, normals, mirrored: mirrored(mesh, placement, &streams) }
 }
 
@@ -38,11 +38,11 @@ pub fn posed(mesh: &Mesh, placement: &Placement) -> PosedVertices {
 pub fn posed_positions(mesh: &Mesh, placement: &Placement) -> Vec<DVec3> {
     let streams = Streams::of(mesh, placement);
     let vertices = mesh.vertex_count() as u32;
-    (0..vertices).into_par_iter().map(|v| place(&streams, mesh, placement, v).0).collect()
+    (0..vertices).into_par_iter().map(|v| posed_vertex(&streams, mesh, placement, v).0).collect()
 }
 
-/// Returns the place of a vertex and its transform.
-pub(crate) fn place(
+/// Returns the position of a vertex in world space, and its transform.
+pub(crate) fn posed_vertex(
     streams: &Streams<'_>,
     mesh: &Mesh,
     placement: &Placement,

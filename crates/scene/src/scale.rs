@@ -87,23 +87,23 @@ struct LeadingJoints {
 impl LeadingJoints {
     fn of(mesh: &Mesh, placement: &Placement) -> Self {
         let streams = Streams::of(mesh, placement);
-        let mut found = Vec::new();
+        let mut joints = Vec::new();
         let mut unweighted = false;
         for v in 0..mesh.vertex_count() as u32 {
-            let mut most: Option<(usize, f64)> = None;
+            let mut strongest: Option<(usize, f64)> = None;
             streams.each_joint(mesh, v, |joint, weight| {
-                if most.is_none_or(|(_, w)| weight > w) {
-                    most = Some((joint, weight));
+                if strongest.is_none_or(|(_, w)| weight > w) {
+                    strongest = Some((joint, weight));
                 }
             });
-            match most {
-                Some((joint, _)) => found.push(joint),
+            match strongest {
+                Some((joint, _)) => joints.push(joint),
                 None => unweighted = true,
             }
         }
-        found.sort_unstable();
-        found.dedup();
-        Self { joints: found, unweighted }
+        joints.sort_unstable();
+        joints.dedup();
+        Self { joints, unweighted }
     }
 
     /// The largest stretch of these joints among a skin's.

@@ -1,4 +1,5 @@
-//! The shapes that a scene gives an object, in the object's own units.
+//! The shape of an object in one pose of the scene, in the object's own units: what errors are
+//! measured on.
 
 use crate::placement::{Arrangement, Placement};
 use crate::posed::posed_positions;
@@ -10,8 +11,9 @@ use std::borrow::Cow;
 /// Deviation from a similarity, relative to its scale, that is taken for rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// How a scene shapes an object in one pose. Gives the surface of the object, or of a level of it,
-/// in mesh units: world positions divided by the scale at rest, around the middle of the object.
+/// The shape that a scene gives an object in one pose. Gives the surface of the object, or of a
+/// level of it, in mesh units: world positions divided by the scale at rest, around the middle of
+/// the object.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// None for an object that keeps its positions.
@@ -44,19 +46,19 @@ impl Shape {
             .iter()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
         let shape = Self { placement: Some(placement), scale, middle: low.midpoint(high) };
-        let is_finite = |p| shape.place(p).iter().all(|x| x.is_finite());
+        let is_finite = |p| shape.to_mesh_units(p).iter().all(|x| x.is_finite());
         ([low, high].into_iter().all(is_finite) || posed.is_empty()).then_some(shape)
     }
 
-    /// Returns the places of the vertices of the object, or of another mesh with its attributes.
+    /// Returns the positions of the vertices of the object, or of another mesh with its attributes.
     #[must_use]
     pub fn of<'a>(&self, mesh: &'a Mesh) -> Cow<'a, [[f32; 3]]> {
         let Some(placement) = &self.placement else { return Cow::Borrowed(mesh.positions()) };
         let posed = posed_positions(mesh, placement);
-        Cow::Owned(posed.into_iter().map(|p| self.place(p)).collect())
+        Cow::Owned(posed.into_iter().map(|p| self.to_mesh_units(p)).collect())
     }
 
-    fn place(&self, p: DVec3) -> [f32; 3] {
+    fn to_mesh_units(&self, p: DVec3) -> [f32; 3] {
         ((p - self.middle) / self.scale).as_vec3().to_array()
     }
 }

@@ -1,4 +1,4 @@
-//! Between sRGB values and light (IEC 61966-2-1).
+//! Conversion between sRGB values and linear light (IEC 61966-2-1).
 
 /// Returns the light of an sRGB value from 0 to 1.
 #[must_use]

@@ -1,4 +1,4 @@
-//! Affine transforms of nodes, and how far they stretch.
+//! Affine transforms of nodes, the largest stretch of one, and transformed normals.
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -118,9 +118,9 @@ pub fn transform_normal(m: &DMat3, normal: DVec3) -> DVec3 {
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
-    let turned = sign * (cofactors * normal);
-    let size = turned.abs().max_element();
-    if size > 0.0 && size.is_finite() { turned / size } else { normal }
+    let transformed = sign * (cofactors * normal);
+    let size = transformed.abs().max_element();
+    if size > 0.0 && size.is_finite() { transformed / size } else { normal }
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! Levels of the objects of a scene: one for each, together or each by itself.
+//! The levels of a scene's objects: one error for all, one number of triangles for all, or each
+//! object by itself.
 
 use crate::loss::Visibility;
 use crate::selection::{Candidate, RecordOfScene, Selection, Target, select};
@@ -105,7 +106,7 @@ impl<'a> SceneLevels<'a> {
 
     /// For each object the area of each triangle that is seen in pictures of the whole scene from
     /// all sides, in world units, instances together. An object that the scene does not show, and
-    /// all of a scene too large to look at, counts with its whole area.
+    /// all of a scene too large for pictures, counts with its whole area.
     pub fn seen(&self) -> &[Vec<f64>] {
         self.seen.get_or_init(|| self.visibility().areas(&self.simplified()))
     }
@@ -128,23 +129,23 @@ impl<'a> SceneLevels<'a> {
         for object in &self.objects {
             let collapses = object.simplified.collapses();
             let last = collapses.last_visible();
-            let mut before = collapses.parts().triangles;
-            total += before;
+            let mut previous = collapses.parts().triangles;
+            total += previous;
             for step in (0..collapses.steps()).map(|i| collapses.step(i)) {
                 if step.lod > last {
                     break;
                 }
-                steps.push((f64::from(step.error) * object.scale, before - step.triangles));
-                before = step.triangles;
+                steps.push((f64::from(step.error) * object.scale, previous - step.triangles));
+                previous = step.triangles;
             }
         }
         // Stable: the steps of one object keep their order.
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let rest = steps.into_iter().scan(total, |left, (error, gone)| {
-            *left -= gone;
-            Some((error, *left))
+        let later = steps.into_iter().scan(total, |remaining, (error, removed)| {
+            *remaining -= removed;
+            Some((error, *remaining))
         });
-        std::iter::once((0.0, total)).chain(rest).collect()
+        std::iter::once((0.0, total)).chain(later).collect()
     }
 
     /// Chooses one level of detail per object.

@@ -1,5 +1,5 @@
-//! The losses of a scene with every step of every object, in one unit, so that steps of different
-//! objects can be compared.
+//! What a scene loses with every step of every object, in one unit for all objects, so that
+//! triangles can be taken where they matter least.
 
 use crate::quadric::accumulated_error;
 use crate::visibility::{Part, seen_areas};
@@ -8,9 +8,10 @@ use lodc_mesh::{PositionIds, Simplified};
 use lodc_scene::{Arrangement, Placement, placement_scales, posed_positions};
 use rayon::prelude::*;
 
-/// Weight of the area of a face that is not seen.
+/// Weight of the area of a face that is not seen. Chosen by hand.
 const HIDDEN: f64 = 0.03;
-/// With more triangles than this, instances counted, all are taken to be seen.
+/// With more triangles than this, instances counted, no pictures are taken and all count as seen.
+/// Chosen by hand.
 const MAX_TRIANGLES: usize = 1 << 24;
 
 /// Returns for each object the loss after each of its steps, never falling.
@@ -39,8 +40,11 @@ impl Visibility {
         let of_placement = |p: &Placement| objects[p.object].mesh().triangles().len();
         let triangles = scene.placements().iter().map(of_placement).fold(0, usize::saturating_add);
         let visible = triangles <= MAX_TRIANGLES;
-        let shown: Vec<PlacedObject> =
-            objects.par_iter().enumerate().map(|(o, s)| shown(o, s, scene, visible)).collect();
+        let shown: Vec<PlacedObject> = objects
+            .par_iter()
+            .enumerate()
+            .map(|(o, s)| place_object(o, s, scene, visible))
+            .collect();
         let mut parts = Vec::new();
         for (simplified, shown) in objects.iter().zip(&shown) {
             let triangles = simplified.mesh().triangles();
@@ -75,7 +79,7 @@ impl Visibility {
 /// An object with all its placements.
 #[derive(Debug)]
 struct PlacedObject {
-    /// The vertices of each placement; only of that of largest scale if nothing is looked at.
+    /// The vertices of each placement; only of that of largest scale if there are no pictures.
     placed: Vec<Vec<DVec3>>,
     is_visible: bool,
     /// World units per mesh unit of each placement.
@@ -84,7 +88,8 @@ struct PlacedObject {
     largest: usize,
 }
 
-fn shown(
+/// Places an object where the scene shows it, or as it was modelled.
+fn place_object(
     object: usize,
     simplified: &Simplified,
     scene: &Arrangement,
@@ -116,7 +121,7 @@ fn shown(
 }
 
 impl PlacedObject {
-    /// The placements that are looked at.
+    /// The vertices of the placements that are in pictures.
     fn visible(&self) -> &[Vec<DVec3>] {
         if self.is_visible { &self.placed } else { &[] }
     }

@@ -1,4 +1,5 @@
-//! Errors as they are printed and typed.
+//! Errors in decimal, as reports print them and people type them, converted so that a printed error
+//! selects its own level.
 
 /// An error as the number that its shortest decimal form stands for: what reports print and people
 /// type.

@@ -39,15 +39,15 @@ pub struct Turn {
 
 /// For each object of a scene its turns, by which a receiver can choose levels for a number of
 /// triangles as [`select`](crate::select()) does, without knowing losses: it takes turns in the
-/// order of their ranks while the scene has too many triangles; where one would leave more room
+/// order of their ranks while the scene has too many triangles; where one would remove more
 /// than is needed, it takes the object's finest level that fits.
 #[must_use]
 pub fn turns(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<Turn>> {
     let collapses: Vec<&CollapseSequence> = objects.iter().map(|o| o.collapses()).collect();
     let mut turns = vec![Vec::new(); objects.len()];
-    for (place, segment) in (0..).zip(order(&collapses, &losses(objects, scene))) {
+    for (rank, segment) in (0..).zip(order(&collapses, &losses(objects, scene))) {
         let lod = Lod(collapses[segment.object].parts().step_ends[segment.end - 1]);
-        turns[segment.object].push(Turn { place, lod });
+        turns[segment.object].push(Turn { place: rank, lod });
     }
     turns
 }
@@ -99,9 +99,12 @@ pub(crate) fn within_triangles(
 fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segment> {
     let parts = collapses.parts();
     let steps = collapses.steps_at(collapses.last_visible());
-    let left = |end: usize| if end == 0 { parts.triangles } else { parts.step_triangles[end - 1] };
-    let at = |end: usize| if end == 0 { 0.0 } else { loss[end - 1] };
-    let slope = |from: usize, to: usize| (at(to) - at(from)) / f64::from(left(from) - left(to));
+    let triangles_after =
+        |end: usize| if end == 0 { parts.triangles } else { parts.step_triangles[end - 1] };
+    let loss_at = |end: usize| if end == 0 { 0.0 } else { loss[end - 1] };
+    let slope = |from: usize, to: usize| {
+        (loss_at(to) - loss_at(from)) / f64::from(triangles_after(from) - triangles_after(to))
+    };
     // The first step that leaves too few.
     let split = parts.step_triangles[..steps].partition_point(|&n| n >= LAST_TRIANGLES);
     let mut segments = Vec::new();
@@ -109,7 +112,7 @@ fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segmen
         let mut corners = vec![range.start];
         for end in range.start + 1..=range.end {
             let newest = *corners.last().expect("never empty");
-            if left(end) == left(newest) {
+            if triangles_after(end) == triangles_after(newest) {
                 // No triangle is removed: the slope would be infinite.
                 continue;
             }
@@ -125,7 +128,7 @@ fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segmen
             slope: slope(w[0], w[1]),
             object,
             end: w[1],
-            removed: u64::from(left(w[0]) - left(w[1])),
+            removed: u64::from(triangles_after(w[0]) - triangles_after(w[1])),
         }));
     }
     segments

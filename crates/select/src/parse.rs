@@ -1,4 +1,5 @@
-//! Reads targets as people write them: shares and counts of triangles, distances.
+//! Parses targets as options and configurations have them: shares and counts of triangles,
+//! distances.
 
 use crate::selection::Target;
 

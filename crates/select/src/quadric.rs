@@ -1,5 +1,5 @@
-//! Accumulated quadric error of a collapse sequence (Garland and Heckbert 1997): how far vertices
-//! have moved off the planes of the faces that became theirs, squared and summed over area.
+//! Accumulated quadric error of a collapse sequence (Garland and Heckbert 1997): the squared
+//! distances of vertices from the planes of the faces that became theirs, summed over area.
 
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, Csr, PositionIds};
@@ -85,9 +85,9 @@ pub fn accumulated_error(
     let targets = collapses.targets();
     let after_step = |&end: &u32| {
         for (source, &target) in (record..end).zip(&targets[record as usize..end as usize]) {
-            let own = quadrics[source as usize];
-            sum += own.at(at(target)) - own.at(at(source));
-            quadrics[target as usize].add(&own);
+            let quadric = quadrics[source as usize];
+            sum += quadric.at(at(target)) - quadric.at(at(source));
+            quadrics[target as usize].add(&quadric);
         }
         record = end;
         largest = largest.max(sum);

@@ -83,11 +83,11 @@ pub fn select<L: AsRef<[Vec<f64>]>>(
     let mut chosen = Selection::default();
     if objects.len() <= 1 || per_object {
         for object in objects {
-            let lod = alone(object, target, &mut chosen.warnings);
+            let lod = level_of_object(object, target, &mut chosen.warnings);
             chosen.lods.push(lod);
         }
     } else {
-        together(objects, target, losses, &mut chosen)?;
+        levels_of_scene(objects, target, losses, &mut chosen)?;
     }
     chosen.measure(objects);
     Ok(chosen)
@@ -96,8 +96,8 @@ pub fn select<L: AsRef<[Vec<f64>]>>(
 impl Selection {
     /// Takes no level coarser than that of `cap`, a selection over the same objects.
     pub fn cap(&mut self, objects: &[Candidate<'_>], cap: &Self) {
-        for (lod, &most) in self.lods.iter_mut().zip(&cap.lods) {
-            *lod = most.min(*lod);
+        for (lod, &coarsest) in self.lods.iter_mut().zip(&cap.lods) {
+            *lod = coarsest.min(*lod);
         }
         self.measure(objects);
     }
@@ -105,7 +105,7 @@ impl Selection {
     /// Gives some objects, by their numbers, levels that meet targets of their own.
     pub fn put(&mut self, objects: &[Candidate<'_>], own: impl Iterator<Item = (usize, Target)>) {
         for (number, target) in own {
-            self.lods[number] = alone(&objects[number], target, &mut self.warnings);
+            self.lods[number] = level_of_object(&objects[number], target, &mut self.warnings);
         }
         self.measure(objects);
     }
@@ -124,9 +124,9 @@ impl Selection {
 }
 
 /// The level of one object, in its own units.
-fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> Lod {
+fn level_of_object(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> Lod {
     let c = object.collapses;
-    let wanted = match target {
+    let lod = match target {
         Target::Lod(n) => {
             if n > c.last().0 {
                 warnings.push(format!(
@@ -145,17 +145,17 @@ fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> 
         Target::RmsShare(s) => by_rms(c, s * object.diagonal),
     };
     let visible = c.last_visible();
-    if wanted > visible {
+    if lod > visible {
         warnings.push(format!(
             "{}: stopped at LOD {}, the last that has a triangle",
             object.name, visible.0
         ));
     }
-    wanted.min(visible)
+    lod.min(visible)
 }
 
 /// The levels of several objects, in world units or for a number of triangles of all.
-fn together<L: AsRef<[Vec<f64>]>>(
+fn levels_of_scene<L: AsRef<[Vec<f64>]>>(
     objects: &[Candidate<'_>],
     target: Target,
     losses: impl FnOnce() -> L,
@@ -190,11 +190,11 @@ fn together<L: AsRef<[Vec<f64>]>>(
     let sequences: Vec<&CollapseSequence> = objects.iter().map(|o| o.collapses).collect();
     chosen.lods = within_triangles(&sequences, losses().as_ref(), budget);
     let live = |(o, &lod): (&Candidate<'_>, &Lod)| u64::from(o.collapses.triangles_at(lod));
-    let left: u64 = objects.iter().zip(&chosen.lods).map(live).sum();
-    if left > budget {
+    let remaining: u64 = objects.iter().zip(&chosen.lods).map(live).sum();
+    if remaining > budget {
         chosen.warnings.push(format!(
             "{budget} triangles cannot be reached: every object stopped at its last LOD that has a \
-             triangle, {left} in all"
+             triangle, {remaining} in all"
         ));
         return Ok(());
     }
@@ -230,12 +230,12 @@ fn by_rms(collapses: &CollapseSequence, rms: f64) -> Lod {
 fn within(objects: &[Candidate<'_>], distance: f64, find: ByDistance, chosen: &mut Selection) {
     let mut stopped = Vec::new();
     for o in objects {
-        let wanted = find(o.collapses, distance / scale(o));
+        let lod = find(o.collapses, distance / scale(o));
         let visible = o.collapses.last_visible();
-        if wanted > visible {
+        if lod > visible {
             stopped.push(o.name);
         }
-        chosen.lods.push(wanted.min(visible));
+        chosen.lods.push(lod.min(visible));
     }
     warn_of_stopped(&stopped, objects.len(), chosen);
 }

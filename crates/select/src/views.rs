@@ -1,9 +1,10 @@
-//! A level of detail for every part of a scene's surfaces, by how they are looked at.
+//! View-dependent levels: a level of detail for every part of a scene's surfaces, by criteria such
+//! as outlines or the error on the screen.
 
 use crate::levels::{ObjectLevels, SceneLevels, SelectError};
 use crate::selection::Target;
 use lodc_lod::interactive::view::{
-    Family, LodRange, Selector, State, finest_within, kept, live_triangles, morphed_mesh,
+    Family, LodRange, Selector, State, drawn_triangles, finest_within, live_triangles, morphed_mesh,
 };
 use lodc_mesh::{Lod, Mesh, OrientedTriangle, PositionIds};
 use lodc_scene::{Arrangement, Placement, placement_scales, posed_positions};
@@ -12,7 +13,7 @@ use rayon::prelude::*;
 /// More vertices than this, instances counted, are not looked at.
 const MAX_VERTICES: usize = 1 << 27;
 
-/// Share of the triangles where no detail is wanted.
+/// Share of the triangles where no detail is wanted. Chosen by hand.
 const COARSE: f64 = 0.01;
 /// Share of the triangles asked for that lies beside outlines: with fewer, facets beside them stand
 /// out, with more, outlines lack them (on the bunny at 25, 10 and 5 %, in pixels of its outline).
@@ -51,7 +52,7 @@ pub enum Criterion {
 pub struct ViewOptions {
     /// The rule.
     pub criterion: Criterion,
-    /// Place of the eye, in the scene's units; none: that of the target.
+    /// Position of the eye, in the scene's units; none: that of the target.
     pub eye: Option<[f32; 3]>,
     /// The point looked at; none: the middle of the scene.
     pub target: Option<[f32; 3]>,
@@ -60,7 +61,7 @@ pub struct ViewOptions {
     /// Share of the triangles elsewhere; none: a hundredth or, beside outlines, a part of what is
     /// asked for.
     pub coarse: Option<f64>,
-    /// Vertices are on their way between levels (geomorphing).
+    /// Vertices are interpolated between levels (geomorphing).
     pub morph: bool,
     /// Shares are those of each object, not of the scene.
     pub per_object: bool,
@@ -152,52 +153,57 @@ impl<'a> SceneViews<'a> {
     ) -> Result<Self, SelectError> {
         let objects = levels.objects();
         let modelled: Vec<Placement> = (0..objects.len()).map(Placement::as_modelled).collect();
-        let places: Vec<Vec<(&Placement, f64)>> = (0..objects.len())
+        let placements: Vec<Vec<(&Placement, f64)>> = (0..objects.len())
             .map(|o| match placement_scales(objects[o].simplified.mesh(), o, scene) {
-                places if places.is_empty() => vec![(&modelled[o], 1.0)],
-                places => places,
+                placements if placements.is_empty() => vec![(&modelled[o], 1.0)],
+                placements => placements,
             })
             .collect();
-        let vertices = |o: usize| objects[o].simplified.mesh().vertex_count() * places[o].len();
+        let vertices = |o: usize| objects[o].simplified.mesh().vertex_count() * placements[o].len();
         if (0..objects.len()).map(vertices).sum::<usize>() > MAX_VERTICES {
             return Err(SelectError::TooManyVertices { most: MAX_VERTICES });
         }
-        let shapes = shapes(objects, &places);
+        let shapes = shapes(objects, &placements);
         let extent = extent(&shapes);
         let surface = |(o, (shape, &(_, scale))): (usize, (&Vec<[f32; 3]>, &(_, f64)))| Surface {
             selector: Selector::in_shape(objects[o].simplified, shape),
             family: options.family(&extent, if scale > 0.0 { scale } else { 1.0 }),
         };
-        let surfaces = shapes.par_iter().zip(&places).enumerate().map(|(o, (shapes, places))| {
-            shapes.par_iter().zip(places).map(|pair| surface((o, pair))).collect()
-        });
+        let surfaces =
+            shapes.par_iter().zip(&placements).enumerate().map(|(o, (shapes, placements))| {
+                shapes.par_iter().zip(placements).map(|pair| surface((o, pair))).collect()
+            });
         let ids = objects.par_iter().map(|o| PositionIds::new(o.simplified.mesh().positions()));
         let surfaces = surfaces.collect();
         Ok(Self { options, levels, ids: ids.collect(), surfaces })
     }
 
-    /// Shows the criterion as it was given, or the finest that has at most `most` triangles.
+    /// Shows the criterion as it was given, or the finest that has at most `max_triangles`
+    /// triangles.
     ///
     /// # Errors
     /// As [`SceneLevels::select`].
-    pub fn show(&self, most: Option<u64>) -> Result<ShownScene, SelectError> {
+    pub fn show(&self, max_triangles: Option<u64>) -> Result<ShownScene, SelectError> {
         let family = self.surfaces.iter().flatten().map(|s| s.family).next();
         let Some(family) = family else {
             return Ok(ShownScene { states: Vec::new(), warnings: Vec::new() });
         };
-        let ranges = self.ranges(most)?;
-        let setting = most.map_or_else(
-            || family.given(),
-            |most| {
-                finest_within(most, family.coarsest(), |at| self.count(&self.states(at, &ranges)))
+        let ranges = self.ranges(max_triangles)?;
+        let setting = max_triangles.map_or_else(
+            || family.given_setting(),
+            |max_triangles| {
+                finest_within(max_triangles, family.coarsest(), |at| {
+                    self.count(&self.states(at, &ranges))
+                })
             },
         );
         let states = self.states(setting, &ranges);
         let triangles = self.count(&states);
-        let above = most.filter(|&most| triangles > most);
-        let warning =
-            |most| format!("the coarsest view has {triangles} triangles, more than {most}");
-        Ok(ShownScene { states, warnings: above.map(warning).into_iter().collect() })
+        let too_many = max_triangles.filter(|&max_triangles| triangles > max_triangles);
+        let warning = |max_triangles| {
+            format!("the coarsest view has {triangles} triangles, more than {max_triangles}")
+        };
+        Ok(ShownScene { states, warnings: too_many.map(warning).into_iter().collect() })
     }
 
     /// Returns the number of triangles that a wish for triangles means.
@@ -231,9 +237,11 @@ impl<'a> SceneViews<'a> {
     }
 
     /// The LODs of `--fine` and `--coarse`, and the coarsest with triangles, of each object.
-    fn ranges(&self, most: Option<u64>) -> Result<Vec<LodRange>, SelectError> {
+    fn ranges(&self, max_triangles: Option<u64>) -> Result<Vec<LodRange>, SelectError> {
         let all = self.all().max(1) as f64;
-        let share = self.options.coarse_share(most.map(|most| most as f64 / all));
+        let share = self
+            .options
+            .coarse_share(max_triangles.map(|max_triangles| max_triangles as f64 / all));
         let at = |share: f64| self.levels.select(Target::Ratio(share), self.options.per_object);
         let (fine, coarse) = (at(self.options.fine)?, at(share)?);
         let range = |((o, &fine), &coarse): ((&ObjectLevels<'_>, &Lod), &Lod)| LodRange {
@@ -246,7 +254,7 @@ impl<'a> SceneViews<'a> {
 
     fn count(&self, states: &[Vec<State>]) -> u64 {
         let objects = self.levels.objects();
-        let of = |o: usize| kept(objects[o].simplified, &self.ids[o], &states[o]);
+        let of = |o: usize| drawn_triangles(objects[o].simplified, &self.ids[o], &states[o]);
         (0..objects.len()).into_par_iter().map(of).sum()
     }
 
@@ -259,8 +267,8 @@ impl<'a> SceneViews<'a> {
         shown.states.par_iter().enumerate().map(of).collect()
     }
 
-    /// Returns a mesh of each object that only this view has; with morphing its vertices are on
-    /// their way.
+    /// Returns a mesh of each object that only this view has; with morphing its vertices are
+    /// interpolated between levels.
     ///
     /// # Errors
     /// If one is no mesh: a bug.
@@ -279,22 +287,22 @@ impl<'a> SceneViews<'a> {
     }
 }
 
-/// The places of all vertices of each object, for each of its placements.
+/// The positions of all vertices of each object, for each of its placements.
 fn shapes(
     objects: &[ObjectLevels<'_>],
-    places: &[Vec<(&Placement, f64)>],
+    placements: &[Vec<(&Placement, f64)>],
 ) -> Vec<Vec<Vec<[f32; 3]>>> {
     let shape = |o: usize, placement: &Placement| {
         let posed = posed_positions(objects[o].simplified.mesh(), placement);
         posed.iter().map(|p| p.as_vec3().to_array()).collect()
     };
-    let of = |(o, places): (usize, &Vec<(&Placement, f64)>)| {
-        places.iter().map(|(placement, _)| shape(o, placement)).collect()
+    let of = |(o, placements): (usize, &Vec<(&Placement, f64)>)| {
+        placements.iter().map(|(placement, _)| shape(o, placement)).collect()
     };
-    places.par_iter().enumerate().map(of).collect()
+    placements.par_iter().enumerate().map(of).collect()
 }
 
-/// The box around all places that are finite.
+/// The box around all positions that are finite.
 fn extent(shapes: &[Vec<Vec<[f32; 3]>>]) -> Extent {
     let mut extent = Extent { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
     for p in shapes.iter().flatten().flatten().filter(|p| p.iter().all(|c| c.is_finite())) {

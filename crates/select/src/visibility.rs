@@ -1,4 +1,4 @@
-//! The area of every face of a scene that is seen from all sides.
+//! The area of every triangle of a scene that is visible, by pictures from cameras all around.
 
 use glam::DVec3;
 use lodc_raster::{Camera, Fragment, Point, Window, scan, spread_cameras};
@@ -41,11 +41,13 @@ pub(crate) fn seen_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
         let cameras = spread_cameras(VIEWS, center, radius, SIZE);
         pixel = 1.0 / cameras[0].scale;
         // A few pictures at a time: each has a depth for every pixel.
-        let mut fronts = vec![vec![Fragment::NOTHING; (SIZE * SIZE) as usize]; 4];
-        for views in cameras.chunks(fronts.len()) {
-            let draw = |(camera, front): (&Camera, &mut Vec<Fragment>)| draw(parts, camera, front);
-            views.par_iter().zip(&mut fronts).for_each(draw);
-            for fragment in fronts[..views.len()].iter_mut().flatten() {
+        let mut depth_buffers = vec![vec![Fragment::NOTHING; (SIZE * SIZE) as usize]; 4];
+        for views in cameras.chunks(depth_buffers.len()) {
+            let draw = |(camera, depth_buffer): (&Camera, &mut Vec<Fragment>)| {
+                draw(parts, camera, depth_buffer);
+            };
+            views.par_iter().zip(&mut depth_buffers).for_each(draw);
+            for fragment in depth_buffers[..views.len()].iter_mut().flatten() {
                 let seen = std::mem::replace(fragment, Fragment::NOTHING);
                 if seen != Fragment::NOTHING {
                     pixels[seen.item() as usize] += 1;
@@ -64,14 +66,14 @@ pub(crate) fn seen_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
 }
 
 /// Draws a picture that is empty.
-fn draw(parts: &[Part<'_>], camera: &Camera, front: &mut [Fragment]) {
+fn draw(parts: &[Part<'_>], camera: &Camera, depth_buffer: &mut [Fragment]) {
     let mut number = 0;
     for part in parts {
         let points: Vec<Point> = part.positions.iter().map(|&p| camera.project(p)).collect();
         for triangle in part.triangles {
             let corners = triangle.map(|v| points[v as usize]);
             scan(corners, Window::whole(SIZE), |column, row, depth| {
-                let nearest = &mut front[(row * SIZE as i32 + column) as usize];
+                let nearest = &mut depth_buffer[(row * SIZE as i32 + column) as usize];
                 *nearest = Fragment::new(number, depth).min(*nearest);
             });
             number += 1;

@@ -1,9 +1,14 @@
-//! Triangles that meet at edges, in near-linear time for any mesh.
+//! Which triangles share an edge: the dual graph that strips are paths in. Built from half-edges
+//! sorted by their vertices, in O(n log n) for any input, non-manifold ones too.
+//!
+//! In this package `t` and `u` are triangles, `v` is a vertex, a *slot* is one of a triangle's
+//! three edges, and a *code* `c` is a triangle with a slot, in one word.
 
 use lodc_mesh::{NONE, is_degenerate};
 
-/// The neighbours of each triangle: slot `e` is the edge from corner `e` to corner `e + 1`,
-/// and holds the neighbour there with its own slot, as [`code`], or [`NONE`].
+/// The neighbours of each triangle: slot `e` is the edge from corner `e` to corner `e + 1`. It
+/// holds the triangle across that edge, with the slot that the edge has there, as [`code`]; or
+/// [`NONE`].
 ///
 /// Two triangles are neighbours only if they run through their edge in opposite directions. Where
 /// several do, they are paired off one to one, so that the relation is always symmetric.
@@ -24,42 +29,42 @@ pub(crate) fn decode(code: u32) -> (u32, u32) {
 /// Finds all neighbours. Half-edges are gathered at their smaller vertex and sorted there, so that
 /// even a vertex that every triangle uses costs no more than a sort.
 pub(crate) fn neighbours(triangles: &[[u32; 3]], vertex_count: usize) -> Neighbours {
-    let mut first = vec![0u32; vertex_count + 1];
+    let mut bucket_start = vec![0u32; vertex_count + 1];
     let edges = |t: [u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
-    let real = || triangles.iter().enumerate().filter(|(_, t)| !is_degenerate(**t));
-    for (_, &t) in real() {
+    let with_area = || triangles.iter().enumerate().filter(|(_, t)| !is_degenerate(**t));
+    for (_, &t) in with_area() {
         for (a, b) in edges(t) {
-            first[a.min(b) as usize + 1] += 1;
+            bucket_start[a.min(b) as usize + 1] += 1;
         }
     }
     for v in 0..vertex_count {
-        first[v + 1] += first[v];
+        bucket_start[v + 1] += bucket_start[v];
     }
-    let mut next = first.clone();
+    let mut next = bucket_start.clone();
     // Larger vertex, then direction, then the slot: what sorting needs, in one word each.
-    let mut gathered = vec![(0u32, 0u32); first[vertex_count] as usize];
-    for (i, &t) in real() {
+    let mut half_edges = vec![(0u32, 0u32); bucket_start[vertex_count] as usize];
+    for (i, &t) in with_area() {
         for (slot, (a, b)) in edges(t).into_iter().enumerate() {
-            let place = &mut next[a.min(b) as usize];
-            gathered[*place as usize] = (a.max(b), code(i as u32, slot as u32));
-            *place += 1;
+            let end = &mut next[a.min(b) as usize];
+            half_edges[*end as usize] = (a.max(b), code(i as u32, slot as u32));
+            *end += 1;
         }
     }
     let mut neighbours = vec![[NONE; 3]; triangles.len()];
-    let mut there = Vec::new();
-    let mut back = Vec::new();
+    let mut forward = Vec::new();
+    let mut backward = Vec::new();
     for v in 0..vertex_count {
-        let bucket = &mut gathered[first[v] as usize..first[v + 1] as usize];
+        let bucket = &mut half_edges[bucket_start[v] as usize..bucket_start[v + 1] as usize];
         bucket.sort_unstable();
         for edge in bucket.chunk_by(|a, b| a.0 == b.0) {
-            there.clear();
-            back.clear();
+            forward.clear();
+            backward.clear();
             for &(_, c) in edge {
                 let (t, slot) = decode(c);
-                let forward = triangles[t as usize][slot as usize] as usize == v;
-                if forward { there.push(c) } else { back.push(c) }
+                let starts_at_v = triangles[t as usize][slot as usize] as usize == v;
+                if starts_at_v { forward.push(c) } else { backward.push(c) }
             }
-            for (&a, &b) in there.iter().zip(&back) {
+            for (&a, &b) in forward.iter().zip(&backward) {
                 let ((t, e), (u, f)) = (decode(a), decode(b));
                 neighbours[t as usize][e as usize] = b;
                 neighbours[u as usize][f as usize] = a;

@@ -1,4 +1,5 @@
-//! A vertex cache in numbers: how often a stream of indices asks for a vertex that is not there.
+//! A simulated vertex cache: counts how often a stream of indices asks for a vertex that it does
+//! not hold. The numbers ACMR and ATVR of the literature come from here.
 
 /// The rule by which a full cache gives up a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -79,8 +80,8 @@ pub fn measure(
             for v in stream {
                 statistics.vertices += u64::from(!seen[v as usize]);
                 seen[v as usize] = true;
-                if let Some(at) = cache.iter().position(|&c| c == v) {
-                    cache[..=at].rotate_right(1);
+                if let Some(index) = cache.iter().position(|&c| c == v) {
+                    cache[..=index].rotate_right(1);
                     continue;
                 }
                 statistics.misses += 1;

@@ -1,13 +1,13 @@
-//! Triangle order for the index codec of EXT_meshopt_compression: each triangle at an edge that the
-//! codec still remembers, so that most take one byte, and each new vertex next to the last ones, so
-//! that differences between neighbours in the vertex buffer are small.
+//! Triangle order for the index codec of EXT_meshopt_compression, greedily by price: each triangle
+//! at an edge that the codec still remembers, so that most take one byte, and each new vertex next
+//! to the last ones, so that differences between neighbours in the vertex buffer are small.
 
-use crate::order::numbered;
+use crate::order::renumbered;
 use lodc_mesh::{Mesh, is_degenerate};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
-/// Recent edges that the codec can name.
+/// Recent edges that the codec can name (its edge FIFO has 16 entries, one code is taken).
 const EDGES: usize = 15;
 /// Recent vertices that the codec can name.
 const VERTICES: u32 = 12;
@@ -15,19 +15,19 @@ const VERTICES: u32 = 12;
 // The price of a triangle, in bytes where the codec knows one. Found by trying, on four models.
 /// A vertex that has not been seen yet, or is no longer remembered.
 const FETCH: f32 = 1.5;
-/// Per place of the edge: the latest first.
+/// Per edge that is more recent than the triangle's.
 const AGE: f32 = 0.5;
-/// For each vertex without triangles left.
+/// Gain for each vertex without triangles to be coded.
 const FINISHED: f32 = 0.8;
-/// For each triangle that a corner has left, up to [`MOST_LEFT`].
-const LEFT: f32 = 0.05;
-const MOST_LEFT: u32 = 8;
+/// For each triangle that a corner has yet to be in, up to [`MAX_REMAINING`] of them.
+const REMAINING: f32 = 0.05;
+const MAX_REMAINING: u32 = 8;
 
 /// The mesh's triangles in an order that compresses well. Triangles stay in their submesh, corners
 /// in their cyclic order.
 #[must_use]
 pub fn codec_order(mesh: &Mesh) -> Vec<[u32; 3]> {
-    let mut order = sequence(mesh.triangles(), mesh.vertex_count());
+    let mut order = greedy_order(mesh.triangles(), mesh.vertex_count());
     let submesh = crate::cover::submesh_of(mesh);
     order.sort_by_key(|&t| submesh[t as usize]);
     order.iter().map(|&t| mesh.triangles()[t as usize]).collect()
@@ -36,23 +36,24 @@ pub fn codec_order(mesh: &Mesh) -> Vec<[u32; 3]> {
 /// [`codec_order`] for a list of triangles over `vertices` vertices.
 #[must_use]
 pub fn codec_order_list(triangles: &[[u32; 3]], vertices: usize) -> Vec<[u32; 3]> {
-    let (own, count) = numbered(triangles, vertices);
-    let order = sequence(&own, count);
+    let (compact, count) = renumbered(triangles, vertices);
+    let order = greedy_order(&compact, count);
     order.into_iter().map(|t| triangles[t as usize]).collect()
 }
 
 /// The numbers of triangles in the order in which they are coded.
-fn sequence(triangles: &[[u32; 3]], vertices: usize) -> Vec<u32> {
+fn greedy_order(triangles: &[[u32; 3]], vertices: usize) -> Vec<u32> {
     let mut state = Codec::new(triangles, vertices);
     let mut order = Vec::with_capacity(triangles.len());
     let mut cursor = 0;
     loop {
-        let next = state.cheapest().or_else(|| state.forgotten()).or_else(|| {
-            while cursor < triangles.len() && state.done[cursor] {
-                cursor += 1;
-            }
-            (cursor < triangles.len()).then_some((cursor as u32, None))
-        });
+        let next =
+            state.cheapest_at_recent_edge().or_else(|| state.at_forgotten_edge()).or_else(|| {
+                while cursor < triangles.len() && state.done[cursor] {
+                    cursor += 1;
+                }
+                (cursor < triangles.len()).then_some((cursor as u32, None))
+            });
         let Some((t, edge)) = next else { return order };
         state.code(t, edge);
         order.push(t);
@@ -62,31 +63,31 @@ fn sequence(triangles: &[[u32; 3]], vertices: usize) -> Vec<u32> {
 /// A directed edge.
 type Edge = [u32; 2];
 
-/// The codec's memory, and the triangles that are left to code.
+/// The codec's memory, and the triangles that are yet to be coded.
 struct Codec<'a> {
     triangles: &'a [[u32; 3]],
     edges: DirectedEdges,
     done: Vec<bool>,
-    /// Number of triangles that each vertex has left.
-    left: Vec<u32>,
+    /// Number of triangles of each vertex that are not coded yet.
+    remaining: Vec<u32>,
     /// When each vertex was remembered last, from 1; 0 for never.
     fetched: Vec<u32>,
     fetches: u32,
     /// Recent edges that a next triangle may have, the latest last.
     recent: VecDeque<Edge>,
-    /// Those that were recent.
+    /// Edges that were recent, the latest last.
     older: Vec<Edge>,
 }
 
 impl<'a> Codec<'a> {
     fn new(triangles: &'a [[u32; 3]], vertices: usize) -> Self {
-        let mut left = vec![0; vertices];
-        triangles.as_flattened().iter().for_each(|&v| left[v as usize] += 1);
+        let mut remaining = vec![0; vertices];
+        triangles.as_flattened().iter().for_each(|&v| remaining[v as usize] += 1);
         Self {
             triangles,
             edges: DirectedEdges::new(triangles, vertices),
             done: vec![false; triangles.len()],
-            left,
+            remaining,
             fetched: vec![0; vertices],
             fetches: 0,
             recent: VecDeque::with_capacity(EDGES + 3),
@@ -101,10 +102,10 @@ impl<'a> Codec<'a> {
 
     /// The triangle at a recent edge with the lowest price, the latest edge's among equals; and
     /// that edge.
-    fn cheapest(&mut self) -> Option<(u32, Option<Edge>)> {
+    fn cheapest_at_recent_edge(&mut self) -> Option<(u32, Option<Edge>)> {
         let mut best: Option<(f32, u32, Edge)> = None;
         for (age, &edge) in self.recent.iter().rev().enumerate() {
-            let Some(t) = self.edges.first_left(edge, &self.done) else { continue };
+            let Some(t) = self.edges.first_undone(edge, &self.done) else { continue };
             let price = self.price(t) + AGE * age as f32;
             if best.is_none_or(|(lowest, ..)| price < lowest) {
                 best = Some((price, t, edge));
@@ -115,20 +116,20 @@ impl<'a> Codec<'a> {
 
     fn price(&self, t: u32) -> f32 {
         let corner = |v: u32| {
-            let left = self.left[v as usize];
+            let remaining = self.remaining[v as usize];
             let fetch = if self.is_remembered(v) { 0.0 } else { FETCH };
-            let finished = if left == 1 { FINISHED } else { 0.0 };
-            fetch - finished + LEFT * (left.saturating_sub(1)).min(MOST_LEFT) as f32
+            let finished = if remaining == 1 { FINISHED } else { 0.0 };
+            fetch - finished + REMAINING * (remaining.saturating_sub(1)).min(MAX_REMAINING) as f32
         };
         let [a, b, c] = self.triangles[t as usize].map(corner);
         a + b + c
     }
 
     /// A triangle at the latest edge that is no longer recent.
-    fn forgotten(&mut self) -> Option<(u32, Option<Edge>)> {
+    fn at_forgotten_edge(&mut self) -> Option<(u32, Option<Edge>)> {
         loop {
             let edge = self.older.pop()?;
-            if let Some(t) = self.edges.first_left(edge, &self.done) {
+            if let Some(t) = self.edges.first_undone(edge, &self.done) {
                 return Some((t, None));
             }
         }
@@ -139,7 +140,7 @@ impl<'a> Codec<'a> {
         self.done[t as usize] = true;
         let [a, b, c] = self.triangles[t as usize];
         for v in [a, b, c] {
-            self.left[v as usize] -= 1;
+            self.remaining[v as usize] -= 1;
             if !self.is_remembered(v) {
                 self.fetches += 1;
                 self.fetched[v as usize] = self.fetches;
@@ -166,15 +167,16 @@ struct DirectedEdges {
     first: Vec<u32>,
     /// Start, end and triangle, sorted.
     entries: Vec<[u32; 3]>,
-    /// At the start of a run of entries with one edge: the first of them that may be left.
+    /// At the start of a run of entries with one edge: the first whose triangle may not be coded
+    /// yet.
     next: Vec<u32>,
 }
 
 impl DirectedEdges {
     fn new(triangles: &[[u32; 3]], vertices: usize) -> Self {
-        let real = (0..).zip(triangles).filter(|(_, t)| !is_degenerate(**t));
+        let with_area = (0..).zip(triangles).filter(|(_, t)| !is_degenerate(**t));
         let mut entries: Vec<[u32; 3]> =
-            real.flat_map(|(i, &[a, b, c])| [[a, b, i], [b, c, i], [c, a, i]]).collect();
+            with_area.flat_map(|(i, &[a, b, c])| [[a, b, i], [b, c, i], [c, a, i]]).collect();
         entries.par_sort_unstable();
         let mut first = vec![0; vertices + 1];
         entries.iter().for_each(|e| first[e[0] as usize + 1] += 1);
@@ -186,7 +188,7 @@ impl DirectedEdges {
     }
 
     /// The first triangle with an edge that is not done.
-    fn first_left(&mut self, [from, to]: Edge, done: &[bool]) -> Option<u32> {
+    fn first_undone(&mut self, [from, to]: Edge, done: &[bool]) -> Option<u32> {
         let [start, end] = [0, 1].map(|k| self.first[from as usize + k] as usize);
         let run = start + self.entries[start..end].partition_point(|e| e[1] < to);
         if run == end {

@@ -1,4 +1,5 @@
-//! A cover of triangles by paths through their common edges: strips before they are written down.
+//! A cover of the triangles by paths in their dual graph: strips before they are written as
+//! indices.
 //!
 //! Following a path, each inner triangle turns left or right. Two inner triangles in a row that
 //! turn the same way need a *swap*: one repeated index. A path of n triangles becomes n + 2 indices
@@ -11,20 +12,20 @@ use lodc_mesh::{Mesh, NONE};
 /// in its path.
 pub(crate) type Node = [u32; 4];
 
-/// The place of a path's bits in a [`Node`].
+/// Where a [`Node`] holds the bits of its links.
 pub(crate) const LINKS: usize = 3;
 
-/// `WAY[links][slot]`: the number of corners, 1 or 2, from a linked slot of an inner triangle to
+/// `TURN[links][slot]`: the number of corners, 1 or 2, from a linked slot of an inner triangle to
 /// its other linked one, which says whether the path turns left or right there; 0 at an end. Two
-/// triangles that turn the same way have ways that add up to 3, since each is seen from the edge
+/// triangles that turn the same way have numbers that add up to 3, since each is seen from the edge
 /// between them.
-const WAY: [[u32; 4]; 8] =
+const TURN: [[u32; 4]; 8] =
     [[0; 4], [0; 4], [0; 4], [1, 2, 0, 0], [0; 4], [2, 0, 1, 0], [0, 1, 2, 0], [0; 4]];
 
 /// Returns whether the link between two triangles needs a swap, by the links of each and its slot.
 #[inline]
 pub(crate) fn needs_swap(links: u32, slot: u32, others: u32, entered: u32) -> bool {
-    WAY[links as usize][slot as usize] + WAY[others as usize][entered as usize] == 3
+    TURN[links as usize][slot as usize] + TURN[others as usize][entered as usize] == 3
 }
 
 /// Paths that cover all triangles, each once.
@@ -63,24 +64,25 @@ impl Cover {
         let rest = self.links(t) & !(1 << slot);
         (rest != 0).then(|| rest.trailing_zeros())
     }
-    /// Returns whether a link at slot `f` of `u` needs a swap, if the way on from it is `way`.
-    pub(crate) fn would_swap(&self, way: u32, u: u32, f: u32) -> bool {
-        way + WAY[(self.links(u) | 1 << f) as usize][f as usize] == 3
+    /// Returns whether a link at slot `f` of `u` needs a swap, if the path turns by `turn` (see
+    /// [`TURN`]) before it.
+    pub(crate) fn would_swap(&self, turn: u32, u: u32, f: u32) -> bool {
+        turn + TURN[(self.links(u) | 1 << f) as usize][f as usize] == 3
     }
     /// Writes the path that starts at an end: its triangles and the slot through which each is
     /// left, as codes. The last code has slot 3.
     pub(crate) fn path(&self, start: u32, path: &mut Vec<u32>) {
         path.clear();
         let links = self.links(start);
-        let mut at = start;
-        let mut leave = (links != 0).then(|| links.trailing_zeros());
-        while let Some(slot) = leave {
-            path.push(code(at, slot));
-            let (next, entered) = decode(self.neighbour(at, slot));
-            leave = self.other(next, entered);
-            at = next;
+        let mut current = start;
+        let mut exit = (links != 0).then(|| links.trailing_zeros());
+        while let Some(slot) = exit {
+            path.push(code(current, slot));
+            let (next, entered) = decode(self.neighbour(current, slot));
+            exit = self.other(next, entered);
+            current = next;
         }
-        path.push(code(at, 3));
+        path.push(code(current, 3));
     }
     /// Calls `visit` with every path, in order of their lower ends.
     pub(crate) fn paths(&self, mut visit: impl FnMut(&[u32])) {
@@ -95,11 +97,12 @@ impl Cover {
             }
         }
     }
-    /// Appends the indices of a path, from the end where that takes fewer.
+    /// Appends the indices of a path, from its last triangle if that takes fewer. The third index
+    /// of a strip fixes the direction of its first turn; where that is wrong, a swap is needed.
     pub(crate) fn write(&self, path: &[u32], triangles: &[[u32; 3]], indices: &mut Vec<u32>) {
-        let wrong = |from: u32, slot: u32| {
+        let turns_wrong = |from: u32, slot: u32| {
             let (second, entered) = decode(self.neighbour(from, slot));
-            WAY[self.links(second) as usize][entered as usize] == 1
+            TURN[self.links(second) as usize][entered as usize] == 1
         };
         let (first, leave) = decode(path[0]);
         let (last, _) = decode(path[path.len() - 1]);
@@ -107,10 +110,10 @@ impl Cover {
             indices.extend(triangles[first as usize]);
             return;
         }
-        if wrong(first, leave) && !wrong(last, self.links(last).trailing_zeros()) {
-            let mut back = Vec::with_capacity(path.len());
-            self.path(last, &mut back);
-            self.write_forward(&back, triangles, indices);
+        if turns_wrong(first, leave) && !turns_wrong(last, self.links(last).trailing_zeros()) {
+            let mut backward = Vec::with_capacity(path.len());
+            self.path(last, &mut backward);
+            self.write_forward(&backward, triangles, indices);
         } else {
             self.write_forward(path, triangles, indices);
         }
@@ -141,25 +144,25 @@ pub(crate) fn write_path(
     }
     let corner = |slot: u32| t[slot as usize % 3];
     indices.extend([corner(slot + 2), corner(slot), corner(slot + 1)]);
-    let (mut before, mut last) = (corner(slot), corner(slot + 1));
+    let (mut second_last, mut last) = (corner(slot), corner(slot + 1));
     for (&from, &step) in path.iter().zip(&path[1..]) {
-        let (t, leave) = decode(step);
-        let (left, slot) = decode(from);
-        let (_, entered) = decode(neighbour(left, slot));
+        let (t, exit) = decode(step);
+        let (previous, slot) = decode(from);
+        let (_, entered) = decode(neighbour(previous, slot));
         let t = triangles[t as usize];
         let new = t[(entered as usize + 2) % 3];
-        if leave != 3 {
+        if exit != 3 {
             // The edge to leave by has the new corner and one of the last two. If that is the
             // older, it must come again.
-            let (a, b) = (t[leave as usize], t[(leave as usize + 1) % 3]);
-            let kept = if a == new { b } else { a };
-            if kept == before {
-                indices.push(before);
-                last = before;
+            let (a, b) = (t[exit as usize], t[(exit as usize + 1) % 3]);
+            let old_corner = if a == new { b } else { a };
+            if old_corner == second_last {
+                indices.push(second_last);
+                last = second_last;
             }
         }
         indices.push(new);
-        (before, last) = (last, new);
+        (second_last, last) = (last, new);
     }
 }
 

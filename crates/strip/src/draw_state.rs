@@ -1,10 +1,10 @@
-//! What generators of drawing orders know while they draw: which triangles each vertex still has,
-//! and what a first-in first-out cache holds.
+//! The state of a greedy generator of drawing orders (`cache::greedy`, `order`): which triangles
+//! each vertex still has to be drawn in, and what a first-in first-out cache holds.
 //!
 //! A generator tries orders by drawing them and taking that back ([`DrawState::undo`]), and keeps
-//! one ([`DrawState::commit`]). Taking back restores the cache and the triangles. It need not
-//! restore what [`DrawState::unfinished`] and [`DrawState::last_unfinished`] skip, as generators
-//! call these between trials only, when all that is done stays done.
+//! one ([`DrawState::commit`]). Undoing restores the cache and the triangles. It need not restore
+//! what [`DrawState::unfinished`] and [`DrawState::last_unfinished`] skip, as generators call these
+//! between trials only, when all that is done stays done.
 
 use lodc_mesh::is_degenerate;
 
@@ -137,8 +137,8 @@ impl<'a> DrawState<'a> {
         }
         let mut effect = Reference::Miss;
         // The vertex that leaves is that of `size` misses ago.
-        if let Some(out) = self.history.len().checked_sub(self.size as usize)
-            && self.vertices[self.history[out] as usize].remaining > 0
+        if let Some(evicted_miss) = self.history.len().checked_sub(self.size as usize)
+            && self.vertices[self.history[evicted_miss] as usize].remaining > 0
         {
             effect = Reference::MissEvicting;
         }

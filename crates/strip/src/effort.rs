@@ -1,4 +1,4 @@
-//! The time that a generator may take.
+//! How long a generator may search: the levels of effort that options name.
 
 /// The time that a generator may take. Figures are seconds per million triangles on one core,
 /// roughly.

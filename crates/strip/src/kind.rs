@@ -1,4 +1,5 @@
-//! The closed list of strip generators, and strips that remember what made them.
+//! The closed list of strip generators ([`StripKind`]), strips together with the generator that
+//! made them ([`Strips`]), and the strips that several models of one mesh share ([`StripPool`]).
 
 use crate::cache::cache_reporting;
 use crate::meter::Report;
@@ -103,8 +104,12 @@ impl Strips {
         let at = |v: u32| position_key(positions[map[v as usize] as usize]);
         let (mut triangles, mut strips) = (Vec::new(), Vec::new());
         for ((number, strip), submesh) in (0..).zip(self.iter()).zip(self.submeshes()) {
-            for (k, w) in strip.windows(3).enumerate() {
-                let corners = if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+            for (k, window) in strip.windows(3).enumerate() {
+                let corners = if k % 2 == 0 {
+                    [window[0], window[1], window[2]]
+                } else {
+                    [window[1], window[0], window[2]]
+                };
                 if !is_degenerate(corners.map(at)) {
                     let shown = corners.map(|v| map[v as usize]);
                     triangles.push(OrientedTriangle::new(submesh, shown));
@@ -122,14 +127,14 @@ impl Strips {
             corners.sort_unstable();
             corners
         };
-        let mut known: Vec<([u32; 3], u32)> = Vec::new();
+        let mut strip_by_corners: Vec<([u32; 3], u32)> = Vec::new();
         for (number, strip) in (0..).zip(self.iter()) {
-            known.extend(strip.windows(3).map(|w| (sorted([w[0], w[1], w[2]]), number)));
+            strip_by_corners.extend(strip.windows(3).map(|w| (sorted([w[0], w[1], w[2]]), number)));
         }
-        known.sort_unstable();
+        strip_by_corners.sort_unstable();
         let of = |t: &[u32; 3]| {
-            let at = known.partition_point(|(corners, _)| *corners < sorted(*t));
-            known.get(at).map_or(0, |&(_, number)| number)
+            let index = strip_by_corners.partition_point(|(corners, _)| *corners < sorted(*t));
+            strip_by_corners.get(index).map_or(0, |&(_, number)| number)
         };
         mesh.triangles().iter().map(of).collect()
     }
@@ -158,14 +163,14 @@ pub struct StripOptions {
 pub struct StripPool<'a> {
     simplified: &'a Arc<Simplified>,
     options: StripOptions,
-    made: Vec<Arc<Strips>>,
+    pool: Vec<Arc<Strips>>,
 }
 
 impl<'a> StripPool<'a> {
     /// Starts without strips.
     #[must_use]
     pub fn new(simplified: &'a Arc<Simplified>, options: StripOptions) -> Self {
-        Self { simplified, options, made: Vec::new() }
+        Self { simplified, options, pool: Vec::new() }
     }
 
     /// The mesh and the sequence that models are made of.
@@ -178,8 +183,8 @@ impl<'a> StripPool<'a> {
     pub fn get(&mut self, default: StripKind) -> Arc<Strips> {
         let kind = self.options.kind.unwrap_or(default);
         self.make(&[kind], &|_| {});
-        let made = self.made.iter().find(|strips| strips.kind == kind);
-        Arc::clone(made.expect("it has just been made, if it was not there"))
+        let pool = self.pool.iter().find(|strips| strips.kind == kind);
+        Arc::clone(pool.expect("`make` has added it if it was missing"))
     }
 
     /// Returns the generators that [`Self::get`] would run for these defaults.
@@ -189,7 +194,7 @@ impl<'a> StripPool<'a> {
         let mut kinds: Vec<StripKind> = wanted.collect();
         kinds.sort_unstable();
         kinds.dedup();
-        kinds.retain(|&kind| self.made.iter().all(|strips| strips.kind != kind));
+        kinds.retain(|&kind| self.pool.iter().all(|strips| strips.kind != kind));
         kinds
     }
 
@@ -198,6 +203,6 @@ impl<'a> StripPool<'a> {
         let (simplified, effort) = (self.simplified, self.options.effort);
         let missing = self.missing(defaults).into_par_iter();
         let generate = |kind| Strips::generate_reporting(simplified, kind, effort, report);
-        self.made.par_extend(missing.with_max_len(1).map(generate).map(Arc::new));
+        self.pool.par_extend(missing.with_max_len(1).map(generate).map(Arc::new));
     }
 }

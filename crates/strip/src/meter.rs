@@ -1,4 +1,4 @@
-//! Progress of a generator, added up from all threads.
+//! Progress of a generator, summed over its threads and reported in triangles of the mesh.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

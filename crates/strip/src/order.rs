@@ -1,5 +1,5 @@
-//! Triangle order for vertex caches: fan after fan, each about the cached vertex where that pays
-//! most (after Lin and Yu 2006, with the weights of our own).
+//! Triangle order for a vertex cache, greedily fan by fan: the next fan is around the cached vertex
+//! where it costs least (after Lin and Yu 2006, K-Cache-Reorder, with weights of our own).
 
 use crate::draw_state::{DrawState, Reference};
 use lodc_mesh::{Mesh, NONE};
@@ -12,7 +12,7 @@ const EVICTED: f32 = 0.3;
 const FINISHED: f32 = 0.2;
 /// Gain for each triangle.
 const TRIANGLE: f32 = 0.5;
-/// Per place in the cache: those that have to leave first have their turn first.
+/// Per vertex that will leave the cache before the fan's: the oldest have their turn first.
 const AGE: f32 = 0.1;
 /// Number of vertices that are tried, those that leave the cache first. More gain nothing that can
 /// be measured on three scans.
@@ -23,7 +23,7 @@ const TRIED: usize = 6;
 /// submesh, and corners in their order.
 #[must_use]
 pub fn order(mesh: &Mesh, cache_size: u32) -> Vec<[u32; 3]> {
-    let mut order = sequence(mesh.triangles(), mesh.vertex_count(), cache_size);
+    let mut order = greedy_order(mesh.triangles(), mesh.vertex_count(), cache_size);
     let submesh = crate::cover::submesh_of(mesh);
     order.sort_by_key(|&t| submesh[t as usize]);
     order.iter().map(|&t| mesh.triangles()[t as usize]).collect()
@@ -32,15 +32,15 @@ pub fn order(mesh: &Mesh, cache_size: u32) -> Vec<[u32; 3]> {
 /// [`order`] for a list of triangles over `vertices` vertices.
 #[must_use]
 pub fn order_list(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> Vec<[u32; 3]> {
-    let (own, count) = numbered(triangles, vertices);
-    let order = sequence(&own, count, cache_size);
+    let (compact, count) = renumbered(triangles, vertices);
+    let order = greedy_order(&compact, count, cache_size);
     order.into_iter().map(|t| triangles[t as usize]).collect()
 }
 
 /// Returns triangles with vertices numbered in the order in which they were, without those between
 /// that none uses, and how many there are; as they are where that saves nothing. A mesh may have
 /// thousands of submeshes, and lists of all vertices for each would take quadratic time.
-pub(crate) fn numbered(triangles: &[[u32; 3]], vertices: usize) -> (Cow<'_, [[u32; 3]]>, usize) {
+pub(crate) fn renumbered(triangles: &[[u32; 3]], vertices: usize) -> (Cow<'_, [[u32; 3]]>, usize) {
     if 3 * triangles.len() >= vertices {
         return (Cow::Borrowed(triangles), vertices);
     }
@@ -52,7 +52,7 @@ pub(crate) fn numbered(triangles: &[[u32; 3]], vertices: usize) -> (Cow<'_, [[u3
 }
 
 /// The numbers of triangles in the order in which they are drawn.
-fn sequence(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> Vec<u32> {
+fn greedy_order(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> Vec<u32> {
     let mut state = DrawState::new(triangles, vertices, cache_size.clamp(4, 64));
     let mut order: Vec<u32> = Vec::with_capacity(triangles.len());
     let mut cursor = 0;
@@ -105,18 +105,18 @@ fn sequence(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> Vec<u32
 
 /// Draws the triangles of a fan, each time the one that needs the fewest vertices.
 fn draw_fan(state: &mut DrawState<'_>, fan: &mut Vec<u32>, order: &mut Vec<u32>) {
-    let mut last = [NONE; 3];
+    let mut last_drawn = [NONE; 3];
     while !fan.is_empty() {
         let key = |t: u32| {
             let corners = state.triangles[t as usize];
             let missing = corners.iter().filter(|&&v| !state.is_cached(v)).count();
-            let shared = corners.iter().filter(|v| last.contains(v)).count();
+            let shared = corners.iter().filter(|v| last_drawn.contains(v)).count();
             (missing, 3 - shared)
         };
         let (at, _) = fan.iter().enumerate().min_by_key(|(_, t)| key(**t)).expect("not empty");
         let t = fan.remove(at);
-        last = state.triangles[t as usize];
-        for v in last {
+        last_drawn = state.triangles[t as usize];
+        for v in last_drawn {
             state.reference(v);
         }
         state.draw(t);

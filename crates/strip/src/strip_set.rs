@@ -1,4 +1,5 @@
-//! Strips as a graphics card reads them, and what they draw.
+//! Triangle strips as index lists, submesh by submesh, which triangles they draw, and a proof that
+//! these are the mesh's.
 
 use lodc_mesh::{Mesh, NONE, OrientedTriangle, PositionIds, is_degenerate};
 use std::fmt;
@@ -36,8 +37,8 @@ impl StripSet {
         }
         set
     }
-    /// Puts strips together that were taken apart: all vertices, where each strip ends among them,
-    /// and where each submesh's strips end among the strips.
+    /// Strips from stored arrays: the indices of all strips, where each strip ends among them, and
+    /// where each submesh's strips end among the strips.
     ///
     /// # Errors
     /// If ends fall, or the last ones are not the ends of everything.
@@ -70,7 +71,7 @@ impl StripSet {
     pub fn indices(&self) -> &[u32] {
         &self.indices
     }
-    /// Returns the place of a strip in [`StripSet::indices`].
+    /// Returns the range of a strip in [`StripSet::indices`].
     ///
     /// # Panics
     /// If there is no such strip.

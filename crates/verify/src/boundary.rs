@@ -13,7 +13,7 @@ type Edge = [u32; 2];
 /// Linear functional over formal sums of edges with values drawn at random: a sum that is zero has
 /// value zero, any other misses it with probability 2⁻⁶⁴. So a running sum needs one number, not a
 /// table.
-pub(super) fn value([a, b]: Edge) -> u64 {
+pub(super) fn edge_value([a, b]: Edge) -> u64 {
     let mut x = u64::from(a.min(b)) << 32 | u64::from(a.max(b));
     x = (x ^ (x >> 30) ^ 0x5851_f42d_4c95_7f2d).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -43,24 +43,24 @@ pub(super) fn boundary(mesh: &Mesh, positions: &PositionIds) -> Vec<[u32; 2]> {
         }
     }
     all.sort_unstable();
-    let mut rest = Vec::new();
+    let mut boundary_edges = Vec::new();
     for edge in all.chunk_by(|a, b| a.0 == b.0) {
         // Backwards ones come first. What is left over of the more frequent direction is the
         // boundary.
         let backwards = edge.partition_point(|e| !e.1);
         let forwards = edge.len() - backwards;
-        let left = if forwards > backwards {
+        let surplus = if forwards > backwards {
             &edge[2 * backwards..]
         } else {
             &edge[..backwards - forwards]
         };
-        rest.extend(left.iter().map(|e| e.2));
+        boundary_edges.extend(surplus.iter().map(|e| e.2));
     }
-    rest
+    boundary_edges
 }
 
 /// The first edge whose coefficient is not zero in a sum of edges with signs, and that coefficient.
-pub(super) fn first_rest(terms: impl Iterator<Item = (Edge, i64)>) -> Option<(Edge, i64)> {
+pub(super) fn first_nonzero(terms: impl Iterator<Item = (Edge, i64)>) -> Option<(Edge, i64)> {
     let oriented = |([a, b], n): (Edge, i64)| if a <= b { ([a, b], n) } else { ([b, a], -n) };
     let mut terms: Vec<(Edge, i64)> = terms.filter(|([a, b], _)| a != b).map(oriented).collect();
     terms.sort_unstable();

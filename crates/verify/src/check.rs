@@ -1,4 +1,4 @@
-//! Results of checks.
+//! The result of one check: its name, how many LODs it covered, and the first failure.
 
 use crate::difference::Failure;
 

@@ -77,8 +77,9 @@ impl<'a> Fakes<'a> {
         // A bound on the time that hostile files take: steps of real meshes have a handful of
         // fakes. Beyond it their positions are not compared; models are replayed in any case.
         let affordable = new.len().saturating_mul(old.len()) <= 1_000_000;
-        let misplaced =
-            new.into_iter().find(|&f| affordable && !old.iter().any(|&t| self.same_place(f, t)));
+        let misplaced = new
+            .into_iter()
+            .find(|&f| affordable && !old.iter().any(|&t| self.same_spatial_data(f, t)));
         if let Some(vertex) = unused.or(misplaced) {
             self.failure.get_or_insert(Failure::Fake { vertex });
         }
@@ -89,7 +90,7 @@ impl<'a> Fakes<'a> {
 
     /// Returns whether two vertices have the same position and, where both have such data, the same
     /// joints, weights and morph displacements.
-    fn same_place(&self, a: u32, b: u32) -> bool {
+    fn same_spatial_data(&self, a: u32, b: u32) -> bool {
         let mesh = self.simplified.mesh();
         let [of_a, of_b] =
             [a, b].map(|v| &self.spatial[mesh.vertex_submesh()[v as usize] as usize]);

@@ -132,9 +132,9 @@ struct Comparison<'a, M> {
 }
 
 /// Listener that follows a model by the changes that it reports.
-struct Follow<'a>(&'a mut TriangleHash);
+struct HashFollower<'a>(&'a mut TriangleHash);
 
-impl Changes for Follow<'_> {
+impl Changes for HashFollower<'_> {
     fn removed(&mut self, triangle: OrientedTriangle) {
         self.0.remove(triangle);
     }
@@ -152,7 +152,7 @@ impl<M: Model> Comparison<'_, M> {
         let mut check = Check { model: self.model.name(), name, lods: 0, full: 0, failure: None };
         for (step, full) in stops {
             let lod = self.reference.lod(step);
-            self.model.seek(&mut cursor, lod, &mut Follow(&mut shown));
+            self.model.seek(&mut cursor, lod, &mut HashFollower(&mut shown));
             let agrees = shown == self.reference.hash(step);
             if !agrees || full {
                 check.full += 1;
@@ -182,10 +182,10 @@ impl<M: Model> Comparison<'_, M> {
         let triangles = self.model.simplified().mesh().triangles().len();
         let records = self.model.simplified().collapses().records() as usize;
         for jump in 0..VerifyOptions::affordable(options.jumps, triangles) as usize {
-            let place = jump % steps.len();
-            let drawn = place + below(steps.len() - place);
-            steps.swap(place, drawn);
-            let step = steps[place];
+            let index = jump % steps.len();
+            let chosen = index + below(steps.len() - index);
+            steps.swap(index, chosen);
+            let step = steps[index];
             // Any record may be asked for; the model has to round down to a step.
             let lod = self.reference.lod(step).0 as usize;
             let next = if step < self.reference.steps() {

@@ -1,4 +1,5 @@
-//! Proof that LOD 0 is the mesh it was made from, by the bytes of its triangles.
+//! Proof that LOD 0 of a file is the mesh that it was made from: multisets of triangles compared by
+//! their attribute bytes.
 
 use lodc_mesh::{Attribute, Mesh, OrientedTriangle};
 
@@ -40,10 +41,11 @@ fn submesh_difference(source: &Mesh, stored: &Mesh, submesh: usize) -> Option<St
         all.sort_unstable();
         all
     });
-    let at = triangles[0].iter().zip(&triangles[1]).position(|(a, b)| a != b)?;
+    let index = triangles[0].iter().zip(&triangles[1]).position(|(a, b)| a != b)?;
     // Of two sorted lists, the smaller element at the first difference is missing from the other.
-    let missing = triangles[0][at] < triangles[1][at];
-    let (side, triangle) = if missing { (0, triangles[0][at]) } else { (1, triangles[1][at]) };
+    let missing = triangles[0][index] < triangles[1][index];
+    let (side, triangle) =
+        if missing { (0, triangles[0][index]) } else { (1, triangles[1][index]) };
     let corners = triangle.corners.map(|number| {
         let vertex = numbers[side]
             .iter()

@@ -1,4 +1,5 @@
-//! Vertices that have to stay together because a triangle is removed while they are.
+//! Sets of vertices that have to stay at one position, because a triangle is removed as long as
+//! they do: union-find.
 //!
 //! A triangle with two corners at one position is dead for as long as those two corners stay
 //! together, wherever they go. So nothing that is dead needs to be moved: it is enough to know that
@@ -12,8 +13,8 @@ use std::ops::Range;
 pub(super) struct Ties {
     parent: Vec<u32>,
     /// By root: how many vertices of the set have not disappeared.
-    there: Vec<u32>,
-    /// By root: where they are.
+    remaining: Vec<u32>,
+    /// By root: their position.
     position: Vec<u32>,
 }
 
@@ -24,7 +25,7 @@ impl Ties {
         let vertices = positions.of_vertex.len() as u32;
         let mut ties = Self {
             parent: (0..vertices).collect(),
-            there: (0..vertices).map(|v| u32::from(v >= lod)).collect(),
+            remaining: (0..vertices).map(|v| u32::from(v >= lod)).collect(),
             position: positions.of_vertex.clone(),
         };
         // Later vertices are roots already, so the paths stay short.
@@ -37,9 +38,9 @@ impl Ties {
     /// The name of a vertex's set.
     pub(super) fn set(&mut self, mut v: u32) -> u32 {
         while self.parent[v as usize] != v {
-            let above = self.parent[self.parent[v as usize] as usize];
-            self.parent[v as usize] = above;
-            v = above;
+            let grandparent = self.parent[self.parent[v as usize] as usize];
+            self.parent[v as usize] = grandparent;
+            v = grandparent;
         }
         v
     }
@@ -52,14 +53,14 @@ impl Ties {
             return true;
         }
         let (root, child) = (a.max(b) as usize, a.min(b) as usize);
-        let both = self.there[root] > 0 && self.there[child] > 0;
-        let together = !both || self.position[root] == self.position[child];
-        if self.there[root] == 0 {
+        let both = self.remaining[root] > 0 && self.remaining[child] > 0;
+        let same_position = !both || self.position[root] == self.position[child];
+        if self.remaining[root] == 0 {
             self.position[root] = self.position[child];
         }
         self.parent[child] = root as u32;
-        self.there[root] += self.there[child];
-        together
+        self.remaining[root] += self.remaining[child];
+        same_position
     }
 
     /// Applies the records of a step. False if a set comes apart. If the step is known to be one
@@ -67,19 +68,19 @@ impl Ties {
     pub(super) fn step(&mut self, targets: &[u32], records: Range<u32>, one_group: bool) -> bool {
         for record in records.clone() {
             let set = self.set(record) as usize;
-            self.there[set] -= 1;
+            self.remaining[set] -= 1;
         }
-        let mut together = true;
+        let mut same_position = true;
         // The last first: a target that disappears in the same step has then gone on already.
         for record in records.clone().rev() {
-            together &= self.tie(record, targets[record as usize]);
+            same_position &= self.tie(record, targets[record as usize]);
         }
         if one_group {
             for record in records.clone() {
-                together &= self.tie(record, records.start);
+                same_position &= self.tie(record, records.start);
             }
         }
-        together
+        same_position
     }
 }
 
@@ -95,10 +96,10 @@ mod tests {
     fn tied_vertices_may_move_together_but_not_apart() {
         // 0 and 1 are at one place, 2 and 3 at another, 4 and 5 at a third.
         let positions = at(&[0, 0, 1, 1, 2, 2]);
-        for (targets, together) in [([2, 3, 4, 5, 5], true), ([2, 4, 4, 5, 5], false)] {
+        for (targets, same_position) in [([2, 3, 4, 5, 5], true), ([2, 4, 4, 5, 5], false)] {
             let mut ties = Ties::new(&targets, 0, &positions);
             assert!(ties.tie(0, 1));
-            assert_eq!(ties.step(&targets, 0..2, false), together);
+            assert_eq!(ties.step(&targets, 0..2, false), same_position);
         }
         // One of the two goes, the other stays.
         let targets = [2, 3, 4, 5, 5];

@@ -1,12 +1,13 @@
-//! Tracking every triangle through every record, in proportion to what is to be seen of it.
+//! Follows every triangle through every record, in time proportional to how often live corners
+//! move: the reference that models are compared with.
 //!
 //! Each vertex has the list of the corners (of live triangles, and of LOD 0's boundary edges) that
-//! have become it; a record hands the list on. What is dead is not moved any more: [`Ties`] tells
-//! if its corners ever part, and only then everything is worked out anew. (Otherwise meshes of many
-//! pieces would be quadratic: in the end the dead triangles of all pieces hang on one vertex, which
-//! moves once for every piece.)
+//! have become it; a record hands the list on. Dead triangles are not moved any more: [`Ties`]
+//! tells if their corners ever part, and only then everything is computed anew. (Otherwise meshes
+//! of many pieces would be quadratic: in the end the dead triangles of all pieces hang on one
+//! vertex, which moves once for every piece.)
 
-use crate::boundary::{boundary, edges, first_rest, value};
+use crate::boundary::{boundary, edge_value, edges, first_nonzero};
 use crate::check::Check;
 use crate::difference::Failure;
 use crate::ties::Ties;
@@ -131,7 +132,7 @@ impl<'a> Tracker<'a> {
             }
             self.settle(step as u32, Lod(end));
         } else {
-            self.start_anew(step as u32, Lod(end));
+            self.restart(step as u32, Lod(end));
         }
         if self.moves > 200 * (self.next.len() as u64 + 10_000) {
             return Err(TooMuchWork { lod: Lod(end) });
@@ -156,19 +157,19 @@ impl<'a> Tracker<'a> {
             let following = self.next[corner as usize];
             self.moves += 1;
             if corner as usize >= 3 * triangles {
-                let at = corner as usize - 3 * triangles;
-                let (edge, place) = (at / 2, at % 2);
+                let offset = corner as usize - 3 * triangles;
+                let (edge, corner_index) = (offset / 2, offset % 2);
                 if self.weight[edge] != 0 {
                     if self.touched_in[triangles + edge] != step {
                         self.touched_in[triangles + edge] = step;
                         self.border_touched.push(edge as u32);
                         self.tear = self.tear.wrapping_add(self.share(edge));
                     }
-                    self.border[edge][place] = target;
+                    self.border[edge][corner_index] = target;
                     self.append(target, corner);
                 }
             } else {
-                let (triangle, place) = (corner as usize / 3, corner as usize % 3);
+                let (triangle, corner_index) = (corner as usize / 3, corner as usize % 3);
                 if self.removal_lod[triangle] == NONE {
                     if self.touched_in[triangle] != step {
                         self.touched_in[triangle] = step;
@@ -176,7 +177,7 @@ impl<'a> Tracker<'a> {
                         self.hash.remove(self.oriented(triangle));
                         self.tear = self.tear.wrapping_sub(self.edge_sum(triangle));
                     }
-                    self.corners[triangle][place] = target;
+                    self.corners[triangle][corner_index] = target;
                     self.append(target, corner);
                 }
             }
@@ -200,16 +201,19 @@ impl<'a> Tracker<'a> {
         let triangles = self.corners.len();
         for triangle in 0..triangles {
             if self.removal_lod[triangle] == NONE {
-                (0..3).for_each(|place| {
-                    self.append(self.corners[triangle][place], (3 * triangle + place) as u32);
+                (0..3).for_each(|corner_index| {
+                    self.append(
+                        self.corners[triangle][corner_index],
+                        (3 * triangle + corner_index) as u32,
+                    );
                 });
             }
         }
         for edge in 0..self.border.len() {
             if self.weight[edge] != 0 {
                 let first = 3 * triangles + 2 * edge;
-                (0..2).for_each(|place| {
-                    self.append(self.border[edge][place], (first + place) as u32);
+                (0..2).for_each(|corner_index| {
+                    self.append(self.border[edge][corner_index], (first + corner_index) as u32);
                 });
             }
         }
@@ -232,7 +236,7 @@ impl<'a> Tracker<'a> {
     fn settle_triangle(&mut self, triangle: usize, step: u32, lod: Lod) {
         let corners = self.corners[triangle];
         let [a, b, c] = corners;
-        let [p, q, r] = self.at(corners);
+        let [p, q, r] = self.positions_of(corners);
         if is_degenerate([p, q, r]) {
             self.live -= 1;
             self.removal_lod[triangle] = step;
@@ -279,14 +283,14 @@ impl<'a> Tracker<'a> {
         }));
         edges.sort_unstable();
         for run in edges.chunk_by(|x, y| x.0 == y.0) {
-            let kept = run[0].1;
-            let head = self.ties.set(self.border[kept][0]);
-            for &(_, other) in &run[1..] {
-                let weight = std::mem::take(&mut self.weight[other]);
-                let along = self.ties.set(self.border[other][0]) == head;
-                self.weight[kept] += if along { weight } else { -weight };
+            let representative = run[0].1;
+            let head = self.ties.set(self.border[representative][0]);
+            for &(_, merged) in &run[1..] {
+                let weight = std::mem::take(&mut self.weight[merged]);
+                let same_direction = self.ties.set(self.border[merged][0]) == head;
+                self.weight[representative] += if same_direction { weight } else { -weight };
             }
-            self.tear = self.tear.wrapping_sub(self.share(kept));
+            self.tear = self.tear.wrapping_sub(self.share(representative));
         }
         edges.clear();
         self.edges_between = edges;
@@ -294,7 +298,7 @@ impl<'a> Tracker<'a> {
 
     /// Works everything out from LOD 0, without what was taken for granted before something came
     /// apart.
-    fn start_anew(&mut self, step: u32, lod: Lod) {
+    fn restart(&mut self, step: u32, lod: Lod) {
         let collapses = self.simplified.collapses();
         let map = collapses.resolve_all(lod);
         // Sequences with thousands of wrong records come here a few times. One made to come here
@@ -306,9 +310,9 @@ impl<'a> Tracker<'a> {
         for triangle in 0..self.corners.len() {
             self.corners[triangle] =
                 self.simplified.mesh().triangles()[triangle].map(|v| map[v as usize]);
-            let before = std::mem::replace(&mut self.removal_lod[triangle], NONE);
+            let removed_at = std::mem::replace(&mut self.removal_lod[triangle], NONE);
             self.settle_triangle(triangle, step, lod);
-            if before == NONE {
+            if removed_at == NONE {
                 continue;
             }
             if self.removal_lod[triangle] == NONE {
@@ -316,7 +320,7 @@ impl<'a> Tracker<'a> {
                     .returned
                     .get_or_insert(Failure::Returned { lod, triangle: triangle as u32 });
             } else {
-                self.removal_lod[triangle] = before;
+                self.removal_lod[triangle] = removed_at;
             }
         }
         self.border = self.border_of_input.iter().map(|e| e.map(|v| map[v as usize])).collect();
@@ -325,7 +329,7 @@ impl<'a> Tracker<'a> {
         self.list_corners();
     }
 
-    fn at<const N: usize>(&self, vertices: [u32; N]) -> [u32; N] {
+    fn positions_of<const N: usize>(&self, vertices: [u32; N]) -> [u32; N] {
         vertices.map(|v| self.positions.of_vertex[v as usize])
     }
 
@@ -339,21 +343,27 @@ impl<'a> Tracker<'a> {
     }
 
     fn edge_sum(&self, triangle: usize) -> u64 {
-        edges(self.at(self.corners[triangle])).into_iter().map(value).fold(0, u64::wrapping_add)
+        edges(self.positions_of(self.corners[triangle]))
+            .into_iter()
+            .map(edge_value)
+            .fold(0, u64::wrapping_add)
     }
 
     /// Returns the share of a boundary edge in the value of the boundary's image.
     fn share(&self, edge: usize) -> u64 {
-        value(self.at(self.border[edge])).wrapping_mul(self.weight[edge] as u64)
+        edge_value(self.positions_of(self.border[edge])).wrapping_mul(self.weight[edge] as u64)
     }
 
     /// Works the sum out in full to name an edge.
     fn find_tear(&self, lod: Lod) -> Option<Failure> {
         let live = (0..self.corners.len()).filter(|&t| self.removal_lod[t] == NONE);
-        let shown = live.flat_map(|t| edges(self.at(self.corners[t]))).map(|e| (e, 1));
+        let shown = live.flat_map(|t| edges(self.positions_of(self.corners[t]))).map(|e| (e, 1));
         let map = self.simplified.collapses().resolve_all(lod);
-        let image = self.border_of_input.iter().map(|e| (self.at(e.map(|v| map[v as usize])), -1));
-        let (edge, surplus) = first_rest(shown.chain(image))?;
+        let image = self
+            .border_of_input
+            .iter()
+            .map(|e| (self.positions_of(e.map(|v| map[v as usize])), -1));
+        let (edge, surplus) = first_nonzero(shown.chain(image))?;
         let point = |p: u32| {
             self.simplified.mesh().positions()[self.positions.first_vertex[p as usize] as usize]
         };

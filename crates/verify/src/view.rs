@@ -1,6 +1,7 @@
-//! Checks of view-dependent levels of detail: the right triangles, and no tear.
+//! Checks of view-dependent levels of detail against the collapse sequence: the right triangles,
+//! and no crack.
 
-use crate::boundary::{boundary, edges, first_rest, value};
+use crate::boundary::{boundary, edge_value, edges, first_nonzero};
 use crate::difference::{Failure, first_difference};
 use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, Simplified, is_degenerate};
 
@@ -13,10 +14,11 @@ pub struct ShownView<'a> {
     /// The vertex that it is shown as.
     pub vertices: &'a [u32],
     /// The position at which it is drawn.
-    pub places: &'a [[f32; 3]],
+    pub positions: &'a [[f32; 3]],
     /// The triangles that are drawn, three vertices of LOD 0 each.
     pub indices: &'a [u32],
-    /// True if vertices are drawn between two places. What they are shown as is not compared then.
+    /// True if vertices are drawn between two positions. What they are shown as is not compared
+    /// then.
     pub morphs: bool,
 }
 
@@ -65,18 +67,20 @@ impl<'a> ViewReference<'a> {
     /// An edge that is drawn more often in one direction than in the other, and not because the
     /// input has a border there.
     fn torn(&self, view: &ShownView<'_>, lod: Lod) -> Option<Failure> {
-        let drawn_at = PositionIds::new(view.places);
-        let place = |v: u32| drawn_at.of_vertex[v as usize];
-        let triangles = || view.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(place));
-        let border = || self.border.iter().map(|edge| edge.map(place));
-        let sum =
-            |edges: &mut dyn Iterator<Item = [u32; 2]>| edges.map(value).fold(0, u64::wrapping_add);
+        let drawn_at = PositionIds::new(view.positions);
+        let position_id = |v: u32| drawn_at.of_vertex[v as usize];
+        let triangles =
+            || view.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(position_id));
+        let border = || self.border.iter().map(|edge| edge.map(position_id));
+        let sum = |edges: &mut dyn Iterator<Item = [u32; 2]>| {
+            edges.map(edge_value).fold(0, u64::wrapping_add)
+        };
         if sum(&mut triangles().flat_map(edges)) == sum(&mut border()) {
             return None;
         }
         let terms = triangles().flat_map(edges).map(|e| (e, 1));
-        let (edge, surplus) = first_rest(terms.chain(border().map(|e| (e, -1))))?;
-        let point = |p: u32| view.places[drawn_at.first_vertex[p as usize] as usize];
+        let (edge, surplus) = first_nonzero(terms.chain(border().map(|e| (e, -1))))?;
+        let point = |p: u32| view.positions[drawn_at.first_vertex[p as usize] as usize];
         Some(Failure::Torn { lod, edge: edge.map(point), surplus })
     }
 }
@@ -115,13 +119,13 @@ fn images(collapses: &CollapseSequence, lods: &[Lod]) -> Vec<u32> {
             becomes[done as usize] = collapses.targets()[done as usize];
             done += 1;
         }
-        let mut at = v;
-        while becomes[at as usize] != at {
+        let mut current = v;
+        while becomes[current as usize] != current {
             // Halves the path for those who come later.
-            becomes[at as usize] = becomes[becomes[at as usize] as usize];
-            at = becomes[at as usize];
+            becomes[current as usize] = becomes[becomes[current as usize] as usize];
+            current = becomes[current as usize];
         }
-        images[v as usize] = at;
+        images[v as usize] = current;
     }
     images
 }

@@ -1,4 +1,5 @@
-//! Camera of a picture: a direction, and the distance at which everything just fits.
+//! The camera of a picture: from a direction, at the distance at which everything just fits, or
+//! from a viewpoint.
 
 /// The direction that a picture calls up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,7 +39,7 @@ pub struct Framing {
 /// An eye, and where it looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
-    /// The place of the eye.
+    /// The position of the eye.
     pub eye: [f64; 3],
     /// The point in the middle of the picture.
     pub target: [f64; 3],
@@ -98,22 +99,22 @@ pub struct Camera {
     depth: [f64; 2],
 }
 
-/// Share of a picture's width or height that stays free at each side.
+/// Share of a picture's width or height that stays free at each side. Chosen by hand.
 const MARGIN: f64 = 0.04;
 /// Share of the width or height between the margins.
-const FREE: f64 = 1.0 - 2.0 * MARGIN;
+const FILLED: f64 = 1.0 - 2.0 * MARGIN;
 
 /// Lowest and highest value of something over points.
 type Bounds = (f64, f64);
 
 /// Points as a camera's axes see them, relative to the middle of their box.
-struct SeenPoints<'a> {
+struct PointsInView<'a> {
     points: &'a [[f64; 3]],
     centre: [f64; 3],
     axes: [[f64; 3]; 3],
 }
 
-impl<'a> SeenPoints<'a> {
+impl<'a> PointsInView<'a> {
     fn new(points: &'a [[f64; 3]], axes: [[f64; 3]; 3]) -> Self {
         Self { points, centre: Camera::middle(points), axes }
     }
@@ -147,28 +148,28 @@ impl Camera {
     #[must_use]
     pub fn around(points: &[[f64; 3]], framing: &Framing, aspect: f64) -> Self {
         let axes = axes(framing);
-        let seen = SeenPoints::new(points, axes);
-        let size = seen.size();
-        let (near, far) = seen.along(2);
+        let in_view = PointsInView::new(points, axes);
+        let size = in_view.size();
+        let (near, far) = in_view.along(2);
         let (near, far) = if near <= far { (near, far) } else { (0.0, 0.0) };
         let (eye, half) = match framing.lens {
             Lens::Perspective(degrees) => {
                 let tangent = (degrees.to_radians() / 2.0).tan();
                 let half = [tangent * aspect, tangent];
-                let mut eye = perspective_eye(&seen, half);
+                let mut eye = perspective_eye(&in_view, half);
                 eye[2] = eye[2].max(far + size * 0.01);
-                // Nearer makes larger; what lies in front of the eye's new place is cut off.
+                // Nearer makes larger; what lies in front of the eye's new position is cut off.
                 (eye, half.map(|h| h / framing.zoom))
             }
             Lens::Orthographic => {
-                let (mut eye, half) = orthographic_eye(&seen, aspect);
+                let (mut eye, half) = orthographic_eye(&in_view, aspect);
                 eye[2] = far + size;
                 let half = if half > 0.0 { half } else { size } / framing.zoom;
                 (eye, [half * aspect, half])
             }
         };
         Self {
-            centre: seen.centre,
+            centre: in_view.centre,
             axes,
             up: framing.up,
             eye,
@@ -187,21 +188,21 @@ impl Camera {
         })
     }
 
-    /// The camera of a viewpoint: at a place, towards a point, with a vertical field of view in
+    /// The camera of a viewpoint: at a position, towards a point, with a vertical field of view in
     /// degrees. What is behind it is not seen.
     #[must_use]
     pub fn at(points: &[[f64; 3]], view: &Viewpoint, aspect: f64) -> Self {
-        let seen = SeenPoints::new(points, view.axes());
-        let from_centre: [f64; 3] = std::array::from_fn(|i| view.eye[i] - seen.centre[i]);
-        let eye = seen.axes.map(|axis| dot(axis, from_centre));
+        let in_view = PointsInView::new(points, view.axes());
+        let from_centre: [f64; 3] = std::array::from_fn(|i| view.eye[i] - in_view.centre[i]);
+        let eye = in_view.axes.map(|axis| dot(axis, from_centre));
         let tangent = (view.degrees.to_radians() / 2.0).tan() / view.zoom;
-        let size = seen.size();
-        let (low, high) = seen.along(2);
+        let size = in_view.size();
+        let (low, high) = in_view.along(2);
         let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
         let near = (eye[2] - high - size * 1e-3).max(size * 1e-3);
         Self {
-            centre: seen.centre,
-            axes: seen.axes,
+            centre: in_view.centre,
+            axes: in_view.axes,
             up: view.up,
             eye,
             half: [tangent * aspect, tangent],
@@ -270,14 +271,14 @@ impl Camera {
 /// margin.
 ///
 /// Of points at one depth, those at the edges of the picture decide; the distance follows from both
-/// sides together, the eye's place across from their difference.
-fn perspective_eye(seen: &SeenPoints<'_>, half: [f64; 2]) -> [f64; 3] {
+/// sides together, the eye's position across from their difference.
+fn perspective_eye(in_view: &PointsInView<'_>, half: [f64; 2]) -> [f64; 3] {
     let mut eye = [0.0; 3];
     let mut distance = f64::NEG_INFINITY;
     for a in 0..2 {
-        let slope = half[a] * FREE;
-        let (_, high) = seen.sheared(a, slope);
-        let (low, _) = seen.sheared(a, -slope);
+        let slope = half[a] * FILLED;
+        let (_, high) = in_view.sheared(a, slope);
+        let (low, _) = in_view.sheared(a, -slope);
         if low.is_finite() && high.is_finite() {
             eye[a] = high / 2.0 + low / 2.0;
             distance = distance.max((high - low) / (2.0 * slope));
@@ -289,14 +290,14 @@ fn perspective_eye(seen: &SeenPoints<'_>, half: [f64; 2]) -> [f64; 3] {
 
 /// The eye in front of the middle of all points, and half the height of a picture of this aspect
 /// that holds them; 0 where there are none.
-fn orthographic_eye(seen: &SeenPoints<'_>, aspect: f64) -> ([f64; 3], f64) {
+fn orthographic_eye(in_view: &PointsInView<'_>, aspect: f64) -> ([f64; 3], f64) {
     let mut eye = [0.0; 3];
     let mut half: f64 = 0.0;
     for (a, shape) in [aspect, 1.0].into_iter().enumerate() {
-        let (low, high) = seen.along(a);
+        let (low, high) = in_view.along(a);
         if low <= high {
             eye[a] = low / 2.0 + high / 2.0;
-            half = half.max((high - low) / (2.0 * shape * FREE));
+            half = half.max((high - low) / (2.0 * shape * FILLED));
         }
     }
     (eye, half)
@@ -306,10 +307,10 @@ fn orthographic_eye(seen: &SeenPoints<'_>, aspect: f64) -> ([f64; 3], f64) {
 fn axes(framing: &Framing) -> [[f64; 3]; 3] {
     let (sa, ca) = framing.azimuth.to_radians().sin_cos();
     let (se, ce) = framing.elevation.clamp(-90.0, 90.0).to_radians().sin_cos();
-    let turned = [[ca, 0.0, -sa], [-sa * se, ce, -ca * se], [sa * ce, se, ca * ce]];
+    let rotated = [[ca, 0.0, -sa], [-sa * se, ce, -ca * se], [sa * ce, se, ca * ce]];
     match framing.up {
-        Up::Y => turned,
-        Up::Z => turned.map(|[x, y, z]| [x, -z, y]),
+        Up::Y => rotated,
+        Up::Z => rotated.map(|[x, y, z]| [x, -z, y]),
     }
 }
 

@@ -1,4 +1,5 @@
-//! One picture in the making: triangles are added, then pixels come back.
+//! One picture while it is drawn: triangles are added material by material, then the finished
+//! pixels are read back.
 
 use super::painter::{COLOUR, DEPTH, Painter, SAMPLES};
 use super::pixels::{halved, read_back, row_bytes};
@@ -6,11 +7,11 @@ use super::{BackFaces, Camera, Corner, Style};
 use crate::GpuError;
 use lodc_scene::{Image, to_linear};
 
-/// Triangles that go to the device at once.
-const AT_ONCE: usize = 1 << 20;
+/// Triangles that go to the device at once. Chosen by hand.
+const TRIANGLES_PER_DRAW: usize = 1 << 20;
 
-/// Number of pixels for each one of the result, across and down.
-const LARGER: u32 = 2;
+/// Pixels drawn for each one of the result, across and down.
+const OVERSAMPLING: u32 = 2;
 
 /// Linear colour of edges.
 const WIRE: [f32; 3] = [0.01, 0.012, 0.02];
@@ -24,9 +25,10 @@ pub struct Frame<'p> {
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
     resolved: wgpu::Texture,
+    /// Camera and style.
     shot: wgpu::BindGroup,
     background: wgpu::Color,
-    fresh: bool,
+    is_empty: bool,
 }
 
 impl<'p> Frame<'p> {
@@ -38,7 +40,7 @@ impl<'p> Frame<'p> {
     /// # Panics
     /// If it has no pixel.
     pub fn new(painter: &'p Painter<'p>, camera: &Camera, style: &Style) -> Result<Self, GpuError> {
-        let size = style.size.map(|s| s.saturating_mul(LARGER));
+        let size = style.size.map(|s| s.saturating_mul(OVERSAMPLING));
         assert!(size.iter().all(|&s| s > 0), "a picture has pixels");
         painter.device.allows_texture("twice the picture's longer side", size[0].max(size[1]))?;
         painter.device.allows_buffer(
@@ -68,12 +70,12 @@ impl<'p> Frame<'p> {
         let background = wgpu::Color { r: light(r), g: light(g), b: light(b), a: f64::from(a) };
         let shot = shot(painter, camera, style);
         painter.device.check()?;
-        Ok(Self { painter, size, colour, depth, resolved, shot, background, fresh: true })
+        Ok(Self { painter, size, colour, depth, resolved, shot, background, is_empty: true })
     }
 
-    /// Draws triangles of a material over what is there. Of surfaces at one depth the one drawn
-    /// first stays; a `blended` one hides nothing that comes after it, so that those are drawn last
-    /// and from far to near.
+    /// Draws triangles of a material over what is drawn already. Of surfaces at one depth the one
+    /// drawn first stays; a `blended` one hides nothing that comes after it, so that those are
+    /// drawn last and from far to near.
     ///
     /// # Errors
     /// If the device fails.
@@ -86,7 +88,7 @@ impl<'p> Frame<'p> {
         blended: bool,
         corners: &[Corner],
     ) -> Result<(), GpuError> {
-        for part in corners.chunks(3 * AT_ONCE) {
+        for part in corners.chunks(3 * TRIANGLES_PER_DRAW) {
             let gpu = &self.painter.device.device;
             let bytes: &[u8] = bytemuck::cast_slice(part);
             let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
@@ -103,7 +105,7 @@ impl<'p> Frame<'p> {
                 pass.set_vertex_buffer(0, buffer.slice(..));
                 pass.draw(0..part.len() as u32, 0..1);
             });
-            if part.len() == 3 * AT_ONCE {
+            if part.len() == 3 * TRIANGLES_PER_DRAW {
                 // Large scenes wait, so that the device does not hold all of them at once.
                 self.painter.device.wait()?;
             }
@@ -124,7 +126,7 @@ impl<'p> Frame<'p> {
 
     /// One pass over the targets; the last one leaves a picture with one sample for each pixel.
     fn pass(&mut self, last: bool, draw: impl FnOnce(&mut wgpu::RenderPass<'_>, &Self)) {
-        let fresh = std::mem::replace(&mut self.fresh, false);
+        let is_empty = std::mem::replace(&mut self.is_empty, false);
         let device = self.painter.device;
         let resolved = self.resolved.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder =
@@ -134,14 +136,18 @@ impl<'p> Frame<'p> {
             depth_slice: None,
             resolve_target: last.then_some(&resolved),
             ops: wgpu::Operations {
-                load: if fresh { wgpu::LoadOp::Clear(self.background) } else { wgpu::LoadOp::Load },
+                load: if is_empty {
+                    wgpu::LoadOp::Clear(self.background)
+                } else {
+                    wgpu::LoadOp::Load
+                },
                 store: wgpu::StoreOp::Store,
             },
         };
         let depth = wgpu::RenderPassDepthStencilAttachment {
             view: &self.depth,
             depth_ops: Some(wgpu::Operations {
-                load: if fresh { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load },
+                load: if is_empty { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load },
                 store: wgpu::StoreOp::Store,
             }),
             stencil_ops: None,
@@ -162,7 +168,7 @@ fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
     wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
 }
 
-/// The `Shot` of the shader.
+/// The uniform `Shot` of the shader: camera and style.
 fn shot(painter: &Painter<'_>, camera: &Camera, style: &Style) -> wgpu::BindGroup {
     let with = |v: [f32; 3], w: f32| [v[0], v[1], v[2], w];
     let [right, up, toward] = camera.axes();
@@ -179,7 +185,7 @@ fn shot(painter: &Painter<'_>, camera: &Camera, style: &Style) -> wgpu::BindGrou
         with(toward, f32::from(u8::from(camera.has_perspective()))),
         with(camera.eye(), 1.0),
         with(camera.world_up(), 0.0),
-        with(WIRE, style.wire * LARGER as f32),
+        with(WIRE, style.wire * OVERSAMPLING as f32),
         with(WARNING, back),
     ]);
     let bytes: &[u8] = bytemuck::cast_slice(&words);

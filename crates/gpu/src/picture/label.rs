@@ -1,4 +1,4 @@
-//! Text in pictures: glyphs of an embedded font, blended over what is there.
+//! Text in pictures: glyphs of an embedded font, blended over the pixels.
 
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use lodc_scene::Image;
@@ -34,11 +34,12 @@ impl Lettering {
         (self.size * 1.15).ceil() as usize
     }
 
-    /// Writes a line in the middle of its place, in smaller letters if it does not fit.
+    /// Writes a line in the middle of its area, in smaller letters if it does not fit.
     pub(super) fn write(&self, image: &mut Image, text: &str, line: Line) {
-        let (_, natural) = self.layout(text, self.size);
-        let free = line.width as f32 * 0.96;
-        let size = if natural > free { self.size * free / natural } else { self.size };
+        let (_, full_width) = self.layout(text, self.size);
+        let available = line.width as f32 * 0.96;
+        let size =
+            if full_width > available { self.size * available / full_width } else { self.size };
         let (glyphs, width) = self.layout(text, size);
         let left = line.left as f32 + (line.width as f32 - width) / 2.0;
         // The base of smaller letters is that of larger ones.
@@ -79,13 +80,13 @@ impl Lettering {
     }
 }
 
-/// Puts a colour over a pixel.
+/// Blends a colour over a pixel.
 fn blend(pixel: &mut [u8], ink: [u8; 4], coverage: f32) {
-    let below = f32::from(pixel[3]) / 255.0 * (1.0 - coverage);
-    let opacity = coverage + below;
+    let opacity_below = f32::from(pixel[3]) / 255.0 * (1.0 - coverage);
+    let opacity = coverage + opacity_below;
     if opacity > 0.0 {
         for (p, i) in pixel.iter_mut().zip(ink).take(3) {
-            let mixed = (f32::from(i) * coverage + f32::from(*p) * below) / opacity;
+            let mixed = (f32::from(i) * coverage + f32::from(*p) * opacity_below) / opacity;
             *p = (mixed + 0.5) as u8;
         }
         pixel[3] = (opacity * 255.0 + 0.5) as u8;

@@ -1,9 +1,8 @@
 //! Pictures: triangles, materials and a camera become pixels, off screen. Which triangles are shown
-//! is decided before; [`Scene`] puts them into place, with normals and colours.
+//! is decided before; [`Scene`] poses them and gives them normals and colours.
 //!
-//! Pictures are made at twice their size with four samples for each pixel, and made smaller in
-//! linear light. On one machine the same input gives the same bytes; drivers differ by a shade at
-//! edges.
+//! Pictures are drawn at twice their size with four samples for each pixel, and halved in linear
+//! light. On one machine the same input gives the same bytes; drivers differ by a shade at edges.
 
 mod camera;
 mod frame;

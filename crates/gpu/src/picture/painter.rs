@@ -1,4 +1,4 @@
-//! The resources that pictures of one scene share on a device: pipelines, materials and their
+//! The resources that all pictures of one scene share on a device: pipelines, materials and their
 //! textures.
 
 use crate::{Device, GpuError};

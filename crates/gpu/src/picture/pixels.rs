@@ -1,4 +1,4 @@
-//! Finished pictures are made smaller.
+//! Reads finished pictures back from the device, and halves them in linear light.
 
 use crate::{Device, GpuError};
 use lodc_scene::{Image, to_linear, to_srgb};

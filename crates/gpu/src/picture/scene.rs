@@ -1,4 +1,5 @@
-//! A scene at some levels of detail: triangles to corners, in the order in which they are drawn.
+//! A scene at some levels of detail as drawable triangles: corners with positions, normals and
+//! colours, in the order in which they are drawn.
 
 use super::{Camera, Corner, Frame, Painter};
 use crate::{Device, GpuError};
@@ -27,7 +28,7 @@ pub struct Level<'a> {
     pub mesh: &'a Mesh,
     /// The triangles, in the order in which they are drawn.
     pub triangles: &'a [OrientedTriangle],
-    /// The linear colour of each triangle, in the place of that of its submesh; else empty.
+    /// The linear colour of each triangle, instead of that of its submesh; else empty.
     pub colours: Vec<[f32; 3]>,
     /// Triangles that are drawn in parts.
     pub division: Option<Box<Division<'a>>>,
@@ -36,7 +37,7 @@ pub struct Level<'a> {
 /// A scene to be drawn.
 #[derive(Clone, Copy)]
 pub struct Scene<'a> {
-    /// The places of its objects.
+    /// Where its objects are shown.
     pub arrangement: &'a Arrangement,
     /// Its looks.
     pub colours: Colours<'a>,
@@ -132,9 +133,9 @@ impl Part<'_> {
         let Level { mesh, triangles, ref colours, ref division } = *self.level;
         let posed = posed(mesh, self.placement);
         let indices: Vec<[u32; 3]> = triangles.iter().map(|t| t.corners).collect();
-        let looks: Vec<SubmeshStyle<'_>> =
+        let styles: Vec<SubmeshStyle<'_>> =
             (0..mesh.submeshes().len()).map(|s| self.look(mesh, s, matte)).collect();
-        let made: Vec<[[f32; 3]; 3]> = if self.scene.smooth {
+        let computed: Vec<[[f32; 3]; 3]> = if self.scene.smooth {
             let smooth = smooth_normals(&indices, &posed.positions, self.points);
             smooth.into_iter().map(|t| t.map(Into::into)).collect()
         } else {
@@ -142,10 +143,10 @@ impl Part<'_> {
             flat.into_iter().map(|n| [n.into(); 3]).collect()
         };
         let triangle = |(t, tri): (usize, &OrientedTriangle)| {
-            let look = &looks[tri.submesh as usize];
-            let fixed = colours.get(t).copied().or(look.fixed);
+            let style = &styles[tri.submesh as usize];
+            let fixed = colours.get(t).copied().or(style.fixed);
             let corners: [Corner; 3] = std::array::from_fn(|k| {
-                self.corner(&posed, look, fixed, tri.corners[k], made[t][k])
+                self.corner(&posed, style, fixed, tri.corners[k], computed[t][k])
             });
             let mut corners = match division {
                 Some(divide) => divide(t, &corners),
@@ -158,7 +159,7 @@ impl Part<'_> {
         };
         let mut runs: Vec<(usize, Vec<Corner>)> = Vec::new();
         let mut first = 0;
-        let material = |t: &OrientedTriangle| looks[t.submesh as usize].material;
+        let material = |t: &OrientedTriangle| styles[t.submesh as usize].material;
         for run in triangles.chunk_by(|a, b| material(a) == material(b)) {
             let corners = run.par_iter().enumerate().map(|(i, tri)| triangle((first + i, tri)));
             runs.push((material(&run[0]), corners.flatten_iter().collect()));
@@ -190,13 +191,14 @@ impl Part<'_> {
         look: &SubmeshStyle<'_>,
         fixed: Option<[f32; 3]>,
         v: u32,
-        made: [f32; 3],
+        computed: [f32; 3],
     ) -> Corner {
         let p = posed.positions[v as usize];
-        let own = posed.normals[v as usize].as_vec3().to_array();
-        let usable =
-            look.normals && own.iter().all(|c| c.is_finite()) && own.iter().any(|c| c.abs() > 1e-6);
-        let normal = if self.scene.smooth && usable { own } else { made };
+        let file_normal = posed.normals[v as usize].as_vec3().to_array();
+        let usable = look.normals
+            && file_normal.iter().all(|c| c.is_finite())
+            && file_normal.iter().any(|c| c.abs() > 1e-6);
+        let normal = if self.scene.smooth && usable { file_normal } else { computed };
         let component = |a: &Attribute, i: usize, default: f32| {
             let value = if i < usize::from(a.components) { a.value(v, i) } else { default };
             if value.is_finite() { value } else { default }

@@ -1,4 +1,4 @@
-//! Several pictures side by side, with text below.
+//! Composes several pictures of one size into a sheet, with labels and a legend.
 
 use super::label::{Lettering, Line};
 use lodc_scene::Image;
@@ -54,10 +54,10 @@ impl Sheet<'_> {
     /// If there is no picture.
     #[must_use]
     pub fn size(&self, legend: bool) -> [usize; 2] {
-        let [label, below] = self.text(legend);
+        let [label, legend_height] = self.text(legend);
         let (width, height) = (self.pictures[0].width as usize, self.pictures[0].height as usize);
         let columns = self.columns();
-        [columns * width, self.pictures.len().div_ceil(columns) * (height + label) + below]
+        [columns * width, self.pictures.len().div_ceil(columns) * (height + label) + legend_height]
     }
 
     /// Puts the pictures into one.
@@ -66,27 +66,27 @@ impl Sheet<'_> {
     /// If there is no picture.
     #[must_use]
     pub fn compose(&self, legend: Option<Legend<'_>>) -> Image {
-        let [label, below] = self.text(legend.is_some());
+        let [label, legend_height] = self.text(legend.is_some());
         let [across, down] = self.size(legend.is_some());
         let (columns, lettering) = (self.columns(), self.lettering());
         let mut sheet = Image::filled(across as u32, down as u32, self.background);
         for (i, picture) in self.pictures.iter().enumerate() {
             let (width, height) = (picture.width as usize, picture.height as usize);
             let (left, top) = (i % columns * width, i / columns * (height + label));
-            put(&mut sheet, picture, left, top);
+            copy_into(&mut sheet, picture, left, top);
             for (number, text) in self.labels.get(i).into_iter().flatten().enumerate() {
                 let top = top + height + number * lettering.line_height();
                 lettering.write(&mut sheet, text, Line { left, width, top });
             }
         }
-        if let Some(legend) = legend.filter(|_| below > 0) {
-            write_legend(&mut sheet, legend, down - below, &lettering);
+        if let Some(legend) = legend.filter(|_| legend_height > 0) {
+            write_legend(&mut sheet, legend, down - legend_height, &lettering);
         }
         sheet
     }
 }
 
-fn put(sheet: &mut Image, picture: &Image, x: usize, y: usize) {
+fn copy_into(sheet: &mut Image, picture: &Image, x: usize, y: usize) {
     let row = 4 * picture.width as usize;
     for (i, from) in picture.bytes.chunks_exact(row).enumerate() {
         let start = 4 * ((y + i) * sheet.width as usize + x);

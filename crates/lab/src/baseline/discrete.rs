@@ -114,7 +114,7 @@ impl Model for Discrete {
 
 /// Tells the difference of two multisets.
 fn tell<C: Changes>(from: &[OrientedTriangle], to: &[OrientedTriangle], changes: &mut C) {
-    if !C::HEARD {
+    if !C::REPORTED {
         return;
     }
     let [mut from, mut to] = [from, to].map(<[_]>::to_vec);

@@ -156,17 +156,17 @@ impl LodStrips {
             cursor.lod = to;
             Traffic { records: coarse - fine, rewritten }
         };
-        if !C::HEARD {
+        if !C::REPORTED {
             return walk(cursor);
         }
         let affected = self.affected(fine, coarse);
         let mut difference = Difference::default();
         for &strip in &affected {
-            difference.before(self.drawn(cursor, strip as usize));
+            difference.add_before(self.drawn(cursor, strip as usize));
         }
         let traffic = walk(cursor);
         for (number, &strip) in affected.iter().enumerate() {
-            difference.after(number, self.drawn(cursor, strip as usize), changes);
+            difference.report_after(number, self.drawn(cursor, strip as usize), changes);
         }
         traffic
     }

@@ -1,19 +1,19 @@
 //! A cursor over an Interactive Mesh that works in proportion to what changes.
 //!
 //! The extraction pass of the thesis looks at all vertices below the LOD, which suits a GPU and a
-//! frame; walking through every one of 500,000 steps that way would be quadratic. A cursor moves in
-//! one of two ways. *Near*: the vertices that have become a record's vertex lie side by side in a
-//! [`Tour`] of the collapses, and those that still have triangles get its target. *Far*: every
-//! vertex is resolved anew, as a level is made from nothing.
+//! frame; walking through every one of 500,000 steps that way would take quadratic time. A cursor
+//! moves in one of two ways. *Near*: the vertices that have become a record's vertex are
+//! consecutive in a [`Tour`] of the collapses, and those that still have triangles get its target.
+//! *Far*: every vertex is resolved anew, as a level is made from nothing.
 
 use super::{index::Index, tour::Tour};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::{Changes, Traffic};
 use std::sync::Arc;
 
-/// Vertices below the coarser LOD that cost as much as a record: going near takes 30 to 50 ns a
-/// record where caches hold the mesh and more elsewhere, going far 0.4 to 0.6 ns a vertex.
-const FAR: u32 = 128;
+/// Vertices below the coarser LOD that cost as much as a record: a near move takes 30 to 50 ns a
+/// record where caches hold the mesh and more elsewhere, a far one 0.4 to 0.6 ns a vertex.
+const REBUILD_BELOW: u32 = 128;
 
 /// The moving part of an [`Interactive`](super::Interactive) mesh.
 #[derive(Clone, Debug)]
@@ -22,8 +22,8 @@ pub struct Cursor {
     /// The vertex as which each vertex of the input is shown. Only good for those that still have
     /// live triangles.
     shown: Vec<u32>,
-    /// During a move that somebody hears of, what the coarser of its two LODs shows. Only good for
-    /// vertices that the move rewrites.
+    /// During a move whose changes are reported, what the coarser of its two LODs shows. Only good
+    /// for vertices that the move rewrites.
     coarser: Vec<u32>,
     /// Number of triangles of each submesh that are drawn.
     live: Vec<u32>,
@@ -89,31 +89,31 @@ impl Cursor {
         }
         let records = coarse - fine;
         // Everything below the coarser LOD is resolved anew, the rest is itself.
-        if !C::HEARD && records > coarse / FAR {
-            return Traffic { records, rewritten: self.far(s, removal_lods, to) };
+        if !C::REPORTED && records > coarse / REBUILD_BELOW {
+            return Traffic { records, rewritten: self.rebuild(s, removal_lods, to) };
         }
         if to < from {
-            self.revive(fine);
+            self.restore_vertices(fine);
         }
-        let rewritten = if C::HEARD {
-            self.tell(s, removal_lods, to > from, (fine, coarse), changes)
+        let rewritten = if C::REPORTED {
+            self.move_reporting(s, removal_lods, to > from, (fine, coarse), changes)
         } else if to > from {
             self.coarsen(s, fine, coarse)
         } else {
             self.refine(s, fine, coarse)
         };
         if to > from {
-            self.bury(s, removal_lods, coarse);
+            self.count_dead(s, removal_lods, coarse);
         } else {
-            self.draw_again(s, removal_lods, fine);
+            self.count_revived(s, removal_lods, fine);
         }
         self.lod = to;
         Traffic { records, rewritten }
     }
 
-    /// Makes everything anew that is gone at either LOD. Returns how many vertices were rewritten
-    /// of those that have triangles, as near moves count.
-    fn far(&mut self, s: &Simplified, removal_lods: &[u32], to: u32) -> u64 {
+    /// The far move: resolves every vertex that is removed at either LOD. Returns how many vertices
+    /// were rewritten, of those that have triangles, as near moves count.
+    fn rebuild(&mut self, s: &Simplified, removal_lods: &[u32], to: u32) -> u64 {
         let (from, targets) = (self.lod, s.collapses().targets());
         let (fine, coarse) = (from.min(to), from.max(to));
         // Before or after: what is shown at the finer LOD says which vertices move.
@@ -144,7 +144,8 @@ impl Cursor {
         self.dead_triangles = index.triangles.partition_point(|&t| removal_lods[t as usize] <= to);
         let is_dead = |&v: &u32| index.vertex_removal_lods[v as usize] <= to;
         let dead = index.vertices.partition_point(is_dead);
-        // While they had no triangles they were left alone: above, the lower ones have been made.
+        // Moves do not update vertices without triangles; those below `from` have been resolved
+        // above.
         for &v in index.vertices.get(dead..self.dead_vertices).unwrap_or_default() {
             if v >= from {
                 self.shown[v as usize] = v;
@@ -159,7 +160,7 @@ impl Cursor {
     /// many vertices were rewritten.
     fn coarsen(&mut self, s: &Simplified, fine: u32, coarse: u32) -> u64 {
         let mut rewritten = 0;
-        for (record, target) in highest(s, fine, coarse) {
+        for (record, target) in outermost(s, fine, coarse) {
             self.tour.for_each_live(record, fine, |v| {
                 self.shown[v as usize] = target;
                 rewritten += 1;
@@ -184,8 +185,8 @@ impl Cursor {
         rewritten
     }
 
-    /// Moves and tells of all changes. Returns how many vertices were rewritten.
-    fn tell(
+    /// Moves and reports all changes. Returns how many vertices were rewritten.
+    fn move_reporting(
         &mut self,
         s: &Simplified,
         removal_lods: &[u32],
@@ -195,7 +196,7 @@ impl Cursor {
     ) -> u64 {
         let mut moved = Vec::new();
         let (tour, coarser) = (&self.tour, &mut self.coarser);
-        for (record, target) in highest(s, fine, coarse) {
+        for (record, target) in outermost(s, fine, coarse) {
             tour.for_each_live(record, fine, |v| {
                 moved.push(v);
                 coarser[v as usize] = target;
@@ -214,7 +215,7 @@ impl Cursor {
         moved.len() as u64
     }
 
-    /// Tells of every triangle around the moved vertices that is live at the finer LOD, once.
+    /// Reports every triangle around the moved vertices that is live at the finer LOD, once.
     fn report(
         &self,
         s: &Simplified,
@@ -253,8 +254,8 @@ impl Cursor {
         }
     }
 
-    /// Counts what dies on the way to a coarser LOD.
-    fn bury(&mut self, s: &Simplified, removal_lods: &[u32], coarse: u32) {
+    /// Counts the vertices and triangles that die on the way to a coarser LOD.
+    fn count_dead(&mut self, s: &Simplified, removal_lods: &[u32], coarse: u32) {
         while let Some(&v) = self.index.vertices.get(self.dead_vertices)
             && self.index.vertex_removal_lods[v as usize] <= coarse
         {
@@ -268,9 +269,9 @@ impl Cursor {
         }
     }
 
-    /// Shows the vertices again that have triangles at a finer LOD as what they were when they lost
-    /// them: while they had none they were left alone.
-    fn revive(&mut self, fine: u32) {
+    /// Shows vertices that have triangles at a finer LOD again as what they were when they lost
+    /// these: moves do not update vertices without triangles.
+    fn restore_vertices(&mut self, fine: u32) {
         while let Some(&v) = self.index.vertices[..self.dead_vertices].last()
             && self.index.vertex_removal_lods[v as usize] > fine
         {
@@ -280,7 +281,7 @@ impl Cursor {
     }
 
     /// Counts the triangles that are drawn again at a finer LOD.
-    fn draw_again(&mut self, s: &Simplified, removal_lods: &[u32], fine: u32) {
+    fn count_revived(&mut self, s: &Simplified, removal_lods: &[u32], fine: u32) {
         while let Some(&t) = self.index.triangles[..self.dead_triangles].last()
             && removal_lods[t as usize] > fine
         {
@@ -290,8 +291,8 @@ impl Cursor {
     }
 }
 
-/// The records between two LODs whose targets are not gone at the coarser one, with those.
-fn highest(s: &Simplified, fine: u32, coarse: u32) -> impl Iterator<Item = (u32, u32)> {
+/// The records between two LODs whose targets are shown at the coarser one, and these targets.
+fn outermost(s: &Simplified, fine: u32, coarse: u32) -> impl Iterator<Item = (u32, u32)> {
     let targets = &s.collapses().targets()[fine as usize..coarse as usize];
     (fine..).zip(targets.iter().copied()).filter(move |&(_, target)| target >= coarse)
 }

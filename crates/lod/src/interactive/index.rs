@@ -1,9 +1,9 @@
-//! Tables that a cursor reads and never changes: the triangles of a vertex, and the order in which
-//! things die.
+//! Tables that a cursor reads and never changes: the triangles of each vertex, and the order in
+//! which triangles and vertices disappear.
 
 use lodc_mesh::Simplified;
 
-/// Triangles by vertex and by removal_lod, vertices by removal_lod.
+/// Triangles by vertex and by removal LOD, vertices by removal LOD.
 #[derive(Clone, Debug)]
 pub(super) struct Index {
     /// Start of each vertex's triangles in `incident`, and end of the last one's.
@@ -32,12 +32,12 @@ impl Index {
         for v in 0..mesh.vertex_count() {
             first[v + 1] += first[v];
         }
-        let mut place = first.clone();
+        let mut next_slot = first.clone();
         let mut incident = vec![0; 3 * removal_lods.len()];
         for &t in triangles.iter().rev() {
             for v in mesh.triangles()[t as usize] {
-                incident[place[v as usize] as usize] = t;
-                place[v as usize] += 1;
+                incident[next_slot[v as usize] as usize] = t;
+                next_slot[v as usize] += 1;
             }
         }
         let mut index = Self {
@@ -50,7 +50,7 @@ impl Index {
         };
         let last = |v| index.incident(v).first().map_or(0, |&t| removal_lods[t as usize]);
         index.vertex_removal_lods = (0..mesh.vertex_count() as u32).map(last).collect();
-        // Death 0 stands for vertices without triangles: they are left out.
+        // Removal LOD 0 stands for vertices without triangles: they are left out.
         index.vertices = sorted_by(mesh.vertex_count(), levels, |v| index.vertex_removal_lods[v]);
         let unused = index.vertices.partition_point(|&v| index.incident(v).is_empty());
         index.vertices.drain(..unused);
@@ -58,15 +58,16 @@ impl Index {
         index
     }
 
-    /// Union-find with path halving: removal_lods rise, so every shortcut stays good.
+    /// The vertex as which each of `vertices` is shown at its removal LOD: union-find with path
+    /// halving. Removal LODs rise, so every shortcut stays valid.
     fn resolve_at_removal(&self, targets: &[u32]) -> Vec<u32> {
-        let mut hop = targets.to_vec();
+        let mut shortcut = targets.to_vec();
         let resolve = |&vertex: &u32| {
             let (mut v, removal_lod) = (vertex, self.vertex_removal_lods[vertex as usize]);
             while v < removal_lod {
-                let next = hop[v as usize];
+                let next = shortcut[v as usize];
                 if next < removal_lod {
-                    hop[v as usize] = hop[next as usize];
+                    shortcut[v as usize] = shortcut[next as usize];
                 }
                 v = next;
             }
@@ -84,16 +85,16 @@ impl Index {
 
 /// `0..count` sorted by a key below `keys`, equal keys in order: counting sort.
 fn sorted_by(count: usize, keys: usize, key: impl Fn(usize) -> u32) -> Vec<u32> {
-    let mut place = vec![0u32; keys + 1];
+    let mut next_slot = vec![0u32; keys + 1];
     for i in 0..count {
-        place[key(i) as usize + 1] += 1;
+        next_slot[key(i) as usize + 1] += 1;
     }
     for k in 0..keys {
-        place[k + 1] += place[k];
+        next_slot[k + 1] += next_slot[k];
     }
     let mut sorted = vec![0; count];
     for i in 0..count {
-        let slot = &mut place[key(i) as usize];
+        let slot = &mut next_slot[key(i) as usize];
         sorted[*slot as usize] = i as u32;
         *slot += 1;
     }

@@ -1,5 +1,5 @@
-//! The construction pass (thesis 5.2.2): collapse lists, made of `collapse_to` when a model is
-//! loaded.
+//! The construction pass on the CPU (thesis 5.2.2): makes each vertex's collapse list from
+//! `collapse_to` when a model is loaded. The twin of `lists_length.wgsl` and `lists_fill.wgsl`.
 
 use lodc_mesh::Lod;
 use std::{fmt, ops::Range};
@@ -20,14 +20,18 @@ impl CollapseLists {
     /// LODs saves most of their size (the thesis's 5·v holds down to 95 % of the vertices).
     ///
     /// # Errors
-    /// If all lists together would have more than `most` entries, or 2³². Lists of real meshes have
-    /// fewer than ten entries on average, but a sequence can be made for which they grow with the
-    /// square of its length.
-    pub fn new(collapse_to: &[u32], coarsest: Lod, most: usize) -> Result<Self, ListsTooLong> {
-        let ends = |v: usize| v >= collapse_to.len() || v >= coarsest.0 as usize;
+    /// If all lists together would have more than `max_entries` entries, or 2³². Lists of real
+    /// meshes have fewer than ten entries on average, but a sequence can be made for which they
+    /// grow with the square of its length.
+    pub fn new(
+        collapse_to: &[u32],
+        coarsest: Lod,
+        max_entries: usize,
+    ) -> Result<Self, ListsTooLong> {
+        let is_last = |v: usize| v >= collapse_to.len() || v >= coarsest.0 as usize;
         let length = Self::lengths(collapse_to, coarsest);
         let total: u64 = length.iter().map(|&l| u64::from(l)).sum();
-        if total > (most as u64).min(u64::from(u32::MAX)) {
+        if total > (max_entries as u64).min(u64::from(u32::MAX)) {
             return Err(ListsTooLong { entries: total });
         }
         let mut offsets = Vec::with_capacity(length.len() + 1);
@@ -41,7 +45,7 @@ impl CollapseLists {
         for v in (0..length.len()).rev() {
             let first = offsets[v] as usize;
             entries[first] = v as u32;
-            if !ends(v) {
+            if !is_last(v) {
                 let target = collapse_to[v] as usize;
                 entries
                     .copy_within(offsets[target] as usize..offsets[target + 1] as usize, first + 1);
@@ -77,7 +81,7 @@ impl CollapseLists {
     pub fn entries(&self) -> &[u32] {
         &self.entries
     }
-    /// Returns the place of a vertex's list in [`Self::entries`].
+    /// Returns the range of a vertex's list in [`Self::entries`].
     #[must_use]
     pub fn range(&self, vertex: u32) -> Range<usize> {
         self.offsets[vertex as usize] as usize..self.offsets[vertex as usize + 1] as usize

@@ -1,5 +1,5 @@
-//! Number of triangles drawn, counted on a device. The CPU knows it from the removal LODs
-//! ([`Interactive::live`]).
+//! Counts on a device how many triangles of each submesh are drawn. The CPU knows it from the
+//! removal LODs ([`Interactive::live`]).
 //!
 //! [`Interactive::live`]: super::Interactive::live
 

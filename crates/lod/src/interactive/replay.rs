@@ -1,5 +1,5 @@
-//! Interactive Meshes on a graphics device: construction, continuous extraction and live counts as
-//! a [`Plan`].
+//! The continuous variant of Interactive Meshes on a graphics device as a [`Plan`]: construction of
+//! collapse lists, extraction, and live counts, each compared with the twin on the CPU.
 
 use super::{CollapseLists, Counting, Extraction, Interactive, ListsTooLong, shaders};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
@@ -54,7 +54,7 @@ impl Continuous {
     ) -> Result<Self, PlanError> {
         let mesh = simplified.mesh();
         let vertices = mesh.vertex_count();
-        let longest = shallow(lists)?;
+        let longest = checked_depth(lists)?;
         let sizes = Sizes {
             vertices: vertices as u32,
             coarsest: simplified.collapses().records(),
@@ -148,17 +148,17 @@ impl Interactive {
         let mut program = Program::default();
         let device = Continuous::new(&mut program, simplified, &lists, &records)?;
         let counting = Counting::new(&mut program, mesh, device.vertices, records.stride);
-        let mut made = program.uploaded(&[]);
-        made.extend(device.constructed(&lists));
+        let mut constructed_words = program.uploaded(&[]);
+        constructed_words.extend(device.constructed(&lists));
         let construction =
-            Step { passes: device.construction(), ..Step::look("construction", made) };
+            Step { passes: device.construction(), ..Step::look("construction", constructed_words) };
         // What extraction must not write to is looked at again at the end.
-        let mut kept = program.uploaded(&[device.vertices]);
-        kept.extend([
+        let mut unchanged_words = program.uploaded(&[device.vertices]);
+        unchanged_words.extend([
             Expected::new(device.offsets, lists.offsets()),
             Expected::new(device.entries, lists.entries()),
         ]);
-        let unchanged = Step::look("the end", kept);
+        let unchanged = Step::look("the end", unchanged_words);
         let words = vec![device.current, device.offsets, device.collapse_to];
         let whole = [device.vertices, device.source];
         let locate =
@@ -200,7 +200,7 @@ pub(super) fn lists(simplified: &Simplified) -> Result<CollapseLists, PlanError>
 ///
 /// # Errors
 /// If a kernel may not loop that often.
-pub(super) fn shallow(lists: &CollapseLists) -> Result<u32, PlanError> {
+pub(super) fn checked_depth(lists: &CollapseLists) -> Result<u32, PlanError> {
     let longest = lists.offsets().windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
     if longest > LONGEST_LOOP { Err(PlanError::TooDeep { length: longest }) } else { Ok(longest) }
 }

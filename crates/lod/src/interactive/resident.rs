@@ -1,4 +1,5 @@
-//! An object on a graphics device, as a host has it: uploaded once, shown at any level.
+//! An Interactive Mesh that stays on a graphics device, for hosts: uploaded once, shown at any
+//! level or by view.
 
 use super::view::{Filter, ViewPasses, ViewQuery, Views};
 use super::{Continuous, Counting, replay};
@@ -71,7 +72,7 @@ impl<'a> ResidentView<'a> {
     /// # Errors
     /// If the mesh is too large or collapses too deep.
     pub fn new(simplified: &'a Simplified) -> Result<Self, PlanError> {
-        replay::shallow(&replay::lists(simplified)?)?;
+        replay::checked_depth(&replay::lists(simplified)?)?;
         let mesh = simplified.mesh();
         let records = VertexRecords::whole(mesh)?;
         let stride = records.stride;

@@ -1,4 +1,5 @@
-//! The kernels of Interactive Meshes, for replay and for engines (docs/ENGINE.md).
+//! The compute shaders of Interactive Meshes, by name, for replays and for engines
+//! (docs/ENGINE.md).
 
 use lodc_plan::{SCAN, SCAN_ADD, Shader};
 

@@ -1,11 +1,11 @@
 //! A cursor over Masking Strips: the strips at full length, and the filtered copies that are drawn.
 //!
-//! A near move streams the updates of the records passed ([`super::updates`]). A far jump looks at
-//! every strip that has changed, resolves the vertices that its filter keeps, and leaves the full
-//! strip for later.
+//! A near move applies the updates of the records passed, in order ([`super::updates`]). A far jump
+//! looks at every strip that has changed, resolves the vertices that its filter keeps, and updates
+//! the full strip when it is needed.
 
 use super::Masking;
-use super::updates::{ROOM, Refiltered, whole};
+use super::updates::{Refiltered, SLOT_WORDS, whole_strip};
 use lodc_mesh::{Lod, OrientedTriangle};
 use lodc_model::{Changes, Difference, Traffic};
 use lodc_strip::live_triangles;
@@ -14,19 +14,20 @@ use std::ops::Range;
 
 const LONGEST: usize = Masking::LONGEST_STRIP;
 /// Words in a cache line of most machines.
-const LINE: usize = 16;
-/// Number of copies whose cache lines are read together, about as many misses as a core has under
-/// way at a time. Moves on meshes beyond the cache take a third less with it.
-const BLOCK: usize = 16;
+const LINE_WORDS: usize = 16;
+/// Number of copies whose cache lines are prefetched together, about as many misses as a core has
+/// under way at a time. Moves on meshes beyond the cache take a third less with it.
+const PREFETCHED: usize = 16;
 
 /// The moving part of [`Masking`] strips.
 #[derive(Clone, Debug)]
 pub struct Cursor {
     lod: u32,
-    /// For each strip a slot of [`ROOM`] words: the full strip, then its filtered copy (what the
-    /// strip's mask of positions keeps). The first starts at a cache line, behind `lead` words.
+    /// For each strip a slot of [`SLOT_WORDS`] words: the full strip, then its filtered copy (what
+    /// the strip's mask of positions keeps). The first starts at a cache line, behind `padding`
+    /// words.
     buffer: Vec<u32>,
-    lead: usize,
+    padding: usize,
     /// Number of indices each filtered copy has; 0 if no triangle is left.
     counts: Vec<u8>,
     /// The strips whose full strip is that of another LOD, since a jump made the filtered copy
@@ -43,17 +44,18 @@ pub struct Cursor {
 impl Cursor {
     pub(super) fn new(model: &Masking) -> Self {
         let strips = model.strips.len();
-        let mut buffer = vec![0; ROOM * strips + LINE];
-        let lead = buffer.as_ptr().align_offset(size_of::<u32>() * LINE).min(LINE);
-        for (room, strip) in buffer[lead..].chunks_exact_mut(ROOM).zip(model.strips.iter()) {
-            room[..strip.len()].copy_from_slice(strip);
-            room[LONGEST..][..strip.len()].copy_from_slice(strip);
+        let mut buffer = vec![0; SLOT_WORDS * strips + LINE_WORDS];
+        let padding = buffer.as_ptr().align_offset(size_of::<u32>() * LINE_WORDS).min(LINE_WORDS);
+        for (slot, strip) in buffer[padding..].chunks_exact_mut(SLOT_WORDS).zip(model.strips.iter())
+        {
+            slot[..strip.len()].copy_from_slice(strip);
+            slot[LONGEST..][..strip.len()].copy_from_slice(strip);
         }
         let counts = model.strips.iter().map(|strip| strip.len() as u8).collect();
         Self {
             lod: 0,
             buffer,
-            lead,
+            padding,
             counts,
             stale: vec![false; strips],
             stale_count: 0,
@@ -77,7 +79,7 @@ impl Cursor {
     /// If there is no such strip.
     #[must_use]
     pub fn strip(&self, strip: usize) -> &[u32] {
-        &self.buffer[self.lead + ROOM * strip + LONGEST..][..self.counts[strip] as usize]
+        &self.buffer[self.padding + SLOT_WORDS * strip + LONGEST..][..self.counts[strip] as usize]
     }
 
     pub(super) fn drawn_by<'a>(
@@ -97,7 +99,7 @@ impl Cursor {
         let (from, to) = (self.lod, model.simplified.collapses().floor(lod).0);
         let records = from.min(to)..from.max(to);
         let traffic = |rewritten| Traffic { records: records.end - records.start, rewritten };
-        if !C::HEARD {
+        if !C::REPORTED {
             return traffic(self.move_to(model, to, &records));
         }
         let mut strips = model.updates.of(&records).strips.to_vec();
@@ -106,11 +108,11 @@ impl Cursor {
         let mut difference = std::mem::take(&mut self.difference);
         difference.clear();
         for &strip in &strips {
-            difference.before(self.drawn_by(model, strip as usize));
+            difference.add_before(self.drawn_by(model, strip as usize));
         }
         let rewritten = self.move_to(model, to, &records);
         for (number, &strip) in strips.iter().enumerate() {
-            difference.after(number, self.drawn_by(model, strip as usize), changes);
+            difference.report_after(number, self.drawn_by(model, strip as usize), changes);
         }
         self.difference = difference;
         traffic(rewritten)
@@ -123,38 +125,40 @@ impl Cursor {
         if run.strips.len() > self.counts.len() {
             model.simplified.collapses().resolve_gone(Lod(to), &mut self.shown);
             self.lod = to;
-            return (0..self.counts.len()).map(|strip| self.jump(model, strip, to, records)).sum();
+            return (0..self.counts.len())
+                .map(|strip| self.remake_copy(model, strip, to, records))
+                .sum();
         }
         if self.stale_count > 0 {
             run.strips.iter().for_each(|&strip| self.refresh(model, strip as usize));
         }
         self.lod = to;
         let coarsens = to == records.end;
-        let buffer = &mut self.buffer[self.lead..];
+        let buffer = &mut self.buffer[self.padding..];
         if coarsens {
-            for (&place, &target) in run.places.iter().zip(run.targets) {
-                buffer[place as usize] = target;
+            for (&offset, &target) in run.offsets.iter().zip(run.targets) {
+                buffer[offset as usize] = target;
             }
         } else {
-            // Of several vertices for one place the first stays.
-            for (&place, &vertex) in run.places.iter().zip(run.vertices).rev() {
-                buffer[place as usize] = vertex;
+            // Of several vertices for one offset the first stays.
+            for (&offset, &vertex) in run.offsets.iter().zip(run.vertices).rev() {
+                buffer[offset as usize] = vertex;
             }
         }
-        let mut rewritten = run.places.len() as u64;
-        for block in run.copies.chunks(BLOCK) {
-            if block.len() == BLOCK {
-                self.touch(block);
+        let mut rewritten = run.offsets.len() as u64;
+        for block in run.copies.chunks(PREFETCHED) {
+            if block.len() == PREFETCHED {
+                self.prefetch(block);
             }
             for copy in block {
                 // The last change of a strip's filter on the way alone copies it.
                 let (last, filter) = if coarsens {
                     (copy.next >= to, copy.filter)
                 } else {
-                    (copy.since <= to, copy.before)
+                    (copy.since <= to, copy.previous_filter)
                 };
                 if last {
-                    rewritten += self.copy(copy.strip as usize, filter);
+                    rewritten += self.copy_filtered(copy.strip as usize, filter);
                 }
             }
         }
@@ -163,24 +167,24 @@ impl Cursor {
 
     /// Reads a word of each cache line that some copies are going to need: all at once is faster
     /// than one after the other.
-    fn touch(&self, copies: &[Refiltered]) {
+    fn prefetch(&self, copies: &[Refiltered]) {
         let lines = |copy: &Refiltered| {
-            let at = self.lead + ROOM * copy.strip as usize;
-            self.buffer[at] ^ self.buffer[at + LONGEST]
+            let index = self.padding + SLOT_WORDS * copy.strip as usize;
+            self.buffer[index] ^ self.buffer[index + LONGEST]
         };
         black_box(copies.iter().fold(0, |all, copy| all ^ lines(copy)));
     }
 
     /// Copies what a filter keeps of a full strip. Returns how many indices that are.
-    fn copy(&mut self, strip: usize, filter: u16) -> u64 {
-        let room = &mut self.buffer[self.lead + ROOM * strip..][..ROOM];
-        let (full, drawn) = room.split_at_mut(LONGEST);
+    fn copy_filtered(&mut self, strip: usize, filter: u16) -> u64 {
+        let slot = &mut self.buffer[self.padding + SLOT_WORDS * strip..][..SLOT_WORDS];
+        let (full, drawn) = slot.split_at_mut(LONGEST);
         let (filter, mut count) = (usize::from(filter), 0);
-        for (at, &vertex) in full.iter().enumerate() {
+        for (index, &vertex) in full.iter().enumerate() {
             // Without a branch: what is not kept is overwritten by what follows, or lies behind the
             // end.
             drawn[count % LONGEST] = vertex;
-            count += filter >> at & 1;
+            count += filter >> index & 1;
         }
         self.counts[strip] = count as u8;
         count as u64
@@ -193,52 +197,52 @@ impl Cursor {
         }
         self.stale_count -= 1;
         let (targets, input) = (model.simplified.collapses().targets(), model.strips.strip(strip));
-        let full = &mut self.buffer[self.lead + ROOM * strip..][..input.len()];
+        let full = &mut self.buffer[self.padding + SLOT_WORDS * strip..][..input.len()];
         full.copy_from_slice(input);
         for entry in
             model.entries[model.history(strip)].iter().take_while(|entry| entry.record < self.lod)
         {
-            each(entry.positions, |at| full[at] = targets[entry.record as usize]);
+            for_each_bit(entry.positions, |index| full[index] = targets[entry.record as usize]);
         }
     }
 
-    /// Makes the filtered copy of a strip at a LOD with the help of `shown`, if any of some records
+    /// Makes the filtered copy of a strip at a LOD by `shown`, if any of the records passed
     /// has changed it. Returns how many indices were written.
-    fn jump(&mut self, model: &Masking, strip: usize, to: u32, records: &Range<u32>) -> u64 {
+    fn remake_copy(&mut self, model: &Masking, strip: usize, to: u32, records: &Range<u32>) -> u64 {
         if model.removal_lods[strip] <= to {
             // A strip that is dead at the finer LOD, too, has been emptied already.
             if to == records.end && self.counts[strip] > 0 {
-                self.leave(strip, 0);
+                self.mark_stale(strip, 0);
             }
             return 0;
         }
         let (entries, input) = (&model.entries[model.history(strip)], model.strips.strip(strip));
         let next = entries.partition_point(|entry| entry.record < to);
-        let before = next.checked_sub(1).map(|at| entries[at]);
-        let passed = if to == records.end { before } else { entries.get(next).copied() };
+        let previous = next.checked_sub(1).map(|index| entries[index]);
+        let passed = if to == records.end { previous } else { entries.get(next).copied() };
         if !passed.is_some_and(|entry| records.contains(&entry.record)) {
             return 0;
         }
-        let filter = before.map_or(whole(input.len()), |entry| entry.filter);
-        let mut drawn = self.buffer[self.lead + ROOM * strip + LONGEST..].iter_mut();
-        each(filter, |at| {
+        let filter = previous.map_or(whole_strip(input.len()), |entry| entry.filter);
+        let mut drawn = self.buffer[self.padding + SLOT_WORDS * strip + LONGEST..].iter_mut();
+        for_each_bit(filter, |index| {
             if let Some(drawn) = drawn.next() {
-                *drawn = self.shown.get(input[at] as usize).copied().unwrap_or(input[at]);
+                *drawn = self.shown.get(input[index] as usize).copied().unwrap_or(input[index]);
             }
         });
-        self.leave(strip, filter.count_ones() as u8);
+        self.mark_stale(strip, filter.count_ones() as u8);
         u64::from(filter.count_ones())
     }
 
     /// Notes that a strip's filtered copy is new, its full strip stale.
-    fn leave(&mut self, strip: usize, count: u8) {
+    fn mark_stale(&mut self, strip: usize, count: u8) {
         self.counts[strip] = count;
         self.stale_count += usize::from(!std::mem::replace(&mut self.stale[strip], true));
     }
 }
 
 /// Calls `f` with every position in a mask, the first first.
-fn each(mut mask: u16, mut f: impl FnMut(usize)) {
+fn for_each_bit(mut mask: u16, mut f: impl FnMut(usize)) {
     while mask != 0 {
         f(mask.trailing_zeros() as usize);
         mask &= mask - 1;

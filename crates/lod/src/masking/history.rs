@@ -1,5 +1,5 @@
-//! History of each strip: the positions that every record changes, and what is drawn of it
-//! then.
+//! The history of each strip: which of its indices every record changes (its position mask), and
+//! what is drawn of it afterwards (its filter mask).
 
 use super::filters::Filters;
 use super::pattern::Pattern;
@@ -29,7 +29,7 @@ pub(super) struct Histories {
 
 /// Strips worked on at a time by one thread, with patterns remembered from one to the next. Chosen
 /// by hand.
-const BLOCK: usize = 1024;
+const STRIPS_PER_BLOCK: usize = 1024;
 
 /// Follows every strip by itself. A strip has no entries after the step in which its last triangle
 /// dies.
@@ -46,22 +46,22 @@ pub(super) fn histories(
     // thousands of triangles moves on and on makes far more.
     let limit = 32 * (strips.indices().len() + targets.len()) as u64 + 1_000_000;
     let entries = AtomicU64::new(0);
-    let blocks: Vec<_> = (0..strips.len().div_ceil(BLOCK)).collect();
+    let blocks: Vec<_> = (0..strips.len().div_ceil(STRIPS_PER_BLOCK)).collect();
     let blocks = blocks.into_par_iter().map_init(Filters::new, |filters, block| {
-        let mut follower =
-            Follower { targets, end_of: &end_of, positions, filters, entries: Vec::new() };
-        let mut counts = Vec::with_capacity(BLOCK);
-        for strip in block * BLOCK..strips.len().min((block + 1) * BLOCK) {
-            let before = follower.entries.len();
-            follower.follow(strips.strip(strip), (limit + 1) as usize);
-            counts.push(follower.entries.len() - before);
+        let mut tracer =
+            Tracer { targets, end_of: &end_of, positions, filters, entries: Vec::new() };
+        let mut counts = Vec::with_capacity(STRIPS_PER_BLOCK);
+        for strip in block * STRIPS_PER_BLOCK..strips.len().min((block + 1) * STRIPS_PER_BLOCK) {
+            let before = tracer.entries.len();
+            tracer.trace(strips.strip(strip), (limit + 1) as usize);
+            counts.push(tracer.entries.len() - before);
             let added = counts[counts.len() - 1] as u64;
             // Whether the sum of all blocks exceeds the limit does not depend on their order.
             if entries.fetch_add(added, Ordering::Relaxed) + added > limit {
                 return None;
             }
         }
-        Some((counts, follower.entries))
+        Some((counts, tracer.entries))
     });
     let blocks: Vec<_> = blocks.collect::<Option<_>>()?;
     let mut firsts = Vec::with_capacity(strips.len() + 1);
@@ -87,7 +87,7 @@ fn ends(simplified: &Simplified) -> Vec<u32> {
     end_of
 }
 
-struct Follower<'a> {
+struct Tracer<'a> {
     targets: &'a [u32],
     end_of: &'a [u32],
     positions: &'a PositionIds,
@@ -95,9 +95,9 @@ struct Follower<'a> {
     entries: Vec<Entry>,
 }
 
-impl Follower<'_> {
+impl Tracer<'_> {
     /// Adds the entries of one strip, at most some more than `limit`.
-    fn follow(&mut self, strip: &[u32], limit: usize) {
+    fn trace(&mut self, strip: &[u32], limit: usize) {
         let first = self.entries.len();
         let mut state = [0; super::pattern::LONGEST];
         let state = &mut state[..strip.len()];
@@ -116,8 +116,8 @@ impl Follower<'_> {
             {
                 let target = self.targets[record as usize];
                 let mut positions = 0;
-                for (at, v) in state.iter_mut().enumerate() {
-                    positions |= u16::from(*v == record) << at;
+                for (index, v) in state.iter_mut().enumerate() {
+                    positions |= u16::from(*v == record) << index;
                     *v = if *v == record { target } else { *v };
                 }
                 self.entries.push(Entry { record, positions, filter: 0 });
@@ -128,34 +128,34 @@ impl Follower<'_> {
                 break;
             }
         }
-        self.leave_out(first, strip.len());
+        self.drop_unneeded(first, strip.len());
     }
 
-    /// Leaves out of a strip's entries the positions that no filter from there on keeps: they are
-    /// not looked at again before the cursor has gone back to where they still were. Then the
-    /// entries in which nothing is left.
-    fn leave_out(&mut self, first: usize, len: usize) {
-        let mut wanted = 0;
+    /// Drops from a strip's entries the positions that no later filter keeps: they are
+    /// not read again before the cursor has gone back to an LOD that still draws them. Then drops
+    /// the entries that have become empty.
+    fn drop_unneeded(&mut self, first: usize, len: usize) {
+        let mut needed = 0;
         for entry in self.entries[first..].iter_mut().rev() {
-            wanted |= entry.filter;
-            entry.positions &= wanted;
+            needed |= entry.filter;
+            entry.positions &= needed;
         }
-        let (mut kept, mut filter) = (first, u16::MAX >> (16 - len));
-        for at in first..self.entries.len() {
-            let entry = self.entries[at];
+        let (mut written, mut filter) = (first, u16::MAX >> (16 - len));
+        for index in first..self.entries.len() {
+            let entry = self.entries[index];
             let end = |entry: &Entry| self.end_of[entry.record as usize];
-            let closes = self.entries.get(at + 1).is_none_or(|next| end(next) != end(&entry));
+            let closes = self.entries.get(index + 1).is_none_or(|next| end(next) != end(&entry));
             if entry.positions != 0 || (closes && entry.filter != filter) {
                 filter = entry.filter;
-                self.entries[kept] = entry;
-                kept += 1;
+                self.entries[written] = entry;
+                written += 1;
             }
         }
-        self.entries.truncate(kept);
+        self.entries.truncate(written);
     }
 
     fn filter(&mut self, state: &[u32]) -> u16 {
-        let place = |v: u32| self.positions.of_vertex[v as usize];
-        self.filters.filter(&Pattern::new(state, place))
+        let position_id = |v: u32| self.positions.of_vertex[v as usize];
+        self.filters.filter(&Pattern::new(state, position_id))
     }
 }

@@ -1,4 +1,5 @@
-//! The tables of the thesis (4.2.1), and what they take to store.
+//! The tables of the thesis for Masking Strips (4.2.1): `InfoUpdate` and `InfoStrip`, and the bytes
+//! that they take.
 
 use super::Masking;
 use lodc_mesh::Lod;

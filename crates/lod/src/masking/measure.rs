@@ -1,4 +1,4 @@
-//! Cases of Masking Strips to time on a device.
+//! What is timed of Masking Strips on a graphics device: moves over all LODs, and draws.
 
 use super::{Masking, replay::Device};
 use lodc_mesh::Lod;

@@ -52,7 +52,7 @@ pub struct Masking {
     entries: Vec<Entry>,
     /// For each strip the first LOD at which it draws nothing.
     removal_lods: Vec<u32>,
-    /// The same by record, for moves of few records.
+    /// The updates of `entries` by record, for moves of few records.
     updates: Updates,
 }
 
@@ -122,7 +122,7 @@ impl Masking {
         &self.strips
     }
 
-    /// Returns the place of a strip's entries.
+    /// Returns the range of a strip's entries.
     fn history(&self, strip: usize) -> std::ops::Range<usize> {
         self.firsts[strip] as usize..self.firsts[strip + 1] as usize
     }

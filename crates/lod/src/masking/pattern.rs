@@ -1,5 +1,5 @@
-//! Pattern that a filter depends on: positions of a strip that hold the same vertex, and vertices
-//! that are at one position.
+//! The pattern that the filter of a strip depends on: which positions of the strip hold the same
+//! vertex, and which vertices are at one point in space.
 
 /// Longest strip that a mask covers: two masks fit into one word.
 pub(super) const LONGEST: usize = 16;
@@ -12,33 +12,34 @@ pub(super) struct Pattern {
     /// The label at each position of the strip.
     labels: [u8; LONGEST],
     /// For each label the first label that is at the same point in space.
-    places: [u8; LONGEST],
+    points: [u8; LONGEST],
     /// Number of labels.
     count: usize,
-    /// True if every label has a place of its own.
-    plain: bool,
+    /// True if no two labels are at one point.
+    distinct: bool,
 }
 
 impl Pattern {
-    /// The pattern of a strip of 3 to [`LONGEST`] vertices. `place` names the point in space at
+    /// The pattern of a strip of 3 to [`LONGEST`] vertices. `point_of` names the point in space at
     /// which a vertex is.
-    pub(super) fn new(strip: &[u32], place: impl Fn(u32) -> u32) -> Self {
+    pub(super) fn new(strip: &[u32], point_of: impl Fn(u32) -> u32) -> Self {
         let mut pattern = Self {
             len: strip.len(),
             labels: [0; LONGEST],
-            places: [0; LONGEST],
+            points: [0; LONGEST],
             count: 0,
-            plain: true,
+            distinct: true,
         };
-        let (mut vertices, mut points) = ([0; LONGEST], [0; LONGEST]);
-        for (at, &v) in strip.iter().enumerate() {
-            let known = vertices[..pattern.count].iter().position(|&w| w == v);
-            pattern.labels[at] = known.unwrap_or_else(|| {
+        let (mut vertices, mut label_points) = ([0; LONGEST], [0; LONGEST]);
+        for (index, &v) in strip.iter().enumerate() {
+            let existing = vertices[..pattern.count].iter().position(|&w| w == v);
+            pattern.labels[index] = existing.unwrap_or_else(|| {
                 let label = pattern.count;
-                (vertices[label], points[label]) = (v, place(v));
-                let mate = points[..label].iter().position(|&p| p == points[label]);
-                pattern.plain &= mate.is_none();
-                pattern.places[label] = mate.unwrap_or(label) as u8;
+                (vertices[label], label_points[label]) = (v, point_of(v));
+                let same_point =
+                    label_points[..label].iter().position(|&p| p == label_points[label]);
+                pattern.distinct &= same_point.is_none();
+                pattern.points[label] = same_point.unwrap_or(label) as u8;
                 pattern.count += 1;
                 label
             }) as u8;
@@ -55,8 +56,8 @@ impl Pattern {
         self.count
     }
 
-    pub(super) fn place(&self, label: u8) -> u8 {
-        self.places[label as usize]
+    pub(super) fn point_of(&self, label: u8) -> u8 {
+        self.points[label as usize]
     }
 
     /// The whole strip.
@@ -67,7 +68,7 @@ impl Pattern {
     /// The triangle of three consecutive drawn labels, unless it is degenerate: corners
     /// counter-clockwise, least first.
     pub(super) fn triangle(&self, [a, b, c]: [u8; 3], odd: bool) -> Option<[u8; 3]> {
-        let [x, y, z] = [a, b, c].map(|label| self.place(label));
+        let [x, y, z] = [a, b, c].map(|label| self.point_of(label));
         if x == y || y == z || z == x {
             return None;
         }
@@ -83,11 +84,11 @@ impl Pattern {
 
     /// The triangles that the positions in `mask` draw, in order.
     pub(super) fn drawn(&self, mask: u64) -> impl Iterator<Item = [u8; 3]> {
-        let mut rest = mask;
+        let mut mask_left = mask;
         let mut next = move || {
-            let at = rest.trailing_zeros() as usize;
-            rest &= rest.wrapping_sub(1);
-            (at < LONGEST).then(|| self.labels[at])
+            let index = mask_left.trailing_zeros() as usize;
+            mask_left &= mask_left.wrapping_sub(1);
+            (index < LONGEST).then(|| self.labels[index])
         };
         let mut window = [0, next().unwrap_or(0), next().unwrap_or(0)];
         let corners = std::iter::from_fn(move || {
@@ -103,7 +104,7 @@ impl Pattern {
         let pack = |numbers: &[u8]| numbers.iter().fold(0, |key, &n| key << 4 | u64::from(n));
         (
             pack(self.labels()),
-            if self.plain { 0 } else { pack(&self.places[..self.count]) },
+            if self.distinct { 0 } else { pack(&self.points[..self.count]) },
             self.len,
         )
     }

@@ -165,9 +165,9 @@ impl Twin {
         let targets = model.simplified.collapses().targets();
         for strip in 0..model.strips.len() {
             let history = model.history(strip);
-            let strip_now = &mut self.full[model.strips.range(strip)];
+            let full_strip = &mut self.full[model.strips.range(strip)];
             let mut put = |entry: &Entry, vertex: u32| {
-                let masked = strip_now
+                let masked = full_strip
                     .iter_mut()
                     .enumerate()
                     .filter(|(at, _)| entry.positions >> at & 1 == 1);
@@ -182,7 +182,7 @@ impl Twin {
                 next -= 1;
                 put(&model.entries[next], model.entries[next].record);
             }
-            let whole = u16::MAX >> (16 - strip_now.len().clamp(1, 16));
+            let whole = u16::MAX >> (16 - full_strip.len().clamp(1, 16));
             let filter = if next > history.start { model.entries[next - 1].filter } else { whole };
             self.states[2 * strip..][..2].copy_from_slice(&[next as u32, u32::from(filter)]);
         }

@@ -1,12 +1,13 @@
-//! The shortest filter: the fewest positions of a strip that draw exactly its live triangles.
+//! The shortest filter of a strip: the fewest positions that draw exactly its live triangles, by a
+//! breadth-first search.
 //!
 //! Drawn in order, every kept position after the second either draws a live triangle or is
 //! *wasted*: it makes a degenerate one. All filters draw the same triangles, so the shortest is the
-//! one that wastes least. States (last two labels, parity, triangles left) are searched in layers
-//! of equal waste; of the same state only the one that ends at the earliest position matters, since
-//! whatever can follow the later one can follow it too. A state is given up as soon as a triangle
-//! that is left cannot be drawn any more: one of its corners does not come again, and is not among
-//! the last two. Results depend on nothing but the pattern.
+//! one that wastes least. States (last two labels, parity, remaining triangles) are searched in
+//! layers of equal waste; of the same state only the one that ends at the earliest position
+//! matters, since whatever can follow the later one can follow it too. A state is given up as soon
+//! as a remaining triangle cannot be drawn any more: one of its corners does not come again, and is
+//! not among the last two. Results depend on the pattern alone.
 
 use super::pattern::{LONGEST, Pattern};
 use lodc_mesh::NONE;
@@ -14,7 +15,7 @@ use lodc_mesh::NONE;
 /// Slots of the hash table of states: twice as many as a search may keep ([`Search::LIMIT`]).
 const SLOTS: usize = 1 << 14;
 
-/// The working memory of searches, used again and again.
+/// The working memory of searches, reused to save allocating.
 pub(super) struct Search {
     /// The live triangles, equal ones side by side.
     triangles: Vec<[u8; 3]>,
@@ -22,14 +23,17 @@ pub(super) struct Search {
     has: [u64; LONGEST],
     /// For each label, its positions.
     positions: [u64; LONGEST],
-    /// For each place, the positions of the labels there.
-    mates: [u64; LONGEST],
+    /// For each point in space, the positions of the labels that are there.
+    at_point: [u64; LONGEST],
     /// For each position, the triangles with a corner that does not come again after it.
-    gone: [u64; LONGEST],
+    unreachable: [u64; LONGEST],
+    /// All states that were reached.
     nodes: Vec<Node>,
     /// Open addressing: the best node of each state.
     slots: Vec<u32>,
+    /// The entries of `slots` to clear after a search.
     used: Vec<u32>,
+    /// Nodes of the present layer that are not expanded, and those that are.
     open: Vec<u32>,
     expanded: Vec<u32>,
 }
@@ -38,7 +42,7 @@ pub(super) struct Search {
 #[derive(Clone, Copy)]
 struct Node {
     /// Triangles that are still to be drawn.
-    left: u64,
+    remaining: u64,
     parent: u32,
     /// The labels kept last, `q` after `p`.
     p: u8,
@@ -59,8 +63,8 @@ impl Search {
             triangles: Vec::new(),
             has: [0; LONGEST],
             positions: [0; LONGEST],
-            mates: [0; LONGEST],
-            gone: [0; LONGEST],
+            at_point: [0; LONGEST],
+            unreachable: [0; LONGEST],
             nodes: Vec::new(),
             slots: vec![NONE; SLOTS],
             used: Vec::new(),
@@ -78,7 +82,7 @@ impl Search {
             return Some(if self.triangles.is_empty() { 0 } else { pattern.all() });
         }
         self.triangles.sort_unstable();
-        self.look_up(pattern);
+        self.fill_tables(pattern);
         let found = self.search(pattern, limit.min(Self::LIMIT));
         for slot in self.used.drain(..) {
             self.slots[slot as usize] = NONE;
@@ -86,8 +90,8 @@ impl Search {
         found
     }
 
-    fn look_up(&mut self, pattern: &Pattern) {
-        for table in [&mut self.has, &mut self.positions, &mut self.mates] {
+    fn fill_tables(&mut self, pattern: &Pattern) {
+        for table in [&mut self.has, &mut self.positions, &mut self.at_point] {
             table[..pattern.count()].fill(0);
         }
         for (bit, triangle) in self.triangles.iter().enumerate() {
@@ -97,14 +101,14 @@ impl Search {
         }
         for (at, &label) in pattern.labels().iter().enumerate() {
             self.positions[label as usize] |= 1 << at;
-            self.mates[pattern.place(label) as usize] |= 1 << at;
+            self.at_point[pattern.point_of(label) as usize] |= 1 << at;
         }
-        let mut gone = 0;
+        let mut unreachable = 0;
         for (at, &label) in pattern.labels().iter().enumerate() {
             if after(self.positions[label as usize], at as u8) == 0 {
-                gone |= self.has[label as usize];
+                unreachable |= self.has[label as usize];
             }
-            self.gone[at] = gone;
+            self.unreachable[at] = unreachable;
         }
     }
 
@@ -123,8 +127,8 @@ impl Search {
                     return None;
                 }
                 if self.is_best(node) {
-                    if let Some(last) = self.draw(pattern, node) {
-                        return Some(self.kept(last));
+                    if let Some(last) = self.expand_drawing(pattern, node) {
+                        return Some(self.kept_positions(last));
                     }
                     self.expanded.push(node);
                 }
@@ -134,7 +138,7 @@ impl Search {
             }
             for i in 0..self.expanded.len() {
                 if self.is_best(self.expanded[i]) {
-                    self.waste(pattern, self.expanded[i]);
+                    self.expand_wasting(pattern, self.expanded[i]);
                 }
             }
         }
@@ -143,38 +147,45 @@ impl Search {
 
     /// Adds the states in which any triangle can be the first.
     fn start(&mut self, pattern: &Pattern, odd: bool) {
-        let left = u64::MAX >> (64 - self.triangles.len());
+        let remaining = u64::MAX >> (64 - self.triangles.len());
         for t in 0..self.triangles.len() {
             let [a, b, c] = self.triangles[t];
             for (p, q) in [(a, b), (b, c), (c, a)] {
-                let (p, q, mut before) = if odd { (q, p, 0) } else { (p, q, 0) };
+                let (p, q, mut min_position) = if odd { (q, p, 0) } else { (p, q, 0) };
                 let mut parent = NONE;
                 if odd {
-                    // Any vertex at the place of either makes the first triangle degenerate.
-                    let mates = self.mates[pattern.place(p) as usize]
-                        | self.mates[pattern.place(q) as usize];
-                    let at = mates.trailing_zeros() as u8;
+                    // Any vertex at the point of either makes the first triangle degenerate.
+                    let at_point = self.at_point[pattern.point_of(p) as usize]
+                        | self.at_point[pattern.point_of(q) as usize];
+                    let at = at_point.trailing_zeros() as u8;
                     let label = pattern.labels()[at as usize];
                     parent = self.nodes.len() as u32;
-                    self.nodes.push(Node { left, parent: NONE, p: label, q: label, at, odd });
-                    before = at + 1;
+                    self.nodes.push(Node { remaining, parent: NONE, p: label, q: label, at, odd });
+                    min_position = at + 1;
                 }
-                let at = from(self.positions[p as usize], before).trailing_zeros() as u8;
-                let then = if at < 64 { after(self.positions[q as usize], at) } else { 0 };
-                if then != 0 {
-                    self.nodes.push(Node { left, parent, p, q: p, at, odd });
+                let at = from(self.positions[p as usize], min_position).trailing_zeros() as u8;
+                let next_position = if at < 64 { after(self.positions[q as usize], at) } else { 0 };
+                if next_position != 0 {
+                    self.nodes.push(Node { remaining, parent, p, q: p, at, odd });
                     let parent = self.nodes.len() as u32 - 1;
-                    self.add(Node { left, parent, p, q, at: then.trailing_zeros() as u8, odd });
+                    self.add(Node {
+                        remaining,
+                        parent,
+                        p,
+                        q,
+                        at: next_position.trailing_zeros() as u8,
+                        odd,
+                    });
                 }
             }
         }
     }
 
     /// Adds what follows by drawing a triangle. Returns the node that draws the last one.
-    fn draw(&mut self, pattern: &Pattern, parent: u32) -> Option<u32> {
-        let Node { left, p, q, at, odd, .. } = self.nodes[parent as usize];
-        let mut candidates = left & self.has[p as usize] & self.has[q as usize];
-        let mut before = None;
+    fn expand_drawing(&mut self, pattern: &Pattern, parent: u32) -> Option<u32> {
+        let Node { remaining, p, q, at, odd, .. } = self.nodes[parent as usize];
+        let mut candidates = remaining & self.has[p as usize] & self.has[q as usize];
+        let mut last_drawn = None;
         while candidates != 0 {
             let bit = candidates.trailing_zeros();
             candidates &= candidates - 1;
@@ -182,27 +193,27 @@ impl Search {
             let [a, b, c] = t;
             let (from, to) = if odd { (q, p) } else { (p, q) };
             let next = match (from, to) {
-                _ if p == q || before == Some(t) => continue,
+                _ if p == q || last_drawn == Some(t) => continue,
                 _ if (from, to) == (a, b) => c,
                 _ if (from, to) == (b, c) => a,
                 _ if (from, to) == (c, a) => b,
                 _ => continue,
             };
-            before = Some(t);
+            last_drawn = Some(t);
             debug_assert!(pattern.triangle([p, q, next], odd) == Some(t));
-            let then = after(self.positions[next as usize], at);
-            if then != 0 {
-                let left = left & !(1 << bit);
+            let next_position = after(self.positions[next as usize], at);
+            if next_position != 0 {
+                let remaining = remaining & !(1 << bit);
                 let node = Node {
-                    left,
+                    remaining,
                     parent,
                     p: q,
                     q: next,
-                    at: then.trailing_zeros() as u8,
+                    at: next_position.trailing_zeros() as u8,
                     odd: !odd,
                 };
                 let added = self.add(node);
-                if left == 0 {
+                if remaining == 0 {
                     return added;
                 }
             }
@@ -211,13 +222,13 @@ impl Search {
     }
 
     /// Adds what follows by a degenerate triangle.
-    fn waste(&mut self, pattern: &Pattern, parent: u32) {
-        let Node { left, p, q, at, odd, .. } = self.nodes[parent as usize];
-        let places = (pattern.place(p), pattern.place(q));
-        let choices = if places.0 == places.1 {
+    fn expand_wasting(&mut self, pattern: &Pattern, parent: u32) {
+        let Node { remaining, p, q, at, odd, .. } = self.nodes[parent as usize];
+        let points = (pattern.point_of(p), pattern.point_of(q));
+        let choices = if points.0 == points.1 {
             pattern.all()
         } else {
-            self.mates[places.0 as usize] | self.mates[places.1 as usize]
+            self.at_point[points.0 as usize] | self.at_point[points.1 as usize]
         };
         let mut choices = after(choices, at);
         while choices != 0 {
@@ -225,13 +236,13 @@ impl Search {
             let next = pattern.labels()[at as usize];
             // Only the first of each label: later ones can do no more.
             choices &= !self.positions[next as usize];
-            self.add(Node { left, parent, p: q, q: next, at, odd: !odd });
+            self.add(Node { remaining, parent, p: q, q: next, at, odd: !odd });
         }
     }
 
     /// Adds a node, unless it leads nowhere or its state was reached as early.
     fn add(&mut self, node: Node) -> Option<u32> {
-        if node.left != 0 && !self.can_finish(&node) {
+        if node.remaining != 0 && !self.can_finish(&node) {
             return None;
         }
         let slot = self.slot(&node);
@@ -250,17 +261,17 @@ impl Search {
     /// Returns whether every triangle that is left can still be drawn, as far as each by itself can
     /// tell.
     fn can_finish(&self, node: &Node) -> bool {
-        let mut tight = node.left & self.gone[node.at as usize];
-        while tight != 0 {
-            let t = self.triangles[tight.trailing_zeros() as usize];
-            tight &= tight - 1;
+        let mut last_chance = node.remaining & self.unreachable[node.at as usize];
+        while last_chance != 0 {
+            let t = self.triangles[last_chance.trailing_zeros() as usize];
+            last_chance &= last_chance - 1;
             let missing = |v: u8| after(self.positions[v as usize], node.at) == 0;
             // A corner that does not come again must be one of the last two; and the older of them
             // is of use only in the very next triangle, which has both.
-            let fine = t
+            let drawable = t
                 .into_iter()
                 .all(|v| !missing(v) || v == node.q || v == node.p && t.contains(&node.q));
-            if !fine {
+            if !drawable {
                 return false;
             }
         }
@@ -272,10 +283,10 @@ impl Search {
         self.slots[self.slot(&self.nodes[index as usize])] == index
     }
 
-    /// Returns the place where the best node of a node's state is, or belongs.
+    /// Returns the slot of the hash table in which the best node of a node's state is, or belongs.
     fn slot(&self, node: &Node) -> usize {
-        let state = |n: &Node| (n.left, n.p, n.q, n.odd);
-        let bits = node.left
+        let state = |n: &Node| (n.remaining, n.p, n.q, n.odd);
+        let bits = node.remaining
             ^ u64::from(node.p) << 49
             ^ u64::from(node.q) << 56
             ^ u64::from(node.odd) << 63;
@@ -289,7 +300,7 @@ impl Search {
     }
 
     /// The positions kept on the way to a node.
-    fn kept(&self, mut node: u32) -> u64 {
+    fn kept_positions(&self, mut node: u32) -> u64 {
         let mut mask = 0;
         while node != NONE {
             mask |= 1 << self.nodes[node as usize].at;

@@ -1,5 +1,5 @@
-//! A filter that is found quickly, not always the shortest: for strips whose shortest filter is too
-//! hard to find.
+//! A filter that is found in bounded time and not always the shortest: for strips whose shortest
+//! filter is too hard to find.
 //!
 //! The patterns of the thesis (4.2.2): triangles that share an edge follow each other directly,
 //! those that share a vertex or nothing are connected by the fewest degenerate triangles that the
@@ -28,13 +28,14 @@ pub(super) fn trimmed(pattern: &Pattern) -> u64 {
 fn superfluous_pair(pattern: &Pattern, kept: &[usize]) -> Option<usize> {
     let label = |i: usize| pattern.labels()[kept[i]];
     let drawn = |i: [usize; 3], first: usize| pattern.triangle(i.map(label), first % 2 == 1);
-    (0..kept.len() - 1).find(|&at| {
+    (0..kept.len() - 1).find(|&pair| {
         // Triangles are named by the place of their first corner among the kept positions.
-        let (from, to) = (at.saturating_sub(2), (at + 2).min(kept.len() - 2));
-        let before = (from..to).filter_map(|k| drawn([k, k + 1, k + 2], k));
-        let skip = |i: usize| if i < at { i } else { i + 2 };
-        let end = at.min(kept.len().saturating_sub(4));
-        let after = (from..end).filter_map(|k| drawn([skip(k), skip(k + 1), skip(k + 2)], k));
-        before.eq(after)
+        let (from, to) = (pair.saturating_sub(2), (pair + 2).min(kept.len() - 2));
+        let drawn_with = (from..to).filter_map(|k| drawn([k, k + 1, k + 2], k));
+        let skip = |i: usize| if i < pair { i } else { i + 2 };
+        let end = pair.min(kept.len().saturating_sub(4));
+        let drawn_without =
+            (from..end).filter_map(|k| drawn([skip(k), skip(k + 1), skip(k + 2)], k));
+        drawn_with.eq(drawn_without)
     })
 }

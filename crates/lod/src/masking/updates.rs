@@ -1,18 +1,18 @@
-//! Updates of strips in the order of records, ready to be streamed by near moves.
+//! Updates of strips in the order of records, ready to be applied by near moves.
 //!
-//! Positions of full strips never move, so what a record writes is a list of places, whatever their
-//! strips. Where it leaves a strip's filter as it was (three updates of five), the filtered copy is
-//! mended at single places as well. Only where the filter changes is the strip copied anew, and
-//! only once in a move.
+//! Full strips never move in a cursor's buffer, so what a record writes is a list of offsets,
+//! whatever their strips. Where it leaves a strip's filter as it was (three updates of five), the
+//! filtered copy is updated at single offsets as well. Only where the filter changes is the strip
+//! copied anew, and only once in a move.
 
 use super::LONGEST;
 use super::history::{Entry, Histories};
 use lodc_mesh::NONE;
 use std::ops::Range;
 
-/// The room of a strip in a cursor's buffer: as many words for the full strip, then as many for its
-/// filtered copy.
-pub(super) const ROOM: usize = 2 * LONGEST;
+/// The words of a strip in a cursor's buffer: as many words for the full strip, then as many for
+/// its filtered copy.
+pub(super) const SLOT_WORDS: usize = 2 * LONGEST;
 
 /// Start of a record's share of each list; it ends where the next record's starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,11 +28,11 @@ pub(super) struct Refiltered {
     pub(super) strip: u32,
     /// The record with which the strip's filter changes again, [`NONE`] for none.
     pub(super) next: u32,
-    /// The LOD from which on the filter was `before`.
+    /// The LOD from which on the filter was `previous_filter`.
     pub(super) since: u32,
     /// The positions that are drawn from now on, and until now.
     pub(super) filter: u16,
-    pub(super) before: u16,
+    pub(super) previous_filter: u16,
 }
 
 /// The updates of all strips, by record, then strip.
@@ -42,8 +42,8 @@ pub(super) struct Updates {
     starts: Vec<Starts>,
     /// The strips that are changed.
     strips: Vec<u32>,
-    /// Places of a cursor's buffer that are written.
-    places: Vec<u32>,
+    /// Offsets in a cursor's buffer that are written.
+    offsets: Vec<u32>,
     /// The target that is written there, and the vertex that the record removes.
     targets: Vec<u32>,
     vertices: Vec<u32>,
@@ -54,7 +54,7 @@ pub(super) struct Updates {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run<'a> {
     pub(super) strips: &'a [u32],
-    pub(super) places: &'a [u32],
+    pub(super) offsets: &'a [u32],
     pub(super) targets: &'a [u32],
     pub(super) vertices: &'a [u32],
     pub(super) copies: &'a [Refiltered],
@@ -67,20 +67,26 @@ impl Updates {
         updates.strips.reserve_exact(histories.entries.len());
         // The filter of each strip, since when, and which of the copies made it so.
         let mut latest: Vec<_> =
-            lengths.iter().map(|&length| (whole(length), 0, usize::MAX)).collect();
+            lengths.iter().map(|&length| (whole_strip(length), 0, usize::MAX)).collect();
         for (strip, entry) in by_record(histories, targets.len()) {
             updates.start_records(entry.record as usize + 1);
             updates.strips.push(strip);
-            let (before, since, copy) = latest[strip as usize];
-            let stays = if before == entry.filter { before } else { 0 };
-            updates.write(strip, entry, stays, targets[entry.record as usize]);
-            if before != entry.filter {
+            let (previous_filter, since, copy) = latest[strip as usize];
+            let kept_filter = if previous_filter == entry.filter { previous_filter } else { 0 };
+            updates.write(strip, entry, kept_filter, targets[entry.record as usize]);
+            if previous_filter != entry.filter {
                 let filter = entry.filter;
                 if let Some(copy) = updates.copies.get_mut(copy) {
                     copy.next = entry.record;
                 }
                 latest[strip as usize] = (filter, entry.record + 1, updates.copies.len());
-                updates.copies.push(Refiltered { strip, next: NONE, since, filter, before });
+                updates.copies.push(Refiltered {
+                    strip,
+                    next: NONE,
+                    since,
+                    filter,
+                    previous_filter,
+                });
             }
         }
         updates.start_records(targets.len() + 1);
@@ -88,22 +94,23 @@ impl Updates {
     }
 
     /// Adds what an entry writes: to the full strip, and to the filtered copy whose filter stays.
-    fn write(&mut self, strip: u32, entry: &Entry, stays: u16, target: u32) {
-        let full = strip * ROOM as u32;
+    fn write(&mut self, strip: u32, entry: &Entry, kept_filter: u16, target: u32) {
+        let full = strip * SLOT_WORDS as u32;
         for at in (0..LONGEST as u32).filter(|at| entry.positions >> at & 1 == 1) {
-            self.places.push(full + at);
-            if stays >> at & 1 == 1 {
-                self.places.push(full + LONGEST as u32 + (stays & !(u16::MAX << at)).count_ones());
+            self.offsets.push(full + at);
+            if kept_filter >> at & 1 == 1 {
+                self.offsets
+                    .push(full + LONGEST as u32 + (kept_filter & !(u16::MAX << at)).count_ones());
             }
         }
-        self.targets.resize(self.places.len(), target);
-        self.vertices.resize(self.places.len(), entry.record);
+        self.targets.resize(self.offsets.len(), target);
+        self.vertices.resize(self.offsets.len(), entry.record);
     }
 
     /// Records up to a number start where the lists end now, unless they have started before.
     fn start_records(&mut self, count: usize) {
         let [strips, writes, copies] =
-            [self.strips.len(), self.places.len(), self.copies.len()].map(|n| n as u32);
+            [self.strips.len(), self.offsets.len(), self.copies.len()].map(|n| n as u32);
         if self.starts.len() < count {
             self.starts.resize(count, Starts { strips, writes, copies });
         }
@@ -115,7 +122,7 @@ impl Updates {
         let writes = a.writes as usize..b.writes as usize;
         Run {
             strips: &self.strips[a.strips as usize..b.strips as usize],
-            places: &self.places[writes.clone()],
+            offsets: &self.offsets[writes.clone()],
             targets: &self.targets[writes.clone()],
             vertices: &self.vertices[writes],
             copies: &self.copies[a.copies as usize..b.copies as usize],
@@ -124,25 +131,25 @@ impl Updates {
 }
 
 /// The filter that draws a whole strip of a length.
-pub(super) fn whole(length: usize) -> u16 {
+pub(super) fn whole_strip(length: usize) -> u16 {
     u16::MAX >> (LONGEST - length)
 }
 
 /// All entries with their strips, by record, then strip (a counting sort).
 fn by_record(histories: &Histories, records: usize) -> impl Iterator<Item = (u32, &Entry)> {
-    let mut places = vec![0u32; records + 1];
+    let mut next_slots = vec![0u32; records + 1];
     for entry in &histories.entries {
-        places[entry.record as usize + 1] += 1;
+        next_slots[entry.record as usize + 1] += 1;
     }
     for record in 0..records {
-        places[record + 1] += places[record];
+        next_slots[record + 1] += next_slots[record];
     }
     let mut order = vec![(0u32, 0u32); histories.entries.len()];
     for (strip, ends) in (0..).zip(histories.firsts.windows(2)) {
         for at in ends[0]..ends[1] {
-            let place = &mut places[histories.entries[at as usize].record as usize];
-            order[*place as usize] = (strip, at);
-            *place += 1;
+            let slot = &mut next_slots[histories.entries[at as usize].record as usize];
+            order[*slot as usize] = (strip, at);
+            *slot += 1;
         }
     }
     order.into_iter().map(|(strip, at)| (strip, &histories.entries[at as usize]))

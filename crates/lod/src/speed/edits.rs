@@ -1,9 +1,9 @@
 //! All changes of all strips as they are kept at run time: in order of records, ready to be
-//! streamed.
+//! applied.
 //!
-//! Strips follow one another in one buffer and keep their room when they get shorter, so an index
-//! change needs no strip: it is a place in the buffer and what to write there. A move reads a few
-//! runs of such lists, and no single records.
+//! Strips follow one another in one buffer and keep their part of it when they get shorter, so an
+//! index change needs no strip: it is an offset in the buffer and what to write there. A move reads
+//! a few consecutive parts of such lists, and no single records.
 
 use crate::trace::{History, Removal};
 use lodc_mesh::NONE;
@@ -27,8 +27,8 @@ struct Affected {
     previous: u32,
     next: u32,
     /// Its length before and after the record, 0 if it is dead.
-    before: u32,
-    after: u32,
+    length_before: u32,
+    length_after: u32,
 }
 
 /// Removed elements.
@@ -48,22 +48,23 @@ pub(super) struct Edits {
     starts: Vec<Starts>,
     /// By record, then strip.
     affected: Vec<Affected>,
-    /// The places of the buffer that change, by record, then place.
-    places: Vec<u32>,
+    /// The offsets in the buffer that change, by record, then offset.
+    offsets: Vec<u32>,
     /// The target of each of them.
     targets: Vec<u32>,
     /// The vertex that the record removes, which each of them was.
     vertices: Vec<u32>,
-    /// By record, then strip, the last place first: so that one does not move the next.
+    /// By record, then strip, the last offset first: so that one does not move the next.
     removals: Vec<Removed>,
     /// The strips that die, by record.
     dying: Vec<u32>,
     /// For each index of the strips the first LOD without it.
     pub(super) index_removal_lods: Vec<u32>,
-    /// For each index whether it goes at the front of its strip.
+    /// For each index whether it is removed at the front of its strip.
     at_front: Vec<bool>,
-    /// For each index that goes at an end of its strip its place then; for others [`NONE`].
-    pub(super) left_at: Vec<u32>,
+    /// For each index that is removed at an end of its strip its offset in the strip then; for
+    /// others [`NONE`].
+    pub(super) removed_at: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
     pub(super) removal_lods: Vec<u32>,
 }
@@ -73,14 +74,14 @@ pub(super) struct Edits {
 pub(super) struct Run<'a> {
     /// Number of changes before the first of these.
     pub(super) first_change: u32,
-    pub(super) places: &'a [u32],
+    pub(super) offsets: &'a [u32],
     pub(super) targets: &'a [u32],
     pub(super) vertices: &'a [u32],
     pub(super) removals: &'a [Removed],
     pub(super) dying: &'a [u32],
 }
 
-/// The latest entry of each strip, and its length after it.
+/// The latest entry of each strip in [`Edits::affected`], and its length after it.
 struct Latest {
     entry: Vec<u32>,
     length: Vec<u32>,
@@ -93,9 +94,10 @@ impl Latest {
     }
 }
 
-/// The place of an event: its history, its number there, and where its changes and removals start.
+/// Where an event is stored: its history, its number there, and where its changes and removals
+/// start.
 #[derive(Clone, Copy, Default)]
-struct Located {
+struct EventLocation {
     history: u32,
     event: u32,
     change: u32,
@@ -106,41 +108,41 @@ struct Located {
 struct Update<'a> {
     strip: u32,
     record: u32,
-    places: &'a [u32],
+    offsets: &'a [u32],
     removals: &'a [Removal],
 }
 
 impl<'a> Update<'a> {
-    fn new(history: &'a History, located: &Located) -> Self {
-        let event = history.events[located.event as usize];
+    fn new(history: &'a History, location: &EventLocation) -> Self {
+        let event = history.events[location.event as usize];
         Self {
             strip: event.strip,
             record: event.record,
-            places: &history.changes[located.change as usize..][..event.changes as usize],
-            removals: &history.removals[located.removal as usize..][..event.removals as usize],
+            offsets: &history.changes[location.change as usize..][..event.changes as usize],
+            removals: &history.removals[location.removal as usize..][..event.removals as usize],
         }
     }
 }
 
 /// All events in order of records, and within a record of strips (a counting sort).
-fn by_record(histories: &[History], records: usize) -> Vec<Located> {
-    let mut place = vec![0u32; records + 1];
+fn by_record(histories: &[History], records: usize) -> Vec<EventLocation> {
+    let mut next_slot = vec![0u32; records + 1];
     for event in histories.iter().flat_map(|h| &h.events) {
-        place[event.record as usize + 1] += 1;
+        next_slot[event.record as usize + 1] += 1;
     }
     for k in 0..records {
-        place[k + 1] += place[k];
+        next_slot[k + 1] += next_slot[k];
     }
-    let mut order = vec![Located::default(); place[records] as usize];
+    let mut order = vec![EventLocation::default(); next_slot[records] as usize];
     for (number, history) in histories.iter().enumerate() {
-        let mut at = Located { history: number as u32, ..Located::default() };
+        let mut location = EventLocation { history: number as u32, ..EventLocation::default() };
         for event in &history.events {
-            let slot = &mut place[event.record as usize];
-            order[*slot as usize] = at;
+            let slot = &mut next_slot[event.record as usize];
+            order[*slot as usize] = location;
             *slot += 1;
-            at.event += 1;
-            at.change += event.changes;
-            at.removal += event.removals;
+            location.event += 1;
+            location.change += event.changes;
+            location.removal += event.removals;
         }
     }
     order
@@ -151,7 +153,8 @@ impl Edits {
     pub(super) fn length_changes(&self) -> f64 {
         let of_record =
             |pair: &&[Starts]| &self.affected[pair[0].affected as usize..pair[1].affected as usize];
-        let changes = |pair: &&[Starts]| of_record(pair).iter().any(|a| a.before != a.after);
+        let changes =
+            |pair: &&[Starts]| of_record(pair).iter().any(|a| a.length_before != a.length_after);
         let records = self.starts.windows(2);
         let count = records.len().max(1);
         records.filter(changes).count() as f64 / count as f64
@@ -163,13 +166,13 @@ impl Edits {
         let mut edits = Self { starts: Vec::with_capacity(targets.len() + 1), ..Self::default() };
         let changes = histories.iter().map(|h| h.changes.len()).sum();
         edits.affected.reserve_exact(histories.iter().map(|h| h.events.len()).sum());
-        edits.places.reserve_exact(changes);
+        edits.offsets.reserve_exact(changes);
         edits.targets.reserve_exact(changes);
         edits.vertices.reserve_exact(changes);
         edits.removals.reserve_exact(histories.iter().map(|h| h.removals.len()).sum());
         let mut latest = Latest::new(strips);
-        for located in by_record(histories, targets.len()) {
-            let update = Update::new(&histories[located.history as usize], &located);
+        for location in by_record(histories, targets.len()) {
+            let update = Update::new(&histories[location.history as usize], &location);
             edits.start_records(update.record as usize + 1);
             let room = strips.range(update.strip as usize).start as u32;
             edits.push(&update, room, targets[update.record as usize]);
@@ -179,17 +182,17 @@ impl Edits {
         edits.index_removal_lods =
             histories.iter().flat_map(|h| &h.index_removal_lods).copied().collect();
         edits.at_front = histories.iter().flat_map(|h| &h.at_front).copied().collect();
-        edits.left_at = histories.iter().flat_map(|h| &h.left_at).copied().collect();
+        edits.removed_at = histories.iter().flat_map(|h| &h.removed_at).copied().collect();
         edits.removal_lods = histories.iter().flat_map(|h| &h.removal_lods).copied().collect();
         edits
     }
 
     /// Adds the changes and removals of a strip whose room starts at `room`.
     fn push(&mut self, update: &Update<'_>, room: u32, target: u32) {
-        self.places.extend(update.places.iter().map(|p| room + p));
-        self.targets.resize(self.places.len(), target);
-        self.vertices.resize(self.places.len(), update.record);
-        let (strip, record, changes) = (update.strip, update.record, self.places.len() as u32);
+        self.offsets.extend(update.offsets.iter().map(|p| room + p));
+        self.targets.resize(self.offsets.len(), target);
+        self.vertices.resize(self.offsets.len(), update.record);
+        let (strip, record, changes) = (update.strip, update.record, self.offsets.len() as u32);
         let removed = |&removal| Removed { strip, record, removal, changes };
         self.removals.extend(update.removals.iter().rev().map(removed));
     }
@@ -198,15 +201,21 @@ impl Edits {
     fn affect(&mut self, update: &Update<'_>, latest: &mut Latest) {
         let (strip, entry) = (update.strip as usize, self.affected.len() as u32);
         let previous = std::mem::replace(&mut latest.entry[strip], entry);
-        let before = latest.length[strip];
+        let length_before = latest.length[strip];
         let removed: u32 = update.removals.iter().map(|r| r.count).sum();
-        let after = if update.places.is_empty() { 0 } else { before - removed };
-        latest.length[strip] = after;
-        self.affected.push(Affected { strip: update.strip, previous, next: NONE, before, after });
+        let length_after = if update.offsets.is_empty() { 0 } else { length_before - removed };
+        latest.length[strip] = length_after;
+        self.affected.push(Affected {
+            strip: update.strip,
+            previous,
+            next: NONE,
+            length_before,
+            length_after,
+        });
         if let Some(previous) = self.affected.get_mut(previous as usize) {
             previous.next = entry;
         }
-        if update.places.is_empty() {
+        if update.offsets.is_empty() {
             self.dying.push(update.strip);
         }
     }
@@ -215,7 +224,7 @@ impl Edits {
     fn start_records(&mut self, count: usize) {
         let starts = Starts {
             affected: self.affected.len() as u32,
-            changes: self.places.len() as u32,
+            changes: self.offsets.len() as u32,
             removals: self.removals.len() as u32,
             dying: self.dying.len() as u32,
         };
@@ -235,7 +244,7 @@ impl Edits {
         let changes = a.changes as usize..b.changes as usize;
         Run {
             first_change: a.changes,
-            places: &self.places[changes.clone()],
+            offsets: &self.offsets[changes.clone()],
             targets: &self.targets[changes.clone()],
             vertices: &self.vertices[changes],
             removals: &self.removals[a.removals as usize..b.removals as usize],
@@ -249,7 +258,7 @@ impl Edits {
         removed.take_while(|(at, _)| **at <= lod).filter(|(_, front)| **front).count()
     }
 
-    /// Returns whether an index goes at the front of its strip.
+    /// Returns whether an index is removed at the front of its strip.
     pub(super) fn at_front(&self, index: usize) -> bool {
         self.at_front[index]
     }
@@ -275,8 +284,8 @@ impl Edits {
         let range = self.entries(records);
         let entries = &self.affected[range.start as usize..range.end as usize];
         let counts = entries.iter().map(|e| match after {
-            true if e.next >= range.end => e.after,
-            false if e.previous == NONE || e.previous < range.start => e.before,
+            true if e.next >= range.end => e.length_after,
+            false if e.previous == NONE || e.previous < range.start => e.length_before,
             _ => 0,
         });
         counts.map(u64::from).sum()
@@ -289,8 +298,9 @@ impl Edits {
         let mut events = vec![0u32; self.removal_lods.len()];
         for record in 0..self.records() {
             let record = record..record + 1;
-            for gone in self.of(&record).removals.iter().rev() {
-                by_strip[gone.strip as usize].push((events[gone.strip as usize], gone.removal));
+            for removed in self.of(&record).removals.iter().rev() {
+                by_strip[removed.strip as usize]
+                    .push((events[removed.strip as usize], removed.removal));
             }
             for strip in self.affected(&record) {
                 events[strip as usize] += 1;

@@ -1,4 +1,4 @@
-//! Cases of Speed Strips to time on a device.
+//! What is timed of Speed Strips on a graphics device: moves over all LODs, and draws.
 
 use super::{Speed, replay::Device};
 use lodc_mesh::Lod;

@@ -1,6 +1,6 @@
 //! Speed Strips (thesis chapter 3): static strips and one list of changes.
 //!
-//! Every record changes indices of some strips and takes repetitions out of them, so that strips
+//! Every record changes indices of some strips and removes repetitions from them, so that strips
 //! get shorter as the mesh gets coarser. The list is walked in both directions. See [`RunTime`] for
 //! the arrays and [`Cursor`] for the extraction.
 
@@ -130,20 +130,21 @@ impl Speed {
     pub fn degenerates_removed(&self) -> f64 {
         let lods = self.simplified.collapses().records() + 1;
         let shown = |removal_lod: u32| u64::from(removal_lod.min(lods));
-        let alive: u64 =
+        let live: u64 =
             removal_lods(&self.simplified, &self.positions).into_iter().map(shown).sum();
-        let (mut whole, mut drawn) = (0, 0);
+        let (mut all_degenerate, mut drawn_degenerate) = (0, 0);
         for (strip, &removal_lod) in self.edits.removal_lods.iter().enumerate() {
             let room = self.strips.range(strip);
-            whole += (room.len() as u64 - 2) * shown(removal_lod);
-            drawn += self.edits.index_removal_lods[room]
+            all_degenerate += (room.len() as u64 - 2) * shown(removal_lod);
+            drawn_degenerate += self.edits.index_removal_lods[room]
                 .iter()
                 .map(|&at| shown(at.min(removal_lod)))
                 .sum::<u64>();
-            drawn -= 2 * shown(removal_lod);
+            drawn_degenerate -= 2 * shown(removal_lod);
         }
-        let (whole, left) = (whole.saturating_sub(alive), drawn.saturating_sub(alive));
-        if whole == 0 { 0.0 } else { 1.0 - left as f64 / whole as f64 }
+        let (all_degenerate, remaining) =
+            (all_degenerate.saturating_sub(live), drawn_degenerate.saturating_sub(live));
+        if all_degenerate == 0 { 0.0 } else { 1.0 - remaining as f64 / all_degenerate as f64 }
     }
 
     /// Returns the share of the records that change the length of a strip, to none included; the

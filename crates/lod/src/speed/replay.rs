@@ -1,5 +1,5 @@
-//! Speed Strips on a graphics device, *direct*: the edits are applied by a compute pass where the
-//! strips are.
+//! Speed Strips on a graphics device as a [`Plan`], the variant *direct* of the thesis: compute
+//! passes apply the edits to the strips in the device's memory.
 
 use super::{Cursor, Kind, Speed};
 use crate::twin::move_and_compare;
@@ -102,9 +102,9 @@ impl Device {
             ];
             vec![pass(edits, strips, buffers, vec![strips, to.0])]
         } else {
-            let turned =
+            let value_buffers =
                 vec![self.stored, self.strip_of, self.removal_lods, self.collapse_to, self.values];
-            let anew = vec![
+            let rewrite_buffers = vec![
                 self.starts,
                 self.entries,
                 self.removal_lods,
@@ -114,8 +114,8 @@ impl Device {
                 self.heads,
             ];
             vec![
-                pass(values, indices, turned, vec![indices, to.0]),
-                pass(rewrite, strips, anew, vec![strips, to.0]),
+                pass(values, indices, value_buffers, vec![indices, to.0]),
+                pass(rewrite, strips, rewrite_buffers, vec![strips, to.0]),
             ]
         };
         let places = self.packed.places;
@@ -137,8 +137,8 @@ impl Device {
 }
 
 /// The changes strip by strip, as kernels read them: where each strip's indices and entries start,
-/// four words for each entry, places that change with the values behind them that ends come back
-/// with, two words for each removal.
+/// four words for each entry, offsets that change, followed by the vertices that are put back at
+/// ends, two words for each removal.
 fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     let (set, records) = (&model.strips.set, model.edits().records());
     // How many entries, changes and removals each strip has; then where the next ones go.
@@ -150,41 +150,45 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
         *removals += event.removals.len() as u32;
     }
     for strip in 0..set.len() {
-        let before = next[strip];
-        next[strip + 1].iter_mut().zip(before).for_each(|(n, before)| *n += before);
+        let previous = next[strip];
+        next[strip + 1].iter_mut().zip(previous).for_each(|(n, previous)| *n += previous);
     }
     let end = next[set.len()];
-    let places = (0..set.len()).map(|strip| set.range(strip).start).chain([set.indices().len()]);
-    let starts =
-        places.zip(&next).flat_map(|(place, [first, ..])| [place as u32, *first]).collect();
+    let first_offsets =
+        (0..set.len()).map(|strip| set.range(strip).start).chain([set.indices().len()]);
+    let starts = first_offsets
+        .zip(&next)
+        .flat_map(|(offset, [first, ..])| [offset as u32, *first])
+        .collect();
     let mut entries = vec![0; 4 * end[0] as usize];
     let (mut changes, mut removals) = (vec![0; end[1] as usize], vec![0; 2 * end[2] as usize]);
-    // Kernels know no room at the front: places count from where a strip starts at the time.
+    // Kernels leave no gap at the front: offsets count from where a strip starts at the time.
     let mut room: Vec<u32> = (0..set.len()).map(|strip| set.range(strip).start as u32).collect();
     for record in 0..records {
         for event in model.events(record) {
             let strip = event.strip as usize;
             let ([entry, change, removal], first) =
                 (&mut next[strip], set.range(strip).start as u32);
-            let kept = changes.len() as u32;
-            entries[4 * *entry as usize..][..4].copy_from_slice(&[record, *change, *removal, kept]);
+            let ends_start = changes.len() as u32;
+            entries[4 * *entry as usize..][..4]
+                .copy_from_slice(&[record, *change, *removal, ends_start]);
             *entry += 1;
-            for place in event.changes {
-                changes[*change as usize] = place - room[strip];
+            for offset in event.changes {
+                changes[*change as usize] = offset - room[strip];
                 *change += 1;
             }
             let mut gone_at_front = 0;
-            for gone in event.removals.iter().rev() {
-                let at = gone.removal.at - (room[strip] - first);
+            for removed in event.removals.iter().rev() {
+                let at = removed.removal.at - (room[strip] - first);
                 removals[2 * *removal as usize..][..2]
-                    .copy_from_slice(&[at, gone.removal.word().cast_unsigned()]);
+                    .copy_from_slice(&[at, removed.removal.word().cast_unsigned()]);
                 *removal += 1;
-                if gone.removal.kind == Kind::Front {
-                    gone_at_front = gone.removal.count;
+                if removed.removal.kind == Kind::Front {
+                    gone_at_front = removed.removal.count;
                 }
             }
             room[strip] += gone_at_front;
-            for kind in event.removals.iter().rev().map(|gone| gone.removal.kind) {
+            for kind in event.removals.iter().rev().map(|removed| removed.removal.kind) {
                 if kind == Kind::Front || kind == Kind::Back {
                     changes.extend(end_of(model, strip, record, kind));
                 }
@@ -200,12 +204,13 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
 fn end_of(model: &Speed, strip: usize, record: u32, kind: Kind) -> impl Iterator<Item = u32> {
     let (room, lod) = (model.strips.range(strip), record + 1);
     let index_removal_lods = &model.index_removal_lods()[room.clone()];
-    // Nothing but what goes at the back is behind the last element that is left.
-    let last_left =
+    // Only what is removed at the back is behind the last remaining element.
+    let last_remaining =
         index_removal_lods.iter().rposition(|&at| at > lod).map_or(room.start, |i| room.start + i);
     let goes = move |&i: &usize| {
-        let there = if kind == Kind::Front { model.edits().at_front(i) } else { i > last_left };
-        there && model.index_removal_lods()[i] == lod
+        let is_at_end =
+            if kind == Kind::Front { model.edits().at_front(i) } else { i > last_remaining };
+        is_at_end && model.index_removal_lods()[i] == lod
     };
     room.filter(goes)
         .map(move |i| model.simplified.collapses().resolve(model.strips.indices()[i], Lod(lod)))

@@ -38,19 +38,19 @@ pub struct RunTime {
     pub lods: Vec<LodInfo>,
     /// For each record the strips that it changes, in order.
     pub strips: Vec<StripInfo>,
-    /// For each of these the operations, by their place in the strip as it is before the record. `p
-    /// ≥ 0`: the index at `p` changes. `p < 0`: elements from `!p` on (−1 is place 0) go, and the
-    /// next word is how many: positive for a vertex repetition, negative for an edge repetition,
-    /// [`AT_END`] more than that for the back of the strip and less for its front. A change of an
-    /// element that goes matters for refining only. Places count from where the strip starts at LOD
-    /// 0: what has gone at the front keeps its room.
+    /// For each of these the operations, by their offset in the strip as it is before the record.
+    /// `p ≥ 0`: the index at `p` changes. `p < 0`: elements from `!p` on (−1 is offset 0) go, and
+    /// the next word is how many: positive for a vertex repetition, negative for an edge
+    /// repetition, [`AT_END`] more than that for the back of the strip and less for its front. A
+    /// change of an element that goes matters for refining only. Offsets count from where the strip
+    /// starts at LOD 0, whatever was removed at the front.
     pub updates: Vec<i32>,
 }
 
 /// One operation of [`RunTime::updates`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
-    /// The index at this place becomes the record's target; backwards, the record's vertex.
+    /// The index at this offset becomes the record's target; backwards, the record's vertex.
     Change(u32),
     /// Elements go; backwards, they come again.
     Remove(Removal),
@@ -84,7 +84,7 @@ impl RunTime {
 
     fn push(&mut self, operation: Operation) {
         match operation {
-            Operation::Change(place) => self.updates.push(place as i32),
+            Operation::Change(offset) => self.updates.push(offset as i32),
             Operation::Remove(removal) => {
                 self.updates.extend([!(removal.at as i32), removal.word()]);
             }
@@ -151,9 +151,9 @@ impl Removal {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Event<'a> {
     pub(super) strip: u32,
-    /// The places of the buffer of all strips that change.
+    /// The offsets in the buffer of all strips that change.
     pub(super) changes: &'a [u32],
-    /// The removals, the last place first.
+    /// The removals, the last offset first.
     pub(super) removals: &'a [Removed],
 }
 
@@ -162,28 +162,28 @@ impl Speed {
     pub(super) fn events(&self, record: u32) -> impl Iterator<Item = Event<'_>> {
         let record = record..record + 1;
         let run = self.edits.of(&record);
-        let (mut changes, mut removals) = (run.places, run.removals);
+        let (mut changes, mut removals) = (run.offsets, run.removals);
         self.edits.affected(&record).map(move |strip| {
             let end = self.strips.range(strip as usize).end;
             let (changed, rest) =
                 changes.split_at(changes.partition_point(|&p| (p as usize) < end));
             changes = rest;
-            let (gone, rest) = removals.split_at(removals.partition_point(|g| g.strip <= strip));
+            let (removed, rest) = removals.split_at(removals.partition_point(|g| g.strip <= strip));
             removals = rest;
-            Event { strip, changes: changed, removals: gone }
+            Event { strip, changes: changed, removals: removed }
         })
     }
 
-    /// Returns the operations of a record on each strip that it changes, by place.
+    /// Returns the operations of a record on each strip that it changes, by offset.
     pub(super) fn operations(&self, record: u32) -> Vec<Vec<Operation>> {
         let of_strip = |event: Event<'_>| {
             let first = self.strips.range(event.strip as usize).start as u32;
-            let gone = event.removals.iter().map(|g| Operation::Remove(g.removal));
+            let removed = event.removals.iter().map(|g| Operation::Remove(g.removal));
             let changed = event.changes.iter().map(|p| Operation::Change(p - first));
-            let mut operations: Vec<Operation> = gone.chain(changed).collect();
-            // Stable: a removal comes before a change at the same place.
+            let mut operations: Vec<Operation> = removed.chain(changed).collect();
+            // Stable: a removal comes before a change at the same offset.
             operations.sort_by_key(|operation| match operation {
-                Operation::Change(place) => *place,
+                Operation::Change(offset) => *offset,
                 Operation::Remove(removal) => removal.at,
             });
             operations

@@ -1,9 +1,10 @@
-//! Removals as they are stored. Index changes are not: strips and sequence tell them.
+//! The array in which Speed Strips store their removals, and the replay that checks them as it is
+//! read. Index changes are not stored: they follow from strips and sequence.
 //!
 //! For each strip in turn the number of its removals (varint), then for each removal three varints:
 //! how many of the strip's events (records that change it while it is live) lie between it and the
-//! event of the one before, or the start; its place before that event ([`Removal::at`]); and
-//! four times how many elements go, plus the number of their [`Kind`].
+//! event of the one before, or the start; its offset before that event ([`Removal::at`]); and four
+//! times how many elements are removed, plus the number of their [`Kind`].
 
 use crate::trace::{Kind, Leaving, Removal, Removals, WorkingStrip};
 use lodc_mesh::put_leb128;
@@ -45,7 +46,7 @@ impl Stored {
         }
         let mut reader = Reader::new(&array.bytes);
         let short = || wrong("ends early or has a malformed number");
-        if strips > reader.left() {
+        if strips > reader.remaining() {
             return Err(short());
         }
         let mut stored = Self { first: Vec::with_capacity(strips + 1), removals: Vec::new() };
@@ -64,7 +65,11 @@ impl Stored {
             }
         }
         stored.first.push(stored.removals.len() as u32);
-        if reader.left() > 0 { Err(wrong("is longer than its strips need")) } else { Ok(stored) }
+        if reader.remaining() > 0 {
+            Err(wrong("is longer than its strips need"))
+        } else {
+            Ok(stored)
+        }
     }
 
     /// The removals of one strip.
@@ -73,20 +78,20 @@ impl Stored {
     }
 }
 
-/// Takes out of one strip what was stored for it.
+/// Applies the stored removals of one strip.
 pub(super) struct Replay<'a> {
-    rest: &'a [(u32, Removal)],
+    pending: &'a [(u32, Removal)],
     event: u32,
-    gone: Vec<Leaving>,
+    leaving_runs: Vec<Leaving>,
 }
 
 impl<'a> Replay<'a> {
     pub(super) fn new(removals: &'a [(u32, Removal)]) -> Self {
-        Self { rest: removals, event: 0, gone: Vec::new() }
+        Self { pending: removals, event: 0, leaving_runs: Vec::new() }
     }
     /// Fails if removals are left over.
     pub(super) fn finish(self) -> Result<(), BuildError> {
-        if self.rest.is_empty() {
+        if self.pending.is_empty() {
             Ok(())
         } else {
             Err(wrong("has removals of a strip that is dead"))
@@ -98,17 +103,18 @@ impl Removals for Replay<'_> {
     const LOOKS_AHEAD: bool = false;
 
     fn next(&mut self, strip: &mut WorkingStrip, _: &[u32]) -> Result<&[Leaving], BuildError> {
-        let count = self.rest.iter().take_while(|(event, _)| *event == self.event).count();
-        let (now, rest) = self.rest.split_at(count);
-        (self.rest, self.event) = (rest, self.event + 1);
-        self.gone.clear();
+        let count = self.pending.iter().take_while(|(event, _)| *event == self.event).count();
+        let (due, pending) = self.pending.split_at(count);
+        (self.pending, self.event) = (pending, self.event + 1);
+        self.leaving_runs.clear();
         let mut free_from = 0;
-        for (_, removal) in now {
+        for (_, removal) in due {
             let (kind, period) = (removal.kind, removal.kind.period());
             if removal.at.checked_sub(period).is_none_or(|start| start < free_from) {
                 return Err(wrong("has removals out of order or resting on one another"));
             }
-            let first = strip.at(removal.at).ok_or_else(|| wrong("removes what is not there"))?;
+            let first =
+                strip.element_at(removal.at).ok_or_else(|| wrong("removes what is not there"))?;
             let (mut last, mut element) = (first, first);
             for _ in 0..removal.count {
                 if !strip.is_inside(element) || period > 0 && !strip.repeats(element, period) {
@@ -125,15 +131,15 @@ impl Removals for Replay<'_> {
                 return Err(wrong("removes a drawn triangle, or from the middle as from an end"));
             }
             free_from = removal.at + removal.count;
-            self.gone.push(Leaving { first, last, count: removal.count, kind });
+            self.leaving_runs.push(Leaving { first, last, count: removal.count, kind });
         }
-        for leaving in &self.gone {
+        for leaving in &self.leaving_runs {
             match leaving.kind {
                 Kind::Vertex | Kind::Edge => strip.unlink_repetition(leaving.first, leaving.last),
                 Kind::Front | Kind::Back => strip.unlink(leaving.first, leaving.last),
             }
         }
-        Ok(&self.gone)
+        Ok(&self.leaving_runs)
     }
 }
 

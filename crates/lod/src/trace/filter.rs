@@ -1,17 +1,16 @@
-//! Repetitions that a record takes out of a strip (thesis 3.3.3), with the winding of everything
-//! else kept.
+//! Chooses the repetitions that a record removes from a strip (thesis 3.3.3) so that the winding of
+//! all other triangles is kept.
 //!
 //! The thesis has two filters: a vertex repetition `a a (a)+` keeps two, an edge repetition `a b (a
-//! b)+` keeps one pair. Taking out an even number of elements keeps the side of every later
-//! triangle, so the edge filter is always right, and so is the vertex filter two at a time. A
-//! single element of `a a a` or `x a a x` turns over what is behind it. It goes together with
-//! another one if no triangle is drawn between the two. Whether a triangle is drawn is asked by
-//! position, whether elements repeat by vertex: refining puts them back by copying.
+//! b)+` keeps one pair. Removing an even number of elements keeps the side of every later triangle,
+//! so the edge filter is always right, and so is the vertex filter two at a time. A single element
+//! of `a a a` or `x a a x` turns over what is behind it. It is removed together with another one if
+//! no triangle is drawn between the two. Whether a triangle is drawn is asked by position, whether
+//! elements repeat by vertex: refining puts them back by copying.
 //!
-//! Beyond the thesis, the dead ends of a strip go, whatever they are: what comes before its first
-//! drawn triangle (an even number, again for the winding) and after its last. They keep their
-//! places in the buffer and come back by moving the ends (bunny: 497 bits per vertex without, 463
-//! with).
+//! Beyond the thesis, the dead ends of a strip are removed, whatever they are: what comes before
+//! its first drawn triangle (an even number, again for the winding) and after its last. They stay
+//! in the buffer and come back by moving the ends (bunny: 497 bits per vertex without, 463 with).
 
 use super::history::Kind;
 use super::tracer::Removals;
@@ -27,14 +26,14 @@ const REACH: usize = 12;
 /// Number of changes a removal must spare. It takes two words itself and a change one, so this is
 /// where storage breaks even (bunny and cow: 2 to 4 give the same size within one percent; it is
 /// removals that take time, changes hardly do).
-const LEAST: u32 = 3;
+const MIN_SPARED: u32 = 3;
 
 /// The choice of what one record removes from one strip.
 #[derive(Debug)]
 pub(crate) struct Filter<'a> {
     pub(crate) removed: Vec<Leaving>,
     targets: &'a [u32],
-    /// True if dead ends go.
+    /// True if dead ends are removed.
     ends: bool,
     /// The record with which the strip dies.
     pub(crate) end: u32,
@@ -46,47 +45,47 @@ impl<'a> Filter<'a> {
         Self { removed: Vec::new(), targets, ends, end: NONE }
     }
 
-    /// Returns the number of changes of a strip that are spared if some elements go, up to
-    /// [`LEAST`].
-    fn worth(&self, strip: &WorkingStrip, first: u32, last: u32) -> u32 {
-        let (mut e, mut worth) = (first, 0);
+    /// Returns the number of changes of a strip that are spared if some elements are removed, up to
+    /// [`MIN_SPARED`].
+    fn spared_changes(&self, strip: &WorkingStrip, first: u32, last: u32) -> u32 {
+        let (mut e, mut spared_changes) = (first, 0);
         loop {
             let mut v = strip.value(e);
-            while v < self.end && worth < LEAST {
-                (v, worth) = (self.targets[v as usize], worth + 1);
+            while v < self.end && spared_changes < MIN_SPARED {
+                (v, spared_changes) = (self.targets[v as usize], spared_changes + 1);
             }
-            if e == last || worth >= LEAST {
-                return worth;
+            if e == last || spared_changes >= MIN_SPARED {
+                return spared_changes;
             }
             e = strip.next(e);
         }
     }
 
-    /// Takes repetitions around changed elements out of a strip. Afterwards `removed` has them in
+    /// Removes repetitions around changed elements from a strip. Afterwards `removed` has them in
     /// order; they neither touch nor rest on one another.
     pub(crate) fn apply(&mut self, strip: &mut WorkingStrip, changed: &[u32]) {
         self.removed.clear();
         if self.ends {
-            self.ends(strip);
+            self.remove_ends(strip);
         }
         for &element in changed {
             for second in [false, true] {
                 if strip.remains(element) {
                     let e = if second { strip.next(strip.next(element)) } else { element };
-                    self.pairs(strip, e);
+                    self.remove_pairs(strip, e);
                 }
             }
         }
         for &element in changed {
             if strip.remains(element) {
-                self.singles(strip, element);
+                self.remove_singles(strip, element);
             }
         }
         self.removed.sort_unstable_by_key(|r| r.first);
     }
 
     /// The stretch of period two around an element: all pairs of it but the first.
-    fn pairs(&mut self, strip: &mut WorkingStrip, element: u32) {
+    fn remove_pairs(&mut self, strip: &mut WorkingStrip, element: u32) {
         if !strip.is_inside(element) || !strip.repeats(element, 2) {
             return;
         }
@@ -104,12 +103,12 @@ impl<'a> Filter<'a> {
             count -= 1;
         }
         if count > 0 {
-            self.take(strip, first, last, count);
+            self.remove(strip, first, last, count);
         }
     }
 
     /// Single elements, by twos, among triangles that are not drawn.
-    fn singles(&mut self, strip: &mut WorkingStrip, element: u32) {
+    fn remove_singles(&mut self, strip: &mut WorkingStrip, element: u32) {
         let mut e = element;
         for _ in 0..2 {
             if strip.draws(e) {
@@ -120,13 +119,13 @@ impl<'a> Filter<'a> {
             return;
         }
         for _ in 0..REACH {
-            let before = strip.previous(e);
-            if !strip.is_inside(before) || strip.draws(before) {
+            let previous = strip.previous(e);
+            if !strip.is_inside(previous) || strip.draws(previous) {
                 break;
             }
-            e = before;
+            e = previous;
         }
-        let mut waiting = None;
+        let mut first_single = None;
         for _ in 0..2 * REACH {
             if !strip.is_inside(e) {
                 break;
@@ -134,18 +133,18 @@ impl<'a> Filter<'a> {
             if strip.repeats(e, 1)
                 && is_harmless(strip, e)
                 && self.is_free(strip, e, e)
-                && self.worth(strip, e, e) >= LEAST
+                && self.spared_changes(strip, e, e) >= MIN_SPARED
             {
-                if let Some(partner) = waiting {
+                if let Some(partner) = first_single {
                     if strip.previous(strip.previous(e)) > partner
                         && self.is_free(strip, partner, partner)
                     {
-                        self.take(strip, partner, partner, 1);
-                        self.take(strip, e, e, 1);
+                        self.remove(strip, partner, partner, 1);
+                        self.remove(strip, e, e, 1);
                     }
                     return;
                 }
-                waiting = Some(e);
+                first_single = Some(e);
             }
             if strip.draws(e) {
                 return;
@@ -154,8 +153,8 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Takes out all that comes before the first drawn triangle and after the last.
-    fn ends(&mut self, strip: &mut WorkingStrip) {
+    /// Removes all that comes before the first drawn triangle and after the last.
+    fn remove_ends(&mut self, strip: &mut WorkingStrip) {
         let (front, mut last, mut count) = (strip.front(), strip.first_drawn(), 0);
         while last != front {
             (last, count) = (strip.previous(last), count + 1);
@@ -164,12 +163,12 @@ impl<'a> Filter<'a> {
         if count % 2 == 1 {
             (last, count) = (strip.previous(last), count - 1);
         }
-        if count > 0 && self.worth(strip, front, last) >= LEAST {
+        if count > 0 && self.spared_changes(strip, front, last) >= MIN_SPARED {
             self.removed.push(Leaving { first: front, last, count, kind: Kind::Front });
             strip.unlink(front, last);
         }
         let (first, back) = (strip.next(strip.last_corner()), strip.back());
-        if strip.is_inside(first) && self.worth(strip, first, back) >= LEAST {
+        if strip.is_inside(first) && self.spared_changes(strip, first, back) >= MIN_SPARED {
             let (mut e, mut count) = (first, 1);
             while e != back {
                 (e, count) = (strip.next(e), count + 1);
@@ -179,27 +178,28 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Returns whether nothing that this record takes out is among these elements or the two before
+    /// Returns whether nothing that this record removes is among these elements or the two before
     /// them.
     fn is_free(&self, strip: &WorkingStrip, first: u32, last: u32) -> bool {
         let start = |first| strip.previous(strip.previous(first));
         self.removed.iter().all(|r| r.last < start(first) || last < start(r.first))
     }
 
-    fn take(&mut self, strip: &mut WorkingStrip, first: u32, last: u32, count: u32) {
-        if !self.is_free(strip, first, last) || self.worth(strip, first, last) < LEAST {
+    fn remove(&mut self, strip: &mut WorkingStrip, first: u32, last: u32, count: u32) {
+        if !self.is_free(strip, first, last) || self.spared_changes(strip, first, last) < MIN_SPARED
+        {
             return;
         }
-        let (mut same, mut e) = (strip.repeats(first, 1), first);
+        let (mut is_vertex_repetition, mut e) = (strip.repeats(first, 1), first);
         while e != last {
             e = strip.next(e);
-            same &= strip.repeats(e, 1);
+            is_vertex_repetition &= strip.repeats(e, 1);
         }
         self.removed.push(Leaving {
             first,
             last,
             count,
-            kind: if same { Kind::Vertex } else { Kind::Edge },
+            kind: if is_vertex_repetition { Kind::Vertex } else { Kind::Edge },
         });
         strip.unlink_repetition(first, last);
     }
@@ -222,10 +222,10 @@ impl Removals for Filter<'_> {
     }
 }
 
-/// Returns whether the elements that meet when a repeating one goes make no triangle: by vertex, so
-/// that they never will.
+/// Returns whether the elements that meet when a repeating one is removed make no triangle: by
+/// vertex, so that they never will.
 fn is_harmless(strip: &WorkingStrip, element: u32) -> bool {
-    let (before, after) = (strip.previous(element), strip.next(element));
-    let [a, b, c] = [strip.previous(before), before, after].map(|e| strip.value(e));
-    !strip.is_inside(strip.previous(before)) || !strip.is_inside(after) || is_degenerate([a, b, c])
+    let (previous, next) = (strip.previous(element), strip.next(element));
+    let [a, b, c] = [strip.previous(previous), previous, next].map(|e| strip.value(e));
+    !strip.is_inside(strip.previous(previous)) || !strip.is_inside(next) || is_degenerate([a, b, c])
 }

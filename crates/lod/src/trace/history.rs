@@ -1,4 +1,5 @@
-//! Histories of strips: changes and removals in order of records.
+//! The history of strips through a collapse sequence: which indices every record changes, and which
+//! elements it removes.
 
 use lodc_mesh::NONE;
 
@@ -31,11 +32,11 @@ impl Kind {
     }
 }
 
-/// Consecutive elements that a record takes out of a strip.
+/// Consecutive elements that a record removes from a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Removal {
-    /// The place of the first of them before the record, counted from where the strip starts at LOD
-    /// 0: what has gone at the front keeps its room.
+    /// The offset of the first of them before the record, counted from where the strip starts at
+    /// LOD 0, whatever was removed at the front.
     pub at: u32,
     /// Number of elements.
     pub count: u32,
@@ -63,7 +64,7 @@ pub struct Event {
 pub struct History {
     /// One for each strip and record that changes it.
     pub events: Vec<Event>,
-    /// Places of a strip, as before the record, that change.
+    /// Offsets in a strip, as before the record, that change.
     pub changes: Vec<u32>,
     /// The removals.
     pub removals: Vec<Removal>,
@@ -71,9 +72,9 @@ pub struct History {
     pub index_removal_lods: Vec<u32>,
     /// For each index whether it is removed at the front of its strip.
     pub at_front: Vec<bool>,
-    /// For each index that is removed at the front or back of its strip its place then, where it is
-    /// left; for others [`NONE`].
-    pub left_at: Vec<u32>,
+    /// For each index that is removed at the front or back of its strip its offset then, where it
+    /// stays in the buffer; for others [`NONE`].
+    pub removed_at: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
     pub removal_lods: Vec<u32>,
 }
@@ -84,7 +85,7 @@ impl History {
         let first = self.index_removal_lods.len();
         self.index_removal_lods.resize(first + indices, NONE);
         self.at_front.resize(first + indices, false);
-        self.left_at.resize(first + indices, NONE);
+        self.removed_at.resize(first + indices, NONE);
         first
     }
 
@@ -95,7 +96,7 @@ impl History {
         self.removals.extend(more.removals);
         self.index_removal_lods.extend(more.index_removal_lods);
         self.at_front.extend(more.at_front);
-        self.left_at.extend(more.left_at);
+        self.removed_at.extend(more.removed_at);
         self.removal_lods.extend(more.removal_lods);
     }
 }

@@ -1,7 +1,7 @@
-//! Tracing strips through a collapse sequence, each by itself: what every record changes in a
-//! strip, until it draws nothing any more.
+//! Traces strips through a collapse sequence, each by itself: what every record changes in a strip,
+//! until it draws nothing any more. Speed Strips are made of it.
 //!
-//! A place `p` of a strip holds `strip[p]`, then what that becomes, and so on, and changes at
+//! Element `p` of a strip holds `strip[p]`, then what that becomes, and so on, and changes at
 //! exactly the records of these vertices. So strips need not know of each other, and all work on
 //! one touches little memory.
 
@@ -20,7 +20,7 @@ use lodc_mesh::{PositionIds, Simplified};
 use lodc_model::BuildError;
 use lodc_strip::StripSet;
 
-/// Traces all strips, taking out repetitions and, if `ends`, dead ends. Parallel over runs of
+/// Traces all strips, removing repetitions and, if `ends`, dead ends. Parallel over runs of
 /// strips; the result does not depend on the threads.
 ///
 /// # Errors

@@ -27,18 +27,18 @@ impl Ranks {
     /// Returns the remaining element with `rank` remaining ones before it. There must be one.
     pub(super) fn select(&self, rank: u32) -> u32 {
         let last = self.tree.len() - 1;
-        // Descends the tree: `at` elements are before the one sought, `rest` of those that remain
-        // are not counted yet.
-        let (mut at, mut rest) = (0, rank);
+        // Descends the tree: `index` elements are before the one sought, `uncounted` of those that
+        // remain are not counted yet.
+        let (mut index, mut uncounted) = (0, rank);
         let mut width = (last + 1).next_power_of_two();
         while width > 0 {
-            if at + width <= last && self.tree[at + width] <= rest {
-                at += width;
-                rest -= self.tree[at];
+            if index + width <= last && self.tree[index + width] <= uncounted {
+                index += width;
+                uncounted -= self.tree[index];
             }
             width /= 2;
         }
-        at as u32
+        index as u32
     }
 
     /// Removes an element, which must remain until now.

@@ -1,4 +1,5 @@
-//! The walk of one strip through the records that change it.
+//! Traces one strip through the records that change it, with a queue of its vertices by the record
+//! at which each disappears.
 
 use super::history::{Event, History, Kind, Removal};
 use super::working::{Leaving, WorkingStrip};
@@ -13,7 +14,7 @@ use std::ops::Range;
 
 /// Number of changes a strip may have per index: strips of real meshes have about five, and a file
 /// may claim any.
-const MOST_CHANGES: usize = 300;
+const MAX_CHANGES: usize = 300;
 
 /// The strips that are traced, and the sequence.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +31,7 @@ pub(crate) trait Removals {
     const LOOKS_AHEAD: bool;
     /// Begins a strip that dies with record `end`.
     fn begin(&mut self, _end: u32) {}
-    /// Chooses the repetitions that one record takes out of a strip, and unlinks them.
+    /// Chooses the repetitions that one record removes from a strip, and unlinks them.
     ///
     /// # Errors
     /// If what is stored does not fit the strip.
@@ -107,7 +108,7 @@ impl StripTracer {
         if R::LOOKS_AHEAD {
             removals.begin(self.last_record(source, strip));
         }
-        let most_changes = history.changes.len() + most_changes(strip);
+        let max_changes = history.changes.len() + max_changes(strip);
         let first_index = history.begin_strip(strip.len());
         self.start(strip, source.positions);
         let mut removal_lod = 0;
@@ -123,12 +124,12 @@ impl StripTracer {
                 let removed = removals.next(&mut self.strip, &self.changed)?;
                 event.changes = self.changed.len() as u32;
                 event.removals = removed.len() as u32;
-                history.changes.extend(self.changed.iter().map(|&e| self.strip.place(e)));
-                if history.changes.len() > most_changes {
+                history.changes.extend(self.changed.iter().map(|&e| self.strip.offset(e)));
+                if history.changes.len() > max_changes {
                     let what = "would need far more changes than it has indices".to_owned();
                     return Err(BuildError::Malformed { array: STRIPS, what });
                 }
-                write_down(&mut self.strip, removed, removal_lod, first_index, history);
+                record_removals(&mut self.strip, removed, removal_lod, first_index, history);
             }
             history.events.push(event);
         }
@@ -147,7 +148,7 @@ impl StripTracer {
         self.start(strip, source.positions);
         let (mut last, mut changes) = (0, 0);
         // Beyond this the strip is refused anyway.
-        while self.strip.is_live() && changes <= most_changes(strip) {
+        while self.strip.is_live() && changes <= max_changes(strip) {
             let Collapse { record, happens } = self.collapse_next(source);
             (last, changes) = (record, changes + self.changed.len());
             if !happens {
@@ -193,12 +194,12 @@ impl StripTracer {
 }
 
 /// Returns the number of changes a strip may have.
-fn most_changes(strip: &[u32]) -> usize {
-    MOST_CHANGES * (strip.len() + 100)
+fn max_changes(strip: &[u32]) -> usize {
+    MAX_CHANGES * (strip.len() + 100)
 }
 
-/// Adds what a record removes to the history of the strip whose first index is `first_index`.
-fn write_down(
+/// Adds the removals of a record to the history of the strip whose first index is `first_index`.
+fn record_removals(
     strip: &mut WorkingStrip,
     removed: &[Leaving],
     lod: u32,
@@ -207,20 +208,20 @@ fn write_down(
 ) {
     let first_removal = history.removals.len();
     for r in removed {
-        history.removals.push(Removal { at: strip.place(r.first), count: r.count, kind: r.kind });
+        history.removals.push(Removal { at: strip.offset(r.first), count: r.count, kind: r.kind });
     }
     for (r, removal) in removed.iter().zip(&history.removals[first_removal..]) {
         let mut element = r.first;
         for k in 0..r.count {
-            strip.forget(element);
+            strip.remove_rank(element);
             let index = first_index + WorkingStrip::number(element);
             history.index_removal_lods[index] = lod;
             history.at_front[index] = r.kind == Kind::Front;
-            history.left_at[index] = if r.kind.period() == 0 { removal.at + k } else { NONE };
+            history.removed_at[index] = if r.kind.period() == 0 { removal.at + k } else { NONE };
             element = strip.next(element);
         }
         if r.kind == Kind::Front {
-            strip.leave_room(r.count);
+            strip.shift_front(r.count);
         }
     }
 }

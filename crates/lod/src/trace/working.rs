@@ -1,5 +1,5 @@
-//! One strip while its history is worked out: a linked list, so that removing an element costs the
-//! same anywhere.
+//! A strip while its history is traced: a doubly linked list, so that removing an element costs the
+//! same anywhere, with a count of the triangles that are drawn.
 
 use super::history::Kind;
 use super::ranks::Ranks;
@@ -7,9 +7,9 @@ use lodc_mesh::{NONE, PositionIds, is_degenerate};
 
 /// Sentinels before the strip, and as many after it, so that every element has two neighbours on
 /// each side. Their values differ from each other and from every vertex.
-const EDGE: u32 = 2;
+const SENTINELS: u32 = 2;
 
-/// Consecutive elements that a record removes.
+/// Consecutive elements that a record removes from a strip.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leaving {
     pub(crate) first: u32,
@@ -43,7 +43,7 @@ pub(crate) struct WorkingStrip {
 impl WorkingStrip {
     /// Starts with a strip of LOD 0.
     pub(crate) fn start(&mut self, strip: &[u32], positions: &PositionIds) {
-        let count = strip.len() as u32 + 2 * EDGE;
+        let count = strip.len() as u32 + 2 * SENTINELS;
         self.value.clear();
         self.value.extend([NONE, NONE - 1]);
         self.value.extend_from_slice(strip);
@@ -58,24 +58,25 @@ impl WorkingStrip {
         self.draws.clear();
         self.draws.resize(count as usize, false);
         (self.drawn, self.first_drawn, self.last_drawn, self.room) = (0, count, 0, 0);
-        for (i, w) in strip.windows(3).enumerate() {
-            let corners = [w[0], w[1], w[2]].map(|v| positions.of_vertex[v as usize]);
+        for (i, window) in strip.windows(3).enumerate() {
+            let corners =
+                [window[0], window[1], window[2]].map(|v| positions.of_vertex[v as usize]);
             if !is_degenerate(corners) {
-                self.draws[i + EDGE as usize] = true;
+                self.draws[i + SENTINELS as usize] = true;
                 self.drawn += 1;
-                self.first_drawn = self.first_drawn.min(i as u32 + EDGE);
-                self.last_drawn = i as u32 + EDGE;
+                self.first_drawn = self.first_drawn.min(i as u32 + SENTINELS);
+                self.last_drawn = i as u32 + SENTINELS;
             }
         }
     }
 
     /// The element that was number `i` of the strip of LOD 0.
     pub(crate) fn element(i: usize) -> u32 {
-        i as u32 + EDGE
+        i as u32 + SENTINELS
     }
     /// The inverse of [`Self::element`].
     pub(crate) fn number(element: u32) -> usize {
-        (element - EDGE) as usize
+        (element - SENTINELS) as usize
     }
     pub(crate) fn remains(&self, element: u32) -> bool {
         self.remaining[element as usize]
@@ -99,35 +100,35 @@ impl WorkingStrip {
     }
     /// Returns whether this element is one of the strip, not a sentinel.
     pub(crate) fn is_inside(&self, element: u32) -> bool {
-        element >= EDGE && element < self.value.len() as u32 - EDGE
+        element >= SENTINELS && element < self.value.len() as u32 - SENTINELS
     }
     /// Returns whether an element is the same vertex as the one `period` before it.
     pub(crate) fn repeats(&self, element: u32, period: u32) -> bool {
-        let before = if period == 1 {
+        let previous = if period == 1 {
             self.previous(element)
         } else {
             self.previous(self.previous(element))
         };
-        self.value(element) == self.value(before)
+        self.value(element) == self.value(previous)
     }
-    /// Returns the place of an element now, counted from where the strip started; removals count
-    /// once [`Self::forget`] has been called.
-    pub(crate) fn place(&self, element: u32) -> u32 {
-        self.ranks.rank(element) - EDGE + self.room
+    /// Returns the offset of an element now, counted from where the strip started; removals count
+    /// once [`Self::remove_rank`] has been called.
+    pub(crate) fn offset(&self, element: u32) -> u32 {
+        self.ranks.rank(element) - SENTINELS + self.room
     }
-    /// The element at a place. None if there is none.
-    pub(crate) fn at(&self, place: u32) -> Option<u32> {
-        let end = self.ranks.rank(self.value.len() as u32 - EDGE);
-        let rank = place.checked_sub(self.room)?.checked_add(EDGE)?;
+    /// The element at an offset. None if there is none.
+    pub(crate) fn element_at(&self, offset: u32) -> Option<u32> {
+        let end = self.ranks.rank(self.value.len() as u32 - SENTINELS);
+        let rank = offset.checked_sub(self.room)?.checked_add(SENTINELS)?;
         (rank < end).then(|| self.ranks.select(rank))
     }
     /// The first element of all.
     pub(crate) fn front(&self) -> u32 {
-        self.next(EDGE - 1)
+        self.next(SENTINELS - 1)
     }
     /// The last element of all.
     pub(crate) fn back(&self) -> u32 {
-        self.previous(self.value.len() as u32 - EDGE)
+        self.previous(self.value.len() as u32 - SENTINELS)
     }
 
     /// An element becomes another vertex; triangles that lose their area by it die.
@@ -136,8 +137,8 @@ impl WorkingStrip {
     }
     /// Finds out which triangles with this element have died.
     pub(crate) fn settle(&mut self, element: u32, positions: &PositionIds) {
-        let before = self.previous(element);
-        for start in [self.previous(before), before, element] {
+        let previous = self.previous(element);
+        for start in [self.previous(previous), previous, element] {
             if !self.draws(start) {
                 continue;
             }
@@ -163,11 +164,11 @@ impl WorkingStrip {
         self.next(self.next(self.last_drawn))
     }
 
-    /// Takes out elements `first..=last`, which must repeat the ones before them. Their triangles,
+    /// Removes elements `first..=last`, which must repeat the ones before them. Their triangles,
     /// the later ones of which are drawn, belong to the elements before from now on.
     pub(crate) fn unlink_repetition(&mut self, first: u32, last: u32) {
-        let before = self.previous(first);
-        for (to, from) in [(self.previous(before), self.previous(last)), (before, last)] {
+        let previous = self.previous(first);
+        for (to, from) in [(self.previous(previous), self.previous(last)), (previous, last)] {
             let drawn = std::mem::replace(&mut self.draws[from as usize], false);
             self.draws[to as usize] = drawn;
             if self.first_drawn == from {
@@ -179,24 +180,24 @@ impl WorkingStrip {
         }
         self.unlink(first, last);
     }
-    /// Takes out elements `first..=last`, none of which is a corner of a drawn triangle.
+    /// Removes elements `first..=last`, none of which is a corner of a drawn triangle.
     pub(crate) fn unlink(&mut self, first: u32, last: u32) {
-        let before = self.previous(first);
+        let previous = self.previous(first);
         let mut element = first;
         let end = self.next(last);
         while element != end {
             self.remaining[element as usize] = false;
             element = self.next(element);
         }
-        self.next[before as usize] = end;
-        self.previous[end as usize] = before;
+        self.next[previous as usize] = end;
+        self.previous[end as usize] = previous;
     }
-    /// Notes that `count` elements were removed at the front; others keep their places.
-    pub(crate) fn leave_room(&mut self, count: u32) {
+    /// Notes that `count` elements were removed at the front; the offsets of others stay.
+    pub(crate) fn shift_front(&mut self, count: u32) {
         self.room += count;
     }
-    /// A removed element stops counting in [`Self::place`].
-    pub(crate) fn forget(&mut self, element: u32) {
+    /// A removed element stops counting in [`Self::offset`].
+    pub(crate) fn remove_rank(&mut self, element: u32) {
         self.ranks.remove(element);
     }
 }

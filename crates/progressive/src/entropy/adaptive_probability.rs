@@ -1,4 +1,6 @@
-//! Adaptive probabilities: estimates of how likely a bit or symbol is, updated after each coding.
+//! Adaptive probabilities: estimates of how likely a bit, or one of sixteen symbols, is; updated
+//! after each coding. They share out the interval 0 to 2^15 that the numeral-system coder
+//! (`encoder`, `decoder`) works on.
 
 /// Binary logarithm of [`TOTAL`].
 pub(crate) const PROBABILITY_BITS: u32 = 15;
@@ -66,9 +68,10 @@ impl AdaptiveBit {
     #[inline]
     pub(crate) fn update(&mut self, bit: bool) {
         let rate = u32::from(RATES[usize::from(self.count)]);
-        let p = u32::from(self.probability);
-        let raised = (p + (((65_535 - p) * rate) >> 16)).min(65_535 - MIN_PROBABILITY);
-        let lowered = (p - ((p * rate) >> 16)).max(MIN_PROBABILITY);
+        let probability = u32::from(self.probability);
+        let raised =
+            (probability + (((65_535 - probability) * rate) >> 16)).min(65_535 - MIN_PROBABILITY);
+        let lowered = (probability - ((probability * rate) >> 16)).max(MIN_PROBABILITY);
         self.probability = if bit { raised } else { lowered } as u16;
         self.count += u8::from(self.count < MAX_COUNT);
     }
@@ -93,8 +96,8 @@ const UPDATE_TARGETS: [[i16; 16]; 16] = {
     targets
 };
 
-/// Observations that a new symbol context starts with: the first one observed does not take nearly
-/// all of the probability.
+/// Observations that a new symbol context starts with, so that the first symbol does not take
+/// nearly all of the probability. A constant of the format; not measured.
 const INITIAL_SYMBOL_COUNT: u8 = 2;
 
 impl AdaptiveSymbol {

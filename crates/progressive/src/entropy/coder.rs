@@ -1,4 +1,5 @@
-//! The interface between what is coded and the coder: one trait for writing and reading.
+//! The trait through which all modelling code reads and writes a substream: an encoder takes each
+//! value, a decoder ignores the argument and returns the value that was encoded.
 
 use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 
@@ -24,12 +25,12 @@ pub(crate) trait Coder {
         let bits = end.ilog2();
         let short = if bits == 31 { u32::MAX - end + 1 } else { (2u32 << bits) - end };
         // The first `short` numbers take one bit less than the others.
-        let (high, last) = if value < short {
+        let (high, lowest_bit) = if value < short {
             (value, 0)
         } else {
             (value.wrapping_add(short) >> 1, value.wrapping_add(short) & 1)
         };
         let high = self.raw(bits, high);
-        if high < short { high } else { (high << 1 | self.raw(1, last)).wrapping_sub(short) }
+        if high < short { high } else { (high << 1 | self.raw(1, lowest_bit)).wrapping_sub(short) }
     }
 }

@@ -1,4 +1,5 @@
-//! The decoder of a substream.
+//! The decoder of a substream: asymmetric numeral systems (Duda 2013, range variant, 32-bit state)
+//! from the front, plain bits from the back. The figure is in `entropy/mod.rs`.
 
 use crate::entropy::adaptive_probability::{
     AdaptiveBit, AdaptiveSymbol, Interval, PROBABILITY_BITS, TOTAL,
@@ -68,11 +69,11 @@ impl<'a> Decoder<'a> {
     #[inline]
     fn refill(&mut self) {
         let end = self.bytes.len().saturating_sub(self.back);
-        let four = match self.bytes[..end].last_chunk() {
-            Some(four) => *four,
+        let bytes4 = match self.bytes[..end].last_chunk() {
+            Some(bytes4) => *bytes4,
             None => std::array::from_fn(|i| if i + end >= 4 { self.bytes[i + end - 4] } else { 0 }),
         };
-        self.pending |= u64::from(u32::from_be_bytes(four)) << self.pending_bits;
+        self.pending |= u64::from(u32::from_be_bytes(bytes4)) << self.pending_bits;
         self.pending_bits += 32;
         self.back += 4;
     }

@@ -1,4 +1,6 @@
-//! The encoder of a substream.
+//! The encoder of a substream. It collects intervals and plain bits, and at the end encodes the
+//! intervals backwards, since asymmetric numeral systems are last in, first out. The figure is in
+//! `entropy/mod.rs`.
 
 use crate::entropy::adaptive_probability::{
     AdaptiveBit, AdaptiveSymbol, Interval, PROBABILITY_BITS, TOTAL,

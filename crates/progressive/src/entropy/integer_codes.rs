@@ -1,4 +1,6 @@
-//! Integers of unknown size: an adaptive symbol for the bit length, plain bits for the rest.
+//! Codes for integers: the bit length as an adaptive symbol, the bits below the highest one plain.
+//! For residuals (signed, of an expected length), for numbers of any size, and for numbers below a
+//! bound.
 
 use crate::entropy::adaptive_probability::AdaptiveSymbol;
 use crate::entropy::coder::Coder;
@@ -73,8 +75,8 @@ impl GammaCode {
         if length <= 1 {
             return length;
         }
-        let below = length - 1;
-        1 << below | coder.raw(below, value & ((1 << below) - 1))
+        let low_bits = length - 1;
+        1 << low_bits | coder.raw(low_bits, value & ((1 << low_bits) - 1))
     }
 }
 
@@ -98,11 +100,11 @@ impl BoundedCode {
             return length;
         }
         let half = 1 << (length - 1);
-        let rest = value.wrapping_sub(half);
+        let offset = value.wrapping_sub(half);
         half + if saved == 0 {
-            coder.uniform(end - half, rest)
+            coder.uniform(end - half, offset)
         } else {
-            coder.raw(length - 1, rest)
+            coder.raw(length - 1, offset)
         }
     }
 }

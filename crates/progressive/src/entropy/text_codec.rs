@@ -1,8 +1,9 @@
-//! Text, such as JSON, coded byte by byte: as what followed the same bytes before, else in the
-//! context of the byte before (prediction by matching, Bloom 1996, over an order-1 model).
+//! A text codec for JSON and material files, byte by byte: a byte is predicted as the one that
+//! followed the same four or eight bytes before, else coded in the context of the byte before it
+//! (prediction by matching, Bloom 1996, over an order-1 model).
 //!
-//! The model has seen a typical text: most documents are short, and their words are always the
-//! same. It makes them 0.3 to 0.6 of their size by the order-1 model alone.
+//! The model starts from a typical text: most documents are short, and use the same words. That
+//! makes them 0.3 to 0.6 of their size by the order-1 model alone.
 
 use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 use crate::entropy::coder::Coder;
@@ -62,28 +63,30 @@ impl TextCodec {
             return None;
         }
         let mut decoder = Decoder::new(encoded);
-        let before = self.model.text.len();
+        let start = self.model.text.len();
         for _ in 0..length {
             self.model.code(&mut decoder, 0);
         }
-        decoder.is_finished().then(|| self.model.text[before..].to_vec())
+        decoder.is_finished().then(|| self.model.text[start..].to_vec())
     }
 }
 
-/// Bits of the hashes by which earlier places are found. Newer places replace older ones, which
-/// does no harm: JSON repeats what is near.
+/// Bits of the hashes by which earlier occurrences are found. A newer occurrence replaces an older
+/// one of the same hash, which does no harm: JSON repeats what is near. A constant of the format.
 const HASH_BITS: u32 = 16;
-/// Matches that are told apart by their length so far.
+/// Lengths of a match so far, in bytes, that have a context of their own.
 const RUNS: usize = 16;
 
 /// A model of text, and the text so far.
 struct Model {
     text: Vec<u8>,
-    /// By hashes of the last four and of the last eight bytes: behind which byte they were seen
-    /// last; 0 if they were not.
-    places: [Vec<u32>; 2],
-    /// Whether the byte is the one that came there: by what found it, and how many were so before.
+    /// By hashes of the last four and of the last eight bytes: the index in the text of the byte
+    /// that followed them the last time; 0 if there was none.
+    followers: [Vec<u32>; 2],
+    /// Whether the byte is the predicted one: by the hash that found it (four or eight bytes), and
+    /// by how many predictions in a row were right.
     matches: [[AdaptiveBit; RUNS]; 2],
+    /// Number of right predictions in a row.
     run: usize,
     /// By the byte before: the lower half of a byte by its upper half (0 to 15), and the upper
     /// half.
@@ -94,7 +97,7 @@ impl Model {
     fn new() -> Self {
         Self {
             text: Vec::new(),
-            places: [vec![0; 1 << HASH_BITS], vec![0; 1 << HASH_BITS]],
+            followers: [vec![0; 1 << HASH_BITS], vec![0; 1 << HASH_BITS]],
             matches: [[AdaptiveBit::NEW; RUNS]; 2],
             run: 0,
             literals: vec![[AdaptiveSymbol::NEW; 17]; 256],
@@ -103,25 +106,25 @@ impl Model {
 
     /// Codes the next byte.
     fn code<C: Coder>(&mut self, coder: &mut C, byte: u8) {
-        let slots = self.hashes();
-        let [near, far] = [0, 1].map(|i| self.places[i][slots[i]] as usize);
-        let (by, place) = if far > 0 { (1, far) } else { (0, near) };
-        let mut found = None;
-        if place > 0 {
-            let expected = self.text[place];
-            let context = &mut self.matches[by][self.run.min(RUNS - 1)];
-            found = coder.bit(context, expected == byte).then_some(expected);
+        let hashes = self.hashes();
+        let [after_short, after_long] = [0, 1].map(|i| self.followers[i][hashes[i]] as usize);
+        let (kind, follower) = if after_long > 0 { (1, after_long) } else { (0, after_short) };
+        let mut predicted = None;
+        if follower > 0 {
+            let expected = self.text[follower];
+            let context = &mut self.matches[kind][self.run.min(RUNS - 1)];
+            predicted = coder.bit(context, expected == byte).then_some(expected);
         }
-        self.run = if found.is_some() { self.run + 1 } else { 0 };
-        let byte = found.unwrap_or_else(|| {
-            let before = self.text.last().copied().unwrap_or_default();
-            let contexts = &mut self.literals[usize::from(before)];
+        self.run = if predicted.is_some() { self.run + 1 } else { 0 };
+        let byte = predicted.unwrap_or_else(|| {
+            let previous = self.text.last().copied().unwrap_or_default();
+            let contexts = &mut self.literals[usize::from(previous)];
             let high = coder.symbol(&mut contexts[16], u32::from(byte >> 4));
             let low = coder.symbol(&mut contexts[high as usize], u32::from(byte & 15));
             (high << 4 | low) as u8
         });
-        for (places, slot) in self.places.iter_mut().zip(slots) {
-            places[slot] = self.text.len() as u32;
+        for (followers, hash) in self.followers.iter_mut().zip(hashes) {
+            followers[hash] = self.text.len() as u32;
         }
         self.text.push(byte);
     }
@@ -130,13 +133,13 @@ impl Model {
     fn hashes(&self) -> [usize; 2] {
         let end = self.text.len();
         let word = |back: usize| {
-            let four = end.checked_sub(back).and_then(|at| self.text[at..].first_chunk());
-            u32::from_le_bytes(four.copied().unwrap_or_default())
+            let bytes4 = end.checked_sub(back).and_then(|at| self.text[at..].first_chunk());
+            u32::from_le_bytes(bytes4.copied().unwrap_or_default())
         };
         // The multipliers are primes of XXH32.
-        let near = word(4).wrapping_mul(0x9e37_79b1);
-        let far = near.wrapping_add(word(8)).wrapping_mul(0x85eb_ca77);
-        [near, far].map(|hash| (hash >> (32 - HASH_BITS)) as usize)
+        let short = word(4).wrapping_mul(0x9e37_79b1);
+        let long = short.wrapping_add(word(8)).wrapping_mul(0x85eb_ca77);
+        [short, long].map(|hash| (hash >> (32 - HASH_BITS)) as usize)
     }
 }
 

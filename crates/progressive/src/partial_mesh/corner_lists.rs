@@ -1,4 +1,5 @@
-//! Lists of a few corners for each vertex, inline in one array so that a vertex takes one access.
+//! The list of corners of each vertex. Up to eleven are stored inline, in one array, so that
+//! reading the star of a vertex takes one memory access; longer lists are in `long_lists`.
 
 use crate::partial_mesh::long_lists::{Blocks, LongLists};
 
@@ -27,7 +28,7 @@ impl List {
     }
 }
 
-/// The place in a list at which a corner is inserted.
+/// Where in a list a corner is inserted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Insertion {
     /// After another corner, which is in the list.
@@ -118,22 +119,28 @@ impl CornerLists {
         }
     }
 
-    /// Takes corners out of the list of a vertex, which has all of them, and puts others before and
-    /// behind the rest. In a long list the time depends on their number alone.
-    pub(crate) fn exchange(&mut self, vertex: u32, out: &[u32], before: &[u32], behind: &[u32]) {
-        let rest: Vec<u32> = match self.inline(vertex) {
+    /// Removes corners from the list of a vertex, which has all of them, and adds others before and
+    /// behind the remaining ones. In a long list the time depends on their number alone.
+    pub(crate) fn exchange(
+        &mut self,
+        vertex: u32,
+        removed: &[u32],
+        prepended: &[u32],
+        appended: &[u32],
+    ) {
+        let remaining: Vec<u32> = match self.inline(vertex) {
             Some(corners) => {
-                let rest = corners.iter().filter(|corner| !out.contains(corner));
-                before.iter().chain(rest).chain(behind).copied().collect()
+                let remaining = corners.iter().filter(|corner| !removed.contains(corner));
+                prepended.iter().chain(remaining).chain(appended).copied().collect()
             }
             None => {
                 let list = &mut self.lists[vertex as usize];
                 let mut blocks = list.blocks();
-                before.iter().rev().for_each(|&c| self.long.push_front(&mut blocks, c));
-                behind.iter().for_each(|&c| self.long.push(&mut blocks, c));
-                out.iter().for_each(|&c| self.long.take_out(&mut blocks, c));
+                prepended.iter().rev().for_each(|&c| self.long.push_front(&mut blocks, c));
+                appended.iter().for_each(|&c| self.long.push(&mut blocks, c));
+                removed.iter().for_each(|&c| self.long.remove_corner(&mut blocks, c));
                 list.set_blocks(blocks);
-                let count = list.count as usize + before.len() + behind.len() - out.len();
+                let count = list.count as usize + prepended.len() + appended.len() - removed.len();
                 if count > INLINE_CORNERS {
                     list.count = count as u32;
                     return;
@@ -141,7 +148,7 @@ impl CornerLists {
                 self.long.corners(blocks).collect()
             }
         };
-        self.set(vertex, &rest);
+        self.set(vertex, &remaining);
     }
 
     /// Inserts a corner into the list of a vertex.
@@ -152,18 +159,18 @@ impl CornerLists {
         match (count < INLINE_CORNERS, insertion) {
             (true, Insertion::After(other)) => {
                 // The common case: the search from the end moves the later corners on its way.
-                let mut at = count;
-                while at > 0 && list.inline[at - 1] != other {
-                    list.inline[at] = list.inline[at - 1];
-                    at -= 1;
+                let mut index = count;
+                while index > 0 && list.inline[index - 1] != other {
+                    list.inline[index] = list.inline[index - 1];
+                    index -= 1;
                 }
-                list.inline[at] = corner;
+                list.inline[index] = corner;
                 list.count += 1;
             }
             (true, _) => {
-                let at = insertion.index(&list.inline[..count]);
-                list.inline.copy_within(at..count, at + 1);
-                list.inline[at] = corner;
+                let index = insertion.index(&list.inline[..count]);
+                list.inline.copy_within(index..count, index + 1);
+                list.inline[index] = corner;
                 list.count += 1;
             }
             (false, _) if list.is_long() => {
@@ -207,16 +214,16 @@ mod tests {
                 // Some numbers of corners are used for these alone.
                 let new: Vec<u32> =
                     (1..1 + random.below(4) as u32).map(|i| corner + i * 20_000).collect();
-                let (before, behind) = new.split_at(random.below(new.len() + 1));
+                let (prepended, appended) = new.split_at(random.below(new.len() + 1));
                 let all_but = random.below(list.len() / 2 + 1);
-                let mut out = list.clone();
-                out.rotate_left(random.below(list.len() + 1) % list.len().max(1));
-                out.truncate(if random.below(2) == 0 { list.len() - all_but } else { all_but });
-                assert!(out.iter().all(|&c| lists.contains(vertex as u32, c)));
-                lists.exchange(vertex as u32, &out, before, behind);
-                list.retain(|c| !out.contains(c));
-                *list = [before, list, behind].concat();
-                assert!(out.iter().all(|&c| !lists.contains(vertex as u32, c)));
+                let mut removed = list.clone();
+                removed.rotate_left(random.below(list.len() + 1) % list.len().max(1));
+                removed.truncate(if random.below(2) == 0 { list.len() - all_but } else { all_but });
+                assert!(removed.iter().all(|&c| lists.contains(vertex as u32, c)));
+                lists.exchange(vertex as u32, &removed, prepended, appended);
+                list.retain(|c| !removed.contains(c));
+                *list = [prepended, list, appended].concat();
+                assert!(removed.iter().all(|&c| !lists.contains(vertex as u32, c)));
             }
             let insertion = if list.is_empty() || random.below(3) == 0 {
                 Insertion::Last

@@ -1,5 +1,6 @@
-//! Long lists of corners, in blocks: a corner finds its block, so that inserting beside it and
-//! taking it out cost no more in a list of a million than in one of a hundred.
+//! Corner lists of vertices with many triangles, as linked blocks of up to 128 corners. Each corner
+//! knows its block, so that inserting beside it and removing it cost no more in a list of a million
+//! than in one of a hundred.
 
 use lodc_mesh::NONE;
 
@@ -54,7 +55,7 @@ impl LongLists {
         list
     }
 
-    /// Takes a list away.
+    /// Frees the blocks of a list.
     pub(crate) fn remove(&mut self, list: Blocks) {
         let mut block = list.first;
         while block != NONE {
@@ -75,7 +76,7 @@ impl LongLists {
     /// no list, as only a crafted stream has it, the corner goes to the end.
     pub(crate) fn insert(&mut self, list: &mut Blocks, corner: u32, other: u32, after: bool) {
         match self.find(other) {
-            Some((block, at)) => self.insert_at(list, block, at + usize::from(after), corner),
+            Some((block, index)) => self.insert_at(list, block, index + usize::from(after), corner),
             None => self.push(list, corner),
         }
     }
@@ -87,18 +88,18 @@ impl LongLists {
 
     /// Inserts a corner at the end of a list.
     pub(crate) fn push(&mut self, list: &mut Blocks, corner: u32) {
-        let at = self.blocks[list.last as usize].corners.len();
-        self.insert_at(list, list.last, at, corner);
+        let index = self.blocks[list.last as usize].corners.len();
+        self.insert_at(list, list.last, index, corner);
     }
 
-    fn insert_at(&mut self, list: &mut Blocks, block: u32, at: usize, corner: u32) {
+    fn insert_at(&mut self, list: &mut Blocks, block: u32, index: usize, corner: u32) {
         let corners = &mut self.blocks[block as usize].corners;
         #[cfg(test)]
         {
-            self.moves += corners.len() - at;
+            self.moves += corners.len() - index;
         }
-        corners.insert(at, corner);
-        self.place(corner, block);
+        corners.insert(index, corner);
+        self.set_block(corner, block);
         let Block { corners, next, .. } = &mut self.blocks[block as usize];
         if corners.len() > MAX_BLOCK {
             let (rest, next) = (corners.split_off(MAX_BLOCK / 2), *next);
@@ -116,19 +117,19 @@ impl LongLists {
         self.find(corner).is_some()
     }
 
-    /// Returns the block of a corner and its place there, if it is in a list.
+    /// Returns the block of a corner and its index there, if it is in a list.
     fn find(&self, corner: u32) -> Option<(u32, usize)> {
         let block = self.block_of.get(corner as usize).copied().filter(|&b| b != NONE)?;
-        let at = self.blocks[block as usize].corners.iter().position(|&c| c == corner)?;
-        Some((block, at))
+        let index = self.blocks[block as usize].corners.iter().position(|&c| c == corner)?;
+        Some((block, index))
     }
 
     /// Takes a corner out of a list, which holds it. Blocks that become empty are taken away, so
     /// that a list has no more of them than corners.
-    pub(crate) fn take_out(&mut self, list: &mut Blocks, corner: u32) {
-        let Some((number, at)) = self.find(corner) else { return };
+    pub(crate) fn remove_corner(&mut self, list: &mut Blocks, corner: u32) {
+        let Some((number, index)) = self.find(corner) else { return };
         let block = &mut self.blocks[number as usize];
-        block.corners.remove(at);
+        block.corners.remove(index);
         if !block.corners.is_empty() {
             return;
         }
@@ -153,12 +154,12 @@ impl LongLists {
         {
             self.moves += corners.len();
         }
-        corners.iter().for_each(|&corner| self.place(corner, number));
+        corners.iter().for_each(|&corner| self.set_block(corner, number));
         self.blocks[number as usize] = Block { corners, previous, next };
         number
     }
 
-    fn place(&mut self, corner: u32, block: u32) {
+    fn set_block(&mut self, corner: u32, block: u32) {
         if self.block_of.len() <= corner as usize {
             self.block_of.resize((corner as usize + 1).next_power_of_two(), NONE);
         }

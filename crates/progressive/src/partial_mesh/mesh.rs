@@ -1,4 +1,5 @@
-//! The partial mesh: vertices in stream order, triangles, and the corners at each vertex.
+//! The partial mesh that encoder and decoder both hold: vertices in stream order, triangles, and
+//! the list of corners of each vertex.
 
 use crate::partial_mesh::corner_lists::CornerLists;
 use crate::partial_mesh::star::{NEXT, StarFace};
@@ -60,13 +61,13 @@ impl PartialMesh {
     #[inline]
     pub(crate) fn collect_star(&self, vertex: u32, star: &mut Vec<StarFace>) -> bool {
         star.clear();
-        let mut chain = true;
+        let mut is_chain = true;
         let mut end = NONE;
         let mut star_face = |corner: u32| {
             let face = &self.faces[corner as usize >> 2];
             let next = NEXT[corner as usize & 3] as usize & 3;
             let (a, b) = (face[next], face[NEXT[next] as usize & 3]);
-            chain &= end == a || end == NONE;
+            is_chain &= end == a || end == NONE;
             end = b;
             StarFace { corner, a, b }
         };
@@ -74,15 +75,16 @@ impl PartialMesh {
             Some(corners) => star.extend(corners.iter().map(|&corner| star_face(corner))),
             None => star.extend(self.corners.long(vertex).map(star_face)),
         }
-        chain && star.first().is_some_and(|first| first.a == end)
+        is_chain && star.first().is_some_and(|first| first.a == end)
     }
 
     /// Returns a triangle as a vertex sees it; none if it is not in the star of that vertex.
     pub(crate) fn star_face(&self, face: u32, vertex: u32) -> Option<StarFace> {
         let corners = self.face(face);
-        let at = corners.iter().position(|&v| v == vertex)?;
-        let corner = 4 * face + at as u32;
-        let star_face = StarFace { corner, a: corners[(at + 1) % 3], b: corners[(at + 2) % 3] };
+        let index = corners.iter().position(|&v| v == vertex)?;
+        let corner = 4 * face + index as u32;
+        let star_face =
+            StarFace { corner, a: corners[(index + 1) % 3], b: corners[(index + 2) % 3] };
         self.corners.contains(vertex, corner).then_some(star_face)
     }
 

@@ -1,4 +1,4 @@
-//! A triangle that a vertex split adds.
+//! A triangle that a vertex split adds, and on which side of the split edge it lies.
 
 use lodc_mesh::NONE;
 

@@ -61,11 +61,14 @@ impl PartialMesh {
         new_link: &mut Vec<u32>,
     ) -> bool {
         let SplitEdge { parent, new } = edge;
-        let (from, to) = (arcs.first_kept, arcs.first_transferred);
+        let (first_kept, first_transferred) = (arcs.first_kept, arcs.first_transferred);
         let n = star.len();
         let following = |i: usize| if i + 1 == n { 0 } else { i + 1 };
-        let (transferred, kept) =
-            if to < from { (from - to, n + to - from) } else { (n + from - to, to - from) };
+        let (transferred, kept) = if first_transferred < first_kept {
+            (first_kept - first_transferred, n + first_transferred - first_kept)
+        } else {
+            (n + first_kept - first_transferred, first_transferred - first_kept)
+        };
         let first = 4 * self.face_count();
         if transferred + 2 > INLINE_CORNERS
             || kept + 2 > INLINE_CORNERS
@@ -73,9 +76,11 @@ impl PartialMesh {
         {
             return false;
         }
-        let (Some(left), Some(right)) = (star.get(from), star.get(to)) else { return false };
+        let (Some(left), Some(right)) = (star.get(first_kept), star.get(first_transferred)) else {
+            return false;
+        };
         let list = self.corners.reset_inline(parent, kept + 2);
-        let mut i = from;
+        let mut i = first_kept;
         list[0] = first + 2;
         for slot in &mut list[1..=kept] {
             *slot = star[i].corner;
@@ -147,9 +152,9 @@ impl PartialMesh {
             }
         }
         if parent_star.is_part {
-            let out = &transferred[..parent_star.faces.len()];
-            let (before, behind) = kept.split_at(lefts);
-            self.corners.exchange(parent, out, before, behind);
+            let removed = &transferred[..parent_star.faces.len()];
+            let (prepended, appended) = kept.split_at(lefts);
+            self.corners.exchange(parent, removed, prepended, appended);
         } else {
             self.corners.set(parent, kept);
         }

@@ -1,4 +1,5 @@
-//! The triangles and vertices around a vertex.
+//! The star of a vertex (its triangles) and its link (the vertices around it), as lists in the
+//! order of fans. The figure is in `partial_mesh/mod.rs`.
 
 use lodc_mesh::NONE;
 use std::cmp::Reverse;
@@ -8,8 +9,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// triangle plus 0, 1 or 2; the fourth entry only makes masked accesses safe.
 pub(crate) const NEXT: [u32; 4] = [1, 2, 0, 0];
 
-/// Stars of more triangles are large: those of hubs. Others cost no bit and no question for what
-/// hubs need, so the number is high; a limit of the format.
+/// Stars of more triangles are large: those of hubs, vertices with hundreds of triangles. Smaller
+/// stars cost no bit for what hubs need, so the number is high. A constant of the format; not
+/// measured.
 pub(crate) const LARGE_STAR: u32 = 256;
 
 /// A triangle seen from one of its corners, at vertex v: (v, a, b) counter-clockwise.
@@ -69,8 +71,8 @@ pub(crate) fn collect_link(star: &[StarFace], link: &mut Vec<LinkVertex>) {
 
 /// Returns whether a star is a single closed fan.
 pub(crate) fn is_closed_fan(star: &[StarFace]) -> bool {
-    let joins = |(i, face): (usize, &StarFace)| face.b == star[(i + 1) % star.len()].a;
-    !star.is_empty() && star.iter().enumerate().all(joins)
+    let is_followed = |(i, face): (usize, &StarFace)| face.b == star[(i + 1) % star.len()].a;
+    !star.is_empty() && star.iter().enumerate().all(is_followed)
 }
 
 /// Puts the triangles of a star in the order of its fans: open ones first, then closed ones.
@@ -83,12 +85,12 @@ pub(crate) fn arrange_in_fans(star: &mut [StarFace]) {
     let ends: BTreeSet<u32> = star.iter().map(|face| face.b).collect();
     let starts: Vec<u32> = star.iter().rev().map(|face| face.a).collect();
     let open = starts.iter().filter(|a| !ends.contains(a));
-    let mut at = 0;
+    let mut next_slot = 0;
     for &start in open.chain(&starts) {
         let mut next = start;
         while let Some(face) = by_a.get_mut(&next).and_then(Vec::pop) {
-            (next, star[at]) = (face.b, face);
-            at += 1;
+            (next, star[next_slot]) = (face.b, face);
+            next_slot += 1;
         }
     }
 }

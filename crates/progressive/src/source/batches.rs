@@ -1,11 +1,12 @@
-//! Batches: steps in the order of the tree of targets, as a stream that keeps no exact order has
-//! them.
+//! The order of steps in batches, in which most streams have them: cheaper to code than the order
+//! of collapses, and with the same levels at the ends of batches.
 //!
 //! A level of half-edge collapses depends on the set of its vertices alone, so any order with
 //! targets before what splits off them gives the same levels where the sets are the same. Steps are
 //! cut into batches; within one they come in the order in which a list of all wedge groups is
 //! walked through once. A group goes on being split until the batch has no more splits of it; each
-//! new group follows right behind the one that it splits off. A bit for each visit says all of it.
+//! new group follows right behind the one that it splits off. One bit for each group that is
+//! visited codes it all.
 //!
 //! ```text
 //!   list           0   1   2          before the batch
@@ -39,26 +40,27 @@ pub(crate) struct StepTree<'a> {
 /// Two steps of which the first must come before the second, each by its first vertex.
 type Precedence = [u32; 2];
 
-/// How often each group may be passed, on average. Passes through lists that grow by a third add up
-/// to four of the whole list; while steps are few beside the points, some dozens of batches pass
-/// through all of these. Other orders would take quadratic time, and are given up here.
-const MOST_PASSES: usize = 64;
+/// How often each group may be passed in the walks of all batches, on average. Passes through lists
+/// that grow by a third add up to four of the whole list; while steps are few beside the points,
+/// some dozens of batches pass through all of these. Other orders would take quadratic time, and
+/// are given up here.
+const MAX_PASSES: usize = 64;
 
 /// The list of wedge groups, each named by its first vertex, and the pass of a batch through it.
-struct Walk {
+struct ListWalk {
     /// The group behind each one.
     next: Vec<u32>,
     /// Number of groups that may still be passed.
     budget: usize,
 }
 
-impl Walk {
+impl ListWalk {
     fn new(points: u32, vertices: usize) -> Self {
         let mut next: Vec<u32> = (1..=vertices as u32).collect();
         if let Some(last) = (points as usize).checked_sub(1) {
             next[last] = NONE;
         }
-        Self { next, budget: MOST_PASSES * (vertices + 1) }
+        Self { next, budget: MAX_PASSES * (vertices + 1) }
     }
 
     /// Puts a new group behind the one that it splits off.
@@ -66,7 +68,7 @@ impl Walk {
         self.next[step as usize] = std::mem::replace(&mut self.next[group as usize], step);
     }
 
-    /// Takes back the last split.
+    /// Undoes the last split.
     fn join(&mut self, group: u32, step: u32) {
         self.next[group as usize] = self.next[step as usize];
     }
@@ -87,12 +89,12 @@ impl StepTree<'_> {
     /// number of steps of each. `None` if they are in no order of batches.
     pub(crate) fn batches(&self) -> Option<Vec<[u32; 2]>> {
         let steps = self.steps()?;
-        let mut walk = Walk::new(self.points, self.targets.len());
+        let mut walk = ListWalk::new(self.points, self.targets.len());
         let mut batches = Vec::new();
-        let mut rest = &steps[..];
-        while let Some(&first) = rest.first() {
+        let mut remaining = &steps[..];
+        while let Some(&first) = remaining.first() {
             let (mut group, mut count) = (0, 0);
-            while let Some(&step) = rest.get(count) {
+            while let Some(&step) = remaining.get(count) {
                 if self.group_of_target(step) == group {
                     walk.split(group, step);
                     count += 1;
@@ -104,66 +106,67 @@ impl StepTree<'_> {
                 }
             }
             batches.push([first, count as u32]);
-            rest = &rest[count..];
+            remaining = &remaining[count..];
             // An order that was not made of batches has about one for each two steps. One in which
             // each grows by a third has 2.4 for each doubling: four, eight more at the beginning,
             // and one in 32 steps leave room for cuts at fixed levels and before late steps.
-            let done = steps.len() - rest.len();
-            let most = 8 + 4 * (usize::BITS - done.leading_zeros()) as usize + done / 32;
-            if count == 0 || batches.len() > most {
+            let done = steps.len() - remaining.len();
+            let max_batches = 8 + 4 * (usize::BITS - done.leading_zeros()) as usize + done / 32;
+            if count == 0 || batches.len() > max_batches {
                 return None;
             }
         }
         Some(batches)
     }
 
-    /// Puts steps into an order of batches: the first vertex of each, as they are numbered. Some
-    /// stay before others. Calls `begin` with the number of steps before each batch.
-    fn plan(&self, before: &[Precedence], mut begin: impl FnMut(usize)) -> Option<Vec<u32>> {
+    /// Puts steps into an order of batches: the first vertex of each, as they are numbered now,
+    /// with `precedences` kept. Calls `begin` with the number of steps before each batch.
+    fn plan(&self, precedences: &[Precedence], mut begin: impl FnMut(usize)) -> Option<Vec<u32>> {
         let steps = self.steps()?;
-        let mut walk = Walk::new(self.points, self.targets.len());
+        let mut walk = ListWalk::new(self.points, self.targets.len());
         let mut order = Vec::with_capacity(steps.len());
         // The steps of the batch by the group that they split off, in their order.
-        let (mut first, mut sibling) =
+        let (mut first_split, mut next_split) =
             (vec![NONE; self.targets.len()], vec![NONE; self.targets.len()]);
-        let mut place = vec![u32::MAX; self.targets.len()];
+        let mut index_in_order = vec![u32::MAX; self.targets.len()];
         while order.len() < steps.len() {
             let done = order.len();
-            let most = (done + 1 + done / STEPS_FOR_ONE_MORE).min(steps.len());
+            let max_end = (done + 1 + done / STEPS_FOR_ONE_MORE).min(steps.len());
             let is_fixed = |&end: &usize| steps.get(end).is_some_and(|s| self.fixed.contains(s));
-            let mut end = (done + 1..most).find(is_fixed).unwrap_or(most);
+            let mut end = (done + 1..max_end).find(is_fixed).unwrap_or(max_end);
             begin(done);
             loop {
                 for &step in steps[done..end].iter().rev() {
-                    let off = &mut first[self.group_of_target(step) as usize];
-                    sibling[step as usize] = std::mem::replace(off, step);
+                    let head = &mut first_split[self.group_of_target(step) as usize];
+                    next_split[step as usize] = std::mem::replace(head, step);
                 }
                 let mut group = 0;
                 while order.len() < end {
-                    let step = first[group as usize];
+                    let step = first_split[group as usize];
                     if step == NONE {
                         group = walk.advance(group)?;
                     } else {
-                        first[group as usize] = sibling[step as usize];
+                        first_split[group as usize] = next_split[step as usize];
                         walk.split(group, step);
-                        place[step as usize] = order.len() as u32;
+                        index_in_order[step as usize] = order.len() as u32;
                         order.push(step);
                     }
                 }
                 let too_late = |&&[a, b]: &&Precedence| {
-                    let [a, b] = [a, b].map(|step| place[step as usize]);
+                    let [a, b] = [a, b].map(|step| index_in_order[step as usize]);
                     a != u32::MAX && b != u32::MAX && a > b
                 };
-                let of_batch = |&[_, b]: &Precedence| b < steps[done];
-                let candidates = &before[before.partition_point(of_batch)..];
-                let until = steps.get(end).copied().unwrap_or(u32::MAX);
-                let late = candidates.iter().take_while(|[_, b]| *b < until).find(too_late);
-                let Some(&[_, cut]) = late else { break };
-                // The batch ends before the step that came too early, and is walked again: what is
-                // left of it may come in another order now.
+                let is_earlier = |&[_, b]: &Precedence| b < steps[done];
+                let candidates = &precedences[precedences.partition_point(is_earlier)..];
+                let next_batch = steps.get(end).copied().unwrap_or(u32::MAX);
+                let violated =
+                    candidates.iter().take_while(|[_, b]| *b < next_batch).find(too_late);
+                let Some(&[_, cut]) = violated else { break };
+                // The batch ends before the step that came too early, and is walked anew: the
+                // shorter batch may have another order.
                 for step in order.drain(done..).rev() {
                     walk.join(self.group_of_target(step), step);
-                    place[step as usize] = u32::MAX;
+                    index_in_order[step as usize] = u32::MAX;
                 }
                 end = steps.partition_point(|&step| step < cut);
             }
@@ -250,10 +253,10 @@ pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
     if tree.batches().is_some() {
         return None;
     }
-    let before =
-        if mesh.submeshes().len() > 1 { tree.borders_first(simplified) } else { Vec::new() };
+    let precedences =
+        if mesh.submeshes().len() > 1 { tree.crossings_first(simplified) } else { Vec::new() };
     let mut batches = Vec::new();
-    let order = tree.plan(&before, |done| batches.push(done))?;
+    let order = tree.plan(&precedences, |done| batches.push(done))?;
     batches.push(order.len());
     reordered(simplified, points, &continues, &order, &batches)
 }
@@ -261,33 +264,33 @@ pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
 impl StepTree<'_> {
     /// Where a vertex becomes one of another submesh, its triangles are gone by then: the steps
     /// that must stay before those that bring the triangles, sorted by the latter.
-    fn borders_first(&self, simplified: &Simplified) -> Vec<Precedence> {
+    fn crossings_first(&self, simplified: &Simplified) -> Vec<Precedence> {
         let last = simplified.collapses().records();
         let submesh = |v: u32| simplified.mesh().vertex_submesh()[(last - v) as usize];
         let mut first_of_step: Vec<u32> = (0..=last).collect();
         // The nearest vertex on the way to the points whose target is of another submesh.
-        let mut border = vec![NONE; self.targets.len()];
+        let mut crossing = vec![NONE; self.targets.len()];
         for v in self.points..=last {
             let target = self.targets[v as usize];
             if v > self.points && self.continues[v as usize - 1] {
                 first_of_step[v as usize] = first_of_step[v as usize - 1];
             }
             let crosses = submesh(v) != submesh(target);
-            border[v as usize] = if crosses { v } else { border[target as usize] };
+            crossing[v as usize] = if crosses { v } else { crossing[target as usize] };
         }
-        let mut before = Vec::new();
+        let mut precedences = Vec::new();
         for appearance in super::first_appearance::first_appearances(simplified) {
-            let brings = first_of_step[appearance.vertices[0] as usize];
+            let first_visible = first_of_step[appearance.vertices[0] as usize];
             for v in appearance.vertices {
-                let border = border[v as usize];
-                if border != NONE && first_of_step[border as usize] < brings {
-                    before.push([first_of_step[border as usize], brings]);
+                let crossing = crossing[v as usize];
+                if crossing != NONE && first_of_step[crossing as usize] < first_visible {
+                    precedences.push([first_of_step[crossing as usize], first_visible]);
                 }
             }
         }
-        before.sort_unstable_by_key(|&[a, b]| [b, a]);
-        before.dedup();
-        before
+        precedences.sort_unstable_by_key(|&[a, b]| [b, a]);
+        precedences.dedup();
+        precedences
     }
 }
 
@@ -308,21 +311,21 @@ fn reordered(
 ) -> Option<Simplified> {
     let last = simplified.collapses().records();
     // In stream order: for each vertex its number before.
-    let mut before: Vec<u32> = (0..points).collect();
+    let mut old_numbers: Vec<u32> = (0..points).collect();
     let mut steps = Vec::with_capacity(order.len());
     for &step in order {
-        let more = continues[step as usize..].iter().take_while(|&&c| c).count() as u32;
-        steps.push(more + 1);
-        before.extend(step..=step + more);
+        let further = continues[step as usize..].iter().take_while(|&&c| c).count() as u32;
+        steps.push(further + 1);
+        old_numbers.extend(step..=step + further);
     }
-    let old = |k: u32| last - before[(last - k) as usize];
-    let mut now = vec![0; before.len()];
+    let old_number = |k: u32| last - old_numbers[(last - k) as usize];
+    let mut new_number = vec![0; old_numbers.len()];
     for k in 0..=last {
-        now[old(k) as usize] = k;
+        new_number[old_number(k) as usize] = k;
     }
     let (mesh, sequence) = simplified.clone().into_parts();
     let (mesh, sequence) = (mesh.into_parts(), sequence.into_parts());
-    let renumbered = || (0..=last).map(|k| old(k) as usize);
+    let renumbered = || (0..=last).map(|k| old_number(k) as usize);
     let attributes = mesh.attributes.iter().map(|a| {
         let stride = a.stride();
         let bytes = renumbered().flat_map(|v| &a.bytes[v * stride..][..stride]).copied().collect();
@@ -332,10 +335,11 @@ fn reordered(
         positions: renumbered().map(|v| mesh.positions[v]).collect(),
         vertex_submesh: renumbered().map(|v| mesh.vertex_submesh[v]).collect(),
         attributes: attributes.collect(),
-        triangles: mesh.triangles.iter().map(|t| t.map(|v| now[v as usize])).collect(),
+        triangles: mesh.triangles.iter().map(|t| t.map(|v| new_number[v as usize])).collect(),
         submeshes: mesh.submeshes,
     };
-    let targets = (0..last).map(|k| now[sequence.targets[old(k) as usize] as usize]).collect();
+    let targets =
+        (0..last).map(|k| new_number[sequence.targets[old_number(k) as usize] as usize]).collect();
     let (errors, rms) = errors_of_batches(&sequence, batches);
     let mut step_ends = Vec::with_capacity(sequence.step_ends.len());
     let mut end = 0;

@@ -1,10 +1,10 @@
-//! Parents other than targets, so that a target of many splits need not be walked around each time.
+//! Chooses the vertex that each new one is coded as split off, where its target is a hub.
 //!
 //! A split pays for the star of its parent: a bit for each triangle, transferred or not. A vertex
 //! that takes over no triangle of its target needs nothing of that star. Where it is large, the
 //! vertex is split off another one with the same target: it repeats that one's target.
 //!
-//! What is left are large stars of which a vertex takes over a few triangles. Where these cost much
+//! There remain large stars of which a vertex takes over a few triangles. Where these cost much
 //! more than the rest of the mesh, only the triangles that are transferred are named.
 
 use crate::partial_mesh::star::LARGE_STAR;
@@ -13,7 +13,7 @@ use lodc_mesh::{Csr, NONE};
 
 /// Vertices of the same target that are tried as parents, from the latest on. The latest nearly
 /// always has a small star; chosen by hand.
-const TRIES: usize = 8;
+const MAX_SIBLINGS: usize = 8;
 
 /// The stars that are too large to be walked around.
 #[derive(Clone, Copy, Debug)]
@@ -77,9 +77,10 @@ impl Splits<'_> {
             }
             let (target, transferred) = (targets[new], star[new]);
             if transferred == 0 && star[target as usize] > rule.large && new as u32 >= points {
-                let before = |v: usize| Some(earlier[v]).filter(|&v| v != NONE);
-                let siblings = std::iter::successors(before(new), |&v| before(v as usize));
-                let small = siblings.take(TRIES).find(|&v| star[v as usize] <= rule.large);
+                let earlier_sibling = |v: usize| Some(earlier[v]).filter(|&v| v != NONE);
+                let siblings =
+                    std::iter::successors(earlier_sibling(new), |&v| earlier_sibling(v as usize));
+                let small = siblings.take(MAX_SIBLINGS).find(|&v| star[v as usize] <= rule.large);
                 parents[new] = small.unwrap_or(target);
             }
             star[target as usize] += transferred;

@@ -1,6 +1,7 @@
-//! The source of an encoder: all splits of an object, derived from its collapse sequence.
+//! What an encoder knows of an object: all its vertex splits, derived from its collapse sequence.
 //!
-//! The stream runs backwards through the sequence: vertex `i` here is vertex `last − i` there.
+//! The stream runs backwards through the sequence: vertex `i` of the stream is vertex `last − i` of
+//! the sequence.
 
 use crate::error_code::{error_code, rms_code};
 use crate::partial_mesh::new_triangle::Side;
@@ -119,9 +120,9 @@ impl EncoderSource {
         let (points, all) = (self.points as usize, self.parents.len());
         // In the first step single points come; a later one brings whole groups.
         let first_step = points + self.continues[points..].iter().take_while(|&&c| c).count();
-        let [mut come, mut group_comes] = [vec![false; points], vec![false; points]];
+        let [mut has_come, mut group_has_come] = [vec![false; points], vec![false; points]];
         for vertex in points..all {
-            let come = if vertex <= first_step { &mut come } else { &mut group_comes };
+            let has_come = if vertex <= first_step { &mut has_come } else { &mut group_has_come };
             let corners =
                 self.new_triangles(vertex as u32).iter().flat_map(|t| [t.next, t.previous]);
             // In a batch the first of the parent's group comes, too.
@@ -133,21 +134,21 @@ impl EncoderSource {
                     parent
                 };
             for needed in corners.chain([parent, of_group]) {
-                if let Some(come) = come.get_mut(needed as usize) {
-                    *come = true;
+                if let Some(has_come) = has_come.get_mut(needed as usize) {
+                    *has_come = true;
                 }
             }
         }
-        let (mut left, mut first) = (0, 0);
+        let (mut incomplete, mut first) = (0, 0);
         for end in 1..=points {
             if end == points || self.groups[end] as usize == end {
-                let is_whole = come[first..end].iter().all(|&come| come)
-                    || group_comes[first..end].contains(&true);
-                left += u32::from(!is_whole);
+                let is_whole = has_come[first..end].iter().all(|&has_come| has_come)
+                    || group_has_come[first..end].contains(&true);
+                incomplete += u32::from(!is_whole);
                 first = end;
             }
         }
-        left + self.continues[points..].iter().filter(|&&continues| !continues).count() as u32
+        incomplete + self.continues[points..].iter().filter(|&&continues| !continues).count() as u32
     }
 }
 
@@ -163,8 +164,8 @@ impl SplitSource for EncoderSource {
     }
     fn batch(&self, new: u32) -> u32 {
         let batches = self.batches.as_deref().unwrap_or_default();
-        let at = batches.partition_point(|&[first, _]| first < new);
-        batches.get(at).map_or(1, |&[_, steps]| steps)
+        let index = batches.partition_point(|&[first, _]| first < new);
+        batches.get(index).map_or(1, |&[_, steps]| steps)
     }
     fn repeats_target(&self, new: u32) -> bool {
         self.parents[new as usize] != self.targets[new as usize]

@@ -1,4 +1,5 @@
-//! The split with which each triangle appears: its corners just before its removal.
+//! With which split each triangle of the mesh appears in the stream, and between which vertices:
+//! those that it has in the collapse sequence just before its removal.
 
 use lodc_mesh::{Csr, PositionIds, Simplified, removal_lods};
 

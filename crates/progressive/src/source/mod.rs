@@ -1,5 +1,6 @@
-//! Knowledge that an encoder has and a decoder lacks: the next vertex split, asked for piece by
-//! piece.
+//! What an encoder knows and a decoder does not: the vertex splits of an object. The coding of
+//! splits asks for them piece by piece through the trait `SplitSource`, whose decoder side answers
+//! nothing.
 
 pub(crate) mod batches;
 pub(crate) mod coding_parents;

@@ -1,4 +1,5 @@
-//! The triangles that vertices take over from large stars, found without walking around these.
+//! For the splits of hubs: the triangles that a new vertex takes over from a large star, found in
+//! linear time without visiting the whole star at each split.
 
 /// The triangles of some vertices.
 #[derive(Clone, Debug, Default)]
@@ -26,11 +27,11 @@ impl Transfers<'_> {
     pub(crate) fn named_stars(&self, vertices: Vec<u32>) -> NamedStars {
         let (mut ends, mut faces) = (Vec::with_capacity(vertices.len()), Vec::new());
         let mut wanted = vertices.iter().peekable();
-        let mut lists = Rings::new(self.final_vertices.len() + self.targets.len());
+        let mut rings = CircularLists::new(self.final_vertices.len() + self.targets.len());
         let ring_of = |vertex: u32| self.final_vertices.len() as u32 + vertex;
         for (corner, &vertex) in (0..).zip(self.final_vertices) {
             if corner & 3 < 3 {
-                lists.join(ring_of(vertex), corner);
+                rings.join(ring_of(vertex), corner);
             }
         }
         for new in (0..self.targets.len() as u32).rev() {
@@ -38,14 +39,14 @@ impl Transfers<'_> {
                 break;
             }
             let [from, to] = [new, new + 1].map(|v| self.first_triangle[v as usize]);
-            (4 * from..4 * to).for_each(|corner| lists.take_out(corner));
+            (4 * from..4 * to).for_each(|corner| rings.isolate(corner));
             let ring = ring_of(new);
             if wanted.next_if_eq(&&new).is_some() {
-                faces.extend(lists.others(ring).map(|corner| corner >> 2));
+                faces.extend(rings.others(ring).map(|corner| corner >> 2));
                 ends.push(faces.len() as u32);
             }
-            lists.join(ring_of(self.targets[new as usize]), ring);
-            lists.take_out(ring);
+            rings.join(ring_of(self.targets[new as usize]), ring);
+            rings.isolate(ring);
         }
         NamedStars { vertices, ends, faces }
     }
@@ -54,19 +55,19 @@ impl Transfers<'_> {
 impl NamedStars {
     /// Returns the triangles of a vertex, if it is one of these.
     pub(crate) fn of(&self, vertex: u32) -> Option<&[u32]> {
-        let at = self.vertices.binary_search_by(|v| vertex.cmp(v)).ok()?;
-        let start = if at == 0 { 0 } else { self.ends[at - 1] };
-        Some(&self.faces[start as usize..self.ends[at] as usize])
+        let index = self.vertices.binary_search_by(|v| vertex.cmp(v)).ok()?;
+        let start = if index == 0 { 0 } else { self.ends[index - 1] };
+        Some(&self.faces[start as usize..self.ends[index] as usize])
     }
 }
 
-/// Rings of numbers: doubly linked lists without ends.
-struct Rings {
+/// Circular doubly linked lists of numbers; each number is in one of them.
+struct CircularLists {
     next: Vec<u32>,
     previous: Vec<u32>,
 }
 
-impl Rings {
+impl CircularLists {
     /// A ring of each number.
     fn new(count: usize) -> Self {
         let numbers: Vec<u32> = (0..count as u32).collect();
@@ -81,7 +82,7 @@ impl Rings {
     }
 
     /// Leaves a number in a ring of its own.
-    fn take_out(&mut self, i: u32) {
+    fn isolate(&mut self, i: u32) {
         self.link(self.previous[i as usize], self.next[i as usize]);
         self.link(i, i);
     }

@@ -1,4 +1,5 @@
-//! The interface to the splits of an object, and the side that knows none of them.
+//! The trait through which the coding of splits asks for the splits of an object, and its decoder
+//! side, whose answers are placeholders that a decoder ignores.
 
 /// A triangle that comes with a vertex: its two other corners, (new, next, previous)
 /// counter-clockwise.
@@ -38,7 +39,7 @@ pub(crate) trait SplitSource {
     fn error_codes(&self, new: u32) -> [u32; 2];
 }
 
-/// The source of a decoder: it knows nothing.
+/// The source of a decoder: every answer is a placeholder.
 pub(crate) struct DecoderSource;
 
 impl SplitSource for DecoderSource {

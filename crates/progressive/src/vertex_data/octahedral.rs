@@ -1,5 +1,5 @@
-//! Directions as two numbers: the octahedron |x| + |y| + |z| = 1, unfolded into a square (Meyer et
-//! al. 2010).
+//! Unit vectors as two integers: the octahedron |x| + |y| + |z| = 1, unfolded into a square grid
+//! (Meyer et al. 2010).
 
 use crate::vertex_data::number_system::round;
 
@@ -16,8 +16,8 @@ impl Octahedral {
     }
 
     /// Returns the unit vector at a point of the grid.
-    pub(crate) fn direction(self, at: [i32; 2]) -> [f64; 3] {
-        let [x, y] = at.map(|i| f64::from(i) * 2.0 / self.steps() - 1.0);
+    pub(crate) fn direction(self, point: [i32; 2]) -> [f64; 3] {
+        let [x, y] = point.map(|i| f64::from(i) * 2.0 / self.steps() - 1.0);
         let z = 1.0 - x.abs() - y.abs();
         let [x, y] = if z < 0.0 { folded(x, y) } else { [x, y] };
         let length = (x * x + y * y + z * z).sqrt();

@@ -1,4 +1,5 @@
-//! Prediction of values from the vertices around: means, fits, directions.
+//! Prediction of a new vertex's position and attributes from the vertices around it: weighted
+//! means, linear fits, directions.
 //!
 //! All of it is arithmetic in double precision, in the order written, without fused operations:
 //! both sides of a stream must find the same numbers (docs/STREAM.md, section 6).
@@ -8,17 +9,17 @@ use crate::vertex_data::octahedral::Octahedral;
 use crate::vertex_data::vertex_layout::{Prediction, Stream};
 use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
 
-/// The weight of the parent in the prediction of a position, against the mean of the ring, and that
-/// of the middle between the two apexes: a vertex lies outside its ring, away from where it was cut
-/// out. Fitted on four meshes; half or twice as much cost 0.1 to 0.4 bits.
-const PARENT: f64 = 0.2;
-const CUT: f64 = 0.16;
+/// The weight of the parent in the prediction of a position, against the mean of the link, and that
+/// of the cut, the middle between the apexes of the two new triangles: a vertex lies outside its
+/// link, away from the cut. Fitted on four meshes; half or twice as much cost 0.1 to 0.4 bits.
+const PARENT_WEIGHT: f64 = 0.2;
+const CUT_WEIGHT: f64 = 0.16;
 /// Share of the mean distance that is added to a distance, so that no weight is infinite. A
 /// contract of the format, like the others; chosen by hand.
-const NEAR: f64 = 0.05;
+const DISTANCE_SHARE: f64 = 0.05;
 /// Share of their trace that is added to the diagonal of a fit's slopes: a ring is mostly flat, and
 /// tells nothing about the slope across. Chosen by hand.
-const RIDGE: f64 = 0.02;
+const RIDGE_SHARE: f64 = 0.02;
 
 /// A predicted index, and the range of the indices around if it says how good the prediction is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -73,10 +74,10 @@ impl Position {
         }
         let (mut sums, mut least, mut most) = ([0i64; 3], [i32::MAX; 3], [i32::MIN; 3]);
         for &v in n.link {
-            let around = indices(v);
+            let neighbour = indices(v);
             for c in 0..3 {
-                sums[c] += i64::from(around[c]);
-                (least[c], most[c]) = (least[c].min(around[c]), most[c].max(around[c]));
+                sums[c] += i64::from(neighbour[c]);
+                (least[c], most[c]) = (least[c].min(neighbour[c]), most[c].max(neighbour[c]));
             }
         }
         let count = n.link.len() as f64;
@@ -92,7 +93,7 @@ impl Position {
             };
             let mean = sum / count;
             let cut = (real(l) + real(r)) / 2.0;
-            let at = mean + PARENT * (real(p) - mean) - CUT * (cut - mean);
+            let at = mean + PARENT_WEIGHT * (real(p) - mean) - CUT_WEIGHT * (cut - mean);
             means[c] = mean;
             position.at[c] = at;
             position.mean[c] = nearest_index(systems[c], even, mean, p);
@@ -101,9 +102,9 @@ impl Position {
         }
         if systems[0].has_fixed_step() && n.link.len() > 1 {
             let edge = [0, 1, 2].map(|c| f64::from(left[c]) - f64::from(right[c]));
-            let out = [0, 1, 2].map(|c| means[c] - f64::from(parent[c]));
+            let outwards = [0, 1, 2].map(|c| means[c] - f64::from(parent[c]));
             let box_ = [0, 1, 2].map(|c| f64::from(most[c].abs_diff(least[c])));
-            position.plane = Some(TangentPlane::new(edge, out, box_));
+            position.plane = Some(TangentPlane::new(edge, outwards, box_));
         }
         position
     }
@@ -111,8 +112,8 @@ impl Position {
 
 impl TangentPlane {
     /// The plane of two vectors, in a box with these sides.
-    fn new(edge: [f64; 3], out: [f64; 3], sides: [f64; 3]) -> Self {
-        let cross = |i: usize, j: usize| edge[i] * out[j] - edge[j] * out[i];
+    fn new(edge: [f64; 3], outwards: [f64; 3], sides: [f64; 3]) -> Self {
+        let cross = |i: usize, j: usize| edge[i] * outwards[j] - edge[j] * outwards[i];
         let normal = [cross(1, 2), cross(2, 0), cross(0, 1)];
         let size = normal.map(f64::abs);
         let mut last = 0;
@@ -176,8 +177,8 @@ impl ValuePredictor<'_> {
         let real = |c: usize, i: i32| {
             if systems[0].has_fixed_step() { f64::from(i) } else { f64::from(systems[c].value(i)) }
         };
-        let here = [0, 1, 2].map(|c| real(c, self.position[c]));
-        let offset = |&v: &u32| [0, 1, 2].map(|c| real(c, self.index(v, c)) - here[c]);
+        let own = [0, 1, 2].map(|c| real(c, self.position[c]));
+        let offset = |&v: &u32| [0, 1, 2].map(|c| real(c, self.index(v, c)) - own[c]);
         self.neighborhood.link.iter().map(offset).collect()
     }
 
@@ -242,7 +243,7 @@ impl Fit {
         let lengths: Vec<f64> =
             offsets.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
         let mean = lengths.iter().fold(0.0, |sum, d| sum + d) / lengths.len() as f64;
-        let weight = |d: &f64| if mean > 0.0 { 1.0 / (d + NEAR * mean) } else { 1.0 };
+        let weight = |d: &f64| if mean > 0.0 { 1.0 / (d + DISTANCE_SHARE * mean) } else { 1.0 };
         lengths.iter().map(weight).collect()
     }
 
@@ -263,7 +264,7 @@ impl Fit {
                         }
                     }
                 }
-                let ridge = RIDGE * (rows[1][1] + rows[2][2] + rows[3][3]);
+                let ridge = RIDGE_SHARE * (rows[1][1] + rows[2][2] + rows[3][3]);
                 for (i, row) in rows.iter_mut().enumerate().skip(1) {
                     row[i] += ridge;
                 }

@@ -1,4 +1,5 @@
-//! Quantisation: streams on a regular grid, with bounds of the error.
+//! Lossy quantisation of positions, normals and texture coordinates to regular grids, with a bound
+//! of the error of each stream.
 
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::octahedral::Octahedral;
@@ -50,11 +51,11 @@ impl Quantize {
                 .chunks_exact(4)
                 .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
                 .collect();
-            let span = range(all.chunks_exact(channels), channels);
-            let unit = span.iter().all(|(lo, hi)| *lo >= -1.0 && *hi <= 1.0);
-            let whole = vec![(-1.0, 1.0); channels];
+            let values_range = range(all.chunks_exact(channels), channels);
+            let unit = values_range.iter().all(|(lo, hi)| *lo >= -1.0 && *hi <= 1.0);
+            let signed_unit = vec![(-1.0, 1.0); channels];
             let mut direction = |bits, name: &str| {
-                let on_grid = grid(layout, i + 1, bits, &whole, name.to_owned())?;
+                let on_grid = grid(layout, i + 1, bits, &signed_unit, name.to_owned())?;
                 let values = all.chunks_exact(channels);
                 let bound = octahedral_bound(values, Octahedral { bits }, &on_grid);
                 octahedral[i] = bound.is_some().then_some(Octahedral { bits });
@@ -64,7 +65,7 @@ impl Quantize {
                 (Semantic::Normal, Some(bits), _) if unit => direction(bits, "normal"),
                 (Semantic::Tangent, Some(bits), _) if unit => direction(bits, "tangent"),
                 (Semantic::TexCoord(set), _, Some(bits)) => {
-                    grid(layout, i + 1, bits, &span, format!("uv {set}"))
+                    grid(layout, i + 1, bits, &values_range, format!("uv {set}"))
                 }
                 _ => None,
             });
@@ -75,34 +76,34 @@ impl Quantize {
 }
 
 /// How far from 1 the length of a direction may be for it to be kept as a direction only.
-const UNIT: f64 = 0.01;
+const MAX_LENGTH_ERROR: f64 = 0.01;
 
 /// Returns by how much directions change on an octahedron, with what follows them on a grid;
 /// `None` if they are not all of length 1.
 fn octahedral_bound<'a>(
     values: impl Iterator<Item = &'a [f32]>,
     octahedral: Octahedral,
-    rest: &ErrorBound,
+    further: &ErrorBound,
 ) -> Option<ErrorBound> {
     // Rounded to floats, a change may be larger by this share.
     const ROUNDING: f64 = 1.0 + 1e-6;
-    let mut bound = ErrorBound { coordinate: 0.0, distance: 0.0, ..rest.clone() };
+    let mut bound = ErrorBound { coordinate: 0.0, distance: 0.0, ..further.clone() };
     for value in values {
         let direction = <[f32; 3]>::try_from(value.get(..3)?).ok()?.map(f64::from);
         let length = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
-        if (length - 1.0).abs() > UNIT || length.is_nan() {
+        if (length - 1.0).abs() > MAX_LENGTH_ERROR || length.is_nan() {
             return None;
         }
-        let shown = octahedral.direction(octahedral.indices(direction)).map(|c| c as f32);
-        let off = [0, 1, 2].map(|c| (direction[c] - f64::from(shown[c])).abs() * ROUNDING);
-        bound.coordinate = off.iter().copied().fold(bound.coordinate, f64::max);
-        bound.distance = bound.distance.max(off.iter().map(|c| c * c).sum::<f64>().sqrt());
+        let decoded = octahedral.direction(octahedral.indices(direction)).map(|c| c as f32);
+        let change = [0, 1, 2].map(|c| (direction[c] - f64::from(decoded[c])).abs() * ROUNDING);
+        bound.coordinate = change.iter().copied().fold(bound.coordinate, f64::max);
+        bound.distance = bound.distance.max(change.iter().map(|c| c * c).sum::<f64>().sqrt());
         if value.len() > 3 {
-            bound.coordinate = bound.coordinate.max(rest.coordinate);
+            bound.coordinate = bound.coordinate.max(further.coordinate);
         }
     }
-    if bound.coordinate == rest.coordinate {
-        bound.distance += rest.coordinate;
+    if bound.coordinate == further.coordinate {
+        bound.distance += further.coordinate;
     }
     Some(bound)
 }
@@ -140,8 +141,8 @@ fn grid(
         *system = NumberSystem::Grid { origin: *lo, step };
     }
     // Half a step, and the rounding of the sum to f32.
-    let far = range.iter().map(|(lo, hi)| lo.abs().max(hi.abs())).fold(0.0, f32::max);
-    let coordinate = f64::from(step) / 2.0 + f64::from(far) * f64::from(f32::EPSILON);
+    let largest = range.iter().map(|(lo, hi)| lo.abs().max(hi.abs())).fold(0.0, f32::max);
+    let coordinate = f64::from(step) / 2.0 + f64::from(largest) * f64::from(f32::EPSILON);
     let distance = coordinate * (stream.channels as f64).sqrt();
     Some(ErrorBound { stream: name, bits, coordinate, distance })
 }

@@ -1,4 +1,5 @@
-//! Coding of a new vertex's values: those of a vertex nearby again, or residuals to a prediction.
+//! Coding of a new vertex's values, stream by stream: either the number of a nearby vertex with the
+//! same value, or residuals to a prediction.
 
 use crate::entropy::adaptive_probability::AdaptiveSymbol;
 use crate::entropy::coder::Coder;
@@ -18,7 +19,7 @@ const CHANNEL_SLOTS: usize = 4;
 /// Classes of how well the channel before was predicted. Six gain nothing over three.
 const ACCURACIES: usize = 3;
 /// The most vertices among whose values a value is looked for: those that a symbol can name.
-const MOST_SOURCES: usize = 15;
+const MAX_SOURCES: usize = 15;
 
 /// The source of an attribute: how it is coded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,8 +111,13 @@ impl VertexValues {
         coded: &mut Vec<i32>,
     ) {
         coded.clear();
-        let mut vertex =
-            VertexCode { values: self, neighborhood, mate: None, before: 4, sources: Vec::new() };
+        let mut vertex = VertexCode {
+            values: self,
+            neighborhood,
+            mate: None,
+            previous_source: 4,
+            sources: Vec::new(),
+        };
         if let Some(wedge) = neighborhood.mates.clone().next_back() {
             coded.extend(self.of(wedge, &self.layout.streams[0]));
         } else {
@@ -131,7 +137,7 @@ struct VertexCode<'a> {
     /// The mate whose value the stream before had.
     mate: Option<u32>,
     /// The source of the stream before; 4 for none.
-    before: usize,
+    previous_source: usize,
     sources: Vec<u32>,
 }
 
@@ -171,7 +177,7 @@ impl VertexCode<'_> {
             }
         }
         if position.spread[0].is_some() {
-            contexts.note(&position, &coded);
+            contexts.update_mode(&position, &coded);
         }
         coded
     }
@@ -194,15 +200,15 @@ impl VertexCode<'_> {
         let available = usize::from(mates > 0) + 2 * usize::from(parents < self.sources.len());
         let found = self.sources.iter().position(|&v| values.of(v, stream) == wanted);
         let source = match found {
-            Some(at) if at < mates => Source::Mate,
-            Some(at) if at < parents => Source::Parent,
+            Some(offset) if offset < mates => Source::Mate,
+            Some(offset) if offset < parents => Source::Parent,
             Some(_) => Source::Link,
             None => Source::Coded,
         };
         let last = contexts.last_source[slot];
-        let context = &mut contexts.source[slot][available][last][self.before];
+        let context = &mut contexts.source[slot][available][last][self.previous_source];
         let source = coder.symbol(context, source as u32).min(3) as usize;
-        (contexts.last_source[slot], self.before) = (source, source);
+        (contexts.last_source[slot], self.previous_source) = (source, source);
         let range = match source {
             0 => 0..mates,
             1 => mates..parents,
@@ -211,19 +217,19 @@ impl VertexCode<'_> {
         };
         if range.is_empty() {
             // Also a source that only a crafted stream names.
-            let around =
+            let predictor =
                 ValuePredictor { values, neighborhood: self.neighborhood, position: coded };
-            let guesses = around.predict(stream);
+            let guesses = predictor.predict(stream);
             self.code_residuals(coder, contexts, [s, slot], &guesses, wanted, coded);
             return;
         }
-        let mut at = 0;
+        let mut offset = 0;
         if range.len() > 1 {
             let context = &mut contexts.which[source >> 1][(range.len() - 1).min(7)];
             let which = found.unwrap_or_default().wrapping_sub(range.start) as u32;
-            at = (coder.symbol(context, which) as usize).min(range.len() - 1);
+            offset = (coder.symbol(context, which) as usize).min(range.len() - 1);
         }
-        let vertex = self.sources[range.start + at];
+        let vertex = self.sources[range.start + offset];
         self.mate = if source == 0 { Some(vertex) } else { self.mate };
         coded.extend_from_slice(values.of(vertex, stream));
     }
@@ -234,8 +240,8 @@ impl VertexCode<'_> {
         let (values, n) = (self.values, self.neighborhood);
         let sources = &mut self.sources;
         sources.clear();
-        let mut add = |v: u32, most: usize| {
-            let is_new = sources.len() < most
+        let mut add = |v: u32, max_count: usize| {
+            let is_new = sources.len() < max_count
                 && sources.iter().all(|&s| values.of(s, stream) != values.of(v, stream));
             if is_new {
                 sources.push(v);
@@ -243,12 +249,12 @@ impl VertexCode<'_> {
             sources.len()
         };
         let mut ends = [0; 2];
-        let latest = n.mates.clone().rev().take(MOST_SOURCES);
+        let latest = n.mates.clone().rev().take(MAX_SOURCES);
         for v in self.mate.into_iter().chain(latest) {
-            ends[0] = add(v, MOST_SOURCES);
+            ends[0] = add(v, MAX_SOURCES);
         }
-        ends[1] = add(n.parent, MOST_SOURCES + 1);
-        for &v in n.link.iter().take(MOST_SOURCES) {
+        ends[1] = add(n.parent, MAX_SOURCES + 1);
+        for &v in n.link.iter().take(MAX_SOURCES) {
             add(v, usize::MAX);
         }
         ends
@@ -291,7 +297,7 @@ impl ValueContexts {
     }
 
     /// Notes how long the residuals are in each way.
-    fn note(&mut self, position: &Position, coded: &[i32; 3]) {
+    fn update_mode(&mut self, position: &Position, coded: &[i32; 3]) {
         let bits = |guess: &[i32; 3]| -> u32 {
             (0..3).map(|c| bit_length(coded[c].abs_diff(guess[c]))).sum()
         };

@@ -1,4 +1,5 @@
-//! The layout of a vertex: streams, their channels and number systems.
+//! The layout of a vertex's values in a stream: positions and attributes as streams of channels,
+//! the number system of each channel, and how each stream is predicted.
 
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::octahedral::Octahedral;
@@ -77,11 +78,11 @@ impl VertexLayout {
         let mesh = simplified.mesh();
         let streams = Self::streams(mesh.attributes(), &[]);
         let positions = |v: u32, c: usize| mesh.positions()[v as usize][c];
-        let mut systems = vec![best(simplified, 3, positions); 3];
+        let mut systems = vec![best_system(simplified, 3, positions); 3];
         for a in mesh.attributes() {
             let channels = usize::from(a.components);
             let system = match a.component {
-                Component::F32 => best(simplified, channels, |v, c| float(a, v, c)),
+                Component::F32 => best_system(simplified, channels, |v, c| float(a, v, c)),
                 _ => NumberSystem::Integer,
             };
             systems.extend(std::iter::repeat_n(system, channels));
@@ -148,11 +149,11 @@ impl VertexLayout {
         let streams = Self::streams(attributes, octahedral);
         let mut systems = Vec::new();
         for (old, new) in self.streams.iter().zip(&streams) {
-            let mut of = self.systems[old.first..][..old.channels].to_vec();
+            let mut own = self.systems[old.first..][..old.channels].to_vec();
             if old.channels > new.channels {
-                of.splice(..3, [NumberSystem::Integer; 2]);
+                own.splice(..3, [NumberSystem::Integer; 2]);
             }
-            systems.extend(of);
+            systems.extend(own);
         }
         (self.systems, self.streams) = (systems, streams);
     }
@@ -177,7 +178,7 @@ fn integer(a: &Attribute, vertex: u32, channel: usize) -> i32 {
 
 /// Returns the number system that holds all values of a stream and in which each vertex is closest
 /// to the one it collapses onto, by the sum of the bit lengths of their distances.
-fn best(
+fn best_system(
     simplified: &Simplified,
     channels: usize,
     value: impl Fn(u32, usize) -> f32 + Copy,

@@ -1,4 +1,5 @@
-//! The values of all vertices so far, and those that a new one has around it.
+//! The values of all vertices so far, as indices of number systems, and the neighbours from which
+//! those of a new vertex are predicted.
 
 use crate::vertex_data::vertex_layout::{Stream, VertexLayout};
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! All contexts of a stream: the adaptive probabilities that its objects share.
+//! All adaptive probabilities of a stream, which its objects share. docs/STREAM.md names each.
 
 use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 use crate::entropy::integer_codes::{BoundedCode, GammaCode};

@@ -1,7 +1,7 @@
-//! Triangles of the parent's star that are transferred to the new vertex.
+//! Coding of which triangles of the parent's star are transferred to the new vertex.
 //!
 //! The new triangles predict it: each lies between a triangle that the parent keeps and one that is
-//! transferred, and triangles that share an edge go the same way.
+//! transferred, and neighbouring triangles of a fan go the same way until the next new triangle.
 //!
 //! ```text
 //!       fan around the parent, unrolled           L at v_l          R at v_r
@@ -64,7 +64,7 @@ impl SplitNeighborhood {
         match rule {
             TransferRule::All => self.transfer.resize(self.star.len(), true),
             TransferRule::Coded => {
-                expect(&self.star, &self.triangles, &mut self.expected);
+                predict_transfer(&self.star, &self.triangles, &mut self.expected);
                 let mut previous = 0;
                 for (face, &expected) in self.star.iter().zip(&self.expected) {
                     let context = &mut contexts.transferred[usize::from(expected)][previous];
@@ -77,7 +77,7 @@ impl SplitNeighborhood {
             TransferRule::Implied => {
                 // An encoder has filled `expected` in `follows_rule`, when it chose the rule.
                 if !C::ENCODES {
-                    expect(&self.star, &self.triangles, &mut self.expected);
+                    predict_transfer(&self.star, &self.triangles, &mut self.expected);
                 }
                 if self.expected.iter().any(|e| !matches!(*e, KEPT | TRANSFERRED)) {
                     return Err(InvalidStream("leaves the transfer of a triangle undetermined"));
@@ -88,8 +88,8 @@ impl SplitNeighborhood {
         Ok(())
     }
 
-    /// Returns what [`expect`] finds in the common case: a closed star and a triangle on each side
-    /// of the split edge.
+    /// Returns what [`predict_transfer`] finds in the common case: a closed star and a triangle on
+    /// each side of the split edge.
     pub(crate) fn arcs(&self) -> Option<Arcs> {
         match &self.triangles[..] {
             [left, right]
@@ -111,7 +111,7 @@ impl SplitNeighborhood {
         if rule == TransferRule::All {
             return self.star.iter().all(transferred);
         }
-        expect(&self.star, &self.triangles, &mut self.expected);
+        predict_transfer(&self.star, &self.triangles, &mut self.expected);
         let as_expected = |(face, &expected): (&StarFace, &u8)| {
             matches!(expected, KEPT | TRANSFERRED) && transferred(face) == (expected == TRANSFERRED)
         };
@@ -120,7 +120,7 @@ impl SplitNeighborhood {
 }
 
 /// Predicts the transfer of each triangle of the parent's star from the new triangles.
-fn expect(star: &[StarFace], triangles: &[NewTriangle], expected: &mut Vec<u8>) {
+fn predict_transfer(star: &[StarFace], triangles: &[NewTriangle], expected: &mut Vec<u8>) {
     expected.clear();
     expected.resize(star.len(), 0);
     for t in triangles {

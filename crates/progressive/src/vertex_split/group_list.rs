@@ -1,4 +1,6 @@
-//! The list of wedge groups that a batch is walked through (docs/STREAM.md, section 4).
+//! The list of wedge groups that a batch of splits is walked through: one bit for each group says
+//! whether the next step splits it (docs/STREAM.md, section 4; `source/batches.rs` makes the
+//! order).
 
 use crate::entropy::adaptive_probability::AdaptiveBit;
 use crate::entropy::integer_codes::{GammaCode, bit_length};
@@ -27,20 +29,20 @@ impl BatchContexts {
         Self { steps: GammaCode::NEW, splits: [[[AdaptiveBit::NEW; TRIANGLES]; CLASSES]; RATIOS] };
 }
 
-/// The list, and the place of a batch in it. A group is named by its first vertex.
+/// The list, and how far the present batch has walked. A group is named by its first vertex.
 #[derive(Clone, Debug)]
 pub(crate) struct GroupList {
     /// For each vertex the group behind it in the list; of those that are groups.
     next: Vec<u32>,
     groups: u32,
-    /// The group at hand; [`NONE`] behind the last.
+    /// The present group; [`NONE`] behind the last.
     pub(super) group: u32,
     /// Splits of it in this batch.
     splits: u32,
-    /// Groups from that one on.
-    groups_left: u32,
-    /// Steps of the batch that are left.
-    pub(super) steps_left: u32,
+    /// Groups from the present one on.
+    groups_remaining: u32,
+    /// Steps of the batch that are not coded yet.
+    pub(super) steps_remaining: u32,
     /// Vertices before the batch.
     first_new: u32,
 }
@@ -57,8 +59,8 @@ impl GroupList {
             groups: points,
             group: NONE,
             splits: 0,
-            groups_left: 0,
-            steps_left: 0,
+            groups_remaining: 0,
+            steps_remaining: 0,
             first_new: points,
         }
     }
@@ -71,21 +73,21 @@ impl GroupList {
     /// Begins a batch of `steps` steps.
     pub(super) fn begin(&mut self, steps: u32) {
         self.first_new = self.next.len() as u32;
-        (self.group, self.splits, self.groups_left) = (0, 0, self.groups);
-        self.steps_left = steps;
+        (self.group, self.splits, self.groups_remaining) = (0, 0, self.groups);
+        self.steps_remaining = steps;
     }
 
     /// Goes on to the next group.
     pub(super) fn advance(&mut self) {
         self.group = self.next[self.group as usize];
         self.splits = 0;
-        self.groups_left = self.groups_left.saturating_sub(1);
+        self.groups_remaining = self.groups_remaining.saturating_sub(1);
     }
 
     /// Notes a split of the group at hand.
     pub(super) fn split(&mut self) {
         self.splits += 1;
-        self.steps_left -= 1;
+        self.steps_remaining -= 1;
     }
 
     /// Adds a vertex: a group of its own behind the one at hand, or one of a group.
@@ -96,7 +98,7 @@ impl GroupList {
             self.next.swap(new as usize, self.group as usize);
             self.next[self.group as usize] = new;
             self.groups += 1;
-            self.groups_left += 1;
+            self.groups_remaining += 1;
         }
     }
 
@@ -113,7 +115,8 @@ impl GroupList {
         contexts: &'c mut BatchContexts,
         triangles: u32,
     ) -> &'c mut AdaptiveBit {
-        let ratio = bit_length(self.groups_left).saturating_sub(bit_length(self.steps_left));
+        let ratio =
+            bit_length(self.groups_remaining).saturating_sub(bit_length(self.steps_remaining));
         let class = self.splits.min(3) + if self.group >= self.first_new { 4 } else { 0 };
         let triangles = (triangles as usize).min(TRIANGLES - 1);
         &mut contexts.splits[(ratio as usize).min(RATIOS - 1)][class as usize][triangles]

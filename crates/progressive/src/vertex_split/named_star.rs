@@ -1,9 +1,9 @@
-//! Stars that are named: of the star of a hub only the triangles that are transferred, by their
+//! Named stars: of the star of a hub, only the triangles that are transferred are coded, by their
 //! numbers.
 //!
 //! A hub that hands over a few triangles at each of thousands of splits would be walked around each
-//! time if every triangle of its star had a bit. So the triangles that are named take the place of
-//! the star: new triangles are coded in their link, and all of them are transferred.
+//! time if every triangle of its star had a bit. So the triangles that are named stand for the
+//! whole star: new triangles are coded in their link, and all of them are transferred.
 //!
 //! ```text
 //!     \   |   /                        named: t, u

@@ -1,18 +1,20 @@
-//! The surroundings of one vertex split: the parent's star and link, and the triangles that come.
+//! The surroundings of the vertex split that is being coded: the parent's star and link, and the
+//! triangles that are added.
 
 use crate::invalid::InvalidStream;
 use crate::partial_mesh::mesh::PartialMesh;
 use crate::partial_mesh::new_triangle::{NewTriangle, Side};
 use crate::partial_mesh::star::{LinkVertex, StarFace, collect_link, is_closed_fan};
 
-/// A vertex of the parent's link, by its place there, if it is in the link.
+/// The third corner of a new triangle at the split edge, with its index in the parent's link if it
+/// is there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Apex {
     pub(crate) vertex: u32,
-    pub(crate) place: Option<usize>,
+    pub(crate) link_index: Option<usize>,
 }
 
-/// The surroundings of the split at hand.
+/// The surroundings of the present split.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SplitNeighborhood {
     pub(crate) new: u32,
@@ -38,14 +40,14 @@ pub(crate) struct SplitNeighborhood {
 impl SplitNeighborhood {
     /// Starts a split, of which the star is still to come.
     pub(crate) fn start(&mut self, new: u32, parent: u32, continued: bool) {
-        let before = if continued { self.sides } else { 0 };
+        let earlier = if continued { self.sides } else { 0 };
         let side = |t: &NewTriangle| match t.side {
             Side::Left => 1,
             Side::Right => 2,
             Side::Detached => 0,
         };
         let sides = self.triangles.iter().map(side);
-        self.sides = if continued { sides.fold(before, |all, side| all | side) } else { 0 };
+        self.sides = if continued { sides.fold(earlier, |all, side| all | side) } else { 0 };
         (self.new, self.parent, self.continued) = (new, parent, continued);
         self.triangles.clear();
     }
@@ -73,18 +75,22 @@ impl SplitNeighborhood {
         if self.closed { self.star.len() } else { self.link.len() }
     }
 
-    /// Returns the vertex at a place of the parent's link.
+    /// Returns a vertex of the parent's link by its index.
     #[inline]
-    pub(crate) fn link_vertex(&self, place: usize) -> LinkVertex {
+    pub(crate) fn link_vertex(&self, link_index: usize) -> LinkVertex {
         if !self.closed {
-            return self.link[place];
+            return self.link[link_index];
         }
-        let incoming = if place == 0 { self.star.len() } else { place } - 1;
-        LinkVertex { vertex: self.star[place].a, outgoing: place as u32, incoming: incoming as u32 }
+        let incoming = if link_index == 0 { self.star.len() } else { link_index } - 1;
+        LinkVertex {
+            vertex: self.star[link_index].a,
+            outgoing: link_index as u32,
+            incoming: incoming as u32,
+        }
     }
 
-    /// Returns the first place of a vertex in the parent's link.
-    pub(crate) fn link_place(&self, vertex: u32) -> Option<usize> {
+    /// Returns the first index of a vertex in the parent's link.
+    pub(crate) fn link_index_of(&self, vertex: u32) -> Option<usize> {
         (0..self.link_len()).position(|i| self.link_vertex(i).vertex == vertex)
     }
 
@@ -95,8 +101,8 @@ impl SplitNeighborhood {
             _ => (self.parent, apex.vertex),
         };
         let mut triangle = NewTriangle::unconnected(next, previous, side);
-        if let Some(place) = apex.place {
-            let link = self.link_vertex(place);
+        if let Some(link_index) = apex.link_index {
+            let link = self.link_vertex(link_index);
             (triangle.outgoing, triangle.incoming) = (link.outgoing, link.incoming);
         }
         self.triangles.push(triangle);

@@ -1,5 +1,5 @@
-//! The triangles that come with a vertex, coded by the places of their corners in the parent's
-//! link.
+//! Coding of the triangles that a vertex split adds: their pattern, and their corners by index in
+//! the parent's link.
 
 use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 use crate::entropy::coder::Coder;
@@ -11,7 +11,7 @@ use crate::vertex_split::corner_transfer::TransferRule;
 use crate::vertex_split::neighborhood::{Apex, SplitNeighborhood};
 
 /// Links of up to this many vertices, which a symbol can name, have contexts of their own; in
-/// longer ones, of hubs, places are uniform.
+/// longer ones, of hubs, indices are coded as equally likely.
 const MAX_LINK_CONTEXTS: usize = 16;
 /// The symbol of a number of triangles that does not fit a symbol.
 const COUNT_ESCAPE: u32 = 15;
@@ -69,7 +69,7 @@ pub(crate) struct TriangleContexts {
     pub(crate) side: [[[AdaptiveBit; 2]; 4]; 3],
     /// By the size of the link, up to 3.
     pub(crate) in_link: [AdaptiveBit; 4],
-    /// By how the place is counted, and the size of the link.
+    /// The index in the link: by how it is counted, and the size of the link.
     pub(crate) place: [[AdaptiveSymbol; MAX_LINK_CONTEXTS + 1]; 3],
 }
 
@@ -103,8 +103,8 @@ impl<C: Coder> TriangleCode<'_, C> {
         let pattern = if C::ENCODES { self.choose_pattern(source) } else { SplitPattern::General };
         let size = self.split.star.len().min(3);
         let closed = usize::from(self.split.closed);
-        let before = if self.split.continued { 1 + self.split.sides } else { 0 };
-        let context = &mut self.contexts.pattern[size][closed][before];
+        let sides_before = if self.split.continued { 1 + self.split.sides } else { 0 };
+        let context = &mut self.contexts.pattern[size][closed][sides_before];
         let pattern = SplitPattern::of_symbol(self.coder.symbol(context, pattern as u32));
         self.split.triangles.clear();
         match pattern {
@@ -133,11 +133,11 @@ impl<C: Coder> TriangleCode<'_, C> {
         split.triangles.clear();
         for t in triangles {
             let vertex = if side(t) == Side::Left { t.next } else { t.previous };
-            let place = split.link_place(vertex);
-            if place.is_none() {
+            let link_index = split.link_index_of(vertex);
+            if link_index.is_none() {
                 return SplitPattern::General;
             }
-            split.add_triangle(side(t), Apex { vertex, place });
+            split.add_triangle(side(t), Apex { vertex, link_index });
         }
         if split.is_named || split.follows_rule(source, pattern.transfer_rule()) {
             pattern
@@ -159,7 +159,7 @@ impl<C: Coder> TriangleCode<'_, C> {
         let mut left = None;
         if pattern != SplitPattern::Right {
             let apex = self.code_link_apex(wanted(0).next, None);
-            left = apex.place;
+            left = apex.link_index;
             self.split.add_triangle(Side::Left, apex);
         }
         if pattern != SplitPattern::Left {
@@ -190,7 +190,7 @@ impl<C: Coder> TriangleCode<'_, C> {
             match side {
                 Side::Left => {
                     let apex = self.code_apex(wanted.next, None);
-                    left = left.or(apex.place);
+                    left = left.or(apex.link_index);
                     self.split.add_triangle(side, apex);
                 }
                 Side::Right => {
@@ -225,24 +225,26 @@ impl<C: Coder> TriangleCode<'_, C> {
     /// Codes a corner of a new triangle: a vertex of the parent's link, or any vertex.
     fn code_apex(&mut self, wanted: u32, left: Option<usize>) -> Apex {
         let size = self.split.link_len();
-        let in_link = C::ENCODES && self.split.link_place(wanted).is_some();
+        let in_link = C::ENCODES && self.split.link_index_of(wanted).is_some();
         if size == 0 || !self.coder.bit(&mut self.contexts.in_link[size.min(3)], in_link) {
             self.package_bytes += 5;
             let vertex = self.coder.uniform(self.split.new + 1, wanted);
-            return Apex { vertex, place: None };
+            return Apex { vertex, link_index: None };
         }
         self.code_link_apex(wanted, left)
     }
 
-    /// Codes a vertex of the parent's link, which is not empty. `left` is the place of the first
-    /// left apex, from which that of a right one is counted: so far reach the kept triangles.
+    /// Codes a vertex of the parent's link, which is not empty. `left` is the index of the first
+    /// left apex, from which that of a right one is counted: the distance is the number of
+    /// triangles that the parent keeps.
     fn code_link_apex(&mut self, wanted: u32, left: Option<usize>) -> Apex {
         let size = self.split.link_len();
         self.package_bytes += 1;
         let origin = left.unwrap_or(0);
-        let wrap = |place: usize| if place >= size { place - size } else { place };
+        let wrap =
+            |link_index: usize| if link_index >= size { link_index - size } else { link_index };
         let distance = if C::ENCODES {
-            wrap(self.split.link_place(wanted).unwrap_or(0) + size - origin) as u32
+            wrap(self.split.link_index_of(wanted).unwrap_or(0) + size - origin) as u32
         } else {
             0
         };
@@ -254,7 +256,7 @@ impl<C: Coder> TriangleCode<'_, C> {
         } else {
             self.coder.uniform(size as u32, distance) as usize
         };
-        let place = wrap(distance + origin);
-        Apex { vertex: self.split.link_vertex(place).vertex, place: Some(place) }
+        let link_index = wrap(distance + origin);
+        Apex { vertex: self.split.link_vertex(link_index).vertex, link_index: Some(link_index) }
     }
 }

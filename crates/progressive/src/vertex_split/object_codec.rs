@@ -1,6 +1,6 @@
-//! The codec of one object: codes its steps and applies them to its partial mesh.
-//!
-//! Written once for both sides, see `entropy/coder.rs`.
+//! The codec of one object: codes its steps and applies them to its partial mesh. The same code
+//! encodes and decodes, see `entropy/coder.rs`. The parts of a split are in the other files of this
+//! folder.
 
 use crate::entropy::coder::Coder;
 use crate::entropy::integer_codes::GammaCode;
@@ -22,12 +22,12 @@ use crate::vertex_split::parent_distance::ParentDistance;
 use crate::vertex_split::points::Points;
 use lodc_mesh::NONE;
 
-/// The symbol of a parent that is not near along the circle of wedges.
+/// The symbol of a parent that is eight or more wedges away along the circle of wedges.
 const FAR_WEDGE: u32 = 8;
 
 /// Memory is reserved for all of an object when one in this many of its vertices, or triangles, is
-/// there: a header alone may announce anything, but bytes that have come for a quarter bound what
-/// can be asked for to four times of what they are worth.
+/// decoded: a header alone may announce anything, but then no stream can ask for more than four
+/// times the memory that its bytes have filled.
 const RESERVED_FROM: u32 = 4;
 
 /// Limits of a step.
@@ -51,7 +51,7 @@ pub(crate) struct ObjectCodec {
     /// The vertices before the first triangle.
     pub(crate) points: Points,
     /// For each vertex its target, and whether its step continues with the next vertex.
-    pub(crate) parents: Vec<u32>,
+    pub(crate) targets: Vec<u32>,
     pub(crate) continues: Vec<bool>,
     /// The codes of the error after the last step, and of the root mean square distance.
     pub(crate) error_code: u32,
@@ -96,7 +96,7 @@ impl ObjectCodec {
             submeshes,
             large_star: LARGE_STAR,
             points: Points::default(),
-            parents: Vec::new(),
+            targets: Vec::new(),
             continues: Vec::new(),
             error_code: 0,
             rms_code: 0,
@@ -133,7 +133,7 @@ impl ObjectCodec {
             self.announce_points(coder, source, contexts, limits)?;
         }
         if self.mesh.vertex_count() == limits.vertices && !self.points.are_complete() {
-            self.code_left_points(coder, source, contexts);
+            self.code_remaining_points(coder, source, contexts);
             let errors = source.error_codes(limits.vertices - 1);
             self.code_errors(coder, errors, contexts);
             return Ok(());
@@ -154,7 +154,7 @@ impl ObjectCodec {
             }
             if !self.continued {
                 self.points.one_by_one = false;
-                if self.groups.as_ref().is_none_or(|groups| groups.steps_left == 0) {
+                if self.groups.as_ref().is_none_or(|groups| groups.steps_remaining == 0) {
                     self.code_errors(coder, source.error_codes(new), contexts);
                 }
                 return Ok(());
@@ -171,7 +171,7 @@ impl ObjectCodec {
         {
             let more = (limits.vertices - vertices) as usize;
             self.mesh.reserve(more);
-            self.parents.reserve_exact(more);
+            self.targets.reserve_exact(more);
             self.continues.reserve_exact(limits.vertices as usize - self.continues.len());
             self.values.indices.reserve_exact(more * self.values.channels());
             if let Some(groups) = &mut self.groups {
@@ -226,14 +226,14 @@ impl ObjectCodec {
         if self.points.is_missing(parent) {
             self.code_points(coder, source, contexts, parent);
         }
-        self.parents.push(parent);
+        self.targets.push(parent);
         let submesh = self.code_submesh(coder, source, contexts, parent);
         self.mesh.add_vertex(submesh);
-        let number = if continued { self.continues_in_step() } else { 0 };
-        let context = &mut contexts.continues[number][self.circle_of(parent)];
+        let number = if continued { self.number_in_step() } else { 0 };
+        let context = &mut contexts.continues[number][self.further_wedges(parent)];
         self.continued = coder.bit(context, source.continues(new));
         if self.groups.is_none() && !self.continued && new + 1 < vertices {
-            // Coded this early so that a decoder can load what it will need.
+            // Coded this early so that a decoder can prefetch the next parent's corners.
             let wanted = source.parent(new + 1);
             let distance = ParentDistance { from: parent, vertices: new + 1 };
             self.next_parent = distance.code(coder, contexts, wanted);
@@ -248,24 +248,24 @@ impl ObjectCodec {
         let pattern = self.code_triangles(coder, source, contexts)?;
         let keeps_all = self.split_mesh(coder, source, contexts, pattern)?;
         // A writer goes to a sibling only to keep away from a large star.
-        let target = self.parents[parent as usize];
+        let target = self.targets[parent as usize];
         if keeps_all && self.mesh.corners.count(target) > large {
             let repeats = source.repeats_target(new);
             if coder.bit(&mut contexts.repeats_target, repeats) {
-                self.parents[new as usize] = target;
+                self.targets[new as usize] = target;
             }
         }
         self.code_values(coder, source, contexts);
         Ok(())
     }
 
-    /// The number of vertices of the step before the newest, up to 3.
-    fn continues_in_step(&self) -> usize {
+    /// Returns the number of vertices of the step before the newest, up to 3.
+    fn number_in_step(&self) -> usize {
         self.continues.iter().rev().take(3).take_while(|&&continues| continues).count()
     }
 
-    /// The wedges in the circle of a vertex besides it, up to 3.
-    fn circle_of(&self, vertex: u32) -> usize {
+    /// Returns how many further wedges are in the circle of a vertex, up to 3.
+    fn further_wedges(&self, vertex: u32) -> usize {
         let next = |v: u32| self.mesh.next_wedge[v as usize];
         let others = std::iter::successors(Some(next(vertex)), |&v| Some(next(v)));
         others.take(3).take_while(|&v| v != vertex).count()
@@ -281,7 +281,7 @@ impl ObjectCodec {
     ) -> Result<(), InvalidStream> {
         let Some(groups) = &mut self.groups else { return Ok(()) };
         let new = self.mesh.vertex_count();
-        if groups.steps_left == 0 {
+        if groups.steps_remaining == 0 {
             let more = contexts.batches.steps.code(coder, source.batch(new).wrapping_sub(1));
             groups.begin(more.saturating_add(1));
         }
@@ -349,13 +349,13 @@ impl ObjectCodec {
         contexts: &mut Contexts,
         parent: u32,
     ) -> u32 {
-        let of_parent = self.mesh.submesh[parent as usize];
+        let parent_submesh = self.mesh.submesh[parent as usize];
         if self.submeshes == 1 {
-            return of_parent;
+            return parent_submesh;
         }
         let wanted = source.submesh(self.mesh.vertex_count());
-        if coder.bit(&mut contexts.same_submesh, wanted == of_parent) {
-            of_parent
+        if coder.bit(&mut contexts.same_submesh, wanted == parent_submesh) {
+            parent_submesh
         } else {
             coder.uniform(self.submeshes, wanted)
         }
@@ -427,11 +427,11 @@ impl ObjectCodec {
     ) {
         let SplitNeighborhood { new, parent, continued, .. } = self.split;
         let position = |v: u32| source.indices(v).get(..3);
-        let wedge = continued.then(|| new - 1).filter(|&before| {
-            coder.bit(&mut contexts.same_position, position(before) == position(new))
+        let wedge = continued.then(|| new - 1).filter(|&previous| {
+            coder.bit(&mut contexts.same_position, position(previous) == position(new))
         });
-        if let Some(before) = wedge {
-            self.mesh.add_wedge(new, before);
+        if let Some(previous) = wedge {
+            self.mesh.add_wedge(new, previous);
         }
         if let Some(groups) = &mut self.groups {
             groups.add_vertex(wedge.is_none());

@@ -1,9 +1,10 @@
-//! The distance from one vertex to a parent.
+//! Coding of a vertex's parent as the distance from another vertex, in stream order and around its
+//! end.
 
 use crate::entropy::coder::Coder;
 use crate::vertex_split::contexts::Contexts;
 
-/// The distance from one vertex to a parent, around the `vertices` that there are.
+/// The distance from one vertex to a parent, modulo the number of vertices.
 pub(super) struct ParentDistance {
     pub(super) from: u32,
     pub(super) vertices: u32,

@@ -1,4 +1,4 @@
-//! Contexts of points: what `points_code` codes has none in common with vertex splits.
+//! The adaptive probabilities of points, which share none with vertex splits.
 
 use crate::entropy::adaptive_probability::AdaptiveBit;
 use crate::entropy::integer_codes::GammaCode;

@@ -1,5 +1,5 @@
-//! Points: the vertices before the first triangle. A split that adds one tells only that it is
-//! there; the rest of it, its parent too, comes with the first split that needs it.
+//! Points: the vertices before the first triangle. A split that adds one tells only that it exists;
+//! its parent and values come with the first split that needs it.
 //!
 //! A mesh of many components ends as a point for each. If the values of all came first, a stream
 //! would have nothing to show for a long time.
@@ -91,7 +91,7 @@ impl Points {
     }
 
     /// Returns whether a vertex is a point whose group is not known yet.
-    pub(super) fn is_free(&self, vertex: u32) -> bool {
+    pub(super) fn has_unknown_group(&self, vertex: u32) -> bool {
         self.points.get(vertex as usize).is_some_and(|point| point.group.is_empty())
     }
 
@@ -124,7 +124,7 @@ impl Points {
     }
 
     /// Notes that a point with this parent has come.
-    pub(super) fn come(&mut self, point: u32, parent: u32) {
+    pub(super) fn mark_received(&mut self, point: u32, parent: u32) {
         self.points[point as usize].is_missing = false;
         let first = self.points[point as usize].group.start;
         self.points[first as usize].last_wedge = point;

@@ -1,4 +1,5 @@
-//! Coding of points: their number, and what each has when it comes (docs/STREAM.md, section 4).
+//! Coding of points: first their number, later the wedge group, parent, submesh and values of each,
+//! when a split needs it (docs/STREAM.md, section 4).
 
 use crate::entropy::coder::Coder;
 use crate::invalid::InvalidStream;
@@ -46,7 +47,7 @@ impl ObjectCodec {
             self.mesh.add_vertex(0);
         }
         self.points = Points::new(count);
-        self.parents.resize(count as usize, 0);
+        self.targets.resize(count as usize, 0);
         self.continues.resize(count as usize, false);
         self.complete_values();
         if let Some(groups) = &mut self.groups {
@@ -59,7 +60,7 @@ impl ObjectCodec {
     }
 
     /// Codes the group of the first point that has not come: a step behind the last vertex.
-    pub(super) fn code_left_points<C: Coder, S: SplitSource>(
+    pub(super) fn code_remaining_points<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
         source: &S,
@@ -98,7 +99,7 @@ impl ObjectCodec {
         contexts: &mut Contexts,
         point: u32,
     ) {
-        if self.points.is_free(point) {
+        if self.points.has_unknown_group(point) {
             self.code_point_group(coder, source, &mut contexts.points, point);
         }
         let group = self.points.group(point);
@@ -118,7 +119,7 @@ impl ObjectCodec {
     ) {
         let wedge = self.points.last_wedge(&self.points.group(point));
         let parent = self.code_point_parent(coder, source, &mut contexts.points, point, wedge);
-        self.parents[point as usize] = parent;
+        self.targets[point as usize] = parent;
         let reference = self.reference(point, wedge);
         self.mesh.submesh[point as usize] =
             self.code_point_submesh(coder, source.submesh(point), contexts, reference);
@@ -138,7 +139,7 @@ impl ObjectCodec {
         let channels = self.values.channels();
         self.values.indices[point as usize * channels..][..channels]
             .copy_from_slice(&self.buffers.indices);
-        self.points.come(point, parent);
+        self.points.mark_received(point, parent);
     }
 
     /// Codes which points are of one wedge group with a point: those of its step and position whose
@@ -154,12 +155,13 @@ impl ObjectCodec {
         let is_wedge = |v: u32| source.continues(v - 1) && position(v - 1) == position(v);
         let [mut first, mut end] = [point, point + 1];
         while first > 0
-            && self.points.is_free(first - 1)
+            && self.points.has_unknown_group(first - 1)
             && coder.bit(&mut contexts.wedge[0], is_wedge(first))
         {
             first -= 1;
         }
-        while self.points.is_free(end) && coder.bit(&mut contexts.wedge[1], is_wedge(end)) {
+        while self.points.has_unknown_group(end) && coder.bit(&mut contexts.wedge[1], is_wedge(end))
+        {
             end += 1;
         }
         if first > 0 {
@@ -188,7 +190,7 @@ impl ObjectCodec {
         }
         let wanted = source.parent(point);
         if let Some(wedge) = wedge {
-            let from = self.parents[wedge as usize].min(point - 1);
+            let from = self.targets[wedge as usize].min(point - 1);
             let to_end = point - from;
             let distance = if wanted >= from { wanted - from } else { wanted + to_end };
             let distance = contexts.next_parent.code(coder, distance) % point;
@@ -206,8 +208,8 @@ impl ObjectCodec {
     /// that wedge if they have one parent; else a point that splits off it; else its parent; else
     /// that wedge, or the point that came last. None for the first of all.
     fn reference(&self, point: u32, wedge: Option<u32>) -> Option<u32> {
-        let parent = self.parents[point as usize];
-        let same_parent = |wedge: &u32| self.parents[*wedge as usize] == parent;
+        let parent = self.targets[point as usize];
+        let same_parent = |wedge: &u32| self.targets[*wedge as usize] == parent;
         wedge
             .filter(same_parent)
             .or(self.points.child(point))

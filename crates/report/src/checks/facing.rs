@@ -1,4 +1,4 @@
-//! Whether the triangles of a level face the way that those of its source do.
+//! Checks that no triangle of a shipped level is turned over, compared with its source.
 //!
 //! Edges of triangles, each in its direction, add up to the border of a surface: two faces that
 //! face the same way cancel out at the edge between them. A level is its source with vertices
@@ -17,7 +17,7 @@ pub(super) struct Facing {
     /// The positions on its border, rising; none if the object is closed.
     border: Vec<Key>,
     /// How often an edge is there more in one direction than in the other, at most; at least once.
-    most: u32,
+    max_surplus: u32,
     /// Every triangle: its positions, rising, and whether an even permutation gives its own order.
     triangles: Vec<([Key; 3], bool)>,
     tree: TriangleTree,
@@ -39,7 +39,7 @@ impl Facing {
         let key = |v: u32| key(mesh, v);
         let ids = PositionIds::new(mesh.positions());
         let edges = border(mesh, &ids);
-        let most = edges.iter().map(|edge| edge.net.unsigned_abs()).max().unwrap_or(1);
+        let max_surplus = edges.iter().map(|edge| edge.net.unsigned_abs()).max().unwrap_or(1);
         let mut border: Vec<Key> = edges
             .iter()
             .flat_map(|edge| edge.ends)
@@ -53,7 +53,7 @@ impl Facing {
         let positions = mesh.positions().iter().map(|&p| p.into()).collect();
         let surface =
             Surface { positions, triangles: mesh.triangles().to_vec(), ..Surface::default() };
-        Self { border, most, triangles, tree: surface.tree() }
+        Self { border, max_surplus, triangles, tree: surface.tree() }
     }
 
     /// Returns whether no edge is on the border.
@@ -64,7 +64,7 @@ impl Facing {
     /// Returns a triangle of a level that is turned over. A closed source decides it; of others,
     /// edges inside of the source and edges that are there more often in one direction than any of
     /// the source are doubted, and a face there has to look away from the source next to it.
-    pub(super) fn turned(&self, level: &Mesh, moved: Moved) -> Option<usize> {
+    pub(super) fn turned_over(&self, level: &Mesh, moved: Moved) -> Option<usize> {
         if !self.is_closed() && moved == Moved::IntoOtherUnits {
             return None;
         }
@@ -76,21 +76,23 @@ impl Facing {
         let mut doubtful = border(level, &ids);
         if !self.is_closed() {
             doubtful.retain(|edge| {
-                edge.net.unsigned_abs() > self.most || !edge.ends.iter().all(|&id| is_on_border(id))
+                edge.net.unsigned_abs() > self.max_surplus
+                    || !edge.ends.iter().all(|&id| is_on_border(id))
             });
         }
-        let doubts = |t: &[u32; 3]| {
+        let doubtful_edges = |t: &[u32; 3]| {
             let ends = edges(t.map(|v| ids.of_vertex[v as usize])).map(|edge| edge.ends);
             ends.iter()
                 .filter(|ends| doubtful.binary_search_by_key(*ends, |e| e.ends).is_ok())
                 .count()
         };
-        let is_turned = |&(t, doubts): &(usize, usize)| {
-            doubts > 0 && (self.is_closed() || self.looks_away(level, t))
+        let is_turned = |&(t, doubtful_edges): &(usize, usize)| {
+            doubtful_edges > 0 && (self.is_closed() || self.looks_away(level, t))
         };
-        let triangles = level.triangles().iter().map(doubts).enumerate();
-        let turned =
-            triangles.filter(is_turned).max_by_key(|&(t, doubts)| (doubts, usize::MAX - t));
+        let triangles = level.triangles().iter().map(doubtful_edges).enumerate();
+        let turned_over = triangles
+            .filter(is_turned)
+            .max_by_key(|&(t, doubtful_edges)| (doubtful_edges, usize::MAX - t));
         let of_source = || {
             let is_turned = |t: &[u32; 3]| {
                 let (positions, is_even) = sorted(t.map(|v| key(level, v)));
@@ -99,18 +101,18 @@ impl Facing {
             };
             level.triangles().iter().position(is_turned)
         };
-        let is_known = moved == Moved::ToPositions && !self.is_closed();
-        turned.map(|(t, _)| t).or_else(|| if is_known { of_source() } else { None })
+        let keeps_positions = moved == Moved::ToPositions && !self.is_closed();
+        turned_over.map(|(t, _)| t).or_else(|| if keeps_positions { of_source() } else { None })
     }
 
     /// Returns whether a triangle looks another way than the source next to its middle.
     fn looks_away(&self, level: &Mesh, triangle: usize) -> bool {
-        let place = |v: u32| Vec3::from(level.positions()[v as usize]).as_dvec3();
-        let corners = level.triangles()[triangle].map(place);
+        let position = |v: u32| Vec3::from(level.positions()[v as usize]).as_dvec3();
+        let corners = level.triangles()[triangle].map(position);
         let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
         let middle = corners.iter().sum::<DVec3>() / 3.0;
-        let (_, near) = self.tree.distance_from(middle, NONE);
-        near != NONE && normal(corners).dot(normal(self.tree.corners_of(near))) < 0.0
+        let (_, nearest) = self.tree.distance_from(middle, NONE);
+        nearest != NONE && normal(corners).dot(normal(self.tree.corners_of(nearest))) < 0.0
     }
 }
 
@@ -179,7 +181,7 @@ mod tests {
         Mesh::try_from(parts).expect("a level is a mesh")
     }
 
-    fn turned(mesh: &Mesh, triangle: usize) -> Mesh {
+    fn turned_over(mesh: &Mesh, triangle: usize) -> Mesh {
         let mut parts = mesh.clone().into_parts();
         parts.triangles[triangle].swap(1, 2);
         Mesh::try_from(parts).expect("a mesh")
@@ -195,18 +197,18 @@ mod tests {
             for share in [100, 50, 25, 10] {
                 let wanted = mesh.triangles().len() as u32 * share / 100;
                 let level = level(&simplified, simplified.collapses().lod_for_triangles(wanted));
-                let found = facing.turned(&level, Moved::ToPositions);
+                let found = facing.turned_over(&level, Moved::ToPositions);
                 assert_eq!(found, None, "{name} at {share} %");
-                assert_eq!(facing.turned(&level, Moved::Freely), None, "{name} at {share} %");
+                assert_eq!(facing.turned_over(&level, Moved::Freely), None, "{name} at {share} %");
                 for t in 0..level.triangles().len() {
-                    let found = facing.turned(&turned(&level, t), Moved::ToPositions);
+                    let found = facing.turned_over(&turned_over(&level, t), Moved::ToPositions);
                     all += 1;
                     missed += usize::from(found.is_none());
                 }
             }
             // Elsewhere edges tell nothing: one face is left, or the source itself is turned over
             // in places.
-            if facing.is_closed() || facing.most == 1 && all > FEW {
+            if facing.is_closed() || facing.max_surplus == 1 && all > FEW {
                 assert_eq!(missed, 0, "{name}: of {all}");
             }
         }

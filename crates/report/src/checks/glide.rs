@@ -1,4 +1,5 @@
-//! The check of levels that glide: at the end of its way each is the next one.
+//! The check of geomorphing levels: at the end of its morph target each level is the next one,
+//! triangle by triangle.
 
 use super::report::CheckReport;
 use lodc_formats::{Glide, GlidePart, ShippedLevels};
@@ -6,7 +7,7 @@ use lodc_mesh::position_key;
 use std::collections::BTreeMap;
 
 /// Most positions that are compared of those that rounding cannot tell apart.
-const ALIKE: usize = 64;
+const MAX_CANDIDATES: usize = 64;
 
 /// Checks that each level that moves becomes the next one: every triangle that then has an area is
 /// one of its, corner by corner, with what else moves, to one unit in the last place of the larger
@@ -56,10 +57,11 @@ fn different(from: &GlidePart, to: &GlidePart) -> Option<String> {
     if from.width != to.width && !from.triangles.is_empty() && !to.triangles.is_empty() {
         return Some("moves other values than the next level has".to_owned());
     }
-    let places = CornerPositions::of(to, width);
+    let positions = CornerPositions::of(to, width);
     let mut arrived: Vec<Corners> = Vec::new();
     for t in &from.triangles {
-        let goals = t.map(|v| places.find(row(&from.values, v, width), row(&from.moved, v, width)));
+        let goals =
+            t.map(|v| positions.find(row(&from.values, v, width), row(&from.moved, v, width)));
         match goals {
             [Some(a), Some(b), Some(c)] if a != b && b != c && c != a => {
                 arrived.push(turned([a, b, c], *t));
@@ -73,8 +75,11 @@ fn different(from: &GlidePart, to: &GlidePart) -> Option<String> {
             }
         }
     }
-    let mut wanted: Vec<Corners> =
-        to.triangles.iter().map(|t| turned(t.map(|v| places.of_vertex[v as usize]), *t)).collect();
+    let mut wanted: Vec<Corners> = to
+        .triangles
+        .iter()
+        .map(|t| turned(t.map(|v| positions.of_vertex[v as usize]), *t))
+        .collect();
     wanted.retain(|([a, b, c], _)| a != b && b != c && c != a);
     // Of triangles at the same places those come first whose other values are smaller, roughly: as
     // far as rounding goes these are equal.
@@ -149,7 +154,7 @@ struct CornerPositions {
     /// The number of a position, by its bits.
     numbers: BTreeMap<[u32; 3], u32>,
     /// The positions by number.
-    places: Vec<[f32; 3]>,
+    positions: Vec<[f32; 3]>,
     of_vertex: Vec<u32>,
     /// By axis the numbers, their coordinates rising.
     on_axis: [Vec<u32>; 3],
@@ -158,22 +163,23 @@ struct CornerPositions {
 impl CornerPositions {
     fn of(part: &GlidePart, width: usize) -> Self {
         let vertices = part.values.len() / width;
-        let (mut numbers, mut places) = (BTreeMap::new(), Vec::new());
+        let (mut numbers, mut positions) = (BTreeMap::new(), Vec::new());
         let mut of_vertex = vec![u32::MAX; vertices];
         for &v in part.triangles.as_flattened() {
-            let place = position(row(&part.values, v, width));
-            of_vertex[v as usize] = *numbers.entry(position_key(place)).or_insert_with(|| {
-                places.push(place);
-                places.len() as u32 - 1
-            });
+            let position_of_corner = position(row(&part.values, v, width));
+            of_vertex[v as usize] =
+                *numbers.entry(position_key(position_of_corner)).or_insert_with(|| {
+                    positions.push(position_of_corner);
+                    positions.len() as u32 - 1
+                });
         }
         let on_axis = [0, 1, 2].map(|axis| {
-            let mut all: Vec<u32> = (0..places.len() as u32).collect();
-            let at = |n: &u32| places[*n as usize][axis];
+            let mut all: Vec<u32> = (0..positions.len() as u32).collect();
+            let at = |n: &u32| positions[*n as usize][axis];
             all.sort_by(|a, b| at(a).total_cmp(&at(b)));
             all
         });
-        Self { numbers, places, of_vertex, on_axis }
+        Self { numbers, positions, of_vertex, on_axis }
     }
 
     /// Returns the position that a vertex has moved to: of those that rounding may have made it
@@ -184,7 +190,7 @@ impl CornerPositions {
         }
         let near = |axis: usize| -> &[u32] {
             let (all, to) = (&self.on_axis[axis], moved[axis]);
-            let at = |n: &u32| self.places[*n as usize][axis];
+            let at = |n: &u32| self.positions[*n as usize][axis];
             let is_near = |n: &u32| is_near(before[axis], to, at(n));
             let first = all.partition_point(|n| at(n) < to && !is_near(n));
             let end = all.partition_point(|n| at(n) <= to || is_near(n));
@@ -192,10 +198,13 @@ impl CornerPositions {
         };
         // One axis tells more apart than another: many coordinates may be next to zero.
         let fewest = [0, 1, 2].map(near).into_iter().min_by_key(|all| all.len())?;
-        let place = |n: u32| self.places[n as usize];
-        let is_there = |n: &&u32| (0..3).all(|k| is_near(before[k], moved[k], place(**n)[k]));
-        let off = |n: u32| (0..3).map(|k| (place(n)[k] - moved[k]).abs()).fold(0.0, f32::max);
-        let there = fewest.iter().filter(is_there).take(ALIKE);
+        let position_of_corner = |n: u32| self.positions[n as usize];
+        let is_there =
+            |n: &&u32| (0..3).all(|k| is_near(before[k], moved[k], position_of_corner(**n)[k]));
+        let off = |n: u32| {
+            (0..3).map(|k| (position_of_corner(n)[k] - moved[k]).abs()).fold(0.0, f32::max)
+        };
+        let there = fewest.iter().filter(is_there).take(MAX_CANDIDATES);
         there.copied().min_by(|&a, &b| off(a).total_cmp(&off(b)))
     }
 }

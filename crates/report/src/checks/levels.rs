@@ -1,4 +1,5 @@
-//! The checks of what was shipped: levels of a mesh in the files that engines load.
+//! The checks of shipped levels, as engines load them, against the mesh that they were made from:
+//! errors, vertices, facing, and everything else.
 
 use super::facing::{Facing, Moved};
 use super::report::CheckReport;
@@ -20,8 +21,8 @@ const OVERSTATED: f64 = 1.5;
 /// Fewer samples than by default: where they are farthest triangles are searched.
 const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x1e7e1 };
 
-/// Distances that are rounding errors, or too small to be refused, in diagonals.
-const TINY: f64 = 1e-6;
+/// Distances that are rounding errors, or too small to be refused, as a share of the diagonal.
+const TINY_SHARE: f64 = 1e-6;
 
 /// Checks levels against the mesh that they were made from: that it is this one, that each errs no
 /// more than it states, that vertices are the mesh's, that nothing but geometry changed, and that
@@ -95,7 +96,7 @@ struct Measure<'a> {
     diagonal: f64,
 }
 
-/// Of what is compared: coordinates are small, and in the units of stated errors.
+/// The units of what is compared: coordinates near the origin, in the units of stated errors.
 #[derive(Clone, Copy)]
 struct Units {
     /// A point of the source, in world space.
@@ -115,9 +116,11 @@ impl<'a> Measure<'a> {
             [one] => one.info.world_scale,
             _ => 1.0,
         };
-        let first = motion.rest().placements().first();
-        let first = first.map(|at| posed(&source.objects[at.object].mesh, at).positions);
-        let origin = first.and_then(|places| places.first().copied()).unwrap_or_default();
+        let first_placement = motion.rest().placements().first();
+        let first_placement =
+            first_placement.map(|at| posed(&source.objects[at.object].mesh, at).positions);
+        let origin =
+            first_placement.and_then(|positions| positions.first().copied()).unwrap_or_default();
         let units = Units { origin, world };
         let diagonal = whole(source, motion.rest(), units).diagonal();
         Ok(Self { source, motion, poses, units, diagonal })
@@ -142,7 +145,7 @@ impl<'a> Measure<'a> {
             original.distances(to).hausdorff.into_iter().fold(0.0, f64::max)
         };
         let largest = pairs.iter().map(measured).fold(0.0, f64::max);
-        let tiny = TINY * self.diagonal;
+        let tiny = TINY_SHARE * self.diagonal;
         if largest > TOLERANCE * stated + tiny {
             return Ok(Some(format!("the error is {stated}, measured are {largest}")));
         }
@@ -246,8 +249,10 @@ fn whole(scene: &Scene, arrangement: &Arrangement, units: Units) -> Surface {
 
 fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, units: Units) {
     let first = surface.positions.len() as u32;
-    let places = posed(mesh, placement).positions;
-    surface.positions.extend(places.iter().map(|&p| ((p - units.origin) / units.world).as_vec3()));
+    let positions = posed(mesh, placement).positions;
+    surface
+        .positions
+        .extend(positions.iter().map(|&p| ((p - units.origin) / units.world).as_vec3()));
     surface.triangles.extend(mesh.triangles().iter().map(|t| t.map(|v| first + v)));
 }
 
@@ -279,7 +284,7 @@ fn turned(level: &Scene, source: &Scene, facings: &[Facing], is_refitted: bool) 
     level.objects.iter().enumerate().find_map(|(o, object)| {
         let own = if all_there { Some(o) } else { of_name(object) };
         let facing = &facings[own.or(all_closed.then_some(0))?];
-        let triangle = facing.turned(&object.mesh, moved)?;
+        let triangle = facing.turned_over(&object.mesh, moved)?;
         Some(format!("{}: triangle {triangle} is turned over", object.info.name))
     })
 }
@@ -310,12 +315,13 @@ impl Vertices {
     fn difference(&self, level: &Scene) -> Option<String> {
         let all_there = level.objects.len() == self.of_object.len();
         level.objects.iter().enumerate().find_map(|(o, object)| {
-            let known = if all_there { &self.of_object[o..=o] } else { &self.of_object[..] };
-            let is_known = |(kind, own): (usize, &Vec<u8>)| {
-                known.iter().any(|sets| sets[kind].binary_search(own).is_ok())
+            let known_vertices =
+                if all_there { &self.of_object[o..=o] } else { &self.of_object[..] };
+            let is_in_source = |(kind, own): (usize, &Vec<u8>)| {
+                known_vertices.iter().any(|sets| sets[kind].binary_search(own).is_ok())
             };
             vertices(&object.mesh).enumerate().find_map(|(v, vertex)| {
-                let kind = vertex.iter().enumerate().position(|own| !is_known(own))?;
+                let kind = vertex.iter().enumerate().position(|own| !is_in_source(own))?;
                 let what = ["position", "values"][kind];
                 let name = &object.info.name;
                 Some(format!("{name}: the source has no vertex with the {what} of vertex {v}"))

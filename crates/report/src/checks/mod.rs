@@ -1,4 +1,5 @@
-//! What is checked of a file, and what came of it.
+//! The checks of `lodc verify`: of a file's models and errors, of its source, and of shipped
+//! levels; and their results.
 
 mod facing;
 mod glide;

@@ -1,4 +1,5 @@
-//! The checks of one file.
+//! The checks of one `.lodc` file: models against the reference, stored errors against measured
+//! ones, LOD 0 against the source.
 
 use super::report::CheckReport;
 use lodc::build::step_errors;
@@ -116,20 +117,23 @@ pub fn check_errors_again(
 fn errors_again(object: &LodObject, shapes: &[Shape]) -> CheckReport {
     let simplified = &object.simplified;
     let (collapses, shapes) = (simplified.collapses(), shapes.iter());
-    let (stored, (again, _)) = (
+    let (stored, (remeasured, _)) = (
         collapses.parts(),
         step_errors(simplified, shapes.map(|shape| shape.of(simplified.mesh())), &|| ()),
     );
-    let differs = |stored: &[f32], again: &[f32], what: &str| {
-        let (step, (stored, again)) =
-            stored.iter().zip(again).enumerate().find(|(_, (stored, again))| stored != again)?;
+    let differs = |stored: &[f32], remeasured: &[f32], what: &str| {
+        let (step, (stored, remeasured)) = stored
+            .iter()
+            .zip(remeasured)
+            .enumerate()
+            .find(|(_, (stored, remeasured))| stored != remeasured)?;
         let lod = collapses.step(step).lod.0;
-        Some(format!("LOD {lod}: the {what} is {stored}, measured again {again}"))
+        Some(format!("LOD {lod}: the {what} is {stored}, measured again {remeasured}"))
     };
-    let difference = differs(&stored.step_errors, &again.error, "error")
-        .or_else(|| differs(&stored.step_rms, &again.rms, "root mean square distance"));
+    let difference = differs(&stored.step_errors, &remeasured.error, "error")
+        .or_else(|| differs(&stored.step_rms, &remeasured.rms, "root mean square distance"));
     let report = CheckReport::new(Some(&object.info.name), "sequence", "errors measured again");
-    report.of(again.error.len() as u64, difference)
+    report.of(remeasured.error.len() as u64, difference)
 }
 
 fn is_measured(object: &LodObject) -> bool {
@@ -165,18 +169,18 @@ pub fn check_source(
             file.objects.len()
         ))
     };
-    let rest = CheckReport::new(None, "source", "nothing else changed");
+    let surroundings = CheckReport::new(None, "source", "nothing else changed");
     let same_kind = matches!(
         (&scene.document, &file.document),
         (Document::Gltf(_), Document::Gltf(_)) | (Document::Obj(_), Document::Obj(_))
     );
-    let rest = if same_kind {
-        rest.of(1, surroundings_difference(&scene, file, &options.limits)?)
+    let surroundings = if same_kind {
+        surroundings.of(1, surroundings_difference(&scene, file, &options.limits)?)
     } else {
         let why = "the file was made from another format".to_owned();
-        CheckReport { skipped: Some(why), ..rest }
+        CheckReport { skipped: Some(why), ..surroundings }
     };
-    Ok(vec![CheckReport::new(None, "source", "LOD 0 is the input").of(1, difference), rest])
+    Ok(vec![CheckReport::new(None, "source", "LOD 0 is the input").of(1, difference), surroundings])
 }
 
 /// What a file says otherwise than its source of documents and of objects besides their meshes.
@@ -206,8 +210,8 @@ fn info_difference(source: &ObjectInfo, stored: &ObjectInfo) -> Option<String> {
         return Some(format!("{name}: other names, materials or places in the document"));
     }
     // Another version may have summed up in another order.
-    let apart = (source.world_scale - stored.world_scale).abs();
-    (apart > 1e-6 * source.world_scale.abs()).then(|| {
+    let difference_of_scales = (source.world_scale - stored.world_scale).abs();
+    (difference_of_scales > 1e-6 * source.world_scale.abs()).then(|| {
         format!(
             "{name}: the world scale is {}, of the source {}",
             stored.world_scale, source.world_scale

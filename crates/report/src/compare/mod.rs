@@ -1,4 +1,5 @@
-//! What two meshes, or levels of one, differ by, and whether that is allowed.
+//! Comparisons of two meshes, or of levels of one: what they differ by, and which limits that
+//! exceeds.
 
 mod report;
 mod suites;

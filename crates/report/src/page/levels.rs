@@ -1,4 +1,4 @@
-//! The levels that a report shows: counts, distances, and pictures from four sides.
+//! The levels that the report page shows: counts, distances, and pictures from four sides.
 
 use crate::gone::{MissingPart, PartInventory};
 use lodc::{Error, LodObject, SceneLevels, level_mesh};

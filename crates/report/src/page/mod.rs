@@ -41,12 +41,12 @@ pub fn curve(scene: &SceneLevels<'_>, triangles: u64) -> Result<Vec<[f64; 2]>, S
     while wanted > 3 && points.len() < 200 {
         let chosen = scene.select(Target::Triangles(wanted), false)?;
         let candidates = scene.candidates();
-        let left: u32 = candidates
+        let remaining: u32 = candidates
             .iter()
             .zip(&chosen.lods)
             .map(|(c, &lod)| c.collapses.triangles_at(lod))
             .sum();
-        points.push([f64::from(left), chosen.error]);
+        points.push([f64::from(remaining), chosen.error]);
         wanted = wanted * 9 / 10;
     }
     Ok(points)

@@ -1,4 +1,4 @@
-//! The text of the page.
+//! Writes the HTML of the report page, part by part.
 
 use super::Facts;
 use super::levels::Level;
@@ -83,7 +83,7 @@ fn put_level(out: &mut String, level: &Level, facts: &Facts<'_>) {
     let _ = writeln!(out, "<p>{}</p>", count(level.triangles, "triangle"));
     if !input {
         let of_diagonal = 100.0 * level.error / facts.diagonal;
-        let far = far_enough(level.error);
+        let far = one_pixel_distance(level.error);
         let rows = [
             ("Error", format!("{} ({of_diagonal:.3} %)", distance(level.error))),
             ("Root mean square", level.rms.map_or_else(|| "–".to_owned(), distance)),
@@ -128,7 +128,7 @@ fn put_picture(out: &mut String, png: &[u8], alt: &str) {
 }
 
 /// The distance from which an error is one pixel high.
-fn far_enough(error: f64) -> f64 {
+fn one_pixel_distance(error: f64) -> f64 {
     error * HEIGHT / (2.0 * (FOVY / 2.0).to_radians().tan())
 }
 
@@ -144,7 +144,8 @@ fn put_charts(out: &mut String, facts: &Facts<'_>) {
         Chart { labels, scales: [Scale::Log; 2], curves }.svg()
     };
     let by_error: Vec<[f64; 2]> = facts.curve.iter().map(|&[t, e]| [e, t]).collect();
-    let by_distance: Vec<[f64; 2]> = by_error.iter().map(|&[e, t]| [far_enough(e), t]).collect();
+    let by_distance: Vec<[f64; 2]> =
+        by_error.iter().map(|&[e, t]| [one_pixel_distance(e), t]).collect();
     let charts = [
         ("Triangles against error", chart(&by_error, ["error", "triangles"]), String::new()),
         (

@@ -1,12 +1,12 @@
-//! The choice of poses: those in which an object's shape differs most from rest and from each
-//! other.
+//! Chooses the poses of an object that matter for its errors: those in which its shape differs most
+//! from rest and from each other.
 //!
 //! Shapes are compared by distances between pairs of vertices, which a motion of the whole object
 //! does not change. The pose that is farthest from all chosen ones is the next (Gonzalez 1985).
 
 use super::{Moment, Motion};
 use crate::placement::Placement;
-use crate::posed::{Streams, place, placed, vector};
+use crate::posed::{Streams, placed, posed_vertex, vector};
 use crate::scale::representative;
 use crate::transform::Transform;
 use glam::DVec3;
@@ -15,13 +15,13 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Moments of a second of an animation that are tried. Chosen by hand, as are the next three.
-const PER_SECOND: f64 = 16.0;
+const MOMENTS_PER_SECOND: f64 = 16.0;
 /// Fewest moments of an animation that are tried.
-const FEWEST: usize = 4;
+const MIN_MOMENTS: usize = 4;
 /// Most moments of all animations together that are tried.
-const MOST: usize = 128;
+const MAX_MOMENTS: usize = 128;
 /// Most vertices whose distances are compared.
-const VERTICES: usize = 1024;
+const MAX_VERTICES: usize = 1024;
 
 /// Shapes whose distances differ by less than this share of the largest are nearly the same. Chosen
 /// by hand.
@@ -61,10 +61,10 @@ impl Motion {
     /// Moments of all animations, evenly spread over each.
     fn moments(&self) -> Vec<(Posture, Moment)> {
         let animations = self.animations.len();
-        let share = (MOST / animations.max(1)).max(FEWEST);
+        let share = (MAX_MOMENTS / animations.max(1)).max(MIN_MOMENTS);
         let times = |(number, animation): (usize, &crate::Animation)| {
             let length = animation.duration();
-            let count = ((length * PER_SECOND) as usize + 1).clamp(FEWEST, share);
+            let count = ((length * MOMENTS_PER_SECOND) as usize + 1).clamp(MIN_MOMENTS, share);
             let seconds = move |i: usize| length * i as f64 / (count - 1) as f64;
             (0..count).map(move |i| (number, seconds(i))).collect::<Vec<_>>()
         };
@@ -73,7 +73,7 @@ impl Motion {
             let posture = Posture::Moment { animation: number as u32, seconds };
             (posture, self.moment(&self.animations[number], seconds))
         };
-        let every = all.len().div_ceil(MOST).max(1);
+        let every = all.len().div_ceil(MAX_MOMENTS).max(1);
         all.par_iter().step_by(every).map(moment).collect()
     }
 
@@ -122,7 +122,7 @@ impl Deformable<'_> {
     /// Vertices whose distances are compared.
     fn sample(&self) -> impl Iterator<Item = u32> {
         let vertices = self.mesh.vertex_count();
-        let every = vertices.div_ceil(VERTICES).max(1);
+        let every = vertices.div_ceil(MAX_VERTICES).max(1);
         (0..vertices).step_by(every).map(|v| v as u32)
     }
 
@@ -131,16 +131,17 @@ impl Deformable<'_> {
     /// file are near in space, and distances across the object change most when it bends.
     fn distances(&self, placement: &Placement) -> Vec<f64> {
         let streams = Streams::of(self.mesh, placement);
-        let places = self.sample().map(|v| place(&streams, self.mesh, placement, v).0);
-        self.apart(&places.collect::<Vec<_>>())
+        let positions = self.sample().map(|v| posed_vertex(&streams, self.mesh, placement, v).0);
+        self.pair_distances(&positions.collect::<Vec<_>>())
     }
 
-    /// Distances between places of the sample.
-    fn apart(&self, places: &[DVec3]) -> Vec<f64> {
-        let half = places.len() / 2;
-        let apart =
-            |i: usize| (places[i] - places[(i + half) % places.len()]).length() / self.scale;
-        (0..places.len()).map(apart).collect()
+    /// Distances between pairs of the sample, from its positions.
+    fn pair_distances(&self, positions: &[DVec3]) -> Vec<f64> {
+        let half = positions.len() / 2;
+        let distance = |i: usize| {
+            (positions[i] - positions[(i + half) % positions.len()]).length() / self.scale
+        };
+        (0..positions.len()).map(distance).collect()
     }
 }
 
@@ -148,7 +149,7 @@ impl Deformable<'_> {
 /// one takes time for its own deltas alone.
 struct AtRest<'a> {
     object: &'a Deformable<'a>,
-    /// Of each vertex its place before joints and nodes, and what they do to it.
+    /// Of each vertex its position before joints and nodes, and their transform of it.
     sample: Vec<(u32, DVec3, Transform)>,
 }
 
@@ -171,27 +172,31 @@ impl<'a> AtRest<'a> {
             let sum = own.fold(position, |sum, (_, delta)| sum + (1.0 - weight) * vector(delta, v));
             placed(&transform, sum)
         };
-        self.object.apart(&self.sample.iter().map(moved).collect::<Vec<_>>())
+        self.object.pair_distances(&self.sample.iter().map(moved).collect::<Vec<_>>())
     }
 }
 
 /// Chooses up to `most` of some poses, the farthest first.
 fn farthest(object: &Deformable, candidates: Vec<Candidate>, most: usize) -> Vec<Posture> {
     // Poses with positions that are not finite, or overflow as floats, are left out.
-    let sound = |distances: &Vec<f64>| distances.iter().all(|&d| d < f64::from(f32::MAX));
+    let is_finite = |distances: &Vec<f64>| distances.iter().all(|&d| d < f64::from(f32::MAX));
     let (candidates, distances): (Vec<Posture>, Vec<Vec<f64>>) =
-        candidates.into_iter().filter(|(_, distances)| sound(distances)).unzip();
+        candidates.into_iter().filter(|(_, distances)| is_finite(distances)).unzip();
     let mut latest = object.distances(object.rest);
-    let least = NEARLY_SAME * latest.iter().copied().fold(0.0, f64::max);
-    let mut apart = vec![f64::INFINITY; candidates.len()];
+    let min_difference = NEARLY_SAME * latest.iter().copied().fold(0.0, f64::max);
+    let mut distances_to_chosen = vec![f64::INFINITY; candidates.len()];
     let mut chosen = Vec::new();
     while chosen.len() < most {
-        for (apart, other) in apart.iter_mut().zip(&distances) {
-            *apart = apart.min(difference(&latest, other));
+        for (distances_to_chosen, distances_of) in distances_to_chosen.iter_mut().zip(&distances) {
+            *distances_to_chosen = distances_to_chosen.min(difference(&latest, distances_of));
         }
         // Of equal ones the first.
-        let next = (0..apart.len()).rev().max_by(|&a, &b| apart[a].total_cmp(&apart[b]));
-        let Some(next) = next.filter(|&next| apart[next] > least) else { break };
+        let next = (0..distances_to_chosen.len())
+            .rev()
+            .max_by(|&a, &b| distances_to_chosen[a].total_cmp(&distances_to_chosen[b]));
+        let Some(next) = next.filter(|&next| distances_to_chosen[next] > min_difference) else {
+            break;
+        };
         latest.clone_from(&distances[next]);
         chosen.push(candidates[next]);
     }

@@ -1,20 +1,21 @@
-//! Levels of one model by the error that they may have.
+//! The levels of one model as a table by the error that they may have, 128 entries per octave, so
+//! that a level is found without a search.
 
-/// Bits of an error that are dropped: what is left counts 128 steps in each octave.
-const SHIFT: u32 = 16;
+/// Bits of an error's float that are dropped: the others number 128 steps in each octave.
+const DROPPED_BITS: u32 = 16;
 
 /// Number of the step that a positive error is in; equal on every machine, and monotone.
 pub(super) fn step_of(error: f32) -> u32 {
-    error.max(0.0).to_bits() >> SHIFT
+    error.max(0.0).to_bits() >> DROPPED_BITS
 }
 
 /// The smallest error of a step.
 pub(super) fn error_of(step: u32) -> f32 {
-    f32::from_bits(step << SHIFT)
+    f32::from_bits(step << DROPPED_BITS)
 }
 
 /// The last step of finite errors.
-pub(super) const LAST_STEP: u32 = (0x7f80_0000 >> SHIFT) - 1;
+pub(super) const LAST_STEP: u32 = (0x7f80_0000 >> DROPPED_BITS) - 1;
 
 /// One level of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,12 +66,12 @@ impl LevelCurve {
         };
         let first = step_of(first.error);
         let mut table = Vec::new();
-        let mut at = 0;
+        let mut index = 0;
         for step in first..=step_of(last.error) + 1 {
-            while at + 1 < all.len() && all[at + 1].error <= error_of(step) {
-                at += 1;
+            while index + 1 < all.len() && all[index + 1].error <= error_of(step) {
+                index += 1;
             }
-            table.push(all[at]);
+            table.push(all[index]);
         }
         Self { first, levels: table, radius }
     }

@@ -113,8 +113,8 @@ impl SceneManager {
     /// If an instance names a curve that is not there.
     #[must_use]
     pub fn new(curves: Vec<LevelCurve>, instances: Vec<Instance>) -> Self {
-        let known = |i: &Instance| (i.curve as usize) < curves.len();
-        assert!(instances.iter().all(known), "every instance has a curve");
+        let has_curve = |i: &Instance| (i.curve as usize) < curves.len();
+        assert!(instances.iter().all(has_curve), "every instance has a curve");
         let count = instances.len();
         let (per_pixel, current) = (vec![0.0; count], vec![0; count]);
         Self { curves, instances, per_pixel, current, bound: step_of(1.0), sums: 0 }
@@ -180,8 +180,12 @@ impl SceneManager {
     fn step(&self, instance: usize, bound: u32) -> u32 {
         let coarsest = step_of(error_of(bound) * self.per_pixel[instance]).min(LAST_STEP);
         let coarsest = self.curve(instance).clamped(coarsest);
-        let now = self.current[instance];
-        if now <= coarsest && coarsest - now <= HYSTERESIS { now } else { coarsest }
+        let current_step = self.current[instance];
+        if current_step <= coarsest && coarsest - current_step <= HYSTERESIS {
+            current_step
+        } else {
+            coarsest
+        }
     }
 
     /// Triangles of all instances under a bound: never more under a larger one. Hysteresis does not
@@ -227,19 +231,21 @@ impl SceneManager {
     /// Chooses every instance's level under the bound, then spends the rest of the budget on levels
     /// of the next smaller bound, in the order of instances. `u64::MAX` is no budget.
     fn choose(&mut self, budget: u64) -> u64 {
-        let finer = self.bound.saturating_sub(1);
+        let next_bound = self.bound.saturating_sub(1);
         let mut total = self.triangles(self.bound);
         for instance in 0..self.instances.len() {
             let step = self.step(instance, self.bound);
-            let more = self.step(instance, finer);
+            let finer_step = self.step(instance, next_bound);
             let curve = self.curve(instance);
-            let (few, many) = (curve.at(step).triangles, curve.at(more).triangles);
-            let with_more = total + u64::from(many) - u64::from(few);
-            let takes_more = budget < u64::MAX && many > few && with_more <= budget;
-            if takes_more {
-                total = with_more;
+            let (triangles, finer_triangles) =
+                (curve.at(step).triangles, curve.at(finer_step).triangles);
+            let with_finer = total + u64::from(finer_triangles) - u64::from(triangles);
+            let takes_finer =
+                budget < u64::MAX && finer_triangles > triangles && with_finer <= budget;
+            if takes_finer {
+                total = with_finer;
             }
-            self.current[instance] = if takes_more { more } else { step };
+            self.current[instance] = if takes_finer { finer_step } else { step };
         }
         total
     }

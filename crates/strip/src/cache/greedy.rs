@@ -1,9 +1,9 @@
-//! The first strips for a vertex cache: after each strip, every strip that could begin at a cached
-//! vertex is tried.
+//! The first strips for a vertex cache, by a greedy search: after each strip, candidates that begin
+//! at cached vertices are simulated, and the best prefix of any becomes the next strip.
 //!
-//! Candidates run straight (without swaps), up to a length. Each prefix of each is judged by what
-//! it fetches, by its indices, by the vertices it finishes and by those it evicts from the cache
-//! although they will be needed again. All bookkeeping is by counters, so a step of a candidate
+//! Candidates run straight (without swaps), up to a length. Each prefix is scored by the vertices
+//! it fetches, its indices, the vertices it finishes, and those it evicts from the cache although
+//! triangles still need them. All is kept in counters that can be undone, so a step of a candidate
 //! costs a few nanoseconds whatever the size of the mesh.
 
 use super::parts::Part;
@@ -11,7 +11,7 @@ use crate::adjacency::{code, decode};
 use crate::cover::{Cover, is_none};
 use crate::draw_state::{DrawState, Reference};
 
-/// The weights of a candidate's score, in fetched vertices. Found by a search over three scans.
+/// The weights of a candidate's score, in fetched vertices; the lowest score wins.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weights {
     /// Per index.
@@ -31,10 +31,13 @@ pub(crate) struct Weights {
     pub(crate) tried: usize,
 }
 
+/// A straight strip that could be drawn next.
 struct Candidate {
     score: f32,
+    /// The first triangle, and the slot through which the strip leaves it.
     start: u32,
-    leave: u32,
+    exit: u32,
+    /// Number of triangles.
     length: usize,
 }
 
@@ -48,17 +51,17 @@ struct Greedy<'a> {
 
 /// Makes strips of a part; returns their paths in drawing order, as codes of the mesh.
 pub(super) fn paths(part: &Part, size: u32, weights: Weights) -> Vec<Vec<u32>> {
-    let state = DrawState::new(&part.triangles, part.vertices, size);
+    let state = DrawState::new(&part.triangles, part.vertex_count, size);
     let tried = vec![0; part.triangles.len()];
     let mut greedy = Greedy { state, cover: &part.cover, weights, tried };
     let mut paths = Vec::new();
     let mut cursor = 0;
     for search in 1.. {
-        let mut best = greedy.near_the_cache(search);
+        let mut best = greedy.best_near_cache(search);
         if best.is_none()
             && let Some(v) = greedy.state.last_unfinished()
         {
-            best = greedy.near_vertex(v);
+            best = greedy.best_near_vertex(v);
         }
         while best.is_none() && cursor < part.triangles.len() {
             if !greedy.state.done[cursor] {
@@ -68,14 +71,15 @@ pub(super) fn paths(part: &Part, size: u32, weights: Weights) -> Vec<Vec<u32>> {
         }
         let Some(best) = best else { break };
         let mut path = Vec::with_capacity(best.length);
-        greedy.take(&best, |t, slot| path.push(code(part.of[t as usize], slot)));
+        greedy
+            .draw_candidate(&best, |t, slot| path.push(code(part.triangle_ids[t as usize], slot)));
         paths.push(path);
     }
     paths
 }
 
 impl Greedy<'_> {
-    fn near_the_cache(&mut self, search: u32) -> Option<Candidate> {
+    fn best_near_cache(&mut self, search: u32) -> Option<Candidate> {
         let mut best = None;
         let mut count = 0;
         for miss in self.state.recent() {
@@ -99,7 +103,7 @@ impl Greedy<'_> {
         }
         best
     }
-    fn near_vertex(&mut self, v: u32) -> Option<Candidate> {
+    fn best_near_vertex(&mut self, v: u32) -> Option<Candidate> {
         let mut best = None;
         for i in self.state.unfinished(v) {
             let t = self.state.incident(i);
@@ -110,38 +114,41 @@ impl Greedy<'_> {
         best
     }
     fn try_from(&mut self, t: u32, mut best: Option<Candidate>) -> Option<Candidate> {
-        for leave in 0..3 {
-            self.simulate(t, leave, &mut best);
+        for exit in 0..3 {
+            self.simulate(t, exit, &mut best);
         }
         best
     }
     /// Runs along a candidate, keeps its best prefix if it is better than the best so far, and
     /// takes everything back.
-    fn simulate(&mut self, start: u32, leave: u32, best: &mut Option<Candidate>) {
-        let w = self.weights;
+    fn simulate(&mut self, start: u32, exit: u32, best: &mut Option<Candidate>) {
+        let weights = self.weights;
         let t = self.state.triangles[start as usize];
         let corner = |slot: u32| t[slot as usize % 3];
         let mut cost =
-            2.0 * w.index + self.reference(corner(leave + 2)) + self.reference(corner(leave));
-        let mut new = corner(leave + 1);
-        let (mut at, mut slot) = (start, leave);
+            2.0 * weights.index + self.reference(corner(exit + 2)) + self.reference(corner(exit));
+        let mut new = corner(exit + 1);
+        let (mut current, mut slot) = (start, exit);
         for length in 1.. {
-            cost += w.index - w.triangle + self.reference(new);
-            cost -= w.finished * self.state.draw(at) as f32;
+            cost += weights.index - weights.triangle + self.reference(new);
+            cost -= weights.finished * self.state.draw(current) as f32;
             if best.as_ref().is_none_or(|b| cost < b.score) {
-                *best = Some(Candidate { score: cost, start, leave, length });
+                *best = Some(Candidate { score: cost, start, exit, length });
             }
-            let next = self.cover.neighbour(at, slot);
-            if length >= w.longest || is_none(next) || self.state.done[decode(next).0 as usize] {
+            let next = self.cover.neighbour(current, slot);
+            if length >= weights.longest
+                || is_none(next)
+                || self.state.done[decode(next).0 as usize]
+            {
                 break;
             }
-            (at, slot, new) = self.step(next, length);
+            (current, slot, new) = self.next_triangle(next, length);
         }
         self.state.undo();
     }
     /// The triangle behind a code as the `n`-th of a straight strip, counted from 0; the slot
     /// through which the strip leaves it, and its new corner.
-    fn step(&self, next: u32, n: usize) -> (u32, u32, u32) {
+    fn next_triangle(&self, next: u32, n: usize) -> (u32, u32, u32) {
         let (u, entered) = decode(next);
         let leave = (entered + if n % 2 == 1 { 2 } else { 1 }) % 3;
         (u, leave, self.state.triangles[u as usize][(entered as usize + 2) % 3])
@@ -156,19 +163,19 @@ impl Greedy<'_> {
     }
     /// Draws a candidate: `visit` gets its triangles and the slot through which each is left, 3 for
     /// the last.
-    fn take(&mut self, best: &Candidate, mut visit: impl FnMut(u32, u32)) {
+    fn draw_candidate(&mut self, best: &Candidate, mut visit: impl FnMut(u32, u32)) {
         let t = self.state.triangles[best.start as usize];
         let corner = |slot: u32| t[slot as usize % 3];
-        self.reference(corner(best.leave + 2));
-        self.reference(corner(best.leave));
-        let mut new = corner(best.leave + 1);
-        let (mut at, mut slot) = (best.start, best.leave);
+        self.reference(corner(best.exit + 2));
+        self.reference(corner(best.exit));
+        let mut new = corner(best.exit + 1);
+        let (mut current, mut slot) = (best.start, best.exit);
         for n in 1..=best.length {
             self.reference(new);
-            self.state.draw(at);
-            visit(at, if n < best.length { slot } else { 3 });
+            self.state.draw(current);
+            visit(current, if n < best.length { slot } else { 3 });
             if n < best.length {
-                (at, slot, new) = self.step(self.cover.neighbour(at, slot), n);
+                (current, slot, new) = self.next_triangle(self.cover.neighbour(current, slot), n);
             }
         }
         self.state.commit();

@@ -1,5 +1,6 @@
-//! Strips of bounded length for a vertex cache: a greedy pass, then a local search on short
-//! stretches of the drawing order.
+//! Strips of bounded length for a vertex cache: a greedy pass (`greedy`) over parts of the surface
+//! (`parts`), then simulated annealing on short stretches of the drawing order (`refine`,
+//! `stretch`).
 
 mod greedy;
 mod parts;
@@ -15,7 +16,7 @@ use greedy::Weights;
 use lodc_mesh::Mesh;
 use rayon::prelude::*;
 use refine::{Drawing, Goal, refine};
-use window::Search;
+use window::Schedule;
 
 /// Options of cache-aware strips.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,11 +54,12 @@ pub(crate) fn cache_reporting(mesh: &Mesh, options: &CacheOptions, report: Repor
     let paths = parts.par_iter().map(|part| greedy::paths(part, size, weights));
     let paths: Vec<Vec<Vec<u32>>> = paths.collect();
     let paths: Vec<Vec<u32>> = paths.into_iter().flatten().collect();
-    // Anything that is not a sensible price would only spoil comparisons.
+    // The search compares prices: NaN, negative or huge ones would make it accept everything or
+    // nothing.
     let price = if options.index_price >= 0.0 { options.index_price.min(100.0) } else { 0.0 };
     let drawing = Drawing { paths: &paths, triangles, neighbours: &neighbours };
-    let searches = searches(options.effort);
-    let goal = Goal { cache_size: size, index_price: price, searches };
+    let schedules = schedules(options.effort);
+    let goal = Goal { cache_size: size, index_price: price, schedules };
     let refined = refine(&drawing, &goal, &Meter::new(report, 1));
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);
@@ -70,16 +72,18 @@ pub(crate) fn cache_reporting(mesh: &Mesh, options: &CacheOptions, report: Repor
     StripSet::new(mesh.submeshes().len(), &strips, &indices)
 }
 
-fn searches(effort: Effort) -> &'static [Search] {
+/// Chosen by fetched vertices plus indices on three scans.
+fn schedules(effort: Effort) -> &'static [Schedule] {
     match effort {
         Effort::Fast => &[],
-        Effort::Default => &[Search { proposals: 2.5, window: 200, warm: 0.3, cold: 0.05 }],
-        Effort::Thorough => &[Search { proposals: 80.0, window: 400, warm: 0.4, cold: 0.05 }],
+        Effort::Default => &[Schedule { proposals: 2.5, stretch: 200, warm: 0.3, cold: 0.05 }],
+        Effort::Thorough => &[Schedule { proposals: 80.0, stretch: 400, warm: 0.4, cold: 0.05 }],
     }
 }
 
+/// Weights found by a search over three scans; the thorough ones try more for longer strips.
 fn weights(effort: Effort) -> Weights {
-    let all = Weights {
+    let default = Weights {
         index: 0.12,
         evicted: 0.28,
         finished: 0.56,
@@ -89,7 +93,7 @@ fn weights(effort: Effort) -> Weights {
         tried: 12,
     };
     match effort {
-        Effort::Fast | Effort::Default => all,
-        Effort::Thorough => Weights { longest: 20, cached: 1, tried: usize::MAX, ..all },
+        Effort::Fast | Effort::Default => default,
+        Effort::Thorough => Weights { longest: 20, cached: 1, tried: usize::MAX, ..default },
     }
 }

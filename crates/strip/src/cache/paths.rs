@@ -1,4 +1,5 @@
-//! Strips of a part of the surface, as the local search changes them.
+//! A strip as a path over triangles and as indices, and the small surface that it lies on: what the
+//! local search (`window`) changes.
 
 use crate::adjacency::{Neighbours, code, decode};
 use crate::cover::write_path;
@@ -19,8 +20,8 @@ pub(crate) struct Surface {
 
 impl Surface {
     pub(crate) fn indices(&self, path: &[u32], indices: &mut Vec<u32>) {
-        let near = |t: u32, slot: u32| self.neighbours[t as usize][slot as usize];
-        write_path(path, &self.triangles, near, indices);
+        let neighbour = |t: u32, slot: u32| self.neighbours[t as usize][slot as usize];
+        write_path(path, &self.triangles, neighbour, indices);
     }
     /// Appends the same triangles from the other end.
     pub(crate) fn reverse(&self, path: &[u32], reversed: &mut Vec<u32>) {

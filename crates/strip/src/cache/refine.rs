@@ -1,7 +1,8 @@
-//! The local search along the whole drawing order, in chunks that do not depend on each other.
+//! Runs the local search of `window` along the whole drawing order: cut into chunks that do not
+//! depend on each other, and within a chunk over stretches that overlap by half.
 
 use super::paths::{Strip, Surface};
-use super::window::{Search, Window, Workspace};
+use super::window::{Schedule, Stretch, Workspace};
 use crate::adjacency::{Neighbours, code, decode};
 use crate::anneal::generator;
 use crate::cover::{is_none, write_path};
@@ -34,7 +35,7 @@ pub(crate) struct Goal {
     pub(crate) cache_size: u32,
     /// The price of an index, in fetched vertices.
     pub(crate) index_price: f32,
-    pub(crate) searches: &'static [Search],
+    pub(crate) schedules: &'static [Schedule],
 }
 
 /// A finished strip: its first triangle and its indices.
@@ -46,11 +47,11 @@ pub(crate) fn refine(drawing: &Drawing<'_>, goal: &Goal, meter: &Meter<'_>) -> V
     let improved = |number: usize| {
         let mut chunk = chunks.chunk(number);
         let mut random = generator(number as u64);
-        for search in goal.searches {
-            chunk.improve(goal, search, &mut random);
+        for schedule in goal.schedules {
+            chunk.improve(goal, schedule, &mut random);
         }
         meter.add(chunk.triangles.len());
-        chunk.written()
+        chunk.in_mesh_numbers()
     };
     let done: Vec<Vec<FinishedStrip>> =
         (0..chunks.ranges.len()).into_par_iter().map(improved).collect();
@@ -64,7 +65,7 @@ struct Chunks<'a> {
     ranges: Vec<Range<usize>>,
     /// For each triangle its chunk, and its number there.
     chunk_of: Vec<u32>,
-    place: Vec<u32>,
+    index_in_chunk: Vec<u32>,
 }
 
 impl<'a> Chunks<'a> {
@@ -77,22 +78,22 @@ impl<'a> Chunks<'a> {
                 (start, triangles) = (i + 1, 0);
             }
         }
-        let nowhere = vec![NONE; drawing.triangles.len()];
-        let (mut chunk_of, mut place) = (nowhere.clone(), nowhere);
+        let none = vec![NONE; drawing.triangles.len()];
+        let (mut chunk_of, mut index_in_chunk) = (none.clone(), none);
         for (number, range) in ranges.iter().enumerate() {
             for (i, &c) in drawing.paths[range.clone()].iter().flatten().enumerate() {
                 chunk_of[decode(c).0 as usize] = number as u32;
-                place[decode(c).0 as usize] = i as u32;
+                index_in_chunk[decode(c).0 as usize] = i as u32;
             }
         }
-        Self { drawing, ranges, chunk_of, place }
+        Self { drawing, ranges, chunk_of, index_in_chunk }
     }
 
     /// The indices of a path as it is drawn now.
     fn indices(&self, path: &[u32]) -> Vec<u32> {
         let mut indices = Vec::new();
-        let near = |t: u32, slot: u32| self.drawing.neighbours[t as usize][slot as usize];
-        write_path(path, self.drawing.triangles, near, &mut indices);
+        let neighbour = |t: u32, slot: u32| self.drawing.neighbours[t as usize][slot as usize];
+        write_path(path, self.drawing.triangles, neighbour, &mut indices);
         indices
     }
 
@@ -126,18 +127,19 @@ impl<'a> Chunks<'a> {
         let local =
             |v: u32| vertices.binary_search(&v).expect("gathered from the same triangles") as u32;
         head.iter_mut().chain(&mut tail).for_each(|v| *v = local(*v));
-        let near = |c: u32| {
+        let local_neighbour = |c: u32| {
             let (u, slot) = decode(c);
             let inside = !is_none(c) && self.chunk_of[u as usize] == number as u32;
-            if inside { code(self.place[u as usize], slot) } else { NONE }
+            if inside { code(self.index_in_chunk[u as usize], slot) } else { NONE }
         };
-        let neighbours = |&t: &u32| self.drawing.neighbours[t as usize].map(near);
+        let neighbours = |&t: &u32| self.drawing.neighbours[t as usize].map(local_neighbour);
         let surface = Surface {
             triangles: triangles.iter().map(|&t| corners(t).map(local)).collect(),
             neighbours: triangles.iter().map(neighbours).collect(),
         };
         let strip = |path: &Vec<u32>| {
-            let renumbered = |&c: &u32| code(self.place[decode(c).0 as usize], decode(c).1);
+            let renumbered =
+                |&c: &u32| code(self.index_in_chunk[decode(c).0 as usize], decode(c).1);
             let path: Vec<u32> = path.iter().map(renumbered).collect();
             let mut indices = Vec::with_capacity(path.len() + 4);
             surface.indices(&path, &mut indices);
@@ -162,49 +164,49 @@ struct Chunk {
 
 impl Chunk {
     /// Searches in stretches that overlap by half.
-    fn improve(&mut self, goal: &Goal, search: &Search, random: &mut SplitMix64) {
+    fn improve(&mut self, goal: &Goal, schedule: &Schedule, random: &mut SplitMix64) {
         let (size, price) = (goal.cache_size, goal.index_price);
-        let mut shared = Workspace::new(&self.surface, self.vertices.len(), size, price, random);
+        let mut workspace = Workspace::new(&self.surface, self.vertices.len(), size, price, random);
         let mut done: Vec<Strip> = Vec::new();
         let mut waiting: VecDeque<Strip> = std::mem::take(&mut self.strips).into();
         let mut stretch: Vec<Strip> = Vec::new();
         // Each triangle is in two stretches.
-        let half = Search { proposals: search.proposals / 2.0, ..*search };
+        let half = Schedule { proposals: schedule.proposals / 2.0, ..*schedule };
         loop {
             let mut triangles: usize = stretch.iter().map(|s| s.path.len()).sum();
-            while triangles < search.window {
+            while triangles < schedule.stretch {
                 let Some(s) = waiting.pop_front() else { break };
                 triangles += s.path.len();
                 stretch.push(s);
             }
-            let (before, after) = (before(&done, &self.head), after(&waiting, &self.tail));
-            stretch = Window::new(&mut shared, stretch, &before, after).search(&half);
+            let (head, tail) = (head_of(&done, &self.head), tail_of(&waiting, &self.tail));
+            stretch = Stretch::new(&mut workspace, stretch, &head, tail).search(&half);
             if waiting.is_empty() {
                 break;
             }
-            let (mut out, mut left) = (0, 0);
-            while out < stretch.len() && left < triangles / 2 {
-                left += stretch[out].path.len();
-                out += 1;
+            let (mut finished_strips, mut finished) = (0, 0);
+            while finished_strips < stretch.len() && finished < triangles / 2 {
+                finished += stretch[finished_strips].path.len();
+                finished_strips += 1;
             }
-            done.extend(stretch.drain(..out));
+            done.extend(stretch.drain(..finished_strips));
         }
         done.extend(stretch);
         self.strips = done;
     }
 
     /// The strips with the numbers of the mesh.
-    fn written(&self) -> Vec<FinishedStrip> {
-        let written = |s: &Strip| {
+    fn in_mesh_numbers(&self) -> Vec<FinishedStrip> {
+        let in_mesh_numbers = |s: &Strip| {
             let first = self.triangles[decode(s.path[0]).0 as usize];
             (first, s.indices.iter().map(|&v| self.vertices[v as usize]).collect())
         };
-        self.strips.iter().map(written).collect()
+        self.strips.iter().map(in_mesh_numbers).collect()
     }
 }
 
 /// At least [`HEAD`] indices drawn before a stretch, as far as there are any.
-fn before(done: &[Strip], head: &[u32]) -> Vec<u32> {
+fn head_of(done: &[Strip], head: &[u32]) -> Vec<u32> {
     let (mut first, mut length) = (done.len(), 0);
     while first > 0 && length < HEAD {
         first -= 1;
@@ -215,7 +217,7 @@ fn before(done: &[Strip], head: &[u32]) -> Vec<u32> {
 }
 
 /// The [`TAIL`] indices that are drawn after a stretch.
-fn after(waiting: &VecDeque<Strip>, tail: &[u32]) -> Vec<u32> {
+fn tail_of(waiting: &VecDeque<Strip>, tail: &[u32]) -> Vec<u32> {
     let strips = waiting.iter().take(TAIL).flat_map(|s| &s.indices);
     strips.chain(tail).take(TAIL).copied().collect()
 }

@@ -1,6 +1,6 @@
-//! Local search on a stretch of the drawing order: strips take triangles from others or turn, with
-//! simulated annealing. What a change costs is counted by sending the changed stretch through the
-//! cache again, until the cache holds what it held before.
+//! Simulated annealing on a stretch of the drawing order: strips take triangles from others, or
+//! turn round. The cost of a change, in fetched vertices and indices, is counted by sending the
+//! changed stretch through the cache again, until the cache holds what it held before.
 
 use super::paths::{Strip, Surface};
 use crate::adjacency::decode;
@@ -10,11 +10,11 @@ use lodc_mesh::{NONE, SplitMix64};
 
 /// The length and the temperatures of a search.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Search {
+pub(crate) struct Schedule {
     /// Changes to try, per triangle.
     pub(crate) proposals: f64,
     /// Triangles of a stretch, roughly.
-    pub(crate) window: usize,
+    pub(crate) stretch: usize,
     /// Temperature at the start, in fetched vertices.
     pub(crate) warm: f64,
     /// Temperature at the end.
@@ -27,7 +27,7 @@ const TURN_ONE_IN: u64 = 16;
 /// Fetched vertices that a change may still save after the strips that it changes. Where it has
 /// lost more than that and than chance allows, it is refused before the rest is counted: counting
 /// to the end takes a seventh more time and gains nothing that can be measured.
-const REGAINED: f32 = 1.0;
+const MAX_REGAINED: f32 = 1.0;
 /// The number of temperatures, which fall linearly.
 const STAGES: usize = 16;
 
@@ -103,7 +103,7 @@ impl NewStrips {
 }
 
 /// A stretch of the drawing order.
-pub(crate) struct Window<'w, 'a> {
+pub(crate) struct Stretch<'w, 'a> {
     shared: &'w mut Workspace<'a>,
     /// Strips by number; those that are in use are in `sequence`.
     strips: Vec<Strip>,
@@ -123,7 +123,7 @@ pub(crate) struct Window<'w, 'a> {
     trial_marks: Vec<usize>,
 }
 
-impl<'w, 'a> Window<'w, 'a> {
+impl<'w, 'a> Stretch<'w, 'a> {
     /// Draws the stretch once, after `head` and before `tail`.
     pub(crate) fn new(
         shared: &'w mut Workspace<'a>,
@@ -131,7 +131,7 @@ impl<'w, 'a> Window<'w, 'a> {
         head: &[u32],
         tail: Vec<u32>,
     ) -> Self {
-        let mut window = Self {
+        let mut stretch = Self {
             shared,
             unused: Vec::new(),
             sequence: (0..strips.len() as u32).collect(),
@@ -143,27 +143,27 @@ impl<'w, 'a> Window<'w, 'a> {
             trial_history: Vec::new(),
             trial_marks: Vec::new(),
         };
-        window.shared.fifo.restart(&[]);
-        window.shared.fifo.draw(head, &mut window.history);
-        for (i, s) in window.strips.iter().enumerate() {
-            window.marks.push(window.history.len());
-            window.shared.fifo.draw(&s.indices, &mut window.history);
+        stretch.shared.fifo.restart(&[]);
+        stretch.shared.fifo.draw(head, &mut stretch.history);
+        for (i, s) in stretch.strips.iter().enumerate() {
+            stretch.marks.push(stretch.history.len());
+            stretch.shared.fifo.draw(&s.indices, &mut stretch.history);
             for &c in &s.path {
-                window.shared.strip_of[decode(c).0 as usize] = i as u32;
+                stretch.shared.strip_of[decode(c).0 as usize] = i as u32;
             }
         }
-        window.marks.push(window.history.len());
-        window.shared.fifo.draw(&window.tail, &mut window.history);
-        window.marks.push(window.history.len());
-        window
+        stretch.marks.push(stretch.history.len());
+        stretch.shared.fifo.draw(&stretch.tail, &mut stretch.history);
+        stretch.marks.push(stretch.history.len());
+        stretch
     }
     /// Searches, and gives back the strips in their new order.
-    pub(crate) fn search(mut self, search: &Search) -> Vec<Strip> {
+    pub(crate) fn search(mut self, schedule: &Schedule) -> Vec<Strip> {
         let triangles: usize = self.strips.iter().map(|s| s.path.len()).sum();
-        let proposals = (triangles as f64 * search.proposals) as usize;
+        let proposals = (triangles as f64 * schedule.proposals) as usize;
         for stage in 0..STAGES {
             let share = stage as f64 / (STAGES - 1) as f64;
-            let temperature = search.warm + (search.cold - search.warm) * share;
+            let temperature = schedule.warm + (schedule.cold - schedule.warm) * share;
             for _ in proposals * stage / STAGES..proposals * (stage + 1) / STAGES {
                 self.step(temperature);
             }
@@ -178,16 +178,16 @@ impl<'w, 'a> Window<'w, 'a> {
     }
     fn step(&mut self, temperature: f64) {
         let bits = self.shared.random.bits();
-        let at = below(bits, self.sequence.len());
+        let position = below(bits, self.sequence.len());
         self.trial.clone_from(&self.sequence);
         let proposed = if bits.is_multiple_of(TURN_ONE_IN) {
-            self.propose_turn(at)
+            self.propose_turn(position)
         } else {
-            self.propose_link(at, bits >> 4 & 0xff)
+            self.propose_link(position, bits >> 4 & 0xff)
         };
         let Some(proposed) = proposed else { return };
         let new = &proposed.strips[..proposed.count];
-        if self.improves(temperature) {
+        if self.accept(temperature) {
             for &s in &self.sequence {
                 // Its triangles are in the new ones.
                 if !self.trial.contains(&s) {
@@ -221,53 +221,60 @@ impl<'w, 'a> Window<'w, 'a> {
     fn path(&self, s: u32) -> &[u32] {
         &self.strips[s as usize].path
     }
-    fn propose_turn(&mut self, at: usize) -> Option<NewStrips> {
-        let turned = self.sequence[at];
+    fn propose_turn(&mut self, position: usize) -> Option<NewStrips> {
+        let turned = self.sequence[position];
         if self.path(turned).len() == 1 {
             return None;
         }
-        let s = self.add(|window, path| window.reverse(window.path(turned), path));
-        self.trial[at] = s;
+        let s = self.add(|stretch, path| stretch.reverse(stretch.path(turned), path));
+        self.trial[position] = s;
         Some(NewStrips::one(s))
     }
     fn reverse(&self, path: &[u32], reversed: &mut Vec<u32>) {
         self.shared.surface.reverse(path, reversed);
     }
     /// Links an end of a strip to a neighbour in another, which is cut there if it goes on.
-    fn propose_link(&mut self, at: usize, bits: u64) -> Option<NewStrips> {
-        let a = self.sequence[at];
+    fn propose_link(&mut self, a_position: usize, bits: u64) -> Option<NewStrips> {
+        let a = self.sequence[a_position];
         let from_end = bits & 1 == 0;
         let path = self.path(a);
-        let x = decode(if from_end { path[path.len() - 1] } else { path[0] }).0;
+        let end_triangle = decode(if from_end { path[path.len() - 1] } else { path[0] }).0;
         let slot = (bits >> 1 & 3) as u32 % 3;
-        let c = self.shared.surface.neighbours[x as usize][slot as usize];
-        if is_none(c) {
+        let target_code = self.shared.surface.neighbours[end_triangle as usize][slot as usize];
+        if is_none(target_code) {
             return None;
         }
-        let (y, _) = decode(c);
-        let b = self.shared.strip_of[y as usize];
+        let (target, _) = decode(target_code);
+        let b = self.shared.strip_of[target as usize];
         if b == NONE || b == a {
             return None;
         }
-        let other = self.path(b);
-        let k = other.iter().position(|&c| decode(c).0 == y)?;
+        let b_path = self.path(b);
+        let target_index =
+            b_path.iter().position(|&target_code| decode(target_code).0 == target)?;
         // What follows y, or what comes before it, goes along.
-        let length = other.len();
-        let forward = length == 1 || k == 0 || (k + 1 < length && bits & 8 == 0);
-        let (part, rest) = if forward { (k..length, 0..k) } else { (0..k + 1, k + 1..length) };
-        let (there, turns) = (self.sequence.iter().position(|&s| s == b)?, bits & 16 != 0);
+        let length = b_path.len();
+        let forward =
+            length == 1 || target_index == 0 || (target_index + 1 < length && bits & 8 == 0);
+        let (part, rest) = if forward {
+            (target_index..length, 0..target_index)
+        } else {
+            (0..target_index + 1, target_index + 1..length)
+        };
+        let (b_position, target_first) =
+            (self.sequence.iter().position(|&s| s == b)?, bits & 16 != 0);
         // From the far end of one strip to that of the other, or back.
-        let joined = self.add(|window, path| {
-            let (mine, taken) = (window.path(a), &window.path(b)[part.clone()]);
+        let joined = self.add(|stretch, path| {
+            let (mine, taken) = (stretch.path(a), &stretch.path(b)[part.clone()]);
             let push_mine = |path: &mut Vec<u32>, turned: bool| {
-                if turned { window.reverse(mine, path) } else { path.extend(mine) }
+                if turned { stretch.reverse(mine, path) } else { path.extend(mine) }
             };
             let push_taken = |path: &mut Vec<u32>, turned: bool| {
-                if turned { window.reverse(taken, path) } else { push_last(path, taken) }
+                if turned { stretch.reverse(taken, path) } else { push_last(path, taken) }
             };
             // The first of the two is linked to the second through its last slot.
-            let link = if turns { decode(c).1 } else { slot };
-            if turns {
+            let link = if target_first { decode(target_code).1 } else { slot };
+            if target_first {
                 push_taken(path, forward);
             } else {
                 push_mine(path, !from_end);
@@ -275,7 +282,7 @@ impl<'w, 'a> Window<'w, 'a> {
             if let Some(last) = path.last_mut() {
                 *last = *last & !3 | link;
             }
-            if turns {
+            if target_first {
                 push_mine(path, from_end);
             } else {
                 push_taken(path, !forward);
@@ -283,36 +290,46 @@ impl<'w, 'a> Window<'w, 'a> {
         });
         let mut new = NewStrips::one(joined);
         if rest.is_empty() {
-            let (stay, go) = if bits & 32 == 0 { (at, there) } else { (there, at) };
+            let (stay, go) =
+                if bits & 32 == 0 { (a_position, b_position) } else { (b_position, a_position) };
             self.trial[stay] = joined;
             self.trial.remove(go);
         } else {
-            let rest = self.add(|window, path| push_last(path, &window.path(b)[rest]));
+            let rest = self.add(|stretch, path| push_last(path, &stretch.path(b)[rest]));
             new = NewStrips::two(joined, rest);
-            self.trial[there] = rest;
+            self.trial[b_position] = rest;
             if bits & 32 == 0 {
-                self.trial[at] = joined;
+                self.trial[a_position] = joined;
             } else {
-                self.trial.insert(there + (bits >> 6 & 1) as usize, joined);
-                self.trial.remove(if at < there { at } else { at + 1 });
+                self.trial.insert(b_position + (bits >> 6 & 1) as usize, joined);
+                self.trial.remove(if a_position < b_position {
+                    a_position
+                } else {
+                    a_position + 1
+                });
             }
         }
         Some(new)
     }
-    /// Returns whether the trial sequence is accepted. If so, the history becomes that of the
-    /// trial.
+    /// Decides whether the trial sequence is accepted, by the rule of Metropolis. If so, the
+    /// history becomes that of the trial.
     ///
     /// Only what differs is drawn: from the first strip that does, with the cache's contents of
     /// then, to the first after the last at which the cache holds what it held there before.
     /// Behind, the old history still holds.
-    fn improves(&mut self, temperature: f64) -> bool {
+    fn accept(&mut self, temperature: f64) -> bool {
         let (old, new) = (&self.sequence, &self.trial);
         let first = old.iter().zip(new).take_while(|(a, b)| a == b).count();
-        let most = old.len().min(new.len()) - first;
-        let same =
-            old.iter().rev().zip(new.iter().rev()).take(most).take_while(|(a, b)| a == b).count();
+        let max_equal = old.len().min(new.len()) - first;
+        let equal_at_end = old
+            .iter()
+            .rev()
+            .zip(new.iter().rev())
+            .take(max_equal)
+            .take_while(|(a, b)| a == b)
+            .count();
         let count = |sequence: &[u32]| -> usize {
-            sequence[first..sequence.len() - same]
+            sequence[first..sequence.len() - equal_at_end]
                 .iter()
                 .map(|&s| self.strips[s as usize].indices.len())
                 .sum()
@@ -328,7 +345,7 @@ impl<'w, 'a> Window<'w, 'a> {
         self.trial_marks.clear();
         let shift = old.len() as isize - new.len() as isize;
         // The mark in the old history at which both caches are alike.
-        let mut joins = None;
+        let mut rejoins = None;
         // Drawn once, so that refusing early and in the end agree.
         let luck = (self.shared.random.bits() >> 32) as f64;
         let refuses = |misses: f32| {
@@ -336,15 +353,15 @@ impl<'w, 'a> Window<'w, 'a> {
             delta > 0.0 && luck >= exp_minus(delta / temperature) * 4_294_967_296.0
         };
         for i in first..=new.len() {
-            let was = (i as isize + shift) as usize;
-            if i + same >= new.len() {
-                if ends_alike(&self.trial_history, &self.history[..self.marks[was]], size) {
-                    joins = Some(was);
+            let old_strip = (i as isize + shift) as usize;
+            if i + equal_at_end >= new.len() {
+                if ends_alike(&self.trial_history, &self.history[..self.marks[old_strip]], size) {
+                    rejoins = Some(old_strip);
                     break;
                 }
-                let lost =
-                    (start + self.trial_history.len() - cached) as f32 - self.marks[was] as f32;
-                if refuses(lost - REGAINED) {
+                let lost = (start + self.trial_history.len() - cached) as f32
+                    - self.marks[old_strip] as f32;
+                if refuses(lost - MAX_REGAINED) {
                     return false;
                 }
             }
@@ -353,16 +370,16 @@ impl<'w, 'a> Window<'w, 'a> {
             self.shared.fifo.draw(indices, &mut self.trial_history);
         }
         let end = start + self.trial_history.len() - cached;
-        let joins = joins.unwrap_or(old.len() + 1);
-        let misses = end as f32 - self.marks[joins] as f32;
+        let rejoins = rejoins.unwrap_or(old.len() + 1);
+        let misses = end as f32 - self.marks[rejoins] as f32;
         if refuses(misses) {
             return false;
         }
-        let moved = end as isize - self.marks[joins] as isize;
-        let rest = self.marks[joins];
-        self.marks[joins..].iter_mut().for_each(|m| *m = (*m as isize + moved) as usize);
-        self.marks.splice(first..joins, self.trial_marks.iter().copied());
-        self.history.splice(start..rest, self.trial_history[cached..].iter().copied());
+        let moved = end as isize - self.marks[rejoins] as isize;
+        let tail_start = self.marks[rejoins];
+        self.marks[rejoins..].iter_mut().for_each(|m| *m = (*m as isize + moved) as usize);
+        self.marks.splice(first..rejoins, self.trial_marks.iter().copied());
+        self.history.splice(start..tail_start, self.trial_history[cached..].iter().copied());
         true
     }
 }

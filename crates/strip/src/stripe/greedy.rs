@@ -1,12 +1,12 @@
-//! The local phase of Stripe: always continue with the neighbour that has the fewest neighbours
-//! left.
+//! The greedy phase of Stripe (Evans, Skiena and Varshney 1996): a strip always goes on to the
+//! neighbour that itself has the fewest free neighbours, so that no triangle is left isolated.
 
 use crate::adjacency::decode;
 use crate::cover::{Cover, is_none};
 
 /// The weight of a swap, which costs an index, against one free neighbour more or less, which
 /// counts 2. Chosen by hand.
-const SWAP: u32 = 2;
+const SWAP_WEIGHT: u32 = 2;
 
 /// Links triangles to strips, starting each at the triangle with the fewest neighbours left.
 pub(crate) fn cover(cover: &mut Cover) {
@@ -14,15 +14,15 @@ pub(crate) fn cover(cover: &mut Cover) {
         Greedy { buckets: Default::default(), free: vec![0; cover.nodes.len()], cover };
     // Pushed in reverse, so that the first triangle lies on top.
     for t in (0..greedy.free.len() as u32).rev() {
-        let n = &greedy.cover.nodes[t as usize][..3];
-        let count = n.iter().filter(|&&c| !is_none(c)).count() as u32;
+        let neighbours = &greedy.cover.nodes[t as usize][..3];
+        let count = neighbours.iter().filter(|&&c| !is_none(c)).count() as u32;
         greedy.free[t as usize] = count as u8;
         greedy.buckets[count as usize].push(t);
     }
     while let Some(start) = greedy.next_start() {
         greedy.take(start);
         greedy.extend(start);
-        // Backwards from where it began, if something is left there.
+        // A second time from the same triangle: backwards, if it has another free neighbour.
         greedy.extend(start);
     }
 }
@@ -71,40 +71,40 @@ impl Greedy<'_> {
         let (u, _) = decode(c);
         (self.free[u as usize] != TAKEN).then_some(u)
     }
-    /// Continues a strip at one of its ends for as long as there is a way.
+    /// Continues a strip at one of its ends until that has no free neighbour.
     fn extend(&mut self, end: u32) {
-        let mut at = end;
-        while let Some(slot) = self.best(at) {
-            let (next, _) = decode(self.cover.neighbour(at, slot));
-            self.cover.toggle(at, slot);
+        let mut current = end;
+        while let Some(slot) = self.best_exit(current) {
+            let (next, _) = decode(self.cover.neighbour(current, slot));
+            self.cover.toggle(current, slot);
             self.take(next);
-            at = next;
+            current = next;
         }
     }
     /// The slot of the neighbour to continue with: of the fewest free neighbours, a swap included.
-    fn best(&self, at: u32) -> Option<u32> {
-        let links = self.cover.links(at);
+    fn best_exit(&self, current: u32) -> Option<u32> {
+        let links = self.cover.links(current);
         let entered = (links != 0).then(|| links.trailing_zeros());
-        let mut best = None;
+        let mut best_exit = None;
         for slot in 0..3 {
             if links & 1 << slot != 0 {
                 continue;
             }
-            let Some(next) = self.free_neighbour(at, slot) else { continue };
+            let Some(next) = self.free_neighbour(current, slot) else { continue };
             let swap = entered.is_some_and(|entered| {
-                let (u, f) = decode(self.cover.neighbour(at, entered));
+                let (u, f) = decode(self.cover.neighbour(current, entered));
                 self.cover.would_swap((slot + 3 - entered) % 3, u, f)
             });
-            let score = u32::from(self.free[next as usize]) * 2 + u32::from(swap) * SWAP;
-            let key = (score, swap, self.ahead(next), slot);
-            if best.is_none_or(|b| key < b) {
-                best = Some(key);
+            let score = u32::from(self.free[next as usize]) * 2 + u32::from(swap) * SWAP_WEIGHT;
+            let key = (score, swap, self.fewest_beyond(next), slot);
+            if best_exit.is_none_or(|b| key < b) {
+                best_exit = Some(key);
             }
         }
-        best.map(|(.., slot)| slot)
+        best_exit.map(|(.., slot)| slot)
     }
     /// The least number of free neighbours of any free neighbour.
-    fn ahead(&self, t: u32) -> u8 {
+    fn fewest_beyond(&self, t: u32) -> u8 {
         (0..3)
             .filter_map(|slot| self.free_neighbour(t, slot))
             .map(|u| self.free[u as usize])

@@ -1,5 +1,5 @@
-//! Few long strips: the local heuristics of Stripe (Evans, Skiena, Varshney 1996), then tunnelling
-//! by local search.
+//! Few long strips: the greedy heuristic of Stripe (Evans, Skiena and Varshney 1996), then
+//! simulated annealing that also *tunnels* (Stewart 2001), region by region.
 
 mod greedy;
 mod regions;

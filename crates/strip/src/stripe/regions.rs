@@ -1,9 +1,9 @@
-//! The local search on one region after another, or on several at once.
+//! Runs the local search (`search`) on regions of a cover, several at once.
 //!
-//! A region is a number of whole strips that lie together. Strips of one region are joined and
-//! divided among themselves only: so regions are independent, no strip can close into a ring
-//! through another region, and the result is the same for any number of threads. Each round divides
-//! the surface in another way, which heals the borders of the last one.
+//! A region is a number of whole strips that lie together. Its strips are joined and divided among
+//! themselves only: so regions are independent, no strip can close into a ring through another
+//! region, and the result is the same for any number of threads. Each round divides the surface in
+//! another way, so that strips can be joined across the borders of the round before.
 
 use super::search::{Region, Round, search};
 use crate::adjacency::{code, decode};
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 /// Triangles of a region, about: with 13 bytes each they fit a second-level cache. Not tuned
 /// further.
-const REGION: usize = 1 << 13;
+const REGION_TRIANGLES: usize = 1 << 13;
 /// Shares of the list of strips at which rounds begin.
 const START_SHARES: usize = 7;
 
@@ -22,16 +22,17 @@ const START_SHARES: usize = 7;
 pub(crate) fn improve(cover: &mut Cover, rounds: &[Round], meter: &Meter<'_>) {
     for (i, round) in rounds.iter().enumerate() {
         let (order, ends) = divide(cover, i);
-        let mut place = vec![NONE; cover.nodes.len()];
+        let mut index_in_order = vec![NONE; cover.nodes.len()];
         for (i, &t) in order.iter().enumerate() {
-            place[t as usize] = i as u32;
+            index_in_order[t as usize] = i as u32;
         }
         let starts = std::iter::once(0).chain(ends.iter().copied());
         let regions: Vec<(usize, usize)> = starts.zip(ends.iter().copied()).collect();
         let links: Vec<Vec<u8>> = regions
             .par_iter()
             .map(|&(start, end)| {
-                let mut region = gather(cover, &order[start..end], &place, start, end);
+                let mut region =
+                    local_region(cover, &order[start..end], &index_in_order, start, end);
                 search(&mut region, round, (i as u64) << 32 | start as u64);
                 meter.add(end - start);
                 region.links
@@ -43,15 +44,21 @@ pub(crate) fn improve(cover: &mut Cover, rounds: &[Round], meter: &Meter<'_>) {
     }
 }
 
-/// The triangles of a region with their neighbours in the region, numbered by their place in it.
-fn gather(cover: &Cover, order: &[u32], place: &[u32], start: usize, end: usize) -> Region {
+/// The triangles of a region with their neighbours in the region, numbered in the region's order.
+fn local_region(
+    cover: &Cover,
+    order: &[u32],
+    index_in_order: &[u32],
+    start: usize,
+    end: usize,
+) -> Region {
     let local = |c: u32| {
         if is_none(c) {
             return NONE;
         }
         let (u, slot) = decode(c);
-        let at = place[u as usize] as usize;
-        if (start..end).contains(&at) { code((at - start) as u32, slot) } else { NONE }
+        let index = index_in_order[u as usize] as usize;
+        if (start..end).contains(&index) { code((index - start) as u32, slot) } else { NONE }
     };
     let node = |&t: &u32| {
         let [a, b, c, links] = cover.nodes[t as usize];
@@ -82,19 +89,19 @@ fn divide(cover: &Cover, round: usize) -> (Vec<u32>, Vec<usize>) {
     let mut taken = vec![false; n];
     let mut path = Vec::new();
     let mut start = 0;
-    let mut waiting = std::collections::VecDeque::new();
+    let mut queue = std::collections::VecDeque::new();
     for seed in seeds {
-        waiting.push_back(seed);
-        while let Some(t) = waiting.pop_front() {
+        queue.push_back(seed);
+        while let Some(t) = queue.pop_front() {
             if taken[t as usize] {
                 continue;
             }
-            if order.len() - start >= REGION - REGION / 8 * (round % 4) {
+            if order.len() - start >= REGION_TRIANGLES - REGION_TRIANGLES / 8 * (round % 4) {
                 ends.push(order.len());
                 start = order.len();
-                // The next region begins with the strip at hand. What waited was next to this
+                // The next region begins with the strip at hand. What is queued was next to this
                 // region, on all sides of it, and would give the next one several parts.
-                waiting.clear();
+                queue.clear();
             }
             cover.path(end_of(cover, t), &mut path);
             for &c in &path {
@@ -107,7 +114,7 @@ fn divide(cover: &Cover, round: usize) -> (Vec<u32>, Vec<usize>) {
                 for slot in 0..3 {
                     let c = cover.neighbour(u, slot);
                     if !is_none(c) && !taken[decode(c).0 as usize] {
-                        waiting.push_back(decode(c).0);
+                        queue.push_back(decode(c).0);
                     }
                 }
             }
@@ -125,11 +132,11 @@ fn end_of(cover: &Cover, t: u32) -> u32 {
     if links.count_ones() < 2 {
         return t;
     }
-    let (mut at, mut leave) = (t, Some(links.trailing_zeros()));
-    while let Some(slot) = leave {
-        let (next, entered) = decode(cover.neighbour(at, slot));
-        at = next;
-        leave = cover.other(next, entered);
+    let (mut current, mut exit) = (t, Some(links.trailing_zeros()));
+    while let Some(slot) = exit {
+        let (next, entered) = decode(cover.neighbour(current, slot));
+        current = next;
+        exit = cover.other(next, entered);
     }
-    at
+    current
 }

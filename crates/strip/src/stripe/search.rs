@@ -1,6 +1,6 @@
-//! Local search on a cover by paths, with simulated annealing: joining two strips, dividing one,
-//! and *tunnelling* — an end is linked to a neighbour inside a strip, which lets go of one of its
-//! own links there (Stewart 2001, made aware of what swaps cost).
+//! Simulated annealing on a cover by paths. Changes are: joining two strips, dividing one, and
+//! *tunnelling*, where an end is linked to a triangle inside a strip, which gives up one of its own
+//! links (Stewart 2001; the cost also counts swaps).
 
 use crate::adjacency::{code, decode};
 use crate::anneal::{below, exp_minus, generator};
@@ -29,8 +29,8 @@ const STAGES: usize = 64;
 /// link two triangles anywhere, and all others link an end of a strip to a neighbour.
 const KINDS: u64 = 16;
 /// Dividing and linking anywhere make ends, which cost a little and then wander from triangle to
-/// triangle until two meet: without them, swaps far from any end would stay for ever. Proposals at
-/// ends are the ones that pay, so they are most. The shares were chosen on three scans.
+/// triangle until two meet: without them, swaps far from any end could never be removed. Proposals
+/// at ends are the ones that pay, so they are most. The shares were chosen on three scans.
 const DIVIDE: u64 = 1;
 /// See [`DIVIDE`].
 const ANYWHERE: u64 = 4;
@@ -46,16 +46,16 @@ pub(super) struct Region {
 pub(super) fn search(region: &mut Region, round: &Round, seed: u64) {
     let count = region.links.len();
     let ends: Vec<u32> = (0..count as u32).filter(|&t| region.is_end(t)).collect();
-    let mut place = vec![NONE; count];
+    let mut index_in_ends = vec![NONE; count];
     for (i, &t) in ends.iter().enumerate() {
-        place[t as usize] = i as u32;
+        index_in_ends[t as usize] = i as u32;
     }
     let mut search = Search {
         region,
         ends,
-        place,
+        index_in_ends,
         random: generator(seed),
-        likely: [0; 12],
+        acceptance: [0; 12],
         strip: round.strip,
     };
     let proposals = (count as f64 * round.proposals) as usize;
@@ -86,13 +86,13 @@ impl Region {
     }
     /// The linked slot of a triangle that is not the given one.
     fn other(&self, t: u32, slot: u32) -> Option<u32> {
-        let rest = self.links(t) & !(1 << slot);
-        (rest != 0).then(|| rest.trailing_zeros())
+        let others = self.links(t) & !(1 << slot);
+        (others != 0).then(|| others.trailing_zeros())
     }
     /// Swaps at all links of some triangles, each link once.
-    fn swaps(&self, around: &[u32]) -> i32 {
+    fn swaps(&self, affected: &[u32]) -> i32 {
         let mut swaps = 0;
-        for (i, &t) in around.iter().enumerate() {
+        for (i, &t) in affected.iter().enumerate() {
             let all = self.links(t);
             let mut links = all;
             // An end turns nowhere: its link needs no swap.
@@ -104,7 +104,7 @@ impl Region {
                 links &= links - 1;
                 let (u, f) = decode(self.neighbour(t, slot));
                 // Those between two of the triangles are counted from the first.
-                if needs_swap(all, slot, self.links(u), f) && !around[..i].contains(&u) {
+                if needs_swap(all, slot, self.links(u), f) && !affected[..i].contains(&u) {
                     swaps += 1;
                 }
             }
@@ -117,28 +117,29 @@ struct Search<'a> {
     region: &'a mut Region,
     /// Triangles with fewer than two links, in any order.
     ends: Vec<u32>,
-    /// For each triangle its place in `ends`; `NONE` if it is not there.
-    place: Vec<u32>,
+    /// For each triangle its index in `ends`; `NONE` if it is no end.
+    index_in_ends: Vec<u32>,
     random: SplitMix64,
     /// The probability that a change for the worse is accepted, by indices, in units of 2⁻³².
-    likely: [u64; 12],
+    acceptance: [u64; 12],
     strip: i32,
 }
 
 impl Search<'_> {
     fn set_temperature(&mut self, t: f64) {
-        for (i, l) in self.likely.iter_mut().enumerate() {
+        for (i, l) in self.acceptance.iter_mut().enumerate() {
             *l = (exp_minus(i as f64 / t) * 4_294_967_296.0) as u64;
         }
     }
-    /// The most indices that a change may cost, drawn by random bits.
-    fn most(&self, bits: u64) -> i32 {
+    /// The most indices that a change may cost to be accepted, by random bits: the rule of
+    /// Metropolis, with the random number drawn before the cost is known.
+    fn allowed_cost(&self, bits: u64) -> i32 {
         let bits = bits & 0xffff_ffff;
         // The usual case, without a search of the list.
-        if bits >= self.likely[1] {
+        if bits >= self.acceptance[1] {
             return 0;
         }
-        self.likely[1..].iter().take_while(|&&l| bits < l).count() as i32
+        self.acceptance[1..].iter().take_while(|&&l| bits < l).count() as i32
     }
     fn step(&mut self) {
         let bits = self.random.bits();
@@ -150,7 +151,7 @@ impl Search<'_> {
             self.divide(t, more >> 8, bits);
             return;
         }
-        let x = if kind < DIVIDE + ANYWHERE {
+        let from = if kind < DIVIDE + ANYWHERE {
             below(bits, count) as u32
         } else if self.ends.is_empty() {
             return;
@@ -158,16 +159,16 @@ impl Search<'_> {
             self.ends[below(bits, self.ends.len())]
         };
         // One of the edges that are not linked; which of two, by a bit.
-        let mut open = !self.region.links(x) & 7;
+        let mut open = !self.region.links(from) & 7;
         match open.count_ones() {
             3 => open = 1 << ((more >> 8) % 3),
             2 if more & 16 != 0 => open &= open - 1,
             _ => {}
         }
         let slot = open.trailing_zeros();
-        let c = self.region.neighbour(x, slot);
+        let c = self.region.neighbour(from, slot);
         if c != NONE {
-            self.link(x, slot, more, bits);
+            self.link(from, slot, more, bits);
         }
     }
     /// Tries to take the link away at one of a triangle's slots.
@@ -176,20 +177,20 @@ impl Search<'_> {
         if self.region.links(t) & 1 << slot == 0 {
             return;
         }
-        let around = [t, decode(self.region.neighbour(t, slot)).0];
-        let most = self.most(bits) + self.region.swaps(&around) - self.strip;
-        if most < 0 {
+        let affected = [t, decode(self.region.neighbour(t, slot)).0];
+        let max_swaps = self.allowed_cost(bits) + self.region.swaps(&affected) - self.strip;
+        if max_swaps < 0 {
             return;
         }
         self.region.toggle(t, slot);
-        if self.region.swaps(&around) <= most {
-            around.into_iter().for_each(|t| self.update(t));
+        if self.region.swaps(&affected) <= max_swaps {
+            affected.into_iter().for_each(|t| self.update(t));
         } else {
             self.region.toggle(t, slot);
         }
     }
     /// The slot that a triangle gives up when it gets another link, and the triangle there.
-    fn given(&self, t: u32, second: bool) -> Option<(u32, u32)> {
+    fn link_to_give_up(&self, t: u32, second: bool) -> Option<(u32, u32)> {
         let links = self.region.links(t);
         (links.count_ones() == 2).then(|| {
             let first = links.trailing_zeros();
@@ -199,53 +200,54 @@ impl Search<'_> {
     }
     /// Tries to link a triangle to a neighbour. Each of them gives up one of its links if it has
     /// two.
-    fn link(&mut self, x: u32, slot: u32, choice: u64, bits: u64) {
-        let (y, _) = decode(self.region.neighbour(x, slot));
-        let from_x = self.given(x, choice & 64 != 0);
-        let from_y = self.given(y, choice & 32 != 0);
-        let delta = self.strip * (i32::from(from_x.is_some()) + i32::from(from_y.is_some()) - 1);
-        let mut around = [x, y, 0, 0];
+    fn link(&mut self, from: u32, slot: u32, choice: u64, bits: u64) {
+        let (to, _) = decode(self.region.neighbour(from, slot));
+        let given_by_from = self.link_to_give_up(from, choice & 64 != 0);
+        let given_by_to = self.link_to_give_up(to, choice & 32 != 0);
+        let delta = self.strip
+            * (i32::from(given_by_from.is_some()) + i32::from(given_by_to.is_some()) - 1);
+        let mut affected = [from, to, 0, 0];
         let mut n = 2;
-        for (_, z) in from_x.into_iter().chain(from_y) {
-            if z == x || z == y {
+        for (_, z) in given_by_from.into_iter().chain(given_by_to) {
+            if z == from || z == to {
                 // Linked to each other already, by another edge.
                 return;
             }
-            if !(n == 3 && around[2] == z) {
-                around[n] = z;
+            if !(n == 3 && affected[2] == z) {
+                affected[n] = z;
                 n += 1;
             }
         }
-        let around = &around[..n];
-        // The most swaps that may be left. Often that is below zero: then the change need not be
-        // made and counted only to be taken back.
-        let most = self.most(bits) + self.region.swaps(around) - delta;
-        if most < 0 {
+        let affected = &affected[..n];
+        // The most swaps that the change may leave. Often that is below zero: then it need not be
+        // made and counted only to be undone.
+        let max_swaps = self.allowed_cost(bits) + self.region.swaps(affected) - delta;
+        if max_swaps < 0 {
             return;
         }
         let change = |region: &mut Region| {
-            from_x.into_iter().for_each(|(g, _)| region.toggle(x, g));
-            from_y.into_iter().for_each(|(g, _)| region.toggle(y, g));
-            region.toggle(x, slot);
+            given_by_from.into_iter().for_each(|(g, _)| region.toggle(from, g));
+            given_by_to.into_iter().for_each(|(g, _)| region.toggle(to, g));
+            region.toggle(from, slot);
         };
         change(self.region);
-        if self.region.swaps(around) <= most && !self.closes(x, slot) {
-            around.iter().for_each(|&t| self.update(t));
+        if self.region.swaps(affected) <= max_swaps && !self.closes_ring(from, slot) {
+            affected.iter().for_each(|&t| self.update(t));
         } else {
             change(self.region);
         }
     }
     /// Returns whether the new link at a slot of x closes a ring: whether the way from x, away from
     /// the link, comes back.
-    fn closes(&self, x: u32, slot: u32) -> bool {
-        let back = code(x, slot);
-        let (mut at, mut leave) = (x, self.region.other(x, slot));
+    fn closes_ring(&self, from: u32, slot: u32) -> bool {
+        let closing = code(from, slot);
+        let (mut current, mut exit) = (from, self.region.other(from, slot));
         for _ in 0..LONGEST_WALK {
-            let Some(l) = leave else { return false };
-            let (next, entered) = decode(self.region.neighbour(at, l));
-            leave = self.region.other(next, entered);
-            at = next;
-            if leave.is_some_and(|l| self.region.neighbour(at, l) == back) {
+            let Some(l) = exit else { return false };
+            let (next, entered) = decode(self.region.neighbour(current, l));
+            exit = self.region.other(next, entered);
+            current = next;
+            if exit.is_some_and(|l| self.region.neighbour(current, l) == closing) {
                 return true;
             }
         }
@@ -253,17 +255,17 @@ impl Search<'_> {
     }
     /// Keeps the list of ends in step with a triangle's links.
     fn update(&mut self, t: u32) {
-        let listed = self.place[t as usize];
+        let listed = self.index_in_ends[t as usize];
         if self.region.is_end(t) {
             if listed == NONE {
-                self.place[t as usize] = self.ends.len() as u32;
+                self.index_in_ends[t as usize] = self.ends.len() as u32;
                 self.ends.push(t);
             }
         } else if listed != NONE {
-            self.place[t as usize] = NONE;
+            self.index_in_ends[t as usize] = NONE;
             self.ends.swap_remove(listed as usize);
             if let Some(&moved) = self.ends.get(listed as usize) {
-                self.place[moved as usize] = listed;
+                self.index_in_ends[moved as usize] = listed;
             }
         }
     }

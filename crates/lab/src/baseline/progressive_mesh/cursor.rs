@@ -75,7 +75,7 @@ impl Cursor {
         changes: &mut C,
     ) -> Traffic {
         let (from, to) = (self.lod(s), s.collapses().floor(lod));
-        let rewritten = if C::HEARD {
+        let rewritten = if C::REPORTED {
             let mut touched = std::mem::take(&mut self.touched);
             touched.stamp.resize(r.removal_lods.len(), 0);
             touched.now += 1;

@@ -1,8 +1,8 @@
 //! For every wedge group a cone of normals that bounds those of all faces around it and around
-//! whatever collapses into it.
+//! whatever collapses into it: silhouettes are found by it.
 //!
-//! All wedges of a position take their LOD from one cone, so they move together and nothing tears.
-//! (The thesis takes each vertex's own normal, and wedges have different ones.)
+//! All wedges of a position take their LOD from one cone, so they move together and the surface
+//! does not tear. (The thesis takes each vertex's own normal, and wedges have different ones.)
 
 use lodc_mesh::{CollapseSequence, Mesh, NONE, PositionIds, WedgeGroups};
 
@@ -50,14 +50,14 @@ impl Cone {
             return other;
         }
         // The directions of each that are farthest from the other; the axis lies half way.
-        let far = |a: Self, b: Self| {
-            let along = dot(a.axis, b.axis);
-            let away = normalised(std::array::from_fn(|i| a.axis[i] * along - b.axis[i]));
-            away.map(|away| {
-                std::array::from_fn::<f64, 3, _>(|i| a.axis[i] * a.cos + away[i] * a.sin())
+        let farthest_from = |a: Self, b: Self| {
+            let cosine = dot(a.axis, b.axis);
+            let perpendicular = normalised(std::array::from_fn(|i| a.axis[i] * cosine - b.axis[i]));
+            perpendicular.map(|perpendicular| {
+                std::array::from_fn::<f64, 3, _>(|i| a.axis[i] * a.cos + perpendicular[i] * a.sin())
             })
         };
-        let axis = match (far(self, other), far(other, self)) {
+        let axis = match (farthest_from(self, other), farthest_from(other, self)) {
             (Some(a), Some(b)) => normalised(std::array::from_fn(|i| a[i] + b[i])),
             _ => Some(self.axis),
         };
@@ -79,30 +79,30 @@ pub struct Cones {
 }
 
 impl Cones {
-    /// Finds groups, and cones of the faces with every vertex at its place in `shape`, in
+    /// Finds groups, and cones of the faces with every vertex at its position in `shape`, in
     /// near-linear time.
     #[must_use]
     pub fn new(mesh: &Mesh, collapses: &CollapseSequence, shape: &[[f32; 3]]) -> Self {
         let groups = WedgeGroups::new(mesh, &PositionIds::new(mesh.positions()));
-        let mut cones = faces(mesh, shape, &groups);
-        gather(&mut cones, &groups, collapses);
+        let mut cones = face_cones(mesh, shape, &groups);
+        propagate(&mut cones, &groups, collapses);
         let mut used = vec![false; groups.len()];
         for &v in mesh.triangles().as_flattened() {
             used[groups.of_vertex[v as usize] as usize] = true;
         }
         let mut number = vec![NONE; groups.len()];
-        let mut kept = Vec::new();
+        let mut used_cones = Vec::new();
         for g in (0..groups.len()).filter(|&g| used[g]) {
-            number[g] = kept.len() as u32;
-            kept.push(cones[g].unwrap_or(Cone::OPEN));
+            number[g] = used_cones.len() as u32;
+            used_cones.push(cones[g].unwrap_or(Cone::OPEN));
         }
         let of_vertex = groups.of_vertex.iter().map(|&g| number[g as usize]).collect();
-        Self { of_vertex, cones: kept }
+        Self { of_vertex, cones: used_cones }
     }
 }
 
 /// Each group's cone of the faces around it; none without faces that have area.
-fn faces(mesh: &Mesh, shape: &[[f32; 3]], groups: &WedgeGroups) -> Vec<Option<Cone>> {
+fn face_cones(mesh: &Mesh, shape: &[[f32; 3]], groups: &WedgeGroups) -> Vec<Option<Cone>> {
     let normals: Vec<_> = mesh.triangles().iter().map(|&t| normal(shape, t)).collect();
     let mut sums = vec![[0.0; 3]; groups.len()];
     let each = |visit: &mut dyn FnMut(usize, [f64; 3])| {
@@ -126,9 +126,9 @@ fn faces(mesh: &Mesh, shape: &[[f32; 3]], groups: &WedgeGroups) -> Vec<Option<Co
     (0..axes.len()).map(|g| any[g].then(|| cone(g))).collect()
 }
 
-/// Records come in order, so whatever collapses into a group has done so before the group itself
-/// goes.
-fn gather(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &CollapseSequence) {
+/// Widens the cone of each group to hold those of the groups that collapse into it. Records come in
+/// order, so whatever collapses into a group has done so before the group itself does.
+fn propagate(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &CollapseSequence) {
     let mut first = 0;
     let mut pairs = Vec::new();
     for &end in &collapses.parts().step_ends {
@@ -141,14 +141,14 @@ fn gather(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &Collapse
             ));
         }
         first = end;
-        // Several wedges, one pair of groups. Fakes are groups by themselves here: whatever leaves
-        // for one position is passed on to every group that it reaches.
-        let leaving = pairs.iter().filter_map(|&(from, _)| cones[from]).reduce(Cone::around);
-        if let Some(leaving) = leaving {
+        // Several wedges, one pair of groups. Fakes are groups by themselves here: whatever moves
+        // to one position is passed on to every group that it reaches.
+        let merged = pairs.iter().filter_map(|&(from, _)| cones[from]).reduce(Cone::around);
+        if let Some(merged) = merged {
             pairs.sort_unstable_by_key(|&(_, to)| to);
             pairs.dedup_by_key(|&mut (_, to)| to);
             for &(_, to) in &pairs {
-                cones[to] = Some(cones[to].map_or(leaving, |cone| cone.around(leaving)));
+                cones[to] = Some(cones[to].map_or(merged, |cone| cone.around(merged)));
             }
         }
     }

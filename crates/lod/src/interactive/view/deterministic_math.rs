@@ -1,8 +1,8 @@
-//! Arithmetic that comes out the same on every device: additions and multiplications of `f32` in a
-//! fixed order, and bits.
+//! Arithmetic that gives the same bits on every graphics device and on the CPU: additions and
+//! multiplications of `f32` in a fixed order, and operations on bits.
 //!
 //! Division, square roots and trigonometry are only approximately fixed by WGSL, and its compilers
-//! may rearrange what they can see through. So the kernels use what is here, with every result
+//! may rearrange what they can see through. So the kernels use these functions, with every result
 //! passed through a barrier.
 
 /// One over the square root of a positive normal number, to about 17 bits: two steps of Newton's

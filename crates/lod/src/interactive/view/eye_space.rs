@@ -1,20 +1,21 @@
-//! The turn from the scene to an eye that looks along its negative z axis.
+//! The rotation from the space of the scene to that of an eye that looks along its negative z axis,
+//! as a quaternion.
 
-/// Returns the vector part of the unit quaternion that turns places around the eye into eye space;
-/// its scalar part is not negative. The y axis is up or, where the eye looks along it, the z axis.
-/// Without a direction the eye looks as the scene's own axes have it. Within a third of a
+/// Returns the vector part of the unit quaternion that rotates positions around the eye into eye
+/// space; its scalar part is not negative. The y axis is up or, where the eye looks along it, the z
+/// axis. Without a direction the eye looks as the scene's own axes have it. Within a third of a
 /// thousandth of an angle: half a turn leaves the scalar part to the last bits of the others.
-pub(super) fn turn(eye: [f32; 3], target: [f32; 3]) -> [f32; 3] {
+pub(super) fn rotation(eye: [f32; 3], target: [f32; 3]) -> [f32; 3] {
     let Some(forward) = unit(std::array::from_fn(|i| f64::from(target[i]) - f64::from(eye[i])))
     else {
         return [0.0; 3];
     };
-    let across = unit(cross(forward, [0.0, 1.0, 0.0]));
-    let across = across.or_else(|| unit(cross(forward, [0.0, 0.0, 1.0])));
-    let Some(across) = across else { return [0.0; 3] };
-    let turn = quaternion([across, cross(across, forward), forward.map(|c| -c)]);
-    let sign = if turn[3] < 0.0 { -1.0 } else { 1.0 };
-    [0, 1, 2].map(|i| (sign * turn[i]) as f32)
+    let right = unit(cross(forward, [0.0, 1.0, 0.0]));
+    let right = right.or_else(|| unit(cross(forward, [0.0, 0.0, 1.0])));
+    let Some(right) = right else { return [0.0; 3] };
+    let rotation = quaternion([right, cross(right, forward), forward.map(|c| -c)]);
+    let sign = if rotation[3] < 0.0 { -1.0 } else { 1.0 };
+    [0, 1, 2].map(|i| (sign * rotation[i]) as f32)
 }
 
 /// The quaternion x, y, z, w of a rotation by its rows, from its largest part on (Shepperd): square
@@ -28,14 +29,15 @@ fn quaternion([x, y, z]: [[f64; 3]; 3]) -> [f64; 4] {
     ];
     let largest = (0..4).max_by(|&a, &b| squares[a].total_cmp(&squares[b])).unwrap_or(3);
     let root = squares[largest].max(0.0).sqrt();
-    let (own, others) = (0.5 * root, 0.5 / root);
-    let [xy, xz, yz] = [x[1] + y[0], x[2] + z[0], y[2] + z[1]].map(|sum| sum * others);
-    let [wx, wy, wz] = [z[1] - y[2], x[2] - z[0], y[0] - x[1]].map(|rest| rest * others);
+    let (largest_part, divisor) = (0.5 * root, 0.5 / root);
+    let [xy, xz, yz] = [x[1] + y[0], x[2] + z[0], y[2] + z[1]].map(|sum| sum * divisor);
+    let [wx, wy, wz] =
+        [z[1] - y[2], x[2] - z[0], y[0] - x[1]].map(|difference| difference * divisor);
     match largest {
-        0 => [own, xy, xz, wx],
-        1 => [xy, own, yz, wy],
-        2 => [xz, yz, own, wz],
-        _ => [wx, wy, wz, own],
+        0 => [largest_part, xy, xz, wx],
+        1 => [xy, largest_part, yz, wy],
+        2 => [xz, yz, largest_part, wz],
+        _ => [wx, wy, wz, largest_part],
     }
 }
 
@@ -72,7 +74,7 @@ mod tests {
         ];
         for eye in eyes {
             let target = [0.5, -0.25, 0.125];
-            let q = turn(eye, target).map(f64::from);
+            let q = rotation(eye, target).map(f64::from);
             let to = std::array::from_fn(|i| f64::from(target[i]) - f64::from(eye[i]));
             let [x, y, z] = turned(q, unit(to).expect("apart"));
             assert!(x.abs() < 5e-4 && y.abs() < 5e-4 && z < -0.999, "{eye:?}: {x} {y} {z}");

@@ -1,4 +1,5 @@
-//! Families of criteria from fine to coarse, so that a number of triangles can be met.
+//! Families of criteria, ordered from fine to coarse by one number, so that a number of triangles
+//! can be met by bisection.
 
 use super::Criterion;
 use lodc_mesh::Lod;
@@ -60,15 +61,15 @@ pub enum Family {
 }
 
 /// Settings of one stage.
-const STAGE: u32 = 1 << 26;
+const SETTINGS_PER_STAGE: u32 = 1 << 26;
 
 impl Family {
     /// Returns the setting of the criterion as it was given, with detail from `fine` to `coarse`.
     #[must_use]
-    pub fn given(&self) -> u32 {
+    pub fn given_setting(&self) -> u32 {
         match self {
             Self::ScreenError { slope, .. } => slope.to_bits(),
-            _ => STAGE,
+            _ => SETTINGS_PER_STAGE,
         }
     }
 
@@ -76,9 +77,11 @@ impl Family {
     #[must_use]
     pub fn coarsest(&self) -> u32 {
         match self {
-            Self::Silhouette { .. } => 4 * STAGE,
+            Self::Silhouette { .. } => 4 * SETTINGS_PER_STAGE,
             Self::ScreenError { .. } => 1e30f32.to_bits(),
-            Self::Sphere { .. } | Self::Region { .. } | Self::Frustum { .. } => 3 * STAGE,
+            Self::Sphere { .. } | Self::Region { .. } | Self::Frustum { .. } => {
+                3 * SETTINGS_PER_STAGE
+            }
         }
     }
 
@@ -89,8 +92,13 @@ impl Family {
         match *self {
             Self::Silhouette { eye } => {
                 // The second stage is that of the width.
-                let width = 1.0 - (f64::from(setting) / f64::from(STAGE) - 1.0).clamp(0.0, 1.0);
-                let narrowed = if setting < STAGE { setting } else { (setting - STAGE).max(STAGE) };
+                let width = 1.0
+                    - (f64::from(setting) / f64::from(SETTINGS_PER_STAGE) - 1.0).clamp(0.0, 1.0);
+                let narrowed = if setting < SETTINGS_PER_STAGE {
+                    setting
+                } else {
+                    (setting - SETTINGS_PER_STAGE).max(SETTINGS_PER_STAGE)
+                };
                 let [edge, face] = stage(lods, narrowed);
                 Criterion::Silhouette { eye, edge, face, width: width as f32 }
             }
@@ -116,11 +124,11 @@ impl Family {
 /// The finer and the coarser LOD: the coarser one goes from `fine` to `coarse`, the finer one
 /// follows, both go on to `last`.
 fn stage(lods: &LodRange, setting: u32) -> [Lod; 2] {
-    let share = f64::from(setting % STAGE) / f64::from(STAGE);
+    let share = f64::from(setting % SETTINGS_PER_STAGE) / f64::from(SETTINGS_PER_STAGE);
     let between =
         |a: Lod, b: Lod| Lod((f64::from(a.0) + (f64::from(b.0) - f64::from(a.0)) * share) as u32);
     let &LodRange { fine, coarse, last } = lods;
-    match setting / STAGE {
+    match setting / SETTINGS_PER_STAGE {
         0 => [fine, between(fine, coarse)],
         1 => [between(fine, coarse), coarse],
         2 => [between(coarse, last); 2],
@@ -128,17 +136,17 @@ fn stage(lods: &LodRange, setting: u32) -> [Lod; 2] {
     }
 }
 
-/// Returns the smallest setting up to `coarsest` that bisection finds to have at most `most`
-/// triangles: it does, and the one before it does not. `coarsest` if nothing has so few. `count`
-/// returns the triangles of a setting; they need not fall everywhere.
-pub fn finest_within(most: u64, coarsest: u32, mut count: impl FnMut(u32) -> u64) -> u32 {
-    if count(0) <= most {
+/// Returns the smallest setting up to `coarsest` that bisection finds to have at most
+/// `max_triangles` triangles: it does, and the one before it does not. `coarsest` if nothing has so
+/// few. `count` returns the triangles of a setting; they need not fall everywhere.
+pub fn finest_within(max_triangles: u64, coarsest: u32, mut count: impl FnMut(u32) -> u64) -> u32 {
+    if count(0) <= max_triangles {
         return 0;
     }
-    let (mut above, mut within) = (0, coarsest);
-    while within - above > 1 {
-        let middle = above + (within - above) / 2;
-        if count(middle) <= most { within = middle } else { above = middle }
+    let (mut too_many, mut within) = (0, coarsest);
+    while within - too_many > 1 {
+        let middle = too_many + (within - too_many) / 2;
+        if count(middle) <= max_triangles { within = middle } else { too_many = middle }
     }
     within
 }
@@ -146,7 +154,7 @@ pub fn finest_within(most: u64, coarsest: u32, mut count: impl FnMut(u32) -> u64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interactive::view::{Selector, kept};
+    use crate::interactive::view::{Selector, drawn_triangles};
     use lodc_mesh::PositionIds;
 
     fn families() -> [Family; 5] {
@@ -185,15 +193,15 @@ mod tests {
         let [silhouette, screen, sphere, ..] = families();
         let eye = [0.0, 0.0, 5.0];
         assert_eq!(
-            silhouette.criterion(silhouette.given(), &range),
+            silhouette.criterion(silhouette.given_setting(), &range),
             Criterion::Silhouette { eye, edge: Lod(2), face: Lod(70), width: 1.0 }
         );
         assert_eq!(
-            screen.criterion(screen.given(), &range),
+            screen.criterion(screen.given_setting(), &range),
             Criterion::ScreenError { eye, slope: 0.01 }
         );
         assert!(matches!(
-            sphere.criterion(sphere.given(), &range),
+            sphere.criterion(sphere.given_setting(), &range),
             Criterion::Sphere { inside: Lod(2), outside: Lod(70), .. }
         ));
     }
@@ -208,11 +216,14 @@ mod tests {
         for family in families() {
             let count = |setting| {
                 let lods = selector.lods_at(&family, setting, &range);
-                kept(&simplified, &positions, &selector.states(&lods, false))
+                drawn_triangles(&simplified, &positions, &selector.states(&lods, false))
             };
-            for most in [1200, 900, 300, 40] {
-                let found = count(finest_within(most, family.coarsest(), count));
-                assert!(found <= most && found * 10 >= most * 8, "{family:?} {most}: {found}");
+            for max_triangles in [1200, 900, 300, 40] {
+                let found = count(finest_within(max_triangles, family.coarsest(), count));
+                assert!(
+                    found <= max_triangles && found * 10 >= max_triangles * 8,
+                    "{family:?} {max_triangles}: {found}"
+                );
             }
             let fewest = count(family.coarsest());
             assert_eq!(count(finest_within(0, family.coarsest(), count)), fewest);

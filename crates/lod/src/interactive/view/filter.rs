@@ -1,5 +1,5 @@
-//! The degenerate filter: ordered compaction of the triangles that are drawn (the thesis uses a
-//! geometry shader).
+//! The degenerate filter: compacts the triangles that have an area, in order, into the index buffer
+//! that is drawn (the thesis uses a geometry shader). On a device and, for comparison, on the CPU.
 
 use crate::interactive::shaders;
 use lodc_mesh::{Mesh, position_key};
@@ -42,7 +42,7 @@ impl Filter {
         // Filled up with triangles that are never drawn.
         let mut padded = triangles.as_flattened().to_vec();
         padded.resize(24 * eights, 0);
-        // The last place is the number of all.
+        // The last sum is the number of all.
         let places = program.zeros("places", eights + 1);
         Self {
             triangles: program.words("triangles", padded),
@@ -86,7 +86,7 @@ impl Filter {
     }
 }
 
-/// The triangles that the filter leaves.
+/// The result of the filter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Filtered {
     /// Corners of the triangles that are drawn.
@@ -97,27 +97,29 @@ pub struct Filtered {
     pub places: Vec<u32>,
 }
 
-/// The same on the CPU.
+/// Filters on the CPU: the twin of the kernels.
 #[must_use]
 pub fn filtered(mesh: &Mesh, triangles: &[[u32; 3]], vertices: &[u32], stride: usize) -> Filtered {
     let key = |v: u32| {
-        let at = v as usize * stride;
-        position_key([vertices[at], vertices[at + 1], vertices[at + 2]].map(f32::from_bits))
+        let offset = v as usize * stride;
+        position_key(
+            [vertices[offset], vertices[offset + 1], vertices[offset + 2]].map(f32::from_bits),
+        )
     };
-    let mut left = Filtered::default();
+    let mut remaining = Filtered::default();
     for submesh in mesh.submeshes() {
-        let first = left.indices.len() as u32;
+        let first = remaining.indices.len() as u32;
         for t in submesh.triangles() {
             if t % 8 == 0 {
-                left.places.push(left.indices.len() as u32 / 3);
+                remaining.places.push(remaining.indices.len() as u32 / 3);
             }
             let [a, b, c] = triangles[t].map(key);
             if a != b && b != c && c != a {
-                left.indices.extend(triangles[t]);
+                remaining.indices.extend(triangles[t]);
             }
         }
-        left.draws.extend([left.indices.len() as u32 - first, 1, first, 0, 0]);
+        remaining.draws.extend([remaining.indices.len() as u32 - first, 1, first, 0, 0]);
     }
-    left.places.push(left.indices.len() as u32 / 3);
-    left
+    remaining.places.push(remaining.indices.len() as u32 / 3);
+    remaining
 }

@@ -29,7 +29,7 @@ pub use passes::ViewPasses;
 pub use replay::sample;
 pub use select::{Point, State};
 pub use selector::Selector;
-pub use surface::{kept, live_triangles, morphed_mesh};
+pub use surface::{drawn_triangles, live_triangles, morphed_mesh};
 
 use lodc_mesh::{Lod, Simplified};
 use lodc_plan::VertexRecords;
@@ -64,12 +64,12 @@ impl ViewContent {
     ) -> Option<Failure> {
         let lods: Vec<Lod> = self.states.iter().map(|state| Lod(state.lod)).collect();
         let vertices: Vec<u32> = self.states.iter().map(|state| state.entry).collect();
-        let place = |record: &[u32]| [record[0], record[1], record[2]].map(f32::from_bits);
-        let places: Vec<[f32; 3]> = self.vertices.chunks_exact(stride).map(place).collect();
+        let position = |record: &[u32]| [record[0], record[1], record[2]].map(f32::from_bits);
+        let positions: Vec<[f32; 3]> = self.vertices.chunks_exact(stride).map(position).collect();
         let shown = ShownView {
             lods: &lods,
             vertices: &vertices,
-            places: &places,
+            positions: &positions,
             indices,
             morphs: view.morph,
         };
@@ -112,12 +112,12 @@ impl<'a> Views<'a> {
             let record = self.records.at(v);
             [record[0], record[1], record[2]].map(f32::from_bits)
         };
-        for &State { entry, lod, way, .. } in &states {
+        for &State { entry, lod, progress, .. } in &states {
             let first = vertices.len();
             vertices.extend_from_slice(self.records.at(entry));
-            if way != 0 {
-                let place = select::place(entry, lod, &self.selector.links, position);
-                vertices[first..first + 3].copy_from_slice(&place.map(f32::to_bits));
+            if progress != 0 {
+                let morphed = select::morphed_position(entry, lod, &self.selector.links, position);
+                vertices[first..first + 3].copy_from_slice(&morphed.map(f32::to_bits));
             }
         }
         ViewContent { states, vertices }

@@ -1,4 +1,5 @@
-//! The view-dependent variant on a device.
+//! The view-dependent variant on a graphics device: buffers, kernels, and the pass that shows a
+//! view.
 
 use super::{Point, ViewQuery, Views};
 use crate::interactive::shaders;

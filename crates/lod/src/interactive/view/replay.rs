@@ -76,7 +76,7 @@ impl Interactive {
     ) -> Result<Plan<'_>, PlanError> {
         let simplified = self.simplified().as_ref();
         let mesh = simplified.mesh();
-        replay::shallow(&replay::lists(simplified)?)?;
+        replay::checked_depth(&replay::lists(simplified)?)?;
         let records = VertexRecords::whole(mesh)?;
         let stride = records.stride;
         let mut program = Program::default();

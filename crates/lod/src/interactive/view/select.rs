@@ -1,20 +1,20 @@
-//! Selection of a LOD for each vertex, in the same operations as `view.wgsl`, so that the two agree
-//! bit for bit.
+//! Chooses the LOD of each vertex by a criterion, and the position of a vertex that morphs, in the
+//! same operations as `view.wgsl`, so that device and CPU agree bit for bit.
 
 use super::criterion::{Criterion, ViewQuery};
 use super::deterministic_math::{dot, inverse_power, rsqrt};
-use super::eye_space::turn;
+use super::eye_space::rotation;
 use super::{Cone, Cones};
 use lodc_mesh::{CollapseSequence, Lod, NONE};
 
 /// Collapses of one vertex that are followed one by one. The kernel has the same number, which
 /// bounds the time of a thread. Chosen by hand.
-const WALK: u32 = 64;
+const MAX_WALK: u32 = 64;
 
 /// Share of a move below which neither it nor the moves that continue it can be seen: less than
 /// `f32` tells of the result. Without it, thousands of moves around a hub may be followed one after
 /// the other.
-const LEAST_SHARE: f32 = 1e-7;
+const MIN_SHARE: f32 = 1e-7;
 
 /// The state of a vertex between the steps in which it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,8 +25,9 @@ pub struct State {
     pub entry: u32,
     /// The vertex that it becomes next; itself if it is the last.
     pub next: u32,
-    /// The part of the way to where that one is that it has gone, in 1/65536; 0 without morphing.
-    pub way: u32,
+    /// The share of its move to that one's position that it has made, in 1/65536; 0 without
+    /// morphing.
+    pub progress: u32,
 }
 
 /// The input of a vertex's selection, the same for all vertices of a wedge group: four words
@@ -47,7 +48,7 @@ impl Point {
         let axis = cone.axis.map(|c| (c * 127.0 / largest).round() as i8);
         let rounded = axis.map(f64::from);
         let length = rounded.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let off = rounded
+        let cos_between = rounded
             .iter()
             .zip(cone.axis)
             .map(|(a, b)| a * b / length)
@@ -57,8 +58,8 @@ impl Point {
         // devices. Sums of angles by their sines and cosines: the same on every machine.
         let sine_of = |cos: f64| (1.0 - cos * cos).max(0.0).sqrt();
         let cos = cone.cos.clamp(-1.0, 1.0);
-        let sum = sine_of(cos) * off + cos * sine_of(off) + 1e-4;
-        let narrow = cos * off - sine_of(cos) * sine_of(off) > 1e-4;
+        let sum = sine_of(cos) * cos_between + cos * sine_of(cos_between) + 1e-4;
+        let narrow = cos * cos_between - sine_of(cos) * sine_of(cos_between) > 1e-4;
         let sine = if narrow { (sum * 255.0).ceil().min(255.0) as u8 } else { 255 };
         Self { position, axis, sine }
     }
@@ -72,8 +73,8 @@ impl Point {
     }
 }
 
-/// Vertices at the places of a shape, as the kernel gets them. All of a group are where its first
-/// one does. Those of no group have an open cone.
+/// The vertices of a shape as the kernel gets them. All of a group have the position of its first
+/// one. Those of no group have an open cone.
 pub(super) fn points(cones: &Cones, shape: &[[f32; 3]]) -> Vec<Point> {
     let mut first = vec![NONE; cones.cones.len()];
     let point = |(v, &group): (u32, &u32)| match first.get_mut(group as usize) {
@@ -134,13 +135,19 @@ impl ByError {
 /// A view in the numbers that the kernel is given.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Parameters {
+    /// 0 silhouette, 1 error on the screen, 2 sphere, 3 box, 4 screen.
     pub(super) criterion: u32,
+    /// The LOD at edges or inside, and the other one.
     pub(super) lods: [u32; 2],
+    /// The viewpoint, the centre, or the lowest corner.
     pub(super) point: [f32; 3],
-    /// Of a screen the tangent of half its width.
+    /// A power of two by which lengths are scaled; of a screen the tangent of half its width.
     pub(super) scale: f32,
     /// Of a screen the tangent of half its height.
     pub(super) height: f32,
+    /// Of a silhouette the rise of LODs with the cosine, and the width; of an error on the screen
+    /// the factor from distance to error; of a sphere the squared radius; of a box its highest
+    /// corner; of a screen the rotation to eye space.
     pub(super) abc: [f32; 3],
     pub(super) morph: bool,
 }
@@ -178,7 +185,7 @@ impl Parameters {
             Criterion::Frustum { eye, target, tangents, inside, outside } => Self {
                 scale: tangents[0],
                 height: tangents[1],
-                ..of(4, eye, lods(inside, outside), turn(eye, target))
+                ..of(4, eye, lods(inside, outside), rotation(eye, target))
             },
         }
     }
@@ -193,7 +200,7 @@ pub(super) fn entry(
     further: impl FnOnce(u32) -> u32,
 ) -> u32 {
     let mut entry = vertex;
-    for _ in 0..WALK {
+    for _ in 0..MAX_WALK {
         if links[entry as usize][1] > lod {
             return entry;
         }
@@ -205,48 +212,48 @@ pub(super) fn entry(
 /// The state of a vertex that is shown as `entry` at a LOD.
 pub(super) fn state(entry: u32, lod: u32, links: &[[u32; 2]], morph: bool) -> State {
     let [next, leaves] = links[entry as usize];
-    let way = if morph { way(leaves, lod, links.len() as u32) } else { 0 };
-    State { lod, entry, next, way }
+    let progress = if morph { morph_progress(leaves, lod, links.len() as u32) } else { 0 };
+    State { lod, entry, next, progress }
 }
 
-/// The part of the way that a vertex which leaves at the end of some step has gone at a LOD before
-/// it, in 1/65536: it sets out n/8 records before it goes, n vertices staying longer.
-fn way(leaves: u32, lod: u32, vertices: u32) -> u32 {
+/// The share of its move that a vertex which disappears at the end of some step (`leaves`) has made
+/// at a LOD before it, in 1/65536: it begins to move n/8 records before, n being the number of
+/// vertices that stay longer.
+fn morph_progress(leaves: u32, lod: u32, vertices: u32) -> u32 {
     let length = leaves.min((vertices - leaves.min(vertices)) / 8 + 1);
-    let gone = lod.saturating_sub(leaves - length);
+    let records_gone = lod.saturating_sub(leaves - length);
     // Integers, because division of integers is exact; both fit 16 bits after the shift.
     let shift = 16 - length.leading_zeros().min(16);
-    (((gone >> shift) << 16) / (length >> shift)).min(65535)
+    (((records_gone >> shift) << 16) / (length >> shift)).min(65535)
 }
 
-/// The position of an entry at a LOD, on its way to wherever its target is then: a function of both
-/// alone, so that triangles which have gone do not come back, and without a leap where the entry
-/// changes.
-pub(super) fn place(
+/// The position of an entry at a LOD, between its own and that of its target then: a function of
+/// both alone, so that removed triangles do not come back, and continuous where the entry changes.
+pub(super) fn morphed_position(
     entry: u32,
     lod: u32,
     links: &[[u32; 2]],
     position: impl Fn(u32) -> [f32; 3],
 ) -> [f32; 3] {
-    let (mut here, mut share, mut moved) = (entry, 1.0f32, position(entry));
+    let (mut current, mut share, mut position_now) = (entry, 1.0f32, position(entry));
     loop {
-        let [next, leaves] = links[here as usize];
-        let gone = way(leaves, lod, links.len() as u32);
-        if gone == 0 {
-            return moved;
+        let [next, leaves] = links[current as usize];
+        let records_gone = morph_progress(leaves, lod, links.len() as u32);
+        if records_gone == 0 {
+            return position_now;
         }
-        share *= gone as f32 * (1.0 / 65536.0);
-        if share < LEAST_SHARE {
-            return moved;
+        share *= records_gone as f32 * (1.0 / 65536.0);
+        if share < MIN_SHARE {
+            return position_now;
         }
-        let (a, b) = (position(here), position(next));
-        moved = std::array::from_fn(|i| moved[i] + share * (b[i] - a[i]));
-        here = next;
+        let (a, b) = (position(current), position(next));
+        position_now = std::array::from_fn(|i| position_now[i] + share * (b[i] - a[i]));
+        current = next;
     }
 }
 
 /// The LOD that a view wants at a point.
-pub(super) fn wanted(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
+pub(super) fn wanted_lod(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
     let ([a, b], position) = (p.lods, at.position);
     if p.criterion == 4 {
         return if is_on_screen(p, position) { a } else { b };
@@ -255,12 +262,12 @@ pub(super) fn wanted(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
         let inside = (0..3).all(|i| position[i] >= p.point[i] && position[i] <= p.abc[i]);
         return if inside { a } else { b };
     }
-    let d: [f32; 3] = std::array::from_fn(|i| (p.point[i] - position[i]) * p.scale);
-    let square = dot(d, d);
+    let to_point: [f32; 3] = std::array::from_fn(|i| (p.point[i] - position[i]) * p.scale);
+    let square = dot(to_point, to_point);
     if p.criterion == 2 {
         return if square <= p.abc[0] { a } else { b };
     }
-    // In the eye: as fine as can be.
+    // At the viewpoint itself: as fine as can be.
     if square < 1e-30 {
         return if p.criterion == 0 { a } else { 0 };
     }
@@ -268,18 +275,18 @@ pub(super) fn wanted(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
         return by_error.at(square * rsqrt(square) * p.abc[0]);
     }
     let span = b - a;
-    a + ((facing(at, d, square, p.abc[1]) * p.abc[0]).min(span as f32) as u32).min(span)
+    a + ((facing(at, to_point, square, p.abc[1]) * p.abc[0]).min(span as f32) as u32).min(span)
 }
 
-/// Returns whether a place is ahead of the eye and within the screen.
+/// Returns whether a position is ahead of the eye and within the screen.
 fn is_on_screen(p: &Parameters, position: [f32; 3]) -> bool {
-    let d: [f32; 3] = std::array::from_fn(|i| position[i] - p.point[i]);
-    let rest = (1.0 - dot(p.abc, p.abc)).max(1e-20);
-    let w = rest * rsqrt(rest);
+    let to_point: [f32; 3] = std::array::from_fn(|i| position[i] - p.point[i]);
+    let squared = (1.0 - dot(p.abc, p.abc)).max(1e-20);
+    let w = squared * rsqrt(squared);
     // Rotated by the unit quaternion (abc, w).
-    let twice = cross(p.abc, d).map(|c| 2.0 * c);
-    let further = cross(p.abc, twice);
-    let [x, y, z]: [f32; 3] = std::array::from_fn(|i| (d[i] + w * twice[i]) + further[i]);
+    let doubled = cross(p.abc, to_point).map(|c| 2.0 * c);
+    let second = cross(p.abc, doubled);
+    let [x, y, z]: [f32; 3] = std::array::from_fn(|i| (to_point[i] + w * doubled[i]) + second[i]);
     x.abs() <= -z * p.scale && y.abs() <= -z * p.height
 }
 
@@ -296,13 +303,13 @@ fn facing(at: &Point, to_eye: [f32; 3], square: f32, unit: f32) -> f32 {
     let axis = at.axis.map(f32::from);
     let sine = f32::from(at.sine) * unit;
     let angle = (dot(axis, to_eye).abs() * rsqrt(dot(axis, axis) * square)).min(1.0);
-    (angle * other(sine) - other(angle) * sine).max(0.0)
+    (angle * complement(sine) - complement(angle) * sine).max(0.0)
 }
 
 /// The sine to a cosine and the other way round, both from 0 to 1.
-fn other(cosine: f32) -> f32 {
-    let rest = (1.0 - cosine * cosine).max(1e-20);
-    rest * rsqrt(rest)
+fn complement(cosine: f32) -> f32 {
+    let squared = (1.0 - cosine * cosine).max(1e-20);
+    squared * rsqrt(squared)
 }
 
 #[cfg(test)]

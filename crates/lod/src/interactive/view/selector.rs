@@ -1,4 +1,5 @@
-//! Selection of the states of all vertices of a mesh.
+//! Chooses the LODs of all vertices of a mesh by a criterion, in parallel (`select` has the rule of
+//! one vertex).
 
 use super::select::{self, ByError, Parameters};
 use super::{Cones, Criterion, Family, LodRange, Point, State, ViewQuery};
@@ -15,7 +16,7 @@ pub struct Selector<'a> {
     pub(super) points: Vec<Point>,
     pub(super) links: Vec<[u32; 2]>,
     pub(super) by_error: ByError,
-    /// Made when a chain of collapses is long.
+    /// Made when a chain of collapses is long, so that no vertex takes long.
     shortcuts: OnceLock<Shortcuts>,
 }
 
@@ -26,8 +27,8 @@ impl<'a> Selector<'a> {
         Self::in_shape(simplified, simplified.mesh().positions())
     }
 
-    /// Finds groups, and cones for a surface whose vertices are at the places of `shape`: where a
-    /// scene shows it, or as joints and morph targets bend it. Criteria are in its units; all
+    /// Finds groups, and cones for a surface whose vertices are at the positions of `shape`: where
+    /// a scene shows it, or as joints and morph targets bend it. Criteria are in its units; all
     /// vertices of a group are where the first one is.
     #[must_use]
     pub fn in_shape(simplified: &'a Simplified, shape: &[[f32; 3]]) -> Self {
@@ -57,7 +58,7 @@ impl<'a> Selector<'a> {
     #[must_use]
     pub fn lods(&self, criterion: &Criterion) -> Vec<u32> {
         let parameters = self.parameters(&ViewQuery { criterion: *criterion, morph: false });
-        let wanted = |point| select::wanted(&parameters, point, &self.by_error);
+        let wanted = |point| select::wanted_lod(&parameters, point, &self.by_error);
         self.points.par_iter().map(wanted).collect()
     }
 

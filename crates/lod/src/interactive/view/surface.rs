@@ -1,4 +1,5 @@
-//! The surface of a view as triangles, or as a mesh of its own where vertices are on their way.
+//! The triangles of a view-dependent level: their number, themselves, or a mesh of its own where
+//! vertices morph.
 
 use super::{State, select};
 use lodc_mesh::{
@@ -8,20 +9,20 @@ use rayon::prelude::*;
 
 /// Returns the number of triangles that are drawn.
 #[must_use]
-pub fn kept(simplified: &Simplified, positions: &PositionIds, states: &[State]) -> u64 {
-    let count = |place: &(dyn Fn(&u32) -> u32 + Sync)| {
-        let live = |t: &&[u32; 3]| !is_degenerate(t.each_ref().map(place));
+pub fn drawn_triangles(simplified: &Simplified, positions: &PositionIds, states: &[State]) -> u64 {
+    let count = |position: &(dyn Fn(&u32) -> u32 + Sync)| {
+        let live = |t: &&[u32; 3]| !is_degenerate(t.each_ref().map(position));
         simplified.mesh().triangles().par_iter().filter(live).count() as u64
     };
-    if states.par_iter().all(|state| state.way == 0) {
+    if states.par_iter().all(|state| state.progress == 0) {
         return count(&|&v| positions.of_vertex[states[v as usize].entry as usize]);
     }
-    let ids = PositionIds::new(&places(simplified, states));
+    let ids = PositionIds::new(&positions_of(simplified, states));
     count(&|&v| ids.of_vertex[v as usize])
 }
 
 /// Returns the triangles that are not degenerate, with every corner as the vertex that it is shown
-/// as. Positions on the way to the next one do not count.
+/// as. Morphed positions do not count.
 #[must_use]
 pub fn live_triangles(
     simplified: &Simplified,
@@ -37,19 +38,19 @@ pub fn live_triangles(
 }
 
 /// Returns the mesh of a view: every vertex of LOD 0 with the attributes of the one that it is
-/// shown as, at its position on the way to the next one, and the triangles whose corners are at
+/// shown as, at its morphed position, and the triangles whose corners are at
 /// three positions.
 ///
 /// # Errors
 /// If states are not those of the vertices of this mesh.
 pub fn morphed_mesh(simplified: &Simplified, states: &[State]) -> Result<Mesh, MeshError> {
     let mesh = simplified.mesh();
-    let places = places(simplified, states);
-    let ids = PositionIds::new(&places);
+    let positions = positions_of(simplified, states);
+    let ids = PositionIds::new(&positions);
     let no_triangles = |s: &Submesh| Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
     let entries = || states.iter().map(|state| state.entry);
     let moved = Mesh::try_from(MeshParts {
-        positions: places,
+        positions,
         vertex_submesh: mesh.vertex_submesh().to_vec(),
         attributes: mesh.attributes().iter().map(|a| a.gathered(entries())).collect(),
         triangles: Vec::new(),
@@ -67,13 +68,13 @@ fn oriented(mesh: &Mesh) -> impl Iterator<Item = OrientedTriangle> {
     (0..).zip(mesh.submeshes()).flat_map(of)
 }
 
-/// The position of each vertex; the bits of its entry's where it has not left.
-fn places(simplified: &Simplified, states: &[State]) -> Vec<[f32; 3]> {
+/// The position of each vertex: morphed, or that of its entry bit for bit where it does not move.
+fn positions_of(simplified: &Simplified, states: &[State]) -> Vec<[f32; 3]> {
     let positions = simplified.mesh().positions();
     let links = select::links(simplified.collapses());
-    let place = |s: &State| match s.way {
+    let position = |s: &State| match s.progress {
         0 => positions[s.entry as usize],
-        _ => select::place(s.entry, s.lod, &links, |v| positions[v as usize]),
+        _ => select::morphed_position(s.entry, s.lod, &links, |v| positions[v as usize]),
     };
-    states.par_iter().map(place).collect()
+    states.par_iter().map(position).collect()
 }

@@ -98,7 +98,7 @@ fn morphing_shows_the_same_entries_and_triangles_and_goes_the_last_part_of_the_w
     for lod in 0..simplified.collapses().records() {
         let view = |morph| ViewQuery { criterion: Criterion::everywhere(Lod(lod)), morph };
         let (still, moving) = (views.show(&view(false)), views.show(&view(true)));
-        let count = |shown: &ViewContent| kept(&simplified, &positions, &shown.states);
+        let count = |shown: &ViewContent| drawn_triangles(&simplified, &positions, &shown.states);
         assert_eq!(count(&moving), count(&still), "LOD {lod}: what has gone stays away");
         for (v, (state, still)) in moving.states.iter().zip(&still.states).enumerate() {
             assert_eq!(state.entry, still.entry);
@@ -108,7 +108,7 @@ fn morphing_shows_the_same_entries_and_triangles_and_goes_the_last_part_of_the_w
             let leaves = views.links()[state.entry as usize][1];
             let length = ((vertices - leaves.min(vertices)) / 8 + 1).min(leaves);
             let share = (f64::from(lod) - f64::from(leaves - length)) / f64::from(length);
-            let way = f64::from(state.way) / 65536.0;
+            let way = f64::from(state.progress) / 65536.0;
             assert!((way - share.max(0.0)).abs() < 1e-4, "LOD {lod}: {state:?}");
         }
     }

@@ -61,7 +61,7 @@ fn rsqrt(x: f32) -> f32 {
 }
 
 // The sine to a cosine and the other way round, both from 0 to 1.
-fn other(cosine: f32) -> f32 {
+fn complement(cosine: f32) -> f32 {
     let rest = max(r(1.0 - r(cosine * cosine)), 1e-20);
     return r(rest * rsqrt(rest));
 }
@@ -72,7 +72,7 @@ fn facing(cone: u32, to_eye: vec3<f32>, square: f32) -> f32 {
     let axis = vec3<f32>(vec3<i32>(bytes) >> vec3<u32>(24u));
     let sine = r(f32(cone >> 24u) * p.b);
     let angle = min(r(abs(dot3(axis, to_eye)) * rsqrt(r(dot3(axis, axis) * square))), 1.0);
-    return max(r(r(angle * other(sine)) - r(other(angle) * sine)), 0.0);
+    return max(r(r(angle * complement(sine)) - r(complement(angle) * sine)), 0.0);
 }
 
 fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
@@ -86,19 +86,19 @@ fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 // Ahead of the eye and within the screen.
 fn on_screen(position: vec3<f32>) -> bool {
     let d = vec3<f32>(r(position.x - p.x), r(position.y - p.y), r(position.z - p.z));
-    let turn = vec3<f32>(p.a, p.b, p.c);
-    let rest = max(r(1.0 - dot3(turn, turn)), 1e-20);
+    let rotation = vec3<f32>(p.a, p.b, p.c);
+    let rest = max(r(1.0 - dot3(rotation, rotation)), 1e-20);
     let w = r(rest * rsqrt(rest));
-    let twice = 2.0 * cross3(turn, d);
-    let further = cross3(turn, twice);
-    let x = r(r(d.x + r(w * twice.x)) + further.x);
-    let y = r(r(d.y + r(w * twice.y)) + further.y);
-    let z = r(r(d.z + r(w * twice.z)) + further.z);
+    let doubled = 2.0 * cross3(rotation, d);
+    let second = cross3(rotation, doubled);
+    let x = r(r(d.x + r(w * doubled.x)) + second.x);
+    let y = r(r(d.y + r(w * doubled.y)) + second.y);
+    let z = r(r(d.z + r(w * doubled.z)) + second.z);
     return abs(x) <= r(-z * p.scale) && abs(y) <= r(-z * bitcast<f32>(p.lowest));
 }
 
-fn wanted(here: vec4<u32>) -> u32 {
-    let position = bitcast<vec3<f32>>(here.xyz);
+fn wanted_lod(point: vec4<u32>) -> u32 {
+    let position = bitcast<vec3<f32>>(point.xyz);
     if (criterion == 4u) { return select(p.lod_b, p.lod_a, on_screen(position)); }
     if (criterion == 3u) {
         let inside = position.x >= p.x && position.y >= p.y && position.z >= p.z
@@ -112,71 +112,73 @@ fn wanted(here: vec4<u32>) -> u32 {
     );
     let square = dot3(d, d);
     if (criterion == 2u) { return select(p.lod_b, p.lod_a, square <= p.a); }
-    // In the eye: as fine as can be.
-    let apart = square >= 1e-30;
+    // At the viewpoint itself: as fine as can be.
+    let away_from_eye = square >= 1e-30;
     if (criterion == 1u) {
         let error = bitcast<u32>(r(r(square * rsqrt(square)) * p.a)) >> 14u;
         let lod = by_error[clamp(error, p.lowest, p.lowest + ERRORS - 1u) - p.lowest];
-        return select(0u, lod, apart);
+        return select(0u, lod, away_from_eye);
     }
     let span = p.lod_b - p.lod_a;
-    let rise = min(r(facing(here.w, d, square) * p.a), f32(span));
-    return p.lod_a + select(0u, min(u32(rise), span), apart);
+    let rise = min(r(facing(point.w, d, square) * p.a), f32(span));
+    return p.lod_a + select(0u, min(u32(rise), span), away_from_eye);
 }
 
 // The bits of a vertex's position.
-fn place(v: u32) -> vec3<u32> {
+fn entry_position(v: u32) -> vec3<u32> {
     let first = v * stride;
     return vec3<u32>(source[first], source[first + 1u], source[first + 2u]);
 }
 
-// The part of the way that a vertex which leaves at the end of some step has gone at a LOD before
-// it, in 1/65536: it sets out n/8 records before it goes, n vertices staying longer.
+// The share of its move that a vertex which disappears at the end of some step (`leaves`) has
+// made at a LOD before it, in 1/65536: it begins to move n/8 records before, n vertices staying
+// longer.
 // Integers, because division of integers is exact; both fit 16 bits after the shift.
-fn way(leaves: u32, lod: u32) -> u32 {
+fn morph_progress(leaves: u32, lod: u32) -> u32 {
     let length = min(leaves, (p.vertices - min(leaves, p.vertices)) / 8u + 1u);
-    let gone = lod - min(lod, leaves - length);
+    let records_gone = lod - min(lod, leaves - length);
     let shift = 16u - min(16u, countLeadingZeros(length));
-    return min(((gone >> shift) << 16u) / (length >> shift), 65535u);
+    return min(((records_gone >> shift) << 16u) / (length >> shift), 65535u);
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn main(thread: Thread) {
     let v = number_of(thread);
     if (v >= p.vertices) { return; }
-    let lod = wanted(points[v]);
+    let lod = wanted_lod(points[v]);
     // As far as the collapses go whose steps are over.
-    var at = v;
-    while (at < lod) {
-        let link = links[at];
+    var entry = v;
+    while (entry < lod) {
+        let link = links[entry];
         if (link.y > lod) { break; }
-        at = link.x;
+        entry = link.x;
     }
-    // From the record: points of a group stand where its first one does, whatever its zeros' signs.
-    var position = place(at);
+    // From the record: all points of a group have the position of its first one, which may have
+    // zeros of another sign.
+    var position = entry_position(entry);
     if (morph) {
         // To where its target is, which may be on its way too.
-        var here = at;
+        var current = entry;
         var share = 1.0;
-        var moved = bitcast<vec3<f32>>(position);
+        var position_now = bitcast<vec3<f32>>(position);
         loop {
-            let link = links[here];
-            let gone = way(link.y, lod);
-            if (gone == 0u) { break; }
-            share = r(share * (f32(gone) * (1.0 / 65536.0)));
-            // Nobody sees it, nor what follows.
+            let link = links[current];
+            let records_gone = morph_progress(link.y, lod);
+            if (records_gone == 0u) { break; }
+            share = r(share * (f32(records_gone) * (1.0 / 65536.0)));
+            // Too small to change the result, as is all that follows.
             if (share < 1e-7) { break; }
-            let a = bitcast<vec3<f32>>(place(here));
-            let b = bitcast<vec3<f32>>(place(link.x));
-            moved = vec3<f32>(
-                r(moved.x + r(share * r(b.x - a.x))),
-                r(moved.y + r(share * r(b.y - a.y))),
-                r(moved.z + r(share * r(b.z - a.z))),
+            let a = bitcast<vec3<f32>>(entry_position(current));
+            let b = bitcast<vec3<f32>>(entry_position(link.x));
+            position_now = vec3<f32>(
+                r(position_now.x + r(share * r(b.x - a.x))),
+                r(position_now.y + r(share * r(b.y - a.y))),
+                r(position_now.z + r(share * r(b.z - a.z))),
             );
-            here = link.x;
+            current = link.x;
         }
         // Exactly where it was: its bits, also those of a zero.
-        position = select(bitcast<vec3<u32>>(moved), position, here == at);
+        position = select(bitcast<vec3<u32>>(position_now), position, current == entry);
     }
     let to_record = v * stride;
     vertices[to_record] = position.x;
