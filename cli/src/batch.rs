@@ -1,4 +1,5 @@
-//! Options of commands that take many assets.
+//! Options that choose the assets of a run: a manifest (one JSON document a line), glob patterns
+//! for folders, and shards for several machines.
 
 use crate::exit::Outcome;
 use crate::help::MANY;

@@ -1,4 +1,4 @@
-//! Lists of bits by kind of number, as options have them.
+//! Parses quantisation bits by kind of value, such as `pos=16,normal=10`.
 
 use std::ops::RangeInclusive;
 

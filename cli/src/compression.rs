@@ -1,4 +1,4 @@
-//! Options that say how geometry is compressed and quantised.
+//! Options of geometry compression (meshopt) and quantisation.
 
 use crate::bits;
 use crate::exit::{Failure, Outcome};

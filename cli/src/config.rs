@@ -1,4 +1,4 @@
-//! Options that choose a configuration, `lodc.toml`.
+//! Options that choose the configuration file, `lodc.toml`.
 
 use crate::console;
 use crate::exit::Outcome;

@@ -1,4 +1,5 @@
-//! Exit statuses, and failures that carry one: one line each, whoever's fault it is.
+//! Exit statuses, and the failures that carry one: a one-line message, and whether input, options
+//! or system are at fault.
 
 use lodc_assets::AssetError;
 use lodc_formats::{Fault, FormatError};
@@ -78,8 +79,8 @@ impl From<lodc::Error> for Failure {
         match error {
             lodc::Error::Format(error) => error.into(),
             lodc::Error::Select(error) => error.into(),
-            lodc::Error::Request(what) => Self::usage(what),
-            lodc::Error::Bug(what) => Self::new(Status::Bug, what),
+            lodc::Error::Request(problem) => Self::usage(problem),
+            lodc::Error::Bug(problem) => Self::new(Status::Bug, problem),
             other => Self::new(Status::Bug, other.to_string()),
         }
     }
@@ -88,9 +89,9 @@ impl From<lodc::Error> for Failure {
 impl From<AssetError> for Failure {
     fn from(error: AssetError) -> Self {
         match error {
-            AssetError::Usage(what) => Self::new(Status::Usage, what),
-            AssetError::Input(what) => Self::new(Status::Input, what),
-            AssetError::Output(what) => Self::new(Status::Output, what),
+            AssetError::Usage(problem) => Self::new(Status::Usage, problem),
+            AssetError::Input(problem) => Self::new(Status::Input, problem),
+            AssetError::Output(problem) => Self::new(Status::Output, problem),
             AssetError::Format(error) => error.into(),
         }
     }

@@ -1,4 +1,5 @@
-//! The graphics device as commands ask for it; a build without the feature `gpu` has none.
+//! Options of commands that use a GPU, and opening it; without the Cargo feature `gpu` that is an
+//! error.
 
 pub(crate) use lodc_lab::Device;
 

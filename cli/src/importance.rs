@@ -1,4 +1,5 @@
-//! Options that say what matters of a mesh: weights of attributes, parts that stay.
+//! Options that shape a simplification: weights of attributes (`--weight`), and parts that stay
+//! until the end (`--lock`).
 
 use crate::exit::{Failure, Outcome};
 use crate::help::SIMPLIFIED;
@@ -140,7 +141,7 @@ fn lock(text: &str) -> Result<Lock, String> {
 /// If a kind is none or given twice, or a factor is not from 0 to 1e6.
 pub(crate) fn weights(text: &str) -> Result<Weights, String> {
     let mut weights = Weights::DEFAULT;
-    let mut seen = BTreeSet::new();
+    let mut kinds_seen = BTreeSet::new();
     for part in text.split(',') {
         let (kind, number) =
             part.split_once('=').ok_or_else(|| format!("\"{part}\" is not KIND=FACTOR"))?;
@@ -154,7 +155,7 @@ pub(crate) fn weights(text: &str) -> Result<Weights, String> {
             _ => return Err(format!("\"{kind}\" is neither normal, uv, color nor skin")),
         };
         *slot = factor;
-        if !seen.insert(kind) {
+        if !kinds_seen.insert(kind) {
             return Err(format!("\"{kind}\" is given twice"));
         }
     }

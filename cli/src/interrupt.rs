@@ -1,4 +1,5 @@
-//! Ctrl-C and its relatives: never in the middle of putting files into place.
+//! Ctrl-C, SIGTERM and SIGHUP: the process ends between two output files, never while one is being
+//! renamed.
 
 use crate::exit::{Failure, Outcome, Status};
 use std::sync::{Mutex, MutexGuard, PoisonError};

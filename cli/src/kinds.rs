@@ -1,5 +1,5 @@
-//! Options that name one of a family: models, metrics, strip generators. The family's own list is
-//! what may be named, what help says of it, and what its default is.
+//! Options whose values are names from a library's list (models, metrics, strip generators): `clap`
+//! takes values, help and default from the list itself.
 
 use crate::exit::{Failure, Outcome};
 use crate::help::{SIMPLIFIED, STORED};

@@ -1,4 +1,4 @@
-//! Options of reading inputs, and the limits on them.
+//! Options of imports: limits on size, further folders that may be read, welding.
 
 use crate::clock::Clock;
 use crate::exit::{Failure, Outcome, Status};
@@ -169,11 +169,11 @@ impl Args for LimitArgs {
             .long_help(long_help())
             .help_heading(LIMITS)
             .hide_short_help(true);
-        let own = |key: &'static Key| {
-            let own = Arg::new(key.option).long(key.option).value_parser(key.read);
-            own.help("The same as --limit with a key").help_heading(LIMITS).hide(true)
+        let flag = |key: &'static Key| {
+            let flag = Arg::new(key.option).long(key.option).value_parser(key.read);
+            flag.help("The same as --limit with a key").help_heading(LIMITS).hide(true)
         };
-        command.arg(limit).args(KEYS.iter().map(own))
+        command.arg(limit).args(KEYS.iter().map(flag))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -212,15 +212,15 @@ impl FromArgMatches for LimitArgs {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        let places = |option| matches.indices_of(option).into_iter().flatten();
+        let indices = |option| matches.indices_of(option).into_iter().flatten();
         let keyed = matches.get_many::<Limit>(LIMIT).into_iter().flatten();
-        let mut given: Vec<(usize, Limit)> = places(LIMIT).zip(keyed.copied()).collect();
+        let mut given: Vec<(usize, Limit)> = indices(LIMIT).zip(keyed.copied()).collect();
         for key in &KEYS {
             let numbers = matches.get_many::<u64>(key.option).into_iter().flatten();
-            given.extend(places(key.option).zip(numbers.map(|&number| Limit { key, number })));
+            given.extend(indices(key.option).zip(numbers.map(|&number| Limit { key, number })));
         }
         // The last one counts, by whichever name.
-        given.sort_by_key(|(place, _)| *place);
+        given.sort_by_key(|(index, _)| *index);
         given.into_iter().for_each(|(_, limit)| (limit.key.set)(self, limit.number));
         Ok(())
     }
@@ -359,19 +359,19 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         let before = numbers(&given(&[]).expect("no limits"));
-        for (place, key) in KEYS.iter().enumerate() {
+        for (index, key) in KEYS.iter().enumerate() {
             let is_time = key.name == "time";
             let (small, large, number) =
                 if is_time { ("18h", "64800", 64_800) } else { ("64k", "64K", 64 << 10) };
-            let (keyed, own) = (format!("{}={large}", key.name), format!("--{}", key.option));
+            let (keyed, flag) = (format!("{}={large}", key.name), format!("--{}", key.option));
             let mut expected = before.clone();
-            expected[place] = Some(number);
+            expected[index] = Some(number);
             for words in [
                 &["--limit", &keyed][..],
-                &[&own, small],
+                &[&flag, small],
                 &["--limit", &format!("{}=1", key.name), "--limit", &keyed],
-                &["--limit", &format!("{}=1", key.name), &own, large],
-                &[&own, "1", "--limit", &keyed],
+                &["--limit", &format!("{}=1", key.name), &flag, large],
+                &[&flag, "1", "--limit", &keyed],
             ] {
                 assert_eq!(numbers(&given(words).expect("limits")), expected, "{words:?}");
             }

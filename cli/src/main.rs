@@ -129,7 +129,7 @@ fn run() -> Status {
 
 /// One line instead of a back-trace. The work itself is caught further up, with status 70.
 fn report_panic(info: &panic::PanicHookInfo<'_>) {
-    let place =
+    let site =
         info.location().map(|l| format!(" at {}:{}", l.file(), l.line())).unwrap_or_default();
     let payload = info.payload();
     let text = payload
@@ -138,7 +138,7 @@ fn report_panic(info: &panic::PanicHookInfo<'_>) {
         .or(payload.downcast_ref::<String>().map(String::as_str));
     let what = exit::one_line(text.unwrap_or("no reason given"));
     console::error(&format_args!(
-        "internal error{place}: {what}; this is a bug of lodc {}: please report it with the input",
+        "internal error{site}: {what}; this is a bug of lodc {}: please report it with the input",
         env!("CARGO_PKG_VERSION")
     ));
 }

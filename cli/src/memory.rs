@@ -1,5 +1,5 @@
-//! Memory that the process has used and that the machine has. Measurements: never part of an output
-//! file.
+//! Peak memory of the process and memory of the machine, for messages and estimates; never part of
+//! an output file.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! Mesh files as results: their formats, where they go, how they are written.
+//! Output options of the commands that write mesh files: format, path, and how they are written.
 
 use crate::console;
 use crate::exit::{Failure, Outcome};

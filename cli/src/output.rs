@@ -1,4 +1,5 @@
-//! Writing results: whole or not at all, to a file or standard output; and dependency files.
+//! Writes results to a file or standard output, complete or not at all, and Makefile dependency
+//! files.
 
 use crate::exit::{Failure, Outcome};
 use crate::{console, interrupt};
@@ -28,9 +29,9 @@ pub(crate) fn commit(files: &[OutputFile]) -> Outcome<()> {
     }
     // Opening a pipe without a reader waits for ever, so there an interruption must get through;
     // it leaves nothing behind either, since pipes and devices are written to directly.
-    let whole = (!files.iter().any(is_special)).then(interrupt::committing);
+    let commit_guard = (!files.iter().any(is_special)).then(interrupt::committing);
     write_all(files)?;
-    whole.into_iter().for_each(|mut placed| *placed = true);
+    commit_guard.into_iter().for_each(|mut placed| *placed = true);
     Ok(())
 }
 
@@ -109,9 +110,9 @@ impl<T: Send, F: Fn(T, Outcome<()>) + Sync> Results<T, F> {
         drop(waiting);
         let (files, whats): (Vec<OutputFile>, Vec<T>) = results.into_iter().unzip();
         let each: Vec<&[OutputFile]> = files.iter().map(std::slice::from_ref).collect();
-        let whole = interrupt::committing();
+        let commit_guard = interrupt::committing();
         let written = write_each(&each);
-        drop(whole);
+        drop(commit_guard);
         for (what, written) in whats.into_iter().zip(written) {
             (self.told)(what, written.map_err(Failure::from));
         }

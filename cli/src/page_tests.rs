@@ -1,4 +1,5 @@
-//! docs/OPTIONS.md is what the program says of itself: `UPDATE=1` writes it (`just options`).
+//! docs/OPTIONS.md lists all options as `--help` does: this test compares them, and `UPDATE=1`
+//! writes the page (`just options`).
 
 use super::Cli;
 use clap::{Arg, Command, CommandFactory};
@@ -142,8 +143,8 @@ impl Options {
                 }
                 continue;
             }
-            let place = mine().position(|(_, g, _)| g == group).expect("it is there");
-            groups.entry(place).or_insert((group, Vec::new())).1.push(row.text());
+            let position = mine().position(|(_, g, _)| g == group).expect("it is there");
+            groups.entry(position).or_insert((group, Vec::new())).1.push(row.text());
         }
         if !groups.is_empty() {
             lines.push("| option | meaning | default |\n| --- | --- | --- |".to_owned());

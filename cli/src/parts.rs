@@ -1,4 +1,4 @@
-//! Options of parts of an asset: of objects and of materials, by their names.
+//! Options that name parts of an asset: objects and materials.
 
 use crate::help::SIMPLIFIED;
 use crate::importance;

@@ -1,5 +1,5 @@
-//! The command line as the program defines it, for options that assets have of their own: they are
-//! read as if they had been typed.
+//! Options of single assets from `lodc.toml` and batch lists: they are parsed by `clap` as if they
+//! had been typed.
 
 use crate::parts;
 use clap::parser::ValueSource;
@@ -66,8 +66,9 @@ impl Program {
         let typed = root.clone().get_matches_from(std::env::args_os());
         let typed = typed.subcommand_matches(name).expect("the command that runs");
         let typed = |id: &Id| typed.value_source(id.as_str()) == Some(ValueSource::CommandLine);
-        let there = command(&root, name).get_arguments().filter(|a| typed(a.get_id()));
-        let given: Vec<String> = there.filter_map(|a| a.get_long().map(str::to_owned)).collect();
+        let arguments = command(&root, name).get_arguments().filter(|a| typed(a.get_id()));
+        let given: Vec<String> =
+            arguments.filter_map(|a| a.get_long().map(str::to_owned)).collect();
         let excluded = self.words().of(name).excluded(&given).map(str::to_owned);
         let excluded: Vec<String> = excluded.collect();
         [given, excluded].concat()
@@ -101,8 +102,8 @@ impl Program {
             }
         }
         let typed = raw.iter().position(|arg| arg == name);
-        let place = typed.expect("the command's name is there") + 1;
-        raw.splice(place..place, more);
+        let index = typed.expect("the command's name is there") + 1;
+        raw.splice(index..index, more);
         let root = (self.root)();
         let matches = root.clone().try_get_matches_from(raw).map_err(|e| first_line(&e))?;
         let matches = matches.subcommand_matches(name).expect("the same command");

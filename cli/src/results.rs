@@ -1,4 +1,4 @@
-//! The JSON documents of failures, and of commands with a result for each of several inputs.
+//! The JSON documents of failures, and of commands with one result for each input.
 
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};

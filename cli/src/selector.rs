@@ -1,4 +1,5 @@
-//! From what a person asks for (a record, a share, a count, an error) to one LOD per object.
+//! Options that choose a level (record, share, triangle count or error), resolved to one LOD for
+//! each object.
 
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{LEVEL, SEEN};
@@ -79,7 +80,7 @@ pub(crate) struct ScreenArgs {
 }
 
 impl ScreenArgs {
-    /// Returns a camera at a place with this screen.
+    /// Returns a camera at a point with this screen.
     pub(crate) fn view(&self, eye: [f32; 3]) -> View {
         View::new(eye, self.degrees() as f32, self.height as f32)
     }

@@ -1,4 +1,4 @@
-//! Durations of stages.
+//! Measured durations of a command's stages, for `--verbose` and JSON.
 
 use crate::clock::Clock;
 use crate::console::detail;

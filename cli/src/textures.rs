@@ -1,4 +1,4 @@
-//! Options that say what becomes of a model's image files.
+//! Options for a model's image files: embedded, copied or left where they are.
 
 use crate::exit::{Failure, Outcome};
 use crate::help::BECOMES;

@@ -1,4 +1,4 @@
-//! The threads that a command works with.
+//! The thread pool of a command: `--jobs`, or all processors.
 
 use crate::exit::{Failure, Outcome, Status};
 use rayon::ThreadPoolBuilder;

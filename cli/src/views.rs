@@ -1,4 +1,5 @@
-//! Levels of detail that depend on the view, as options ask for them.
+//! Options of view-dependent levels: the criterion (silhouette, pixels, sphere, box, frustum) and
+//! the eye.
 
 use crate::exit::{Failure, Outcome};
 use crate::help::SEEN;
@@ -198,7 +199,7 @@ impl ViewArgs {
     }
 }
 
-/// A place: `X,Y,Z`.
+/// A point: `X,Y,Z`.
 pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
     numbers(text).ok_or_else(|| "three numbers X,Y,Z".to_owned())
 }

@@ -1,5 +1,6 @@
-//! The looks of a scene: base colours and textures of its submeshes. For pictures only;
-//! nothing here is needed to simplify or to write a scene again.
+//! The appearance of a scene: base colour factor and base colour texture of every submesh, read
+//! from its stored glTF or MTL document. Used to draw pictures and to price texture distortion;
+//! neither simplification nor export needs it.
 
 use crate::{Assets, Document, FormatError, Limits, ObjectInfo, gltf, obj};
 use lodc_scene::{Appearance, Coordinates};

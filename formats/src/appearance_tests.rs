@@ -304,6 +304,6 @@ fn an_image_is_decoded_once_however_often_it_is_there_and_pixels_have_a_limit() 
     assert_eq!(shown.collect::<Vec<_>>(), [Some(0), Some(0), Some(1), Some(0)]);
     for pixels in [0, 2] {
         let error = within(pixels).expect_err("more pixels than are allowed");
-        assert_eq!((error.fault, error.place.is_empty()), (Fault::Limit, false), "{error}");
+        assert_eq!((error.fault, error.location.is_empty()), (Fault::Limit, false), "{error}");
     }
 }

@@ -1,4 +1,6 @@
-//! Reading the files of one asset, and nothing else: no path leads out of its folder.
+//! Access to the files of one asset, which untrusted files name: a main file, and others by
+//! relative paths. Paths that lead out of its folder, by name or through symbolic links, devices
+//! and pipes are refused, and sizes are limited.
 
 use crate::{Fault, FormatError, Limits, RequestedFiles};
 use std::ffi::OsStr;
@@ -81,11 +83,11 @@ impl Assets {
     /// folders, be it by name or through a symbolic link; else if the file is not there, not a
     /// regular file, or too large. The error names the reference as its file.
     pub fn read_reference(&mut self, reference: &str) -> Result<Vec<u8>, FormatError> {
-        let place = self.place(reference).map_err(|e| e.in_file(reference))?;
-        let real = place.real();
-        let bytes = real.and_then(|real| self.read_file(&real, &place.named));
+        let file = self.locate(reference).map_err(|e| e.in_file(reference))?;
+        let real = file.real();
+        let bytes = real.and_then(|real| self.read_file(&real, &file.named));
         if bytes.is_err() {
-            self.requested.add_absent(&place.named);
+            self.requested.add_absent(&file.named);
         }
         bytes.map_err(|e| e.in_file(reference))
     }
@@ -93,14 +95,14 @@ impl Assets {
     /// Notes that another file was read in the place of one that is not there.
     #[cfg(feature = "import")]
     pub(crate) fn substitute(&mut self, reference: &str) {
-        if let Ok(place) = self.place(reference) {
-            self.requested.substitute(&place.named);
+        if let Ok(file) = self.locate(reference) {
+            self.requested.substitute(&file.named);
         }
     }
 
     /// Place of a file that a reference names, inside the allowed folders by its name.
-    fn place(&self, reference: &str) -> Result<ReferencedFile, FormatError> {
-        let forbidden = |what: &str| Err(FormatError::new(Fault::Forbidden, "", what));
+    fn locate(&self, reference: &str) -> Result<ReferencedFile, FormatError> {
+        let forbidden = |problem: &str| Err(FormatError::new(Fault::Forbidden, "", problem));
         if reference.contains('\0') {
             return forbidden("a file name cannot contain NUL");
         }
@@ -122,15 +124,15 @@ impl Assets {
             Some(parent) if parent != Path::new("") => parent,
             _ => Path::new("."),
         };
-        let own = if self.is_stdin() { None } else { folder.canonicalize().ok() };
-        let roots: Vec<PathBuf> = own
+        let own_folder = if self.is_stdin() { None } else { folder.canonicalize().ok() };
+        let roots: Vec<PathBuf> = own_folder
             .iter()
             .cloned()
             .chain(self.allowed.iter().filter_map(|a| a.canonicalize().ok()))
             .collect();
         // By name first, so that not even the existence of anything outside is asked about; then by
         // what it really is.
-        let absolute = own.unwrap_or_default().join(relative);
+        let absolute = own_folder.unwrap_or_default().join(relative);
         if !normalised(&absolute).is_some_and(|path| is_inside(&path, &roots)) {
             return forbidden(OUTSIDE);
         }
@@ -147,7 +149,7 @@ impl Assets {
         // Asked again of what was really opened.
         let metadata = file.metadata().map_err(|e| unreadable(&e))?;
         require_regular(&metadata)?;
-        if metadata.len() > self.room() {
+        if metadata.len() > self.bytes_allowed() {
             return Err(self.too_large());
         }
         let bytes = self.read_bounded(&mut file, metadata.len())?;
@@ -155,17 +157,18 @@ impl Assets {
         Ok(bytes)
     }
 
-    fn room(&self) -> u64 {
+    fn bytes_allowed(&self) -> u64 {
         self.limits.file_bytes.min(self.limits.total_bytes.saturating_sub(self.total))
     }
 
     fn too_large(&self) -> FormatError {
-        let what = if self.limits.total_bytes.saturating_sub(self.total) < self.limits.file_bytes {
+        let problem = if self.limits.total_bytes.saturating_sub(self.total) < self.limits.file_bytes
+        {
             format!("the input's files are larger than {} bytes together", self.limits.total_bytes)
         } else {
             format!("larger than {} bytes", self.limits.file_bytes)
         };
-        FormatError::new(Fault::Limit, "", what)
+        FormatError::new(Fault::Limit, "", problem)
     }
 
     /// Reads to the end, but never more than there is room for: a size in a directory is only a
@@ -175,22 +178,23 @@ impl Assets {
         source: &mut dyn Read,
         expected: u64,
     ) -> Result<Vec<u8>, FormatError> {
-        let room = self.room();
+        let bytes_allowed = self.bytes_allowed();
         let mut bytes = Vec::new();
         // One byte more than expected lets the end be seen without growing.
-        let capacity = usize::try_from(expected.min(room).saturating_add(1)).unwrap_or(usize::MAX);
+        let capacity =
+            usize::try_from(expected.min(bytes_allowed).saturating_add(1)).unwrap_or(usize::MAX);
         if bytes.try_reserve_exact(capacity).is_err() {
             return Err(FormatError::new(Fault::Limit, "", "not enough memory to read it"));
         }
-        source.take(room.saturating_add(1)).read_to_end(&mut bytes).map_err(|e| {
-            match e.kind() {
+        source.take(bytes_allowed.saturating_add(1)).read_to_end(&mut bytes).map_err(
+            |e| match e.kind() {
                 io::ErrorKind::OutOfMemory => {
                     FormatError::new(Fault::Limit, "", "not enough memory to read it")
                 }
                 _ => unreadable(&e),
-            }
-        })?;
-        if bytes.len() as u64 > room {
+            },
+        )?;
+        if bytes.len() as u64 > bytes_allowed {
             return Err(self.too_large());
         }
         self.total += bytes.len() as u64;
@@ -224,24 +228,24 @@ fn is_inside(path: &Path, roots: &[PathBuf]) -> bool {
 
 /// The message does not depend on the system: warnings are written into files, too.
 fn unreadable(error: &io::Error) -> FormatError {
-    let what = match error.kind() {
+    let problem = match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),
         io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
         _ => error.to_string(),
     };
-    FormatError::new(Fault::Unreadable, "", format!("cannot be read: {what}"))
+    FormatError::new(Fault::Unreadable, "", format!("cannot be read: {problem}"))
 }
 
 fn require_regular(metadata: &Metadata) -> Result<(), FormatError> {
     if metadata.is_file() {
         return Ok(());
     }
-    let what = if metadata.is_dir() {
+    let problem = if metadata.is_dir() {
         "is a folder, not a file"
     } else {
         "is a device, pipe or socket, not a file (`-` reads standard input)"
     };
-    Err(FormatError::new(Fault::Unreadable, "", what))
+    Err(FormatError::new(Fault::Unreadable, "", problem))
 }
 
 /// Opens without waiting, should the path have become a FIFO since it was looked at.

@@ -19,24 +19,24 @@ pub enum Fault {
     NotWritten,
 }
 
-/// An error with its file and the place in it. Displays as one line: `FILE: PLACE: WHAT`.
+/// An error with its file and the location in it. Displays as one line: `FILE: LOCATION: PROBLEM`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FormatError {
     /// Whose fault it is.
     pub fault: Fault,
     /// The file, as the user named it (or as the file that refers to it does).
     pub file: String,
-    /// Place in it, for example `line 12` or `accessors[3]`; empty if there is no such place.
-    pub place: String,
-    /// The fault and, if that is known, what to do.
-    pub what: String,
+    /// Where in the file, for example `line 12` or `accessors[3]`; empty if that is not known.
+    pub location: String,
+    /// What is wrong and, if that is known, what to do.
+    pub problem: String,
 }
 
 impl FormatError {
     /// An error without a file yet: [`Self::in_file`] adds it.
     #[must_use]
-    pub fn new(fault: Fault, place: impl Into<String>, what: impl Into<String>) -> Self {
-        Self { fault, file: String::new(), place: place.into(), what: what.into() }
+    pub fn new(fault: Fault, location: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self { fault, file: String::new(), location: location.into(), problem: problem.into() }
     }
 
     /// The same error, naming the file unless it already names one.
@@ -51,13 +51,13 @@ impl FormatError {
 
 impl fmt::Display for FormatError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for part in [&self.file, &self.place] {
+        for part in [&self.file, &self.location] {
             if !part.is_empty() {
                 write!(f, "{}: ", part.escape_debug())?;
             }
         }
         // One line whatever the file had in it.
-        write!(f, "{}", self.what.replace(['\n', '\r'], " "))
+        write!(f, "{}", self.problem.replace(['\n', '\r'], " "))
     }
 }
 

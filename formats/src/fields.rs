@@ -1,8 +1,8 @@
-//! Values one after another, as a manifest has them (docs/FORMAT.md, section 4): `bincode`'s legacy
-//! encoding, fixed-width little-endian integers, lengths and kinds in front.
+//! Binary serialisation of the manifest's records (docs/FORMAT.md, section 4), field after field:
+//! `bincode`'s legacy encoding, that is fixed-width little-endian integers, lengths before lists
+//! and a number before each variant.
 //!
-//! Through its own traits: through `serde`'s the decoder of a browser would be larger by as much as
-//! it has otherwise.
+//! The traits are its own: through `serde` a browser's decoder would be about twice as large.
 
 use bincode::de::{BorrowDecoder, Decoder};
 use bincode::enc::Encoder;

@@ -40,14 +40,14 @@ impl<const CHECK: usize> FileHeader<CHECK> {
 
     /// Checks the header that `bytes` begin with. Returns whether all of it is there.
     pub(crate) fn check(&self, bytes: &[u8]) -> Result<bool, FormatError> {
-        let error = |fault, what: String| Err(FormatError::new(fault, "header", what));
+        let error = |fault, problem: String| Err(FormatError::new(fault, "header", problem));
         let stranger = || error(Fault::Malformed, format!("this is not a {}", self.name));
         let Some(header) = bytes.get(..self.length) else {
             let some = bytes.len().min(MAGIC);
             return if bytes[..some] == self.magic[..some] { Ok(false) } else { stranger() };
         };
-        let (magic, rest) = header.split_at(MAGIC);
-        let (fields, checksum) = rest.split_at(rest.len() - CHECK);
+        let (magic, after_magic) = header.split_at(MAGIC);
+        let (fields, checksum) = after_magic.split_at(after_magic.len() - CHECK);
         // The magic bytes as they should be: a file of this kind is known by the rest, too.
         let is_sound = (self.checksum)(&[&self.magic, fields].concat())[..] == *checksum;
         match (magic == self.magic, is_sound) {
@@ -62,12 +62,12 @@ impl<const CHECK: usize> FileHeader<CHECK> {
             (0, _) => error(Fault::Malformed, "there is no version 0".to_owned()),
             (version, 0) if version == known => Ok(true),
             (version, _) if version == known => {
-                let what = format!("features {required:#x}: {newer}; this one knows none");
-                error(Fault::Unsupported, what)
+                let problem = format!("features {required:#x}: {newer}; this one knows none");
+                error(Fault::Unsupported, problem)
             }
             _ => {
-                let what = format!("version {version}: {newer}; this one reads version {known}");
-                error(Fault::Unsupported, what)
+                let problem = format!("version {version}: {newer}; this one reads version {known}");
+                error(Fault::Unsupported, problem)
             }
         }
     }

@@ -1,4 +1,5 @@
-//! A scene as plain meshes in one space, for formats without nodes.
+//! A scene of nodes as plain meshes in world space, for formats without nodes (OBJ, PLY): each node
+//! that shows a mesh gives a transformed copy of it.
 
 use crate::options::ExportObject;
 use crate::{Fault, FormatError};
@@ -78,11 +79,11 @@ pub(crate) fn placed<'a>(
         let object = objects[placement.object];
         triangles += object.mesh.triangles().len();
         if triangles > MAX_TRIANGLES {
-            let what = format!(
+            let problem = format!(
                 "its instances have more than {MAX_TRIANGLES} triangles together: write a glTF \
                  instead"
             );
-            return Err(FormatError::new(Fault::Limit, "", what));
+            return Err(FormatError::new(Fault::Limit, "", problem));
         }
         let node = placement.node.map(|n| graph.nodes[n as usize].name.clone());
         let name = node.filter(|name| !name.is_empty());

@@ -87,8 +87,8 @@ fn levels_of(
     let stated = stated_in_text(&bytes);
     let levels = vec![read(bytes, path, assets, options)?];
     let missing = || {
-        let what = "states no level: only what extract and chain wrote does";
-        FormatError::new(Fault::Malformed, "line 1", what).in_file(&name)
+        let problem = "states no level: only what extract and chain wrote does";
+        FormatError::new(Fault::Malformed, "line 1", problem).in_file(&name)
     };
     Ok(ShippedLevels {
         stated: stated.ok_or_else(missing)?,
@@ -164,9 +164,9 @@ fn read(
         sniff::Sniffed::Obj => obj::read::import(bytes, assets, options),
         sniff::Sniffed::Ply => ply::read::import(&bytes, assets, options),
         sniff::Sniffed::Stl => stl::import(bytes, assets, options),
-        sniff::Sniffed::Other(what) => {
-            let what = format!("{what} cannot be read: convert it to glTF first");
-            Err(FormatError::new(Fault::Unsupported, "", what))
+        sniff::Sniffed::Other(kind) => {
+            let problem = format!("{kind} cannot be read: convert it to glTF first");
+            Err(FormatError::new(Fault::Unsupported, "", problem))
         }
     };
     scene.map_err(|e| e.in_file(&name))

@@ -1,4 +1,4 @@
-//! What readers and writers are told.
+//! Options of imports and exports.
 
 #[cfg(feature = "import")]
 use crate::Limits;

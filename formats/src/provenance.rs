@@ -1,4 +1,5 @@
-//! Origin of an export, stated in the file itself.
+//! The metadata that an export states about itself (JSON in glTF, a comment line in OBJ and PLY):
+//! source hash, level of detail, error, distances at which it glides.
 
 #[cfg(feature = "export")]
 use crate::GENERATOR;

@@ -1,4 +1,5 @@
-//! Files that were looked for: the content that each was read with, or that it was not there.
+//! The list of files that an import looked for, each with the hash of its content or as absent:
+//! from it a later build sees whether anything has changed.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! A whole asset: its meshes as lodc sees them, and everything else as the file had it.
+//! The imported asset: triangle meshes of every object, and a document with everything else
+//! (materials, nodes, animations) as the file had it.
 
 use crate::RequestedFiles;
 use lodc_mesh::{Mesh, Posture};

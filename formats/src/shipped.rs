@@ -1,4 +1,5 @@
-//! Levels that this program wrote, read back.
+//! Exported levels read back (files of `extract` and `chain`): each as a scene, with the metadata
+//! and the glide targets that the file states.
 
 use crate::Scene;
 use crate::provenance::Provenance;
@@ -22,7 +23,7 @@ pub struct Glide {
     /// The level that moves.
     pub level: usize,
     /// The mesh.
-    pub place: String,
+    pub location: String,
     /// Its primitives.
     pub from: Vec<GlidePart>,
     /// Those of the next level.

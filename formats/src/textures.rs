@@ -1,4 +1,4 @@
-//! Reading every image file that a document names.
+//! Reads every image file that a document names, from the folder of its source.
 
 use crate::images::Textures;
 use crate::obj::mtl;

@@ -1,4 +1,4 @@
-//! Files, and the folders they lie in, do not use each other in circles: Rust, JavaScript and
+//! Source files and their folders do not depend on each other in cycles: Rust, JavaScript and
 //! Python.
 
 use super::{code, is_test, sources_of};
@@ -11,46 +11,46 @@ type Path = Vec<String>;
 /// Pairs of files of which the first uses the second.
 type Uses = BTreeSet<(Path, Path)>;
 
-/// The circles of rooms, each as the uses that make it. A room is a file, or a folder with all that
-/// is in it: a use leads from room to room of the innermost folder that holds both files. What
-/// passes between a module and those inside it stays in one room.
+/// The dependency cycles, each as the uses that make it. A node is a file, or a folder with all
+/// that is in it: a use is an edge between nodes of the innermost folder that holds both files.
+/// Uses between a module and those inside it are within one node.
 fn circles(uses: &Uses) -> BTreeSet<Vec<String>> {
-    let rooms = |(from, to): &(Path, Path)| {
+    let nodes_of_use = |(from, to): &(Path, Path)| {
         let shared = from.iter().zip(to).take_while(|(a, b)| a == b).count();
         let apart = shared < from.len().min(to.len());
         apart.then(|| (from[..=shared].join("/"), to[..=shared].join("/")))
     };
     let mut edges: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for (from, to) in uses.iter().filter_map(rooms) {
+    for (from, to) in uses.iter().filter_map(nodes_of_use) {
         edges.entry(from).or_default().insert(to);
     }
     let reach: BTreeMap<&String, BTreeSet<&String>> =
         edges.keys().map(|from| (from, reachable(&edges, from))).collect();
     let is_round = |a: &String, b: &String| reach[a].contains(b) && reach[b].contains(a);
-    let circle = |room: &String| {
+    let circle = |node: &String| {
         let inside = |used: &&(Path, Path)| {
-            rooms(used).is_some_and(|(a, b)| {
-                reach.contains_key(&b) && is_round(room, &a) && is_round(room, &b)
+            nodes_of_use(used).is_some_and(|(a, b)| {
+                reach.contains_key(&b) && is_round(node, &a) && is_round(node, &b)
             })
         };
-        let told = |(a, b): &(Path, Path)| format!("{} uses {}", a.join("/"), b.join("/"));
-        uses.iter().filter(inside).map(told).collect()
+        let description = |(a, b): &(Path, Path)| format!("{} uses {}", a.join("/"), b.join("/"));
+        uses.iter().filter(inside).map(description).collect()
     };
-    edges.keys().filter(|room| is_round(room, room)).map(circle).collect()
+    edges.keys().filter(|node| is_round(node, node)).map(circle).collect()
 }
 
 fn reachable<'a>(
     edges: &'a BTreeMap<String, BTreeSet<String>>,
     from: &String,
 ) -> BTreeSet<&'a String> {
-    let mut seen = BTreeSet::new();
+    let mut reached = BTreeSet::new();
     let mut open: Vec<&String> = edges[from].iter().collect();
     while let Some(next) = open.pop() {
-        if seen.insert(next) {
+        if reached.insert(next) {
             open.extend(edges.get(next).into_iter().flatten());
         }
     }
-    seen
+    reached
 }
 
 /// The path of a file without its extension.

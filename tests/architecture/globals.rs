@@ -1,4 +1,4 @@
-//! Global state is what the page says there is.
+//! Every static variable is listed in docs/ARCHITECTURE.md with its reason.
 
 use super::{code, is_test, sources};
 use std::collections::BTreeMap;

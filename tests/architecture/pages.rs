@@ -1,5 +1,5 @@
-//! Pages that others refer to are there. Measurements: pages are short, every row has its command,
-//! plots are drawn from the rows.
+//! Pages that others link to exist. Pages of measurements are short, have a command for every row,
+//! and their plots are drawn from their rows.
 
 use super::{read, root};
 use std::fs;

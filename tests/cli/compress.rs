@@ -1,4 +1,5 @@
-//! Compressed geometry is read back as it was, and stays compressed.
+//! `--compress` (meshopt): compressed geometry is decoded to equal bytes by every command, and
+//! outputs stay compressed.
 
 use crate::support::Folder;
 

@@ -1,5 +1,5 @@
-//! Real meshes that nobody here made: the sound ones build, verify and extract; the broken ones end
-//! as promised.
+//! Meshes from other projects: valid ones build, verify and extract; damaged ones end with the
+//! promised error.
 
 use crate::support::{Folder, REFUSED, Run, corpus, manifest};
 use lodc_formats::Limits;

@@ -1,4 +1,5 @@
-//! Errors of levels: they hold, they are asked for, and a file whose errors are wrong is found.
+//! Stated errors of levels: levels chosen by `--max-error` keep it, and `verify` finds a file whose
+//! errors are wrong.
 
 use crate::support::{Folder, grid};
 use std::sync::Arc;

@@ -1,4 +1,5 @@
-//! Image files arrive with the model, its order suits caches, and it says where it comes from.
+//! Image files are embedded or copied with the model, vertices are in an order for caches, and
+//! exports state their source.
 
 use crate::support::{Folder, grid};
 use serde_json::Value;

@@ -1,4 +1,5 @@
-//! An asset with its levels: read from a `.lodc` file, or simplified in memory from a mesh.
+//! The input of commands that need levels: a `.lodc` file read, or a mesh file imported and
+//! simplified in memory.
 
 use crate::commands::build::{importance, object_options};
 use crate::exit::Outcome;
@@ -80,8 +81,8 @@ impl Asset {
     }
 
     /// Returns whether it came from a mesh, which the quadric simplified.
-    pub(crate) fn is_by_quadric(&self, how: &SimplifyArgs) -> bool {
-        self.errors == Errors::OfResult && how.metric.metric == MetricKind::Quadric
+    pub(crate) fn is_by_quadric(&self, simplify_args: &SimplifyArgs) -> bool {
+        self.errors == Errors::OfResult && simplify_args.metric.metric == MetricKind::Quadric
     }
 
     /// The looks of the scene, read unless the metric saw them. Images that cannot be had are left
@@ -145,11 +146,11 @@ impl SimplifyArgs {
 pub(crate) fn read(
     input: &Path,
     import: &ImportArgs,
-    how: &SimplifyArgs,
+    simplify_args: &SimplifyArgs,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let progress = Progress::new(&input.display().to_string());
-    read_showing(&progress, input, import, how, Errors::Curve, stages)
+    read_showing(&progress, input, import, simplify_args, Errors::Curve, stages)
 }
 
 /// Reads an input as [`read`] does, and shows the progress of simplifying on a bar of the caller's.
@@ -160,15 +161,15 @@ pub(crate) fn read_showing(
     progress: &Progress,
     input: &Path,
     import: &ImportArgs,
-    how: &SimplifyArgs,
+    simplify_args: &SimplifyArgs,
     errors: Errors,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let read = stages.run("read", || read_input(input, &import.options()))?;
     if matches!(read, Input::Levels(_)) {
         let name = input.display().to_string();
-        how.importance.refuse(&name)?;
-        how.parts.all().refuse(&name)?;
+        simplify_args.importance.refuse(&name)?;
+        simplify_args.parts.all().refuse(&name)?;
     }
     match read {
         Input::Levels(file) => Ok(Asset {
@@ -182,7 +183,7 @@ pub(crate) fn read_showing(
             paints: None,
         }),
         Input::Scene(scene) => {
-            simplified_showing(progress, (input, import), how, errors, scene, stages)
+            simplified_showing(progress, (input, import), simplify_args, errors, scene, stages)
         }
     }
 }
@@ -194,18 +195,18 @@ pub(crate) fn read_showing(
 pub(crate) fn simplified(
     input: &Path,
     import: &ImportArgs,
-    how: &SimplifyArgs,
+    simplify_args: &SimplifyArgs,
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let progress = Progress::new(&input.display().to_string());
-    simplified_showing(&progress, (input, import), how, Errors::Curve, scene, stages)
+    simplified_showing(&progress, (input, import), simplify_args, Errors::Curve, scene, stages)
 }
 
 fn simplified_showing(
     progress: &Progress,
     (input, import): (&Path, &ImportArgs),
-    how: &SimplifyArgs,
+    simplify_args: &SimplifyArgs,
     errors: Errors,
     scene: Scene,
     stages: &mut Stages,
@@ -213,13 +214,14 @@ fn simplified_showing(
     let size = Size::of_objects(&scene.objects);
     let name = input.display().to_string();
     let limits = import.options().limits;
-    let weights = how.importance.weights();
-    let options = Options { metric: how.metric.metric, weights, ..Options::DEFAULT };
-    let options = object_options(&scene, options, how.parts.all());
+    let weights = simplify_args.importance.weights();
+    let options = Options { metric: simplify_args.metric.metric, weights, ..Options::DEFAULT };
+    let options = object_options(&scene, options, simplify_args.parts.all());
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&name, size, &needs)?;
     let paints = ScenePaints::read(input, &import.options(), &scene, &options)?;
-    let importance = importance(&scene, &options, &how.importance, how.parts.all())?;
+    let importance =
+        importance(&scene, &options, &simplify_args.importance, simplify_args.parts.all())?;
     let Scene { source, document, objects, mut warnings, mut files, compressed, .. } = scene;
     let known = SceneContext {
         paints: paints.shown(),
@@ -231,7 +233,7 @@ fn simplified_showing(
     let mut simplified = simplify_all(objects, &options, known, &watch)?;
     warnings.extend(paints.warnings);
     files.extend(&paints.files);
-    let poses = how.poses.most();
+    let poses = simplify_args.poses.most();
     match errors {
         Errors::OfResult => drop(choose_poses(&mut simplified, &document, &limits, poses)?),
         Errors::Curve => {

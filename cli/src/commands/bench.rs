@@ -283,8 +283,8 @@ fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
         (file.objects, file.document)
     } else {
         let scene = import::import(input, &args.import.options())?;
-        let how = SimplifyArgs::by(args.metric.metric);
-        let asset = asset::simplified(input, &args.import, &how, scene, &mut stages)?;
+        let simplify_args = SimplifyArgs::by(args.metric.metric);
+        let asset = asset::simplified(input, &args.import, &simplify_args, scene, &mut stages)?;
         asset.warnings.iter().for_each(|what| warning(&name, what));
         (asset.objects, asset.document)
     };

@@ -1,4 +1,4 @@
-//! Results of checks as CI systems show them: JUnit files and annotations.
+//! Results of `verify` and `compare` as CI systems read them: JUnit XML files, GitHub annotations.
 
 use crate::console;
 use crate::exit::{Failure, Outcome};

@@ -1,4 +1,4 @@
-//! Work on each of several inputs: its failures are its own, and the others have their turn.
+//! Runs a command on each of several inputs: one that fails is reported, and the others go on.
 
 use crate::batch::{self, Asset, Budget, OptionValues};
 use crate::clock::{self, Turn};

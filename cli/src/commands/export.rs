@@ -1,4 +1,4 @@
-//! Options, and the end of a run, of the commands that write levels as mesh files.
+//! Options and final messages shared by the commands that write mesh files (extract, chain).
 
 use super::asset::SimplifyArgs;
 use super::each;

@@ -1,4 +1,4 @@
-//! Reading a `.lodc` file, as several commands do.
+//! Reads a `.lodc` file and prints its warnings: shared by the commands that take one.
 
 use crate::console;
 use crate::exit::Outcome;

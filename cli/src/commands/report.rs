@@ -1,4 +1,5 @@
-//! `lodc report`: one offline page for people who approve assets.
+//! `lodc report`: an offline HTML page with pictures, distances and checks of an asset, for people
+//! who approve assets.
 
 use super::view::{self, Page, PageArgs, PageInput};
 use crate::exit::{Failure, Outcome, Status};

@@ -1,4 +1,4 @@
-//! The objects of a stream in reports.
+//! JSON of a stream's objects: names, counts and steps received, for `info` and `unpack`.
 
 use lodc_formats::ObjectInfo;
 use lodc_formats::lods::Unpacker;

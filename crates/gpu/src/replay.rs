@@ -26,7 +26,7 @@ pub struct Difference {
     /// The word of the buffer.
     pub word: usize,
     /// The part of the mesh that it belongs to, in words.
-    pub place: String,
+    pub location: String,
     /// The word on the CPU.
     pub expected: u32,
     /// The word on the device.
@@ -35,8 +35,8 @@ pub struct Difference {
 
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { at, buffer, word, place, expected, found } = self;
-        write!(f, "{at}: {place}: word {word} of {buffer} is {found:#010x} on the device ")?;
+        let Self { at, buffer, word, location, expected, found } = self;
+        write!(f, "{at}: {location}: word {word} of {buffer} is {found:#010x} on the device ")?;
         write!(f, "and {expected:#010x} on the CPU")
     }
 }
@@ -66,7 +66,7 @@ pub fn replay(device: &Device, plan: Plan<'_>) -> Result<Replayed, GpuError> {
                 at: step.at,
                 buffer: session.name(buffer),
                 word: at,
-                place: (plan.locate)(buffer, at),
+                location: (plan.locate)(buffer, at),
                 expected: step.checks[check].words[word],
                 found,
             };

@@ -1,4 +1,4 @@
-//! Why something could not be measured.
+//! Errors of measurements.
 
 use lodc_formats::FormatError;
 use std::fmt;

@@ -1,4 +1,4 @@
-//! The place of a graphics device where the feature `gpu` is off.
+//! Stands in for the GPU measurements (`device.rs`) where the feature `gpu` is off.
 
 use crate::error::LabError;
 use crate::primitives::Primitive;

@@ -1,4 +1,4 @@
-//! All measurements of one object.
+//! Runs all measurements of `lodc bench` on one object.
 
 use crate::device::{self, Device};
 use crate::error::LabError;

@@ -1,4 +1,4 @@
-//! Inputs with everything that is measured of them.
+//! Inputs of a benchmark prepared for it: simplified meshes with all models and baselines built.
 
 use crate::error::LabError;
 use lodc::LodObject;

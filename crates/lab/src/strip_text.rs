@@ -1,4 +1,5 @@
-//! Strips as lines of text, for study and comparison, and what it takes to draw them.
+//! Triangle strips as lines of text, and their vertex, primitive and cache figures, for `lodc
+//! strips`.
 
 use lodc_formats::SceneObject;
 use lodc_mesh::Mesh;

@@ -1,4 +1,4 @@
-//! Subjects of measurement: models and baselines, each with a cursor on it, as one list.
+//! The list of what is measured: models and baselines, each with a cursor, behind one interface.
 
 use crate::baseline::Baseline;
 use crate::error::LabError;

@@ -1,5 +1,5 @@
-//! Times of moves, and what they send and draw: linear sweeps over all LODs, down and up
-//! (thesis 3.5.2).
+//! Times, bus traffic and drawn indices of linear sweeps over all LODs, towards the coarse end and
+//! back (thesis 3.5.2).
 
 use crate::baseline::Rebuild;
 use crate::subject::Runner;

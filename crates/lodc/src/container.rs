@@ -1,4 +1,4 @@
-//! `.lodc` files with models that work.
+//! Loads `.lodc` files and decodes the models that they store.
 
 use lodc_formats::lodc::{self, StoredModel};
 use lodc_formats::{FormatError, lodc::Layout};

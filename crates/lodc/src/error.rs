@@ -1,4 +1,4 @@
-//! Errors of the front door, by whose fault they are.
+//! Errors of the crate's public functions, sorted by whose fault they are.
 
 use lodc_formats::FormatError;
 use lodc_select::SelectError;

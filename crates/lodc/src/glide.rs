@@ -1,4 +1,5 @@
-//! Levels of an object that move to the next one.
+//! Where the vertices of each level of a chain move as the next, coarser level takes over: the data
+//! of its morph targets.
 
 use crate::{Error, LodObject, level_mesh::LevelMesh};
 use lodc_mesh::{

@@ -1,4 +1,5 @@
-//! The objects of a file as levels are chosen from them.
+//! Joins the levels of a file's objects into levels of the scene, ordered by world error, to choose
+//! from.
 
 use crate::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_graph};

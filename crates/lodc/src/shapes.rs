@@ -1,4 +1,4 @@
-//! The shapes that stated errors hold in.
+//! The shapes of an object over which its errors are measured: at rest, and in animated poses.
 
 use crate::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};

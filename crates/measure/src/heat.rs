@@ -16,9 +16,9 @@ impl Picture {
     /// shown.
     #[must_use]
     pub fn distances(&self, tree: &TriangleTree) -> Vec<f64> {
-        let distance_of = |(colour, &place): (&[f32; 3], &_)| match colour[0] < 0.0 {
+        let distance_of = |(colour, &point): (&[f32; 3], &_)| match colour[0] < 0.0 {
             true => 0.0,
-            false => tree.distance_squared(place).sqrt(),
+            false => tree.distance_squared(point).sqrt(),
         };
         self.colours.iter().zip(&self.points).map(distance_of).collect()
     }

@@ -11,7 +11,7 @@
 //! 2. Splits come in *batches*, each a pass through a list of all wedge groups with a bit for
 //!    each, whether it is split; or each names its *parent*, if every level is wanted.
 //! 3. A split adds *new triangles*, mostly one on each side of the edge from parent to new vertex,
-//!    coded by the places of their third corners in the parent's link.
+//!    coded by the indices of their third corners in the parent's link.
 //! 4. It *transfers* some triangles of the parent's star to the new vertex, which mostly follows
 //!    from the new triangles.
 //! 5. It gives the new vertex its *values*: those of a vertex nearby, or residuals to a prediction

@@ -71,8 +71,8 @@ fn mean_angle(a: &Mesh, b: &Mesh) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for (t, &corners) in a.triangles().iter().enumerate() {
         for at in [[1.0 / 3.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
-            let place = lodc_nearest::point_at(surface(a).corners(t), at);
-            let near = tree.nearest(place, lodc_mesh::NONE).expect("triangles");
+            let point = lodc_nearest::point_at(surface(a).corners(t), at);
+            let near = tree.nearest(point, lodc_mesh::NONE).expect("triangles");
             let there = b.triangles()[near.triangle as usize];
             let cosine = normal(a, corners, at).dot(normal(b, there, near.barycentric));
             sum += cosine.clamp(-1.0, 1.0).acos().to_degrees();
@@ -152,9 +152,9 @@ fn vertices_at_one_position_stay_at_one_position() {
         let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
         assert_eq!(before.triangles(), after.triangles(), "seed {seed}");
         let ids = PositionIds::new(before.positions());
-        let mut place = vec![None; ids.len()];
+        let mut point = vec![None; ids.len()];
         for (&id, &p) in ids.of_vertex.iter().zip(after.positions()) {
-            assert_eq!(*place[id as usize].get_or_insert(p), p, "seed {seed}");
+            assert_eq!(*point[id as usize].get_or_insert(p), p, "seed {seed}");
         }
     }
 }

@@ -116,11 +116,12 @@ mod tests {
     #[test]
     fn what_is_stretched_is_as_large_as_the_mesh_along_its_longest_stretch() {
         let (mesh, scene) = shown([4.0, 2.0, 2.0]);
-        let extent = |places: &[[f32; 3]], axis: usize| {
-            let along = places.iter().map(|p| p[axis]);
+        let extent = |positions: &[[f32; 3]], axis: usize| {
+            let along = positions.iter().map(|p| p[axis]);
             along.clone().fold(f32::MIN, f32::max) - along.fold(f32::MAX, f32::min)
         };
-        let length = |places: &[[f32; 3]]| (0..3).map(|k| extent(places, k).powi(2)).sum::<f32>();
+        let length =
+            |positions: &[[f32; 3]]| (0..3).map(|k| extent(positions, k).powi(2)).sum::<f32>();
         let shape = shape_in_scene(&mesh, 0, &scene);
         assert!((extent(&shape, 0) - extent(mesh.positions(), 0)).abs() < 1e-4);
         assert!(length(&shape) < length(mesh.positions()));

@@ -30,8 +30,8 @@ pub(crate) fn output(
     for e in &mut sequence.step_errors {
         *e = (f64::from(*e) / input.scale).min(f64::from(f32::MAX)) as f32;
     }
-    let place = |w: u32| sources.of(w).0;
-    let look = |w: u32| sources.of(w).1;
+    let position_of = |w: u32| sources.of(w).0;
+    let attributes_of = |w: u32| sources.of(w).1;
     // A fake's place may belong to a submesh without some stream; then its own attributes' vertex
     // has to do.
     let users = mesh.users_of_streams();
@@ -40,12 +40,17 @@ pub(crate) fn output(
         .iter()
         .zip(0u32..)
         .map(|(a, i)| {
-            let mut by_place = vec![false; mesh.submeshes().len()];
+            let mut uses_position_vertex = vec![false; mesh.submeshes().len()];
             if a.is_spatial() {
-                users.row(i).iter().for_each(|&s| by_place[s as usize] = true);
+                users.row(i).iter().for_each(|&s| uses_position_vertex[s as usize] = true);
             }
-            let has = |vertex: u32| by_place[mesh.vertex_submesh()[vertex as usize] as usize];
-            a.gathered(wedges.iter().map(|&w| if has(place(w)) { place(w) } else { look(w) }))
+            let has =
+                |vertex: u32| uses_position_vertex[mesh.vertex_submesh()[vertex as usize] as usize];
+            a.gathered(
+                wedges
+                    .iter()
+                    .map(|&w| if has(position_of(w)) { position_of(w) } else { attributes_of(w) }),
+            )
         })
         .collect();
     let triangles = last_to_die_first(mesh, &death)
@@ -56,10 +61,10 @@ pub(crate) fn output(
         })
         .collect();
     let mesh = Mesh::try_from(MeshParts {
-        positions: wedges.par_iter().map(|&w| mesh.positions()[place(w) as usize]).collect(),
+        positions: wedges.par_iter().map(|&w| mesh.positions()[position_of(w) as usize]).collect(),
         vertex_submesh: wedges
             .par_iter()
-            .map(|&w| mesh.vertex_submesh()[look(w) as usize])
+            .map(|&w| mesh.vertex_submesh()[attributes_of(w) as usize])
             .collect(),
         attributes,
         triangles,

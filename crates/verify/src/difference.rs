@@ -83,8 +83,8 @@ pub enum Failure {
         surplus: i64,
     },
     /// A vertex that no triangle of LOD 0 uses was not made by a collapse as it should be: no
-    /// record leads to it, or the first that does has no true edge whose target has the same place,
-    /// joints and weights.
+    /// record leads to it, or the first that does has no true edge whose target has the same
+    /// position, joints and weights.
     Fake {
         /// The vertex.
         vertex: u32,

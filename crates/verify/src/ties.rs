@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn tied_vertices_may_move_together_but_not_apart() {
-        // 0 and 1 are at one place, 2 and 3 at another, 4 and 5 at a third.
+        // 0 and 1 are at one position, 2 and 3 at another, 4 and 5 at a third.
         let positions = at(&[0, 0, 1, 1, 2, 2]);
         for (targets, same_position) in [([2, 3, 4, 5, 5], true), ([2, 4, 4, 5, 5], false)] {
             let mut ties = Ties::new(&targets, 0, &positions);

@@ -1,5 +1,6 @@
-//! Faces to submeshes: triangulated, one vertex for each different corner, one submesh for each
-//! material.
+//! From indexed polygons (OBJ, PLY, STL) to submeshes: polygons are triangulated, corners with
+//! equal position, texture coordinates and normal become one vertex, and each material gets a
+//! submesh.
 
 use super::triangulate::{Triangulator, newell};
 use super::unique::{Unique, first_equal};

@@ -1,4 +1,5 @@
-//! Numbering different keys in order of first appearance.
+//! A hash table that numbers distinct keys in order of first appearance: how corners with equal
+//! indices become one vertex.
 
 /// An open-addressing table over keys that are kept elsewhere. Its hash is seeded from the file's
 /// content, so that no file can be made to collide; the numbering does not depend on it.

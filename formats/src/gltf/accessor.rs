@@ -43,8 +43,8 @@ const COMPONENTS: [(ComponentType, Component); 6] = [
 impl Shape {
     /// The shape of this many components and its type; none if glTF has no such type.
     pub(crate) fn of_components(count: usize) -> Option<(Self, &'static str)> {
-        let found = SHAPES.iter().find(|(_, _, shape)| shape.components() == count);
-        found.map(|&(_, name, shape)| (shape, name))
+        let entry = SHAPES.iter().find(|(_, _, shape)| shape.components() == count);
+        entry.map(|&(_, name, shape)| (shape, name))
     }
     /// The shape of a type by its name.
     pub(crate) fn named(name: &str) -> Option<Self> {
@@ -68,14 +68,14 @@ fn component(of: ComponentType) -> Component {
 
 /// The component type of a number in glTF.
 pub(super) fn numbered_component(number: u64) -> Option<Component> {
-    let found = COMPONENTS.iter().find(|(of, _)| u64::from(of.as_gl_enum()) == number);
-    found.map(|&(_, component)| component)
+    let entry = COMPONENTS.iter().find(|(of, _)| u64::from(of.as_gl_enum()) == number);
+    entry.map(|&(_, component)| component)
 }
 
 /// The number of a component type in glTF.
 pub(crate) fn component_number(component: Component) -> u32 {
-    let found = COMPONENTS.iter().find(|(_, other)| *other == component);
-    found.expect("the table has all").0.as_gl_enum()
+    let entry = COMPONENTS.iter().find(|(_, other)| *other == component);
+    entry.expect("the table has all").0.as_gl_enum()
 }
 
 /// Description of an accessor, known to fit its buffer views.
@@ -85,7 +85,7 @@ pub(super) struct Accessor {
     pub(super) component: Component,
     pub(super) normalized: bool,
     pub(super) count: usize,
-    place: String,
+    location: String,
     /// Its view, the first byte in it, and the distance of elements; none means zeros.
     data: Option<(usize, usize, usize)>,
     sparse: Option<Sparse>,
@@ -107,11 +107,15 @@ impl Accessor {
 
     /// Reads and checks the description, no data. `None` for a type or component type that glTF
     /// does not know: such an accessor can be kept, but not read.
-    fn new(object: &Object, place: String, views: &Views<'_>) -> Result<Option<Self>, FormatError> {
-        let stated: json::Accessor = typed::entry(object, &place)?;
+    fn new(
+        object: &Object,
+        location: String,
+        views: &Views<'_>,
+    ) -> Result<Option<Self>, FormatError> {
+        let stated: json::Accessor = typed::entry(object, &location)?;
         let count = stated.count.0;
         if count == 0 {
-            return Err(malformed(place, "count must be at least 1"));
+            return Err(malformed(location, "count must be at least 1"));
         }
         let (Checked::Valid(shape), Checked::Valid(number)) = (stated.type_, stated.component_type)
         else {
@@ -122,11 +126,11 @@ impl Accessor {
         // A vertex number is 32 bits wide and its largest value is reserved.
         let count = usize::try_from(count).ok().filter(|&c| c < u32::MAX as usize);
         let count =
-            count.ok_or_else(|| malformed(&*place, "count is larger than any index can be"))?;
+            count.ok_or_else(|| malformed(&*location, "count is larger than any index can be"))?;
         let offset = stated.byte_offset.map(|offset| offset.0);
         let view = stated.buffer_view.map(|view| view.value());
         if offset.is_some() && view.is_none() {
-            return Err(malformed(place, "byteOffset without bufferView"));
+            return Err(malformed(location, "byteOffset without bufferView"));
         }
         let size = shape.columns * shape.column_stride(component);
         let last = size - (shape.column_stride(component) - shape.rows * component.size());
@@ -136,20 +140,21 @@ impl Accessor {
                 let stride = views.stride(view).unwrap_or(size);
                 if stride < size {
                     return Err(malformed(
-                        place,
+                        location,
                         format!("byteStride {stride} is less than an element of {size} bytes"),
                     ));
                 }
                 let offset = offset.unwrap_or(0);
                 fits(offset, stride, count, last, views.len(view))
-                    .map_err(|what| malformed(&*place, what))?;
+                    .map_err(|problem| malformed(&*location, problem))?;
                 Some((view, offset as usize, stride))
             }
         };
         let sparse = stated.sparse.as_ref();
-        let sparse = sparse.map(|s| Sparse::new(s, &format!("{place}.sparse"), count, size, views));
+        let sparse =
+            sparse.map(|s| Sparse::new(s, &format!("{location}.sparse"), count, size, views));
         let (sparse, normalized) = (sparse.transpose()?, stated.normalized);
-        Ok(Some(Self { shape, component, normalized, count, place, data, sparse }))
+        Ok(Some(Self { shape, component, normalized, count, location, data, sparse }))
     }
 
     /// Its elements.
@@ -170,7 +175,7 @@ impl Accessor {
             values: &[],
         };
         if let Some(sparse) = &self.sparse {
-            reader.replaced = sparse.read_indices(views, self.count, &self.place)?;
+            reader.replaced = sparse.read_indices(views, self.count, &self.location)?;
             let (view, offset) = sparse.values;
             reader.values = &views.bytes(view)?[offset..];
         }
@@ -181,7 +186,7 @@ impl Accessor {
 impl Sparse {
     fn new(
         stated: &sparse::Sparse,
-        place: &str,
+        location: &str,
         accessor_count: usize,
         size: usize,
         views: &Views<'_>,
@@ -189,23 +194,23 @@ impl Sparse {
         let count = stated.count.0;
         if count == 0 || count > accessor_count as u64 {
             return Err(malformed(
-                place,
+                location,
                 format!("count {count} is not between 1 and the accessor's {accessor_count}"),
             ));
         }
         let located = |view: json::Index<View>, offset: USize64, size: usize| {
             let (view, offset) = (view.value(), offset.0);
             if views.stride(view).is_some() {
-                return Err(malformed(place, "sparse data must not have a byteStride"));
+                return Err(malformed(location, "sparse data must not have a byteStride"));
             }
             fits(offset, size, count as usize, size, views.len(view))
-                .map_err(|what| malformed(place, what))?;
+                .map_err(|problem| malformed(location, problem))?;
             Ok((view, offset as usize))
         };
         let (indices, values) = (&stated.indices, &stated.values);
         let Checked::Valid(IndexComponentType(index)) = indices.component_type else {
-            let place = format!("{place}.indices");
-            return Err(malformed(place, "componentType is not an unsigned integer"));
+            let location = format!("{location}.indices");
+            return Err(malformed(location, "componentType is not an unsigned integer"));
         };
         let index = component(index);
         let (view, offset) = located(indices.buffer_view, indices.byte_offset, index.size())?;
@@ -220,16 +225,16 @@ impl Sparse {
         &self,
         views: &Views<'_>,
         count: usize,
-        place: &str,
+        location: &str,
     ) -> Result<Vec<u32>, FormatError> {
         let (view, offset, component) = self.indices;
-        views.budget.charge(self.count as u64, 4, place)?;
+        views.budget.charge(self.count as u64, 4, location)?;
         let bytes = &views.bytes(view)?[offset..][..self.count * component.size()];
         let indices: Vec<u32> = bytes.chunks_exact(component.size()).map(unsigned).collect();
         let rising = indices.windows(2).all(|w| w[0] < w[1]);
         if !rising || indices.last().is_some_and(|&i| i as usize >= count) {
             return Err(malformed(
-                format!("{place}.sparse.indices"),
+                format!("{location}.sparse.indices"),
                 "must rise and stay below the accessor's count",
             ));
         }

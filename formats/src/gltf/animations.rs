@@ -1,4 +1,4 @@
-//! The animations of a document.
+//! The animations of a glTF document as keyframes: channels, samplers, times and values, checked.
 
 use super::document::Stored;
 use super::graph::scene_graph;
@@ -29,12 +29,12 @@ pub fn animation(
     number: usize,
     limits: &Limits,
 ) -> Result<Animation, FormatError> {
-    let place = format!("animations[{number}]");
-    let Document::Gltf(gltf) = document else { return Err(malformed(place, "is not there")) };
+    let location = format!("animations[{number}]");
+    let Document::Gltf(gltf) = document else { return Err(malformed(location, "is not there")) };
     Stored::read(gltf, limits, |stored, root| {
-        let missing = || malformed(&*place, "is not there");
+        let missing = || malformed(&*location, "is not there");
         let animation = root.entries("animations").nth(number).ok_or_else(missing)?;
-        one(stored, animation, &place)
+        one(stored, animation, &location)
     })
 }
 
@@ -65,15 +65,15 @@ pub fn scene_motion(
     Ok(Motion::new(graph, animations(document, limits)?, objects.len()))
 }
 
-fn one(stored: &Stored<'_>, animation: &Object, place: &str) -> Result<Animation, FormatError> {
+fn one(stored: &Stored<'_>, animation: &Object, location: &str) -> Result<Animation, FormatError> {
     let samplers: Vec<&Object> = animation.entries("samplers").collect();
     let mut channels = Vec::new();
     for (i, source) in animation.entries("channels").enumerate() {
         let sampler = source["sampler"].as_index().and_then(|s| samplers.get(s));
         let target = source["target"].as_object();
         let (Some(sampler), Some(target)) = (sampler, target) else { continue };
-        let place = format!("{place}.channels[{i}]");
-        channels.extend(channel(stored, sampler, target, &place)?);
+        let location = format!("{location}.channels[{i}]");
+        channels.extend(channel(stored, sampler, target, &location)?);
     }
     Ok(Animation { name: name(animation), channels })
 }
@@ -83,7 +83,7 @@ fn channel(
     stored: &Stored<'_>,
     sampler: &Object,
     target: &Object,
-    place: &str,
+    location: &str,
 ) -> Result<Option<Channel>, FormatError> {
     let property = match target["path"].as_str() {
         Some("translation") => Property::Translation,
@@ -100,13 +100,13 @@ fn channel(
     };
     let numbers = |key: &str| match sampler[key].as_index() {
         Some(accessor) => stored.numbers(accessor),
-        None => Err(malformed(place, format!("its sampler has no {key}"))),
+        None => Err(malformed(location, format!("its sampler has no {key}"))),
     };
     let ((times, _), (values, components)) = (numbers("input")?, numbers("output")?);
     let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
     if !rising || times.iter().chain(&values).any(|v| !v.is_finite()) {
         return Err(malformed(
-            place,
+            location,
             "its times do not rise, or it has numbers that are not finite",
         ));
     }
@@ -121,8 +121,8 @@ fn channel(
         None => components == 1 && keys > 0 && values.len().is_multiple_of(keys),
     };
     if !fits {
-        let what = format!("has {} values for {} keys", values.len(), times.len());
-        return Err(malformed(place, what));
+        let problem = format!("has {} values for {} keys", values.len(), times.len());
+        return Err(malformed(location, problem));
     }
     Ok(Some(Channel { node: node as u32, property, interpolation, times, values }))
 }

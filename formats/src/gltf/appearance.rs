@@ -1,5 +1,5 @@
-//! The looks of a stored document: base colours of materials (glTF 2.0, 3.9), of the older
-//! specular-glossiness ones, and their textures.
+//! Base colours and textures of a stored glTF's materials: metallic-roughness (glTF 2.0, 3.9) and
+//! the older KHR_materials_pbrSpecularGlossiness.
 
 use super::document::Stored;
 use super::json::{Json, Object};
@@ -88,14 +88,14 @@ impl Reader<'_> {
         let (colour, texture) = base(source);
         let cut_off = source["alphaCutoff"].as_f64().unwrap_or(0.5) as f32;
         let mut colour = colour.numbers([1.0; 4]).map(|v| (v as f32).clamp(0.0, 1.0));
-        let found = self.texture(texture)?;
-        if found.is_none() && texture.is_object() {
+        let image = self.texture(texture)?;
+        if image.is_none() && texture.is_object() {
             // White stands for the texture that could not be had; grey shows the shape.
             colour[..3].iter_mut().for_each(|c| *c *= 0.6);
         }
         Ok(Material {
             colour,
-            texture: found,
+            texture: image,
             coordinates: shown(source),
             double_sided: source["doubleSided"].as_bool().unwrap_or(false),
             alpha: match source["alphaMode"].as_str() {
@@ -136,16 +136,16 @@ impl Reader<'_> {
             });
         };
         let source = &self.root["images"][image];
-        let place = format!("images[{image}]");
-        let name = source["name"].as_str().unwrap_or(&place);
+        let location = format!("images[{image}]");
+        let name = source["name"].as_str().unwrap_or(&location);
         let Self { pictures, assets, view, .. } = self;
-        pictures.get(&place, name, || {
+        pictures.get(&location, name, || {
             match (source["uri"].as_str(), source["bufferView"].as_index()) {
-                (Some(uri), _) => uri::read(uri, &place, assets),
+                (Some(uri), _) => uri::read(uri, &location, assets),
                 (None, Some(index)) => view(index),
                 (None, None) => Err(FormatError::new(
                     Fault::Malformed,
-                    place.clone(),
+                    location.clone(),
                     "has neither uri nor bufferView",
                 )),
             }

@@ -1,4 +1,5 @@
-//! The order in which the bytes of a glTF's buffer are wanted, and the document of those that came.
+//! The order in which a stream sends the bytes of a glTF's binary buffer: matrices of skins first,
+//! then images in the order in which objects use them, animations last.
 
 use super::extensions;
 use super::json::{Json, Object, parse};
@@ -47,23 +48,23 @@ pub(crate) fn buffer_runs<'a>(
     if schema::check(&mut root).is_err() || has_unknown_references(&root) {
         return Vec::new();
     }
-    let wanted = wanted(&mut root, objects);
+    let priorities = priorities(&mut root, objects);
     let end = document.blob.len() as u64;
     let mut views: Vec<(Range<u64>, Priority)> = root
         .entries("bufferViews")
-        .zip(wanted)
-        .filter_map(|(view, wanted)| Some((view_bytes(view)?, wanted)))
+        .zip(priorities)
+        .filter_map(|(view, priority)| Some((view_bytes(view)?, priority)))
         .filter(|(bytes, _)| !bytes.is_empty() && bytes.end <= end)
         .collect();
     views.sort_by_key(|(bytes, _)| bytes.start);
     let mut runs: Vec<(Range<u64>, Priority)> = Vec::new();
-    for (bytes, wanted) in views {
+    for (bytes, priority) in views {
         match runs.last_mut() {
-            Some((last, by)) if bytes.start < last.end => {
+            Some((last, run_priority)) if bytes.start < last.end => {
                 last.end = last.end.max(bytes.end);
-                *by = (*by).min(wanted);
+                *run_priority = (*run_priority).min(priority);
             }
-            _ => runs.push((bytes, wanted)),
+            _ => runs.push((bytes, priority)),
         }
     }
     // Padding goes with what is before it.
@@ -74,7 +75,7 @@ pub(crate) fn buffer_runs<'a>(
             bytes.end = next;
         }
     }
-    runs.sort_by_key(|&(_, wanted)| wanted);
+    runs.sort_by_key(|&(_, priority)| priority);
     runs.into_iter().map(|(bytes, (purpose, _))| BufferRun { bytes, purpose }).collect()
 }
 
@@ -94,22 +95,31 @@ pub(super) fn view_bytes(view: &Object) -> Option<Range<u64>> {
 type Priority = (Purpose, usize);
 
 /// Returns what each view is wanted for first.
-fn wanted<'a>(root: &mut Object, objects: impl Iterator<Item = &'a ObjectInfo>) -> Vec<Priority> {
-    let mut moving = vec![false; Pool::Accessors.len(root)];
-    let mut standing = moving.clone();
-    references(root, Pool::Accessors, &mut |accessor, place| {
-        let of = if place.starts_with("animations") { &mut moving } else { &mut standing };
+fn priorities<'a>(
+    root: &mut Object,
+    objects: impl Iterator<Item = &'a ObjectInfo>,
+) -> Vec<Priority> {
+    let mut used_by_animation = vec![false; Pool::Accessors.len(root)];
+    let mut used_elsewhere = used_by_animation.clone();
+    references(root, Pool::Accessors, &mut |accessor, location| {
+        let of = if location.starts_with("animations") {
+            &mut used_by_animation
+        } else {
+            &mut used_elsewhere
+        };
         if let Some(mark) = accessor.as_index().and_then(|i| of.get_mut(i)) {
             *mark = true;
         }
     });
     let mut views: Vec<Option<Priority>> = vec![None; Pool::BufferViews.len(root)];
-    let mut mark = |view: &Json, wanted: Priority| {
+    let mut mark = |view: &Json, priority: Priority| {
         if let Some(first) = view.as_index().and_then(|i| views.get_mut(i)) {
-            *first = Some(first.map_or(wanted, |first| first.min(wanted)));
+            *first = Some(first.map_or(priority, |first| first.min(priority)));
         }
     };
-    for (accessor, used) in root.entries("accessors").zip(standing.into_iter().zip(moving)) {
+    for (accessor, used) in
+        root.entries("accessors").zip(used_elsewhere.into_iter().zip(used_by_animation))
+    {
         let purpose = match used {
             (true, _) => Purpose::Placement,
             (false, true) => Purpose::Animation,
@@ -120,8 +130,8 @@ fn wanted<'a>(root: &mut Object, objects: impl Iterator<Item = &'a ObjectInfo>) 
             mark(view, (purpose, 0));
         }
     }
-    for (image, wanted) in root.entries("images").zip(images(root, objects)) {
-        mark(&image["bufferView"], wanted);
+    for (image, priority) in root.entries("images").zip(images(root, objects)) {
+        mark(&image["bufferView"], priority);
     }
     views.into_iter().map(|first| first.unwrap_or((Purpose::Texture, usize::MAX))).collect()
 }
@@ -154,8 +164,8 @@ fn images<'a>(root: &Object, objects: impl Iterator<Item = &'a ObjectInfo>) -> V
             let extensions = texture["extensions"].as_object();
             let sources = extensions.into_iter().flat_map(|e| e.values()).map(|e| &e["source"]);
             for source in sources.chain([&texture["source"]]).filter_map(Json::as_index) {
-                if let Some(before) = images.get_mut(source) {
-                    *before = (*before).min((purpose, rank));
+                if let Some(image_priority) = images.get_mut(source) {
+                    *image_priority = (*image_priority).min((purpose, rank));
                 }
                 rank += 1;
             }
@@ -213,8 +223,8 @@ impl PartialBuffer {
 
     /// Returns where bytes of the buffer are among those that have come; none if they are missing.
     pub(super) fn find(&self, bytes: &Range<u64>) -> Option<u64> {
-        let after = self.runs.partition_point(|(run, _)| run.start <= bytes.start);
-        let (run, at) = self.runs.get(after.checked_sub(1)?)?;
+        let index = self.runs.partition_point(|(run, _)| run.start <= bytes.start);
+        let (run, at) = self.runs.get(index.checked_sub(1)?)?;
         (bytes.end <= run.end).then(|| at + bytes.start - run.start)
     }
 

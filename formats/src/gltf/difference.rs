@@ -1,5 +1,5 @@
-//! What of a document is no triangle has to come out as it went in: a document and that of a level
-//! of it, compared.
+//! Compares the document of an exported level with that of its source: everything but triangles has
+//! to be equal. Returns the first difference as a JSON path.
 
 use super::extensions::{MESHOPT, QUANTIZATION, forget_extra, uses};
 use super::json::{self, Json, Object};
@@ -26,16 +26,16 @@ pub(crate) fn difference(
     if let Some(name) = lost {
         return Ok(Some(format!("extensionsUsed: {name} is gone")));
     }
-    let kept = CommonParts {
+    let common = CommonParts {
         nodes: Pool::Nodes.len(&source),
         all_meshes: Pool::Meshes.len(&source) == Pool::Meshes.len(&level),
         grids: !uses(&level, QUANTIZATION) || uses(&source, QUANTIZATION),
     };
     for root in [&mut source, &mut level] {
         schema::check(root)?;
-        kept.strip(root);
+        common.strip(root);
     }
-    if kept.all_meshes {
+    if common.all_meshes {
         leave_out_gone_primitives(&mut source, &level);
     }
     Ok(first_difference(&Json::Object(source), &Json::Object(level), &mut String::new()))
@@ -94,9 +94,9 @@ impl CommonParts {
         }
         for node in root.objects_mut("nodes") {
             if let Some(Json::Array(children)) = node.get_mut("children") {
-                let before = children.len();
+                let length_before = children.len();
                 children.retain(|child| child.as_index().is_none_or(|c| c < self.nodes));
-                if children.is_empty() && before > 0 {
+                if children.is_empty() && length_before > 0 {
                     node.shift_remove("children");
                 }
             }
@@ -126,9 +126,9 @@ fn leave_out_gone_primitives(source: &mut Object, level: &Object) {
     let levels = level.entries("meshes");
     for (mesh, level) in source.objects_mut("meshes").zip(levels) {
         let Some(Json::Array(primitives)) = mesh.get_mut("primitives") else { continue };
-        let mut left = level.list("primitives").iter().peekable();
-        if primitives.len() > left.len() {
-            primitives.retain(|primitive| left.next_if_eq(&primitive).is_some());
+        let mut level_primitives = level.list("primitives").iter().peekable();
+        if primitives.len() > level_primitives.len() {
+            primitives.retain(|primitive| level_primitives.next_if_eq(&primitive).is_some());
         }
     }
 }
@@ -146,40 +146,40 @@ fn forget_transforms(value: &mut Json) {
 }
 
 // The depth of a document is bounded, so recursion is.
-fn first_difference(source: &Json, level: &Json, place: &mut String) -> Option<String> {
-    let before = place.len();
-    let found = match (source, level) {
+fn first_difference(source: &Json, level: &Json, location: &mut String) -> Option<String> {
+    let length_before = location.len();
+    let difference = match (source, level) {
         (Json::Object(a), Json::Object(b)) => {
             let sorted = |all: &Object| -> BTreeMap<String, Json> {
                 all.iter().map(|(key, value)| (key.clone(), value.clone())).collect()
             };
             let (a, b) = (sorted(a), sorted(b));
             a.keys().chain(b.keys()).find_map(|key| {
-                place.push_str(if before == 0 { "" } else { "." });
-                place.push_str(key);
-                let found = match (a.get(key), b.get(key)) {
-                    (Some(a), Some(b)) => first_difference(a, b, place),
-                    (Some(_), None) => Some(format!("{place}: is gone")),
-                    _ => Some(format!("{place}: is new")),
+                location.push_str(if length_before == 0 { "" } else { "." });
+                location.push_str(key);
+                let difference = match (a.get(key), b.get(key)) {
+                    (Some(a), Some(b)) => first_difference(a, b, location),
+                    (Some(_), None) => Some(format!("{location}: is gone")),
+                    _ => Some(format!("{location}: is new")),
                 };
-                place.truncate(before);
-                found
+                location.truncate(length_before);
+                difference
             })
         }
         (Json::Array(a), Json::Array(b)) if a.len() == b.len() => {
             a.iter().zip(b).enumerate().find_map(|(i, (a, b))| {
-                place.push_str(&format!("[{i}]"));
-                let found = first_difference(a, b, place);
-                place.truncate(before);
-                found
+                location.push_str(&format!("[{i}]"));
+                let difference = first_difference(a, b, location);
+                location.truncate(length_before);
+                difference
             })
         }
         // However they are spelt: readers take numbers as singles.
         (Json::Number(_), Json::Number(_)) if single(source) == single(level) => None,
-        _ => (source != level).then(|| format!("{place}: is {level}, in the source {source}")),
+        _ => (source != level).then(|| format!("{location}: is {level}, in the source {source}")),
     };
-    place.truncate(before);
-    found
+    location.truncate(length_before);
+    difference
 }
 
 fn single(number: &Json) -> Option<f32> {

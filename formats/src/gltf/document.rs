@@ -1,5 +1,6 @@
-//! Accessors and buffer views that are left in a stored document, checked again: it may come from
-//! anyone's file.
+//! Reads accessors and buffer views of the glTF document that a `.lodc` or `.lods` file stores: all
+//! that an import left after taking the triangles out. It is checked again, because the file may be
+//! crafted.
 
 use super::accessor::Accessor;
 use super::budget::Budget;
@@ -64,11 +65,11 @@ pub(super) fn numbers(
     views: &Views<'_>,
     accessor: usize,
 ) -> Result<(Vec<f64>, usize), FormatError> {
-    let place = format!("accessors[{accessor}]");
-    let missing = || malformed(&*place, "cannot be read");
+    let location = format!("accessors[{accessor}]");
+    let missing = || malformed(&*location, "cannot be read");
     let accessor = accessors.get(accessor).and_then(Option::as_ref).ok_or_else(missing)?;
     let components = accessor.shape.components();
-    views.budget.charge(accessor.count as u64, 12 * components as u64, &place)?;
+    views.budget.charge(accessor.count as u64, 12 * components as u64, &location)?;
     let reader = accessor.reader(views)?;
     let mut bytes = Vec::new();
     (0..accessor.count as u32).for_each(|i| reader.append(i, &mut bytes));

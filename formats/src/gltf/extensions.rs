@@ -75,8 +75,9 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
         return Err(malformed("asset.version", format!("`{version}` is not a version")));
     };
     let minimum = asset["minVersion"].as_str().map(numbers);
-    let unsupported =
-        |place: &str, what: String| Err(FormatError::new(Fault::Unsupported, place, what));
+    let unsupported = |location: &str, problem: String| {
+        Err(FormatError::new(Fault::Unsupported, location, problem))
+    };
     match minimum {
         _ if major != 2 => {
             return unsupported("asset.version", format!("glTF {major}.{minor}, only 2.0 is read"));

@@ -1,12 +1,12 @@
-//! Accessors of plain floats in the first buffer of a document, for writers, which know the rest of
-//! it to be sound and take or change their bytes.
+//! Finds the bytes of float accessors in buffer 0 of a document that has been checked, so that
+//! writers can change or compress them where they lie.
 
 use super::accessor::{Shape, component_number};
 use super::json::{Json, Object};
 use lodc_mesh::Component;
 use std::ops::Range;
 
-/// The places of an accessor's elements in the document's bytes.
+/// The byte ranges of an accessor's elements in the document's bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Floats {
     first: usize,
@@ -36,9 +36,9 @@ impl Floats {
     }
 
     /// The bytes of each element.
-    pub(super) fn places(self) -> impl Iterator<Item = Range<usize>> {
-        let place = move |i: usize| self.first + i * self.stride;
-        (0..self.count).map(move |i| place(i)..place(i) + self.size)
+    pub(super) fn byte_ranges(self) -> impl Iterator<Item = Range<usize>> {
+        let offset = move |i: usize| self.first + i * self.stride;
+        (0..self.count).map(move |i| offset(i)..offset(i) + self.size)
     }
 }
 

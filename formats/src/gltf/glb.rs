@@ -40,8 +40,8 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
     }
     let length = length as usize;
     if length < 12 || length > bytes.len() {
-        let what = format!("the header says {length} bytes, the file has {}", bytes.len());
-        return Err(malformed("header", what));
+        let problem = format!("the header says {length} bytes, the file has {}", bytes.len());
+        return Err(malformed("header", problem));
     }
     let mut warnings = Vec::new();
     if length < bytes.len() {
@@ -50,20 +50,23 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
     let (mut json, mut bin): (Option<Range<usize>>, Option<Range<usize>>) = (None, None);
     let (mut at, mut number, mut ignored) = (12, 0usize, 0usize);
     while at < length {
-        let place = || format!("chunk {number}");
+        let location = || format!("chunk {number}");
         let (Some(size), Some(kind), true) = (word(at), word(at + 4), at + 8 <= length) else {
-            return Err(malformed(place(), "the file ends inside the chunk's header"));
+            return Err(malformed(location(), "the file ends inside the chunk's header"));
         };
         let start = at + 8;
         let end = start.checked_add(size as usize).filter(|&end| end <= length);
         let end = end.ok_or_else(|| {
-            malformed(place(), format!("says {size} bytes, but only {} are left", length - start))
+            malformed(
+                location(),
+                format!("says {size} bytes, but only {} are left", length - start),
+            )
         })?;
         match kind {
-            JSON if json.is_some() => return Err(malformed(place(), "a second JSON chunk")),
+            JSON if json.is_some() => return Err(malformed(location(), "a second JSON chunk")),
             JSON if number == 0 => json = Some(start..end),
-            _ if number == 0 => return Err(malformed(place(), "the first chunk is not JSON")),
-            BIN if bin.is_some() => return Err(malformed(place(), "a second binary chunk")),
+            _ if number == 0 => return Err(malformed(location(), "the first chunk is not JSON")),
+            BIN if bin.is_some() => return Err(malformed(location(), "a second binary chunk")),
             BIN => bin = Some(start..end),
             _ => ignored += 1,
         }
@@ -84,8 +87,8 @@ pub(super) fn joined(mut text: Vec<u8>, blob: &[u8]) -> Result<Vec<u8>, FormatEr
     let chunk = if blob.is_empty() { 0 } else { 8 + padded };
     let length = 12 + 8 + text.len() + chunk;
     let word = |n: usize| {
-        let what = "larger than the 4 GiB of a GLB: write .gltf instead";
-        u32::try_from(n).map_err(|_| FormatError::new(Fault::Limit, "", what))
+        let problem = "larger than the 4 GiB of a GLB: write .gltf instead";
+        u32::try_from(n).map_err(|_| FormatError::new(Fault::Limit, "", problem))
     };
     let mut bytes = Vec::with_capacity(length);
     bytes.extend(MAGIC);
@@ -144,7 +147,7 @@ mod tests {
         assert_eq!(split(&file).map_err(|e| e.fault), Err(Fault::Malformed));
         let mut file = glb(&[(JSON, b"{}  ")]);
         file[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
-        assert_eq!(split(&file).map_err(|e| e.place), Err("chunk 0".to_owned()));
+        assert_eq!(split(&file).map_err(|e| e.location), Err("chunk 0".to_owned()));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The nodes, skins and default scene of a document, as `lodc_scene` has them.
+//! The node hierarchy, skins and default scene of a glTF document as [`lodc_scene`] types.
 
 use super::document::Stored;
 use super::json::{Json, Object};
@@ -66,8 +66,8 @@ pub(crate) fn gltf_graph(
         };
         instances += node.instances.as_ref().map_or(0, Vec::len);
         if instances > MAX_INSTANCES {
-            let what = format!("show more than {MAX_INSTANCES} instances");
-            return Err(FormatError::new(Fault::Limit, "nodes", what));
+            let problem = format!("show more than {MAX_INSTANCES} instances");
+            return Err(FormatError::new(Fault::Limit, "nodes", problem));
         }
         nodes.push(node);
     }

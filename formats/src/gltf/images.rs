@@ -18,8 +18,8 @@ pub(crate) fn read_textures(
     for (i, image) in root.entries("images").enumerate() {
         let Some(text) = image["uri"].as_str() else { continue };
         let Some(path) = uri::path(text) else { continue };
-        let place = format!("images[{i}]");
-        textures.add(&path, |assets| uri::read(text, &place, assets), assets);
+        let location = format!("images[{i}]");
+        textures.add(&path, |assets| uri::read(text, &location, assets), assets);
     }
     Ok(())
 }

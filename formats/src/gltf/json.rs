@@ -45,29 +45,29 @@ macro_rules! object {
 pub(crate) use object;
 
 /// Something that breaks the rules of glTF.
-pub(crate) fn malformed(place: impl Into<String>, what: impl Into<String>) -> FormatError {
-    FormatError::new(Fault::Malformed, place, what)
+pub(crate) fn malformed(location: impl Into<String>, problem: impl Into<String>) -> FormatError {
+    FormatError::new(Fault::Malformed, location, problem)
 }
 
 /// Parses a document whose root is an object.
 pub(crate) fn parse(text: &[u8], limits: &Limits) -> Result<Object, FormatError> {
     if most_values(text) > VALUES {
-        let what = format!("JSON of more than {VALUES} values");
-        return Err(FormatError::new(Fault::Limit, "", what));
+        let problem = format!("JSON of more than {VALUES} values");
+        return Err(FormatError::new(Fault::Limit, "", problem));
     }
     let mut lexer = SliceLexer::new(text);
     let mut parser = Parser { depth: 0, most: limits.json_depth.min(DEPTH) };
     let parsed = lexer.exactly_one(Lex::ws_peek, |next, lexer| parser.value(next, lexer));
-    let what = match parsed {
+    let problem = match parsed {
         Ok(Json::Object(root)) => return Ok(root),
         Ok(_) => return Err(malformed("", "the JSON document is not an object")),
-        Err(Refusal::Limit(what)) => return Err(FormatError::new(Fault::Limit, "", what)),
-        Err(Refusal::Syntax(what)) => what,
+        Err(Refusal::Limit(problem)) => return Err(FormatError::new(Fault::Limit, "", problem)),
+        Err(Refusal::Syntax(problem)) => problem,
     };
     let read = &text[..text.len() - lexer.as_slice().len()];
     let line = 1 + read.iter().filter(|b| **b == b'\n').count();
     let column = 1 + read.iter().rev().take_while(|b| **b != b'\n').count();
-    Err(malformed(format!("line {line} column {column}"), format!("not valid JSON: {what}")))
+    Err(malformed(format!("line {line} column {column}"), format!("not valid JSON: {problem}")))
 }
 
 /// Number of values that a text may have, without allocating: one for each comma and each opening
@@ -248,13 +248,13 @@ impl Object {
         }
     }
     /// The member `key`, which must be a whole number if it is there.
-    pub(crate) fn optional(&self, key: &str, place: &str) -> Result<Option<u64>, FormatError> {
-        let wrong = || malformed(format!("{place}.{key}"), "must be a whole number");
+    pub(crate) fn optional(&self, key: &str, location: &str) -> Result<Option<u64>, FormatError> {
+        let wrong = || malformed(format!("{location}.{key}"), "must be a whole number");
         self.get(key).map(|value| value.as_u64().ok_or_else(wrong)).transpose()
     }
     /// The member `key`, a whole number that must be there.
-    pub(crate) fn required(&self, key: &str, place: &str) -> Result<u64, FormatError> {
-        self.optional(key, place)?.ok_or_else(|| malformed(place, format!("has no `{key}`")))
+    pub(crate) fn required(&self, key: &str, location: &str) -> Result<u64, FormatError> {
+        self.optional(key, location)?.ok_or_else(|| malformed(location, format!("has no `{key}`")))
     }
     /// The extension `name`.
     pub(crate) fn extension(&self, name: &str) -> Option<&Object> {

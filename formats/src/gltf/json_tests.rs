@@ -52,7 +52,7 @@ fn floats_have_the_shortest_spelling() {
 
 #[test]
 fn what_is_no_json_is_refused_where_it_is() {
-    for (text, place) in [
+    for (text, location) in [
         ("{\"a\":\n  tru}", "line 2 column 4"),
         ("{\"a\":01}", "line 1 column 7"),
         ("{\"a\":[1,]}", "line 1 column 9"),
@@ -67,11 +67,11 @@ fn what_is_no_json_is_refused_where_it_is() {
     ] {
         let error = parsed(text).expect_err(text);
         assert_eq!(error.fault, Fault::Malformed, "{text}");
-        assert!(place.is_empty() || error.place == place, "{text}: {error}");
+        assert!(location.is_empty() || error.location == location, "{text}: {error}");
     }
     assert!(parse(b"{\"a\":\"\xff\"}", &Limits::DEFAULT).is_err(), "not UTF-8");
     for text in ["[]", "1", "null", "\"{}\""] {
-        assert!(parsed(text).expect_err(text).what.contains("not an object"), "{text}");
+        assert!(parsed(text).expect_err(text).problem.contains("not an object"), "{text}");
     }
 }
 

@@ -1,4 +1,5 @@
-//! What materials of a glTF have in common with those of an MTL.
+//! The materials of a glTF as an MTL library, for an export as OBJ: names, base colours, opacity
+//! and base colour textures, which is all that both formats have.
 
 use super::appearance::texture_coordinates;
 use super::json::{Json, Object, parse};

@@ -1,5 +1,5 @@
-//! Documents that have not come to their end: everything that refers to missing bytes is left out,
-//! so that the rest is a valid document.
+//! A valid document from the prefix of a stream: textures, animations, skins and instances whose
+//! bytes have not arrived are removed, and offsets are changed to those of the bytes that have.
 
 use super::buffer_runs::{PartialBuffer, has_unknown_references, view_bytes};
 use super::json::{Json, Object, object, parse};
@@ -26,10 +26,10 @@ pub(crate) fn gltf_without_missing(
     }
     let missing = Missing::of(&root, &buffer);
     let mut left_out = Vec::new();
-    let mut note = |number: usize, what: &str| match number {
+    let mut note = |number: usize, kind: &str| match number {
         0 => {}
-        1 => left_out.push(format!("1 {what}")),
-        n => left_out.push(format!("{n} {what}s")),
+        1 => left_out.push(format!("1 {kind}")),
+        n => left_out.push(format!("{n} {kind}s")),
     };
     note(missing.drop_textures(&mut root), "texture");
     note(missing.drop_animations(&mut root), "animation");
@@ -204,8 +204,8 @@ fn is_marked(marks: &[bool], index: &Json) -> bool {
 
 /// Drops the marked entries of a pool to which nothing refers.
 fn keep(root: &mut Object, pool: Pool, missing: &[bool]) {
-    let kept: Vec<bool> = missing.iter().map(|m| !m).collect();
-    retain(root, pool, &kept);
+    let keep: Vec<bool> = missing.iter().map(|m| !m).collect();
+    retain(root, pool, &keep);
 }
 
 /// Drops every `…Texture` whose index is marked, and renumbers the others.

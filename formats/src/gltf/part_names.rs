@@ -1,4 +1,5 @@
-//! Names that a scene has for its parts.
+//! Names of a scene's materials and nodes by object and submesh, as they are used to select parts
+//! on the command line.
 
 use super::json::{Object, parse};
 use crate::{Document, FormatError, Limits, ObjectInfo, SubmeshInfo};

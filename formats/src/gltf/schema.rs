@@ -221,7 +221,7 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
     }
     let lengths = Pool::ALL.map(|pool| pool.len(root));
     for (path, kind) in TABLE {
-        walk_root(root, path, &mut |value, place| check_one(value, *kind, &lengths, place))?;
+        walk_root(root, path, &mut |value, location| check_one(value, *kind, &lengths, location))?;
     }
     Ok(())
 }
@@ -231,8 +231,8 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
 pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&mut Json, &str)) {
     for (path, kind) in TABLE {
         if matches!(kind, Index(p) if *p == pool) {
-            let walked = walk_root(root, path, &mut |value, place| {
-                visit(value, place);
+            let walked = walk_root(root, path, &mut |value, location| {
+                visit(value, location);
                 Ok(())
             });
             walked.expect("the shape of a checked document fits the table");
@@ -293,7 +293,7 @@ fn check_one(
     value: &Json,
     kind: Kind,
     lengths: &[usize; 13],
-    place: &str,
+    location: &str,
 ) -> Result<(), FormatError> {
     let finite = |v: &Json| v.as_f64().is_some();
     let (fits, expected) = match kind {
@@ -320,32 +320,32 @@ fn check_one(
     if shown.len() > 40 {
         shown = format!("{}…", shown.chars().take(39).collect::<String>());
     }
-    Err(malformed(place, format!("must be {expected}, not {shown}")))
+    Err(malformed(location, format!("must be {expected}, not {shown}")))
 }
 
 type Visit<'a> = dyn FnMut(&mut Json, &str) -> Result<(), FormatError> + 'a;
 
 fn walk_root(root: &mut Object, path: &str, visit: &mut Visit<'_>) -> Result<(), FormatError> {
-    let mut place = String::new();
-    walk_member(root, path, &mut place, visit)
+    let mut location = String::new();
+    walk_member(root, path, &mut location, visit)
 }
 
 /// `path` starts with a member's name.
 fn walk_member(
     object: &mut Object,
     path: &str,
-    place: &mut String,
+    location: &mut String,
     visit: &mut Visit<'_>,
 ) -> Result<(), FormatError> {
     let end = path.find(['.', '[', '{']).unwrap_or(path.len());
     let Some(value) = object.get_mut(&path[..end]) else { return Ok(()) };
-    let before = place.len();
-    if before > 0 {
-        place.push('.');
+    let length_before = location.len();
+    if length_before > 0 {
+        location.push('.');
     }
-    place.push_str(&path[..end]);
-    walk_value(value, &path[end..], place, visit)?;
-    place.truncate(before);
+    location.push_str(&path[..end]);
+    walk_value(value, &path[end..], location, visit)?;
+    location.truncate(length_before);
     Ok(())
 }
 
@@ -353,36 +353,36 @@ fn walk_member(
 fn walk_value(
     value: &mut Json,
     path: &str,
-    place: &mut String,
+    location: &mut String,
     visit: &mut Visit<'_>,
 ) -> Result<(), FormatError> {
-    let before = place.len();
+    let length_before = location.len();
     if let Some(rest) = path.strip_prefix("[]") {
         let Json::Array(elements) = value else {
-            return Err(malformed(place.as_str(), "must be an array"));
+            return Err(malformed(location.as_str(), "must be an array"));
         };
         for (i, element) in elements.iter_mut().enumerate() {
-            write!(place, "[{i}]").expect("a string takes everything");
-            walk_value(element, rest, place, visit)?;
-            place.truncate(before);
+            write!(location, "[{i}]").expect("a string takes everything");
+            walk_value(element, rest, location, visit)?;
+            location.truncate(length_before);
         }
     } else if let Some(rest) = path.strip_prefix("{}") {
         let Json::Object(members) = value else {
-            return Err(malformed(place.as_str(), "must be an object"));
+            return Err(malformed(location.as_str(), "must be an object"));
         };
         for (name, member) in members.iter_mut() {
-            place.push('.');
-            place.push_str(name);
-            walk_value(member, rest, place, visit)?;
-            place.truncate(before);
+            location.push('.');
+            location.push_str(name);
+            walk_value(member, rest, location, visit)?;
+            location.truncate(length_before);
         }
     } else if let Some(rest) = path.strip_prefix('.') {
         let Json::Object(members) = value else {
-            return Err(malformed(place.as_str(), "must be an object"));
+            return Err(malformed(location.as_str(), "must be an object"));
         };
-        walk_member(members, rest, place, visit)?;
+        walk_member(members, rest, location, visit)?;
     } else {
-        visit(value, place)?;
+        visit(value, location)?;
     }
     Ok(())
 }

@@ -15,11 +15,14 @@ const PASSED_THROUGH: [&str; 6] = ["extensions", "extras", "max", "min", "name",
 ///
 /// # Errors
 /// If a member has the wrong type, or one is missing that must be there.
-pub(super) fn entry<T: DeserializeOwned>(object: &Object, place: &str) -> Result<T, FormatError> {
+pub(super) fn entry<T: DeserializeOwned>(
+    object: &Object,
+    location: &str,
+) -> Result<T, FormatError> {
     serde_json::from_str(&read(object).to_string()).map_err(|e| {
         // A place in the text of this entry alone says nothing.
-        let what = e.to_string();
-        malformed(place, what.split(" at line ").next().unwrap_or(&what))
+        let problem = e.to_string();
+        malformed(location, problem.split(" at line ").next().unwrap_or(&problem))
     })
 }
 
@@ -60,7 +63,7 @@ mod tests {
         assert_eq!((sparse.values.buffer_view.value(), sparse.values.byte_offset.0), (7, 4));
         for count in ["1.5", "-1", "1e300", "1e999", "\"3\"", "null"] {
             let error = with_count(count).expect_err("not whole");
-            assert!(error.place == "here" && !error.what.contains("line"), "{error}");
+            assert!(error.location == "here" && !error.problem.contains("line"), "{error}");
         }
     }
 

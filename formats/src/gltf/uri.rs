@@ -5,18 +5,19 @@ use crate::{Assets, Fault, FormatError};
 
 /// The bytes that a buffer's URI stands for. `data:` URIs do not touch the file system; nothing
 /// ever touches a network.
-pub(crate) fn read(uri: &str, place: &str, assets: &mut Assets) -> Result<Vec<u8>, FormatError> {
-    if let Some(rest) = strip_prefix_ignoring_case(uri, "data:") {
-        return data(rest, place);
+pub(crate) fn read(uri: &str, location: &str, assets: &mut Assets) -> Result<Vec<u8>, FormatError> {
+    if let Some(after_scheme) = strip_prefix_ignoring_case(uri, "data:") {
+        return data(after_scheme, location);
     }
     let path = percent_decoded(uri)
         .and_then(|bytes| String::from_utf8(bytes).ok())
-        .ok_or_else(|| malformed(place, "the URI is not percent-encoded UTF-8"))?;
+        .ok_or_else(|| malformed(location, "the URI is not percent-encoded UTF-8"))?;
     // Both spellings: an encoded colon must not hide a scheme from the check, nor an encoded name
     // be taken for one.
     if let Some(scheme) = scheme(uri) {
-        let what = format!("`{scheme}:` addresses are never read: put the file beside the asset");
-        return Err(FormatError::new(Fault::Forbidden, place, what));
+        let problem =
+            format!("`{scheme}:` addresses are never read: put the file beside the asset");
+        return Err(FormatError::new(Fault::Forbidden, location, problem));
     }
     assets.read_reference(&path)
 }
@@ -52,20 +53,21 @@ fn scheme(uri: &str) -> Option<&str> {
 }
 
 /// RFC 2397; a media type of any kind is accepted.
-fn data(rest: &str, place: &str) -> Result<Vec<u8>, FormatError> {
-    let (header, body) =
-        rest.split_once(',').ok_or_else(|| malformed(place, "a data URI without a comma"))?;
+fn data(after_scheme: &str, location: &str) -> Result<Vec<u8>, FormatError> {
+    let (header, body) = after_scheme
+        .split_once(',')
+        .ok_or_else(|| malformed(location, "a data URI without a comma"))?;
     let base64 = header.rsplit(';').next().is_some_and(|last| last.eq_ignore_ascii_case("base64"));
     let bytes = if base64 { base64_decoded(body.as_bytes()) } else { percent_decoded(body) };
-    bytes.ok_or_else(|| malformed(place, "the data URI cannot be decoded"))
+    bytes.ok_or_else(|| malformed(location, "the data URI cannot be decoded"))
 }
 
 /// The media type and the bytes of a `data:` URI; none if it is something else or cannot be
 /// decoded.
 pub(crate) fn decoded_data(uri: &str) -> Option<(String, Vec<u8>)> {
-    let rest = strip_prefix_ignoring_case(uri, "data:")?;
-    let media_type = rest.split([';', ',']).next()?.to_ascii_lowercase();
-    Some((media_type, data(rest, "").ok()?))
+    let after_scheme = strip_prefix_ignoring_case(uri, "data:")?;
+    let media_type = after_scheme.split([';', ',']).next()?.to_ascii_lowercase();
+    Some((media_type, data(after_scheme, "").ok()?))
 }
 
 /// `%XX` turned into bytes; `None` where a `%` is not followed by two hexadecimal digits.

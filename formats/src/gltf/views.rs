@@ -22,15 +22,15 @@ pub(super) fn read_buffers<'a>(
 ) -> Result<Buffers<'a>, FormatError> {
     let mut buffers: Buffers<'a> = Vec::new();
     for (i, buffer) in root.entries("buffers").enumerate() {
-        let place = format!("buffers[{i}]");
-        let stated: ::gltf::json::Buffer = typed::entry(buffer, &place)?;
+        let location = format!("buffers[{i}]");
+        let stated: ::gltf::json::Buffer = typed::entry(buffer, &location)?;
         let length = stated.byte_length.0;
         if length == 0 {
-            return Err(malformed(place, "byteLength must be at least 1"));
+            return Err(malformed(location, "byteLength must be at least 1"));
         }
         let bytes: Option<std::borrow::Cow<'a, [u8]>> = match &stated.uri {
             _ if is_fallback(buffer) => None,
-            Some(uri) => Some(uri::read(uri, &format!("{place}.uri"), assets)?.into()),
+            Some(uri) => Some(uri::read(uri, &format!("{location}.uri"), assets)?.into()),
             None if i == 0 => chunk.map(Into::into),
             None => None,
         };
@@ -38,7 +38,7 @@ pub(super) fn read_buffers<'a>(
             && (bytes.len() as u64) < length
         {
             return Err(malformed(
-                place,
+                location,
                 format!("says {length} bytes, but there are {}", bytes.len()),
             ));
         }
@@ -118,10 +118,11 @@ impl<'a> Views<'a> {
     /// The bytes of a view, decompressed.
     pub(super) fn bytes(&self, index: usize) -> Result<&[u8], FormatError> {
         let view = &self.views[index];
-        let place = || format!("bufferViews[{index}]");
+        let location = || format!("bufferViews[{index}]");
         let buffer = self.buffers[view.buffer].as_deref();
-        let buffer = buffer
-            .ok_or_else(|| malformed(place(), format!("buffers[{}] has no bytes", view.buffer)))?;
+        let buffer = buffer.ok_or_else(|| {
+            malformed(location(), format!("buffers[{}] has no bytes", view.buffer))
+        })?;
         // Checked against the buffer's stated length, which is not more than it has.
         let raw = &buffer[view.range.clone()];
         let Some(layout) = &view.compressed else { return Ok(raw) };
@@ -129,9 +130,9 @@ impl<'a> Views<'a> {
             return Ok(decoded);
         }
         // Twice: indices are decoded to 32 bits before they are narrowed.
-        self.budget.charge(layout.count as u64, 2 * layout.stride.max(4) as u64, &place())?;
-        let decoded = meshopt::decode(layout, raw).map_err(|what| {
-            malformed(place(), format!("compressed data cannot be decoded: {what}"))
+        self.budget.charge(layout.count as u64, 2 * layout.stride.max(4) as u64, &location())?;
+        let decoded = meshopt::decode(layout, raw).map_err(|problem| {
+            malformed(location(), format!("compressed data cannot be decoded: {problem}"))
         })?;
         Ok(view.decoded.get_or_init(|| decoded))
     }
@@ -147,23 +148,23 @@ pub(super) fn put(blob: &mut Vec<u8>, bytes: &[u8]) -> Json {
 
 fn read_view(
     view: &Object,
-    place: &str,
+    location: &str,
     buffers: &Buffers<'_>,
     lengths: &[u64],
 ) -> Result<View, FormatError> {
-    let stated: stated::View = typed::entry(view, place)?;
+    let stated: stated::View = typed::entry(view, location)?;
     let buffer = stated.buffer.value();
     let offset = stated.byte_offset.map_or(0, |offset| offset.0);
-    let range = byte_range(lengths, buffer, offset, stated.byte_length.0, place)?;
+    let range = byte_range(lengths, buffer, offset, stated.byte_length.0, location)?;
     let stride = stated.byte_stride.map(|stride| stride.0);
     let strides = stated::MIN_BYTE_STRIDE..=stated::MAX_BYTE_STRIDE;
     if stride.is_some_and(|s| !strides.contains(&s) || !s.is_multiple_of(4)) {
-        return Err(malformed(place, "byteStride must be a multiple of 4 from 4 to 252"));
+        return Err(malformed(location, "byteStride must be a multiple of 4 from 4 to 252"));
     }
     let plain = View { buffer, range, stride, compressed: None, decoded: OnceCell::new() };
     match extensions::meshopt(view) {
         Some((name, packed)) => {
-            compressed(plain, packed, &format!("{place}.extensions.{name}"), buffers, lengths)
+            compressed(plain, packed, &format!("{location}.extensions.{name}"), buffers, lengths)
         }
         None => Ok(plain),
     }
@@ -175,10 +176,10 @@ fn byte_range(
     buffer: usize,
     offset: u64,
     length: u64,
-    place: &str,
+    location: &str,
 ) -> Result<Range<usize>, FormatError> {
     if length == 0 {
-        return Err(malformed(place, "byteLength must be at least 1"));
+        return Err(malformed(location, "byteLength must be at least 1"));
     }
     // A buffer without bytes may claim any length: nothing is allocated for it, and reading it is
     // refused.
@@ -186,7 +187,7 @@ fn byte_range(
     match offset.checked_add(length) {
         Some(end) if end <= limit => Ok(offset as usize..end as usize),
         _ => Err(malformed(
-            place,
+            location,
             format!("{offset} + {length} bytes do not fit buffers[{buffer}] of {limit}"),
         )),
     }
@@ -196,28 +197,28 @@ fn byte_range(
 fn compressed(
     plain: View,
     packed: &Object,
-    place: &str,
+    location: &str,
     buffers: &Buffers<'_>,
     lengths: &[u64],
 ) -> Result<View, FormatError> {
-    let buffer = packed.required("buffer", place)? as usize;
-    let offset = packed.optional("byteOffset", place)?.unwrap_or(0);
-    let length = packed.required("byteLength", place)?;
-    let range = byte_range(lengths, buffer, offset, length, place)?;
-    let layout = Layout::read(packed, place)?;
+    let buffer = packed.required("buffer", location)? as usize;
+    let offset = packed.optional("byteOffset", location)?.unwrap_or(0);
+    let length = packed.required("byteLength", location)?;
+    let range = byte_range(lengths, buffer, offset, length, location)?;
+    let layout = Layout::read(packed, location)?;
     // The uncompressed size is what accessors are checked against; it must be a size that memory
     // can have.
     if layout.count.checked_mul(layout.stride) != Some(plain.range.len()) {
-        let what = format!(
+        let problem = format!(
             "{} elements of {} bytes are not byteLength {}",
             layout.count,
             layout.stride,
             plain.range.len()
         );
-        return Err(malformed(place, what));
+        return Err(malformed(location, problem));
     }
     if buffers[buffer].is_none() {
-        return Err(malformed(place, format!("buffers[{buffer}] has no bytes")));
+        return Err(malformed(location, format!("buffers[{buffer}] has no bytes")));
     }
     Ok(View { buffer, range, compressed: Some(layout), ..plain })
 }

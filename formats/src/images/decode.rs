@@ -1,4 +1,5 @@
-//! External pictures: bounded in size before anything is allocated for them.
+//! Decodes PNG and JPEG images of untrusted files: their pixels are counted against a limit before
+//! they are allocated.
 
 use crate::{Fault, FormatError};
 use lodc_scene::Image;
@@ -42,14 +43,14 @@ pub(crate) fn decode_if(
         ];
         let known =
             known.into_iter().chain([(&b"GIF8"[..], "a GIF picture"), (b"BM", "a BMP picture")]);
-        let what = known
+        let problem = known
             .into_iter()
             .find(|(magic, _)| bytes.starts_with(magic))
             .map_or("of no known kind", |k| k.1);
         Err(FormatError::new(
             Fault::Unsupported,
             "",
-            format!("is {what}; PNG and JPEG can be read"),
+            format!("is {problem}; PNG and JPEG can be read"),
         ))
     }
 }
@@ -63,10 +64,10 @@ fn check_size(
         return Err(FormatError::new(Fault::Malformed, "", "has no pixel"));
     }
     if width > MAX_SIDE || height > MAX_SIDE || (width as u64) * (height as u64) > MAX_PIXELS {
-        let what = format!(
+        let problem = format!(
             "has {width} x {height} pixels, more than {MAX_SIDE} on a side or {MAX_PIXELS} in all"
         );
-        return Err(FormatError::new(Fault::Limit, "", what));
+        return Err(FormatError::new(Fault::Limit, "", problem));
     }
     allowed((width as u64) * (height as u64))
 }

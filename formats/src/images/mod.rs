@@ -1,4 +1,5 @@
-//! Images as files: PNG and JPEG in, PNG out, and the places of those that a document names.
+//! Image files: PNG and JPEG decoded, PNG encoded, and the files that a document names copied
+//! beside or into an export.
 
 #[cfg(feature = "import")]
 mod decode;

@@ -1,4 +1,5 @@
-//! Pictures as they are asked for: each decoded once, all together bounded.
+//! The decoded images of one scene: each file is decoded once, and all together have a limited
+//! number of pixels, beyond which they are scaled down.
 
 use super::decode_if;
 use crate::{Fault, FormatError, Limits};
@@ -20,10 +21,10 @@ pub(crate) struct Pictures {
     decoded: BTreeMap<u128, Result<usize, FormatError>>,
     pub(crate) list: Vec<Image>,
     pub(crate) warnings: Vec<String>,
-    taken: u64,
+    pixels_kept: u64,
     /// Pixels that may be decoded, and those of them that are left.
     limit: u64,
-    left: u64,
+    pixels_left: u64,
 }
 
 impl Pictures {
@@ -34,9 +35,9 @@ impl Pictures {
             decoded: BTreeMap::new(),
             list: Vec::new(),
             warnings: Vec::new(),
-            taken: 0,
+            pixels_kept: 0,
             limit: limits.pixels,
-            left: limits.pixels,
+            pixels_left: limits.pixels,
         }
     }
 
@@ -54,15 +55,15 @@ impl Pictures {
         if let Some(known) = self.known.get(key) {
             return Ok(*known);
         }
-        let found = match read() {
+        let decoded_image = match read() {
             Ok(bytes) => self.picture(&bytes, name)?,
             Err(e) => Err(e),
         };
-        let found = found.map_err(|e| {
+        let decoded_image = decoded_image.map_err(|e| {
             self.warnings.push(format!("drawn without a texture: {}", e.in_file(name)));
         });
-        self.known.insert(key.to_owned(), found.ok());
-        Ok(found.ok())
+        self.known.insert(key.to_owned(), decoded_image.ok());
+        Ok(decoded_image.ok())
     }
 
     /// The picture in a file, or why there is none.
@@ -78,26 +79,26 @@ impl Pictures {
         if let Some(known) = self.decoded.get(&hash) {
             return Ok(known.clone());
         }
-        let (left, mut too_many) = (&mut self.left, false);
+        let (pixels_left, mut too_many) = (&mut self.pixels_left, false);
         let decoded = decode_if(bytes, |pixels| {
-            let rest = left.checked_sub(pixels).ok_or_else(|| {
+            let after_this = pixels_left.checked_sub(pixels).ok_or_else(|| {
                 too_many = true;
-                let what = format!("more than {} pixels of images to decode", self.limit);
-                FormatError::new(Fault::Limit, name, what)
+                let problem = format!("more than {} pixels of images to decode", self.limit);
+                FormatError::new(Fault::Limit, name, problem)
             });
-            rest.map(|rest| *left = rest)
+            after_this.map(|after_this| *pixels_left = after_this)
         });
-        let found = match decoded {
+        let decoded_image = match decoded {
             Err(e) if too_many => return Err(e),
             Err(e) => Err(e),
             Ok(mut picture) => {
-                picture.shrink(SIDE, (PIXELS - self.taken.min(PIXELS)) / 4);
-                self.taken += u64::from(picture.width) * u64::from(picture.height);
+                picture.shrink(SIDE, (PIXELS - self.pixels_kept.min(PIXELS)) / 4);
+                self.pixels_kept += u64::from(picture.width) * u64::from(picture.height);
                 self.list.push(picture);
                 Ok(self.list.len() - 1)
             }
         };
-        self.decoded.insert(hash, found.clone());
-        Ok(found)
+        self.decoded.insert(hash, decoded_image.clone());
+        Ok(decoded_image)
     }
 }

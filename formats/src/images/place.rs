@@ -1,5 +1,5 @@
-//! The image files that a document names, and the place of each in or beside an export, so that a
-//! model that moves to another folder keeps its textures.
+//! The image files that a document names: read from the source's folder, then embedded into an
+//! export or copied beside it, so that a model that moves to another folder keeps its textures.
 
 use crate::{Assets, FormatError, OutputFile};
 use std::collections::{BTreeMap, BTreeSet};
@@ -72,15 +72,15 @@ impl Textures {
     pub fn placed(self, mode: TextureMode, output: &Path) -> PlacedTextures {
         let mut placed = PlacedTextures::default();
         // Names that the export itself takes.
-        let own = ["bin", "mtl"].map(|extension| output.with_extension(extension));
+        let export_names = ["bin", "mtl"].map(|extension| output.with_extension(extension));
         let mut taken: BTreeMap<PathBuf, u64> =
-            own.into_iter().chain([output.to_owned()]).map(|path| (path, 0)).collect();
+            export_names.into_iter().chain([output.to_owned()]).map(|path| (path, 0)).collect();
         for (name, bytes) in self.files {
             let place = match (mode, kind(&bytes).map(|(mime, _)| mime)) {
                 (TextureMode::Embed, Some(mime)) => ImagePlace::Inside { mime, bytes },
                 (TextureMode::Embed, None) => {
-                    let what = format!("{name}: no image that glTF can hold: not embedded");
-                    placed.warnings.push(what);
+                    let problem = format!("{name}: no image that glTF can hold: not embedded");
+                    placed.warnings.push(problem);
                     continue;
                 }
                 (TextureMode::Copy, _) => placed.beside(&name, bytes, output, &mut taken),
@@ -109,15 +109,15 @@ impl PlacedTextures {
         let hash = xxh3_64(&bytes);
         let mut relative = relative(name, &bytes, output);
         let differs = |path: &PathBuf| match taken.get(path) {
-            Some(&other) => other != hash,
+            Some(&other_hash) => other_hash != hash,
             None => path.symlink_metadata().is_ok() && fs::read(path).ok().as_ref() != Some(&bytes),
         };
         if differs(&folder.join(&relative)) {
-            let other = hashed(&relative, hash);
+            let other_name = hashed(&relative, hash);
             self.warnings.push(format!(
-                "{relative}: another file has this name: the texture was written as {other}"
+                "{relative}: another file has this name: the texture was written as {other_name}"
             ));
-            relative = other;
+            relative = other_name;
         }
         let path = folder.join(&relative);
         if !path.exists() && !taken.contains_key(&path) {

@@ -65,7 +65,7 @@ fn damage_and_other_kinds_are_refused_and_nothing_panics() {
     }
     for (bytes, word) in [(&b"\xabKTX 20"[..], "KTX2"), (b"RIFFxxxxWEBP", "WebP"), (b"", "kind")] {
         let error = decode(bytes).expect_err("no picture");
-        assert!(error.fault == Fault::Unsupported && error.what.contains(word), "{error}");
+        assert!(error.fault == Fault::Unsupported && error.problem.contains(word), "{error}");
     }
     assert_eq!(decode(b"\xff\xd8\xff\xe0").map_err(|e| e.fault), Err(Fault::Malformed));
 }

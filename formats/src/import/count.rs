@@ -1,4 +1,5 @@
-//! The size of a mesh file, told by its header, or by the lines of its text, without its geometry.
+//! Estimates triangles and vertices of a mesh file from its header, or by counting lines of OBJ
+//! text, without reading its geometry.
 
 use super::sniff::{Sniffed, format};
 use crate::options::ImportOptions;
@@ -29,23 +30,24 @@ pub fn count(path: &Path, options: &ImportOptions) -> Result<Counted, FormatErro
 }
 
 fn obj(bytes: &[u8]) -> Counted {
-    let (mut triangles, mut of_kind) = (0, [0; 3]);
+    let (mut triangles, mut counts) = (0, [0; 3]);
     for line in bytes.split(|&b| b == b'\n') {
         let line = line.trim_ascii_start();
-        let (word, rest) =
+        let (word, arguments) =
             line.split_at(line.iter().position(u8::is_ascii_whitespace).unwrap_or(0));
         match word {
             b"f" => {
-                let corners = rest.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).count();
+                let corners =
+                    arguments.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).count();
                 triangles += corners.saturating_sub(2) as u64;
             }
-            b"v" => of_kind[0] += 1,
-            b"vt" => of_kind[1] += 1,
-            b"vn" => of_kind[2] += 1,
+            b"v" => counts[0] += 1,
+            b"vt" => counts[1] += 1,
+            b"vn" => counts[2] += 1,
             _ => {}
         }
     }
-    let vertices = of_kind.into_iter().max().unwrap_or(0).min(3 * triangles);
+    let vertices = counts.into_iter().max().unwrap_or(0).min(3 * triangles);
     Counted { triangles, vertices, bytes: 0 }
 }
 

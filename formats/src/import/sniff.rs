@@ -110,10 +110,10 @@ mod tests {
             (b"Kaydara FBX Binary  \0", "a.obj", "FBX"),
             (b"\xff\xfev\0", "a.obj", "UTF-16"),
         ] {
-            let Sniffed::Other(what) = format(bytes, Path::new(path)) else {
+            let Sniffed::Other(problem) = format(bytes, Path::new(path)) else {
                 panic!("{name} not recognised")
             };
-            assert!(what.contains(name), "{what}");
+            assert!(problem.contains(name), "{problem}");
         }
     }
 }

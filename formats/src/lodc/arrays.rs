@@ -29,27 +29,27 @@ pub(super) fn put_narrow(out: &mut Vec<u8>, values: &[u32], width: usize) {
 
 pub(super) fn f32_triples(
     bytes: &[u8],
-    place: impl Fn() -> String,
+    location: impl Fn() -> String,
 ) -> Result<Vec<[f32; 3]>, FormatError> {
-    whole(bytes, 12, place)?;
+    whole(bytes, 12, location)?;
     Ok(bytes.chunks_exact(12).map(|b| triple(b).map(f32::from_bits)).collect())
 }
 
 pub(super) fn narrow(
     bytes: &[u8],
     width: usize,
-    place: impl Fn() -> String,
+    location: impl Fn() -> String,
 ) -> Result<Vec<u32>, FormatError> {
-    whole(bytes, width, place)?;
+    whole(bytes, width, location)?;
     Ok(bytes.chunks_exact(width).map(value).collect())
 }
 
 pub(super) fn narrow_triples(
     bytes: &[u8],
     width: usize,
-    place: impl Fn() -> String,
+    location: impl Fn() -> String,
 ) -> Result<Vec<[u32; 3]>, FormatError> {
-    whole(bytes, 3 * width, place)?;
+    whole(bytes, 3 * width, location)?;
     let entry =
         |b: &[u8]| [value(&b[..width]), value(&b[width..2 * width]), value(&b[2 * width..])];
     Ok(bytes.chunks_exact(3 * width).map(entry).collect())
@@ -70,11 +70,11 @@ fn triple(b: &[u8]) -> [u32; 3] {
 pub(super) fn whole(
     bytes: &[u8],
     size: usize,
-    place: impl Fn() -> String,
+    location: impl Fn() -> String,
 ) -> Result<(), FormatError> {
     if bytes.len().is_multiple_of(size) {
         return Ok(());
     }
-    let what = format!("{} bytes are not a whole number of entries of {size}", bytes.len());
-    Err(FormatError::new(Fault::Malformed, place(), what))
+    let problem = format!("{} bytes are not a whole number of entries of {size}", bytes.len());
+    Err(FormatError::new(Fault::Malformed, location(), problem))
 }

@@ -1,8 +1,9 @@
-//! Sections in a file: the container without their meaning.
+//! The section table of a `.lodc` file: sections are found by kind, object and index and checked by
+//! their checksums; what they contain is read elsewhere.
 
 use super::left_out::LeftOut;
 use super::table::{
-    ENTRY, Entry, HEADER, Id, REQUIRED, Tag, WIDE, place, put_header, section_start, table, tag,
+    ENTRY, Entry, HEADER, Id, REQUIRED, Tag, WIDE, location, put_header, section_start, table, tag,
 };
 use crate::{Fault, FormatError};
 use lodc_model::{Array, Layout};
@@ -38,28 +39,29 @@ impl<'a> Container<'a> {
                 let section = Section { bytes: content, required, wide };
                 sections.push((entry.id, Some(section)));
             } else if required {
-                let what = "is required, and this program does not know it: a newer one is needed";
-                return Err(entry.error(Fault::Unsupported, what));
+                let problem =
+                    "is required, and this program does not know it: a newer one is needed";
+                return Err(entry.error(Fault::Unsupported, problem));
             } else {
                 unknown.push(entry.id);
             }
         }
         if end != bytes.len() {
-            let what = format!("{} bytes follow the last section", bytes.len() - end);
-            return Err(FormatError::new(Fault::Malformed, "header", what));
+            let problem = format!("{} bytes follow the last section", bytes.len() - end);
+            return Err(FormatError::new(Fault::Malformed, "header", problem));
         }
         sections.sort_unstable_by_key(|&(id, _)| id);
-        if let Some(twice) = sections.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-            let (tag, object, index) = twice[0].0;
-            let place = place(tag, object, index);
-            return Err(FormatError::new(Fault::Malformed, place, "is there twice"));
+        if let Some(duplicate) = sections.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            let (tag, object, index) = duplicate[0].0;
+            let location = location(tag, object, index);
+            return Err(FormatError::new(Fault::Malformed, location, "is there twice"));
         }
         Ok(Self { sections, unknown })
     }
 
     /// Returns the layout that the file was written in.
     pub(super) fn layout(&self) -> Layout {
-        if self.left().any(|(_, section)| section.wide) { Layout::Gpu } else { Layout::Packed }
+        if self.remaining().any(|(_, section)| section.wide) { Layout::Gpu } else { Layout::Packed }
     }
 
     /// The sections of known kinds, in the order of their keys.
@@ -68,7 +70,7 @@ impl<'a> Container<'a> {
     }
 
     /// The sections that were not taken.
-    fn left(&self) -> impl Iterator<Item = (Id, &Section<'a>)> {
+    fn remaining(&self) -> impl Iterator<Item = (Id, &Section<'a>)> {
         self.sections.iter().filter_map(|(id, section)| Some((*id, section.as_ref()?)))
     }
 
@@ -95,7 +97,7 @@ impl<'a> Container<'a> {
         index: u32,
     ) -> Result<Section<'a>, FormatError> {
         let missing =
-            || FormatError::new(Fault::Malformed, place(tag, object, index), "is missing");
+            || FormatError::new(Fault::Malformed, location(tag, object, index), "is missing");
         self.remove((tag, object, index)).ok_or_else(missing)
     }
 
@@ -112,13 +114,16 @@ impl<'a> Container<'a> {
     /// Every required section must have been taken. Names the others that were not.
     pub(super) fn finish(self, left_out: &mut LeftOut) -> Result<(), FormatError> {
         let nothing = "belongs to nothing that the manifest names";
-        if let Some(((tag, object, index), _)) = self.left().find(|(_, section)| section.required) {
-            return Err(FormatError::new(Fault::Malformed, place(tag, object, index), nothing));
+        if let Some(((tag, object, index), _)) =
+            self.remaining().find(|(_, section)| section.required)
+        {
+            return Err(FormatError::new(Fault::Malformed, location(tag, object, index), nothing));
         }
         let unknown = self.unknown.iter().map(|&id| (id, "is not known to this version"));
-        let idle = self.left().map(|(id, _)| (id, nothing));
-        for ((tag, object, index), what) in unknown.chain(idle) {
-            left_out.tell(|| format!("{} {what} and was left out", place(tag, object, index)));
+        let idle = self.remaining().map(|(id, _)| (id, nothing));
+        for ((tag, object, index), problem) in unknown.chain(idle) {
+            left_out
+                .tell(|| format!("{} {problem} and was left out", location(tag, object, index)));
         }
         Ok(())
     }

@@ -7,10 +7,10 @@ use lodc_fixtures as fixtures;
 use lodc_model::Model;
 use table::HEADER;
 
-fn fails(bytes: &[u8], fault: Fault, what: &str) {
+fn fails(bytes: &[u8], fault: Fault, problem: &str) {
     let error = read(bytes).expect_err("this must be refused");
     assert_eq!(error.fault, fault, "{error}");
-    assert!(error.to_string().contains(what), "{error}");
+    assert!(error.to_string().contains(problem), "{error}");
 }
 
 #[test]
@@ -259,7 +259,7 @@ fn an_overview_that_is_not_that_of_the_object_is_refused() {
     let table = table_of_levels(&file.objects[0].simplified);
     assert!(table.len() > 2 && table[0].triangles == 12, "{table:?}");
     let start = u64::from_le_bytes(std::array::from_fn(|i| bytes[FIRST + 40 + 16 + i])) as usize;
-    for (word, what) in [
+    for (word, problem) in [
         (5, "has a level that the object has not, or not in order"),
         (6, "has other numbers"),
         (7, "has other numbers"),
@@ -268,7 +268,7 @@ fn an_overview_that_is_not_that_of_the_object_is_refused() {
     ] {
         let mut bytes = bytes.clone();
         bytes[start + 4 * word] ^= 0x40;
-        fails(&with_valid_checksums(&bytes), Fault::Malformed, what);
+        fails(&with_valid_checksums(&bytes), Fault::Malformed, problem);
     }
 }
 

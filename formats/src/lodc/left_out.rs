@@ -1,5 +1,5 @@
-//! Parts that a reader leaves out because this version does not know them: reported in bounded
-//! space.
+//! Messages about sections that a reader skips because this version does not know them. Their
+//! number is limited, because a crafted file may have any number.
 
 /// Lines beyond this are only counted: a crafted file could ask for any number of them.
 const MOST: usize = 20;

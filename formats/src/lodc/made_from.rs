@@ -1,5 +1,5 @@
-//! Origin of a file's content, so that a later run can see whether the file is up to date: by the
-//! content of everything that it was made from, as it was read, never by times.
+//! The optional section that records what a `.lodc` was built from: hashes of all source files and
+//! the options. A later build compares it, never file times, to see whether the file is up to date.
 
 use super::{VERSION, key};
 use crate::fields::{decode, to_bytes};

@@ -10,7 +10,7 @@ use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, Sour
 use bincode::{Decode, Encode};
 use lodc_mesh::{Attribute, Component, Semantic};
 
-const PLACE: &str = "section MANI";
+const LOCATION: &str = "section MANI";
 
 #[derive(Encode, Decode)]
 pub(super) struct Manifest {
@@ -90,11 +90,11 @@ impl Manifest {
     /// Decodes the section; what follows the known fields belongs to later versions.
     pub(super) fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
         if bytes.len() > LIMIT {
-            let what = format!("has more than {LIMIT} bytes");
-            return Err(FormatError::new(Fault::Limit, PLACE, what));
+            let problem = format!("has more than {LIMIT} bytes");
+            return Err(FormatError::new(Fault::Limit, LOCATION, problem));
         }
         let cannot = "ends too early or has what cannot be";
-        decode(bytes).ok_or_else(|| FormatError::new(Fault::Malformed, PLACE, cannot))
+        decode(bytes).ok_or_else(|| FormatError::new(Fault::Malformed, LOCATION, cannot))
     }
 
     /// Encodes the section: bincode's legacy encoding, fixed-width little-endian integers.
@@ -117,7 +117,7 @@ impl Manifest {
 
     pub(super) fn source(&self) -> Result<Source, FormatError> {
         source_of(self.format, self.content_hash)
-            .map_err(|what| FormatError::new(Fault::Malformed, PLACE, what))
+            .map_err(|problem| FormatError::new(Fault::Malformed, LOCATION, problem))
     }
 }
 

@@ -98,8 +98,8 @@ impl<M> LodFile<M> {
         let object = |(number, object): (usize, LodObject<M>)| {
             let LodObject { info, simplified, models } = object;
             let models = models.into_iter().map(|model| change(&simplified, model));
-            let models = models.collect::<Result<_, _>>().map_err(|what| {
-                FormatError::new(Fault::Malformed, format!("object {number}"), what)
+            let models = models.collect::<Result<_, _>>().map_err(|problem| {
+                FormatError::new(Fault::Malformed, format!("object {number}"), problem)
             })?;
             Ok(LodObject { info, simplified, models })
         };

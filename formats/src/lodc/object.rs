@@ -4,7 +4,7 @@ use super::container::{Container, Writer};
 use super::left_out::{LeftOut, shortened};
 use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
 use super::streams::{self, Plan, ZeroBudget};
-use super::table::{Tag, place, tag};
+use super::table::{Tag, location, tag};
 use super::{Bounds, LodObject, StoredModel, arrays, overview, poses, steps};
 use crate::fields::Record;
 use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
@@ -106,7 +106,8 @@ pub(super) fn read(
     zeros: &mut ZeroBudget,
     left_out: &mut LeftOut,
 ) -> Result<LodObject, FormatError> {
-    let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {number}"), what);
+    let wrong =
+        |problem: String| FormatError::new(Fault::Malformed, format!("object {number}"), problem);
     if !(entry.world_scale.is_finite() && entry.world_scale > 0.0) {
         return Err(wrong(format!(
             "is shown at a scale of {}, which is not a number above 0",
@@ -166,8 +167,8 @@ fn read_models(
             continue;
         }
         if models.iter().any(|m| m.name == name) {
-            let what = format!("the model {name} is there twice");
-            return Err(FormatError::new(Fault::Malformed, format!("object {number}"), what));
+            let problem = format!("the model {name} is there twice");
+            return Err(FormatError::new(Fault::Malformed, format!("object {number}"), problem));
         }
         let array = |(index, name)| {
             let section = container.take_section(tag::MODEL_ARRAY, number, index)?;
@@ -184,7 +185,7 @@ fn read_mesh(
     entry: &ObjectEntry,
     zeros: &mut ZeroBudget,
 ) -> Result<Mesh, FormatError> {
-    let at = |tag: Tag| move || place(tag, number, 0);
+    let at = |tag: Tag| move || location(tag, number, 0);
     let positions =
         arrays::f32_triples(container.take(tag::POSITIONS, number, 0)?, at(tag::POSITIONS))?;
     let vertex_submesh = match submesh_width(entry.submeshes.len()) {
@@ -227,7 +228,8 @@ fn read_mesh(
         users.iter().for_each(|&s| has[s] = false);
     }
     let parts = MeshParts { positions, vertex_submesh, attributes, triangles, submeshes };
-    let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {number}"), what);
+    let wrong =
+        |problem: String| FormatError::new(Fault::Malformed, format!("object {number}"), problem);
     Mesh::try_from(parts).map_err(|e| wrong(format!("{e}")))
 }
 
@@ -239,8 +241,8 @@ fn read_stream(
     vertex_submesh: &[u32],
     zeros: &mut ZeroBudget,
 ) -> Result<Attribute, FormatError> {
-    let place = || place(tag::ATTRIBUTE, number, i);
-    let wrong = |what: &str| FormatError::new(Fault::Malformed, place(), what);
+    let location = || location(tag::ATTRIBUTE, number, i);
+    let wrong = |problem: &str| FormatError::new(Fault::Malformed, location(), problem);
     let component = manifest::component(entry.component)
         .ok_or_else(|| wrong("has components of an unknown type"))?;
     if !(1..=16).contains(&entry.components) {
@@ -257,10 +259,11 @@ fn read_stream(
     };
     let stride = attribute.stride();
     let stored = match section.wide {
-        true => &*streams::without_padding(section.bytes, stride, place)?,
+        true => &*streams::without_padding(section.bytes, stride, location)?,
         false => section.bytes,
     };
-    attribute.bytes = streams::get(stored, stride, entry.full, has, vertex_submesh, zeros, place)?;
+    attribute.bytes =
+        streams::get(stored, stride, entry.full, has, vertex_submesh, zeros, location)?;
     Ok(attribute)
 }
 
@@ -270,9 +273,9 @@ fn read_sequence(
     entry: &ObjectEntry,
     mesh: &Mesh,
 ) -> Result<CollapseSequence, FormatError> {
-    let at = |tag: Tag| move || place(tag, number, 0);
+    let at = |tag: Tag| move || location(tag, number, 0);
     let wrong = |tag: Tag| {
-        move |what: String| FormatError::new(Fault::Malformed, place(tag, number, 0), what)
+        move |problem: String| FormatError::new(Fault::Malformed, location(tag, number, 0), problem)
     };
     let (stored, width) = take_indices(container, (tag::TARGETS, number), mesh.vertex_count())?;
     let targets = arrays::narrow(stored, width, at(tag::TARGETS))?;

@@ -1,6 +1,7 @@
-//! What an engine chooses by before it reads an object: its bounds, and a table of some levels.
+//! Sections by which an engine chooses a level before it reads an object: bounding box and sphere,
+//! and a table of up to 64 levels with their errors.
 
-use super::table::{place, tag};
+use super::table::{location, tag};
 use crate::{Fault, FormatError};
 use bincode::{Decode, Encode};
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
@@ -126,8 +127,9 @@ pub(super) fn check_levels(
     number: u32,
     simplified: &Simplified,
 ) -> Result<(), FormatError> {
-    let wrong =
-        |what: &str| Err(FormatError::new(Fault::Malformed, place(tag::LEVELS, number, 0), what));
+    let wrong = |problem: &str| {
+        Err(FormatError::new(Fault::Malformed, location(tag::LEVELS, number, 0), problem))
+    };
     let sequence = simplified.collapses();
     if !stored.len().is_multiple_of(LEVEL) || stored.len() > MOST_LEVELS * LEVEL {
         return wrong("is no table of at most 64 levels");

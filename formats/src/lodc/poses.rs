@@ -1,7 +1,8 @@
-//! The poses that an object's errors hold in besides the one at rest: the optional section `POSE`.
+//! The optional section `POSE`: animated poses for which an object's errors hold besides the one at
+//! rest.
 
 use super::arrays::whole;
-use super::table::{place, tag};
+use super::table::{location, tag};
 use crate::{Fault, FormatError};
 use lodc_mesh::Posture;
 
@@ -28,9 +29,9 @@ pub(super) fn put(out: &mut Vec<u8>, poses: &[Posture]) {
 
 /// Reads the section of an object; nothing is no pose.
 pub(super) fn get(bytes: &[u8], number: u32) -> Result<Vec<Posture>, FormatError> {
-    let place = || place(tag::POSES, number, 0);
-    let wrong = |what: String| FormatError::new(Fault::Malformed, place(), what);
-    whole(bytes, ENTRY, place)?;
+    let location = || location(tag::POSES, number, 0);
+    let wrong = |problem: String| FormatError::new(Fault::Malformed, location(), problem);
+    whole(bytes, ENTRY, location)?;
     if bytes.len() / ENTRY > MOST_POSES {
         return Err(wrong(format!("has more than {MOST_POSES} poses")));
     }

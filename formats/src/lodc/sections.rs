@@ -1,4 +1,5 @@
-//! Sections as they lie in a file: what an engine maps or uploads without reading the whole.
+//! Finds the byte ranges of arrays in a `.lodc` file, so that an engine can map or upload them
+//! without reading the rest.
 
 use super::container::Container;
 use super::table::{SCENE, Tag};

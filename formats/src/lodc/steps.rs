@@ -1,4 +1,5 @@
-//! Steps in few bits: one for each record, and mostly one byte for each triangle count.
+//! Compact encoding of which records form a step and how many triangles each step removes: one bit
+//! for each record, and mostly one byte for each count.
 
 use super::arrays;
 use lodc_mesh::put_leb128;
@@ -39,8 +40,10 @@ pub(super) fn step_ends(bits: &[u8], records: usize) -> Result<Vec<u32>, String>
 /// all the bytes.
 pub(super) fn lost_triangles(triangles: u32, step_triangles: &[u32]) -> Vec<u8> {
     let mut before = triangles;
-    let lost: Vec<u32> =
-        step_triangles.iter().map(|&after| std::mem::replace(&mut before, after) - after).collect();
+    let lost: Vec<u32> = step_triangles
+        .iter()
+        .map(|&triangles_after| std::mem::replace(&mut before, triangles_after) - triangles_after)
+        .collect();
     let mut bytes: Vec<u8> = lost.iter().map(|&n| n.min(u32::from(ESCAPE)) as u8).collect();
     let many: Vec<u32> = lost.into_iter().filter(|&n| n >= u32::from(ESCAPE)).collect();
     arrays::put_u32s(&mut bytes, &many);
@@ -61,8 +64,8 @@ pub(super) fn step_triangles(
         return Err(format!("{} bytes follow where {escapes} long numbers should", long.len()));
     }
     let mut long = long.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    let mut left = triangles;
-    let mut after = Vec::with_capacity(steps);
+    let mut triangles_left = triangles;
+    let mut triangles_after = Vec::with_capacity(steps);
     for (step, &byte) in short.iter().enumerate() {
         let lost = if byte == ESCAPE { long.next().unwrap_or_default() } else { u32::from(byte) };
         if byte == ESCAPE && lost < u32::from(ESCAPE) {
@@ -70,16 +73,16 @@ pub(super) fn step_triangles(
                 "step {step} says {lost} in five bytes, which is not the shortest way"
             ));
         }
-        left = left
+        triangles_left = triangles_left
             .checked_sub(lost)
-            .ok_or_else(|| format!("step {step} loses {lost} of {left} triangles"))?;
-        after.push(left);
+            .ok_or_else(|| format!("step {step} loses {lost} of {triangles_left} triangles"))?;
+        triangles_after.push(triangles_left);
     }
     // The last LOD is one vertex.
-    if left != 0 {
-        return Err(format!("the last step leaves {left} triangles"));
+    if triangles_left != 0 {
+        return Err(format!("the last step leaves {triangles_left} triangles"));
     }
-    Ok(after)
+    Ok(triangles_after)
 }
 
 /// The errors after the steps, which never fall: how much the number that their bits are grows from

@@ -1,4 +1,5 @@
-//! Attribute streams: only the vertices of submeshes that have them are stored.
+//! Attribute sections of a `.lodc`: a stream is stored for the vertices of the submeshes that have
+//! it, and filled with zeros for the others when it is read.
 
 use super::arrays;
 use crate::{Fault, FormatError};
@@ -108,17 +109,17 @@ pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, plan: &Plan, la
 pub(super) fn without_padding(
     stored: &[u8],
     stride: usize,
-    place: impl Fn() -> String,
+    location: impl Fn() -> String,
 ) -> Result<Cow<'_, [u8]>, FormatError> {
     let padded = stride.next_multiple_of(DEVICE_STRIDE);
     if padded == stride {
         return Ok(Cow::Borrowed(stored));
     }
-    arrays::whole(stored, padded, &place)?;
+    arrays::whole(stored, padded, &location)?;
     let vertices = stored.chunks_exact(padded);
     if vertices.clone().any(|vertex| vertex[stride..].iter().any(|&b| b != 0)) {
-        let what = "has padding behind a vertex that is not zero";
-        return Err(FormatError::new(Fault::Malformed, place(), what));
+        let problem = "has padding behind a vertex that is not zero";
+        return Err(FormatError::new(Fault::Malformed, location(), problem));
     }
     Ok(vertices.flat_map(|vertex| &vertex[..stride]).copied().collect())
 }
@@ -131,7 +132,7 @@ pub(super) fn get(
     has: &[bool],
     vertex_submesh: &[u32],
     budget: &mut ZeroBudget,
-    place: impl Fn() -> String,
+    location: impl Fn() -> String,
 ) -> Result<Vec<u8>, FormatError> {
     if full {
         // Its length is checked with the mesh.
@@ -141,14 +142,14 @@ pub(super) fn get(
     let has = |submesh: u32| has.get(submesh as usize).copied().unwrap_or_default();
     let present = vertex_submesh.iter().filter(|&&s| has(s)).count();
     if stored.len() as u64 != present as u64 * stride as u64 {
-        let what =
+        let problem =
             format!("{} bytes are not {stride} for each of {present} vertices", stored.len());
-        return Err(FormatError::new(Fault::Malformed, place(), what));
+        return Err(FormatError::new(Fault::Malformed, location(), problem));
     }
     let all = vertex_submesh.len() as u64 * stride as u64;
     if !budget.take(all - stored.len() as u64) {
-        let what = "leaves out more zeros than a file of this size may";
-        return Err(FormatError::new(Fault::Limit, place(), what));
+        let problem = "leaves out more zeros than a file of this size may";
+        return Err(FormatError::new(Fault::Limit, location(), problem));
     }
     let mut bytes = vec![0; all as usize];
     let mut stored = stored.chunks_exact(stride);

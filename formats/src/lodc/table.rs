@@ -79,7 +79,7 @@ pub(super) mod tag {
 pub(super) type Id = (Tag, u32, u32);
 
 /// Name of a section in messages.
-pub(super) fn place(tag: Tag, object: u32, index: u32) -> String {
+pub(super) fn location(tag: Tag, object: u32, index: u32) -> String {
     let tag = tag.escape_ascii();
     match object {
         SCENE => format!("section {tag}"),
@@ -91,8 +91,8 @@ pub(super) fn place(tag: Tag, object: u32, index: u32) -> String {
 /// The section table of a file whose header is sound and states the file's length.
 pub(super) fn table(bytes: &[u8]) -> Result<&[u8], FormatError> {
     if !FILE_HEADER.check(bytes)? {
-        let what = format!("the file ends after {} bytes, within its header", bytes.len());
-        return Err(malformed(what));
+        let problem = format!("the file ends after {} bytes, within its header", bytes.len());
+        return Err(malformed(problem));
     }
     check_length(bytes.len() as u64, u64_at(bytes, 16))?;
     let count = u32_at(bytes, 12) as usize;
@@ -129,8 +129,8 @@ pub(super) fn section_start(end: usize, is_wide: bool) -> usize {
     end.next_multiple_of(if is_wide { WIDE_ALIGN } else { ALIGN })
 }
 
-fn malformed(what: impl Into<String>) -> FormatError {
-    FormatError::new(Fault::Malformed, "header", what.into())
+fn malformed(problem: impl Into<String>) -> FormatError {
+    FormatError::new(Fault::Malformed, "header", problem.into())
 }
 
 /// Compares the bytes that are there with the length that the header states.
@@ -176,9 +176,9 @@ impl Entry {
     }
 
     /// An error that names the section.
-    pub(super) fn error(&self, fault: Fault, what: impl Into<String>) -> FormatError {
+    pub(super) fn error(&self, fault: Fault, problem: impl Into<String>) -> FormatError {
         let (tag, object, index) = self.id;
-        FormatError::new(fault, place(tag, object, index), what.into())
+        FormatError::new(fault, location(tag, object, index), problem.into())
     }
 
     /// The bytes of the section, which begins at the next aligned offset after `end`, the end of
@@ -187,7 +187,7 @@ impl Entry {
     /// # Errors
     /// If it lies elsewhere, does not fit into the file, or its bytes or the padding are damaged.
     pub(super) fn content<'a>(&self, bytes: &'a [u8], end: usize) -> Result<&'a [u8], FormatError> {
-        let wrong = |what: String| self.error(Fault::Malformed, what);
+        let wrong = |problem: String| self.error(Fault::Malformed, problem);
         let (offset, length) = (self.offset, self.length);
         let start = section_start(end, self.is_wide()) as u64;
         if offset != start {
@@ -215,8 +215,8 @@ impl Entry {
     pub(super) fn check_flags(&self) -> Result<(), FormatError> {
         let wide = if tag::MAY_BE_WIDE.contains(&self.id.0) { WIDE } else { 0 };
         if self.flags & !(REQUIRED | wide | OPTIONAL) != 0 {
-            let what = format!("has unknown flags {:#x}", self.flags);
-            return Err(self.error(Fault::Unsupported, what));
+            let problem = format!("has unknown flags {:#x}", self.flags);
+            return Err(self.error(Fault::Unsupported, problem));
         }
         Ok(())
     }

@@ -1,4 +1,5 @@
-//! The scene of a prefix: what has come of the document, fit to be written with the meshes so far.
+//! The scene of a stream's prefix, ready to be exported: the document as far as it has arrived,
+//! without references to missing bytes, and the objects so far.
 
 use super::received::{Received, ReceivedObject};
 use crate::gltf::{bare_gltf, gltf_without_missing};
@@ -37,13 +38,13 @@ impl<'a> Arrived<'a> {
 
     /// A document that shows each object once and has nothing else.
     fn bare(mut infos: Vec<ObjectInfo>, targets: &[usize], format: SourceFormat) -> Self {
-        let (what, document) = if format.is_gltf() {
-            let what = "names, nodes, materials, textures, skins and animations";
-            (what, Document::Gltf(bare_gltf(&mut infos, targets)))
+        let (missing_parts, document) = if format.is_gltf() {
+            let missing_parts = "names, nodes, materials, textures, skins and animations";
+            (missing_parts, Document::Gltf(bare_gltf(&mut infos, targets)))
         } else {
             ("names and materials", Document::Obj(ObjDocument::default()))
         };
-        Self { document: Cow::Owned(document), infos, left_out: vec![what.to_owned()] }
+        Self { document: Cow::Owned(document), infos, left_out: vec![missing_parts.to_owned()] }
     }
 }
 

@@ -1,4 +1,5 @@
-//! Blocks: the units of a stream, each with checksums of its own.
+//! Blocks of a `.lods` stream: kind, length, payload, and checksums of both, so that a reader can
+//! use each block as soon as it has arrived.
 
 use super::VERSION;
 use crate::file_header::FileHeader;

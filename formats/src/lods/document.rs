@@ -1,5 +1,6 @@
-//! The document of a stream: everything but the objects' meshes. Its bytes come in pieces between
-//! blocks of steps: first the text, then buffer 0 of a glTF, what is wanted first before the rest.
+//! Encodes and decodes a stream's document (everything but the meshes) in pieces that are sent
+//! between blocks of steps: first the compressed text, then buffer 0 of a glTF in the order in
+//! which a viewer needs its parts.
 
 use super::head::Head;
 use crate::fields::{decode_front, to_bytes};
@@ -11,7 +12,7 @@ use lodc_mesh::CollapseSequence;
 use lodc_progressive::TextCodec;
 use std::ops::Range;
 
-const PLACE: &str = "document";
+const LOCATION: &str = "document";
 
 /// Facts of an object's collapse sequence that its steps do not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Encode, Decode)]
@@ -320,7 +321,7 @@ impl Names {
             .ok_or_else(|| malformed("ends too early or has what cannot be"))?;
         let rest = &text[used..];
         let source =
-            source_of(entry.format, entry.content_hash).map_err(|what| malformed(&what))?;
+            source_of(entry.format, entry.content_hash).map_err(|problem| malformed(&problem))?;
         if source.format != head.format || entry.objects.len() != head.objects as usize {
             return Err(malformed("has another format or number of objects than the head"));
         }
@@ -363,8 +364,8 @@ fn object_info(entry: ObjectEntry) -> Result<(ObjectInfo, SequenceFacts), Format
     Ok((info, entry.facts))
 }
 
-fn malformed(what: &str) -> FormatError {
-    FormatError::new(Fault::Malformed, PLACE, what)
+fn malformed(problem: &str) -> FormatError {
+    FormatError::new(Fault::Malformed, LOCATION, problem)
 }
 
 #[cfg(test)]

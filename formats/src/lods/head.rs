@@ -1,10 +1,11 @@
-//! The first block: how many objects a stream has, and how long its document is.
+//! The first block of a stream: source format, number of objects, and the sizes of the document's
+//! text and buffer.
 
 use crate::lodc::manifest::{format_code, source_format};
 use crate::{Fault, FormatError, SourceFormat};
 use lodc_mesh::{put_leb128, take_leb128};
 
-const PLACE: &str = "head";
+const LOCATION: &str = "head";
 
 /// The sizes of a stream, known before anything else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,9 +32,9 @@ impl Head {
 
     /// Parses the payload of the block.
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
-        let malformed = |what: &str| FormatError::new(Fault::Malformed, PLACE, what);
+        let malformed = |problem: &str| FormatError::new(Fault::Malformed, LOCATION, problem);
         let (&format, mut rest) = bytes.split_first().ok_or_else(|| malformed("is empty"))?;
-        let format = source_format(format).map_err(|what| malformed(&what))?;
+        let format = source_format(format).map_err(|problem| malformed(&problem))?;
         let mut number = |most: u64| {
             take_leb128(&mut rest, most).ok_or_else(|| malformed("has a number that cannot be"))
         };

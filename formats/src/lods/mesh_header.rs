@@ -1,4 +1,5 @@
-//! The header of an object: what a reader has to know before the object's first vertex.
+//! The header block of an object: counts, attribute streams, number systems of quantised values and
+//! everything else that its decoder needs before the first step.
 
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Submesh, put_leb128, take_leb128};
@@ -9,14 +10,14 @@ mod systems;
 
 use attribute::{attribute, put_attribute};
 
-const PLACE: &str = "header of an object";
+const LOCATION: &str = "header of an object";
 /// Bytes of a header; a reader refuses more.
 const MAX_BYTES: u64 = 1 << 24;
 /// Streams that all submeshes list together; a reader refuses more.
 const MAX_ENTRIES: usize = 1 << 22;
 
-pub(super) fn malformed(what: &str) -> FormatError {
-    FormatError::new(Fault::Malformed, PLACE, what)
+pub(super) fn malformed(problem: &str) -> FormatError {
+    FormatError::new(Fault::Malformed, LOCATION, problem)
 }
 
 /// Returns the header as a payload begins with it; `None` if it would be too long.
@@ -121,8 +122,8 @@ fn submeshes(rest: &mut &[u8]) -> Result<Vec<Submesh>, FormatError> {
         // A byte can repeat a list of any length.
         entries += before.len();
         if entries > MAX_ENTRIES {
-            let what = format!("has more than {MAX_ENTRIES} streams of submeshes");
-            return Err(FormatError::new(Fault::Limit, PLACE, what));
+            let problem = format!("has more than {MAX_ENTRIES} streams of submeshes");
+            return Err(FormatError::new(Fault::Limit, LOCATION, problem));
         }
         submeshes.push(Submesh { attributes: before.clone(), ..Submesh::default() });
     }

@@ -1,5 +1,5 @@
-//! Writing a stream: the head, then steps in the order of their errors, cut into blocks, and
-//! between them the document as it is wanted.
+//! Writes a `.lods` stream: the head, then the objects' steps from the coarsest to the finest in
+//! the order of their errors, cut into blocks, with the document's pieces between them.
 
 use super::block::{self, Block, FILE_HEADER};
 use super::document::{EncodedDocument, SequenceFacts};
@@ -339,6 +339,6 @@ impl<'a> ObjectWriter<'a> {
     }
 }
 
-fn too_large(what: &str) -> FormatError {
-    FormatError::new(Fault::Limit, "", what)
+fn too_large(problem: &str) -> FormatError {
+    FormatError::new(Fault::Limit, "", problem)
 }

@@ -1,4 +1,5 @@
-//! A complete object as a simplified mesh again.
+//! Turns a completely received object back into a mesh with its collapse sequence, as a `.lodc`
+//! stores it.
 
 use super::document::SequenceFacts;
 use crate::{Fault, FormatError};
@@ -54,8 +55,8 @@ pub fn as_streamed(simplified: &Simplified) -> Result<Simplified, FormatError> {
     rebuild(&decoder, facts).map(|rebuilt| rebuilt.simplified)
 }
 
-fn malformed(what: impl Display) -> FormatError {
-    FormatError::new(Fault::Malformed, "", format!("{what}"))
+fn malformed(problem: impl Display) -> FormatError {
+    FormatError::new(Fault::Malformed, "", format!("{problem}"))
 }
 
 /// The sequence backwards, as if no step removed a triangle: record *k* of *n* vertices is the

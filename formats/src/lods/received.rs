@@ -1,4 +1,5 @@
-//! What has come of a scene: its head, its document and its objects.
+//! What a reader has received of a stream: the head, the document and one decoder for each object
+//! announced.
 
 use super::document::{Names, ReceivedDocument, SequenceFacts};
 use super::head::Head;
@@ -68,8 +69,8 @@ impl Received {
             before + u64::from(of(&header))
         };
         if sum(|m| m.vertices) > limits.vertices || sum(|m| m.triangles) > limits.triangles {
-            let what = "announces more vertices or triangles than the limit";
-            return Err(FormatError::new(Fault::Limit, "objects", what));
+            let problem = "announces more vertices or triangles than the limit";
+            return Err(FormatError::new(Fault::Limit, "objects", problem));
         }
         let submeshes = header.submeshes.len();
         let decoder = MeshDecoder::new(header);
@@ -120,8 +121,8 @@ fn check_submeshes(info: &ObjectInfo, submeshes: usize) -> Result<(), FormatErro
     if info.submeshes.len() == submeshes {
         return Ok(());
     }
-    let what = "has other submeshes in the document than in its header";
-    Err(FormatError::new(Fault::Malformed, format!("object \"{}\"", info.name), what))
+    let problem = "has other submeshes in the document than in its header";
+    Err(FormatError::new(Fault::Malformed, format!("object \"{}\"", info.name), problem))
 }
 
 /// The description of an object whose name has not come.

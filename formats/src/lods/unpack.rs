@@ -1,4 +1,5 @@
-//! Reading a stream as it comes: after any piece it has the meshes of the last whole block.
+//! Reads a `.lods` stream piece by piece: after each piece it has the meshes of the last complete
+//! block.
 
 use super::Arrived;
 use super::block::{self, Block, FILE_HEADER, Parsed};
@@ -244,7 +245,7 @@ impl Unpacker {
         assert!(self.complete, "only a complete stream has all levels");
         let ReceivedObject { info, facts, decoder, .. } = self.object(object);
         rebuild::rebuild(decoder, *facts).map_err(|mut e| {
-            e.place = format!("object \"{}\"", info.name);
+            e.location = format!("object \"{}\"", info.name);
             e
         })
     }
@@ -263,14 +264,15 @@ impl Unpacker {
         }
         while self.read < waiting.len() {
             let number = self.blocks;
-            let malformed =
-                |what: &str| FormatError::new(Fault::Malformed, format!("block {number}"), what);
+            let malformed = |problem: &str| {
+                FormatError::new(Fault::Malformed, format!("block {number}"), problem)
+            };
             if self.complete {
                 return Err(malformed("follows the end of the stream"));
             }
             match block::parse(&waiting[self.read..], number) {
                 Parsed::Incomplete => return Ok(()),
-                Parsed::Damaged(what) => return Err(malformed(what)),
+                Parsed::Damaged(problem) => return Err(malformed(problem)),
                 Parsed::Block(block, length) => {
                     let read = if number == 0 { self.read_head(block) } else { self.read(block) };
                     read.map_err(|e| in_block(e, number))?;
@@ -323,16 +325,16 @@ impl Unpacker {
     }
 }
 
-fn malformed(what: &str) -> FormatError {
-    FormatError::new(Fault::Malformed, "", what)
+fn malformed(problem: &str) -> FormatError {
+    FormatError::new(Fault::Malformed, "", problem)
 }
 
 /// The error with the number of its block.
 fn in_block(mut error: FormatError, number: u64) -> FormatError {
-    let place = std::mem::take(&mut error.place);
-    error.place = format!("block {number}");
-    if !place.is_empty() {
-        error.what = format!("{place}: {}", error.what);
+    let location = std::mem::take(&mut error.location);
+    error.location = format!("block {number}");
+    if !location.is_empty() {
+        error.problem = format!("{location}: {}", error.problem);
     }
     error
 }

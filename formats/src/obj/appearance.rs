@@ -1,5 +1,5 @@
-//! Materials of an OBJ: `Kd`, `d`, `Tr` and `map_Kd`; `map_d` means that the texture's own opacity
-//! cuts.
+//! Base colours and textures of an OBJ's materials: `Kd`, `d`, `Tr` and `map_Kd`; with `map_d`, the
+//! texture's own opacity is used as a cutout.
 
 use super::mtl::{Meaning, TextureMap, UNSAID};
 use crate::images::Pictures;

@@ -50,8 +50,8 @@ fn round_trip(scene: &Scene, scratch: &Scratch) -> Scene {
     import(&path, &ImportOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn same(before: &Scene, after: &Scene, what: &str) {
-    assert!(triangles(before) == triangles(after), "{what}: triangles differ");
+fn same(before: &Scene, after: &Scene, case: &str) {
+    assert!(triangles(before) == triangles(after), "{case}: triangles differ");
     let names = |s: &Scene| -> Vec<_> {
         let visible = s.objects[0].info.submeshes.iter().zip(s.objects[0].mesh.submeshes());
         visible
@@ -59,10 +59,10 @@ fn same(before: &Scene, after: &Scene, what: &str) {
             .map(|(i, _)| (i.name.clone(), i.material.clone()))
             .collect()
     };
-    assert_eq!(names(before), names(after), "{what}");
+    assert_eq!(names(before), names(after), "{case}");
     match (&before.document, &after.document) {
-        (Document::Obj(a), Document::Obj(b)) => assert_eq!(a.materials, b.materials, "{what}"),
-        _ => panic!("{what}: not an OBJ"),
+        (Document::Obj(a), Document::Obj(b)) => assert_eq!(a.materials, b.materials, "{case}"),
+        _ => panic!("{case}: not an OBJ"),
     }
 }
 

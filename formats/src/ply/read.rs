@@ -44,7 +44,7 @@ pub(crate) fn import(
     finish(&mut faces, &content.numbers, &materials, &mut warnings)?;
 
     let assembled = faces::assemble(&faces, content_hash as u64);
-    for (count, what) in [
+    for (count, kind) in [
         (content.small, "faces with fewer than three corners were dropped"),
         (assembled.polygons, "polygons were triangulated"),
         (
@@ -57,7 +57,7 @@ pub(crate) fn import(
         ),
     ] {
         if count > 0 {
-            warnings.push(format!("{count} {what}"));
+            warnings.push(format!("{count} {kind}"));
         }
     }
     let source = Source { format: SourceFormat::Ply, content_hash };
@@ -112,9 +112,9 @@ impl Content {
             self.warnings.push(format!("of each {name} was left out: `{names}`"));
         }
         read.map_err(|e| {
-            let place = format!("{name} {}", count.rows());
-            let (fault, what) = said(&e);
-            FormatError::new(fault, place, what)
+            let location = format!("{name} {}", count.rows());
+            let (fault, problem) = said(&e);
+            FormatError::new(fault, location, problem)
         })
     }
 }
@@ -133,14 +133,14 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
         let name = &element.name;
         let later = &header.elem_defs[number..];
         if name == "face" && later.iter().any(|e| e.name == "vertex") {
-            let what = "element `face` comes before element `vertex`";
-            return Err(FormatError::new(Fault::Unsupported, HEADER, what));
+            let problem = "element `face` comes before element `vertex`";
+            return Err(FormatError::new(Fault::Unsupported, HEADER, problem));
         }
         if matches!(name.as_str(), "vertex" | "face" | "tristrips")
             && header.elem_defs[..number].iter().any(|e| e.name == *name)
         {
-            let what = format!("there are two elements `{name}`");
-            return Err(FormatError::new(Fault::Malformed, HEADER, what));
+            let problem = format!("there are two elements `{name}`");
+            return Err(FormatError::new(Fault::Malformed, HEADER, problem));
         }
         let least: u64 = match header.format {
             // A digit and white space.
@@ -149,12 +149,12 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
         };
         let count = element.count as u64;
         if count > 0 && least == 0 {
-            let what = format!("element `{name}` has no properties");
-            return Err(FormatError::new(Fault::Malformed, HEADER, what));
+            let problem = format!("element `{name}` has no properties");
+            return Err(FormatError::new(Fault::Malformed, HEADER, problem));
         }
         if count.saturating_mul(least) > bytes as u64 + 1 {
-            let what = format!("{count} elements `{name}` do not fit into the file");
-            return Err(FormatError::new(Fault::Malformed, HEADER, what));
+            let problem = format!("{count} elements `{name}` do not fit into the file");
+            return Err(FormatError::new(Fault::Malformed, HEADER, problem));
         }
         let limit = match name.as_str() {
             "vertex" => limits.vertices.min(u64::from(NONE) - 1),
@@ -162,8 +162,8 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
             _ => u64::MAX,
         };
         if count > limit {
-            let what = format!("{count} elements `{name}`: the limit is {limit}");
-            return Err(FormatError::new(Fault::Limit, HEADER, what));
+            let problem = format!("{count} elements `{name}`: the limit is {limit}");
+            return Err(FormatError::new(Fault::Limit, HEADER, problem));
         }
     }
     Ok(())
@@ -179,11 +179,11 @@ fn finish(
     let vertices = faces.positions.len();
     if let Some(corner) = faces.corner_v.iter().position(|&v| v as usize >= vertices) {
         let face = faces.face_ends.partition_point(|&end| end as usize <= corner);
-        let what = format!(
+        let problem = format!(
             "vertex {} is not there: the file has {vertices}, counted from 0",
             faces.corner_v[corner]
         );
-        return Err(FormatError::new(Fault::Malformed, format!("face {}", face + 1), what));
+        return Err(FormatError::new(Fault::Malformed, format!("face {}", face + 1), problem));
     }
     if !faces.normals.is_empty() {
         faces.corner_n.clone_from(&faces.corner_v);
@@ -222,8 +222,8 @@ fn textures(header: &PlyHeader) -> Vec<ObjMaterial> {
 }
 
 fn header_error(error: &DeserializeError) -> FormatError {
-    let (fault, what) = said(error);
-    FormatError::new(fault, HEADER, what)
+    let (fault, problem) = said(error);
+    FormatError::new(fault, HEADER, problem)
 }
 
 /// Whose fault an error is, and its words.

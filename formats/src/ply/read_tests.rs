@@ -171,7 +171,7 @@ fn what_is_wrong_is_said_with_its_place() {
     let limits = Limits { vertices: 3, ..Limits::DEFAULT };
     let assets = Assets::new(Path::new("a.ply"), &[], limits);
     let error = import(SQUARE.as_bytes(), &assets, &ImportOptions::default()).expect_err("a limit");
-    assert_eq!((error.fault, error.place.as_str()), (Fault::Limit, "header"));
+    assert_eq!((error.fault, error.location.as_str()), (Fault::Limit, "header"));
 }
 
 #[test]

@@ -74,10 +74,11 @@ pub(crate) fn import(
 /// Reads the facets of a binary file.
 fn binary(bytes: &mut [u8], faces: &mut Faces, limits: &Limits) -> Result<(), FormatError> {
     let count = facets(bytes).ok_or_else(|| malformed("", "the file ends within its header"))?;
-    let room = (bytes.len() - HEADER) / FACET;
-    if room < count {
-        let what = format!("{count} facets do not fit into the file, which has room for {room}");
-        return Err(malformed("header", &what));
+    let capacity = (bytes.len() - HEADER) / FACET;
+    if capacity < count {
+        let problem =
+            format!("{count} facets do not fit into the file, which has room for {capacity}");
+        return Err(malformed("header", &problem));
     }
     faces.runs.push(Run { first_face: 0, material: NONE, label: NONE });
     // `stl_io` takes every file for text that begins like one.
@@ -133,7 +134,7 @@ fn part(
 
 fn read(bytes: &[u8], faces: &mut Faces, limits: &Limits, solid: &str) -> Result<(), FormatError> {
     let mut facet = 0u64;
-    let place = |facet: u64| match solid {
+    let location = |facet: u64| match solid {
         "" => format!("facet {facet}"),
         _ => format!("solid \"{solid}\", facet {facet}"),
     };
@@ -142,17 +143,17 @@ fn read(bytes: &[u8], faces: &mut Faces, limits: &Limits, solid: &str) -> Result
     for triangle in reader.map_err(|e| malformed("header", &e.to_string()))? {
         facet += 1;
         let triangle = triangle.map_err(|e| match e.kind() {
-            ErrorKind::UnexpectedEof => malformed(&place(facet), "the file ends before it"),
-            _ => malformed(&place(facet), &e.to_string()),
+            ErrorKind::UnexpectedEof => malformed(&location(facet), "the file ends before it"),
+            _ => malformed(&location(facet), &e.to_string()),
         })?;
         if faces.face_ends.len() as u64 >= limits.triangles.min(u64::from(NONE) / 3 - 1) {
-            let what = format!("more than {} triangles", limits.triangles);
-            return Err(FormatError::new(Fault::Limit, place(facet), what));
+            let problem = format!("more than {} triangles", limits.triangles);
+            return Err(FormatError::new(Fault::Limit, location(facet), problem));
         }
         for [x, y, z] in triangle.vertices.map(|v| v.0) {
             if ![x, y, z].iter().all(|c| c.is_finite()) {
-                let what = format!("the position ({x}, {y}, {z}) is not finite");
-                return Err(malformed(&place(facet), &what));
+                let problem = format!("the position ({x}, {y}, {z}) is not finite");
+                return Err(malformed(&location(facet), &problem));
             }
             // Zero has one sign, so that equal positions have equal bits.
             faces.positions.push([x + 0.0, y + 0.0, z + 0.0]);
@@ -179,8 +180,8 @@ fn joined(loose: Faces, seed: u64) -> Faces {
     Faces { positions, corner_v, ..loose }
 }
 
-fn malformed(place: &str, what: &str) -> FormatError {
-    FormatError::new(Fault::Malformed, place, what)
+fn malformed(location: &str, problem: &str) -> FormatError {
+    FormatError::new(Fault::Malformed, location, problem)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Counts of an object's elements, as reports show them.
+//! Counts of an object's vertices, triangles, groups and records, for summaries and JSON.
 
 use lodc_formats::ObjectInfo;
 use lodc_mesh::Simplified;

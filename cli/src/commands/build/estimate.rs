@@ -1,4 +1,5 @@
-//! `build --estimate`: what a build needs, told by the headers of its inputs. Nothing is built.
+//! `lodc build --estimate`: memory and time that a build is likely to need, from the counts in its
+//! inputs' headers. Nothing is built.
 
 use super::{BuildArgs, ReportFormat, pipeline};
 use crate::batch::{Asset, Budget};
@@ -60,11 +61,11 @@ pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outc
 /// One asset.
 fn one(asset: &Asset, options: &AssetOptions<BuildArgs>) -> (Status, InputEstimate) {
     let name = asset.input.display().to_string();
-    let found = each::guarded(&asset.input, || {
+    let estimate = each::guarded(&asset.input, || {
         let (counted, memory) = memory(asset, options)?;
         Ok((counted, memory.saturating_add(PROGRAM)))
     });
-    match found {
+    match estimate {
         Ok((counted, memory)) => (
             Status::Done,
             InputEstimate {

@@ -1,4 +1,5 @@
-//! Parts of a scene that matter more or less than others, as options name them.
+//! Resolves options of importance (`--lock` and weights of parts) against the scene: which vertices
+//! are locked, and how much each object's errors weigh.
 
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;

@@ -1,4 +1,5 @@
-//! Work on the assets of a build: a report for each, whatever happens to it and to the others.
+//! Builds several assets: each gets a report of its own, and one that fails or panics does not stop
+//! the others.
 
 use super::{BuildArgs, ReportFormat, estimate, pipeline, summary};
 use crate::batch::{Asset, Budget};

@@ -1,4 +1,5 @@
-//! Levels that move to the next one: what the option says, and where each begins.
+//! `chain --geomorph`: which attributes get morph targets that move a level's vertices to the next
+//! level, and the distances at which the movement begins and ends.
 
 use super::levels::{Level, LevelArgs};
 use crate::commands::asset::Asset;
@@ -79,7 +80,7 @@ pub(super) fn check(levels: &[Level]) -> Outcome<()> {
 
 /// States the distances of levels whose errors are known. `pose_errors` are those of each level, of
 /// meshes that bend.
-pub(super) fn place(args: &LevelArgs, levels: &mut [Level], pose_errors: &[Option<f64>]) {
+pub(super) fn set_distances(args: &LevelArgs, levels: &mut [Level], pose_errors: &[Option<f64>]) {
     for level in levels.iter_mut() {
         level.distance = level.distance.or_else(|| args.distance(level.error));
     }

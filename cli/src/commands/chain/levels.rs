@@ -1,4 +1,5 @@
-//! From what was asked for to the LODs of every level.
+//! Options that choose a chain's levels (shares or counts of triangles, errors, pixels at
+//! distances, halving) and the LODs that they lead to.
 
 use crate::exit::{Failure, Outcome};
 use crate::help::LEVEL;
@@ -104,8 +105,8 @@ impl LevelArgs {
         cap: Option<Target>,
     ) -> Outcome<Vec<Chosen>> {
         let mut levels: Vec<Chosen> = Vec::new();
-        for (place, (target, distance)) in self.targets().into_iter().enumerate() {
-            let own = |object: &str| parts.level(object, place);
+        for (index, (target, distance)) in self.targets().into_iter().enumerate() {
+            let own = |object: &str| parts.level(object, index);
             let chosen = scene.select_capped(target, own, cap, false)?;
             let Selection { lods, warnings, .. } = chosen;
             let triangles = triangles(objects, &lods);
@@ -199,10 +200,10 @@ pub(super) fn described(
                 (meshes.iter().map(distance).collect(), Some(meshes))
             }
         };
-        let gone = inventory.gone_at(&lods, distances.iter().map(|d| d.error));
+        let lost_parts = inventory.gone_at(&lods, distances.iter().map(|d| d.error));
         warnings.extend(unmet);
         warnings.dedup();
-        warnings.extend(gone.iter().map(|gone| format!("level {number}: {gone}")));
+        warnings.extend(lost_parts.iter().map(|part| format!("level {number}: {part}")));
         let (error, rms) = level_mesh::largest(objects, distances.iter().map(|d| (d.error, d.rms)));
         levels.push(Level {
             lods,
@@ -214,7 +215,7 @@ pub(super) fn described(
             refitted,
             distance,
             glide: None,
-            gone,
+            gone: lost_parts,
         });
     }
     (levels, warnings)

@@ -1,4 +1,4 @@
-//! A file per level.
+//! Writes a chain as separate files, one for each level.
 
 use super::glide::{self, MovingMesh};
 use super::levels::Level;
@@ -87,12 +87,12 @@ pub(super) fn gliding_files(
     let gliding: Vec<Vec<GlidingLevel>> =
         (0..objects.len()).map(of_object).collect::<Result<_, _>>()?;
     let carried = args.glide.carried().unwrap_or_default();
-    let way = |level: usize| -> Vec<MovingMesh<'_>> {
+    let moving_meshes = |level: usize| -> Vec<MovingMesh<'_>> {
         gliding.iter().map(|g| (&g[level].mesh, &g[level].next, g[level].moving.clone())).collect()
     };
-    let ways: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(way).collect();
+    let ways: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(moving_meshes).collect();
     let errors = glide::pose_errors(asset, &ways, carried.joints, &limits)?;
-    glide::place(&args.levels, levels, &errors);
+    glide::set_distances(&args.levels, levels, &errors);
 
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
     let last = levels.len().saturating_sub(1);

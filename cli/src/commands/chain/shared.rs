@@ -1,4 +1,4 @@
-//! All levels in one file, over one vertex buffer.
+//! Writes a chain as one file, all levels over one vertex buffer.
 
 use super::glide::{self, MovingMesh};
 use super::levels::Level;
@@ -57,7 +57,7 @@ pub(super) fn files(
         let ways: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(of_level).collect();
         let limits = args.export.import.limits().limits();
         let errors = glide::pose_errors(asset, &ways, carried.joints, &limits)?;
-        glide::place(&args.levels, levels, &errors);
+        glide::set_distances(&args.levels, levels, &errors);
     }
     let glide = |object: usize, carried: MovedStreams| Glide {
         next: &next[object],

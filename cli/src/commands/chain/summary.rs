@@ -1,4 +1,4 @@
-//! What was made of one input: for scripts and for people.
+//! The summary of one chain: JSON for scripts, text for people.
 
 use super::Files;
 use super::levels::Level;

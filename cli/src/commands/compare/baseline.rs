@@ -1,4 +1,5 @@
-//! `--baseline`: distances of the last time, which are worse than those of now or replaced by them.
+//! `compare --baseline`: compares distances with those stored by an earlier run; fails where they
+//! are worse, or stores the new ones.
 
 use super::CompareArgs;
 use crate::exit::{Failure, Outcome, Status};
@@ -30,14 +31,14 @@ pub(super) fn open(args: &CompareArgs) -> Outcome<Option<Baseline>> {
 /// # Errors
 /// If its file cannot be read, or it was recorded with other options.
 pub(super) fn of(baseline: &Baseline, name: &str, args: &CompareArgs) -> Outcome<Option<Recorded>> {
-    let found = if args.record { None } else { baseline.of(name)? };
-    match found {
+    let recorded = if args.record { None } else { baseline.of(name)? };
+    match recorded {
         Some(recorded) if recorded.options != options(args) => {
             let what = format!("{name} was recorded with {}", recorded.options);
-            let place = baseline.path().display();
-            Err(Failure::usage(format!("{place}: {what}: record it again (--record)")))
+            let path = baseline.path().display();
+            Err(Failure::usage(format!("{path}: {what}: record it again (--record)")))
         }
-        found => Ok(found),
+        recorded => Ok(recorded),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Two files: B at every level that is wanted, measured from A.
+//! Measures the distances between two files: from A to each requested level of B, and back.
 
 use super::baseline::{self, Baseline, options};
 use super::surface::{LevelChoice, Subject};

@@ -1,4 +1,5 @@
-//! The surfaces that are compared: scenes, or levels of them, as their default scenes show them.
+//! The triangles that `compare` measures: scenes or levels of them in world space, as their default
+//! scenes show them.
 
 use super::CompareArgs;
 use crate::commands::asset::{self, Errors};

@@ -1,4 +1,4 @@
-//! The level of one input, from bytes to bytes.
+//! Extracts one level of one input, and encodes it as a mesh file.
 
 use super::ExtractArgs;
 use crate::commands::asset::{self, Asset, Errors};

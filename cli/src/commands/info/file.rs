@@ -1,4 +1,4 @@
-//! The inside of a `.lodc` file: counts, levels, strips, storage.
+//! `lodc info` of a `.lodc`: counts, levels, strips, and the bytes of every section.
 
 use crate::commands::build::counts;
 use crate::commands::read::parse_lodc;

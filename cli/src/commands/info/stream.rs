@@ -1,4 +1,5 @@
-//! The state of a stream: what has come, of how much.
+//! `lodc info` of a `.lods`: how many steps and bytes of the document have arrived, and of how
+//! many.
 
 use crate::commands::stream_objects;
 use crate::exit::{Failure, Outcome, one_line};

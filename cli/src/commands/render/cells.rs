@@ -1,4 +1,4 @@
-//! The levels of detail that are shown, one picture each.
+//! The levels that `render` draws: one picture (cell) for each.
 
 use super::RenderArgs;
 use super::options::Colouring;

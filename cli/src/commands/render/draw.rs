@@ -1,4 +1,4 @@
-//! Cells to pictures, and pictures to sheets.
+//! Draws each cell with the software rasterizer, and joins the pictures to a contact sheet.
 
 use super::RenderArgs;
 use super::cells::Cell;

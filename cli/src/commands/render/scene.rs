@@ -1,4 +1,4 @@
-//! The things to show: objects, what they look like, and where they are.
+//! What `render` draws: objects, their materials and textures, and their transforms in the scene.
 
 use super::RenderArgs;
 use super::options::Colouring;
@@ -75,7 +75,7 @@ fn of_scene(
     if !levels && args.color != Colouring::Strips {
         return Ok((Objects::Meshes(scene.objects), scene.document, scene.warnings));
     }
-    let how = SimplifyArgs::default();
-    let asset = asset::simplified(&args.input, &args.import, &how, scene, stages)?;
+    let simplify_args = SimplifyArgs::default();
+    let asset = asset::simplified(&args.input, &args.import, &simplify_args, scene, stages)?;
     Ok((Objects::Levels(asset.objects), asset.document, asset.warnings))
 }

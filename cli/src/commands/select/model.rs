@@ -1,4 +1,5 @@
-//! A file as one model: all its objects under one error.
+//! Joins the objects of a file into one model for selection: one list of levels with one error
+//! each.
 
 use crate::commands::read::read_lodc;
 use crate::exit::{Failure, Outcome, Status};

@@ -1,4 +1,4 @@
-//! Instances of a scene: a JSON document in each line.
+//! Reads the instances of a scene: a JSON document in each line, with file, position and scale.
 
 use super::model::Model;
 use crate::exit::{Failure, Outcome, Status};
@@ -41,8 +41,8 @@ pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
     for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
         let line: Line = serde_json::from_str(line)
             .map_err(|e| failure(format!("line {number}, column {}: no instance", e.column())))?;
-        let places = line.position.iter().all(|c| c.is_finite());
-        if !places || !line.scale.is_finite() || line.scale <= 0.0 {
+        let is_finite = line.position.iter().all(|c| c.is_finite());
+        if !is_finite || !line.scale.is_finite() || line.scale <= 0.0 {
             let what = "a place needs finite numbers, a scale one above 0";
             return Err(failure(format!("line {number}: {what}")));
         }

@@ -1,4 +1,4 @@
-//! The mesh of a stream, or of as much of it as there is.
+//! Writes the mesh of a stream, complete or cut off anywhere, as a mesh file.
 
 use super::{Stream, UnpackArgs, read, summary};
 use crate::exit::{Failure, Outcome, Status};

@@ -1,4 +1,4 @@
-//! What was unpacked, as JSON or as a sentence.
+//! The summary of `unpack`: JSON for scripts, a sentence for people.
 
 use super::{Stream, UnpackArgs};
 use crate::commands::stream_objects;

@@ -15,11 +15,11 @@ pub(super) enum Gpu {
 ///
 /// # Errors
 /// If one is required and none can be used.
-pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Option<Gpu>> {
-    let Some(wanted) = wanted else { return Ok(None) };
+pub(super) fn open(gpu_use: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Option<Gpu>> {
+    let Some(gpu_use) = gpu_use else { return Ok(None) };
     match gpu::open(adapter) {
         Ok(device) => Ok(Some(Gpu::Device(Box::new(device)))),
-        Err(failure) if wanted == GpuUse::Auto => Ok(Some(Gpu::Skipped(failure.message))),
+        Err(failure) if gpu_use == GpuUse::Auto => Ok(Some(Gpu::Skipped(failure.message))),
         Err(failure) => {
             let message = format!(
                 "a GPU was required, and there is none to use: {failure}; nothing was verified"
@@ -33,14 +33,14 @@ pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Opt
 ///
 /// # Errors
 /// If the device fails, or a limit is reached on a device that was required.
-pub(super) fn checks(file: &LodFile, gpu: &Gpu, wanted: GpuUse) -> Outcome<Vec<CheckReport>> {
+pub(super) fn checks(file: &LodFile, gpu: &Gpu, gpu_use: GpuUse) -> Outcome<Vec<CheckReport>> {
     match gpu {
         Gpu::Skipped(why) => Ok(vec![CheckReport {
             device: "gpu",
             skipped: Some(why.clone()),
             ..CheckReport::new(None, "all", "replay")
         }]),
-        Gpu::Device(device) => on_device(file, device, wanted),
+        Gpu::Device(device) => on_device(file, device, gpu_use),
     }
 }
 
@@ -50,7 +50,7 @@ fn on_device(_: &LodFile, device: &Device, _: GpuUse) -> Outcome<Vec<CheckReport
 }
 
 #[cfg(feature = "gpu")]
-fn on_device(file: &LodFile, device: &Device, wanted: GpuUse) -> Outcome<Vec<CheckReport>> {
+fn on_device(file: &LodFile, device: &Device, gpu_use: GpuUse) -> Outcome<Vec<CheckReport>> {
     use crate::exit::Status;
     use lodc_gpu::replay;
     use lodc_model::Model;
@@ -69,7 +69,7 @@ fn on_device(file: &LodFile, device: &Device, wanted: GpuUse) -> Outcome<Vec<Che
             };
             // Where a device was only asked for if there is one, what it is too small for is left
             // out, aloud.
-            let too_much = |failure: Failure, check| match wanted {
+            let too_much = |failure: Failure, check| match gpu_use {
                 GpuUse::Auto if failure.status == Status::Limit => {
                     Ok(CheckReport { skipped: Some(failure.message), ..report(check) })
                 }

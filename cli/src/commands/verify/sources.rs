@@ -1,4 +1,5 @@
-//! `--source`: the mesh that a file was made from, by name or, in a folder, by content.
+//! `verify --source`: finds the mesh file that a `.lodc` was built from, by name or, in a folder,
+//! by its content hash.
 
 use crate::batch::{self, MESHES};
 use crate::exit::{Failure, Outcome, Status};

@@ -1,4 +1,5 @@
-//! The page: a template, a style, modules of JavaScript and the model, put into one file.
+//! Builds the page of `view`: HTML template, CSS, JavaScript modules and the model, joined into one
+//! file.
 
 use crate::kinds::UpAxis;
 use lodc_lod::interactive::shaders;

@@ -1,4 +1,5 @@
-//! A crowd on a graphics device: those with the same level in the same pose are one instanced draw.
+//! Draws a crowd on a GPU: all characters with the same level in the same pose are one instanced
+//! draw call.
 
 use super::figures::{Figure, place, turn};
 use super::report::{CrowdOnDevice, DrawnFrames};

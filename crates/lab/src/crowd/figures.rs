@@ -1,5 +1,5 @@
-//! What a crowd looks like: each input in a few poses of its first animation, and the triangles of
-//! its levels.
+//! The characters of a crowd: each input in a few poses of its first animation, and the triangle
+//! counts of its levels.
 
 use super::walk::WalkerPosition;
 use crate::error::LabError;

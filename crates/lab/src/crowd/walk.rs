@@ -1,4 +1,5 @@
-//! The paths of a crowd: everyone walks from one random place to the next, the same for a seed.
+//! The paths of a crowd's characters: each walks from one random point to the next; the same paths
+//! for the same seed.
 
 use lodc_mesh::SplitMix64;
 

@@ -69,9 +69,9 @@ fn levels_become_the_next_by_index() {
         for (k, pair) in chain.levels.windows(2).enumerate() {
             let prefix = chain.prefixes[k + 1];
             let to = |v: u32| if v < prefix { v } else { becomes[v as usize] };
-            let place = |v: u32| chain.mesh.positions()[v as usize].map(|x| (x + 0.0).to_bits());
+            let position = |v: u32| chain.mesh.positions()[v as usize].map(|x| (x + 0.0).to_bits());
             let has_area = |t: &[u32; 3]| {
-                let [a, b, c] = t.map(place);
+                let [a, b, c] = t.map(position);
                 a != b && b != c && c != a
             };
             for (now, next) in pair[0].iter().zip(&pair[1]) {

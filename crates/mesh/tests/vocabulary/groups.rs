@@ -12,7 +12,7 @@ fn groups(mesh: &Mesh) -> (PositionIds, WedgeGroups) {
 /// The definition: at one position, two corners are joined if their triangles share an edge there;
 /// corners of one vertex are joined; and so on until nothing changes.
 fn by_definition(mesh: &Mesh, positions: &PositionIds) -> Vec<u32> {
-    let place = |v: u32| positions.of_vertex[v as usize];
+    let position = |v: u32| positions.of_vertex[v as usize];
     let mut name: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
     loop {
         let before = name.clone();
@@ -21,9 +21,10 @@ fn by_definition(mesh: &Mesh, positions: &PositionIds) -> Vec<u32> {
                 for &v in s {
                     for &w in t {
                         let other = |&x: &u32| {
-                            place(x) != place(v) && t.iter().any(|&y| place(x) == place(y))
+                            position(x) != position(v)
+                                && t.iter().any(|&y| position(x) == position(y))
                         };
-                        if place(v) == place(w) && s.iter().any(other) {
+                        if position(v) == position(w) && s.iter().any(other) {
                             let least = name[v as usize].min(name[w as usize]);
                             (name[v as usize], name[w as usize]) = (least, least);
                         }

@@ -17,7 +17,7 @@ pub fn check_glide(shipped: &ShippedLevels) -> Option<CheckReport> {
     let count = shipped.glides.len() as u64;
     let found = shipped.glides.iter().find_map(|glide| {
         let what = difference(glide)?;
-        Some(format!("level {} moves: {}: {what}", glide.level, glide.place))
+        Some(format!("level {} moves: {}: {what}", glide.level, glide.location))
     });
     let report = CheckReport::new(None, "levels", "become the next ones");
     (count > 0).then(|| report.of(count, found))
@@ -81,8 +81,8 @@ fn different(from: &GlidePart, to: &GlidePart) -> Option<String> {
         .map(|t| turned(t.map(|v| positions.of_vertex[v as usize]), *t))
         .collect();
     wanted.retain(|([a, b, c], _)| a != b && b != c && c != a);
-    // Of triangles at the same places those come first whose other values are smaller, roughly: as
-    // far as rounding goes these are equal.
+    // Of triangles at the same positions those come first whose other values are smaller, roughly:
+    // as far as rounding goes these are equal.
     let order = |part: &GlidePart, all: &mut Vec<Corners>, values: fn(&GlidePart) -> &[f32]| {
         let rough = |t: &Corners| -> Vec<i64> {
             let rest = t.1.iter().flat_map(|&v| &row(values(part), v, width)[3..]);
@@ -113,11 +113,11 @@ fn row(values: &[f32], vertex: u32, width: usize) -> &[f32] {
     &values[vertex as usize * width..][..width]
 }
 
-/// A triangle with its smallest place first.
-fn turned(places: [u32; 3], vertices: [u32; 3]) -> Corners {
-    let least = (0..3).min_by_key(|&k| places[k]).unwrap_or(0);
+/// A triangle with its smallest position first.
+fn turned(positions: [u32; 3], vertices: [u32; 3]) -> Corners {
+    let least = (0..3).min_by_key(|&k| positions[k]).unwrap_or(0);
     let from = |all: [u32; 3]| std::array::from_fn(|k| all[(least + k) % 3]);
-    (from(places), from(vertices))
+    (from(positions), from(vertices))
 }
 
 /// Returns whether what a number has become is the wanted one, to a unit in the last place of the
@@ -135,7 +135,8 @@ fn unit(x: f32) -> f64 {
     if above.is_finite() { f64::from(above) - f64::from(x) } else { f64::INFINITY }
 }
 
-/// Returns whether two corners of a triangle have moved to the same place, as far as rounding goes.
+/// Returns whether two corners of a triangle have moved to the same position, as far as rounding
+/// goes.
 fn is_flat(part: &GlidePart, t: [u32; 3], width: usize) -> bool {
     (0..3).any(|k| {
         let [v, w] = [t[k], t[(k + 1) % 3]];

@@ -83,8 +83,8 @@ fn morph_targets_are_poses_that_need_no_animation() {
     assert_eq!(chosen, [Posture::Target(0), Posture::Target(1)]);
     let shapes = motion.shapes(&sphere, 0, &chosen);
     let height = |shape: &Shape| {
-        let places = shape.of(&sphere);
-        places.iter().map(|p| p[2]).fold(f32::MIN, f32::max)
+        let positions = shape.of(&sphere);
+        positions.iter().map(|p| p[2]).fold(f32::MIN, f32::max)
     };
     assert_eq!(shapes.len(), 3);
     assert!((height(&shapes[1]) - 2.0 * height(&shapes[0])).abs() < 1e-5);

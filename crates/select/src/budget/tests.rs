@@ -18,11 +18,11 @@ fn curve(rng: &mut SplitMix64) -> LevelCurve {
 fn scene(seed: u64, count: usize) -> SceneManager {
     let mut rng = SplitMix64::new(seed);
     let curves: Vec<LevelCurve> = (0..8).map(|_| curve(&mut rng)).collect();
-    let place = |rng: &mut SplitMix64| rng.below(2000) as f32 / 10.0 - 100.0;
+    let coordinate = |rng: &mut SplitMix64| rng.below(2000) as f32 / 10.0 - 100.0;
     let instances = (0..count)
         .map(|_| Instance {
             curve: rng.below(8) as u32,
-            position: [place(&mut rng), 0.0, place(&mut rng)],
+            position: [coordinate(&mut rng), 0.0, coordinate(&mut rng)],
             scale: 0.5 + rng.below(100) as f32 / 50.0,
         })
         .collect();

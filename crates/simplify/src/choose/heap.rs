@@ -98,10 +98,10 @@ impl Heap {
             if self.keys[parent] <= k {
                 break;
             }
-            self.place(i, self.keys[parent]);
+            self.set_slot(i, self.keys[parent]);
             i = parent;
         }
-        self.place(i, k);
+        self.set_slot(i, k);
     }
 
     fn sift_down(&mut self, mut i: usize) {
@@ -116,13 +116,13 @@ impl Heap {
             if least >= k {
                 break;
             }
-            self.place(i, least);
+            self.set_slot(i, least);
             i = first + child;
         }
-        self.place(i, k);
+        self.set_slot(i, k);
     }
 
-    fn place(&mut self, i: usize, k: u64) {
+    fn set_slot(&mut self, i: usize, k: u64) {
         self.keys[i] = k;
         self.slot[group_of(k) as usize] = i as u32;
     }

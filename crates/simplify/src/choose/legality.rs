@@ -1,7 +1,7 @@
-//! The legality of collapses: valence, orientation, topology (Dey et al. 1999), texture.
+//! The rules for a legal collapse: limited valence, no face turned over, unchanged topology (link
+//! condition, Dey et al. 1999), no texture turned over.
 //!
-//! The thresholds are from the first version, chosen by hand on a few models; they have not been
-//! tuned one by one.
+//! The thresholds were chosen by hand on a few models; they were not measured one by one.
 
 use super::link::{Link, Marks};
 use super::plan::WedgePlan;
@@ -116,9 +116,9 @@ impl Rules {
             return None;
         }
         if self.stage < Stage::Valence {
-            let (at_from, at_to) = (mesh.valence(from), mesh.valence(to));
-            let valence = (at_from + at_to).saturating_sub(2 * link.shared_faces);
-            if valence > MAX_VALENCE && valence > at_to {
+            let (valence_from, valence_to) = (mesh.valence(from), mesh.valence(to));
+            let valence = (valence_from + valence_to).saturating_sub(2 * link.shared_faces);
+            if valence > MAX_VALENCE && valence > valence_to {
                 return None;
             }
         }
@@ -133,8 +133,8 @@ impl Rules {
 /// Returns whether `from` has too many faces for `to` whichever of them die, at most as many as
 /// `to` has. Cheaper than the link, and decides for fans, where that would take quadratic time.
 fn is_overcrowded(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
-    let at_to = mesh.valence(to);
-    mesh.valence(from).saturating_sub(at_to) > at_to.max(MAX_VALENCE)
+    let valence_to = mesh.valence(to);
+    mesh.valence(from).saturating_sub(valence_to) > valence_to.max(MAX_VALENCE)
 }
 
 /// Returns whether no face around `from` turns its texture over in the planned collapse.
@@ -155,11 +155,11 @@ pub(super) fn keeps_texture(
         if mesh.others(corner).contains(&to) {
             return true;
         }
-        let [here, ahead, behind] = mesh.wedges_from(corner);
-        let Some(target) = plan.target(here).filter(|&t| t != NONE) else { return true };
-        let (b, c) = (at(ahead), at(behind));
+        let [wedge, next_wedge, previous_wedge] = mesh.wedges_from(corner);
+        let Some(target) = plan.target(wedge).filter(|&t| t != NONE) else { return true };
+        let (b, c) = (at(next_wedge), at(previous_wedge));
         let area = |a: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        area(at(here)) * area(at(target)) >= 0.0
+        area(at(wedge)) * area(at(target)) >= 0.0
     })
 }
 
@@ -173,19 +173,19 @@ struct MovingFace {
 }
 
 impl MovingFace {
-    /// The face at a corner of a group that is here.
+    /// The face at a corner of a group at this position.
     #[inline]
-    fn new(mesh: &WorkingMesh, corner: Corner, here: DVec3) -> Self {
+    fn new(mesh: &WorkingMesh, corner: Corner, position: DVec3) -> Self {
         let others = mesh.others(corner);
         let [ahead, behind] = others.map(|g| mesh.position(g));
-        Self { others, ahead, behind, normal: (ahead - here).cross(behind - here) }
+        Self { others, ahead, behind, normal: (ahead - position).cross(behind - position) }
     }
 
     /// Returns whether it neither turns too far nor loses its area, or dies, when the group moves
-    /// there onto `to`.
+    /// onto `to`, at `target`.
     #[inline]
-    fn keeps_orientation(&self, to: u32, there: DVec3) -> bool {
-        self.others.contains(&to) || stays_upright(self.normal, there, self.ahead, self.behind)
+    fn keeps_orientation(&self, to: u32, target: DVec3) -> bool {
+        self.others.contains(&to) || stays_upright(self.normal, target, self.ahead, self.behind)
     }
 }
 
@@ -196,17 +196,17 @@ pub(super) struct MovingFaces(Vec<MovingFace>);
 impl MovingFaces {
     /// Gathers the faces around a group.
     pub(super) fn gather(&mut self, mesh: &WorkingMesh, from: u32) {
-        let here = mesh.position(from);
+        let position = mesh.position(from);
         self.0.clear();
-        let faces = mesh.star(from).iter().map(|&corner| MovingFace::new(mesh, corner, here));
+        let faces = mesh.star(from).iter().map(|&corner| MovingFace::new(mesh, corner, position));
         self.0.extend(faces);
     }
 
     /// Returns whether none of the faces turns too far or loses its area when the group moves to
     /// the position of `to`.
     fn keep_orientation(&self, mesh: &WorkingMesh, to: u32) -> bool {
-        let there = mesh.position(to);
-        self.0.iter().all(|face| face.keeps_orientation(to, there))
+        let target = mesh.position(to);
+        self.0.iter().all(|face| face.keeps_orientation(to, target))
     }
 }
 
@@ -222,43 +222,43 @@ fn surely_keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
         return false;
     }
     let star = mesh.star(from);
-    let Some(place) = star.iter().position(|c| c.ahead == to) else { return false };
+    let Some(spoke) = star.iter().position(|c| c.ahead == to) else { return false };
     match star.len() {
-        3..=7 => OneRing::<2>::new(mesh, from, star).surely_turns_less(place, SURE_TURN),
-        8..=MAX_LEN => OneRing::<3>::new(mesh, from, star).surely_turns_less(place, SURE_TURN),
+        3..=7 => OneRing::<2>::new(mesh, from, star).surely_turns_less(spoke, SURE_TURN),
+        8..=MAX_LEN => OneRing::<3>::new(mesh, from, star).surely_turns_less(spoke, SURE_TURN),
         _ => false,
     }
 }
 
 fn keeps_orientation_exactly(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
-    let (here, there) = (mesh.position(from), mesh.position(to));
+    let (position, target) = (mesh.position(from), mesh.position(to));
     if !mesh.has(from, OPEN) {
         // The next corner leads to the group behind.
         let star = mesh.star(from);
         let Some(mut ahead) = star.last().map(|c| c.ahead) else { return true };
-        let mut ahead_at = mesh.position(ahead);
+        let mut ahead_position = mesh.position(ahead);
         return star.iter().map(|corner| corner.ahead).all(|behind| {
-            let behind_at = mesh.position(behind);
+            let behind_position = mesh.position(behind);
             let dies = ahead == to || behind == to;
-            let normal = || (ahead_at - here).cross(behind_at - here);
-            let stays = dies || stays_upright(normal(), there, ahead_at, behind_at);
-            (ahead, ahead_at) = (behind, behind_at);
+            let normal = || (ahead_position - position).cross(behind_position - position);
+            let stays = dies || stays_upright(normal(), target, ahead_position, behind_position);
+            (ahead, ahead_position) = (behind, behind_position);
             stays
         });
     }
-    let mut faces = mesh.star(from).iter().map(|&corner| MovingFace::new(mesh, corner, here));
-    faces.all(|face| face.keeps_orientation(to, there))
+    let mut faces = mesh.star(from).iter().map(|&corner| MovingFace::new(mesh, corner, position));
+    faces.all(|face| face.keeps_orientation(to, target))
 }
 
 /// Returns whether the triangle of a moving corner, `ahead` and `behind` keeps the orientation of
 /// its normal `old` and its area.
 #[inline]
-fn stays_upright(old: DVec3, there: DVec3, ahead: DVec3, behind: DVec3) -> bool {
+fn stays_upright(old: DVec3, target: DVec3, ahead: DVec3, behind: DVec3) -> bool {
     let old_squared = old.length_squared();
     if old_squared == 0.0 {
         return true;
     }
-    let (ahead, behind) = (ahead - there, behind - there);
+    let (ahead, behind) = (ahead - target, behind - target);
     let new = ahead.cross(behind);
     let longest =
         ahead.length_squared().max(behind.length_squared()).max((ahead - behind).length_squared());

@@ -1,5 +1,6 @@
-//! The plan of a collapse for every wedge of the group: true and twin edges, reuse, and fakes
-//! (thesis 4.2.1).
+//! Decides for every wedge of a group that collapses which wedge of the target it becomes: the one
+//! along the collapsed edge (true), one beside it (twin), one that exists there already (reuse), or
+//! a new vertex (fake) (thesis 4.2.1).
 
 use crate::cut::{SEAM, Wedges, WorkingMesh, next, previous};
 use crate::price::Attributes;
@@ -198,8 +199,8 @@ impl Planner<'_> {
     fn reusable(&self, wedge: u32, to: u32) -> Option<u32> {
         let submesh = self.wedges.submesh(wedge);
         let mut best: Option<(f64, u32)> = None;
-        let there = self.wedges.of_group(to).take(MAX_REUSED);
-        for t in there.filter(|&t| self.wedges.submesh(t) == submesh) {
+        let candidates = self.wedges.of_group(to).take(MAX_REUSED);
+        for t in candidates.filter(|&t| self.wedges.submesh(t) == submesh) {
             if self.wedges.alike(self.input, wedge, t) {
                 return Some(t);
             }

@@ -1,5 +1,5 @@
-//! The record of collapses, in the order in which they happen, and where the data of all wedges
-//! comes from.
+//! The log of all collapses of a simplification, in their order, and the vertices from which every
+//! wedge, fakes among them, has its position and attributes.
 
 use crate::cut::Region;
 use crate::moves::Moves;

@@ -73,35 +73,35 @@ impl Round<'_> {
     /// whose contents are dropped.
     pub(crate) fn gather(&self, range: Range<usize>, mut recycled: Region) -> Region {
         recycled.clear();
-        let own = range.len();
+        let own_groups = range.len();
         let mut gathering = Gathering {
             round: *self,
             first: range.start as u32,
-            own: own as u32,
+            own: own_groups as u32,
             new: recycled,
             // Shares here and in `reserve` are guesses on the large side: a square patch of 12,288
             // groups has 450 neighbours beyond its border. Lists and tables grow where that is
             // wrong.
-            others: Table::new(own / 4),
+            others: Table::new(own_groups / 4),
             hub_faces: Table::new(0),
             hubs: Vec::new(),
-            wedges: Table::new(if self.lists.bare { 0 } else { own + own / 4 }),
+            wedges: Table::new(if self.lists.bare { 0 } else { own_groups + own_groups / 4 }),
         };
         let order = &self.order[range];
         gathering.reserve(order);
         for (i, &group) in order.iter().enumerate() {
-            if let Some(&soon) = order.get(i + AHEAD) {
-                let (old, local) = gathering.home(soon);
+            if let Some(&upcoming) = order.get(i + AHEAD) {
+                let (old, local) = gathering.home(upcoming);
                 old.prefetch(local);
             }
             gathering.add_own(group);
         }
-        for (own, i) in (0..own as u32).zip(AHEAD / 2..) {
-            if let Some(&soon) = order.get(i) {
-                let (old, local) = gathering.home(soon);
+        for (group, i) in (0..own_groups as u32).zip(AHEAD / 2..) {
+            if let Some(&upcoming) = order.get(i) {
+                let (old, local) = gathering.home(upcoming);
                 old.mesh.prefetch_faces(local);
             }
-            gathering.add_star(own);
+            gathering.add_star(group);
         }
         // Only now, since slots have to be numbered for all faces of the region.
         for hub in std::mem::take(&mut gathering.hubs) {
@@ -136,15 +136,15 @@ impl<'a> Gathering<'a> {
 
     /// Reserves the lists: exactly for own groups and their stars, by estimate for other groups and
     /// for faces.
-    fn reserve(&mut self, own: &[u32]) {
-        let corners: usize = own
+    fn reserve(&mut self, own_groups: &[u32]) {
+        let corners: usize = own_groups
             .iter()
             .map(|&g| {
                 let (old, local) = self.home(g);
                 old.mesh.valence(local) + SLACK as usize
             })
             .sum();
-        let (own, all) = (own.len(), own.len() + own.len() / 8);
+        let (own_groups, all) = (own_groups.len(), own_groups.len() + own_groups.len() / 8);
         let Region { mesh, quadrics, choices, stamps, groups, .. } = &mut self.new;
         mesh.arena.reserve_exact(corners);
         mesh.faces.reserve(2 * all);
@@ -152,9 +152,9 @@ impl<'a> Gathering<'a> {
         mesh.flags.reserve(all);
         mesh.stars.reserve(all);
         groups.reserve(all);
-        quadrics.surface.reserve_exact(own);
-        choices.reserve_exact(own);
-        stamps.reserve_exact(own);
+        quadrics.surface.reserve_exact(own_groups);
+        choices.reserve_exact(own_groups);
+        stamps.reserve_exact(own_groups);
     }
 
     /// The number of an own group of the new region; greater than those for other groups.
@@ -210,35 +210,35 @@ impl<'a> Gathering<'a> {
         new.wedges.push_group(first..new.wedges.ids.len() as u32);
     }
 
-    fn add_star(&mut self, own: u32) {
-        let (old, local) = self.home(self.new.groups[own as usize]);
+    fn add_star(&mut self, number: u32) {
+        let (old, local) = self.home(self.new.groups[number as usize]);
         let star = old.mesh.star(local);
         let start = self.new.mesh.arena.len();
-        self.new.mesh.stars[own as usize].start = start as u32;
+        self.new.mesh.stars[number as usize].start = start as u32;
         let mut locks = false;
         for &corner in star {
-            let face = self.add_face(old, corner, own);
+            let face = self.add_face(old, corner, number);
             let groups = &self.new.mesh.faces[face as usize].groups;
             locks |= groups.iter().any(|&g| g >= self.own);
             let ahead = groups[next(corner.at())];
             self.new.mesh.arena.push(Corner::new(face, corner.at(), ahead));
-            self.new.mesh.stars[own as usize].len += 1;
+            self.new.mesh.stars[number as usize].len += 1;
         }
         let mesh = &mut self.new.mesh;
         let capacity = star.len() + SLACK as usize;
         mesh.arena.resize(start + capacity, Corner::new(0, 0, 0));
-        mesh.stars[own as usize].capacity = capacity as u32;
+        mesh.stars[number as usize].capacity = capacity as u32;
         if old.mesh.has(local, IS_HUB) {
-            self.hubs.push(own);
+            self.hubs.push(number);
         }
         if locks {
-            mesh.add_flags(own, LOCKED);
+            mesh.add_flags(number, LOCKED);
         }
     }
 
     /// The number of the face at a corner of an own group, which is added if it is new.
     #[inline]
-    fn add_face(&mut self, old: &'a Region, corner: Corner, own: u32) -> u32 {
+    fn add_face(&mut self, old: &'a Region, corner: Corner, number: u32) -> u32 {
         let Face { groups, triangle } = old.mesh.faces[corner.face() as usize];
         let groups = groups.map(|g| old.groups[g as usize]);
         let numbers = groups.map(|g| self.own_number(g));
@@ -246,7 +246,7 @@ impl<'a> Gathering<'a> {
         // own groups, and is in the stars of those up to this one.
         let known = [next(corner.at()), previous(corner.at()), corner.at()]
             .into_iter()
-            .filter(|&at| numbers[at] <= own)
+            .filter(|&at| numbers[at] <= number)
             .find_map(|at| self.face_at(numbers[at], at, triangle));
         known.unwrap_or_else(|| self.insert_face(old, corner.face(), Face { groups, triangle }))
     }

@@ -45,8 +45,8 @@ pub(crate) enum EdgeKind {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Entry {
     pub(crate) group: u32,
-    pub(crate) here: u32,
-    pub(crate) there: u32,
+    pub(crate) wedge: u32,
+    pub(crate) neighbor_wedge: u32,
     /// The face's place in the star.
     pub(crate) slot: u32,
 }
@@ -55,7 +55,8 @@ impl Entry {
     /// The wedges and the slot as one number, by which the entries of an edge are sorted.
     #[inline]
     pub(crate) fn key(&self) -> u128 {
-        u128::from(self.here) << 64 | u128::from(u64::from(self.there) << 32 | u64::from(self.slot))
+        u128::from(self.wedge) << 64
+            | u128::from(u64::from(self.neighbor_wedge) << 32 | u64::from(self.slot))
     }
 }
 
@@ -114,8 +115,8 @@ impl Neighborhood {
                 keys.push(u64::from(groups[end]) << 32 | unsorted.len() as u64);
                 unsorted.push(Entry {
                     group: groups[end],
-                    here: corners[at],
-                    there: corners[end],
+                    wedge: corners[at],
+                    neighbor_wedge: corners[end],
                     slot,
                 });
             }
@@ -135,7 +136,7 @@ impl Neighborhood {
         entries: Range<usize>,
     ) -> EdgeKind {
         let faces = &self.entries[entries];
-        let class = |e: &Entry| (wedges.class(e.here), wedges.class(e.there));
+        let class = |e: &Entry| (wedges.class(e.wedge), wedges.class(e.neighbor_wedge));
         let kind = match faces.len() {
             1 => EdgeKind::Border,
             2 if class(&faces[0]) == class(&faces[1]) => EdgeKind::Smooth,
@@ -174,27 +175,28 @@ impl Neighborhood {
 /// with.
 #[inline]
 pub(crate) fn target(wedges: &Wedges, faces: &[Entry], wedge: u32) -> Option<u32> {
-    let first = faces.partition_point(|e| e.here < wedge);
-    let same = faces.get(first).filter(|e| e.here == wedge);
+    let first = faces.partition_point(|e| e.wedge < wedge);
+    let same = faces.get(first).filter(|e| e.wedge == wedge);
     let class = wedges.class(wedge);
-    same.or_else(|| faces.iter().take(64).find(|e| wedges.class(e.here) == class)).map(|e| e.there)
+    same.or_else(|| faces.iter().take(64).find(|e| wedges.class(e.wedge) == class))
+        .map(|e| e.neighbor_wedge)
 }
 
 /// Returns whether an edge between two faces of a closed fan is a seam, given the wedges at the
 /// group and at its other end in both.
 #[inline]
-pub(crate) fn is_seam(wedges: &Wedges, here: [u32; 2], there: [u32; 2]) -> bool {
+pub(crate) fn is_seam(wedges: &Wedges, wedge: [u32; 2], neighbor_wedge: [u32; 2]) -> bool {
     let alike = |[a, b]: [u32; 2]| a == b || wedges.class(a) == wedges.class(b);
-    !alike(here) || !alike(there)
+    !alike(wedge) || !alike(neighbor_wedge)
 }
 
 /// Returns whether an edge at a group with a closed fan is a seam.
 pub(super) fn has_seams(mesh: &WorkingMesh, wedges: &Wedges, group: u32) -> bool {
     let mut star = mesh.star(group).iter().map(|&corner| mesh.wedges_from(corner));
-    let Some([mut here, _, mut behind]) = star.clone().next_back() else { return false };
+    let Some([mut wedge, _, mut behind]) = star.clone().next_back() else { return false };
     star.any(|[next_here, ahead, next_behind]| {
-        let seam = is_seam(wedges, [here, next_here], [behind, ahead]);
-        (here, behind) = (next_here, next_behind);
+        let seam = is_seam(wedges, [wedge, next_here], [behind, ahead]);
+        (wedge, behind) = (next_here, next_behind);
         seam
     })
 }
@@ -202,7 +204,7 @@ pub(super) fn has_seams(mesh: &WorkingMesh, wedges: &Wedges, group: u32) -> bool
 /// The weight of the planes along a seam with these faces, times its squared length.
 #[inline]
 pub(crate) fn seam_weight(wedges: &Wedges, faces: &[Entry]) -> f64 {
-    let submesh = |e: &Entry| wedges.submesh(e.here);
+    let submesh = |e: &Entry| wedges.submesh(e.wedge);
     let one = faces.iter().all(|e| submesh(e) == submesh(&faces[0]));
     if one { SEAM_WEIGHT } else { MATERIAL_WEIGHT }
 }

@@ -99,7 +99,7 @@ impl Region {
                 }
             }
         }
-        region.place_groups(input);
+        region.set_positions(input);
         region.build_stars(own);
         region.quadrics = Quadrics::new(&region.mesh, own);
         let first = input.planes.partition_point(|p| p.group < range.start);
@@ -167,10 +167,11 @@ impl Region {
         local
     }
 
-    fn place_groups(&mut self, input: &Input<'_>) {
+    fn set_positions(&mut self, input: &Input<'_>) {
         let mesh = &mut self.mesh;
-        let place = |g: u32| GroupPosition { position: input.place(g), target_cost: 0.0 };
-        mesh.places = self.groups.iter().map(|&g| place(g)).collect();
+        let position =
+            |g: u32| GroupPosition { position: input.group_position(g), target_cost: 0.0 };
+        mesh.places = self.groups.iter().map(|&g| position(g)).collect();
         let flag = |g: u32| if input.shares_position(g) { SHARED_POSITION } else { 0 };
         mesh.flags = self.groups.iter().map(|&g| flag(g)).collect();
         if !input.position_id.is_empty() {

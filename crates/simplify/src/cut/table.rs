@@ -1,4 +1,5 @@
-//! Numbers given to numbers in the order in which they are met: from the whole mesh to a region.
+//! A hash table from numbers in the whole mesh to numbers in a region, given in order of first
+//! appearance.
 
 use lodc_mesh::NONE;
 

@@ -1,4 +1,5 @@
-//! The wedges of every group: the vertices there, where their data comes from, and which are alike.
+//! The wedges (vertices) of every group in flat arrays: submesh, where position and attributes come
+//! from, and which wedges have equal attributes.
 
 use crate::number::{Wedge, same_attributes};
 use lodc_mesh::{Mesh, NONE};
@@ -101,13 +102,19 @@ impl Wedges {
         first != NONE && self.next[first as usize] == NONE
     }
 
-    /// Makes a fake at `group`: where `place` is, with the attributes of `attributes`.
-    pub(crate) fn add_fake(&mut self, group: u32, place: u32, attributes: u32) -> u32 {
+    /// Makes a fake at `group` with the position of `position_wedge` and the attributes of
+    /// `attribute_wedge`.
+    pub(crate) fn add_fake(
+        &mut self,
+        group: u32,
+        position_wedge: u32,
+        attribute_wedge: u32,
+    ) -> u32 {
         let w = self.ids.len() as u32;
         self.ids.push(NONE);
-        self.position_source.push(self.position_source[place as usize]);
-        self.attribute_source.push(self.attribute_source[attributes as usize]);
-        self.submesh.push(self.submesh[attributes as usize]);
+        self.position_source.push(self.position_source[position_wedge as usize]);
+        self.attribute_source.push(self.attribute_source[attribute_wedge as usize]);
+        self.submesh.push(self.submesh[attribute_wedge as usize]);
         // A class of its own until `number_fakes`: counted down from the greatest number, where no
         // wedge of the whole mesh has one.
         self.class.push(NONE - w);

@@ -1,4 +1,5 @@
-//! Orders along a space-filling curve, by which groups are numbered and shared out.
+//! Orders points along a space-filling curve, so that groups near each other in space get numbers
+//! near each other.
 
 use rayon::prelude::*;
 

@@ -167,7 +167,7 @@ impl<'a> Input<'a> {
     }
 
     /// Position of a group in working units.
-    pub(crate) fn place(&self, group: u32) -> Vec3 {
+    pub(crate) fn group_position(&self, group: u32) -> Vec3 {
         let p = self.position(group as usize);
         Vec3::from(p.map(|c| (f64::from(c) * self.scale) as f32))
     }

@@ -163,13 +163,13 @@ impl Gradients {
     #[inline]
     fn add_face(&mut self, view: WedgeAttributes<'_>, dual: Dual, corners: [u32; 3]) {
         let wedge = corners[0];
-        let place = self.wedges.iter().rposition(|w| w.0 == wedge).unwrap_or_else(|| {
+        let index = self.wedges.iter().rposition(|w| w.0 == wedge).unwrap_or_else(|| {
             self.wedges.push((wedge, 0.0));
             self.wedges.len() - 1
         });
-        self.wedges[place].1 += dual.area;
+        self.wedges[index].1 += dual.area;
         let rows = corners.map(|w| view.wedges.attribute_source[w as usize]);
-        self.faces.push(WedgeFace { at: place, dual, rows });
+        self.faces.push(WedgeFace { at: index, dual, rows });
     }
 
     /// Fits four numbers, from `first` on.
@@ -179,8 +179,9 @@ impl Gradients {
         let means = &mut self.means[start..];
         self.on_faces.clear();
         for face in &self.faces {
-            let [here, ahead, behind] = face.rows.map(|row| attributes.four(row, first));
-            let gradient = face.dual.gradient([ahead - here, behind - here]);
+            let [value, next_value, previous_value] =
+                face.rows.map(|row| attributes.four(row, first));
+            let gradient = face.dual.gradient([next_value - value, previous_value - value]);
             for (mean, gradient) in means[face.at].iter_mut().zip(gradient) {
                 *mean += gradient * face.dual.area;
             }
@@ -209,13 +210,14 @@ impl Gradients {
             let mut squared = Vec4::ZERO;
             let means = self.means.iter().skip(i).step_by(self.wedges.len());
             for (first, mean) in (0..view.attributes.width).step_by(4).zip(means) {
-                let [here, there] = rows.map(|row| view.attributes.four(row, first));
-                let rest = there - here - continued(mean, delta);
-                squared += rest * rest;
+                let [value, target_value] = rows.map(|row| view.attributes.four(row, first));
+                let residual = target_value - value - continued(mean, delta);
+                squared += residual * residual;
             }
             cost += f64::from(area * sum(squared));
-            let [here, there] = [wedge, target].map(|w| view.wedges.position_source[w as usize]);
-            cost += f64::from(area) * view.attributes.joint_distance_squared(here, there);
+            let [source, target_source] =
+                [wedge, target].map(|w| view.wedges.position_source[w as usize]);
+            cost += f64::from(area) * view.attributes.joint_distance_squared(source, target_source);
         }
         cost
     }

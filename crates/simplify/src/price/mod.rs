@@ -202,9 +202,9 @@ impl<M: Reprice> Pricer<'_, M> {
             gradients.fit(attributes, from);
         }
         let attribute_weight = self.metric.attribute_weight();
-        let here = mesh.position(from);
+        let origin = mesh.position(from);
         for edge in around.edges.iter().filter(|e| permitted.allows(e.kind)) {
-            let moved = refitted.cost(mesh.position(edge.group) - here);
+            let moved = refitted.cost(mesh.position(edge.group) - origin);
             let surcharge = if with_attributes {
                 let delta =
                     mesh.places[edge.group as usize].position - mesh.places[from as usize].position;

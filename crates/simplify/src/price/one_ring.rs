@@ -104,10 +104,10 @@ impl<const N: usize> OneRing<N> {
     #[inline]
     pub(crate) fn new(mesh: &WorkingMesh, from: u32, star: &[Corner]) -> Self {
         let len = star.len();
-        let here = mesh.places[from as usize].position.extend(0.0);
+        let origin = mesh.places[from as usize].position.extend(0.0);
         let mut row = [Vec4::ZERO; MAX_LEN + 2];
         for (row, corner) in row.iter_mut().zip(star) {
-            *row = mesh.places[corner.ahead as usize].row() - here;
+            *row = mesh.places[corner.ahead as usize].row() - origin;
         }
         // The face between the last and the first, and once more the first face.
         row[len] = row[0];
@@ -188,9 +188,9 @@ impl<const N: usize> OneRing<N> {
             let squared =
                 self.cx[t] * self.cx[t] + self.cy[t] * self.cy[t] + self.cz[t] * self.cz[t];
             let length = squared.sqrt();
-            let there = LANES[t].cmplt(len) & squared.cmpgt(Vec4::ZERO);
-            weights[t] = Vec4::select(there, Vec4::splat(0.5) / length, Vec4::ZERO);
-            area += Vec4::select(there, length, Vec4::ZERO);
+            let is_used = LANES[t].cmplt(len) & squared.cmpgt(Vec4::ZERO);
+            weights[t] = Vec4::select(is_used, Vec4::splat(0.5) / length, Vec4::ZERO);
+            area += Vec4::select(is_used, length, Vec4::ZERO);
         }
         (weights, 0.5 * ((area.x + area.y) + (area.z + area.w)))
     }

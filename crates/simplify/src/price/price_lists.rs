@@ -1,7 +1,7 @@
-//! Lists of prices that are still right: those of groups whose faces have not changed since.
+//! A cache of the prices of groups whose faces have not changed.
 //!
 //! A group that was refused is searched again and again, mostly because one of its neighbours
-//! changed. What its collapses cost has not changed by that, but for the target's own cost.
+//! changed. What its collapses cost has not changed by that, but for the cost stored at the target.
 
 use crate::cut::WorkingMesh;
 
@@ -17,8 +17,8 @@ impl Priced {
     /// The whole cost as of now, not NaN.
     #[inline]
     pub(crate) fn cost(&self, mesh: &WorkingMesh) -> f64 {
-        let there = f64::from(mesh.places[self.to as usize].target_cost);
-        let cost = self.moved + there;
+        let target_cost = f64::from(mesh.places[self.to as usize].target_cost);
+        let cost = self.moved + target_cost;
         if cost.is_nan() { f64::INFINITY } else { cost }
     }
 }

@@ -30,13 +30,13 @@ impl Surcharge for RingAttributes<'_> {
         }
         let spokes = ring.spokes();
         let (mut offsets, mut scatter) = ([Vec4::ZERO; MAX_LEN], Scatter::default());
-        let (here, rows) = self.rows(star);
+        let (own_row, rows) = self.rows(star);
         for first in (0..self.view.attributes.width).step_by(4) {
             let four = |row: &[f32]| Vec4::from_slice(&row[first..first + 4]);
-            let here = four(here);
+            let own_row = four(own_row);
             let mut changes = [Vec4::ZERO; MAX_LEN + 1];
             for (change, row) in changes.iter_mut().zip(&rows[..ring.len]) {
-                *change = four(row) - here;
+                *change = four(row) - own_row;
             }
             changes[ring.len] = changes[0];
             let mean = faces.add(ring.len, &changes, &mut scatter);
@@ -69,8 +69,8 @@ impl RingAttributes<'_> {
             self.view.attributes.padded(self.view.wedges.attribute_source[wedge as usize])
         };
         let mut rows: [&[f32]; MAX_LEN] = [&[]; MAX_LEN];
-        for (place, corner) in rows.iter_mut().zip(star) {
-            *place = row(self.view.mesh.wedges(corner.face())[next(corner.at())]);
+        for (neighbor_row, corner) in rows.iter_mut().zip(star) {
+            *neighbor_row = row(self.view.mesh.wedges(corner.face())[next(corner.at())]);
         }
         (row(self.view.mesh.wedges(star[0].face())[star[0].at()]), rows)
     }
@@ -82,10 +82,11 @@ impl RingAttributes<'_> {
         }
         let source = |wedge: u32| self.view.wedges.position_source[wedge as usize];
         let faces = |corner: Corner| self.view.mesh.wedges(corner.face());
-        let here = source(faces(star[0])[star[0].at()]);
+        let source_wedge = source(faces(star[0])[star[0].at()]);
         for (cost, &corner) in costs.iter_mut().zip(star) {
-            let there = source(faces(corner)[next(corner.at())]);
-            *cost += area * self.view.attributes.joint_distance_squared(here, there) as f32;
+            let target_wedge = source(faces(corner)[next(corner.at())]);
+            *cost += area
+                * self.view.attributes.joint_distance_squared(source_wedge, target_wedge) as f32;
         }
     }
 }

@@ -28,14 +28,20 @@ impl<const N: usize> SeamRing<N> {
         let mut kinds = [EdgeKind::Smooth; MAX_LEN];
         let (mut seams, mut before) = (0, star.len() - 1);
         for (i, corner) in star.iter().enumerate() {
-            let ([here, there, _], [other_here, _, other_there]) = (corners[i], corners[before]);
+            let ([wedge, neighbor_wedge, _], [other_wedge, _, other_neighbor]) =
+                (corners[i], corners[before]);
             let group = corner.ahead;
             let mut faces = [
-                Entry { group, here, there, slot: i as u32 },
-                Entry { group, here: other_here, there: other_there, slot: before as u32 },
+                Entry { group, wedge, neighbor_wedge, slot: i as u32 },
+                Entry {
+                    group,
+                    wedge: other_wedge,
+                    neighbor_wedge: other_neighbor,
+                    slot: before as u32,
+                },
             ];
             faces.sort_unstable_by_key(Entry::key);
-            if is_seam(wedges, [here, other_here], [there, other_there]) {
+            if is_seam(wedges, [wedge, other_wedge], [neighbor_wedge, other_neighbor]) {
                 kinds[i] = EdgeKind::Seam;
                 seams += 1;
             }

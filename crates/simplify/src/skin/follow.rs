@@ -1,4 +1,5 @@
-//! Carries the skin's collapses out on the whole mesh.
+//! Carries out on the whole mesh what was collapsed on the skin (one layer of coincident faces):
+//! every layer gets the same collapses.
 
 use crate::choose::{LegalCollapse, Planner, WedgePlan};
 use crate::commit::{CollapseLog, Commit, Sources, Touched, join_points};
@@ -32,7 +33,7 @@ pub(crate) fn moves(
 ) -> Vec<Move> {
     // For each fake the vertex in its place, once there is one.
     let mut fakes: Vec<u32> = Vec::new();
-    let place = |fakes: &[u32], wedge: u32| match input.vertex_of().get(wedge as usize) {
+    let vertex_of_wedge = |fakes: &[u32], wedge: u32| match input.vertex_of().get(wedge as usize) {
         Some(&vertex) => vertices[vertex as usize],
         None => fakes.get(wedge as usize - input.wedges()).copied().unwrap_or(NONE),
     };
@@ -42,7 +43,10 @@ pub(crate) fn moves(
         let (records, step) = (log.records(step as usize), &log.steps[step as usize]);
         let (wedges, targets) = (&log.wedges[records.clone()], &log.targets[records]);
         let known = |list: &[u32]| {
-            list.iter().map(|&wedge| place(&fakes, wedge)).find(|&v| v != NONE).unwrap_or(NONE)
+            list.iter()
+                .map(|&wedge| vertex_of_wedge(&fakes, wedge))
+                .find(|&v| v != NONE)
+                .unwrap_or(NONE)
         };
         let (from, to) = (known(wedges), known(targets));
         for &fake in targets.iter().filter(|&&t| t as usize >= input.wedges()) {

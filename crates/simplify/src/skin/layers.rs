@@ -1,4 +1,4 @@
-//! Which faces lie on others.
+//! Finds coincident faces: layers that lie on each other.
 //!
 //! Two faces lie on each other if their corners are at the same three positions, whichever way they
 //! turn. Two pairs of faces do if they divide a flat quadrilateral along its two diagonals: the
@@ -80,7 +80,7 @@ impl<'a> Faces<'a> {
     }
 
     /// The positions of a face's corners.
-    fn places(&self, face: u32) -> [u32; 3] {
+    fn positions_of(&self, face: u32) -> [u32; 3] {
         self.mesh.triangles()[face as usize].map(|v| self.positions.of_vertex[v as usize])
     }
 
@@ -88,35 +88,35 @@ impl<'a> Faces<'a> {
     fn row(&self, position: u32, entries: &mut Vec<Entry>) {
         entries.clear();
         entries.extend(self.rows.row(position).iter().map(|&face| {
-            let mut places = self.places(face);
-            places.sort_unstable();
-            (places[1], places[2], face)
+            let mut positions = self.positions_of(face);
+            positions.sort_unstable();
+            (positions[1], positions[2], face)
         }));
         entries.sort_unstable();
     }
 
     /// All cells, by their first faces. A face belongs to one at most.
     fn cells(&self) -> Vec<Cell> {
-        let found: Vec<Cell> = (0..self.positions.len() as u32)
+        let cells_found: Vec<Cell> = (0..self.positions.len() as u32)
             .into_par_iter()
             .with_min_len(1024)
             .map_init(Vec::new, |entries, position| {
-                let mut found = Vec::new();
+                let mut cells_found = Vec::new();
                 if self.rows.row(position).len() > 1 {
                     self.row(position, entries);
-                    stacks(entries, &mut found);
-                    self.quads(position, entries, &mut found);
+                    stacks(entries, &mut cells_found);
+                    self.quads(position, entries, &mut cells_found);
                 }
-                found
+                cells_found
             })
             .flatten_iter()
             .collect();
-        if found.is_empty() {
-            return found;
+        if cells_found.is_empty() {
+            return cells_found;
         }
         let mut is_taken = vec![false; self.mesh.triangles().len()];
         let (stacks, quads): (Vec<Cell>, Vec<Cell>) =
-            found.into_iter().partition(|cell| cell.sides[0][1] == NONE);
+            cells_found.into_iter().partition(|cell| cell.sides[0][1] == NONE);
         let mut cells: Vec<Cell> = stacks
             .into_iter()
             .chain(quads)
@@ -135,7 +135,7 @@ impl<'a> Faces<'a> {
 
     /// Finds pairs of faces that divide a flat quadrilateral with this smallest position along
     /// different diagonals. Three of the four faces are in its row.
-    fn quads(&self, position: u32, entries: &[Entry], found: &mut Vec<Cell>) {
+    fn quads(&self, position: u32, entries: &[Entry], cells_found: &mut Vec<Cell>) {
         if !(3..=MAX_SEARCHED).contains(&entries.len()) {
             return;
         }
@@ -147,9 +147,9 @@ impl<'a> Faces<'a> {
             for &(_, z, xz) in entries[i + 1..].iter().take_while(|e| e.0 == x) {
                 let Some(yz) = at(y, z).filter(|_| y < z) else { continue };
                 let fourth = self.rows.row(x).iter().copied().find(|&face| {
-                    let mut places = self.places(face);
-                    places.sort_unstable();
-                    places == [x, y, z]
+                    let mut positions = self.positions_of(face);
+                    positions.sort_unstable();
+                    positions == [x, y, z]
                 });
                 let Some(xyz) = fourth else { continue };
                 // The diagonal from this position goes to one of the other three.
@@ -165,7 +165,7 @@ impl<'a> Faces<'a> {
                 if let Some((_, mut p, mut q)) = flat {
                     p.sort_unstable();
                     q.sort_unstable();
-                    found.push(Cell { sides: vec![p.min(q), p.max(q)] });
+                    cells_found.push(Cell { sides: vec![p.min(q), p.max(q)] });
                 }
             }
         }
@@ -191,8 +191,8 @@ impl<'a> Faces<'a> {
 
     /// Returns whether a face has an edge from one position to another, in this direction.
     fn runs_along(&self, face: u32, [from, to]: [u32; 2]) -> bool {
-        let places = self.places(face);
-        (0..3).any(|c| places[c] == from && places[(c + 1) % 3] == to)
+        let positions = self.positions_of(face);
+        (0..3).any(|c| positions[c] == from && positions[(c + 1) % 3] == to)
     }
 
     /// Unit normal of a face; zero if it has no area.
@@ -204,9 +204,9 @@ impl<'a> Faces<'a> {
 }
 
 /// Finds the faces at the same three positions.
-fn stacks(entries: &[Entry], found: &mut Vec<Cell>) {
+fn stacks(entries: &[Entry], cells_found: &mut Vec<Cell>) {
     for stack in entries.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|s| s.len() > 1) {
-        found.push(Cell { sides: stack.iter().map(|e| [e.2, NONE]).collect() });
+        cells_found.push(Cell { sides: stack.iter().map(|e| [e.2, NONE]).collect() });
     }
 }
 
@@ -228,12 +228,12 @@ struct Edge {
 impl Edge {
     /// The three edges of a face.
     fn of(faces: &Faces<'_>, face: u32, cell: u32, side: u32) -> [Self; 3] {
-        let places = faces.places(face);
+        let positions = faces.positions_of(face);
         let corners = faces.mesh.triangles()[face as usize];
         [[0, 1], [1, 2], [2, 0]].map(|[a, b]| {
-            let is_rising = places[a] < places[b];
+            let is_rising = positions[a] < positions[b];
             let [a, b] = if is_rising { [a, b] } else { [b, a] };
-            let (ends, vertices) = ([places[a], places[b]], [corners[a], corners[b]]);
+            let (ends, vertices) = ([positions[a], positions[b]], [corners[a], corners[b]]);
             Self { ends, is_rising, face, cell, side, vertices }
         })
     }
@@ -313,8 +313,8 @@ impl<'a> Choosing<'a> {
     /// surfaces than two meet, none continues the other.
     fn cross(&mut self, edge: &Edge) {
         let first = self.edges.partition_point(|e| e.ends < edge.ends);
-        let here = self.edges[first..].iter().take_while(|e| e.ends == edge.ends);
-        let end = first + here.take(MAX_AT_EDGE + 1).count();
+        let same_ends = self.edges[first..].iter().take_while(|e| e.ends == edge.ends);
+        let end = first + same_ends.take(MAX_AT_EDGE + 1).count();
         if end - first > MAX_AT_EDGE {
             return;
         }

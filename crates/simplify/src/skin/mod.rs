@@ -128,8 +128,8 @@ impl Skin {
         let mut planes = Vec::with_capacity(3 * self.divided_otherwise.len());
         for &(face, weight) in &self.divided_otherwise {
             let corners = mesh.triangles()[face as usize];
-            let place = |v: u32| DVec3::from(mesh.positions()[v as usize].map(f64::from));
-            let [a, b, c] = corners.map(|v| input.scale * place(v));
+            let position = |v: u32| DVec3::from(mesh.positions()[v as usize].map(f64::from));
+            let [a, b, c] = corners.map(|v| input.scale * position(v));
             let normal = (b - a).cross(c - a);
             planes.extend(corners.map(|v| FollowerPlane {
                 group: group_at[positions.of_vertex[v as usize] as usize],

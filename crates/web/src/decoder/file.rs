@@ -1,4 +1,4 @@
-//! A whole file as a message.
+//! A complete `.lodc` as one message of typed arrays for the page.
 
 use super::levels::{self, Level};
 use super::message::{Message, Tag};

@@ -1,4 +1,4 @@
-//! Levels of an object as lists of indices, one behind the other, the coarse ones first.
+//! Index lists of some levels of an object, joined into one array, the coarsest first.
 
 use super::message::{Message, Tag};
 

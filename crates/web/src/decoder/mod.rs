@@ -65,7 +65,7 @@ impl Decoder {
         let (output, status) = match result {
             Ok(message) => (message.bytes, Status::Done),
             // Not by `Display`, whose escapes would be a tenth of the decoder.
-            Err(e) => ([e.place, e.what].join(": ").into_bytes(), Status::Failed),
+            Err(e) => ([e.location, e.problem].join(": ").into_bytes(), Status::Failed),
         };
         self.output = output;
         status

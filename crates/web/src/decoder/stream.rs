@@ -1,4 +1,4 @@
-//! A stream as messages of what has come since the last one.
+//! A `.lods` as messages: each holds what has arrived since the last one.
 
 use super::levels::{self, Level};
 use super::message::{Message, Tag};

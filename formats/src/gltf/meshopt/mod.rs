@@ -64,19 +64,19 @@ pub(crate) struct Layout {
 
 impl Layout {
     /// Reads and checks what a view's extension says.
-    pub(crate) fn read(packed: &Object, place: &str) -> Result<Self, FormatError> {
+    pub(crate) fn read(packed: &Object, location: &str) -> Result<Self, FormatError> {
         let named = |key: &str| packed.get(key).map_or(Some("NONE"), Json::as_str);
         let (mode, filter) = (named("mode"), named("filter"));
         let mode = MODES.iter().find(|(name, _)| Some(*name) == mode);
         let filter = FILTERS.iter().find(|(name, _)| Some(*name) == filter);
         let unknown = "`mode` is not one of ATTRIBUTES, TRIANGLES, INDICES";
         let layout = Self {
-            mode: mode.ok_or_else(|| malformed(place, unknown))?.1,
-            filter: filter.ok_or_else(|| malformed(place, "`filter` is unknown"))?.1,
-            count: packed.required("count", place)? as usize,
-            stride: packed.required("byteStride", place)? as usize,
+            mode: mode.ok_or_else(|| malformed(location, unknown))?.1,
+            filter: filter.ok_or_else(|| malformed(location, "`filter` is unknown"))?.1,
+            count: packed.required("count", location)? as usize,
+            stride: packed.required("byteStride", location)? as usize,
         };
-        layout.check().map_err(|what| malformed(place, what))?;
+        layout.check().map_err(|problem| malformed(location, problem))?;
         Ok(layout)
     }
 

@@ -137,9 +137,9 @@ impl<'a> Reader<'a> {
         let per_byte = usize::from(8 / bits);
         for (i, value) in group.iter_mut().enumerate() {
             // Single bits are packed from the lowest up, the others from the highest down.
-            let place =
+            let shift =
                 if bits == 1 { i % 8 } else { (per_byte - 1 - i % per_byte) * usize::from(bits) };
-            let small = packed[i / per_byte] >> place & sentinel(bits);
+            let small = packed[i / per_byte] >> shift & sentinel(bits);
             *value = if small == sentinel(bits) { self.take(1)?[0] } else { small };
         }
         Ok(())

@@ -1,4 +1,5 @@
-//! Streams as integers of few bits.
+//! How the values of one attribute stream are quantised: the integer type and its bits for
+//! positions, texture coordinates, colours, weights, normals and morph targets.
 
 use super::grid::{Grid, last_number};
 use crate::gltf::meshopt::{packed_direction, unpacked_direction};

@@ -1,4 +1,5 @@
-//! Grids of whole numbers that values are rounded to.
+//! Uniform quantisation grids: a value is stored as a whole number of 16 bits, of which
+//! `offset + step * number` gives it back to half a step.
 
 /// The largest number of a grid.
 const LAST: f64 = 65_535.0;

@@ -61,7 +61,7 @@ impl Quantizer {
         };
         let of_mesh: BTreeMap<usize, Grid<3>> =
             subjects.iter().zip(&positions).filter_map(|(s, g)| Some((s.mesh, (*g)?))).collect();
-        placement::place(root, blob, &of_mesh);
+        placement::move_to_grids(root, blob, &of_mesh);
         textures.transform(root);
         if precision != Precision::default() {
             shorten_numbers(root);

@@ -1,5 +1,6 @@
-//! Nodes whose mesh is on a grid: the mesh moves to a child that scales the grid, so that the
-//! node's own transform, its animations and its other children stay as they are.
+//! Dequantisation of positions by nodes: a mesh with quantised positions moves to a new child node
+//! whose translation and scale are those of its grid, so that the node's own transform, its
+//! animations and its other children stay as they are.
 
 use super::grid::Grid;
 use super::skins;
@@ -8,7 +9,7 @@ use crate::gltf::json::{Json, Object};
 use std::collections::BTreeMap;
 
 /// Places all meshes of the document that are on a grid.
-pub(super) fn place(root: &mut Object, blob: &mut [u8], grids: &BTreeMap<usize, Grid<3>>) {
+pub(super) fn move_to_grids(root: &mut Object, blob: &mut [u8], grids: &BTreeMap<usize, Grid<3>>) {
     let skinned: BTreeMap<usize, Grid<3>> = skins::shown(root)
         .filter_map(|(mesh, matrices)| Some((matrices, *grids.get(&mesh)?)))
         .collect();

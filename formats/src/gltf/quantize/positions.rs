@@ -1,5 +1,5 @@
-//! Grids of positions: one step for all objects of a scene as it shows them, so that parts that
-//! touch still do.
+//! Chooses the grid of each mesh's positions: one step in world space for all, and offsets that are
+//! multiples of it, so that vertices of touching parts stay at one position.
 
 use super::grid::{Bounds, Grid, last_number, short};
 use super::{Subject, primitives, skins};
@@ -39,11 +39,12 @@ pub(super) fn grids(
     for group in groups.iter().filter(|g| g.iter().all(|&o| is_movable(root, subjects, o))) {
         let mut all = Bounds::EMPTY;
         group.iter().for_each(|&o| all.join(&boxes[o]));
-        let own = |&o: &usize| {
+        let world_step = |&o: &usize| {
             let fewest = f64::from(2u32 << (bits / 2));
             (step / scale(&subjects[o])).min(boxes[o].longest() / fewest)
         };
-        let finest = group.iter().map(own).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+        let finest =
+            group.iter().map(world_step).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
         let step = short(finest.max(all.longest() / MOST_STEPS));
         let fits = |&o: &usize| largest_offset(&subjects[o].geometry) <= MOST_OFFSET * step;
         if step.is_finite() && step >= f64::from(f32::MIN_POSITIVE) && group.iter().all(fits) {
@@ -68,10 +69,10 @@ fn scene_size(
             all.add(placement.transform.transform_point3(corner.into()).to_array());
         }
     }
-    let own = |(s, b): (&Subject<'_>, &Bounds<3>)| b.longest() * scale(s);
-    let largest = subjects.iter().zip(boxes).map(own).fold(0.0, f64::max);
-    let whole = all.longest();
-    Ok(if whole.is_finite() { whole.max(largest) } else { largest })
+    let world_size = |(s, b): (&Subject<'_>, &Bounds<3>)| b.longest() * scale(s);
+    let largest = subjects.iter().zip(boxes).map(world_size).fold(0.0, f64::max);
+    let scene_box_size = all.longest();
+    Ok(if scene_box_size.is_finite() { scene_box_size.max(largest) } else { largest })
 }
 
 /// Objects that need one grid because a skin's matrices hold its transform for all of them.

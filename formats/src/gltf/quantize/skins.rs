@@ -1,4 +1,5 @@
-//! Skins: the inverse bind matrices take the transform of a grid.
+//! Dequantisation of skinned meshes: their nodes' transforms are ignored, so the grid's transform
+//! is multiplied into the inverse bind matrices.
 
 use super::grid::Grid;
 use crate::gltf::floats::Floats;
@@ -14,8 +15,8 @@ pub(super) fn matrices(root: &Object, node: &Object) -> Option<usize> {
 pub(super) fn is_movable(root: &Object, node: &Object, written: impl Fn(usize) -> bool) -> bool {
     let Some(accessor) = matrices(root, node) else { return false };
     let all = root.list("accessors");
-    let place = |i: usize| (&all[i]["bufferView"], &all[i]["byteOffset"]);
-    let twins = (0..all.len()).filter(|&i| place(i) == place(accessor)).count();
+    let bytes_at = |i: usize| (&all[i]["bufferView"], &all[i]["byteOffset"]);
+    let twins = (0..all.len()).filter(|&i| bytes_at(i) == bytes_at(accessor)).count();
     let moved = shown(root).filter(|(_, matrices)| *matrices == accessor);
     twins == 1 && of_matrices(root, accessor).is_some() && moved.map(|(mesh, _)| mesh).all(written)
 }
@@ -32,8 +33,8 @@ pub(super) fn transform(root: &mut Object, blob: &mut [u8], accessor: usize, gri
         // They are optional, and no longer true.
         ["min", "max"].iter().for_each(|key| drop(accessor.shift_remove(*key)));
     }
-    for place in floats.into_iter().flat_map(Floats::places) {
-        let Some(matrix) = blob.get_mut(place) else { return };
+    for bytes_at in floats.into_iter().flat_map(Floats::byte_ranges) {
+        let Some(matrix) = blob.get_mut(bytes_at) else { return };
         let number = |matrix: &[u8], column: usize, row: usize| {
             let bytes = matrix.as_chunks::<4>().0[4 * column + row];
             f64::from(f32::from_le_bytes(bytes))

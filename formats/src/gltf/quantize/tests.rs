@@ -20,9 +20,9 @@ const BITS: Precision = Precision {
 
 /// Accessors of a curved sheet of `SIDE` by `SIDE` vertices: indices, and attributes.
 fn sheet(b: &mut Builder) -> (usize, Value) {
-    let places = || (0..SIDE * SIDE).map(|i| [(i % SIDE) as f32, (i / SIDE) as f32]);
+    let grid_points = || (0..SIDE * SIDE).map(|i| [(i % SIDE) as f32, (i / SIDE) as f32]);
     let each = |f: &dyn Fn(f32, f32) -> Vec<f32>| -> Vec<f32> {
-        places().flat_map(|[x, y]| f(x, y)).collect()
+        grid_points().flat_map(|[x, y]| f(x, y)).collect()
     };
     let quads = (0..SIDE - 1).flat_map(|y| (0..SIDE - 1).map(move |x| (y * SIDE + x) as u16));
     let s = SIDE as u16;

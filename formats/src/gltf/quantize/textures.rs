@@ -1,5 +1,5 @@
-//! Texture coordinates on grids: each material has its own, and `KHR_texture_transform` scales its
-//! textures back.
+//! Chooses the grid of each material's texture coordinates, and dequantises them through
+//! `KHR_texture_transform`.
 
 use super::coding::Coding;
 use super::grid::{Bounds, Grid};
@@ -42,7 +42,8 @@ impl TextureGrids {
             Some(key) => grids.get(key).copied().map(CoordinateUse::Grid),
             None => stream.bounds.map(|bounds| CoordinateUse::Multiples(bounds.binary_step(bits))),
         };
-        let codings = streams.iter().filter_map(|s| Some((s.place, meaning(s)?))).collect();
+        let codings =
+            streams.iter().filter_map(|s| Some((s.object_submesh_set, meaning(s)?))).collect();
         Self { grids, codings }
     }
 
@@ -84,7 +85,7 @@ struct Readers<'a> {
 /// A set of coordinates of a submesh.
 struct Stream {
     /// Object, submesh and set.
-    place: (usize, usize, u32),
+    object_submesh_set: (usize, usize, u32),
     /// Sets of materials that read it.
     keys: Vec<Key>,
     /// None if it cannot be put on a grid.
@@ -162,7 +163,7 @@ impl<'a> Readers<'a> {
                     let keys = materials.iter().map(|&m| (m, set));
                     let keys = keys.filter(|key| self.sets.contains(key)).collect();
                     let bounds = is_plain(stream).then(|| bounds(mesh, s, stream)).flatten();
-                    streams.push(Stream { place: (o, s, set), keys, bounds });
+                    streams.push(Stream { object_submesh_set: (o, s, set), keys, bounds });
                 }
             }
         }

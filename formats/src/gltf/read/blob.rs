@@ -1,4 +1,5 @@
-//! One buffer, the blob, for all the buffer views that a document keeps.
+//! Copies all buffer views that a document keeps into one buffer (`blob`), so that it can be stored
+//! in one section, and changes their offsets.
 
 use crate::FormatError;
 use crate::gltf::extensions::MESHOPT;
@@ -12,12 +13,12 @@ use crate::gltf::views::{Views, put};
 /// larger than what it is made from; offsets modulo 4 stay as they were.
 pub(super) fn compact(
     root: &mut Object,
-    kept: &[usize],
+    kept_views: &[usize],
     views: &Views<'_>,
 ) -> Result<Vec<u8>, FormatError> {
-    let mut layout = BlobLayout::new(kept.len());
-    layout.add_plain(kept, views)?;
-    layout.add_compressed(kept, views)?;
+    let mut layout = BlobLayout::new(kept_views.len());
+    layout.add_plain(kept_views, views)?;
+    layout.add_compressed(kept_views, views)?;
     let BlobLayout { mut blob, placeholders, locations } = layout;
     relocate_views(root, &locations);
     embed_data_images(root, &mut blob);
@@ -63,17 +64,17 @@ impl BlobLayout {
     }
 
     /// Adds the views that are not compressed, in the order of their bytes in the old buffers.
-    fn add_plain(&mut self, kept: &[usize], views: &Views<'_>) -> Result<(), FormatError> {
+    fn add_plain(&mut self, kept_views: &[usize], views: &Views<'_>) -> Result<(), FormatError> {
         let mut plain: Vec<usize> =
-            (0..kept.len()).filter(|&i| !views.is_compressed(kept[i])).collect();
+            (0..kept_views.len()).filter(|&i| !views.is_compressed(kept_views[i])).collect();
         plain.sort_by_key(|&i| {
-            let (buffer, range) = views.range(kept[i]);
+            let (buffer, range) = views.range(kept_views[i]);
             (buffer, range.start, range.end)
         });
         let mut run: Option<Run> = None;
         for i in plain {
-            let (buffer, range) = views.range(kept[i]);
-            if views.is_placeholder(kept[i]) {
+            let (buffer, range) = views.range(kept_views[i]);
+            if views.is_placeholder(kept_views[i]) {
                 if self.placeholders.last() != Some(&buffer) {
                     self.placeholders.push(buffer);
                 }
@@ -81,7 +82,7 @@ impl BlobLayout {
                 self.locations[i] = NewLocation { buffer, offset: range.start };
                 continue;
             }
-            let bytes = views.bytes(kept[i])?;
+            let bytes = views.bytes(kept_views[i])?;
             let mut current = match run {
                 Some(run) if run.buffer == buffer && range.start <= run.end => run,
                 _ => self.begin_run(buffer, range.start),
@@ -106,8 +107,14 @@ impl BlobLayout {
     }
 
     /// Adds the decompressed bytes of compressed views.
-    fn add_compressed(&mut self, kept: &[usize], views: &Views<'_>) -> Result<(), FormatError> {
-        for (i, &view) in kept.iter().enumerate().filter(|(_, view)| views.is_compressed(**view)) {
+    fn add_compressed(
+        &mut self,
+        kept_views: &[usize],
+        views: &Views<'_>,
+    ) -> Result<(), FormatError> {
+        for (i, &view) in
+            kept_views.iter().enumerate().filter(|(_, view)| views.is_compressed(**view))
+        {
             let bytes = views.bytes(view)?;
             self.blob.resize(self.blob.len().next_multiple_of(4), 0);
             self.locations[i] = NewLocation { buffer: 0, offset: self.blob.len() };

@@ -51,8 +51,8 @@ pub(super) fn unpack(
     for (m, mesh) in root.entries("meshes").enumerate() {
         let primitives = mesh.list("primitives").iter().filter_map(Json::as_object);
         for (p, primitive) in primitives.enumerate().filter(|(_, p)| is_needed(root, p)) {
-            let place = format!("meshes[{m}].primitives[{p}].extensions.{DRACO}");
-            let input = Input { root, primitive, buffers, place, views, accessors, uses: &uses };
+            let location = format!("meshes[{m}].primitives[{p}].extensions.{DRACO}");
+            let input = Input { root, primitive, buffers, location, views, accessors, uses: &uses };
             all.push((m, p, input.decode(limits, most, &mut added)?));
         }
     }
@@ -121,7 +121,7 @@ struct Input<'a> {
     root: &'a Object,
     primitive: &'a Object,
     buffers: &'a Buffers<'a>,
-    place: String,
+    location: String,
     views: usize,
     accessors: usize,
     uses: &'a [u32],
@@ -135,23 +135,23 @@ impl Input<'_> {
         most: u64,
         added: &mut Added,
     ) -> Result<Decoded, FormatError> {
-        let place = self.place.as_str();
+        let location = self.location.as_str();
         let packed = self.primitive.extension(DRACO).expect("only such primitives are decoded");
-        if self.primitive.optional("mode", place)?.unwrap_or(4) != 4 {
-            let what = "compresses what is no list of triangles, which is not supported: \
+        if self.primitive.optional("mode", location)?.unwrap_or(4) != 4 {
+            let problem = "compresses what is no list of triangles, which is not supported: \
                         decompress it first (gltf-transform copy IN OUT)";
-            return Err(FormatError::new(Fault::Unsupported, place, what));
+            return Err(FormatError::new(Fault::Unsupported, location, problem));
         }
-        let bytes = stream(self.root, packed, self.buffers, place)?;
-        let left = most.saturating_sub(added.bytes.len() as u64);
-        let mesh = decoded(bytes, limits, left, place)?;
+        let bytes = stream(self.root, packed, self.buffers, location)?;
+        let bytes_left = most.saturating_sub(added.bytes.len() as u64);
+        let mesh = decoded(bytes, limits, bytes_left, location)?;
         let mut attributes = Vec::new();
         let named = packed.get("attributes").and_then(Json::as_object);
         for (name, id) in named.into_iter().flat_map(|members| members.iter()) {
             // An attribute that the primitive does not list is not used.
             let number = self.primitive.get("attributes").and_then(|a| a.get(name));
             let Some(number) = number else { continue };
-            let wrong = |what| malformed(format!("{place}.attributes.{name}"), what);
+            let wrong = |problem| malformed(format!("{location}.attributes.{name}"), problem);
             let id = id.as_u64().and_then(|id| u32::try_from(id).ok());
             let attribute = id.and_then(|id| mesh.attribute_by_unique_id(id));
             let attribute = attribute.ok_or_else(|| wrong("names nothing in it"))?;
@@ -184,13 +184,13 @@ impl Input<'_> {
         count: usize,
         added: &mut Added,
     ) -> Result<usize, FormatError> {
-        let place = self.place.as_str();
+        let location = self.location.as_str();
         let stated = self.stated(number);
-        let stated = stated.ok_or_else(|| malformed(place, "stands for no accessor"))?;
-        let said = stated.required("count", place)?;
+        let stated = stated.ok_or_else(|| malformed(location, "stands for no accessor"))?;
+        let said = stated.required("count", location)?;
         if said != count as u64 {
-            let what = format!("has {count} elements where its accessor has {said}");
-            return Err(malformed(place, what));
+            let problem = format!("has {count} elements where its accessor has {said}");
+            return Err(malformed(location, problem));
         }
         let mut accessor = stated.clone();
         accessor.shift_remove("byteOffset");
@@ -216,22 +216,22 @@ fn stream<'b>(
     root: &Object,
     packed: &Object,
     buffers: &'b Buffers<'_>,
-    place: &str,
+    location: &str,
 ) -> Result<&'b [u8], FormatError> {
-    let view = entry(root, "bufferViews", packed.required("bufferView", place)? as usize);
-    let view = view.ok_or_else(|| malformed(place, "has a bufferView that is not there"))?;
-    let buffer = buffers.get(view.required("buffer", place)? as usize);
+    let view = entry(root, "bufferViews", packed.required("bufferView", location)? as usize);
+    let view = view.ok_or_else(|| malformed(location, "has a bufferView that is not there"))?;
+    let buffer = buffers.get(view.required("buffer", location)? as usize);
     let buffer = buffer.and_then(Option::as_deref);
-    let buffer = buffer.ok_or_else(|| malformed(place, "lies in a buffer without bytes"))?;
-    let start = view.optional("byteOffset", place)?.unwrap_or(0);
-    let end = start.checked_add(view.required("byteLength", place)?);
+    let buffer = buffer.ok_or_else(|| malformed(location, "lies in a buffer without bytes"))?;
+    let start = view.optional("byteOffset", location)?.unwrap_or(0);
+    let end = start.checked_add(view.required("byteLength", location)?);
     let range = end.and_then(|end| Some(usize::try_from(start).ok()?..usize::try_from(end).ok()?));
     let bytes = range.and_then(|range| buffer.get(range));
-    bytes.ok_or_else(|| malformed(place, "lies outside its buffer"))
+    bytes.ok_or_else(|| malformed(location, "lies outside its buffer"))
 }
 
 /// The mesh in a stream; refused if it takes more than `most` bytes.
-fn decoded(bytes: &[u8], limits: &Limits, most: u64, place: &str) -> Result<Mesh, FormatError> {
+fn decoded(bytes: &[u8], limits: &Limits, most: u64, location: &str) -> Result<Mesh, FormatError> {
     let ceilings = DecodeLimits::default()
         .with_max_points(limits.vertices.min(most / TRIANGLE))
         .with_max_faces(limits.triangles.min(most / TRIANGLE))
@@ -240,15 +240,15 @@ fn decoded(bytes: &[u8], limits: &Limits, most: u64, place: &str) -> Result<Mesh
     let mut buffer = DecoderBuffer::new(bytes).with_limits(ceilings);
     let failed = |e: DracoError| match e.kind() {
         ErrorKind::LimitExceeded | ErrorKind::AllocationExceedsInput => {
-            let what = format!("unpacks to more than {} MiB, or than limits allow", most >> 20);
-            FormatError::new(Fault::Limit, place, what)
+            let problem = format!("unpacks to more than {} MiB, or than limits allow", most >> 20);
+            FormatError::new(Fault::Limit, location, problem)
         }
-        _ => malformed(place, format!("cannot be decoded: {}", e.message())),
+        _ => malformed(location, format!("cannot be decoded: {}", e.message())),
     };
     MeshDecoder::new().decode(&mut buffer, &mut mesh).map_err(failed)?;
     let points = mesh.num_points() as u32;
     if mesh.faces().iter().flatten().any(|v| v.0 >= points) {
-        return Err(malformed(place, "has a corner that is no vertex"));
+        return Err(malformed(location, "has a corner that is no vertex"));
     }
     Ok(mesh)
 }

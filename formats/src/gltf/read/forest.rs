@@ -1,4 +1,6 @@
-//! The node hierarchy: a forest, and the scale at which it shows each mesh.
+//! Checks that the node hierarchy is a forest (no cycles, one parent each), and computes the
+//! largest scale at which its nodes show each mesh, which turns world-space errors into those of
+//! the mesh.
 
 use crate::gltf::graph::{Numbers, gltf_graph};
 use crate::gltf::json::{Json, Object, malformed};
@@ -13,10 +15,10 @@ fn forest(root: &Object) -> Result<Vec<usize>, FormatError> {
     for (i, node) in root.entries("nodes").enumerate() {
         for child in children(node) {
             if let Some(other) = parent[child].replace(i) {
-                let what = format!(
+                let problem = format!(
                     "is a child of nodes[{other}] and of nodes[{i}]: the scene is not a tree"
                 );
-                return Err(malformed(format!("nodes[{child}]"), what));
+                return Err(malformed(format!("nodes[{child}]"), problem));
             }
         }
     }

@@ -1,5 +1,5 @@
-//! Levels that glide: the morph target that moves each to the next, taken out of a document and
-//! read.
+//! Reads the morph targets in which an exported chain stores where each level's vertices move
+//! (glide) as the next level takes over, and removes them from the document.
 
 use super::primitive::{self, Read};
 use super::{Opened, open};
@@ -122,8 +122,8 @@ pub(super) fn glides(
         if let Some(from) = own.moved(mesh)? {
             let names = carried(root, mesh);
             let to = next.map(|(file, mesh)| file.parts(mesh, None, &names)).transpose()?;
-            let (place, to) = (format!("meshes[{mesh}]"), to.unwrap_or_default());
-            all.push(Glide { level, place, from, to });
+            let (location, to) = (format!("meshes[{mesh}]"), to.unwrap_or_default());
+            all.push(Glide { level, location, from, to });
         }
         Ok::<_, FormatError>(())
     };
@@ -185,8 +185,8 @@ impl Meshes<'_> {
         let mut all = Vec::new();
         for (p, primitive) in entry["primitives"].list().iter().enumerate() {
             let Some(primitive) = primitive.as_object() else { continue };
-            let place = format!("meshes[{mesh}].primitives[{p}]");
-            let Read::Triangles(read) = primitive::read(primitive, place, accessors)? else {
+            let location = format!("meshes[{mesh}].primitives[{p}]");
+            let Read::Triangles(read) = primitive::read(primitive, location, accessors)? else {
                 continue;
             };
             let position = accessors.get(read.position).and_then(Option::as_ref);

@@ -167,9 +167,9 @@ fn read_objects(
         objects.push(scene_object(name, m, triangles, kept.iter().map(|&k| numbers[k])));
     }
     let counts = &reading.counts;
-    let mut tell = |what: &str, count: usize| {
+    let mut tell = |problem: &str, count: usize| {
         if count > 0 {
-            warnings.push(format!("{what}: {count}"));
+            warnings.push(format!("{problem}: {count}"));
         }
     };
     tell("triangles with two corners at one position dropped", counts.degenerate);

@@ -124,10 +124,10 @@ impl<'a> Reading<'a> {
         if kept.is_empty() {
             return Ok(None);
         }
-        let place = |e: &dyn std::fmt::Display| {
-            malformed(primitives.first().map_or("", |p| p.place.as_str()), e.to_string())
+        let location = |e: &dyn std::fmt::Display| {
+            malformed(primitives.first().map_or("", |p| p.location.as_str()), e.to_string())
         };
-        Ok(Some((Mesh::try_from(parts).map_err(|e| place(&e))?, kept)))
+        Ok(Some((Mesh::try_from(parts).map_err(|e| location(&e))?, kept)))
     }
 
     fn add(
@@ -136,21 +136,22 @@ impl<'a> Reading<'a> {
         parts: &mut MeshParts,
         streams: &mut Streams,
     ) -> Result<(), FormatError> {
-        let (place, budget, views) = (primitive.place.as_str(), self.views.budget, self.views);
+        let (location, budget, views) =
+            (primitive.location.as_str(), self.views.budget, self.views);
         let accessors = self.accessors;
         let get = |a: usize| {
             accessors
                 .get(a)
                 .and_then(Option::as_ref)
-                .ok_or_else(|| malformed(place, "unknown accessor"))
+                .ok_or_else(|| malformed(location, "unknown accessor"))
         };
         let position = get(primitive.position)?;
         let mut corners = primitive.corners(position.count, accessors, views)?;
         let triangles = primitive.triangle_count(corners.len());
         self.triangles += triangles as u64;
         if self.triangles > self.limits.triangles {
-            let what = format!("more than {} triangles in all", self.limits.triangles);
-            return Err(FormatError::new(Fault::Limit, place, what));
+            let problem = format!("more than {} triangles in all", self.limits.triangles);
+            return Err(FormatError::new(Fault::Limit, location, problem));
         }
         if corners.len() % 3 != 0 && triangles == corners.len() / 3 {
             self.counts.leftover_corners += corners.len() % 3;
@@ -159,15 +160,15 @@ impl<'a> Reading<'a> {
         let sources = self.numbering.number(&mut corners, position.count, budget)?;
         self.vertices += sources.len() as u64;
         if self.vertices > self.limits.vertices {
-            let what = format!("more than {} vertices in all", self.limits.vertices);
-            return Err(FormatError::new(Fault::Limit, place, what));
+            let problem = format!("more than {} vertices in all", self.limits.vertices);
+            return Err(FormatError::new(Fault::Limit, location, problem));
         }
-        budget.charge(sources.len() as u64, 4 + 12 + 4, place)?;
-        budget.charge(triangles as u64, 12, place)?;
+        budget.charge(sources.len() as u64, 4 + 12 + 4, location)?;
+        budget.charge(triangles as u64, 12, location)?;
 
         let base = parts.positions.len();
         let submesh = parts.submeshes.len() as u32;
-        parts.positions.extend(positions(position, &sources, views, place)?);
+        parts.positions.extend(positions(position, &sources, views, location)?);
         parts.vertex_submesh.resize(base + sources.len(), submesh);
         let first_triangle = parts.triangles.len() as u32;
         parts.triangles.reserve(triangles);
@@ -179,7 +180,7 @@ impl<'a> Reading<'a> {
             let stream = streams.find(wanted, &mut parts.attributes);
             let a = &mut parts.attributes[stream];
             extend_with_zeros(a, base, budget)?;
-            budget.charge(sources.len() as u64, a.stride() as u64, place)?;
+            budget.charge(sources.len() as u64, a.stride() as u64, location)?;
             let reader = accessor.reader(views)?;
             sources.iter().for_each(|&v| reader.append(v, &mut a.bytes));
             if a.component == Component::F32 {
@@ -244,7 +245,7 @@ fn positions(
     accessor: &Accessor,
     sources: &[u32],
     views: &Views<'_>,
-    place: &str,
+    location: &str,
 ) -> Result<Vec<[f32; 3]>, FormatError> {
     let reader = accessor.reader(views)?;
     let mut one = described(&Semantic::Position, None, accessor);
@@ -254,8 +255,8 @@ fn positions(
         reader.append(v, &mut one.bytes);
         let p: [f32; 3] = std::array::from_fn(|i| one.value(0, i));
         if p.iter().any(|c| !c.is_finite()) {
-            let what = format!("vertex {v} has a coordinate that is not a finite number");
-            return Err(malformed(format!("{place}.attributes.POSITION"), what));
+            let problem = format!("vertex {v} has a coordinate that is not a finite number");
+            return Err(malformed(format!("{location}.attributes.POSITION"), problem));
         }
         out.push(p);
     }

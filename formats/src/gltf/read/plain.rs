@@ -1,5 +1,5 @@
-//! A document with everything that it refers to in one GLB, its buffer views decompressed: what a
-//! reader takes that knows no file but this one.
+//! One self-contained GLB of a document and all files that it refers to, buffer views decompressed:
+//! for other readers, which get no access to files.
 
 use super::open;
 use crate::gltf::budget::Budget;
@@ -26,9 +26,9 @@ pub(crate) fn plain(
     let views = Views::new(&root, &opened.buffers, &budget)?;
     let mut blob = Vec::new();
     for (i, view) in root.objects_mut("bufferViews").enumerate() {
-        let place = views::put(&mut blob, views.bytes(i)?);
+        let new_view = views::put(&mut blob, views.bytes(i)?);
         for key in ["buffer", "byteOffset", "byteLength"] {
-            view[key] = place[key].clone();
+            view[key] = new_view[key].clone();
         }
         MESHOPT.iter().for_each(|name| view.remove_extension(name));
     }

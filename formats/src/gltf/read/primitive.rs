@@ -12,7 +12,7 @@ use lodc_mesh::{Component, Semantic};
 #[derive(Debug)]
 pub(super) struct Primitive {
     /// Its place in the document.
-    pub(super) place: String,
+    pub(super) location: String,
     /// 4 list, 5 strip, 6 fan.
     mode: u64,
     indices: Option<usize>,
@@ -36,30 +36,30 @@ pub(super) enum Read {
 /// Reads which accessors a primitive has, and checks that they can be what they are used for.
 pub(super) fn read(
     object: &Object,
-    place: String,
+    location: String,
     accessors: &[Option<Accessor>],
 ) -> Result<Read, FormatError> {
-    let mode = object.optional("mode", &place)?.unwrap_or(4);
+    let mode = object.optional("mode", &location)?.unwrap_or(4);
     match mode {
         0..=3 => return Ok(Read::Other),
         4..=6 => {}
         _ => {
             return Err(malformed(
-                format!("{place}.mode"),
+                format!("{location}.mode"),
                 format!("{mode} is not a mode from 0 to 6"),
             ));
         }
     }
     let attributes = object["attributes"].as_object();
-    let attributes = attributes.ok_or_else(|| malformed(&*place, "has no `attributes`"))?;
+    let attributes = attributes.ok_or_else(|| malformed(&*location, "has no `attributes`"))?;
     let Some(position) = attributes.get("POSITION").map(index) else { return Ok(Read::NoPosition) };
     let indices = object.get("indices").map(index);
     let mut streams = streams(object, attributes);
-    check_streams(&streams, &place, accessors)?;
+    check_streams(&streams, &location, accessors)?;
     streams.retain(|(s, target, a)| {
         *s != Semantic::Position || target.is_some() || !is_plain(accessors, *a)
     });
-    Ok(Read::Triangles(Primitive { place, mode, indices, position, streams }))
+    Ok(Read::Triangles(Primitive { location, mode, indices, position, streams }))
 }
 
 /// The number of what a member refers to; one that nothing has where it is none.
@@ -86,24 +86,24 @@ fn streams(primitive: &Object, attributes: &Object) -> Vec<Stream> {
 /// Checks that accessors can be what they are used for, and that all have as many elements.
 fn check_streams(
     streams: &[Stream],
-    place: &str,
+    location: &str,
     accessors: &[Option<Accessor>],
 ) -> Result<(), FormatError> {
     let mut count = None;
     for (semantic, target, accessor) in streams {
         let name = semantic::to_name(semantic);
-        let place = || match target {
-            None => format!("{place}.attributes.{name}"),
-            Some(t) => format!("{place}.targets[{t}].{name}"),
+        let location = || match target {
+            None => format!("{location}.attributes.{name}"),
+            Some(t) => format!("{location}.targets[{t}].{name}"),
         };
         let a = accessors.get(*accessor).and_then(Option::as_ref);
-        let a = a.ok_or_else(|| malformed(place(), "the accessor has an unknown type"))?;
+        let a = a.ok_or_else(|| malformed(location(), "the accessor has an unknown type"))?;
         if !semantic::accepts(semantic, target.is_some(), a) {
-            return Err(malformed(place(), "the accessor's type does not fit"));
+            return Err(malformed(location(), "the accessor's type does not fit"));
         }
         if *count.get_or_insert(a.count) != a.count {
             return Err(malformed(
-                place(),
+                location(),
                 format!("has {} elements where others have {}", a.count, count.unwrap_or(0)),
             ));
         }
@@ -124,10 +124,10 @@ impl Primitive {
         accessors: &[Option<Accessor>],
         views: &Views<'_>,
     ) -> Result<Vec<u32>, FormatError> {
-        let place = || format!("{}.indices", self.place);
+        let location = || format!("{}.indices", self.location);
         let end = u32::try_from(vertices).expect("accessors are smaller");
         let Some(index) = self.indices else {
-            views.budget.charge(vertices as u64, 4, &self.place)?;
+            views.budget.charge(vertices as u64, 4, &self.location)?;
             return Ok((0..end).collect());
         };
         let accessor = accessors.get(index).and_then(Option::as_ref);
@@ -136,10 +136,10 @@ impl Primitive {
                 && matches!(a.component, Component::U8 | Component::U16 | Component::U32)
                 && !a.normalized
         });
-        let accessor =
-            accessor.ok_or_else(|| malformed(place(), "must be a SCALAR of unsigned integers"))?;
+        let accessor = accessor
+            .ok_or_else(|| malformed(location(), "must be a SCALAR of unsigned integers"))?;
         let reader = accessor.reader(views)?;
-        views.budget.charge(accessor.count as u64, 4, &self.place)?;
+        views.budget.charge(accessor.count as u64, 4, &self.location)?;
         let size = accessor.component.size();
         let restart = u32::MAX >> (32 - 8 * size);
         let mut corners = Vec::with_capacity(accessor.count);
@@ -150,13 +150,13 @@ impl Primitive {
             let v = unsigned(&bytes);
             if v == restart {
                 return Err(malformed(
-                    place(),
+                    location(),
                     format!("element {i} is {v}, which glTF reserves for restarts"),
                 ));
             }
             if v >= end {
                 return Err(malformed(
-                    place(),
+                    location(),
                     format!("element {i} is {v}, but there are {end} vertices"),
                 ));
             }

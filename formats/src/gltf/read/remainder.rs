@@ -1,5 +1,5 @@
-//! The rest of a document when its triangles are gone: everything else, its buffer views
-//! compacted into one blob.
+//! What an import stores of a glTF besides its meshes: the document without the primitives'
+//! geometry, its remaining buffer views copied into one buffer.
 
 use super::blob::compact;
 use super::primitive;
@@ -19,7 +19,7 @@ pub(super) fn remainder(
     warnings: &mut Vec<String>,
 ) -> Result<GltfDocument, FormatError> {
     let pools = [Pool::Accessors, Pool::BufferViews];
-    let before = pools.map(|pool| referenced(&mut root, pool));
+    let referenced_before = pools.map(|pool| referenced(&mut root, pool));
     let mut outlines = 0;
     for &(mesh, p) in stripped {
         let primitive = primitive_mut(&mut root, mesh, p).expect("it has been read");
@@ -37,10 +37,13 @@ pub(super) fn remainder(
             "the extension {name} is unknown and may refer to old data, which stays in the file"
         ));
     } else {
-        for (pool, before) in pools.into_iter().zip(before) {
+        for (pool, referenced_before) in pools.into_iter().zip(referenced_before) {
             // What nothing pointed to from the start may be meant for someone else.
-            let after = referenced(&mut root, pool).into_iter();
-            let keep: Vec<bool> = after.zip(before).map(|(after, b)| after || !b).collect();
+            let referenced_after = referenced(&mut root, pool).into_iter();
+            let keep: Vec<bool> = referenced_after
+                .zip(referenced_before)
+                .map(|(is_used, was_used)| is_used || !was_used)
+                .collect();
             retain(&mut root, pool, &keep);
             if pool == Pool::BufferViews {
                 kept.retain(|&v| keep[v]);

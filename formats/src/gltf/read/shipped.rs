@@ -1,5 +1,5 @@
-//! Levels that this program wrote, read back: each as a scene of its own, as if its document held
-//! nothing else.
+//! Reads files that `extract` and `chain` wrote: each level becomes a scene of its own, as if its
+//! document held nothing else, so that it can be verified against the source.
 
 use super::primitive::{self, Read};
 use super::{Opened, glide, open};
@@ -49,11 +49,11 @@ pub(crate) fn shipped(
     let chain = Chain::of(&root, stated.levels.len());
     let is_chain = !chain.nodes.is_empty() || chain.has_ranges;
     if stated.levels.len() > 1 && !is_chain && primitives(&root).next().is_some() {
-        let what = format!(
+        let problem = format!(
             "states {} levels, of which no node or primitive has more than one",
             stated.levels.len()
         );
-        return Err(malformed("extras.lodc.levels", what));
+        return Err(malformed("extras.lodc.levels", problem));
     }
     let difference = chain.difference(&root, &opened)?;
     let level = |level| opened.scene(chain.level(&root, level)?, assets, options);
@@ -146,7 +146,7 @@ impl Chain {
         let mut own = root.clone();
         let mut empty = Vec::new();
         if self.has_ranges {
-            for (m, p) in primitives(root).map(|(place, _)| place) {
+            for (m, p) in primitives(root).map(|(numbers, _)| numbers) {
                 if !take_range(&mut own, (m, p), level, self.levels)? {
                     empty.push((m, p));
                 }
@@ -158,7 +158,7 @@ impl Chain {
     }
 
     /// Gives the meshes of level 0 the primitives of another level, whose own meshes and nodes go.
-    fn take_nodes(&self, root: &Object, own: &mut Object, level: usize) {
+    fn take_nodes(&self, root: &Object, level_root: &mut Object, level: usize) {
         let mesh_of = |node: usize| root["nodes"][node]["mesh"].as_index();
         let mut nodes_kept = vec![true; Pool::Nodes.len(root)];
         let mut meshes_kept = vec![true; Pool::Meshes.len(root)];
@@ -166,7 +166,7 @@ impl Chain {
             let finest = mesh_of(node);
             let shown = std::iter::once(&node).chain(ids).nth(level).and_then(|&n| mesh_of(n));
             if let (Some(finest), Some(shown)) = (finest, shown) {
-                own["meshes"].as_array_mut().into_iter().for_each(|meshes| {
+                level_root["meshes"].as_array_mut().into_iter().for_each(|meshes| {
                     meshes[finest]["primitives"] = root["meshes"][shown]["primitives"].clone();
                 });
             }
@@ -176,7 +176,7 @@ impl Chain {
                     meshes_kept[mesh] = false;
                 }
             }
-            if let Some(entry) = own.object_mut("nodes", node) {
+            if let Some(entry) = level_root.object_mut("nodes", node) {
                 entry.remove_extension("MSFT_lod");
                 forget_extra(entry, "MSFT_screencoverage");
             }
@@ -184,18 +184,18 @@ impl Chain {
         if self.nodes.is_empty() {
             return;
         }
-        for node in own.objects_mut("nodes").zip(&nodes_kept).filter(|(_, kept)| !**kept) {
+        for node in level_root.objects_mut("nodes").zip(&nodes_kept).filter(|(_, kept)| !**kept) {
             node.0.shift_remove("mesh");
         }
-        for animation in own.objects_mut("animations") {
+        for animation in level_root.objects_mut("animations") {
             if let Some(Json::Array(channels)) = animation.get_mut("channels") {
                 channels.retain_mut(|channel| {
                     target(channel).is_none_or(|node| nodes_kept.get(node) != Some(&false))
                 });
             }
         }
-        retain(own, Pool::Meshes, &meshes_kept);
-        retain(own, Pool::Nodes, &nodes_kept);
+        retain(level_root, Pool::Meshes, &meshes_kept);
+        retain(level_root, Pool::Nodes, &nodes_kept);
     }
 
     /// Returns what levels do not share although they should: the vertices, of which coarser levels
@@ -205,8 +205,8 @@ impl Chain {
         let views = Views::new(root, &file.buffers, &budget)?;
         let accessors = Accessor::all(root, &views)?;
         let indices = |(m, p): (usize, usize), primitive: &Object| {
-            let place = format!("meshes[{m}].primitives[{p}]");
-            let Read::Triangles(read) = primitive::read(primitive, place, &accessors)? else {
+            let location = format!("meshes[{m}].primitives[{p}]");
+            let Read::Triangles(read) = primitive::read(primitive, location, &accessors)? else {
                 return Ok(Vec::new());
             };
             let positions = accessors.get(read.position).and_then(Option::as_ref);
@@ -214,18 +214,18 @@ impl Chain {
             read.corners(vertices, &accessors, &views)
         };
         for ((m, p), primitive) in primitives(root) {
-            let place = || format!("meshes[{m}].primitives[{p}].extras.lodc.levels");
+            let location = || format!("meshes[{m}].primitives[{p}].extras.lodc.levels");
             let ranges = ranges(primitive);
             if ranges.len() != self.levels || !self.has_ranges {
                 continue;
             }
-            if let Some(what) = wrong_ranges(ranges, &indices((m, p), primitive)?) {
-                return Ok(Some(format!("{}: {what}", place())));
+            if let Some(problem) = wrong_ranges(ranges, &indices((m, p), primitive)?) {
+                return Ok(Some(format!("{}: {problem}", location())));
             }
         }
         for (&node, ids) in &self.nodes {
-            if let Some(what) = wrong_nodes(root, node, ids) {
-                return Ok(Some(what));
+            if let Some(problem) = wrong_nodes(root, node, ids) {
+                return Ok(Some(problem));
             }
             let meshes = std::iter::once(&node)
                 .chain(ids)
@@ -237,7 +237,7 @@ impl Chain {
                         .into_iter()
                         .max()
                         .map_or(0, |v| v as usize + 1);
-                    let place = format!("meshes[{mesh}].primitives[{p}]");
+                    let location = format!("meshes[{mesh}].primitives[{p}]");
                     let same = |a: &&mut (&Object, usize)| {
                         ["attributes", "targets", "material"]
                             .iter()
@@ -247,12 +247,12 @@ impl Chain {
                         _ if k == 0 => prefixes.push((primitive, used)),
                         None => {
                             return Ok(Some(format!(
-                                "{place}: has other vertices than the finest level"
+                                "{location}: has other vertices than the finest level"
                             )));
                         }
                         Some((_, before)) if used > *before => {
                             return Ok(Some(format!(
-                                "{place}: needs {used} vertices, the finer level {before}"
+                                "{location}: needs {used} vertices, the finer level {before}"
                             )));
                         }
                         Some((_, before)) => *before = used,
@@ -340,8 +340,8 @@ fn wrong_nodes(root: &Object, node: usize, ids: &[usize]) -> Option<String> {
     ids.iter().find_map(|&id| {
         let own = &root["nodes"][id];
         let key = PLACING.into_iter().find(|key| own[*key] != finest[*key]);
-        let what = key.map(|key| format!("nodes[{id}].{key}: is not that of nodes[{node}]"));
-        what.or_else(|| {
+        let problem = key.map(|key| format!("nodes[{id}].{key}: is not that of nodes[{node}]"));
+        problem.or_else(|| {
             (channels(id) != moved)
                 .then(|| format!("nodes[{id}]: is not animated as nodes[{node}] is"))
         })
@@ -364,7 +364,7 @@ fn take_range(
     level: usize,
     levels: usize,
 ) -> Result<bool, FormatError> {
-    let place = || format!("meshes[{mesh}].primitives[{primitive}]");
+    let location = || format!("meshes[{mesh}].primitives[{primitive}]");
     let entry = primitive_mut(own, mesh, primitive);
     let Some(entry) = entry else { return Ok(true) };
     let ranges = ranges(entry);
@@ -373,7 +373,7 @@ fn take_range(
     }
     let (range, accessor) = (range(&ranges[level]), entry["indices"].as_index());
     let (Some([first, count, _]), Some(accessor)) = (range, accessor) else {
-        return Err(malformed(place(), "has no range for each level"));
+        return Err(malformed(location(), "has no range for each level"));
     };
     if count == 0 {
         return Ok(false);

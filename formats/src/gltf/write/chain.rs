@@ -1,7 +1,6 @@
-//! A chain of levels in one document: all of them over one vertex buffer.
-//!
-//! `MSFT_lod` puts each level into a node of its own, beside the node that shows the finest one;
-//! index ranges put all levels of a primitive into one index accessor, one behind the other.
+//! Writes a chain of discrete levels as one glTF document over one shared vertex buffer: as
+//! `MSFT_lod` nodes, one for each level beside that of the finest, or as index ranges, all levels
+//! of a primitive one after another in one index accessor.
 
 use super::glide::{self, Glide};
 use super::writer::{Numbering, Writer};
@@ -187,8 +186,8 @@ impl<'a> Levels<'a> {
             if let (Some(glide), Some(next)) = (&self.object.glide, next)
                 && let Some(moving) = &glide.moving[level]
             {
-                let place = |v: u32| vertices.partition_point(|&w| w < v);
-                let run = place(moving.start)..place(moving.end);
+                let index_of = |v: u32| vertices.partition_point(|&w| w < v);
+                let run = index_of(moving.start)..index_of(moving.end);
                 let next = (next, glide.carried);
                 let attributes = &primitive["attributes"];
                 let (target, taken) = numbering.target(submesh, &vertices, run, next, attributes);
@@ -228,16 +227,18 @@ impl<'a> Levels<'a> {
         let mut mesh = root["meshes"][self.mesh].clone();
         mesh["name"] = format!("{}_LOD{level}", self.object.info.name).into();
         let primitives = std::mem::take(mesh["primitives"].as_array_mut()?);
-        let of_level: BTreeMap<usize, &LevelPrimitive> =
-            self.primitives[level].iter().map(|own| (own.number, own)).collect();
+        let of_level: BTreeMap<usize, &LevelPrimitive> = self.primitives[level]
+            .iter()
+            .map(|level_primitive| (level_primitive.number, level_primitive))
+            .collect();
         let numbers: BTreeSet<usize> = self.numbers.iter().copied().collect();
         // Points and lines are no submeshes: they are shown at every level.
         let at_level = |(number, mut primitive): (usize, Json)| {
-            let own = of_level.get(&number);
-            if let Some(own) = own {
-                primitive["indices"] = own.indices.clone();
+            let level_primitive = of_level.get(&number);
+            if let Some(level_primitive) = level_primitive {
+                primitive["indices"] = level_primitive.indices.clone();
             }
-            (own.is_some() || !numbers.contains(&number)).then_some(primitive)
+            (level_primitive.is_some() || !numbers.contains(&number)).then_some(primitive)
         };
         let kept: Vec<Json> = primitives.into_iter().enumerate().filter_map(at_level).collect();
         if kept.is_empty() {

@@ -1,4 +1,5 @@
-//! What has to be added to the values of vertices to get those that they have elsewhere.
+//! The values of a morph target that moves each vertex to where the next level has it: differences
+//! of positions, normals, tangents, texture coordinates and colours.
 
 use crate::gltf::semantic;
 use lodc_mesh::{Attribute, Mesh, Semantic};
@@ -48,10 +49,10 @@ pub(super) fn differences(
 ) -> Vec<(String, usize, Vec<f32>)> {
     let position = Semantic::Position;
     let stored = [now, next].map(|mesh| stream(mesh, submesh, &position));
-    let place = |mesh: &Mesh, v: u32, c: usize| mesh.positions()[v as usize][c];
+    let coordinate = |mesh: &Mesh, v: u32, c: usize| mesh.positions()[v as usize][c];
     let moved = |v: u32, c: usize| match stored {
         [Some(a), Some(b)] => difference(a.value(v, c), b.value(v, c)),
-        _ => difference(place(now, v, c), place(next, v, c)),
+        _ => difference(coordinate(now, v, c), coordinate(next, v, c)),
     };
     let mut all = vec![(semantic::to_name(&position), 3, flat(vertices, 3, moved))];
     for &a in &now.submeshes()[submesh].attributes {

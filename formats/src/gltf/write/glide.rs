@@ -1,6 +1,6 @@
-//! The way from each level of a chain to the next, as a morph target of its own: every vertex that
-//! leaves goes to the one that it becomes. Weights, their animations and the targets' names grow by
-//! one number each.
+//! Writes where each level's vertices move as the next level takes over (glide): one more morph
+//! target for each mesh, at which every vertex that disappears lies on the one that it collapses
+//! into. Weights, their animations and the targets' names get one entry more.
 
 use super::differences::MovedStreams;
 use super::writer::Writer;

@@ -24,7 +24,7 @@ pub struct LevelsObject<'a> {
     pub simplified: &'a Simplified,
     /// The strip of each triangle of the mesh, if strips are known.
     pub strips: Option<&'a [u32]>,
-    /// Where it gives up triangles in the order over the objects of the scene: places in that
+    /// Where it gives up triangles in the order over the objects of the scene: indices into that
     /// order, rising, and the LOD after each. Empty for the only object.
     pub turns: &'a [(u32, u32)],
 }
@@ -181,8 +181,8 @@ impl<'a> Levels<'a> {
             extras["errors"] = scalars(writer, Component::F32, errors)?;
         }
         if !self.object.turns.is_empty() {
-            let (places, lods): (Vec<u32>, Vec<u32>) = self.object.turns.iter().copied().unzip();
-            extras["turns"] = words(writer, &places)?;
+            let (indices, lods): (Vec<u32>, Vec<u32>) = self.object.turns.iter().copied().unzip();
+            extras["turns"] = words(writer, &indices)?;
             extras["turn_lods"] = words(writer, &lods)?;
         }
         Ok(extras)

@@ -1,5 +1,5 @@
-//! Samples of animations and matrices of skins, taken out of the bytes of the document so that they
-//! can be compressed: likes in one buffer view, equal ones once.
+//! Takes animation samples and inverse bind matrices out of a document's buffer, so that they can
+//! be compressed: accessors of one kind share a buffer view, and equal ones are stored once.
 
 use crate::gltf::floats::{Floats, range};
 use crate::gltf::json::{Json, Object};
@@ -14,10 +14,10 @@ pub(super) struct Samples {
     name: String,
     pub(super) stride: usize,
     pub(super) bytes: Vec<u8>,
-    /// Accessors, with their places in `bytes`.
+    /// Accessors, with their offsets in `bytes`.
     accessors: Vec<(usize, usize)>,
-    /// The place of each content.
-    places: BTreeMap<Vec<u8>, usize>,
+    /// The offset of each content.
+    offsets: BTreeMap<Vec<u8>, usize>,
 }
 
 /// Finds all accessors of floats that nothing but animations and skins refers to.
@@ -38,27 +38,28 @@ pub(super) fn of(root: &mut Object, blob: &[u8]) -> Vec<Samples> {
             continue;
         }
         let Some(floats) = Floats::of(root, accessor) else { continue };
-        let elements: Option<Vec<&[u8]>> = floats.places().map(|place| blob.get(place)).collect();
+        let elements: Option<Vec<&[u8]>> =
+            floats.byte_ranges().map(|range| blob.get(range)).collect();
         let (stride, Some(bytes)) = (floats.size, elements.map(|e| e.concat())) else { continue };
         let same = |s: &Samples| s.name == name && s.stride == stride;
         let i = all.iter().position(same).unwrap_or_else(|| {
-            let (bytes, accessors, places) = (vec![], vec![], BTreeMap::new());
-            all.push(Samples { name, stride, bytes, accessors, places });
+            let (bytes, accessors, offsets) = (vec![], vec![], BTreeMap::new());
+            all.push(Samples { name, stride, bytes, accessors, offsets });
             all.len() - 1
         });
         let samples = &mut all[i];
-        let place = *samples.places.entry(bytes).or_insert_with_key(|bytes| {
+        let offset = *samples.offsets.entry(bytes).or_insert_with_key(|bytes| {
             samples.bytes.extend_from_slice(bytes);
             samples.bytes.len() - bytes.len()
         });
-        samples.accessors.push((accessor, place));
+        samples.accessors.push((accessor, offset));
     }
     all
 }
 
 /// The accessors of animations and skins, once for each reference, and what they say.
 fn named(root: &Object) -> Vec<(usize, String)> {
-    let mut found = Vec::new();
+    let mut named_accessors = Vec::new();
     for animation in root.entries("animations") {
         let channels = animation.list("channels");
         // The first channel of each counts.
@@ -70,27 +71,27 @@ fn named(root: &Object) -> Vec<(usize, String)> {
         }
         for (s, sampler) in animation.list("samplers").iter().enumerate() {
             let path = paths.get(&s).and_then(|path| path.as_str()).unwrap_or("other");
-            found.extend(sampler["input"].as_index().map(|a| (a, "times".to_owned())));
-            found.extend(sampler["output"].as_index().map(|a| (a, path.to_owned())));
+            named_accessors.extend(sampler["input"].as_index().map(|a| (a, "times".to_owned())));
+            named_accessors.extend(sampler["output"].as_index().map(|a| (a, path.to_owned())));
         }
     }
     for skin in root.entries("skins") {
         let matrices = skin["inverseBindMatrices"].as_index();
-        found.extend(matrices.map(|a| (a, "matrices".to_owned())));
+        named_accessors.extend(matrices.map(|a| (a, "matrices".to_owned())));
     }
-    found
+    named_accessors
 }
 
 impl Samples {
     /// Makes their accessors refer to the view that these samples are in.
     pub(super) fn refer(&self, root: &mut Object, view: usize) {
         let Some(Json::Array(accessors)) = root.get_mut("accessors") else { return };
-        for &(accessor, place) in &self.accessors {
+        for &(accessor, offset) in &self.accessors {
             let Some(accessor) = accessors[accessor].as_object_mut() else { continue };
             accessor["bufferView"] = view.into();
             accessor.shift_remove("byteOffset");
-            if place > 0 {
-                accessor["byteOffset"] = place.into();
+            if offset > 0 {
+                accessor["byteOffset"] = offset.into();
             }
         }
     }

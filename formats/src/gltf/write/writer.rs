@@ -1,5 +1,6 @@
-//! Geometry becomes accessors again: one buffer view per stride and one per index type; where it is
-//! compressed, one per stream, since likes compress best.
+//! Builds accessors, buffer views and the binary buffer of an exported glTF: one buffer view for
+//! each stride and index type or, where they are compressed (meshopt), one for each attribute
+//! stream.
 
 use super::compressed::Compressed;
 use super::differences::{MovedStreams, differences};
@@ -165,8 +166,8 @@ impl Writer {
     pub(super) fn stream(&mut self, a: &Attribute, vertices: &[u32]) -> Result<Json, FormatError> {
         let name = semantic::to_name(&a.semantic);
         let Some((shape, kind)) = Shape::of_components(usize::from(a.components)) else {
-            let what = format!("glTF has no type of {} components", a.components);
-            return Err(FormatError::new(Fault::Unsupported, name, what));
+            let problem = format!("glTF has no type of {} components", a.components);
+            return Err(FormatError::new(Fault::Unsupported, name, problem));
         };
         let row = shape.rows * a.component.size();
         let column = shape.column_stride(a.component);
@@ -206,11 +207,11 @@ impl Writer {
         let (view, bytes) = self.group(NO_TARGET, component, stride, name);
         let offset = bytes.len();
         bytes.extend_from_slice(values);
-        let mut place = object! { "bufferView" => view };
+        let mut reference = object! { "bufferView" => view };
         if offset > 0 {
-            place["byteOffset"] = offset.into();
+            reference["byteOffset"] = offset.into();
         }
-        place
+        reference
     }
 
     /// An accessor of single floats, of which there is one at least.
@@ -316,14 +317,14 @@ impl Writer {
         let list = self.put("numbers", component, size, &bytes(&mut (first..end)));
         let begins = list["byteOffset"].as_index().unwrap_or(0);
         for (accessor, numbers) in all {
-            let mut place = if follow(&numbers) {
+            let mut reference = if follow(&numbers) {
                 let offset = begins + (numbers[0] - first) as usize * size;
                 object! { "bufferView" => list["bufferView"].clone(), "byteOffset" => offset }
             } else {
                 self.put("numbers", component, size, &bytes(&mut numbers.into_iter()))
             };
-            place["componentType"] = component_number(component).into();
-            self.accessors[accessor]["sparse"]["indices"] = place;
+            reference["componentType"] = component_number(component).into();
+            self.accessors[accessor]["sparse"]["indices"] = reference;
         }
     }
 

@@ -1,4 +1,5 @@
-//! The description of an attribute in few bytes.
+//! The compact description of an attribute stream in an object's header: semantic, morph target,
+//! component type and count.
 
 use super::{byte, malformed, number};
 use crate::FormatError;

@@ -1,4 +1,5 @@
-//! The number systems of an object's streams.
+//! The number systems (quantisation step, or exact floats) of an object's positions and attributes,
+//! as its header stores them.
 
 use super::{byte, malformed};
 use crate::FormatError;

@@ -56,9 +56,9 @@ fn steps_before(bytes: &[u8], cut: usize) -> u32 {
     blocks(bytes).iter().filter(|(end, _)| *end <= cut).map(|(_, block)| block.steps).sum()
 }
 
-fn refused(bytes: &[u8], what: &str) {
+fn refused(bytes: &[u8], case: &str) {
     let error = Unpacker::new(Limits::DEFAULT).feed(bytes).expect_err("this must be refused");
-    assert!(error.to_string().contains(what), "{error}");
+    assert!(error.to_string().contains(case), "{error}");
 }
 
 #[test]
@@ -98,12 +98,12 @@ fn other_versions_and_features_say_what_they_need() {
     };
     refused(&with(8, 0), "there is no version 0");
     for version in [2, 3, 300, u16::MAX] {
-        let what = format!("header: version {version}: {newer}; this one reads version 1");
-        refused(&with(8, version), &what);
+        let case = format!("header: version {version}: {newer}; this one reads version 1");
+        refused(&with(8, version), &case);
     }
     for bit in 0..8 {
-        let what = format!("header: features {:#x}: {newer}; this one knows none", 1 << bit);
-        refused(&with(10, 1 << bit), &what);
+        let case = format!("header: features {:#x}: {newer}; this one knows none", 1 << bit);
+        refused(&with(10, 1 << bit), &case);
     }
     for hint in 8..16 {
         assert!(fed(&with(10, 1 << hint)).is_complete(), "bit {hint} is a hint");

@@ -6,18 +6,18 @@ use lodc_mesh::{CollapseSequence, Mesh, SequenceParts};
 
 /// Decodes a file's objects step by step and compares everything, with the steps in their order and
 /// in batches.
-pub(super) fn check_every_step(file: &LodFile, what: &str) {
-    check_steps(file, &stepwise(file), &format!("{what}, exact"));
+pub(super) fn check_every_step(file: &LodFile, case: &str) {
+    check_steps(file, &stepwise(file), &format!("{case}, exact"));
     let ordered = in_stream_order(file);
     let options = PackOptions { block_bytes: Some(0), ..PackOptions::default() };
     let packed = pack(file, &options).expect("a sound file");
-    check_steps(&ordered, &packed, what);
-    check_levels(file, &ordered, what);
-    check_repacked(&ordered, &packed, &options, what);
+    check_steps(&ordered, &packed, case);
+    check_levels(file, &ordered, case);
+    check_repacked(&ordered, &packed, &options, case);
 }
 
 /// Every step of the stream shows its level of the file.
-fn check_steps(file: &LodFile, packed: &Packed, what: &str) {
+fn check_steps(file: &LodFile, packed: &Packed, case: &str) {
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
     let mut at = 0;
     for end in ends(&packed.bytes) {
@@ -26,12 +26,12 @@ fn check_steps(file: &LodFile, packed: &Packed, what: &str) {
         for (i, o) in file.objects.iter().enumerate().take(unpacker.objects()) {
             if unpacker.progress(i).vertices[1] as usize != o.simplified.mesh().vertex_count() {
                 // Its name has come, but not its header.
-                assert_eq!(unpacker.mesh(i).expect("a mesh").0.triangles().len(), 0, "{what}");
+                assert_eq!(unpacker.mesh(i).expect("a mesh").0.triangles().len(), 0, "{case}");
                 continue;
             }
-            check(&unpacker, i, &o.simplified, what);
+            check(&unpacker, i, &o.simplified, case);
             let decoder = unpacker.decoder(i);
-            assert!(decoder.triangles().flatten().all(|v| decoder.has_come(v)), "{what}");
+            assert!(decoder.triangles().flatten().all(|v| decoder.has_come(v)), "{case}");
         }
     }
     assert!(unpacker.is_complete());
@@ -40,28 +40,28 @@ fn check_steps(file: &LodFile, packed: &Packed, what: &str) {
     for (i, o) in file.objects.iter().enumerate() {
         assert_eq!(unpacker.info(i), &o.info);
         same_sequence(&unpacker, i, &o.simplified);
-        same_mesh(&unpacker, i, o.simplified.mesh(), what);
+        same_mesh(&unpacker, i, o.simplified.mesh(), case);
     }
 }
 
 /// A file in batches has as many levels of the file before as it says, with the same errors.
-fn check_levels(file: &LodFile, ordered: &LodFile, what: &str) {
+fn check_levels(file: &LodFile, ordered: &LodFile, case: &str) {
     for (before, now) in file.objects.iter().zip(&ordered.objects) {
         let [before, now] = [&before.simplified, &now.simplified];
-        assert_eq!(now.mesh().vertex_count(), before.mesh().vertex_count(), "{what}");
+        assert_eq!(now.mesh().vertex_count(), before.mesh().vertex_count(), "{case}");
         let facts = |s: &Simplified| {
             let parts = s.collapses().parts();
             (parts.last_legal_lod, parts.topology_changes, parts.first_topology_change)
         };
-        assert_eq!(facts(now), facts(before), "{what}");
+        assert_eq!(facts(now), facts(before), "{case}");
         let legal = before.collapses().parts().last_legal_lod;
         let [before, now] = [before, now].map(|s| by_position(s, legal));
-        assert!(before == now, "{what}: the last legal level");
+        assert!(before == now, "{case}: the last legal level");
     }
 }
 
 /// What is unpacked is packed as it was: the errors are all that has to be measured.
-fn check_repacked(ordered: &LodFile, packed: &Packed, options: &PackOptions, what: &str) {
+fn check_repacked(ordered: &LodFile, packed: &Packed, options: &PackOptions, case: &str) {
     let unpacker = fed(&packed.bytes);
     let mut again = in_stream_order(ordered);
     for (i, o) in again.objects.iter_mut().enumerate() {
@@ -76,7 +76,7 @@ fn check_repacked(ordered: &LodFile, packed: &Packed, options: &PackOptions, wha
         o.simplified = Arc::new(Simplified::new(mesh, sequence).expect("a simplified mesh"));
     }
     let repacked = pack(&again, options).expect("a sound file");
-    assert!(repacked.bytes == packed.bytes, "{what}: packed again it is another stream");
+    assert!(repacked.bytes == packed.bytes, "{case}: packed again it is another stream");
 }
 
 /// The object is a simplified mesh again: sequence, all vertices, triangle counts.
@@ -97,9 +97,9 @@ fn same_sequence(unpacker: &Unpacker, object: usize, simplified: &Simplified) {
 }
 
 /// All that the mesh has and a triangle uses, bit for bit.
-pub(super) fn same_mesh(unpacker: &Unpacker, object: usize, mesh: &Mesh, what: &str) {
+pub(super) fn same_mesh(unpacker: &Unpacker, object: usize, mesh: &Mesh, case: &str) {
     let (decoded, cleaning) = unpacker.mesh(object).expect("a mesh");
-    assert_eq!(cleaning.degenerate_triangles, 0, "{what}");
+    assert_eq!(cleaning.degenerate_triangles, 0, "{case}");
     let triangles = |m: &Mesh| {
         let all = (0..).zip(m.submeshes()).flat_map(|(i, s)| s.triangles().map(move |t| (i, t)));
         let mut all: Vec<_> =
@@ -110,11 +110,11 @@ pub(super) fn same_mesh(unpacker: &Unpacker, object: usize, mesh: &Mesh, what: &
     let wanted = mesh.extract(&triangles(mesh)).expect("triangles of the mesh");
     let bits =
         |m: &Mesh| m.positions().as_flattened().iter().map(|c| c.to_bits()).collect::<Vec<_>>();
-    assert!(bits(&decoded) == bits(&wanted), "{what}: positions");
-    assert!(decoded.attributes() == wanted.attributes(), "{what}: attributes");
-    assert_eq!(decoded.submeshes(), wanted.submeshes(), "{what}");
-    assert_eq!(decoded.vertex_submesh(), wanted.vertex_submesh(), "{what}");
-    assert!(triangles(&decoded) == triangles(&wanted), "{what}: triangles");
+    assert!(bits(&decoded) == bits(&wanted), "{case}: positions");
+    assert!(decoded.attributes() == wanted.attributes(), "{case}: attributes");
+    assert_eq!(decoded.submeshes(), wanted.submeshes(), "{case}");
+    assert_eq!(decoded.vertex_submesh(), wanted.vertex_submesh(), "{case}");
+    assert!(triangles(&decoded) == triangles(&wanted), "{case}: triangles");
 }
 
 #[test]

@@ -126,12 +126,12 @@ fn forged_hubs_do_no_harm() {
     for i in 0..600 {
         let mut unpacker = Unpacker::new(Limits::DEFAULT);
         if let Err(error) = unpacker.feed(&forged(&bytes, i % all, &mut random)) {
-            said.insert(error.what);
+            said.insert(error.problem);
         }
         if unpacker.objects() > 0 {
             // It may show anything, but must not panic.
             let _ = (unpacker.mesh(0), unpacker.progress(0));
         }
     }
-    assert!(said.iter().any(|what| what.contains("names a triangle")), "{said:?}");
+    assert!(said.iter().any(|problem| problem.contains("names a triangle")), "{said:?}");
 }

@@ -98,7 +98,7 @@ fn shown(unpacker: &Unpacker, object: usize) -> Vec<OrientedTriangle> {
 }
 
 /// Asserts that an object has exactly the triangles of the reference.
-fn check(unpacker: &Unpacker, object: usize, simplified: &Simplified, what: &str) {
+fn check(unpacker: &Unpacker, object: usize, simplified: &Simplified, case: &str) {
     let vertices = unpacker.progress(object).vertices[0];
     let all = simplified.mesh().vertex_count() as u32;
     let mut found = shown(unpacker, object);
@@ -108,12 +108,12 @@ fn check(unpacker: &Unpacker, object: usize, simplified: &Simplified, what: &str
     wanted.sort_unstable();
     assert!(
         found == wanted,
-        "{what}: {} triangles instead of {} at {vertices} vertices",
+        "{case}: {} triangles instead of {} at {vertices} vertices",
         found.len(),
         wanted.len()
     );
     let lod = Lod(all.saturating_sub(vertices.max(1)));
-    assert_eq!(simplified.collapses().floor(lod), lod, "{what}: not the end of a step");
+    assert_eq!(simplified.collapses().floor(lod), lod, "{case}: not the end of a step");
 }
 
 /// Returns the end of the header and of each block of a stream.

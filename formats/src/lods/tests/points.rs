@@ -67,11 +67,14 @@ fn pieces_and_points_are_decoded_at_every_step() {
     for seed in 0..120 {
         let mut random = Random(seed);
         let mesh = pieces(1 + seed as usize / 4, &mut random);
-        let what = format!("pieces {seed}");
-        check_every_step(&obj(vec![object("pieces", random_collapse(&mesh, seed))]), &what);
+        let problem = format!("pieces {seed}");
+        check_every_step(&obj(vec![object("pieces", random_collapse(&mesh, seed))]), &problem);
         let simplified =
             lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
-        check_every_step(&obj(vec![object("pieces", simplified)]), &format!("{what}, simplified"));
+        check_every_step(
+            &obj(vec![object("pieces", simplified)]),
+            &format!("{problem}, simplified"),
+        );
     }
 }
 

@@ -54,7 +54,7 @@ fn scene(names: &[&str]) -> LodFile {
 }
 
 /// Writes what every block of a stream ends with in every format.
-fn check_every_prefix(file: &LodFile, what: &str) {
+fn check_every_prefix(file: &LodFile, case: &str) {
     for block_bytes in [Some(0), None] {
         let options = PackOptions { block_bytes, ..PackOptions::default() };
         let packed = pack(file, &options).expect("a sound file");
@@ -63,13 +63,13 @@ fn check_every_prefix(file: &LodFile, what: &str) {
         for end in ends(&packed.bytes) {
             unpacker.feed(&packed.bytes[at..end]).expect("a sound stream");
             at = end;
-            check_prefix(&unpacker, &format!("{what}, {end} of {} bytes", packed.bytes.len()));
+            check_prefix(&unpacker, &format!("{case}, {end} of {} bytes", packed.bytes.len()));
         }
-        assert!(unpacker.is_complete(), "{what}");
+        assert!(unpacker.is_complete(), "{case}");
     }
 }
 
-fn check_prefix(unpacker: &Unpacker, what: &str) {
+fn check_prefix(unpacker: &Unpacker, case: &str) {
     let Some(arrived) = unpacker.arrived().expect("a sound document") else { return };
     let meshes: Vec<_> =
         (0..unpacker.objects()).map(|i| unpacker.mesh(i).expect("a mesh").0).collect();
@@ -79,17 +79,17 @@ fn check_prefix(unpacker: &Unpacker, what: &str) {
     let triangles: usize = meshes.iter().map(|m| m.triangles().len()).sum();
     for (name, format) in FORMATS {
         let files = export(Path::new(name), format, &arrived.document, &objects)
-            .unwrap_or_else(|e| panic!("{what} as {name}: {e}"));
+            .unwrap_or_else(|e| panic!("{case} as {name}: {e}"));
         if format == ExportFormat::Glb && triangles > 0 {
             let scene = read_bytes(&files[0].bytes, &ImportOptions::default());
-            let scene = scene.unwrap_or_else(|e| panic!("{what}: it cannot be read again: {e}"));
+            let scene = scene.unwrap_or_else(|e| panic!("{case}: it cannot be read again: {e}"));
             let again: usize = scene.objects.iter().map(|o| o.mesh.triangles().len()).sum();
-            assert_eq!(again, triangles, "{what}");
+            assert_eq!(again, triangles, "{case}");
             let streams = |m: &lodc_mesh::Mesh| {
                 m.attributes().iter().filter_map(|a| a.morph_target).collect::<Vec<_>>()
             };
             let shown = meshes.iter().filter(|m| !m.triangles().is_empty()).map(streams);
-            assert!(scene.objects.iter().map(|o| streams(&o.mesh)).eq(shown), "{what}: targets");
+            assert!(scene.objects.iter().map(|o| streams(&o.mesh)).eq(shown), "{case}: targets");
         }
     }
 }

@@ -23,17 +23,17 @@ fn packed(file: &LodFile) -> Vec<u8> {
     pack(file, &PackOptions::default()).expect("a sound file").bytes
 }
 
-fn assert_same(a: &Simplified, b: &Simplified, what: &str) {
+fn assert_same(a: &Simplified, b: &Simplified, case: &str) {
     let [p, q] = [a, b].map(|s| s.mesh().clone().into_parts());
-    assert!(p.positions == q.positions && p.triangles == q.triangles, "{what}: the mesh");
-    assert!(p.attributes == q.attributes && p.vertex_submesh == q.vertex_submesh, "{what}: values");
+    assert!(p.positions == q.positions && p.triangles == q.triangles, "{case}: the mesh");
+    assert!(p.attributes == q.attributes && p.vertex_submesh == q.vertex_submesh, "{case}: values");
     let [p, q] = [a, b].map(|s| s.collapses().parts());
-    assert!(p.targets == q.targets && p.step_ends == q.step_ends, "{what}: the sequence");
-    assert_eq!(p.step_triangles, q.step_triangles, "{what}");
+    assert!(p.targets == q.targets && p.step_ends == q.step_ends, "{case}: the sequence");
+    assert_eq!(p.step_triangles, q.step_triangles, "{case}");
     assert_eq!(
         (p.last_legal_lod, p.first_topology_change),
         (q.last_legal_lod, q.first_topology_change),
-        "{what}"
+        "{case}"
     );
 }
 
@@ -46,15 +46,15 @@ fn packing_unpacking_and_packing_is_a_fixed_point() {
         for (by, simplified) in
             [("quadric", by_quadric), ("chance", fixtures::random_collapse(&mesh, 1))]
         {
-            let what = format!("{name} by {by}");
+            let case = format!("{name} by {by}");
             let once = unpacked(&packed(&gltf(vec![object(name, simplified.clone())])));
             let bytes = packed(&once);
             let twice = unpacked(&bytes);
-            assert_same(&once.objects[0].simplified, &twice.objects[0].simplified, &what);
-            assert!(packed(&twice) == bytes, "{what}: other bytes");
+            assert_same(&once.objects[0].simplified, &twice.objects[0].simplified, &case);
+            assert!(packed(&twice) == bytes, "{case}: other bytes");
             // What a build makes at once.
             let streamed = as_streamed(&simplified).expect("a sound mesh");
-            assert_same(&streamed, &once.objects[0].simplified, &what);
+            assert_same(&streamed, &once.objects[0].simplified, &case);
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The statements of some consecutive lines, read by themselves: several chunks of a file at once.
+//! Parses some consecutive lines of an OBJ by themselves, so that chunks of a file can be parsed in
+//! parallel.
 
 use super::lines::{Lines, text};
 use super::number::{integer, number};
@@ -157,12 +158,12 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn malformed(&self, what: impl Into<String>) -> FormatError {
-        FormatError::new(Fault::Malformed, self.lines.place(), what)
+    fn malformed(&self, problem: impl Into<String>) -> FormatError {
+        FormatError::new(Fault::Malformed, self.lines.location(), problem)
     }
 
-    fn limit(&self, what: String) -> FormatError {
-        FormatError::new(Fault::Limit, self.lines.place(), what)
+    fn limit(&self, problem: String) -> FormatError {
+        FormatError::new(Fault::Limit, self.lines.location(), problem)
     }
 
     fn name(&mut self, name: impl Fn(String) -> Name) {
@@ -173,8 +174,8 @@ impl<'a> Reader<'a> {
     fn numbers<const N: usize>(&mut self) -> Result<([f32; N], usize), FormatError> {
         let (mut numbers, mut count) = ([0.0; N], 0);
         while let Some(token) = self.lines.token() {
-            if let Some(place) = numbers.get_mut(count) {
-                *place = number(token)
+            if let Some(value) = numbers.get_mut(count) {
+                *value = number(token)
                     .ok_or_else(|| self.malformed(format!("`{}` is not a number", shown(token))))?;
             }
             count += 1;
@@ -306,10 +307,11 @@ impl<'a> Reader<'a> {
         };
         let there = if number < 0 { here } else { totals[kind] };
         if number.unsigned_abs() > there {
-            let what = ["position", "texture coordinates", "normal"][kind];
+            let element = ["position", "texture coordinates", "normal"][kind];
             let token = shown(token);
-            let what = format!("`{token}`: there is no {what} {number}, only {there} of them");
-            return Err(self.malformed(what));
+            let problem =
+                format!("`{token}`: there is no {element} {number}, only {there} of them");
+            return Err(self.malformed(problem));
         }
         Ok(number)
     }

@@ -1,4 +1,5 @@
-//! Material libraries: names and lines, kept so that they go out as they came.
+//! Material libraries (MTL) of an OBJ: their material names and lines, stored unchanged so that an
+//! export can write them again.
 
 use super::lines::text;
 use crate::{Assets, Fault, FormatError, ObjMaterial};
@@ -42,8 +43,8 @@ impl Materials {
     /// Takes the materials of one library. The first definition of a name holds.
     fn parse(&mut self, library: &str, bytes: &[u8]) -> Result<(), FormatError> {
         if bytes.len() > MAX_BYTES {
-            let what = format!("a material library larger than {MAX_BYTES} bytes");
-            return Err(FormatError::new(Fault::Limit, "", what).in_file(library));
+            let problem = format!("a material library larger than {MAX_BYTES} bytes");
+            return Err(FormatError::new(Fault::Limit, "", problem).in_file(library));
         }
         let (mut repeated, mut stray) = (0u64, 0u64);
         let mut current: Option<ObjMaterial> = None;

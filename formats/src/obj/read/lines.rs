@@ -29,7 +29,7 @@ impl<'a> Lines<'a> {
     }
 
     /// The line on which the current statement starts, counted from 1.
-    pub(super) fn place(&self) -> String {
+    pub(super) fn location(&self) -> String {
         format!("line {}", self.statement_line)
     }
 
@@ -123,7 +123,7 @@ impl<'a> Lines<'a> {
         if self.at - self.start > self.limit {
             return Err(FormatError::new(
                 Fault::Limit,
-                self.place(),
+                self.location(),
                 format!("longer than {} bytes", self.limit),
             ));
         }

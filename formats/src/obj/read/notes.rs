@@ -8,9 +8,9 @@ use std::collections::BTreeSet;
 /// Notes about what was repaired, dropped or left alone: one line each.
 pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<String>) {
     let notes = &parsed.notes;
-    let mut tell = |count: Count, what: &str| {
+    let mut tell = |count: Count, problem: &str| {
         if count.times > 0 {
-            warnings.push(format!("{} {what} (first on line {})", count.times, count.line));
+            warnings.push(format!("{} {problem} (first on line {})", count.times, count.line));
         }
     };
     tell(notes.small_faces, "faces with fewer than three corners were dropped");
@@ -33,9 +33,9 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
         &format!("lines are no OBJ statements and were left out, like `{}`", notes.unknown_first),
     );
 
-    let mut tell = |count: u64, what: &str| {
+    let mut tell = |count: u64, problem: &str| {
         if count > 0 {
-            warnings.push(format!("{count} {what}"));
+            warnings.push(format!("{count} {problem}"));
         }
     };
     tell(assembled.polygons, "polygons were triangulated");

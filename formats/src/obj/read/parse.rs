@@ -1,4 +1,5 @@
-//! The statements of an OBJ as arrays: chunks of lines are read at once and put together.
+//! Parses an OBJ into arrays: chunks of lines in parallel, then relative indices and states
+//! (material, group) resolved in order.
 
 use super::chunk::{Chunk, Name, most_corners, most_vertices};
 use super::parsed::{NONE, Parsed, Run};
@@ -107,9 +108,9 @@ impl Joined {
                 parsed.libraries.push(name.clone());
             }
             if parsed.libraries.len() > MAX_LIBRARIES {
-                let place = format!("line {}", base.lines + line);
-                let what = format!("more than {MAX_LIBRARIES} material libraries");
-                return Err(FormatError::new(Fault::Limit, place, what));
+                let location = format!("line {}", base.lines + line);
+                let problem = format!("more than {MAX_LIBRARIES} material libraries");
+                return Err(FormatError::new(Fault::Limit, location, problem));
             }
         }
         for (kind, relative) in chunk.relative.iter().enumerate() {
@@ -154,11 +155,11 @@ impl Joined {
     fn finish(self) -> Result<Parsed, FormatError> {
         let notes = &self.parsed.notes;
         if notes.unknown.times > 0 && !self.known {
-            let what = format!(
+            let problem = format!(
                 "not an OBJ file: no line of it is an OBJ statement (the first is `{}`)",
                 notes.unknown_first
             );
-            return Err(FormatError::new(Fault::Malformed, "", what));
+            return Err(FormatError::new(Fault::Malformed, "", problem));
         }
         Ok(self.parsed)
     }

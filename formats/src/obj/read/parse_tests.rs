@@ -40,7 +40,7 @@ fn faces_may_come_before_their_vertices() {
 
 #[test]
 fn every_refusal_names_its_line() {
-    for (source, line, what) in [
+    for (source, line, problem) in [
         (format!("{THREE}f 1 2 4\n"), "line 4", "there is no position 4, only 3"),
         (format!("f 1 2 3\nf 1 2 9\nf 1 2 8\n{THREE}"), "line 2", "no position 9"),
         (format!("{THREE}f 1/1 2/1 3/1\n"), "line 4", "no texture coordinates 1"),
@@ -65,15 +65,15 @@ fn every_refusal_names_its_line() {
     ] {
         let error = refused(&source);
         assert_eq!(error.fault, Fault::Malformed, "{source}");
-        assert_eq!(error.place, line, "{source}: {error}");
-        assert!(error.what.contains(what), "{source}: {error}");
+        assert_eq!(error.location, line, "{source}: {error}");
+        assert!(error.problem.contains(problem), "{source}: {error}");
     }
 }
 
 #[test]
 fn something_else_entirely_is_not_an_obj() {
     for source in ["hello world\nhow are you\n", "\0\0\0\x01\x02", "<html>"] {
-        assert!(refused(source).what.contains("not an OBJ file"), "{source}");
+        assert!(refused(source).problem.contains("not an OBJ file"), "{source}");
     }
     assert!(read("# only comments\n").faces.positions.is_empty());
     let p = read(&format!("hello\n{THREE}world\n"));

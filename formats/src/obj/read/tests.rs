@@ -151,7 +151,7 @@ fn real_files_have_the_counts_that_others_found() {
         let scene = crate::import::import(&path, &ImportOptions::default());
         if file.contains("invalid") {
             let error = scene.expect_err(file);
-            assert!(error.place.starts_with("line "), "{error}");
+            assert!(error.location.starts_with("line "), "{error}");
             continue;
         }
         files += 1;

@@ -1,4 +1,5 @@
-//! Rows of a PLY as numbers, and what their columns mean.
+//! Columns of a PLY's vertex rows: which property is which coordinate or colour, and its values
+//! converted.
 
 use super::Content;
 use crate::faces::{Faces, NONE};

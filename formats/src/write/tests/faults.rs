@@ -51,17 +51,17 @@ fn outputs(scratch: &Scratch, existing: &[bool]) -> Vec<OutputFile> {
 
 /// Files that are there, complete: `Some(true)` new, `Some(false)` old, none if there is none.
 /// Nothing else may be, but for old files that could not be put back: the next run removes those.
-fn state(scratch: &Scratch, files: usize, way_back_fails: bool, what: &str) -> Vec<Option<bool>> {
+fn state(scratch: &Scratch, files: usize, way_back_fails: bool, case: &str) -> Vec<Option<bool>> {
     let left = names(scratch);
     let known =
         |name: &String| name.ends_with(".out") || (way_back_fails && name.ends_with(".old"));
-    assert!(left.iter().all(known), "{what}: {left:?}");
+    assert!(left.iter().all(known), "{case}: {left:?}");
     let one = |i| {
         let name = format!("{i}.out");
         left.contains(&name).then(|| match read(scratch, &name) {
             bytes if bytes == format!("new {i}").as_bytes() => true,
             bytes if bytes == OLD => false,
-            other => panic!("{what}: {name} is torn: {other:?}"),
+            other => panic!("{case}: {name} is torn: {other:?}"),
         })
     };
     (0..files).map(one).collect()
@@ -82,25 +82,25 @@ fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
         for n in 1.. {
             let files = outputs(&scratch, existing);
             let (result, calls) = with_failing(&[n], || write_all(&files));
-            let what = format!("{existing:?}, call {n}");
+            let case = format!("{existing:?}, call {n}");
             match result {
                 Err(e) => {
-                    assert_eq!(e.fault, Fault::NotWritten, "{what}: {e}");
-                    assert_eq!(e.to_string().lines().count(), 1, "{what}: {e}");
+                    assert_eq!(e.fault, Fault::NotWritten, "{case}: {e}");
+                    assert_eq!(e.to_string().lines().count(), 1, "{case}: {e}");
                     assert!(
                         files.iter().any(|f| e.file == f.path.display().to_string()),
-                        "{what}: {e}"
+                        "{case}: {e}"
                     );
                     assert_eq!(
-                        state(&scratch, existing.len(), false, &what),
+                        state(&scratch, existing.len(), false, &case),
                         before,
-                        "{what}: {e}"
+                        "{case}: {e}"
                     );
                     failed += 1;
                 }
                 // Not every failure matters: a second name for the old file is a help, not a need.
                 Ok(()) => {
-                    assert_eq!(state(&scratch, existing.len(), false, &what), after, "{what}");
+                    assert_eq!(state(&scratch, existing.len(), false, &case), after, "{case}");
                 }
             }
             if calls < n {
@@ -124,11 +124,11 @@ fn whichever_two_calls_fail_no_file_is_torn_or_lost() {
             for second in first + 1..=2 * most {
                 let files = outputs(&scratch, existing);
                 let (result, _) = with_failing(&[first, second], || write_all(&files));
-                let what = format!("{existing:?}, calls {first} and {second}");
-                let now = state(&scratch, existing.len(), true, &what);
+                let case = format!("{existing:?}, calls {first} and {second}");
+                let now = state(&scratch, existing.len(), true, &case);
                 for (now, &there) in now.iter().zip(*existing) {
-                    assert!(now.is_some() || !there, "{what}: an old file is gone");
-                    assert!(result.is_err() || *now == Some(true), "{what}: said to be written");
+                    assert!(now.is_some() || !there, "{case}: an old file is gone");
+                    assert!(result.is_err() || *now == Some(true), "{case}: said to be written");
                 }
             }
         }

@@ -121,7 +121,7 @@ fn morphing_never_leaps() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(3), 1);
     let views = Views::new(&simplified, VertexRecords::positions(simplified.mesh()));
     let vertices = views.links().len() as u32;
-    let places = |lod| -> Vec<[f32; 3]> {
+    let positions_at = |lod| -> Vec<[f32; 3]> {
         let view = ViewQuery { criterion: Criterion::everywhere(Lod(lod)), morph: true };
         let shown = views.show(&view).vertices;
         shown.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(f32::from_bits)).collect()
@@ -129,10 +129,10 @@ fn morphing_never_leaps() {
     // Steps of this fixture are records, and ways are no longer than the sphere is wide. Before
     // this all set out at LOD 0, which is the input.
     let first = vertices / 7;
-    let mut before = places(first);
+    let mut before = positions_at(first);
     let mut under_way = 0;
     for lod in first + 1..vertices * 9 / 10 {
-        let now = places(lod);
+        let now = positions_at(lod);
         let part = 1.0 / f64::from((vertices - lod) / 8);
         for (a, b) in before.iter().zip(&now) {
             let moved = (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum::<f64>().sqrt();

@@ -17,11 +17,11 @@ fn drawn(pattern: &Pattern, mask: u64) -> Vec<[u8; 3]> {
 
 /// Returns the triangles of a strip, straight from the definition: window by window, by vertex and
 /// place.
-fn naive(strip: &[u32], place: impl Fn(u32) -> u32) -> Vec<[u32; 3]> {
+fn naive(strip: &[u32], position_of: impl Fn(u32) -> u32) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
     for k in 0..strip.len().saturating_sub(2) {
         let mut t = [strip[k], strip[k + 1], strip[k + 2]];
-        let [a, b, c] = t.map(&place);
+        let [a, b, c] = t.map(&position_of);
         if a != b && b != c && c != a {
             if k % 2 == 1 {
                 t.swap(0, 1);
@@ -38,10 +38,10 @@ fn choose(strip: &[u32], mask: u64) -> Vec<u32> {
 }
 
 /// The fewest positions that draw the same, by trying all subsequences.
-fn brute_force(strip: &[u32], place: impl Fn(u32) -> u32 + Copy) -> u32 {
-    let wanted = naive(strip, place);
+fn brute_force(strip: &[u32], position_of: impl Fn(u32) -> u32 + Copy) -> u32 {
+    let wanted = naive(strip, position_of);
     let masks =
-        (0..1u64 << strip.len()).filter(|&mask| naive(&choose(strip, mask), place) == wanted);
+        (0..1u64 << strip.len()).filter(|&mask| naive(&choose(strip, mask), position_of) == wanted);
     masks.map(u64::count_ones).min().expect("the whole strip draws what it draws")
 }
 
@@ -91,21 +91,33 @@ fn no_subsequence_is_shorter_than_the_shortest_filter() {
                 strip
             }
         };
-        // Sometimes several vertices are at one place.
-        let places = if rng.one_in(2) { u32::MAX } else { 2 + rng.below(6) as u32 };
-        let place = |v: u32| v % places;
-        let pattern = Pattern::new(&strip, place);
+        // Sometimes several vertices are at one position.
+        let positions = if rng.one_in(2) { u32::MAX } else { 2 + rng.below(6) as u32 };
+        let position_of = |v: u32| v % positions;
+        let pattern = Pattern::new(&strip, position_of);
         let mask = search.shortest(&pattern, Search::LIMIT).expect("few states");
-        let wanted = naive(&strip, place);
+        let wanted = naive(&strip, position_of);
         if wanted.is_empty() {
             assert_eq!((mask, trimmed(&pattern)), (0, 0), "{strip:?}");
             continue;
         }
-        assert_eq!(naive(&choose(&strip, mask), place), wanted, "{strip:?}, {places} places");
-        assert_eq!(mask.count_ones(), brute_force(&strip, place), "{strip:?}, {places} places");
+        assert_eq!(
+            naive(&choose(&strip, mask), position_of),
+            wanted,
+            "{strip:?}, {positions} places"
+        );
+        assert_eq!(
+            mask.count_ones(),
+            brute_force(&strip, position_of),
+            "{strip:?}, {positions} places"
+        );
         assert_eq!(u64::from(filters.filter(&pattern)), mask, "{strip:?}");
         let other = trimmed(&pattern);
-        assert_eq!(naive(&choose(&strip, other), place), wanted, "{strip:?}, {places} places");
+        assert_eq!(
+            naive(&choose(&strip, other), position_of),
+            wanted,
+            "{strip:?}, {positions} places"
+        );
     }
 }
 

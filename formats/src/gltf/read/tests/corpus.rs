@@ -99,7 +99,7 @@ fn damaged_models_end_in_an_error_or_are_tolerated_for_a_reason() {
         let result = import(&folder.join(name), &ImportOptions::default());
         if let Some(code) = codes.iter().find(|c| FATAL.contains(c)) {
             let e = result.map(|_| ()).expect_err(&format!("{name} has {code}"));
-            assert!(!e.what.is_empty() && !e.to_string().contains('\n'), "{name}: {e}");
+            assert!(!e.problem.is_empty() && !e.to_string().contains('\n'), "{name}: {e}");
         } else if codes.is_empty()
             && report.is_some()
             && !UNREACHABLE.iter().any(|end| name.ends_with(end))

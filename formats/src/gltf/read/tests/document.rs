@@ -136,9 +136,9 @@ fn versions_and_required_extensions_decide_what_is_read() {
     let with = |asset: Value, required: Value| {
         read(&json!({ "asset": asset, "extensionsRequired": required }))
             .map(|_| ())
-            .map_err(|e| (e.fault, e.place))
+            .map_err(|e| (e.fault, e.location))
     };
-    let unsupported = |place: &str| Err((Fault::Unsupported, place.to_owned()));
+    let unsupported = |location: &str| Err((Fault::Unsupported, location.to_owned()));
     assert_eq!(with(json!({ "version": "2.9", "minVersion": "2.0" }), json!([])), Ok(()));
     assert_eq!(
         with(json!({ "version": "2.9" }), json!(["KHR_materials_unlit", "KHR_texture_basisu"])),
@@ -162,7 +162,7 @@ fn versions_and_required_extensions_decide_what_is_read() {
 
 #[test]
 fn every_kind_of_reference_must_lead_somewhere() {
-    for (root, place) in [
+    for (root, location) in [
         (json!({ "scene": 0 }), "scene"),
         (json!({ "nodes": [{ "mesh": 1 }] }), "nodes[0].mesh"),
         (json!({ "nodes": [{ "children": [7] }] }), "nodes[0].children[0]"),
@@ -179,7 +179,7 @@ fn every_kind_of_reference_must_lead_somewhere() {
     ] {
         let mut root = root;
         root["asset"] = json!({ "version": "2.0" });
-        let e = read(&root).expect_err(place);
-        assert_eq!((e.fault, e.place.as_str()), (Fault::Malformed, place));
+        let e = read(&root).expect_err(location);
+        assert_eq!((e.fault, e.location.as_str()), (Fault::Malformed, location));
     }
 }

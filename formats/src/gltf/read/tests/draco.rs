@@ -84,11 +84,11 @@ fn what_does_not_fit_is_refused_with_its_place() {
     ];
     for (root, words) in spoilt {
         let e = refused(&root);
-        assert!(e.fault == Fault::Malformed && e.what.contains(words), "{words}: {e}");
-        assert!(e.place.contains("primitives[0]"), "{e}");
+        assert!(e.fault == Fault::Malformed && e.problem.contains(words), "{words}: {e}");
+        assert!(e.location.contains("primitives[0]"), "{e}");
     }
     let e = refused(&document(GRID, |p, _| p["mode"] = 5.into()));
-    assert!(e.fault == Fault::Unsupported && e.what.contains("gltf-transform"), "{e}");
+    assert!(e.fault == Fault::Unsupported && e.problem.contains("gltf-transform"), "{e}");
     let limits = Limits { triangles: 10, ..Limits::DEFAULT };
     let options = ImportOptions { limits, ..ImportOptions::default() };
     let root = document(GRID, |_, _| ()).to_string();

@@ -6,9 +6,9 @@ use crate::import::ImportOptions;
 use lodc_mesh::{Component, Semantic};
 use serde_json::{Value, json};
 
-fn place(root: &Value) -> (Fault, String) {
+fn location(root: &Value) -> (Fault, String) {
     let e = read(root).expect_err("must be refused");
-    (e.fault, e.place)
+    (e.fault, e.location)
 }
 
 #[test]
@@ -59,7 +59,10 @@ fn restart_values_and_indices_out_of_range_are_errors_with_a_place() {
             { "primitives": [good] }, { "primitives": [good] },
             { "primitives": [{ "attributes": { "POSITION": p }, "indices": i }] },
         ]));
-        assert_eq!(place(&root), (Fault::Malformed, "meshes[2].primitives[0].indices".to_owned()));
+        assert_eq!(
+            location(&root),
+            (Fault::Malformed, "meshes[2].primitives[0].indices".to_owned())
+        );
     }
 }
 
@@ -213,7 +216,7 @@ fn coordinates_that_are_not_finite_are_refused_only_where_they_are_used() {
         )
     };
     assert_eq!(
-        place(&with_last(3)),
+        location(&with_last(3)),
         (Fault::Malformed, "meshes[0].primitives[0].attributes.POSITION".to_owned())
     );
     assert_eq!(sound(&with_last(2)).objects.len(), 1);
@@ -285,7 +288,10 @@ fn plain_data_goes_before_what_is_compressed_with_draco() {
         root
     };
     let e = read(&draco(false)).expect_err("no data");
-    assert!(e.fault == Fault::Malformed && e.place.contains("KHR_draco_mesh_compression"), "{e}");
+    assert!(
+        e.fault == Fault::Malformed && e.location.contains("KHR_draco_mesh_compression"),
+        "{e}"
+    );
     let scene = sound(&draco(true));
     assert_eq!(scene.objects.len(), 1);
     assert!(!parsed(&scene).to_string().contains("draco"));
@@ -307,7 +313,7 @@ fn known_attributes_of_the_wrong_shape_are_refused() {
             &json!([{ "primitives": [{ "attributes": { "POSITION": p, name: a } }] }]),
         );
         assert_eq!(
-            place(&root),
+            location(&root),
             (Fault::Malformed, format!("meshes[0].primitives[0].attributes.{name}"))
         );
     }
@@ -356,5 +362,5 @@ fn buffers_come_from_data_uris_of_either_kind() {
         assert_eq!(sound(&root).objects.len(), 1, "{uri}");
     }
     root["buffers"][0]["uri"] = json!(data_uri(&bytes[1..]));
-    assert_eq!(place(&root), (Fault::Malformed, "buffers[0]".to_owned()));
+    assert_eq!(location(&root), (Fault::Malformed, "buffers[0]".to_owned()));
 }

@@ -65,7 +65,7 @@ fn seed_document() -> Value {
 }
 
 /// Imports, and exports what was imported, at full and at no detail.
-fn survives(bytes: &[u8], what: &str) -> bool {
+fn survives(bytes: &[u8], case: &str) -> bool {
     let result = read_bytes(bytes, &ImportOptions::default());
     let sound = result.is_ok();
     if let Ok(scene) = result {
@@ -74,7 +74,7 @@ fn survives(bytes: &[u8], what: &str) -> bool {
         let files = export(Path::new("x.glb"), ExportFormat::Glb, &scene.document, &objects);
         if let Ok(files) = files {
             let again = read_bytes(&files[0].bytes, &ImportOptions::default());
-            assert!(again.is_ok(), "{what}: {:?}", again.err());
+            assert!(again.is_ok(), "{case}: {:?}", again.err());
         }
     }
     sound
