@@ -245,7 +245,7 @@ COUNTS = {
     "objects": ("obj", lines(lambda i: f"o o{i}\n"), 2_000, 64_000, 500),
     "groups": ("obj", lines(lambda i: f"g g{i}\n"), 2_000, 64_000, 500),
     "usemtls": ("obj", lines(lambda i: f"usemtl m{i}\n"), 500, 16_000, 500),
-    "hub": ("obj", hub, 1_000, 128_000, 250),
+    "hub": ("obj", hub, 1_000, 128_000, 1_000),
 }
 
 # Arguments, with IN for the mesh, A for its .lodc file and S for its stream.

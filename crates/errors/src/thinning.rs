@@ -9,10 +9,10 @@ use crate::samples::{Sample, Samples};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
-/// Samples that a face keeps when it has half as many more, and at most where few faces are left.
-/// Alone, 16 are not enough (1.07 stated, 1.41 measured on a cone of 100,000 needles): hence the
-/// outermost ones below.
+/// Samples that a face keeps once it has half as many more. Alone, 16 are not enough (1.07 stated,
+/// 1.41 measured on a cone of 100,000 needles): hence the outermost ones below.
 const KEPT: usize = 16;
+/// The most that it keeps, where few faces are left. Chosen by hand.
 const MOST_KEPT: usize = 256;
 
 /// Share of the squared bound beyond which a face keeps the outermost samples, too, unless it keeps
@@ -29,16 +29,19 @@ const DIRECTIONS: usize = 48;
 /// Cosine and sine of the golden angle.
 const GOLDEN: [f64; 2] = [-0.737_368_878_078_319_7, 0.675_490_294_261_523_8];
 
-/// Directions that are spread evenly, and room for thinning.
+/// Directions that are spread evenly, and buffers that are used again for each face.
 pub(crate) struct Thinning {
     /// Samples that all faces keep together where few are left.
     kept_in_all: usize,
     directions: Vec<DVec3>,
+    /// The samples of the face.
     all: Vec<u32>,
-    /// Places in `all` of samples that are outermost.
+    /// Indices in `all` of samples that are outermost.
     outer: Vec<usize>,
+    /// Those of them that stay.
     kept: Vec<u32>,
-    /// The squared distance of each sample to the nearest one kept, and its place in `kept`.
+    /// The squared distance of each sample to the nearest one kept, and its index in `kept`; -1
+    /// for one that is kept.
     nearest_kept: Vec<(f64, u32)>,
 }
 

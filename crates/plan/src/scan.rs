@@ -5,7 +5,7 @@ use crate::program::{BufferId, KernelId, Pass, Program, Shader};
 
 /// Prefix sums of blocks.
 pub const SCAN: Shader = Shader { name: "scan", wgsl: include_str!("scan.wgsl") };
-/// Raises blocks by what is before them.
+/// Adds to each block the sum of all words before it.
 pub const SCAN_ADD: Shader = Shader { name: "scan_add", wgsl: include_str!("scan_add.wgsl") };
 
 /// Words that one workgroup sums.
@@ -42,7 +42,8 @@ impl Scan {
         self.levels[self.levels.len() - 1].0
     }
 
-    /// The passes.
+    /// Returns the passes: sums within blocks, level by level; then, from the last level back, what
+    /// is before each block.
     #[must_use]
     pub fn passes(&self) -> Vec<Pass> {
         let pass = |kernel, pair: &[(BufferId, usize)], threads: usize| {
@@ -54,9 +55,10 @@ impl Scan {
                 parameters: vec![count],
             }
         };
-        let down = self.levels.windows(2).map(|pair| pass(self.block, pair, pair[0].1.div_ceil(4)));
+        // Each thread sums four words.
+        let sums = self.levels.windows(2).map(|pair| pass(self.block, pair, pair[0].1.div_ceil(4)));
         // One block has nothing before it.
-        let up = self.levels.windows(2).rev().filter(|pair| pair[1].1 > 1);
-        down.chain(up.map(|pair| pass(self.add, pair, pair[0].1))).collect()
+        let additions = self.levels.windows(2).rev().filter(|pair| pair[1].1 > 1);
+        sums.chain(additions.map(|pair| pass(self.add, pair, pair[0].1))).collect()
     }
 }

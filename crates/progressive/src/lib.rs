@@ -41,11 +41,11 @@
 //!      r ------- s                         r /   \ s           stay with the parent
 //! ```
 //!
-//! # Rooms
+//! # Folders
 //!
 //! | folder | concern |
 //! | --- | --- |
-//! | `entropy` | adaptive probabilities, numeral-system coder, integer codes, text |
+//! | `entropy` | adaptive probabilities, range coder, integer codes, text |
 //! | `partial_mesh` | the mesh so far: corner lists, stars, links, splits |
 //! | `vertex_data` | number systems, layouts, quantisation, prediction of values |
 //! | `source` | what an encoder knows: the splits of a collapse sequence |
@@ -53,7 +53,7 @@
 //!
 //! # Example
 //!
-//! Encode a sphere in blocks, and decode the first of them:
+//! Encode a sphere in blocks, and decode them one after the other:
 //!
 //! ```
 //! use lodc_progressive::{BlockTarget, Contexts, MeshDecoder, MeshEncoder, StepBlock,
@@ -72,8 +72,9 @@
 //! assert!(blocks.len() > 5);
 //!
 //! let (mut decoder, mut contexts) = (MeshDecoder::new(header), Contexts::new());
-//! let mut coarser = 0;
+//! let (mut coarser, mut bytes) = (0, 0);
 //! for block in &blocks {
+//!     bytes += block.splits.len(); // so far: they bound what is decoded
 //!     let steps = StepBlock { steps: block.steps, splits: &block.splits, bytes };
 //!     decoder.decode(&mut contexts, steps)?;
 //!     // Every prefix is a mesh: the one of a level of detail.

@@ -78,9 +78,9 @@ pub struct Refit<'a> {
 }
 
 impl<'a> Refit<'a> {
-    /// Finds the positions. Of all iterations the one with the least mean squared distance counts, the
-    /// start included. The result does not depend on the number of threads. `tick` is called before
-    /// each; where it unwinds, so does this.
+    /// Finds the positions. Of all iterations the one with the least mean squared distance counts,
+    /// the start included. `tick` is called before each iteration; where it unwinds, so does this.
+    /// The result does not depend on the number of threads.
     #[must_use]
     pub fn new(
         simplified: &'a Simplified,
@@ -141,8 +141,10 @@ fn part_way(level: &Level, positions: &[DVec3], share: f64) -> Vec<DVec3> {
         level.corners(&level.points).into_iter().map(|t| cross(t).normalize_or_zero()).collect();
     let moves: Vec<DVec3> =
         positions.iter().zip(&level.points).map(|(&to, &from)| (to - from) * share).collect();
-    let nothing = vec![DVec3::ZERO; level.faces.len()];
-    Guard { level, first_normals: &normals, input_normals: &nothing }.limit(&level.points, &moves)
+    // Zeros: faces are held to their own first normals alone.
+    let no_normals = vec![DVec3::ZERO; level.faces.len()];
+    Guard { level, first_normals: &normals, input_normals: &no_normals }
+        .limit(&level.points, &moves)
 }
 
 /// Puts the corners of all faces that `f32` makes degenerate back to where they were.

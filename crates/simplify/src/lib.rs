@@ -5,7 +5,7 @@
 //! there: along the chosen edge (*true*), along the edges beside it in other wedges and submeshes
 //! (*twin*), or a new vertex (*fake*) where there is none. (Thesis 3.2.1 and 4.2.1.)
 //!
-//! A mesh goes through seven steps, each a module that says what it does and why: `number`, `cut`,
+//! A mesh goes through seven stages, each a module that says what it does and why: `number`, `cut`,
 //! `price` (by a [`metric`](MetricKind)), `choose`, `commit`, `rounds` and `output`. Where faces
 //! lie on each other, one layer goes through them, and the others follow it (`skin`).
 //!
@@ -102,12 +102,13 @@ pub fn simplify_guided(
     guidance: Guidance<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Simplified {
-    simplify_noting(mesh, options, guidance, progress).0
+    simplify_with_moves(mesh, options, guidance, progress).0
 }
 
-/// The same, with the collapses for another run to begin with. The quadric notes none.
+/// The same, with the collapses for another run to begin with. Only [`MetricKind::Hybrid`] notes
+/// any.
 #[must_use]
-pub fn simplify_noting(
+pub fn simplify_with_moves(
     mesh: &Mesh,
     options: &Options,
     guidance: Guidance<'_>,
@@ -159,9 +160,9 @@ struct Run<'a> {
 /// The log of a mesh down to one vertex.
 struct Collapsed {
     log: CollapseLog,
-    /// Number of its steps that are legal.
+    /// Number of its steps before the terminal phase, which makes those that are not legal.
     legal: usize,
-    /// They are not in their final order yet.
+    /// Its steps are still to be ordered by their stamps, as those of several regions are.
     by_stamp: bool,
 }
 
@@ -169,30 +170,30 @@ impl<'a> Run<'a> {
     /// Simplifies one layer of a mesh whose faces lie on each other; the whole mesh follows. None
     /// if it cannot.
     fn by_skin(self, skin: &Skin, positions: &PositionIds) -> Option<(Simplified, Moves)> {
-        let (moves, own, legal) = {
+        let (moves, layer_moves, legal) = {
             let mut input = Input::new(&skin.mesh);
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
             let run = Run { mesh: &skin.mesh, ..self };
             let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
-            let own = std::mem::take(&mut log.moves);
-            (skin::moves(&input, &skin.vertices, &log, legal, by_stamp), own, legal)
+            let layer_moves = std::mem::take(&mut log.moves);
+            (skin::moves(&input, &skin.vertices, &log, legal, by_stamp), layer_moves, legal)
         };
         let input = Input::with_positions(self.mesh, positions);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
         let (log, legal) = skin::follow(&context, &moves, legal, &mut sources)?;
         drop(context);
-        Some((output::output(&input, &sources, log, legal, false), own))
+        Some((output::output(&input, &sources, log, legal, false), layer_moves))
     }
 
     /// The data that all regions read.
     fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
         let Self { mesh, options, guidance, .. } = *self;
         let attributes = if options.attributes {
-            let own = |submesh: u32| guidance.weights.get(submesh as usize).copied();
-            let weights = |submesh: u32| own(submesh).unwrap_or(options.weights);
+            let of_submesh = |submesh: u32| guidance.weights.get(submesh as usize).copied();
+            let weights = |submesh: u32| of_submesh(submesh).unwrap_or(options.weights);
             Attributes::new(mesh, weights, input.scale, input.size)
         } else {
             Attributes::none()

@@ -3,6 +3,7 @@
 
 use super::document::Stored;
 use super::json::{Json, Object};
+use super::texture_transform::texture_coordinates;
 use super::uri;
 use crate::images::Pictures;
 use crate::{Assets, Fault, FormatError, GltfDocument, Limits, ObjectInfo};
@@ -177,19 +178,4 @@ fn any_texture(source: &Json) -> Option<&Json> {
         let is_texture = name.ends_with("Texture") && value["index"].as_index().is_some();
         if is_texture { Some(value) } else { any_texture(value) }
     })
-}
-
-/// The texture coordinates that a texture reads.
-pub(super) fn texture_coordinates(info: &Json) -> Coordinates {
-    let moved = &info["extensions"]["KHR_texture_transform"];
-    let set = moved["texCoord"].as_index().or(info["texCoord"].as_index()).unwrap_or(0);
-    Coordinates { set: u32::try_from(set).unwrap_or(u32::MAX), transform: transform(moved) }
-}
-
-/// `KHR_texture_transform`: first scaled, then turned, then moved.
-fn transform(source: &Json) -> [[f32; 3]; 2] {
-    let [x, y] = source["offset"].numbers([0.0; 2]);
-    let [sx, sy] = source["scale"].numbers([1.0; 2]);
-    let (sine, cosine) = source["rotation"].as_f64().unwrap_or(0.0).sin_cos();
-    [[cosine * sx, sine * sy, x], [-sine * sx, cosine * sy, y]].map(|row| row.map(|v| v as f32))
 }

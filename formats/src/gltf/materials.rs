@@ -1,8 +1,8 @@
 //! The materials of a glTF as an MTL library, for an export as OBJ: names, base colours, opacity
 //! and base colour textures, which is all that both formats have.
 
-use super::appearance::texture_coordinates;
 use super::json::{Json, Object, parse};
+use super::texture_transform::texture_coordinates;
 use super::uri;
 use crate::images::{ImagePlace, PlacedTextures, embedded_name};
 use crate::obj::write::{Library, SimpleMaterial};

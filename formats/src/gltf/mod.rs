@@ -46,6 +46,8 @@ pub(crate) mod read;
 mod schema;
 #[cfg(any(feature = "import", feature = "export"))]
 mod semantic;
+#[cfg(any(feature = "import", feature = "export"))]
+mod texture_transform;
 #[cfg(feature = "gltf")]
 mod typed;
 #[cfg(feature = "gltf")]

@@ -1,4 +1,4 @@
-//! `lodc build --estimate`: memory and time that a build is likely to need, from the counts in its
+//! `lodc build --estimate`: the memory that a build is likely to need, from the counts in its
 //! inputs' headers. Nothing is built.
 
 use super::{BuildArgs, ReportFormat, pipeline};
@@ -13,8 +13,9 @@ use lodc_report::documents::{EstimateReport, InputEstimate};
 use lodc_report::text::{count, size};
 
 /// Bytes that the program takes whatever it builds, with one thread: itself, its allocator's
-/// reserve, stacks (measured: 26 MB).
+/// reserve, stacks (measured: 26 MB; the rest is margin).
 const PROGRAM: u64 = 48 << 20;
+
 /// Counts what an asset holds, and estimates the bytes of memory that it needs beside the program's
 /// own.
 ///
@@ -37,6 +38,7 @@ pub(super) fn memory(
 /// If that cannot be said.
 pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outcome<Status> {
     let options = AssetOptions::new(program, "build", assets, |args, _| args);
+    // Nothing is built, so nothing waits for memory.
     let budget = Budget { workers: rayon::current_num_threads(), bytes: u64::MAX };
     let inputs = each::all(assets, budget, |_| None, |_, asset, _| one(asset, &options));
     let worst = inputs.iter().map(|(status, _)| *status).max().unwrap_or_default();

@@ -1,8 +1,8 @@
 //! `LodStrips` (Ramos and Chover 2004, 2006): strips, and for each record a list of places that
 //! change.
 //!
-//! The ancestor of Speed Strips: the same changes and repetitions of the same strips (their dead
-//! ends stay), but each entry names its strip, and entries are applied one by one, record by
+//! The ancestor of Speed Strips: the same changes and repetitions of the same strips (dead ends,
+//! a vertex that a strip visits between two equal ones, stay), but each entry names its strip, and entries are applied one by one, record by
 //! record, to strips that grow and shrink by themselves.
 
 use lodc_lod::trace::{self, History, Kind, Removal};
@@ -56,7 +56,8 @@ impl LodStrips {
         check_submeshes(&strips, simplified.mesh())?;
         let strips = cut_long(strips, LONGEST_TRACED);
         let positions = PositionIds::new(simplified.mesh().positions());
-        let histories = trace::histories(simplified, &strips, &positions, false)?;
+        let with_dead_ends = false;
+        let histories = trace::histories(simplified, &strips, &positions, with_dead_ends)?;
         let (first, entries) = by_record(&histories, simplified.collapses().records() as usize);
         Ok(Self {
             simplified: Arc::clone(simplified),
@@ -119,6 +120,7 @@ impl LodStrips {
                 strip[place] = record;
                 written += 1;
             } else {
+                // The last vertex goes on, or the last two (an edge).
                 let (count, period) =
                     (entry.repetitions.unsigned_abs(), if entry.repetitions > 0 { 1 } else { 2 });
                 let pattern = [strip[place.saturating_sub(2)], strip[place - 1]];
@@ -218,6 +220,7 @@ impl Model for LodStrips {
         let primitives = 4 * self.strips.separate_indices();
         StorageCost { positions: geometry, normals: geometry, primitives, structures, ..plain }
     }
+    // A baseline is measured, and never stored.
     fn arrays(&self, _: Layout) -> Vec<Array> {
         Vec::new()
     }

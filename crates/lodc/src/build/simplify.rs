@@ -6,7 +6,9 @@ use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
 use lodc_formats::SceneObject;
 use lodc_mesh::{Mesh, PositionIds, Simplified};
-use lodc_simplify::{Begun, Guidance, MetricKind, Moves, Options, SurfaceColours, simplify_noting};
+use lodc_simplify::{
+    Begun, Guidance, MetricKind, Moves, Options, SurfaceColours, simplify_with_moves,
+};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -145,7 +147,7 @@ impl Work<'_> {
             stretches: plan.map(|plan| plan.stretches),
             begun: begun.map(|(run, share)| Begun { moves: &run.moves[number], share }),
         };
-        let (simplified, moves) = simplify_noting(mesh, options, guidance, &report_progress);
+        let (simplified, moves) = simplify_with_moves(mesh, options, guidance, &report_progress);
         (Arc::new(simplified), moves)
     }
 }

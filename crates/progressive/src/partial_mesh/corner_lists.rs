@@ -211,7 +211,7 @@ mod tests {
                 lists.set(vertex as u32, list);
             }
             if random.below(30) == 0 {
-                // Some numbers of corners are used for these alone.
+                // Corners from 20,000 on: no other insertion uses these numbers.
                 let new: Vec<u32> =
                     (1..1 + random.below(4) as u32).map(|i| corner + i * 20_000).collect();
                 let (prepended, appended) = new.split_at(random.below(new.len() + 1));

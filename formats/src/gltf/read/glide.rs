@@ -34,6 +34,7 @@ pub(super) fn strip(root: &mut Object) {
         return;
     }
     let plain = without_replacements(root);
+    // The target is the last one, so its number is the count of those that stay.
     for (m, mesh) in root.objects_mut("meshes").enumerate() {
         let Some(&count) = targets.get(&m) else { continue };
         shorten(mesh, "weights", count);
@@ -46,6 +47,7 @@ pub(super) fn strip(root: &mut Object) {
                 }
             }
         }
+        // Names of targets that had none were made up for the export.
         let names_gone = mesh["extras"]["lodc"]["unnamed"].as_bool() == Some(true) || count == 0;
         match mesh.get_mut("extras").and_then(Json::as_object_mut) {
             Some(extras) if !names_gone => shorten(extras, "targetNames", count),
@@ -59,6 +61,8 @@ pub(super) fn strip(root: &mut Object) {
         }
     }
     for animation in root.objects_mut("animations") {
+        // A sampler of weights with one more for the target names the one without it (`narrow`). They
+        // are the last samplers.
         let narrow = |sampler: &Json| sampler["extras"]["lodc"]["narrow"].as_index();
         let narrow: Vec<Option<usize>> = animation.list("samplers").iter().map(narrow).collect();
         for channel in animation.objects_mut("channels") {
@@ -84,16 +88,17 @@ fn shorten(object: &mut Object, key: &str, count: usize) {
     }
 }
 
-/// For each accessor that is another one but for some elements the other one.
+/// Maps each sparse accessor that is another one but for the elements that it replaces to that other
+/// one.
 fn without_replacements(root: &Object) -> BTreeMap<usize, usize> {
     let all: Vec<&Object> = root.entries("accessors").collect();
+    // Few accessors are sparse over a view: those of levels. So all others may be looked through.
     let replaced = all.iter().enumerate().filter_map(|(a, accessor)| {
         let mut base = (*accessor).clone();
         base.shift_remove("sparse")?;
         base.get("bufferView")?;
         Some((a, all.iter().position(|other| **other == base)?))
     });
-    // A list of joints is asked for by few accessors: those of levels.
     replaced.collect()
 }
 
@@ -146,7 +151,8 @@ pub(super) fn glides(
     Ok(all)
 }
 
-/// Times that vertices are read: levels that halve, each on its way and as the next one.
+/// Times that vertices are read at most: each level where it begins, where it ends and as the next
+/// one, and levels share vertices. Chosen by hand, to bound the work that a crafted file asks for.
 const MOST_READ: u64 = 8;
 
 /// What the target of a mesh moves.

@@ -82,8 +82,8 @@ impl Materials {
     }
 }
 
-/// Finds a library: under the name as written, with backslashes turned, or else as a list of
-/// names.
+/// Finds a library: under the name as written, with its backslashes as slashes, or else as a list
+/// of names.
 fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError> {
     let turned = library.replace('\\', "/");
     let mut read = |name: &str| match assets.read_reference(name) {
@@ -105,6 +105,7 @@ fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError>
     // `mtllib a.mtl b.mtl`. If any of them is missing, the message about the whole is as good.
     match names.into_iter().map(read).collect() {
         Ok(all) => {
+            // Both spellings of the whole were looked for in vain.
             assets.substitute(library);
             assets.substitute(&turned);
             Ok(all)

@@ -166,10 +166,12 @@ pub fn sample(simplified: &Simplified, rounds: u32, seed: u64) -> Vec<ViewQuery>
         };
         let (eye, centre, corner) = (point(6.0), point(1.0), point(1.5));
         let reach = 0.6 * size;
+        // 1, 3, 5 ... pixels of 1,000, with half an angle whose tangent is 0.5.
         let slope = Criterion::slope(1.0 + 2.0 * round as f32, 1000.0, 0.5);
         // Tangents of half the angles of a screen of 16 by 9, from narrow to wide.
         let tangents = [1.6, 0.9].map(|side| side * (0.1 + 0.6 * (round % 4) as f32));
         let at_corner = |low: [f32; 3]| {
+            // Flat where the vertex has a zero, so that both sides of the box are that zero.
             let high = low.map(|c| if c == 0.0 { c } else { c + reach });
             Criterion::Region { low, high, inside: fine, outside: coarse }
         };

@@ -5,7 +5,7 @@ use super::{Checkerboard, HybridMetric, Patch};
 use crate::cut::Region;
 use crate::metric::Reprice;
 use crate::number::Input;
-use crate::{Begun, Guidance, MetricKind, Options, simplify, simplify_noting};
+use crate::{Begun, Guidance, MetricKind, Options, simplify, simplify_with_moves};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};
 
@@ -82,7 +82,7 @@ fn what_is_flat_is_free() {
 fn a_run_that_begins_as_an_earlier_one_ends_as_if_it_had_decided_alone() {
     let options = Options { metric: MetricKind::Hybrid, ..Options::DEFAULT };
     let of = |mesh: &Mesh, guidance: Guidance<'_>| {
-        let (simplified, moves) = simplify_noting(mesh, &options, guidance, &|_, _| {});
+        let (simplified, moves) = simplify_with_moves(mesh, &options, guidance, &|_, _| {});
         let parts = simplified.collapses().parts();
         let steps = (parts.targets.clone(), parts.step_errors.clone());
         ((steps, simplified.mesh().positions().to_vec()), moves)
