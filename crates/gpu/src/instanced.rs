@@ -91,8 +91,8 @@ impl<'d> Instanced<'d> {
         Ok(Self { device, pipelines, targets: Targets::new(gpu), meshes })
     }
 
-    /// Nanoseconds that the device draws a frame, by its own clock or, if it has none, by the
-    /// host's `now` from submitting to being done. Sending the frame is no part of it.
+    /// Nanoseconds that the device takes to draw a frame, by its own clock or, if it has none, by
+    /// the host's `now` from submitting to being done. Sending the frame is no part of it.
     ///
     /// # Errors
     /// If the frame is larger than the device allows, or the device fails.
@@ -144,13 +144,13 @@ impl<'d> Instanced<'d> {
     }
 }
 
-/// A buffer with these bytes, or a few where there are none.
+/// Makes a buffer with these bytes; of 64 zeros if there are none.
 fn buffer(
     device: &Device,
     usage: wgpu::BufferUsages,
     bytes: &[u8],
 ) -> Result<wgpu::Buffer, GpuError> {
-    device.allows_buffer("a crowd (bytes)", bytes.len() as u64)?;
+    device.allows_buffer("a buffer of a crowd (bytes)", bytes.len() as u64)?;
     let contents = if bytes.is_empty() { &[0; 64] } else { bytes };
     let created =
         device.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage });

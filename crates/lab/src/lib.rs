@@ -1,6 +1,6 @@
 //! What the thesis measures, on any mesh: storage, the time and traffic of moves between levels,
 //! primitives, progressive streams, and crowds that walk. Baselines are measured beside the models,
-//! each with the same cursor. It reads no file and prints nothing: results are structs to be
+//! by cursors of the same form. It reads no file and prints nothing: results are structs to be
 //! serialised, tables as text, charts as SVG.
 //!
 //! ```

@@ -122,7 +122,7 @@ fn smoothed_normals(surface: &Surface) -> Vec<[Vec3; 3]> {
 /// Compares pictures taken by the same cameras.
 #[must_use]
 pub fn compare_pictures(a: &[Picture], b: &[Picture]) -> ImageError {
-    mean(a.iter().zip(b).map(|(a, b)| Difference::new(a, b)))
+    image_error(a.iter().zip(b).map(|(a, b)| Difference::new(a, b)))
 }
 
 /// The difference of two pictures by the same camera.
@@ -131,7 +131,8 @@ pub(crate) struct Difference {
     /// Pixels that either shows, and those that only one does.
     pixels: u64,
     differ: u64,
-    squares: f64,
+    /// Sum over pixels of the mean squared difference of their channels.
+    squared: f64,
 }
 
 impl Difference {
@@ -142,8 +143,9 @@ impl Difference {
             if shown[0] || shown[1] {
                 all.pixels += 1;
                 all.differ += u64::from(shown[0] != shown[1]);
+                // What is not covered counts as black.
                 let square = |c: usize| f64::from(x[c].max(0.0) - y[c].max(0.0)).powi(2);
-                all.squares += (square(0) + square(1) + square(2)) / 3.0;
+                all.squared += (square(0) + square(1) + square(2)) / 3.0;
             }
         }
         all
@@ -151,17 +153,17 @@ impl Difference {
 }
 
 /// The image error over some pictures.
-pub(crate) fn mean(pictures: impl Iterator<Item = Difference>) -> ImageError {
+pub(crate) fn image_error(pictures: impl Iterator<Item = Difference>) -> ImageError {
     let all = pictures.fold(Difference::default(), |all, one| Difference {
         pixels: all.pixels + one.pixels,
         differ: all.differ + one.differ,
-        squares: all.squares + one.squares,
+        squared: all.squared + one.squared,
     });
     if all.pixels == 0 {
         return ImageError { rmse: 0.0, silhouette: 0.0 };
     }
     let pixels = all.pixels as f64;
-    ImageError { rmse: (all.squares / pixels).sqrt(), silhouette: all.differ as f64 / pixels }
+    ImageError { rmse: (all.squared / pixels).sqrt(), silhouette: all.differ as f64 / pixels }
 }
 
 fn picture(
@@ -200,7 +202,9 @@ fn picture(
         let light = (AMBIENT + LAMP * cosine.max(0.0)).min(1.0);
         let colour = if looks.materials {
             painted(surface, fragment.item() as usize, shares, area)
-        } else if looks.checkerboard && is_dark(textured(surface, triangle, shares) * SQUARES) {
+        } else if looks.checkerboard
+            && is_dark(texture_coordinates(surface, triangle, shares) * SQUARES)
+        {
             Vec3::splat(DARK)
         } else {
             Vec3::ONE
@@ -214,7 +218,7 @@ fn picture(
 }
 
 /// Texture coordinates at shares of a triangle's corners.
-fn textured(surface: &Surface, triangle: [u32; 3], shares: [f32; 3]) -> Vec2 {
+fn texture_coordinates(surface: &Surface, triangle: [u32; 3], shares: [f32; 3]) -> Vec2 {
     let at = |c: usize| surface.texture[triangle[c] as usize] * shares[c];
     at(0) + at(1) + at(2)
 }
@@ -233,8 +237,14 @@ fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
     let triangle = surface.triangles[t];
     let [a, b, c] = triangle.map(|v| transformed(surface.texture[v as usize]));
     let pixels = (area.abs() / f64::from(SUBPIXELS * SUBPIXELS)) as f32;
-    let texels = (b - a).perp_dot(c - a).abs() * image.area() / pixels.max(f32::MIN_POSITIVE);
-    colour * image.at(transformed(textured(surface, triangle, shares)), texels, texture.wrap)
+    let texels_per_pixel =
+        (b - a).perp_dot(c - a).abs() * image.area() / pixels.max(f32::MIN_POSITIVE);
+    colour
+        * image.at(
+            transformed(texture_coordinates(surface, triangle, shares)),
+            texels_per_pixel,
+            texture.wrap,
+        )
 }
 
 fn is_dark(at: Vec2) -> bool {
@@ -242,8 +252,8 @@ fn is_dark(at: Vec2) -> bool {
     parity(at.x) != parity(at.y)
 }
 
-/// A pixel centre's shares of a triangle's corners, and twice the triangle's area in squared
-/// subpixels.
+/// A pixel centre's shares of a triangle's corners (barycentric coordinates), and twice the
+/// triangle's area in squared subpixels.
 fn shares(corners: [Point; 3], column: u32, row: u32) -> ([f32; 3], f64) {
     let center = |pixel: u32| f64::from(pixel) * f64::from(SUBPIXELS) + f64::from(SUBPIXELS / 2);
     let (x, y) = (center(column), center(row));

@@ -1,8 +1,8 @@
 //! The pictures of one surface from all sides, kept so that several others can be compared with it.
 
 use crate::picture::{
-    Difference, ImageError, Picture, ShadingOptions, Sitter, Viewing, compare_pictures, mean,
-    pictures,
+    Difference, ImageError, Picture, ShadingOptions, Sitter, Viewing, compare_pictures,
+    image_error, pictures,
 };
 use crate::surface::Surface;
 use lodc_raster::Camera;
@@ -45,7 +45,7 @@ impl Portrait {
         let own = self.cameras.par_iter().zip(&self.pictures);
         let difference =
             |(camera, picture)| Difference::new(picture, &sitter.picture(camera, false));
-        mean(own.map(difference).collect::<Vec<_>>().into_iter())
+        image_error(own.map(difference).collect::<Vec<_>>().into_iter())
     }
 
     /// Compares the pictures of another surface, taken by [`Self::pictures_of`].

@@ -54,14 +54,14 @@ pub struct Shader {
     pub wgsl: &'static str,
 }
 
-/// The end of every kernel: how a thread finds its number.
-const PRELUDE: &str = include_str!("prelude.wgsl");
+/// The end of every kernel's text, the same in all: how a thread finds its number.
+const SHARED: &str = include_str!("prelude.wgsl");
 
 impl Shader {
     /// Returns the whole text: the kernel's own, then what all kernels share.
     #[must_use]
     pub fn text(&self) -> String {
-        format!("{}\n{PRELUDE}", self.wgsl)
+        format!("{}\n{SHARED}", self.wgsl)
     }
 }
 
@@ -71,7 +71,7 @@ impl Shader {
 pub struct Kernel {
     /// The name of its file, without the extension.
     pub name: &'static str,
-    /// The text.
+    /// The whole text, see [`Shader::text`].
     pub wgsl: String,
     /// Values of its pipeline-overridable constants.
     pub constants: Vec<(&'static str, u32)>,
@@ -80,8 +80,9 @@ pub struct Kernel {
 /// Threads in a workgroup of every kernel: what every device allows.
 pub const WORKGROUP: u32 = 256;
 
-/// One kernel over one range of threads. A kernel may be run with up to 1023 threads more than
-/// there are, and in two dimensions, so each thread numbers itself and looks whether it is needed.
+/// One kernel over one range of threads. A kernel may be run with more threads than these, to fill
+/// workgroups and rows of workgroups, and in two dimensions, so each thread numbers itself and
+/// looks whether it is needed.
 #[derive(Clone, Debug)]
 pub struct Pass {
     /// The kernel.

@@ -59,26 +59,27 @@ pub fn placement_scales<'a>(
     let mut last: Option<(&Placement, f64)> = None;
     let mut out = Vec::new();
     for placement in scene.of(object) {
-        let node = largest_stretch(&placement.transform.matrix3);
+        let node_scale = largest_stretch(&placement.transform.matrix3);
         if placement.joints.is_empty() {
-            out.push((placement, node));
+            out.push((placement, node_scale));
             continue;
         }
         let leading = leading.get_or_insert_with(|| LeadingJoints::of(mesh, placement));
-        let joints = match last {
+        let joint_scale = match last {
             Some((p, scale)) if Arc::ptr_eq(&p.joints, &placement.joints) => scale,
             _ => leading.scale(&placement.joints),
         };
-        last = Some((placement, joints));
+        last = Some((placement, joint_scale));
         let misses = leading.misses_some(&placement.joints);
-        out.push((placement, if misses { joints.max(node) } else { joints }));
+        let scale = if misses { joint_scale.max(node_scale) } else { joint_scale };
+        out.push((placement, scale));
     }
     out
 }
 
 /// The joints that have most weight at some vertex.
 struct LeadingJoints {
-    /// Rising.
+    /// Rising, each once.
     joints: Vec<usize>,
     /// True if some vertex has no weight.
     unweighted: bool,

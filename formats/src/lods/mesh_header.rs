@@ -45,6 +45,7 @@ pub(super) fn take(bytes: &mut &[u8], codec: &mut TextCodec) -> Result<MeshHeade
     parse(&decoded.ok_or_else(|| malformed("cannot be decoded"))?)
 }
 
+/// Returns a header before it is coded.
 fn plain(mesh: &MeshHeader) -> Vec<u8> {
     let mut out = Vec::new();
     for n in [mesh.vertices, mesh.triangles, mesh.steps, u32::from(mesh.exact)] {
@@ -52,6 +53,7 @@ fn plain(mesh: &MeshHeader) -> Vec<u8> {
     }
     put_leb128(&mut out, mesh.attributes.len() as u64);
     for (i, stream) in mesh.layout.streams.iter().enumerate() {
+        // The first stream is positions, which are no attribute.
         if let Some(attribute) = i.checked_sub(1).and_then(|i| mesh.attributes.get(i)) {
             put_attribute(&mut out, attribute);
         }
@@ -63,22 +65,25 @@ fn plain(mesh: &MeshHeader) -> Vec<u8> {
         systems::put(&mut out, systems);
     }
     put_leb128(&mut out, mesh.submeshes.len() as u64);
-    let mut before: &[u32] = &[];
+    let mut previous: &[u32] = &[];
     for Submesh { attributes, .. } in &mesh.submeshes {
-        if attributes == before {
+        // 0: the streams of the submesh before; else their number and 1.
+        if attributes == previous {
             out.push(0);
             continue;
         }
         put_leb128(&mut out, attributes.len() as u64 + 1);
         attributes.iter().for_each(|&a| put_leb128(&mut out, a.into()));
-        before = attributes;
+        previous = attributes;
     }
     out
 }
 
+/// Reads what [`plain`] writes.
 fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
     let rest = &mut bytes;
     let [vertices, triangles, steps] = [number(rest)?, number(rest)?, number(rest)?];
+    // Whether steps are in the order of the sequence, a step to a level, or in batches.
     let exact = match number(rest)? {
         0 => false,
         1 => true,
@@ -113,19 +118,19 @@ fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
 
 fn submeshes(rest: &mut &[u8]) -> Result<Vec<Submesh>, FormatError> {
     let count = number(rest)?;
-    let (mut submeshes, mut before) = (Vec::new(), Vec::new());
+    let (mut submeshes, mut previous) = (Vec::new(), Vec::new());
     let mut entries = 0;
     for _ in 0..count {
         if let Some(streams) = number(rest)?.checked_sub(1) {
-            before = (0..streams).map(|_| number(rest)).collect::<Result<_, _>>()?;
+            previous = (0..streams).map(|_| number(rest)).collect::<Result<_, _>>()?;
         }
         // A byte can repeat a list of any length.
-        entries += before.len();
+        entries += previous.len();
         if entries > MAX_ENTRIES {
             let problem = format!("has more than {MAX_ENTRIES} streams of submeshes");
             return Err(FormatError::new(Fault::Limit, LOCATION, problem));
         }
-        submeshes.push(Submesh { attributes: before.clone(), ..Submesh::default() });
+        submeshes.push(Submesh { attributes: previous.clone(), ..Submesh::default() });
     }
     Ok(submeshes)
 }

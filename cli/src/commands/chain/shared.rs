@@ -17,6 +17,7 @@ use lodc_strip::{codec_order_list, order_list};
 use rayon::prelude::*;
 use std::path::Path;
 
+/// Makes the file, and says of each level what that does to it: error, vertices, distances.
 pub(super) fn files(
     args: &ChainArgs,
     out: &Path,
@@ -33,6 +34,7 @@ pub(super) fn files(
             chain(&asset.objects[o], &lods, carried.is_some(), additions.compress)
         })
         .collect::<Outcome<_>>()?;
+    // Of each object the mesh that each vertex glides to.
     let next: Vec<Mesh> = match carried {
         Some(_) => made.par_iter().map(GlidingChain::next).collect(),
         None => Vec::new(),
@@ -41,9 +43,10 @@ pub(super) fn files(
     let coverages: Vec<Vec<f64>> =
         asset.objects.iter().enumerate().map(|(o, object)| coverage(object, o, levels)).collect();
     let (meshes, precision) = (chains.iter().map(|c| &c.mesh), additions.precision);
-    let moved = level_mesh::rounding(&asset.objects, &asset.document, meshes, precision)?.largest;
+    let rounding =
+        level_mesh::rounding(&asset.objects, &asset.document, meshes, precision)?.largest;
     for (k, level) in levels.iter_mut().enumerate() {
-        level_mesh::add_rounding(&mut level.error, &mut level.rms, moved);
+        level_mesh::add_rounding(&mut level.error, &mut level.rms, rounding);
         level.vertices = chains.iter().map(|c| u64::from(c.prefixes[k])).sum();
     }
     if let Some(carried) = carried {
@@ -54,9 +57,9 @@ pub(super) fn files(
             };
             (0..chains.len()).map(of_object).collect()
         };
-        let ways: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(of_level).collect();
+        let moving_meshes: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(of_level).collect();
         let limits = args.export.import.limits().limits();
-        let errors = glide::pose_errors(asset, &ways, carried.joints, &limits)?;
+        let errors = glide::pose_errors(asset, &moving_meshes, carried.joints, &limits)?;
         glide::set_distances(&args.levels, levels, &errors);
     }
     let glide = |object: usize, carried: MovedStreams| Glide {

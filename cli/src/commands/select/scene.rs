@@ -37,7 +37,7 @@ pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
     let failure = |what: String| Failure::new(Status::Input, format!("{}: {what}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|e| failure(e.to_string()))?;
     let mut scene = Scene::default();
-    let mut numbers: BTreeMap<PathBuf, u32> = BTreeMap::new();
+    let mut model_of_file: BTreeMap<PathBuf, u32> = BTreeMap::new();
     for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
         let line: Line = serde_json::from_str(line)
             .map_err(|e| failure(format!("line {number}, column {}: no instance", e.column())))?;
@@ -46,16 +46,17 @@ pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
             let what = "a place needs finite numbers, a scale one above 0";
             return Err(failure(format!("line {number}: {what}")));
         }
-        let curve = match numbers.get(&line.file) {
-            Some(&curve) => curve,
+        let model = match model_of_file.get(&line.file) {
+            Some(&model) => model,
             None => {
                 scene.models.push(Model::read(&line.file, limits)?);
-                let curve = scene.models.len() as u32 - 1;
-                numbers.insert(line.file, curve);
-                curve
+                let model = scene.models.len() as u32 - 1;
+                model_of_file.insert(line.file, model);
+                model
             }
         };
-        scene.instances.push(Instance { curve, position: line.position, scale: line.scale });
+        // Each model has one curve.
+        scene.instances.push(Instance { curve: model, position: line.position, scale: line.scale });
     }
     Ok(scene)
 }

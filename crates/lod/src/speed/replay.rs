@@ -24,7 +24,7 @@ pub const SHADERS: [Shader; 8] =
 /// not measured on devices.
 const ENTRY_COST: u64 = 6;
 
-/// Buffers and kernels.
+/// Buffers and kernels; the first four buffers are those of [`by_strip`].
 #[derive(Clone, Debug)]
 pub(super) struct Device {
     starts: BufferId,
@@ -38,9 +38,11 @@ pub(super) struct Device {
     index_removal_lods: BufferId,
     values: BufferId,
     strips: BufferId,
+    /// Two words for each strip: the entry that is next, and how many indices it has now.
     heads: BufferId,
     packed: Packed,
     kernels: [KernelId; 5],
+    /// Numbers of strips and of indices.
     counts: [u32; 2],
 }
 
@@ -163,23 +165,24 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     let mut entries = vec![0; 4 * end[0] as usize];
     let (mut changes, mut removals) = (vec![0; end[1] as usize], vec![0; 2 * end[2] as usize]);
     // Kernels leave no gap at the front: offsets count from where a strip starts at the time.
-    let mut room: Vec<u32> = (0..set.len()).map(|strip| set.range(strip).start as u32).collect();
+    let mut fronts: Vec<u32> = (0..set.len()).map(|strip| set.range(strip).start as u32).collect();
     for record in 0..records {
         for event in model.events(record) {
             let strip = event.strip as usize;
             let ([entry, change, removal], first) =
                 (&mut next[strip], set.range(strip).start as u32);
+            // What is put back at ends follows all offsets.
             let ends_start = changes.len() as u32;
             entries[4 * *entry as usize..][..4]
                 .copy_from_slice(&[record, *change, *removal, ends_start]);
             *entry += 1;
             for offset in event.changes {
-                changes[*change as usize] = offset - room[strip];
+                changes[*change as usize] = offset - fronts[strip];
                 *change += 1;
             }
             let mut gone_at_front = 0;
             for removed in event.removals.iter().rev() {
-                let at = removed.removal.at - (room[strip] - first);
+                let at = removed.removal.at - (fronts[strip] - first);
                 removals[2 * *removal as usize..][..2]
                     .copy_from_slice(&[at, removed.removal.word().cast_unsigned()]);
                 *removal += 1;
@@ -187,7 +190,7 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
                     gone_at_front = removed.removal.count;
                 }
             }
-            room[strip] += gone_at_front;
+            fronts[strip] += gone_at_front;
             for kind in event.removals.iter().rev().map(|removed| removed.removal.kind) {
                 if kind == Kind::Front || kind == Kind::Back {
                     changes.extend(end_of(model, strip, record, kind));
@@ -195,6 +198,7 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
             }
         }
     }
+    // Where the last strip's entries end, with their changes and removals.
     entries.extend([NONE, end[1], end[2], 0]);
     (starts, entries, changes, removals)
 }
@@ -202,17 +206,20 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
 /// Returns the vertices that the elements that a record takes off the front or the back of a strip
 /// have become by then, in order.
 fn end_of(model: &Speed, strip: usize, record: u32, kind: Kind) -> impl Iterator<Item = u32> {
-    let (room, lod) = (model.strips.range(strip), record + 1);
-    let index_removal_lods = &model.index_removal_lods()[room.clone()];
+    let (range, lod) = (model.strips.range(strip), record + 1);
+    let index_removal_lods = &model.index_removal_lods()[range.clone()];
     // Only what is removed at the back is behind the last remaining element.
-    let last_remaining =
-        index_removal_lods.iter().rposition(|&at| at > lod).map_or(room.start, |i| room.start + i);
+    let last_remaining = index_removal_lods
+        .iter()
+        .rposition(|&at| at > lod)
+        .map_or(range.start, |i| range.start + i);
     let goes = move |&i: &usize| {
         let is_at_end =
             if kind == Kind::Front { model.edits().at_front(i) } else { i > last_remaining };
         is_at_end && model.index_removal_lods()[i] == lod
     };
-    room.filter(goes)
+    range
+        .filter(goes)
         .map(move |i| model.simplified.collapses().resolve(model.strips.indices()[i], Lod(lod)))
 }
 

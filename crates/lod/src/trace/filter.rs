@@ -24,8 +24,8 @@ use lodc_model::BuildError;
 const REACH: usize = 12;
 
 /// Number of changes a removal must spare. It takes two words itself and a change one, so this is
-/// where storage breaks even (bunny and cow: 2 to 4 give the same size within one percent; it is
-/// removals that take time, changes hardly do).
+/// the least number that saves storage (bunny and cow: 2 to 4 give the same size within one
+/// percent; it is removals that take time, changes hardly do).
 const MIN_SPARED: u32 = 3;
 
 /// The choice of what one record removes from one strip.
@@ -51,6 +51,7 @@ impl<'a> Filter<'a> {
         let (mut e, mut spared_changes) = (first, 0);
         loop {
             let mut v = strip.value(e);
+            // Record v collapses vertex v.
             while v < self.end && spared_changes < MIN_SPARED {
                 (v, spared_changes) = (self.targets[v as usize], spared_changes + 1);
             }
@@ -69,6 +70,7 @@ impl<'a> Filter<'a> {
             self.remove_ends(strip);
         }
         for &element in changed {
+            // It may repeat the element two before it, or the one two after may repeat it.
             for second in [false, true] {
                 if strip.remains(element) {
                     let e = if second { strip.next(strip.next(element)) } else { element };
@@ -84,7 +86,7 @@ impl<'a> Filter<'a> {
         self.removed.sort_unstable_by_key(|r| r.first);
     }
 
-    /// The stretch of period two around an element: all pairs of it but the first.
+    /// Removes the stretch of period two around an element: all pairs of it but the first.
     fn remove_pairs(&mut self, strip: &mut WorkingStrip, element: u32) {
         if !strip.is_inside(element) || !strip.repeats(element, 2) {
             return;
@@ -107,7 +109,7 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Single elements, by twos, among triangles that are not drawn.
+    /// Removes single elements, by twos, among triangles that are not drawn.
     fn remove_singles(&mut self, strip: &mut WorkingStrip, element: u32) {
         let mut e = element;
         for _ in 0..2 {
@@ -155,9 +157,9 @@ impl<'a> Filter<'a> {
 
     /// Removes all that comes before the first drawn triangle and after the last.
     fn remove_ends(&mut self, strip: &mut WorkingStrip) {
-        let (front, mut last, mut count) = (strip.front(), strip.first_drawn(), 0);
-        while last != front {
-            (last, count) = (strip.previous(last), count + 1);
+        let (front, mut e, mut count) = (strip.front(), strip.first_drawn(), 0);
+        while e != front {
+            (e, count) = (strip.previous(e), count + 1);
         }
         let mut last = strip.previous(strip.first_drawn());
         if count % 2 == 1 {
@@ -178,8 +180,8 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Returns whether nothing that this record removes is among these elements or the two before
-    /// them.
+    /// Returns whether these elements, with the two before them, touch nothing that this record
+    /// removes, with the two before that.
     fn is_free(&self, strip: &WorkingStrip, first: u32, last: u32) -> bool {
         let start = |first| strip.previous(strip.previous(first));
         self.removed.iter().all(|r| r.last < start(first) || last < start(r.first))

@@ -69,7 +69,9 @@ impl PartialMesh {
         } else {
             (n + first_kept - first_transferred, first_transferred - first_kept)
         };
-        let first = 4 * self.face_count();
+        // Corner c of face f has the number 4 f + c. Corner 0 of new faces is the new vertex.
+        let first_left = 4 * self.face_count();
+        let first_right = first_left + 4;
         if transferred + 2 > INLINE_CORNERS
             || kept + 2 > INLINE_CORNERS
             || self.corners.count(parent) as usize > INLINE_CORNERS
@@ -81,12 +83,12 @@ impl PartialMesh {
         };
         let list = self.corners.reset_inline(parent, kept + 2);
         let mut i = first_kept;
-        list[0] = first + 2;
+        list[0] = first_left + 2;
         for slot in &mut list[1..=kept] {
             *slot = star[i].corner;
             i = following(i);
         }
-        list[kept + 1] = first + 5;
+        list[kept + 1] = first_right + 1;
         let list = self.corners.reset_inline(new, transferred + 2);
         new_link.clear();
         for slot in &mut list[..transferred] {
@@ -96,11 +98,11 @@ impl PartialMesh {
             self.faces[face.face() as usize][face.corner as usize & 3] = new;
             i = following(i);
         }
-        [list[transferred], list[transferred + 1]] = [first, first + 4];
+        [list[transferred], list[transferred + 1]] = [first_left, first_right];
         new_link.extend([left.a, parent]);
         self.faces.extend([[new, left.a, parent, NONE], [new, parent, right.a, NONE]]);
-        self.corners.insert(left.a, first + 1, Insertion::After(left.corner_a()));
-        self.corners.insert(right.a, first + 6, Insertion::After(right.corner_a()));
+        self.corners.insert(left.a, first_left + 1, Insertion::After(left.corner_a()));
+        self.corners.insert(right.a, first_right + 2, Insertion::After(right.corner_a()));
         true
     }
 
@@ -116,8 +118,8 @@ impl PartialMesh {
         new_star: &mut Vec<StarFace>,
     ) {
         let SplitEdge { parent, new } = edge;
-        let first = self.face_count();
-        let corner = |i: usize, of: u32| 4 * (first + i as u32) + of;
+        let first_face = self.face_count();
+        let corner = |i: usize, of: u32| 4 * (first_face + i as u32) + of;
         let SplitBuffers { kept, transferred } = buffers;
         kept.clear();
         transferred.clear();

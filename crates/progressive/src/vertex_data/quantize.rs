@@ -83,11 +83,12 @@ const MAX_LENGTH_ERROR: f64 = 0.01;
 fn octahedral_bound<'a>(
     values: impl Iterator<Item = &'a [f32]>,
     octahedral: Octahedral,
-    further: &ErrorBound,
+    grid_bound: &ErrorBound,
 ) -> Option<ErrorBound> {
-    // Rounded to floats, a change may be larger by this share.
+    // Rounded to floats, a change may be larger by this factor.
     const ROUNDING: f64 = 1.0 + 1e-6;
-    let mut bound = ErrorBound { coordinate: 0.0, distance: 0.0, ..further.clone() };
+    let mut bound = ErrorBound { coordinate: 0.0, distance: 0.0, ..grid_bound.clone() };
+    let mut has_more = false;
     for value in values {
         let direction = <[f32; 3]>::try_from(value.get(..3)?).ok()?.map(f64::from);
         let length = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -98,12 +99,11 @@ fn octahedral_bound<'a>(
         let change = [0, 1, 2].map(|c| (direction[c] - f64::from(decoded[c])).abs() * ROUNDING);
         bound.coordinate = change.iter().copied().fold(bound.coordinate, f64::max);
         bound.distance = bound.distance.max(change.iter().map(|c| c * c).sum::<f64>().sqrt());
-        if value.len() > 3 {
-            bound.coordinate = bound.coordinate.max(further.coordinate);
-        }
+        has_more |= value.len() > 3;
     }
-    if bound.coordinate == further.coordinate {
-        bound.distance += further.coordinate;
+    if has_more {
+        bound.coordinate = bound.coordinate.max(grid_bound.coordinate);
+        bound.distance += grid_bound.coordinate;
     }
     Some(bound)
 }
@@ -113,14 +113,16 @@ fn range<'a>(values: impl Iterator<Item = &'a [f32]>, channels: usize) -> Vec<(f
     let mut range = vec![(f32::INFINITY, f32::NEG_INFINITY); channels];
     for v in values {
         for ((lo, hi), &x) in range.iter_mut().zip(v) {
-            (*lo, *hi) = if x.is_finite() { (lo.min(x), hi.max(x)) } else { (f32::NAN, f32::NAN) };
+            // A minimum with NaN is the other value.
+            let stays_finite = x.is_finite() && !lo.is_nan();
+            (*lo, *hi) = if stays_finite { (lo.min(x), hi.max(x)) } else { (f32::NAN, f32::NAN) };
         }
     }
     range
 }
 
 /// Puts one stream on a grid of `bits` over `range`. Returns `None`, and changes nothing, if the
-/// range is not finite or its step not a normal float.
+/// range is not finite, its step not a normal float, or its end near the largest float.
 fn grid(
     layout: &mut VertexLayout,
     stream: usize,
@@ -130,9 +132,11 @@ fn grid(
 ) -> Option<ErrorBound> {
     let stream = &layout.streams[stream];
     let side = range.iter().map(|(lo, hi)| f64::from(*hi) - f64::from(*lo)).fold(0.0, f64::max);
+    // An even number of steps puts 0 on a grid from -1 to 1.
     let symmetric = range.iter().all(|&r| r == (-1.0, 1.0));
     let steps = f64::from((1u32 << bits.clamp(2, 24)) - if symmetric { 2 } else { 1 });
     let step = (side / steps) as f32;
+    // The far end must be finite, with some room for rounding.
     let finite = range.iter().all(|(lo, hi)| lo.is_finite() && hi.is_finite());
     if !(finite && step.is_normal() && f64::from(step) * steps * 1.01 < f64::from(f32::MAX)) {
         return None;
@@ -145,4 +149,34 @@ fn grid(
     let coordinate = f64::from(step) / 2.0 + f64::from(largest) * f64::from(f32::EPSILON);
     let distance = coordinate * (stream.channels as f64).sqrt();
     Some(ErrorBound { stream: name, bits, coordinate, distance })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ErrorBound, octahedral_bound, range};
+    use crate::vertex_data::octahedral::Octahedral;
+
+    #[test]
+    fn a_channel_that_is_not_finite_anywhere_has_no_range() {
+        for odd in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let values = [[0.0, 1.0], [odd, 2.0], [3.0, -1.0]];
+            let found = range(values.iter().map(|v| &v[..]), 2);
+            assert!(found[0].0.is_nan() && found[0].1.is_nan(), "{found:?}");
+            assert_eq!(found[1], (-1.0, 2.0));
+        }
+    }
+
+    #[test]
+    fn what_follows_a_direction_counts_however_much_the_direction_changes() {
+        let grid = ErrorBound { stream: "t".to_owned(), bits: 4, coordinate: 1e-3, distance: 2e-3 };
+        let tangents = [[0.6, 0.48, 0.64, 1.0], [0.0, 0.6, 0.8, -1.0]];
+        let bound = |components: usize| {
+            let values = tangents.iter().map(|t| &t[..components]);
+            octahedral_bound(values, Octahedral { bits: 4 }, &grid).expect("directions")
+        };
+        let (alone, followed) = (bound(3), bound(4));
+        assert!(alone.coordinate > grid.coordinate, "the direction changes more");
+        assert_eq!(followed.coordinate, alone.coordinate);
+        assert_eq!(followed.distance, alone.distance + grid.coordinate);
+    }
 }

@@ -54,17 +54,17 @@ fn schedule(effort: Effort) -> &'static [search::Round] {
 /// costs by itself, three with a restart index. Starting with three would freeze early, ending with
 /// it costs nothing.
 const FAST: &[search::Round] =
-    &[search::Round { proposals: 1.5, warm: 0.25, cold: 0.15, strip: 2 }];
+    &[search::Round { proposals: 1.5, warm: 0.25, cold: 0.15, strip_cost: 2 }];
 const DEFAULT: &[search::Round] = &[
-    search::Round { proposals: 4.0, warm: 0.6, cold: 0.4, strip: 2 },
-    search::Round { proposals: 4.0, warm: 0.4, cold: 0.2, strip: 2 },
-    search::Round { proposals: 4.0, warm: 0.35, cold: 0.15, strip: 3 },
+    search::Round { proposals: 4.0, warm: 0.6, cold: 0.4, strip_cost: 2 },
+    search::Round { proposals: 4.0, warm: 0.4, cold: 0.2, strip_cost: 2 },
+    search::Round { proposals: 4.0, warm: 0.35, cold: 0.15, strip_cost: 3 },
 ];
 const THOROUGH: &[search::Round] = &[
-    search::Round { proposals: 78.0, warm: 0.55, cold: 0.45, strip: 2 },
-    search::Round { proposals: 78.0, warm: 0.45, cold: 0.38, strip: 2 },
-    search::Round { proposals: 78.0, warm: 0.38, cold: 0.32, strip: 2 },
-    search::Round { proposals: 78.0, warm: 0.32, cold: 0.27, strip: 2 },
-    search::Round { proposals: 78.0, warm: 0.27, cold: 0.22, strip: 2 },
-    search::Round { proposals: 78.0, warm: 0.25, cold: 0.15, strip: 3 },
+    search::Round { proposals: 78.0, warm: 0.55, cold: 0.45, strip_cost: 2 },
+    search::Round { proposals: 78.0, warm: 0.45, cold: 0.38, strip_cost: 2 },
+    search::Round { proposals: 78.0, warm: 0.38, cold: 0.32, strip_cost: 2 },
+    search::Round { proposals: 78.0, warm: 0.32, cold: 0.27, strip_cost: 2 },
+    search::Round { proposals: 78.0, warm: 0.27, cold: 0.22, strip_cost: 2 },
+    search::Round { proposals: 78.0, warm: 0.25, cold: 0.15, strip_cost: 3 },
 ];

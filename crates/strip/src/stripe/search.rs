@@ -17,7 +17,7 @@ pub(crate) struct Round {
     /// Temperature at the end.
     pub(crate) cold: f64,
     /// Indices that a strip costs beyond its triangles and swaps.
-    pub(crate) strip: i32,
+    pub(crate) strip_cost: i32,
 }
 
 /// A strip longer than this is not followed to see whether a link would close it to a ring; the
@@ -35,7 +35,8 @@ const DIVIDE: u64 = 1;
 /// See [`DIVIDE`].
 const ANYWHERE: u64 = 4;
 
-/// Triangles with their neighbours among them, as codes, and the links of a cover by paths: bit
+/// Triangles with their neighbours among them, as codes of a neighbour and its slot that leads
+/// back, and the links of a cover by paths: bit
 /// `slot` of a triangle's links says that the neighbour there follows or precedes it in its path.
 pub(super) struct Region {
     pub(super) neighbours: Vec<[u32; 3]>,
@@ -56,7 +57,7 @@ pub(super) fn search(region: &mut Region, round: &Round, seed: u64) {
         index_in_ends,
         random: generator(seed),
         acceptance: [0; 12],
-        strip: round.strip,
+        strip_cost: round.strip_cost,
     };
     let proposals = (count as f64 * round.proposals) as usize;
     for stage in 0..STAGES {
@@ -120,9 +121,11 @@ struct Search<'a> {
     /// For each triangle its index in `ends`; `NONE` if it is no end.
     index_in_ends: Vec<u32>,
     random: SplitMix64,
-    /// The probability that a change for the worse is accepted, by indices, in units of 2⁻³².
+    /// The probability that a change for the worse is accepted, by indices, in units of 2⁻³². One
+    /// that costs 12 indices or more never is.
     acceptance: [u64; 12],
-    strip: i32,
+    /// See [`Round::strip_cost`].
+    strip_cost: i32,
 }
 
 impl Search<'_> {
@@ -143,12 +146,12 @@ impl Search<'_> {
     }
     fn step(&mut self) {
         let bits = self.random.bits();
-        let more = self.random.bits();
-        let kind = (more >> 40) % KINDS;
+        let choices = self.random.bits();
+        let kind = (choices >> 40) % KINDS;
         let count = self.region.links.len();
         if kind < DIVIDE {
             let t = below(bits, count) as u32;
-            self.divide(t, more >> 8, bits);
+            self.divide(t, choices >> 8, bits);
             return;
         }
         let from = if kind < DIVIDE + ANYWHERE {
@@ -161,14 +164,14 @@ impl Search<'_> {
         // One of the edges that are not linked; which of two, by a bit.
         let mut open = !self.region.links(from) & 7;
         match open.count_ones() {
-            3 => open = 1 << ((more >> 8) % 3),
-            2 if more & 16 != 0 => open &= open - 1,
+            3 => open = 1 << ((choices >> 8) % 3),
+            2 if choices & 16 != 0 => open &= open - 1,
             _ => {}
         }
         let slot = open.trailing_zeros();
         let c = self.region.neighbour(from, slot);
         if c != NONE {
-            self.link(from, slot, more, bits);
+            self.link(from, slot, choices, bits);
         }
     }
     /// Tries to take the link away at one of a triangle's slots.
@@ -178,7 +181,7 @@ impl Search<'_> {
             return;
         }
         let affected = [t, decode(self.region.neighbour(t, slot)).0];
-        let max_swaps = self.allowed_cost(bits) + self.region.swaps(&affected) - self.strip;
+        let max_swaps = self.allowed_cost(bits) + self.region.swaps(&affected) - self.strip_cost;
         if max_swaps < 0 {
             return;
         }
@@ -204,7 +207,7 @@ impl Search<'_> {
         let (to, _) = decode(self.region.neighbour(from, slot));
         let given_by_from = self.link_to_give_up(from, choice & 64 != 0);
         let given_by_to = self.link_to_give_up(to, choice & 32 != 0);
-        let delta = self.strip
+        let strips_cost = self.strip_cost
             * (i32::from(given_by_from.is_some()) + i32::from(given_by_to.is_some()) - 1);
         let mut affected = [from, to, 0, 0];
         let mut n = 2;
@@ -221,7 +224,7 @@ impl Search<'_> {
         let affected = &affected[..n];
         // The most swaps that the change may leave. Often that is below zero: then it need not be
         // made and counted only to be undone.
-        let max_swaps = self.allowed_cost(bits) + self.region.swaps(affected) - delta;
+        let max_swaps = self.allowed_cost(bits) + self.region.swaps(affected) - strips_cost;
         if max_swaps < 0 {
             return;
         }
@@ -237,8 +240,8 @@ impl Search<'_> {
             change(self.region);
         }
     }
-    /// Returns whether the new link at a slot of x closes a ring: whether the way from x, away from
-    /// the link, comes back.
+    /// Returns whether the new link at a slot of `from` closes a ring: whether the way from there,
+    /// away from the link, comes back.
     fn closes_ring(&self, from: u32, slot: u32) -> bool {
         let closing = code(from, slot);
         let (mut current, mut exit) = (from, self.region.other(from, slot));

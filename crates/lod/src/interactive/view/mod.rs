@@ -47,7 +47,7 @@ pub struct Views<'a> {
 pub struct ViewContent {
     /// The state of each vertex.
     pub states: Vec<State>,
-    /// The records that are drawn.
+    /// The words of the records that are drawn, a record for each vertex.
     pub vertices: Vec<u32>,
 }
 
@@ -90,8 +90,8 @@ impl<'a> Views<'a> {
         &self.selector.points
     }
 
-    /// Returns the target of each vertex and the LOD from which on it is shown; of the last one
-    /// itself and [`NONE`](lodc_mesh::NONE).
+    /// Returns the target of each vertex and the LOD from which on the target is shown in its
+    /// place; of the last vertex itself and [`NONE`](lodc_mesh::NONE).
     #[must_use]
     pub fn links(&self) -> &[[u32; 2]] {
         &self.selector.links

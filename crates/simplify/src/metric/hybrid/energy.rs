@@ -2,7 +2,7 @@
 
 use super::appearance::Appearance;
 use super::lanes::{self, Four, Shaded4};
-use super::patch::{Patch, WIDE};
+use super::patch::{MAX_STAR, Patch};
 use super::pixel::{MAX_GEOMETRY, Shading, UNCOVERED};
 use super::samples::{Sample, Samples, mix, mix_coordinates};
 use super::vectors::{Places, Vec3x4, cosines};
@@ -169,7 +169,7 @@ impl Patch {
     /// The energy of the part of a moved face that lies where the input has nothing: beyond the
     /// extent of every sample. Not evaluated in wide stars, which only inputs have.
     fn spurious(&self, i: usize) -> f32 {
-        if self.moved.len() > WIDE {
+        if self.moved.len() > MAX_STAR {
             return 0.0;
         }
         let placed = &self.placed[i];

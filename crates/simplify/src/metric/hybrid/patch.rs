@@ -11,7 +11,7 @@ use lodc_mesh::NONE;
 
 /// Stars with more faces than this are priced without the faces around them, whose number would
 /// make the time quadratic. Chosen by hand; legal collapses make no such stars.
-pub(super) const WIDE: usize = 32;
+pub(super) const MAX_STAR: usize = 32;
 
 /// A face with the normals and texture coordinates of its corners.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +20,7 @@ pub(super) struct Shaded {
     /// Its corners, as vertices of the patch; `NONE` for those that are none.
     corners: [u32; 3],
     pub(super) normal: Vec3,
+    /// The normals that its corners are shaded with.
     pub(super) shading: [Vec3; 3],
     pub(super) submesh: u32,
     /// Texture coordinates of the corners.
@@ -63,8 +64,8 @@ pub(crate) struct Patch {
     targets: Vec<(u32, u32)>,
     /// Samples of the star, in the order of its faces.
     pub(super) samples: Vec<Four>,
-    /// For each corner of the star, where the samples of its face begin.
-    first: Vec<u32>,
+    /// For each corner of the star, where the samples of its face begin in `samples`.
+    first_samples: Vec<u32>,
     /// Samples of the faces around the star, in their order.
     pub(super) shaded: Vec<Shaded4>,
     /// Samples of the star, as they are gathered.
@@ -90,7 +91,7 @@ impl Patch {
             }
             self.marks[face as usize] = self.epoch;
             self.current_energy += energy[face as usize];
-            self.first.push(self.ids.len() as u32 / 4);
+            self.first_samples.push(self.ids.len() as u32 / 4);
             self.ids.extend(samples.of(face));
             for g in mesh.others(corner) {
                 if self.vertex_of[g as usize].0 != self.epoch {
@@ -119,7 +120,7 @@ impl Patch {
             }
         }
         self.fixed_start.push(self.fixed.len() as u32);
-        if mesh.star(from).len() > WIDE {
+        if mesh.star(from).len() > MAX_STAR {
             return;
         }
         for i in 0..self.ring.len() {
@@ -135,6 +136,7 @@ impl Patch {
         }
     }
 
+    /// Empties the buffers and begins an epoch.
     fn start(&mut self, mesh: &WorkingMesh) {
         if self.marks.len() < mesh.faces.len() {
             self.marks.resize(mesh.faces.len(), 0);
@@ -150,11 +152,12 @@ impl Patch {
         self.fixed.clear();
         self.surrounding.clear();
         self.samples.clear();
-        self.first.clear();
+        self.first_samples.clear();
         self.shaded.clear();
         self.ids.clear();
     }
 
+    /// The number of a group among the vertices of the patch; `NONE` if it is none.
     fn vertex(&self, group: u32) -> u32 {
         let (epoch, vertex) = self.vertex_of[group as usize];
         if epoch == self.epoch { vertex } else { NONE }
@@ -174,6 +177,7 @@ impl Patch {
         self.surrounding.push(Shaded { face, corners, normal, shading, submesh, texture, first });
     }
 
+    /// The normals around a vertex of the patch that stay.
     fn fixed_at(&self, vertex: u32) -> &[Vec3] {
         let start = &self.fixed_start[vertex as usize..];
         &self.fixed[start[0] as usize..start[1] as usize]
@@ -185,7 +189,7 @@ impl Patch {
         self.moved.clear();
         self.placed.clear();
         self.find_targets(mesh, from, to);
-        for (&corner, &first) in mesh.star(from).iter().zip(&self.first) {
+        for (&corner, &first) in mesh.star(from).iter().zip(&self.first_samples) {
             let face = corner.face();
             let groups = mesh.faces[face as usize].groups;
             if groups.contains(&to) {
