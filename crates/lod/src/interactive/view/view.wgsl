@@ -185,7 +185,7 @@ fn main(thread: Thread) {
     vertices[to_record + 1u] = position.y;
     vertices[to_record + 2u] = position.z;
     // Whatever else a record has.
-    let from_record = at * stride;
+    let from_record = entry * stride;
     for (var word = 3u; word < stride; word++) {
         vertices[to_record + word] = source[from_record + word];
     }
