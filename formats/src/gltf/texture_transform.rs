@@ -1,5 +1,5 @@
-//! `KHR_texture_transform`: which texture coordinates a texture of a glTF material reads, and how it
-//! moves them.
+//! `KHR_texture_transform`: which texture coordinates a texture of a glTF material reads, and how
+//! it moves them.
 
 use super::json::Json;
 use lodc_scene::Coordinates;

@@ -2,8 +2,9 @@
 //! change.
 //!
 //! The ancestor of Speed Strips: the same changes and repetitions of the same strips (dead ends,
-//! a vertex that a strip visits between two equal ones, stay), but each entry names its strip, and entries are applied one by one, record by
-//! record, to strips that grow and shrink by themselves.
+//! what comes before the first drawn triangle and after the last, stay), but each entry names its
+//! strip, and entries are applied one by one, record by record, to strips that grow and shrink by
+//! themselves.
 
 use lodc_lod::trace::{self, History, Kind, Removal};
 use lodc_lod::{LONGEST_TRACED, check_submeshes, cut_long};

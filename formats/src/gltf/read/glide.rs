@@ -61,8 +61,8 @@ pub(super) fn strip(root: &mut Object) {
         }
     }
     for animation in root.objects_mut("animations") {
-        // A sampler of weights with one more for the target names the one without it (`narrow`). They
-        // are the last samplers.
+        // A sampler of weights with one more for the target names the one without it (`narrow`).
+        // They are the last samplers.
         let narrow = |sampler: &Json| sampler["extras"]["lodc"]["narrow"].as_index();
         let narrow: Vec<Option<usize>> = animation.list("samplers").iter().map(narrow).collect();
         for channel in animation.objects_mut("channels") {
@@ -88,8 +88,8 @@ fn shorten(object: &mut Object, key: &str, count: usize) {
     }
 }
 
-/// Maps each sparse accessor that is another one but for the elements that it replaces to that other
-/// one.
+/// Maps each sparse accessor that is another one but for the elements that it replaces to that
+/// other one.
 fn without_replacements(root: &Object) -> BTreeMap<usize, usize> {
     let all: Vec<&Object> = root.entries("accessors").collect();
     // Few accessors are sparse over a view: those of levels. So all others may be looked through.
