@@ -129,7 +129,8 @@ impl<'a> Levels<'a> {
     fn new(simplified: &'a Simplified, shapes: &[&'a [[f32; 3]]]) -> Self {
         let positions = PositionIds::new(simplified.mesh().positions());
         let all = simplified.mesh().triangles();
-        let distinct = distinct(all, &positions);
+        let distinct: Vec<[u32; 3]> =
+            positions.distinct(all).into_iter().map(|t| all[t as usize]).collect();
         let shape = |&shape_positions: &&'a [[f32; 3]]| {
             let first = |v: usize| positions.first_vertex[positions.of_vertex[v] as usize];
             let is_whole = (0..shape_positions.len())
@@ -310,22 +311,6 @@ impl Changes<'_> {
         );
         forward.max(backward)
     }
-}
-
-/// The first of each set of triangles whose positions are the same, in any order.
-fn distinct(triangles: &[[u32; 3]], positions: &PositionIds) -> Vec<[u32; 3]> {
-    let mut order: Vec<([u32; 3], u32)> = (0..)
-        .zip(triangles)
-        .map(|(number, t)| {
-            let mut ids = t.map(|v| positions.of_vertex[v as usize]);
-            ids.sort_unstable();
-            (ids, number)
-        })
-        .collect();
-    order.sort_unstable();
-    order.dedup_by_key(|(ids, _)| *ids);
-    order.sort_unstable_by_key(|&(_, number)| number);
-    order.into_iter().map(|(_, number)| triangles[number as usize]).collect()
 }
 
 /// Twice the area of a surface.

@@ -24,6 +24,23 @@ impl PositionIds {
         Self::by_hashing(positions).unwrap_or_else(|| Self::by_sorting(positions))
     }
 
+    /// Returns the numbers, rising, of the first of each set of triangles over the same three
+    /// positions, in any order: of triangles that lie on each other one.
+    #[must_use]
+    pub fn distinct(&self, triangles: &[[u32; 3]]) -> Vec<u32> {
+        let positions = |t: &[u32; 3]| {
+            let mut positions = t.map(|v| self.of_vertex[v as usize]);
+            positions.sort_unstable();
+            positions
+        };
+        let mut order: Vec<([u32; 3], u32)> = triangles.iter().map(positions).zip(0..).collect();
+        order.sort_unstable();
+        order.dedup_by_key(|(positions, _)| *positions);
+        let mut firsts: Vec<u32> = order.into_iter().map(|(_, number)| number).collect();
+        firsts.sort_unstable();
+        firsts
+    }
+
     /// None if far more slots had to be looked at than chance explains: positions chosen so that
     /// their hashes collide would make this quadratic.
     fn by_hashing(positions: &[[f32; 3]]) -> Option<Self> {

@@ -4,6 +4,7 @@
 use super::extensions::{MESHOPT, QUANTIZATION, forget_extra, uses};
 use super::json::{self, Json, Object};
 use super::schema::{self, Pool, references};
+use super::texture_transform::TRANSFORM;
 use crate::{FormatError, GltfDocument, Limits};
 use std::collections::BTreeMap;
 
@@ -138,7 +139,7 @@ fn forget_transforms(value: &mut Json) {
     match value {
         Json::Array(all) => all.iter_mut().for_each(forget_transforms),
         Json::Object(members) => {
-            members.remove_extension("KHR_texture_transform");
+            members.remove_extension(TRANSFORM);
             members.values_mut().for_each(forget_transforms);
         }
         _ => {}

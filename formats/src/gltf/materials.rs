@@ -2,7 +2,7 @@
 //! and base colour textures, which is all that both formats have.
 
 use super::json::{Json, Object, parse};
-use super::texture_transform::texture_coordinates;
+use super::texture_transform::{CLAMP, texture_coordinates};
 use super::uri;
 use crate::images::{ImagePlace, PlacedTextures, embedded_name};
 use crate::obj::write::{Library, SimpleMaterial};
@@ -32,7 +32,7 @@ pub(crate) fn library(
         let sampler = texture.and_then(|t| root.list("samplers").get(t["sampler"].as_index()?));
         library.add(&SimpleMaterial {
             name: material["name"].as_str().unwrap_or_default(),
-            colour: [r, g, b].map(|light| decimals(srgb_value(light as f32).into())),
+            colour: [r, g, b].map(|light| six_decimals(srgb_value(light as f32).into())),
             opacity: blended.then_some(opacity),
             texture: file.map(|file| format!("{}{file}", map_options(info, sampler))),
         });
@@ -47,8 +47,8 @@ pub(crate) fn library(
     Ok(library)
 }
 
-/// Six decimals: no machine's power function decides a byte of a file.
-fn decimals(value: f64) -> f64 {
+/// A value with six decimals: no machine's power function decides a byte of a file.
+pub(super) fn six_decimals(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
 
@@ -67,7 +67,7 @@ fn map_options(info: &Json, sampler: Option<&Json>) -> String {
             options += &format!("-o {u} {v} ");
         }
     }
-    let clamps = |key: &str| sampler.is_some_and(|s| s[key].as_u64() == Some(33071));
+    let clamps = |key: &str| sampler.is_some_and(|s| s[key].as_u64() == Some(CLAMP.into()));
     if clamps("wrapS") && clamps("wrapT") {
         options += "-clamp on ";
     }

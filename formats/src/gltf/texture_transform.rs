@@ -4,9 +4,14 @@
 use super::json::Json;
 use lodc_scene::Coordinates;
 
+/// The name of the extension.
+pub(crate) const TRANSFORM: &str = "KHR_texture_transform";
+/// `CLAMP_TO_EDGE` of a sampler.
+pub(crate) const CLAMP: u32 = 33071;
+
 /// The texture coordinates that a texture reads.
 pub(super) fn texture_coordinates(info: &Json) -> Coordinates {
-    let moved = &info["extensions"]["KHR_texture_transform"];
+    let moved = &info["extensions"][TRANSFORM];
     let set = moved["texCoord"].as_index().or(info["texCoord"].as_index()).unwrap_or(0);
     Coordinates { set: u32::try_from(set).unwrap_or(u32::MAX), transform: transform(moved) }
 }

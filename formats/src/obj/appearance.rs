@@ -1,11 +1,11 @@
 //! Base colours and textures of an OBJ's materials: `Kd`, `d`, `Tr` and `map_Kd`; with `map_d`, the
 //! texture's own opacity is used as a cutout.
 
-use super::mtl::{Meaning, TextureMap, UNSAID};
+use super::mtl::{Meaning, TextureMap, UNSAID, numbers};
 use crate::images::Pictures;
 use crate::{Assets, FormatError, ObjDocument, ObjMaterial, ObjectInfo, SubmeshInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Without a `.mtl`: a light grey, seen from both sides. The texture coordinate 0 is an image's
 /// bottom, its first row is the top.
@@ -36,7 +36,7 @@ pub(crate) fn appearance(
         let used = used.contains(m.name.as_str());
         materials.push(if used { material(m, &mut pictures, assets)? } else { PLAIN });
     }
-    let numbers = numbers(obj);
+    let numbers = numbers(&obj.materials);
     let number = |name: &str| numbers.get(name).map_or(0, |number| 1 + number);
     let of_submesh = |s: &SubmeshInfo| s.material.as_deref().map_or(0, number);
     Ok(Appearance {
@@ -47,16 +47,11 @@ pub(crate) fn appearance(
     })
 }
 
-/// The numbers of materials by their names. Of several with one name the first counts.
-fn numbers(obj: &ObjDocument) -> BTreeMap<&str, usize> {
-    obj.materials.iter().enumerate().rev().map(|(number, m)| (&*m.name, number)).collect()
-}
-
 /// The texture coordinates that submeshes of an OBJ show.
 pub(crate) fn coordinates(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Vec<Vec<Coordinates>> {
     let of_material: Vec<Coordinates> =
         obj.materials.iter().map(|m| shown(Meaning::of(m).map().as_ref())).collect();
-    let numbers = numbers(obj);
+    let numbers = numbers(&obj.materials);
     let of_submesh = |s: &SubmeshInfo| {
         let number = s.material.as_deref().and_then(|name| numbers.get(name));
         number.map_or(PLAIN.coordinates, |&number| of_material[number])

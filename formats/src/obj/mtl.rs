@@ -2,6 +2,7 @@
 
 use crate::ObjMaterial;
 use lodc_scene::{AlphaMode, to_linear};
+use std::collections::BTreeMap;
 
 /// The file that a line of a material names: what follows the options. It may contain spaces. None
 /// for lines that name no file.
@@ -90,6 +91,11 @@ pub(crate) fn with_file(line: &str, file: &str) -> String {
         Some(old) => format!("{}{file}", &line[..line.len() - old.len()]),
         None => line.to_owned(),
     }
+}
+
+/// The numbers of materials by their names. Of several with one name the first counts.
+pub(crate) fn numbers(materials: &[ObjMaterial]) -> BTreeMap<&str, usize> {
+    materials.iter().enumerate().rev().map(|(number, m)| (&*m.name, number)).collect()
 }
 
 /// Red, green and blue, linear, where neither `Kd` nor a texture says a colour: a light grey.

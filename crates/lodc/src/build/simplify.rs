@@ -168,16 +168,7 @@ fn with_samples(options: &[Options], objects: &[SceneObject], areas: &[f64]) -> 
 
 /// The number of faces of a mesh, of those at the same three positions one.
 fn distinct_faces(mesh: &Mesh) -> u64 {
-    let positions = PositionIds::new(mesh.positions()).of_vertex;
-    let of_face = |t: &[u32; 3]| {
-        let mut face = t.map(|v| positions[v as usize]);
-        face.sort_unstable();
-        face
-    };
-    let mut faces: Vec<[u32; 3]> = mesh.triangles().iter().map(of_face).collect();
-    faces.sort_unstable();
-    faces.dedup();
-    faces.len() as u64
+    PositionIds::new(mesh.positions()).distinct(mesh.triangles()).len() as u64
 }
 
 fn is_hybrid(options: &Options) -> bool {

@@ -122,6 +122,15 @@ impl Reprice for QuadricOnly {
         false
     }
     fn toggle(&mut self, _mesh: &WorkingMesh, _legal: bool) {}
-    fn reprice(&self, _: &WorkingMesh, _: &Wedges, _: u32, _: &mut [(f64, u32)], (): &mut ()) {}
+    fn reprice(
+        &self,
+        _: &WorkingMesh,
+        _: &Wedges,
+        _: u32,
+        _: &mut [(f64, u32)],
+        _: bool,
+        (): &mut (),
+    ) {
+    }
     fn collapsed(&mut self, _: &WorkingMesh, _: &Wedges, _: u32, _: u32) {}
 }

@@ -34,28 +34,17 @@ pub(crate) trait Reprice: Sync {
         1.0
     }
 
-    /// Replaces the costs of `from`'s candidates (cost and target), which come in no order.
+    /// Replaces the costs of `from`'s candidates (cost and target), which come in no order. Where
+    /// `only_cheapest` is asked for, of others it is enough to know that they cost more.
     fn reprice(
         &self,
         mesh: &WorkingMesh,
         wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],
+        only_cheapest: bool,
         scratch: &mut Self::ViewScratch,
     );
-
-    /// The same where only the cheapest is asked for: of others it is enough to know that they cost
-    /// more.
-    fn reprice_best(
-        &self,
-        mesh: &WorkingMesh,
-        wedges: &Wedges,
-        from: u32,
-        candidates: &mut [(f64, u32)],
-        scratch: &mut Self::ViewScratch,
-    ) {
-        self.reprice(mesh, wedges, from, candidates, scratch);
-    }
 
     /// Updates the metric for the collapse of `from` onto `to`. The faces of `from` have their new
     /// wedges already, but their groups are the old ones.

@@ -120,12 +120,7 @@ impl<M: Reprice> Pricer<'_, M> {
 
     /// The cheapest collapse of any group.
     pub(crate) fn rank_any(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
-        self.price_plainly(from, scratch);
-        if self.metric.is_active() {
-            let Scratch { candidates, repricing, .. } = scratch;
-            let Region { mesh, wedges, .. } = self.region;
-            self.metric.reprice_best(mesh, wedges, from, candidates, repricing);
-        }
+        self.price_seen(from, true, scratch);
         let mut best = (f64::INFINITY, NONE);
         for &(cost, to) in &scratch.candidates {
             if cost < best.0 || cost == best.0 && to < best.1 {
@@ -160,11 +155,16 @@ impl<M: Reprice> Pricer<'_, M> {
 
     /// Prices all collapses of a group, as the metric sees them.
     pub(crate) fn price_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
+        self.price_seen(from, false, scratch);
+    }
+
+    /// Prices all collapses of a group; see [`Reprice::reprice`].
+    fn price_seen(&self, from: u32, only_cheapest: bool, scratch: &mut Scratch<M::ViewScratch>) {
         self.price_plainly(from, scratch);
         if self.metric.is_active() {
             let Scratch { candidates, repricing, .. } = scratch;
             let Region { mesh, wedges, .. } = self.region;
-            self.metric.reprice(mesh, wedges, from, candidates, repricing);
+            self.metric.reprice(mesh, wedges, from, candidates, only_cheapest, repricing);
         }
     }
 
@@ -280,7 +280,7 @@ impl<M: Reprice> Pricer<'_, M> {
         let Scratch { priced, repricing, .. } = scratch;
         let Region { mesh, wedges, .. } = self.region;
         let mut one = [(priced.iter().find(|p| p.to == known.to)?.cost(mesh), known.to)];
-        self.metric.reprice(mesh, wedges, from, &mut one, repricing);
+        self.metric.reprice(mesh, wedges, from, &mut one, false, repricing);
         let cost = scaled(one[0].0);
         (cost <= known.cost).then_some(Choice { cost, ..known })
     }

@@ -6,10 +6,9 @@ use super::grid::{Bounds, Grid};
 use super::{Subject, bounds, primitives};
 use crate::gltf::extensions::add as add_extension;
 use crate::gltf::json::{Json, Object};
+use crate::gltf::texture_transform::TRANSFORM;
 use lodc_mesh::{Attribute, Component, DisjointSets, Semantic};
 use std::collections::{BTreeMap, BTreeSet};
-
-const TRANSFORM: &str = "KHR_texture_transform";
 
 /// A set of texture coordinates as the textures of a material read it.
 type Key = (usize, u32);

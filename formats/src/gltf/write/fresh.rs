@@ -2,27 +2,20 @@
 //! OBJ material.
 
 use crate::gltf::json::{Json, Object, object};
+use crate::gltf::materials::six_decimals;
+use crate::gltf::texture_transform::{CLAMP, TRANSFORM};
 use crate::gltf::uri;
-use crate::obj::mtl::{Meaning, TextureMap};
+use crate::obj::mtl::{Meaning, TextureMap, numbers};
 use crate::{ObjDocument, ObjMaterial, ObjectInfo};
 use indexmap::IndexSet;
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
 use lodc_scene::AlphaMode;
-use std::collections::BTreeMap;
-
-const TRANSFORM: &str = "KHR_texture_transform";
-/// `CLAMP_TO_EDGE` of a sampler.
-const CLAMP: u32 = 33071;
 
 /// A document whose primitives have no geometry yet.
 pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Object {
     let mut textures = Textures::default();
     let materials: Vec<Json> = obj.materials.iter().map(|m| material(m, &mut textures)).collect();
-    let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
-    for (number, material) in obj.materials.iter().enumerate() {
-        // Of several with one name the first counts.
-        numbers.entry(&material.name).or_insert(number);
-    }
+    let numbers = numbers(&obj.materials);
     let mesh = |object: &&ObjectInfo| {
         let primitive = |name: Option<&String>| match name.and_then(|n| numbers.get(&**n)) {
             Some(&material) => object! { "material" => material },
@@ -108,9 +101,7 @@ impl Textures {
 fn material(material: &ObjMaterial, textures: &mut Textures) -> Json {
     let meaning = Meaning::of(material);
     let texture = meaning.map().and_then(|map| textures.info(&map));
-    // Six decimals: no machine's power function decides a byte of a file.
-    let rounded = |c: f32| (f64::from(c) * 1e6).round() / 1e6;
-    let color = meaning.base_colour(texture.is_some()).map(rounded);
+    let color = meaning.base_colour(texture.is_some()).map(|c| six_decimals(c.into()));
     let mut pbr = object! { "baseColorFactor" => color, "metallicFactor" => 0.0 };
     if let Some(texture) = texture {
         pbr["baseColorTexture"] = texture;

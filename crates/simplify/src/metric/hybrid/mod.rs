@@ -181,32 +181,7 @@ impl Reprice for HybridMetric<'_> {
         wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],
-        patch: &mut Patch,
-    ) {
-        self.price::<false>(mesh, wedges, from, candidates, patch);
-    }
-
-    fn reprice_best(
-        &self,
-        mesh: &WorkingMesh,
-        wedges: &Wedges,
-        from: u32,
-        candidates: &mut [(f64, u32)],
-        patch: &mut Patch,
-    ) {
-        self.price::<true>(mesh, wedges, from, candidates, patch);
-    }
-}
-
-impl HybridMetric<'_> {
-    /// Prices candidates. With `BEST` those that turn out to be dearer than the cheapest one are
-    /// not looked at to the end.
-    fn price<const BEST: bool>(
-        &self,
-        mesh: &WorkingMesh,
-        wedges: &Wedges,
-        from: u32,
-        candidates: &mut [(f64, u32)],
+        only_cheapest: bool,
         patch: &mut Patch,
     ) {
         let Self { appearance, samples, energy, .. } = self;
@@ -222,7 +197,7 @@ impl HybridMetric<'_> {
         for (cost, to) in near {
             patch.move_to(&source, from, *to);
             let before = patch.current_energy - tie * *cost;
-            let most = if BEST { least + before } else { f64::INFINITY };
+            let most = if only_cheapest { least + before } else { f64::INFINITY };
             // The energy before is the larger by far, and what is taken from it rounds.
             let most = most + 1e-9 * most.abs();
             let moved = patch.energy(samples, appearance, self.distance_weight, most);

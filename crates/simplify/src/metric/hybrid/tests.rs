@@ -118,7 +118,7 @@ fn a_commit_costs_what_the_look_said() {
             let Some(&corner) = working.star(from).first() else { continue };
             let to = working.others(corner)[random.below(2)];
             let mut candidates = [(0.0, to)];
-            metric.reprice(&working, &wedges, from, &mut candidates, &mut Patch::default());
+            metric.reprice(&working, &wedges, from, &mut candidates, false, &mut Patch::default());
             let before: f64 = metric.energy.iter().sum();
             metric.collapsed(&working, &wedges, from, to);
             let alive_before = working.live_faces;

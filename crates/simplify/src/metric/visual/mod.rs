@@ -235,6 +235,7 @@ impl Reprice for VisualMetric {
         _wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],
+        _only_cheapest: bool,
         scratch: &mut ViewScratch,
     ) {
         let star = mesh.star(from);

@@ -127,6 +127,7 @@ fn a_look_says_what_a_collapse_changes() {
                     &wedges,
                     from,
                     &mut candidates,
+                    false,
                     &mut super::ViewScratch::default(),
                 );
                 for (cost, to) in candidates {
