@@ -77,19 +77,19 @@ pub struct ImageError {
 /// Takes a picture from every camera.
 #[must_use]
 pub fn pictures(surface: &Surface, cameras: &[Camera], looks: ShadingOptions) -> Vec<Picture> {
-    let sitter = Sitter::new(surface, looks);
-    cameras.par_iter().map(|camera| sitter.picture(camera, true)).collect()
+    let shaded = ShadedSurface::new(surface, looks);
+    cameras.par_iter().map(|camera| shaded.picture(camera, true)).collect()
 }
 
-/// A surface that is ready to be looked at.
-pub(crate) struct Sitter<'a> {
+/// A surface with the normals that it is shaded by.
+pub(crate) struct ShadedSurface<'a> {
     surface: &'a Surface,
     /// Of the corners of each triangle.
     normals: Vec<[Vec3; 3]>,
     looks: ShadingOptions,
 }
 
-impl<'a> Sitter<'a> {
+impl<'a> ShadedSurface<'a> {
     pub(crate) fn new(surface: &'a Surface, looks: ShadingOptions) -> Self {
         let own = looks.own_normals && !surface.normals.is_empty();
         let normals = if own {

@@ -24,11 +24,11 @@ mod choose;
 mod commit;
 mod cut;
 mod metric;
-mod moves;
 mod number;
 mod options;
 mod output;
 mod price;
+mod recorded;
 mod rounds;
 mod skin;
 
@@ -42,8 +42,8 @@ use rounds::{Progress, as_one, in_regions};
 use skin::Skin;
 
 pub use metric::{Checkerboard, SurfaceColours};
-pub use moves::Moves;
 pub use options::{MetricKind, Options, Weights};
+pub use recorded::RecordedCollapses;
 
 /// Simplifies a mesh down to one vertex. `progress` gets (steps done, groups in all) now and then.
 /// The result does not depend on the number of threads of the rayon pool it runs in.
@@ -79,18 +79,18 @@ pub struct Guidance<'a> {
     /// that of the options for all.
     pub weights: &'a [Weights],
     /// Shares of the triangles, the larger of each pair first, between which
-    /// [`MetricKind::Hybrid`] decides; elsewhere the quadric does. None: it decides everywhere.
-    pub stretches: Option<&'a [[f32; 2]]>,
-    /// How the run begins; by its options if nothing is said.
-    pub begun: Option<Begun<'a>>,
+    /// [`MetricKind::Hybrid`] chooses collapses; elsewhere the quadric does. None: it always does.
+    pub hybrid_ranges: Option<&'a [[f32; 2]]>,
+    /// An earlier run of the same mesh by the same options that this one repeats first.
+    pub prefix: Option<Prefix<'a>>,
 }
 
-/// The beginning of a run that is that of an earlier one of the same mesh, by the same options.
+/// The part of an earlier run that another one repeats.
 #[derive(Clone, Copy, Debug)]
-pub struct Begun<'a> {
+pub struct Prefix<'a> {
     /// The collapses of the earlier run.
-    pub moves: &'a Moves,
-    /// The share of the triangles down to which they are made again.
+    pub collapses: &'a RecordedCollapses,
+    /// The share of the triangles down to which they are repeated.
     pub share: f32,
 }
 
@@ -102,18 +102,17 @@ pub fn simplify_guided(
     guidance: Guidance<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Simplified {
-    simplify_with_moves(mesh, options, guidance, progress).0
+    simplify_recorded(mesh, options, guidance, progress).0
 }
 
-/// The same, with the collapses for another run to begin with. Only [`MetricKind::Hybrid`] notes
-/// any.
+/// The same, with the collapses for another run to repeat. Only [`MetricKind::Hybrid`] records any.
 #[must_use]
-pub fn simplify_with_moves(
+pub fn simplify_recorded(
     mesh: &Mesh,
     options: &Options,
     guidance: Guidance<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
-) -> (Simplified, Moves) {
+) -> (Simplified, RecordedCollapses) {
     simplify_with(mesh, options, guidance, rounds::REGION, progress)
 }
 
@@ -124,12 +123,12 @@ fn simplify_with(
     guidance: Guidance<'_>,
     region: usize,
     progress: &(dyn Fn(u64, u64) + Sync),
-) -> (Simplified, Moves) {
+) -> (Simplified, RecordedCollapses) {
     if mesh.vertex_count() == 0 {
         let empty = CollapseSequence::try_from(SequenceParts::default())
             .expect("an empty sequence is valid");
         let empty = Simplified::new(mesh.clone(), empty).expect("no vertices need no records");
-        return (empty, Moves::default());
+        return (empty, RecordedCollapses::default());
     }
     let run = Run { mesh, options, guidance, region, progress };
     let positions = PositionIds::new(mesh.positions());
@@ -142,8 +141,8 @@ fn simplify_with(
     input.lock(guidance.locked);
     let mut sources = Sources::new(&input);
     let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
-    let moves = std::mem::take(&mut log.moves);
-    (output::output(&input, &sources, log, legal, by_stamp), moves)
+    let recorded = std::mem::take(&mut log.recorded);
+    (output::output(&input, &sources, log, legal, by_stamp), recorded)
 }
 
 /// One simplification: what it is of, and how it is done.
@@ -169,23 +168,27 @@ struct Collapsed {
 impl<'a> Run<'a> {
     /// Simplifies one layer of a mesh whose faces lie on each other; the whole mesh follows. None
     /// if it cannot.
-    fn by_skin(self, skin: &Skin, positions: &PositionIds) -> Option<(Simplified, Moves)> {
-        let (moves, layer_moves, legal) = {
+    fn by_skin(
+        self,
+        skin: &Skin,
+        positions: &PositionIds,
+    ) -> Option<(Simplified, RecordedCollapses)> {
+        let (layer_collapses, recorded, legal) = {
             let mut input = Input::new(&skin.mesh);
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
             let run = Run { mesh: &skin.mesh, ..self };
             let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
-            let layer_moves = std::mem::take(&mut log.moves);
-            (skin::moves(&input, &skin.vertices, &log, legal, by_stamp), layer_moves, legal)
+            let recorded = std::mem::take(&mut log.recorded);
+            (skin::layer_collapses(&input, &skin.vertices, &log, legal, by_stamp), recorded, legal)
         };
         let input = Input::with_positions(self.mesh, positions);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
-        let (log, legal) = skin::follow(&context, &moves, legal, &mut sources)?;
+        let (log, legal) = skin::follow(&context, &layer_collapses, legal, &mut sources)?;
         drop(context);
-        Some((output::output(&input, &sources, log, legal, false), layer_moves))
+        Some((output::output(&input, &sources, log, legal, false), recorded))
     }
 
     /// The data that all regions read.

@@ -10,7 +10,8 @@ use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc_formats::images::png;
 use lodc_measure::{
-    Original, Portrait, Recorded, Sampling, SceneSurface, ShadingOptions, Viewing, heat_sheet,
+    Original, Recorded, ReferencePictures, Sampling, SceneSurface, ShadingOptions, Viewing,
+    heat_sheet,
 };
 use lodc_report::{Comparison, ImageReport, PairReport};
 use lodc_select::Target;
@@ -81,7 +82,7 @@ fn comparison(
     args: &CompareArgs,
     (a, original): (&SceneSurface, &Original),
     b: &SceneSurface,
-    of_a: &mut Option<Portrait>,
+    of_a: &mut Option<ReferencePictures>,
     stages: &mut Stages,
 ) -> Comparison {
     let looks = looks(a, b, args);
@@ -91,8 +92,9 @@ fn comparison(
         let viewing = Viewing { views: args.views, size: args.size };
         stages.run("pictures", || {
             // Levels are mostly shown with the same looks.
-            let known = of_a.take().filter(|portrait| portrait.looks() == looks);
-            let of_a = of_a.insert(known.unwrap_or_else(|| Portrait::new(a, viewing, looks)));
+            let known = of_a.take().filter(|reference| reference.looks() == looks);
+            let of_a =
+                of_a.insert(known.unwrap_or_else(|| ReferencePictures::new(a, viewing, looks)));
             ImageReport::new(viewing, looks, of_a.compare(b))
         })
     });

@@ -1,81 +1,87 @@
-//! Pictures of a scene's levels, to tell which of two simplifications looks better.
+//! Compares pictures of a scene's levels by two metrics, to tell at which levels `hybrid` looks
+//! worse than the quadric.
 
 use super::{SceneContext, SimplifiedObjects};
 use crate::level_mesh;
 use crate::{Error, LodObject, scene_levels};
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
-use lodc_measure::{Portrait, SceneSurface, ShadingOptions, Surface, Viewing};
+use lodc_measure::{ReferencePictures, SceneSurface, ShadingOptions, Surface, Viewing};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
 use lodc_select::Target;
 use std::sync::Arc;
 
-/// Levels that are looked at, as shares of the scene's triangles.
+/// The levels that are compared, as shares of the scene's triangles. Chosen by hand.
 const LEVELS: [f64; 6] = [0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
-/// The image error at each of them.
-pub(super) type Errors = [f64; LEVELS.len()];
-/// An image error up to this many times another's is no worse.
-const NO_WORSE: f64 = 1.01;
-/// Levels of fewer triangles are no picture of anything, and are not compared.
-const FEWEST: f64 = 16.0;
-/// The pictures: fewer and smaller than those of `compare`, and from other sides.
-const VIEWING: Viewing = Viewing { views: 17, size: 256 };
-/// Scenes with more triangles than this, instances counted, are not looked at.
+/// The image error at each of them: root mean square difference of pixels, 0 to 255.
+pub(super) type ImageErrors = [f64; LEVELS.len()];
+/// An image error up to this many times another's counts as equal: fewer pixels than that differ by
+/// chance of where edges fall. Chosen by hand.
+const TOLERANCE: f64 = 1.01;
+/// Levels of fewer triangles resemble nothing, and are not compared: six triangles of a model once
+/// kept `hybrid` from all finer levels.
+const MIN_TRIANGLES: f64 = 16.0;
+/// The pictures: fewer and smaller than those of `compare`, and from other sides, so that levels
+/// are not chosen by the very pictures that measure them.
+const VIEWING: Viewing = Viewing { views: 12, size: 160 };
+/// Scenes with more triangles than this, instances counted, are simplified without comparing: a
+/// bound on time, chosen by hand.
 const MAX_TRIANGLES: usize = 1 << 23;
 
-/// The levels on the way to which a metric decides; on the way to the others the quadric does.
+/// The levels on the way to which `hybrid` chooses collapses; on the way to the others the quadric
+/// does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Turns([bool; LEVELS.len()]);
+pub(super) struct HybridLevels([bool; LEVELS.len()]);
 
-impl Turns {
-    /// The metric decides everywhere.
+impl HybridLevels {
+    /// `hybrid` chooses everywhere.
     pub(super) const ALL: Self = Self([true; LEVELS.len()]);
 
-    /// Lets the quadric decide on the way to a level that looks worse, or, if it does already, on
-    /// the way to the nearest one before it at which it does not: the quadric does not mend what
-    /// the metric did before. Returns the level from which on all is different then; none if
-    /// nothing can be.
-    pub(super) fn give_way(&mut self, level: usize) -> Option<usize> {
+    /// Leaves the way to a level that looks worse to the quadric, or, if it has it already, the
+    /// way to the nearest finer level that `hybrid` still has: the quadric cannot mend what
+    /// `hybrid` did before. Returns the first level that changes by it; none if the quadric has all
+    /// of them.
+    pub(super) fn leave_to_quadric(&mut self, level: usize) -> Option<usize> {
         let last = (0..=level).rev().find(|&i| self.0[i])?;
         self.0[last] = false;
         Some(last)
     }
 
-    /// Returns whether the quadric decides everywhere.
-    pub(super) fn are_none(self) -> bool {
+    /// Returns whether the quadric chooses everywhere.
+    pub(super) fn is_empty(self) -> bool {
         !self.0.contains(&true)
     }
 
-    /// The shares of the triangles between which the metric decides, the larger of each pair first.
-    pub(super) fn stretches(self) -> Vec<[f32; 2]> {
-        let mut stretches: Vec<[f32; 2]> = Vec::new();
+    /// The shares of the triangles between which `hybrid` chooses, the larger of each pair first.
+    pub(super) fn ranges(self) -> Vec<[f32; 2]> {
+        let mut ranges: Vec<[f32; 2]> = Vec::new();
         for level in (0..LEVELS.len()).filter(|&i| self.0[i]) {
-            let (most, least) = (share_before(level), share_before(level + 1));
-            match stretches.last_mut() {
+            let (most, least) = (share_at_start(level), share_at_start(level + 1));
+            match ranges.last_mut() {
                 Some(before) if before[1] == most => before[1] = least,
-                _ => stretches.push([most, least]),
+                _ => ranges.push([most, least]),
             }
         }
-        stretches
+        ranges
     }
 }
 
 /// The share of the triangles at which the way to a level begins.
-pub(super) fn share_before(level: usize) -> f32 {
+pub(super) fn share_at_start(level: usize) -> f32 {
     match level {
         0 => 1.0,
-        LEVELS_END => 0.0,
+        LEVEL_COUNT => 0.0,
         _ => (LEVELS[level - 1] * LEVELS[level]).sqrt() as f32,
     }
 }
 
-const LEVELS_END: usize = LEVELS.len();
+const LEVEL_COUNT: usize = LEVELS.len();
 
 /// A scene, and reference pictures of it.
 pub(super) struct Judge<'a> {
-    known: SceneContext<'a>,
+    context: SceneContext<'a>,
     scene: Arrangement,
-    portrait: Portrait,
+    reference: ReferencePictures,
     /// Those of the scene, instances counted.
     triangles: usize,
     areas: Vec<f64>,
@@ -88,10 +94,10 @@ impl<'a> Judge<'a> {
     /// If the stored document is damaged.
     pub(super) fn new(
         objects: &[SceneObject],
-        known: SceneContext<'a>,
+        context: SceneContext<'a>,
     ) -> Result<Option<Self>, Error> {
         let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
-        let graph = scene_graph(known.document, &infos, &known.limits)?;
+        let graph = scene_graph(context.document, &infos, &context.limits)?;
         let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
         let count = |object: usize| objects[object].mesh.triangles().len();
         let counts = scene.placements().iter().map(|p| count(p.object));
@@ -100,12 +106,13 @@ impl<'a> Judge<'a> {
             return Ok(None);
         }
         let meshes: Vec<&Mesh> = objects.iter().map(|o| &o.mesh).collect();
-        let shown = surface(&meshes, &scene, known);
+        let shown = surface(&meshes, &scene, context);
         // Shapes alone where the metric sees no more.
-        let looks = known.paints.map_or(ShadingOptions::default(), |_| shown.common_looks(&shown));
-        let portrait = Portrait::new(&shown.surface, VIEWING, looks);
+        let looks =
+            context.paints.map_or(ShadingOptions::default(), |_| shown.common_looks(&shown));
+        let reference = ReferencePictures::new(&shown.surface, VIEWING, looks);
         let areas = areas(&shown.surface, &scene, objects);
-        Ok(Some(Self { known, scene, portrait, triangles, areas }))
+        Ok(Some(Self { context, scene, reference, triangles, areas }))
     }
 
     /// The areas that the scene shows of its objects, instances together.
@@ -113,45 +120,45 @@ impl<'a> Judge<'a> {
         &self.areas
     }
 
-    /// The image errors at [`LEVELS`]; 0 at those of fewer than [`FEWEST`] triangles.
+    /// The image errors at [`LEVELS`]; 0 at those of fewer than [`MIN_TRIANGLES`] triangles.
     ///
     /// # Errors
     /// If a level is no mesh: a bug.
-    pub(super) fn errors(&self, objects: &SimplifiedObjects) -> Result<Errors, Error> {
-        let mut errors = Errors::default();
-        self.look(objects, 0, |level, error| {
+    pub(super) fn image_errors(&self, objects: &SimplifiedObjects) -> Result<ImageErrors, Error> {
+        let mut errors = ImageErrors::default();
+        self.compare_levels(objects, 0, |level, error| {
             errors[level] = error;
             true
         })?;
         Ok(errors)
     }
 
-    /// The first of [`LEVELS`], not before `first`, that looks worse than by the quadric, whose
-    /// errors are given.
+    /// The first of [`LEVELS`], from index `first` on, that looks worse than by the quadric, whose
+    /// errors are given; none if none does.
     ///
     /// # Errors
     /// If a level is no mesh: a bug.
-    pub(super) fn worse(
+    pub(super) fn first_worse(
         &self,
         objects: &SimplifiedObjects,
         first: usize,
-        quadric: &Errors,
+        quadric: &ImageErrors,
     ) -> Result<Option<usize>, Error> {
         let mut worse = None;
-        self.look(objects, first, |level, error| {
-            worse = (error > NO_WORSE * quadric[level]).then_some(level);
+        self.compare_levels(objects, first, |level, error| {
+            worse = (error > TOLERANCE * quadric[level]).then_some(level);
             worse.is_none()
         })?;
         Ok(worse)
     }
 
-    /// Calls `see` with the image error of one of [`LEVELS`] after the other, from `first` on,
-    /// while it returns true.
-    fn look(
+    /// Calls `visit` with the index and the image error of one of [`LEVELS`] after the other, from
+    /// `first` on, while it returns true.
+    fn compare_levels(
         &self,
         objects: &SimplifiedObjects,
         first: usize,
-        mut see: impl FnMut(usize, f64) -> bool,
+        mut visit: impl FnMut(usize, f64) -> bool,
     ) -> Result<(), Error> {
         let object = |(info, simplified): &(ObjectInfo, _)| LodObject {
             info: info.clone(),
@@ -159,15 +166,15 @@ impl<'a> Judge<'a> {
             models: Vec::new(),
         };
         let objects: Vec<LodObject> = objects.iter().map(object).collect();
-        let levels = scene_levels(&objects, self.known.document, &self.known.limits)?;
+        let levels = scene_levels(&objects, self.context.document, &self.context.limits)?;
         for (level, share) in LEVELS.into_iter().enumerate().skip(first) {
-            if (self.triangles as f64 * share) < FEWEST {
+            if (self.triangles as f64 * share) < MIN_TRIANGLES {
                 break;
             }
             let lods = levels.select(Target::Ratio(share), false)?.lods;
             let meshes = level_mesh::plain(&objects, &lods)?;
-            let shown = surface(&meshes.iter().collect::<Vec<_>>(), &self.scene, self.known);
-            if !see(level, self.portrait.compare(&shown.surface).rmse) {
+            let shown = surface(&meshes.iter().collect::<Vec<_>>(), &self.scene, self.context);
+            if !visit(level, self.reference.compare(&shown.surface).rmse) {
                 break;
             }
         }
@@ -192,8 +199,8 @@ fn areas(shown: &Surface, scene: &Arrangement, objects: &[SceneObject]) -> Vec<f
 }
 
 /// A scene as it is shown.
-fn surface(meshes: &[&Mesh], scene: &Arrangement, known: SceneContext<'_>) -> SceneSurface {
-    match known.paints {
+fn surface(meshes: &[&Mesh], scene: &Arrangement, context: SceneContext<'_>) -> SceneSurface {
+    match context.paints {
         None => SceneSurface::new(meshes, scene, &Appearance::default()),
         Some(paints) => {
             SceneSurface::with_images(meshes, scene, paints.looks(), || paints.images())
@@ -203,27 +210,27 @@ fn surface(meshes: &[&Mesh], scene: &Arrangement, known: SceneContext<'_>) -> Sc
 
 #[cfg(test)]
 mod tests {
-    use super::{LEVELS, Turns, share_before};
+    use super::{HybridLevels, LEVELS, share_at_start};
 
     #[test]
-    fn the_quadric_decides_where_a_level_looks_worse_and_then_before_it() {
-        let mut turns = Turns::ALL;
-        assert_eq!(turns.stretches(), [[1.0, 0.0]]);
-        assert_eq!(turns.give_way(3), Some(3));
-        assert_eq!(turns.stretches(), [[1.0, share_before(3)], [share_before(4), 0.0]]);
+    fn the_quadric_gets_the_level_that_looks_worse_and_then_finer_ones() {
+        let mut levels = HybridLevels::ALL;
+        assert_eq!(levels.ranges(), [[1.0, 0.0]]);
+        assert_eq!(levels.leave_to_quadric(3), Some(3));
+        assert_eq!(levels.ranges(), [[1.0, share_at_start(3)], [share_at_start(4), 0.0]]);
         // It does not mend what came before.
-        assert_eq!(turns.give_way(3), Some(2));
-        assert_eq!(turns.give_way(0), Some(0));
-        assert_eq!(turns.give_way(0), None);
-        assert_eq!(turns.stretches().len(), 2);
-        while turns.give_way(LEVELS.len() - 1).is_some() {}
-        assert!(turns.are_none() && turns.stretches().is_empty());
+        assert_eq!(levels.leave_to_quadric(3), Some(2));
+        assert_eq!(levels.leave_to_quadric(0), Some(0));
+        assert_eq!(levels.leave_to_quadric(0), None);
+        assert_eq!(levels.ranges().len(), 2);
+        while levels.leave_to_quadric(LEVELS.len() - 1).is_some() {}
+        assert!(levels.is_empty() && levels.ranges().is_empty());
     }
 
     #[test]
     fn the_way_to_a_level_begins_beyond_the_one_before() {
         for level in 1..LEVELS.len() {
-            let share = f64::from(share_before(level));
+            let share = f64::from(share_at_start(level));
             assert!(share < LEVELS[level - 1] && share > LEVELS[level], "{share}");
         }
     }

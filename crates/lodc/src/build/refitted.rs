@@ -1,6 +1,6 @@
 //! Refitted levels: closer in space, and held back where pictures would get worse.
 
-use super::likeness::{Likeness, noise};
+use super::object_pictures::{ObjectPictures, noise};
 use crate::level_mesh::{LevelMesh, Order, ordered};
 use crate::{Error, LodObject, stated_shapes};
 use lodc_errors::Tick;
@@ -143,7 +143,7 @@ type TextureNoise<'a> = (&'a [Coordinates], &'a Arc<[Pyramid]>);
 
 /// Tells how much better a refitted level looks than where the simplifier left it.
 struct Judge {
-    likeness: Likeness,
+    pictures: ObjectPictures,
     before: Vec<f64>,
 }
 
@@ -153,14 +153,14 @@ impl Judge {
         if input.attributes().is_empty() {
             return None;
         }
-        let likeness = Likeness::new(input, shown, noise);
-        let before = likeness.errors(unmoved);
-        Some(Self { likeness, before })
+        let pictures = ObjectPictures::new(input, shown, noise);
+        let before = pictures.errors(unmoved);
+        Some(Self { pictures, before })
     }
 
     /// The share of its image error that a level keeps, in the kind of picture that gains least.
     fn kept(&self, level: &Mesh) -> f64 {
-        kept(&self.before, &self.likeness.errors(level))
+        kept(&self.before, &self.pictures.errors(level))
     }
 }
 

@@ -1,43 +1,46 @@
-//! The stage that simplifies. Where objects are to look good, pictures decide how.
+//! The stage that simplifies. With `hybrid`, pictures decide which levels it makes, and which the
+//! quadric.
 
-use super::judge::{Judge, Turns, share_before};
+use super::judge::{HybridLevels, Judge, share_at_start};
 use super::watch::staged;
 use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
 use lodc_formats::SceneObject;
 use lodc_mesh::{Mesh, PositionIds, Simplified};
 use lodc_simplify::{
-    Begun, Guidance, MetricKind, Moves, Options, SurfaceColours, simplify_with_moves,
+    Guidance, MetricKind, Options, Prefix, RecordedCollapses, SurfaceColours, simplify_recorded,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer faces (of those that lie on each other one counts) are small: there is time for
-/// more samples. They help most models.
-const SMALL: u64 = 16_000;
+/// Scenes of fewer faces (of those that lie on each other one counts) get more samples: there is
+/// time for them, and most models look better by them (design-notes/metrics.md).
+const SMALL_SCENE: u64 = 16_000;
 const SAMPLES_OF_SMALL: u32 = 64_000;
-/// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides on the
-/// way to those levels at which the scene looks worse otherwise: pictures of both decide.
+
+/// Simplifies every object by its options. Of those with `hybrid`, the quadric chooses the
+/// collapses on the way to levels at which the scene would look worse otherwise, by pictures of
+/// both.
 ///
 /// # Errors
 /// If the stored document is damaged.
 pub fn simplify_all(
     objects: Vec<SceneObject>,
     options: &[Options],
-    known: SceneContext<'_>,
+    context: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, Error> {
     staged(watch, "simplify", None, || {
-        let scene = Scene { objects: &objects, known, watch };
+        let scene = Scene { objects: &objects, context, watch };
         if let Some(seen) = scene.best(options)? {
             return Ok(seen);
         }
-        scene.begin();
+        scene.begin_progress();
         // Every object goes as soon as it is simplified.
         let objects = objects.into_par_iter().enumerate();
         let one = |(number, object): (usize, SceneObject)| {
-            let work = Work { number, options: &options[number], known, watch };
+            let work = Work { number, options: &options[number], context, watch };
             let (simplified, _) = work.simplified(&object.mesh, None);
             (object.info, simplified)
         };
@@ -49,43 +52,49 @@ pub fn simplify_all(
 #[derive(Clone, Copy)]
 struct Scene<'a> {
     objects: &'a [SceneObject],
-    known: SceneContext<'a>,
+    context: SceneContext<'a>,
     watch: &'a dyn Watch,
 }
 
 /// A simplification of all objects, with the collapses for another one to begin with.
 struct Run {
     objects: SimplifiedObjects,
-    moves: Vec<Moves>,
+    recorded: Vec<RecordedCollapses>,
 }
 
-/// The way in which `hybrid` and the quadric take turns.
+/// How a run of `hybrid` differs from one that it makes by itself.
 struct Plan<'a> {
-    stretches: &'a [[f32; 2]],
-    /// The run that it begins as, down to a share of the triangles.
-    begun: Option<(&'a Run, f32)>,
+    /// The shares of the triangles between which it chooses collapses.
+    hybrid_ranges: &'a [[f32; 2]],
+    /// An earlier run that it repeats down to a share of the triangles.
+    prefix: Option<(&'a Run, f32)>,
 }
 
 impl Scene<'_> {
     /// The run that looks best; none if no object is simplified by `hybrid`, or nothing is shown.
     fn best(self, options: &[Options]) -> Result<Option<SimplifiedObjects>, Error> {
         let hybrid = options.iter().any(is_hybrid);
-        let judge = if hybrid { Judge::new(self.objects, self.known)? } else { None };
+        let judge = if hybrid { Judge::new(self.objects, self.context)? } else { None };
         let Some(judge) = judge else { return Ok(None) };
-        let by_quadric = instead(options, |o| Options { metric: MetricKind::Quadric, ..o });
+        let by_quadric = |o: &Options| match o.metric {
+            MetricKind::Hybrid => Options { metric: MetricKind::Quadric, ..*o },
+            _ => *o,
+        };
+        let by_quadric: Vec<Options> = options.iter().map(by_quadric).collect();
         let quadric = self.run(&by_quadric, None, None);
-        let plain = judge.errors(&quadric.objects)?;
+        let quadric_errors = judge.image_errors(&quadric.objects)?;
         let options = with_samples(options, self.objects, judge.areas());
-        let mut turns = Turns::ALL;
-        let plan = Plan { stretches: &turns.stretches(), begun: None };
+        let mut hybrid_levels = HybridLevels::ALL;
+        let plan = Plan { hybrid_ranges: &hybrid_levels.ranges(), prefix: None };
         let mut run = self.run(&options, Some(&plan), Some(&quadric));
         let mut first = 0;
-        while let Some(worse) = judge.worse(&run.objects, first, &plain)? {
-            let Some(from) = turns.give_way(worse).filter(|_| !turns.are_none()) else {
+        while let Some(worse) = judge.first_worse(&run.objects, first, &quadric_errors)? {
+            let changed = hybrid_levels.leave_to_quadric(worse);
+            let Some(from) = changed.filter(|_| !hybrid_levels.is_empty()) else {
                 return Ok(Some(quadric.objects));
             };
-            let begun = Some((&run, share_before(from)));
-            let plan = Plan { stretches: &turns.stretches(), begun };
+            let prefix = Some((&run, share_at_start(from)));
+            let plan = Plan { hybrid_ranges: &hybrid_levels.ranges(), prefix };
             run = self.run(&options, Some(&plan), Some(&quadric));
             // Of several objects some go further than others: all levels may have changed.
             first = if self.objects.len() == 1 { from } else { 0 };
@@ -93,8 +102,8 @@ impl Scene<'_> {
         Ok(Some(run.objects))
     }
 
-    /// Says how much there is to do.
-    fn begin(self) {
+    /// Tells `watch` how many triangles there are.
+    fn begin_progress(self) {
         let triangles = |object: &SceneObject| object.mesh.triangles().len() as u64;
         self.watch.begin("simplify", Some(self.objects.iter().map(triangles).sum()));
     }
@@ -102,19 +111,19 @@ impl Scene<'_> {
     /// Simplifies every object by its options, several at once; those that the quadric simplifies
     /// are taken from a run in which it did.
     fn run(self, options: &[Options], plan: Option<&Plan<'_>>, quadric: Option<&Run>) -> Run {
-        self.begin();
+        self.begin_progress();
         let one = |(number, object): (usize, &SceneObject)| {
             if let Some(run) = quadric.filter(|_| !is_hybrid(&options[number])) {
                 self.watch.add(object.mesh.triangles().len() as u64);
-                return (run.objects[number].clone(), Moves::default());
+                return (run.objects[number].clone(), RecordedCollapses::default());
             }
-            let Self { known, watch, .. } = self;
-            let work = Work { number, options: &options[number], known, watch };
-            let (simplified, moves) = work.simplified(&object.mesh, plan);
-            ((object.info.clone(), simplified), moves)
+            let Self { context, watch, .. } = self;
+            let work = Work { number, options: &options[number], context, watch };
+            let (simplified, recorded) = work.simplified(&object.mesh, plan);
+            ((object.info.clone(), simplified), recorded)
         };
-        let (objects, moves) = self.objects.par_iter().enumerate().map(one).unzip();
-        Run { objects, moves }
+        let (objects, recorded) = self.objects.par_iter().enumerate().map(one).unzip();
+        Run { objects, recorded }
     }
 }
 
@@ -122,14 +131,18 @@ impl Scene<'_> {
 struct Work<'a> {
     number: usize,
     options: &'a Options,
-    known: SceneContext<'a>,
+    context: SceneContext<'a>,
     watch: &'a dyn Watch,
 }
 
 impl Work<'_> {
-    fn simplified(&self, mesh: &Mesh, plan: Option<&Plan<'_>>) -> (Arc<Simplified>, Moves) {
-        let Self { number, options, known, watch } = *self;
-        // Objects weigh in by their triangles; each says how many of its groups are gone.
+    fn simplified(
+        &self,
+        mesh: &Mesh,
+        plan: Option<&Plan<'_>>,
+    ) -> (Arc<Simplified>, RecordedCollapses) {
+        let Self { number, options, context, watch } = *self;
+        // Progress counts triangles; an object knows how many of its groups are gone.
         let weight = mesh.triangles().len() as u64;
         let before = AtomicU64::new(0);
         let report_progress = |gone: u64, groups: u64| {
@@ -137,18 +150,18 @@ impl Work<'_> {
             let last = before.fetch_max(now, Ordering::Relaxed);
             watch.add(now.saturating_sub(last));
         };
-        let textured = known.paints.filter(|p| p.has_textures());
+        let textured = context.paints.filter(|p| p.has_textures());
         let colours = textured.map(|p| p.of_object(number));
-        let begun = plan.and_then(|plan| plan.begun);
+        let prefix = plan.and_then(|plan| plan.prefix);
         let guidance = Guidance {
             colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
-            locked: known.importance.locked.get(number).map_or(&[], Vec::as_slice),
-            weights: known.importance.weights.get(number).map_or(&[], Vec::as_slice),
-            stretches: plan.map(|plan| plan.stretches),
-            begun: begun.map(|(run, share)| Begun { moves: &run.moves[number], share }),
+            locked: context.importance.locked.get(number).map_or(&[], Vec::as_slice),
+            weights: context.importance.weights.get(number).map_or(&[], Vec::as_slice),
+            hybrid_ranges: plan.map(|plan| plan.hybrid_ranges),
+            prefix: prefix.map(|(run, share)| Prefix { collapses: &run.recorded[number], share }),
         };
-        let (simplified, moves) = simplify_with_moves(mesh, options, guidance, &report_progress);
-        (Arc::new(simplified), moves)
+        let (simplified, recorded) = simplify_recorded(mesh, options, guidance, &report_progress);
+        (Arc::new(simplified), recorded)
     }
 }
 
@@ -156,8 +169,8 @@ impl Work<'_> {
 /// of them.
 fn with_samples(options: &[Options], objects: &[SceneObject], areas: &[f64]) -> Vec<Options> {
     let faces: u64 = objects.par_iter().map(|o| distinct_faces(&o.mesh)).sum();
-    let most = options.iter().map(|o| o.hybrid_samples).max().unwrap_or(0);
-    let samples = if faces < SMALL { most.max(SAMPLES_OF_SMALL) } else { most };
+    let largest = options.iter().map(|o| o.hybrid_samples).max().unwrap_or(0);
+    let samples = if faces < SMALL_SCENE { largest.max(SAMPLES_OF_SMALL) } else { largest };
     let all: f64 = areas.iter().sum();
     let share = |(o, area): (&Options, &f64)| {
         let share = if all > 0.0 { f64::from(samples) * area / all } else { 0.0 };
@@ -173,9 +186,4 @@ fn distinct_faces(mesh: &Mesh) -> u64 {
 
 fn is_hybrid(options: &Options) -> bool {
     options.metric == MetricKind::Hybrid
-}
-
-/// The options of all objects, changed for those that `hybrid` simplifies.
-fn instead(options: &[Options], change: impl Fn(Options) -> Options) -> Vec<Options> {
-    options.iter().map(|o| if is_hybrid(o) { change(*o) } else { *o }).collect()
 }

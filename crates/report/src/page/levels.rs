@@ -4,7 +4,8 @@ use crate::gone::{MissingPart, PartInventory};
 use lodc::{Error, LodObject, SceneLevels, level_mesh};
 use lodc_formats::images::png;
 use lodc_measure::{
-    ImageError, Picture, Portrait, SceneSurface, ShadingOptions, TriangleTree, Viewing, heat,
+    ImageError, Picture, ReferencePictures, SceneSurface, ShadingOptions, TriangleTree, Viewing,
+    heat,
 };
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
@@ -60,10 +61,10 @@ pub fn levels(
     let all: usize = whole.iter().map(|m| m.triangles().len()).sum();
     let input = SceneSurface::new(&whole, arrangement, appearance);
     let looks = ShadingOptions { checkerboard: false, ..input.common_looks(&input) };
-    let portrait = Portrait::new(&input.surface, VIEWING, looks);
+    let reference = ReferencePictures::new(&input.surface, VIEWING, looks);
     let tree = input.surface.tree();
     let rounding = ROUNDING * input.surface.diagonal();
-    let whole = portrait.pictures_of(&input.surface);
+    let whole = reference.pictures_of(&input.surface);
     // The error of a single object is in its own units.
     let unit = match objects {
         [one] if one.info.world_scale.is_finite() => one.info.world_scale.abs(),
@@ -79,7 +80,7 @@ pub fn levels(
         }
         let refs: Vec<&Mesh> = meshes.iter().collect();
         let surface = SceneSurface::new(&refs, arrangement, appearance).surface;
-        let drawn = portrait.pictures_of(&surface);
+        let drawn = reference.pictures_of(&surface);
         let hottest = unit * error;
         let heated = |pictures: &[Picture], from: &TriangleTree| -> Vec<Vec<u8>> {
             pictures.par_iter().map(|p| heated(p, &p.distances(from), hottest, rounding)).collect()
@@ -93,7 +94,7 @@ pub fn levels(
             share: triangles as f64 / all.max(1) as f64,
             error,
             rms,
-            image: portrait.compare_pictures(&drawn),
+            image: reference.compare_pictures(&drawn),
             pictures: drawn.iter().map(plain).collect(),
             heat,
             lost,

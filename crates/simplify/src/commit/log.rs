@@ -2,8 +2,8 @@
 //! wedge, fakes among them, has its position and attributes.
 
 use crate::cut::Region;
-use crate::moves::Moves;
 use crate::number::Input;
+use crate::recorded::RecordedCollapses;
 use std::ops::Range;
 
 /// One collapse of a group.
@@ -24,7 +24,7 @@ pub(crate) struct Step {
 #[derive(Default)]
 pub(crate) struct CollapseLog {
     /// Those of a metric that sees.
-    pub(crate) moves: Moves,
+    pub(crate) recorded: RecordedCollapses,
     pub(crate) steps: Vec<Step>,
     /// Wedges that disappear.
     pub(crate) wedges: Vec<u32>,
@@ -38,7 +38,7 @@ impl CollapseLog {
     /// An empty log with capacity for the whole simplification of a mesh, by its counts.
     pub(crate) fn with_room(groups: usize, wedges: usize, faces: usize) -> Self {
         Self {
-            moves: Moves::default(),
+            recorded: RecordedCollapses::default(),
             steps: Vec::with_capacity(groups),
             wedges: Vec::with_capacity(wedges),
             targets: Vec::with_capacity(wedges),

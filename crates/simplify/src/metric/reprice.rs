@@ -1,7 +1,7 @@
 //! What a metric does beside the quadric, and the cameras of those that see.
 
 use crate::cut::{Wedges, WorkingMesh};
-use crate::moves::Move;
+use crate::recorded::RecordedCollapse;
 use glam::DVec3;
 use lodc_raster::{Camera, metric_cameras};
 
@@ -25,7 +25,7 @@ pub(crate) trait Reprice: Sync {
     fn toggle(&mut self, mesh: &WorkingMesh, legal: bool);
 
     /// The collapse that is to be the `i`-th whatever the prices are, if any is.
-    fn given(&self, _mesh: &WorkingMesh, _i: usize) -> Option<Move> {
+    fn given(&self, _mesh: &WorkingMesh, _i: usize) -> Option<RecordedCollapse> {
         None
     }
 

@@ -5,8 +5,8 @@ use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stag
 use crate::commit::{CollapseLog, Commit, Touched, join_points};
 use crate::cut::{Choice, DEAD, HUB_VALENCE, LOCKED, RESTRICTED, Region, STALE};
 use crate::metric::Reprice;
-use crate::moves::Move;
 use crate::price::{Context, Pricer, Scratch};
+use crate::recorded::RecordedCollapse;
 use rayon::prelude::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -300,7 +300,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
         if M::REPRICES && self.rules.stage == Stage::Legal {
             let LegalCollapse { choice, changes_topology, .. } = legal;
-            self.log.moves.0.push(Move { from, to: choice.to, changes_topology });
+            self.log.recorded.0.push(RecordedCollapse { from, to: choice.to, changes_topology });
         }
         self.set_restricted(from, false);
         self.state.selection.lists.release(from);

@@ -12,7 +12,7 @@ use lodc_mesh::NONE;
 
 /// A collapse of the skin.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Move {
+pub(crate) struct LayerCollapse {
     /// A vertex of the whole mesh in the place that moves.
     from: u32,
     /// One in the place that it moves onto.
@@ -24,13 +24,13 @@ pub(crate) struct Move {
 
 /// The collapses of a log in their final order, of which the first `legal` ones are legal.
 /// `vertices` are the vertices of the whole mesh that the skin's are.
-pub(crate) fn moves(
+pub(crate) fn layer_collapses(
     input: &Input<'_>,
     vertices: &[u32],
     log: &CollapseLog,
     legal: usize,
     by_stamp: bool,
-) -> Vec<Move> {
+) -> Vec<LayerCollapse> {
     // For each fake the vertex in its place, once there is one.
     let mut fakes: Vec<u32> = Vec::new();
     let vertex_of_wedge = |fakes: &[u32], wedge: u32| match input.vertex_of().get(wedge as usize) {
@@ -38,7 +38,7 @@ pub(crate) fn moves(
         None => fakes.get(wedge as usize - input.wedges()).copied().unwrap_or(NONE),
     };
     let order = output::final_order(log, legal, by_stamp);
-    let mut moves = Vec::with_capacity(order.len());
+    let mut collapses = Vec::with_capacity(order.len());
     for step in order {
         let (records, step) = (log.records(step as usize), &log.steps[step as usize]);
         let (wedges, targets) = (&log.wedges[records.clone()], &log.targets[records]);
@@ -55,9 +55,9 @@ pub(crate) fn moves(
             fakes[at] = to;
         }
         let (error, changes_topology) = (step.error, step.changes_topology);
-        moves.push(Move { from, to, error, changes_topology });
+        collapses.push(LayerCollapse { from, to, error, changes_topology });
     }
-    moves
+    collapses
 }
 
 /// Carries collapses out, of which the first `legal` ones are legal. Returns the log and how many
@@ -65,13 +65,13 @@ pub(crate) fn moves(
 /// does not in the skin.
 pub(crate) fn follow(
     context: &Context<'_>,
-    moves: &[Move],
+    collapses: &[LayerCollapse],
     legal: usize,
     sources: &mut Sources<'_>,
 ) -> Option<(CollapseLog, usize)> {
     let input = context.input;
     let mut region = Region::whole(input, context.is_bare());
-    let mut log = CollapseLog::with_room(input.groups(), input.wedges(), moves.len());
+    let mut log = CollapseLog::with_room(input.groups(), input.wedges(), collapses.len());
     let mut following = Following {
         context,
         touched: Touched::new(region.groups.len()),
@@ -81,7 +81,7 @@ pub(crate) fn follow(
         log: &mut log,
     };
     let mut legal_steps = 0;
-    for (i, step) in moves.iter().enumerate() {
+    for (i, step) in collapses.iter().enumerate() {
         let [from, to] = [step.from, step.to].map(|v| following.group(v));
         if from == to {
             // Groups in one place that were united earlier than in the skin.

@@ -14,7 +14,7 @@
 mod follow;
 mod layers;
 
-pub(crate) use follow::{follow, moves};
+pub(crate) use follow::{follow, layer_collapses};
 
 use crate::number::{FollowerPlane, Input};
 use glam::DVec3;

@@ -51,7 +51,7 @@ impl SurfaceColours for Checkerboard {
         let width = (footprint.sqrt() * SQUARES).clamp(1e-3, 16.0);
         let wave = |x: f32| {
             let x = x * 0.5;
-            ((x - x.floor()) * 2.0 - 1.0).abs()
+            ((x - lodc_mesh::floor(x)) * 2.0 - 1.0).abs()
         };
         let stripes = coordinates.map(|x| {
             let x = if x.is_finite() { x * SQUARES } else { 0.0 };

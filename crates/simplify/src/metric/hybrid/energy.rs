@@ -1,11 +1,11 @@
 //! The error of a patch's samples before and after a move.
 
 use super::appearance::Appearance;
-use super::lanes::{self, Four, Shaded4};
+use super::lanes::{self, SampleQuad, ShadedQuad};
 use super::patch::{MAX_STAR, Patch};
-use super::pixel::{MAX_GEOMETRY, Shading, UNCOVERED};
+use super::pixel::{MAX_GEOMETRY, ShadingError, UNCOVERED};
 use super::samples::{Sample, Samples, mix, mix_coordinates};
-use super::vectors::{Places, Vec3x4, cosines};
+use super::vectors::{NearestPoints, Vec3x4, cosines};
 use super::{DISTANCE, PIXELS};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
@@ -21,9 +21,10 @@ const SPURIOUS: f32 = 2.0;
 /// more than two shades of it do.
 const SILHOUETTE: f32 = 6.0;
 /// Energy of texture coordinates that are off by a pixel, squared: 0.03 of what the same distance
-/// in space has. Measured: 0.1 stretches no less, and has 1 % more image error over eight models.
+/// in space has. Measured: 0.1 hybrid_ranges no less, and has 1 % more image error over eight
+/// models.
 const SLIDE: f32 = 0.03 / (DISTANCE * PIXELS * DISTANCE * PIXELS) as f32;
-/// Places of moved faces that are tested for input nearby, as shares of the second and third
+/// Points of moved faces that are tested for input nearby, as shares of the second and third
 /// corner: the centroid and the centroids of three corner parts. A hole smaller than those is
 /// missed.
 const PLACES: [[f32; 2]; 4] = [
@@ -33,39 +34,46 @@ const PLACES: [[f32; 2]; 4] = [
     [1.0 / 6.0, 1.0 / 6.0],
 ];
 
-/// Four samples of the star and what the moved faces show in their place.
-struct Fit {
-    places: Places,
-    /// Errors by shading and by distance, times the weights.
-    shading: Vec4,
-    geometric: Vec4,
-    /// Errors of shading by what is shown there, if there are textures.
-    shown: Option<[Shading; 4]>,
+/// The shading of four samples at their nearest points.
+struct QuadShading {
+    /// Errors, times the weights.
+    error: Vec4,
+    /// Errors as functions of the normals, by the colours there, if there are textures.
+    of_colours: Option<ShadingError<Vec4>>,
 }
 
 impl Patch {
     /// The energy of the patch with the star moved, or a part of it that is more than `most`.
     /// `distance_weight` is the energy of a squared distance of one.
     pub(super) fn energy(
-        &self,
+        &mut self,
         samples: &Samples,
         appearance: &Appearance<'_>,
         distance_weight: f32,
         most: f64,
     ) -> f64 {
         let mut sum = 0.0;
-        for four in &self.samples {
-            let error = if self.moved.is_empty() {
-                // No face is left: nothing covers them.
-                four.weight * UNCOVERED
-            } else {
-                let fit = self.fit(four, samples, appearance, distance_weight);
-                fit.shading + fit.geometric
-            };
-            // No part is negative.
-            sum += lanes::sum(error);
-            if sum > most {
-                return sum;
+        if self.moved.is_empty() {
+            // No face is left: nothing covers the samples.
+            sum += self.samples.iter().map(|q| lanes::sum(q.weight * UNCOVERED)).sum::<f64>();
+        } else {
+            // No part is negative, so the sum may end early: what takes least time comes first.
+            self.nearest.clear();
+            let mut likely = 0;
+            for quad in &self.samples {
+                let nearest = quad.nearest(&self.triangles, likely);
+                likely = nearest.face[3];
+                sum += lanes::sum(quad.weight * geometric_error(quad, &nearest, distance_weight));
+                if sum > most {
+                    return sum;
+                }
+                self.nearest.push(nearest);
+            }
+            for (quad, nearest) in self.samples.iter().zip(&self.nearest) {
+                sum += lanes::sum(self.shading(quad, nearest, samples, appearance).error);
+                if sum > most {
+                    return sum;
+                }
             }
         }
         for i in 0..self.surrounding.len() {
@@ -91,15 +99,18 @@ impl Patch {
         energy: &mut [f64],
     ) -> f64 {
         let (mut sum, mut visible) = (0.0, 0.0);
-        for four in self.samples.iter().filter(|_| !self.moved.is_empty()) {
-            let Fit { places, geometric, shown, .. } =
-                self.fit(four, samples, appearance, distance_weight);
-            for (i, &s) in four.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
-                sum += f64::from(four.weight[i]) * f64::from(places.squared[i]);
-                visible += f64::from(four.weight[i]);
-                let face = self.moved[places.face[i] as usize].face;
-                let at = places.at.map(|lane| lane[i]);
-                let shading = shown.map_or(samples.get(s).shading, |four| four[i]);
+        let mut likely = 0;
+        for quad in self.samples.iter().filter(|_| !self.moved.is_empty()) {
+            let nearest = quad.nearest(&self.triangles, likely);
+            likely = nearest.face[3];
+            let geometric = quad.weight * geometric_error(quad, &nearest, distance_weight);
+            let of_colours = self.shading(quad, &nearest, samples, appearance).of_colours;
+            for (i, &s) in quad.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
+                sum += f64::from(quad.weight[i]) * f64::from(nearest.squared[i]);
+                visible += f64::from(quad.weight[i]);
+                let face = self.moved[nearest.face[i] as usize].face;
+                let at = nearest.at.map(|lane| lane[i]);
+                let shading = of_colours.map_or(samples.get(s).shading, |colours| colours.one(i));
                 samples.put(s, face, at, geometric[i], shading);
             }
         }
@@ -107,7 +118,7 @@ impl Patch {
         for (i, f) in self.moved.iter().enumerate() {
             samples.thin(f.face);
             lanes.clear();
-            Shaded4::gather(f.face, samples, &mut lanes);
+            ShadedQuad::gather(f.face, samples, &mut lanes);
             let seen: f64 = lanes.iter().map(|four| four.energy(&f.shading)).sum();
             let spurious = self.spurious(i);
             energy[f.face as usize] = seen + f64::from(spurious);
@@ -129,41 +140,43 @@ impl Patch {
         seen + f64::from(samples.spurious(f.face))
     }
 
-    /// Finds what the moved faces, of which there is one at least, show in the place of four
-    /// samples.
-    fn fit(
+    /// The error of the shading that four samples have at their nearest points.
+    fn shading(
         &self,
-        four: &Four,
+        quad: &SampleQuad,
+        nearest: &NearestPoints,
         samples: &Samples,
         appearance: &Appearance<'_>,
-        distance_weight: f32,
-    ) -> Fit {
-        let planes = self.placed.iter().zip(&self.moved).map(|(p, f)| (*p, f.normal));
-        let places = four.nearest(planes);
-        let (faces, [u, v]) = (places.face.to_array(), places.at.map(|lane| lane.to_array()));
-        let mut normals = [Vec3::ZERO; 4];
-        for i in 0..4 {
-            normals[i] = mix(&self.moved[faces[i] as usize].shading, [u[i], v[i]]);
-        }
-        let mut shading = four.shading;
-        let mut shown = None;
+    ) -> QuadShading {
+        let (faces, [u, v]) = (nearest.face, nearest.at.map(|lane| lane.to_array()));
+        let normals = if faces.iter().all(|&f| f == faces[0]) {
+            let [second, third] = nearest.at;
+            let shares = [Vec4::ONE - second - third, second, third];
+            Vec3x4::mix(self.moved[faces[0] as usize].shading, shares)
+        } else {
+            let mut normals = [Vec3::ZERO; 4];
+            for i in 0..4 {
+                normals[i] = mix(&self.moved[faces[i] as usize].shading, [u[i], v[i]]);
+            }
+            Vec3x4::new(&normals)
+        };
+        let mut shading = quad.shading;
+        let mut of_colours = None;
         if appearance.is_textured() {
-            let (mut all, mut lanes) = ([Shading::default(); 4], Shading::default());
-            for (i, &s) in four.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
+            let (mut was, mut now, mut slides) = ([Vec3::ZERO; 4], [Vec3::ZERO; 4], [0.0; 4]);
+            for (i, &s) in quad.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
                 let (s, f) = (samples.get(s), &self.moved[faces[i] as usize]);
                 let at = mix_coordinates(&f.texture, [u[i], v[i]]);
-                let now = appearance.colour(f.submesh, at, s.footprint);
-                all[i] = Shading::new(s.colour, now).plus(slid(s, at));
-                lanes.set(i, &all[i]);
+                was[i] = s.colour.channels().into();
+                now[i] = appearance.colour(f.submesh, at, s.footprint).channels().into();
+                slides[i] = slid(s, at);
             }
-            (shading, shown) = (lanes.lanes(), Some(all));
+            let [was, now] = [was, now].map(|colours| Vec3x4::new(&colours));
+            shading = ShadingError::of_colours(was, now, slides.into());
+            of_colours = Some(shading);
         }
-        Fit {
-            places,
-            shading: four.weight * shading.error(cosines(Vec3x4::new(&normals), four.normal)),
-            geometric: four.weight * geometric_error(four, &places, distance_weight),
-            shown,
-        }
+        let error = quad.weight * shading.error(cosines(normals, quad.normal));
+        QuadShading { error, of_colours }
     }
 
     /// The energy of the part of a moved face that lies where the input has nothing: beyond the
@@ -172,11 +185,11 @@ impl Patch {
         if self.moved.len() > MAX_STAR {
             return 0.0;
         }
-        let placed = &self.placed[i];
+        let triangle = &self.triangles[i];
         // Its own samples are likely to be nearest.
         let (others, own) = self.samples.split_at(self.moved[i].first as usize);
         let share = |at: [f32; 2]| {
-            let place = placed.at(at);
+            let place = triangle.at(at);
             let around = own.iter().chain(others);
             if around.clone().any(|four| four.reaches(place)) {
                 return 0.0;
@@ -184,7 +197,7 @@ impl Patch {
             let least = around.fold(Vec4::splat(2.0), |least, four| four.shares(place).min(least));
             (least.min_element() - 1.0).max(0.0) / PLACES.len() as f32
         };
-        SPURIOUS * self.visible as f32 * placed.area() * PLACES.map(share).iter().sum::<f32>()
+        SPURIOUS * self.visible as f32 * triangle.area() * PLACES.map(share).iter().sum::<f32>()
     }
 }
 
@@ -199,16 +212,16 @@ fn slid(sample: &Sample, at: [f32; 2]) -> f32 {
     (SLIDE * squared_pixels).min(1.0) * sample.power
 }
 
-/// The errors of four samples by their distances from their places. Beside its own plane nothing
-/// covers a sample.
-fn geometric_error(four: &Four, places: &Places, distance_weight: f32) -> Vec4 {
-    let Places { away, squared, .. } = *places;
-    let along = away.dot(four.normal);
+/// The errors of four samples by the distances of their nearest points. Nothing covers a sample
+/// whose nearest point lies beside it, not above or below.
+fn geometric_error(quad: &SampleQuad, nearest: &NearestPoints, distance_weight: f32) -> Vec4 {
+    let NearestPoints { away, squared, .. } = *nearest;
+    let along = away.dot(quad.normal);
     let beside = (squared - along * along).max(Vec4::ZERO).sqrt();
-    let is_near = beside.cmplt(four.extent);
-    let extent = Vec4::select(is_near, four.extent, Vec4::ONE);
+    let is_near = beside.cmplt(quad.extent);
+    let extent = Vec4::select(is_near, quad.extent, Vec4::ONE);
     let uncovered = Vec4::select(is_near, beside / extent, Vec4::ONE);
-    let silhouette = SILHOUETTE * four.curvature * squared.sqrt();
+    let silhouette = SILHOUETTE * quad.curvature * squared.sqrt();
     let error = distance_weight * squared + silhouette + UNCOVERED * uncovered;
-    error.min(Vec4::splat(MAX_GEOMETRY)) * four.power
+    error.min(Vec4::splat(MAX_GEOMETRY)) * quad.power
 }

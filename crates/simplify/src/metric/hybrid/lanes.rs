@@ -1,9 +1,9 @@
-//! Samples four at a time: what pricing reads of them, in lanes.
+//! Samples four at a time, in SIMD lanes: the values of them that pricing reads.
 
-use super::pixel::Shading;
-use super::placed::Placed;
+use super::pixel::ShadingError;
 use super::samples::Samples;
-use super::vectors::{Places, Vec3x4, cosines};
+use super::triangle::PreparedTriangle;
+use super::vectors::{NearestPoints, Vec3x4, cosines};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
 
@@ -16,7 +16,7 @@ const TURNED: f32 = 0.25;
 
 /// Four samples of a star. Those that are missing are like the first, and weigh nothing.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Four {
+pub(super) struct SampleQuad {
     /// Their numbers; `NONE` for those that are missing.
     pub(super) ids: [u32; 4],
     position: Vec3x4,
@@ -27,17 +27,17 @@ pub(super) struct Four {
     /// Mean squares of the channels of their colours.
     pub(super) power: Vec4,
     /// Errors of shading where they show what they show now.
-    pub(super) shading: Shading<Vec4>,
+    pub(super) shading: ShadingError<Vec4>,
 }
 
-impl Four {
+impl SampleQuad {
     /// One to four samples.
     pub(super) fn new(four: &[u32], samples: &Samples) -> Self {
         let mut ids = [NONE; 4];
         ids[..four.len()].copy_from_slice(four);
         let (mut position, mut normal) = ([Vec3::ZERO; 4], [Vec3::ZERO; 4]);
         let mut values = [[0.0; 4]; 4];
-        let mut shading = Shading::default();
+        let mut shading = ShadingError::default();
         for i in 0..4 {
             let is_missing = i >= four.len();
             let s = samples.get(four[if is_missing { 0 } else { i }]);
@@ -79,47 +79,54 @@ impl Four {
         away.dot(away) / self.squared_reach()
     }
 
-    /// The places of the moved faces that are nearest. A face that turns its back to a sample comes
+    /// The points of the moved faces that are nearest. A face that turns its back to a sample comes
     /// after one nearly as near that does not: where faces coincide, each keeps its samples.
-    pub(super) fn nearest(&self, moved: impl Iterator<Item = (Placed, Vec3)>) -> Places {
-        let turned = TURNED * self.extent * self.extent;
-        let mut key = Vec4::INFINITY;
-        let mut best = Places {
-            face: Vec4::NEG_ONE,
-            at: [Vec4::ZERO; 2],
-            away: Vec3x4::default(),
-            squared: Vec4::ZERO,
-        };
-        for (face, (placed, normal)) in moved.enumerate() {
-            let found = placed.locate_four(self.position, face as f32);
-            let is_turned = self.normal.dot_with(normal).cmplt(Vec4::ZERO);
-            let late = found.squared + Vec4::select(is_turned, turned, Vec4::ZERO);
-            let nearer = late.cmplt(key);
-            key = Vec4::select(nearer, late, key);
-            best = Places::select(nearer, found, best);
+    /// `likely` is the index of a face to begin with: the nearer that is, the sooner others are
+    /// ruled out.
+    pub(super) fn nearest(&self, moved: &[PreparedTriangle], likely: u32) -> NearestPoints {
+        let behind = TURNED * self.extent * self.extent;
+        let mut best = Vec4::INFINITY;
+        let (mut face, mut at) = (Vec4::ZERO, [Vec4::ZERO; 2]);
+        let likely = likely as usize;
+        for i in std::iter::once(likely).chain((0..moved.len()).filter(|&i| i != likely)) {
+            let is_turned = self.normal.dot_with(moved[i].normal).cmplt(Vec4::ZERO);
+            let added = Vec4::select(is_turned, behind, Vec4::ZERO);
+            let Some(found) = moved[i].nearest_to(self.position, best - added) else { continue };
+            let squared = found.squared + added;
+            let nearer = squared.cmplt(best);
+            best = Vec4::select(nearer, squared, best);
+            face = Vec4::select(nearer, Vec4::splat(i as f32), face);
+            at = [0, 1].map(|k| Vec4::select(nearer, found.at[k], at[k]));
         }
-        best
+        let face = face.to_array().map(|f| f as u32);
+        let [u, v] = at.map(|lane| lane.to_array());
+        let mut points = [Vec3::ZERO; 4];
+        for i in 0..4 {
+            points[i] = moved[face[i] as usize].at([u[i], v[i]]);
+        }
+        let away = self.position.minus_each(Vec3x4::new(&points));
+        NearestPoints { face, at, away, squared: away.dot(away) }
     }
 }
 
 /// Four samples of a face that keeps its place, priced by the normals that the face is shaded with.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shaded4 {
+pub(super) struct ShadedQuad {
     at: [Vec4; 2],
     normal: Vec3x4,
     weight: Vec4,
-    shading: Shading<Vec4>,
+    shading: ShadingError<Vec4>,
     geometric: Vec4,
 }
 
-impl Shaded4 {
+impl ShadedQuad {
     /// Appends the samples of a face, four at a time.
     pub(super) fn gather(face: u32, samples: &Samples, into: &mut Vec<Self>) {
         let mut list = samples.of(face).peekable();
         while list.peek().is_some() {
             let mut normal = [Vec3::ZERO; 4];
             let mut values = [[0.0; 4]; 4];
-            let mut shading = Shading::default();
+            let mut shading = ShadingError::default();
             for (i, s) in list.by_ref().take(4).enumerate() {
                 let s = samples.get(s);
                 normal[i] = s.normal;

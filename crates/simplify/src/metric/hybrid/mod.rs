@@ -18,12 +18,12 @@ mod energy;
 mod lanes;
 mod patch;
 mod pixel;
-mod placed;
 mod samples;
 #[cfg(test)]
 mod seen_tests;
 #[cfg(test)]
 mod tests;
+mod triangle;
 mod vectors;
 mod visibility;
 
@@ -33,8 +33,8 @@ pub(crate) use patch::Patch;
 use crate::Guidance;
 use crate::cut::{Region, Wedges, WorkingMesh};
 use crate::metric::reprice::Reprice;
-use crate::moves::Move;
 use crate::options::Options;
+use crate::recorded::RecordedCollapse;
 use appearance::Appearance;
 use lodc_mesh::Mesh;
 use patch::Source;
@@ -76,10 +76,11 @@ pub(crate) struct HybridMetric<'a> {
     distance_weight: f32,
     /// Weight of the quadric: it decides where nothing is visible, and in planes.
     tie_weight: f64,
-    /// Numbers of faces between which it decides, the larger first.
-    stretches: Vec<[f64; 2]>,
-    /// The collapses of an earlier run that come first, and the number of faces that ends them.
-    begun: Option<(&'a [Move], f64)>,
+    /// Numbers of faces between which it chooses collapses, the larger of each pair first.
+    hybrid_ranges: Vec<[f64; 2]>,
+    /// The collapses of an earlier run that are repeated first, and the number of faces that ends
+    /// them.
+    prefix: Option<(&'a [RecordedCollapse], f64)>,
     /// Set in the legal phase until it decides no more: samples follow the faces.
     follows: bool,
     /// Set while it decides.
@@ -106,7 +107,7 @@ impl<'a> HybridMetric<'a> {
         let mut samples = Samples::new(mesh, wedges, &appearance, pixel, options.hybrid_samples);
         visibility::weigh(mesh, &mut samples);
         let faces = |share: f32| f64::from(share) * mesh.faces.len() as f64;
-        let stretches = guidance.stretches.unwrap_or(&[[1.0, 0.0]]);
+        let hybrid_ranges = guidance.hybrid_ranges.unwrap_or(&[[1.0, 0.0]]);
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
             appearance,
@@ -114,8 +115,8 @@ impl<'a> HybridMetric<'a> {
             energy: vec![0.0; mesh.faces.len()],
             distance_weight: per(DISTANCE) as f32,
             tie_weight: per(1.0),
-            stretches: stretches.iter().map(|shares| shares.map(faces)).collect(),
-            begun: guidance.begun.map(|begun| (&begun.moves.0[..], faces(begun.share))),
+            hybrid_ranges: hybrid_ranges.iter().map(|shares| shares.map(faces)).collect(),
+            prefix: guidance.prefix.map(|prefix| (&prefix.collapses.0[..], faces(prefix.share))),
             follows: false,
             active: false,
             moved: None,
@@ -142,6 +143,7 @@ impl Reprice for HybridMetric<'_> {
                 samples.clear(corner.face());
             }
             self.moved = Some(patch.settle(samples, appearance, self.distance_weight, energy));
+            samples.sort(mesh);
         }
     }
 
@@ -158,21 +160,21 @@ impl Reprice for HybridMetric<'_> {
     fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
         let faces = f64::from(mesh.live_faces);
         let within = |&[most, least]: &[f64; 2]| faces > least && faces <= most;
-        let decides = self.follows && self.stretches.iter().any(within);
+        let decides = self.follows && self.hybrid_ranges.iter().any(within);
         decides != self.active
     }
 
     fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
         let faces = f64::from(mesh.live_faces);
-        self.follows = legal && self.stretches.iter().any(|stretch| faces > stretch[1]);
+        self.follows = legal && self.hybrid_ranges.iter().any(|stretch| faces > stretch[1]);
         if self.should_toggle(mesh) {
             self.active = !self.active;
         }
     }
 
-    fn given(&self, mesh: &WorkingMesh, i: usize) -> Option<Move> {
-        let (moves, end) = self.begun?;
-        moves.get(i).copied().filter(|_| f64::from(mesh.live_faces) > end)
+    fn given(&self, mesh: &WorkingMesh, i: usize) -> Option<RecordedCollapse> {
+        let (collapses, end) = self.prefix?;
+        collapses.get(i).copied().filter(|_| f64::from(mesh.live_faces) > end)
     }
 
     fn reprice(

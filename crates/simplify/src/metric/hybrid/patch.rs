@@ -2,9 +2,10 @@
 //! them and are shaded together.
 
 use super::appearance::{Appearance, attribute_vertex};
-use super::lanes::{Four, Shaded4};
-use super::placed::Placed;
+use super::lanes::{SampleQuad, ShadedQuad};
 use super::samples::{CREASE, MAX_AVERAGED, Samples};
+use super::triangle::PreparedTriangle;
+use super::vectors::NearestPoints;
 use crate::cut::{Wedges, WorkingMesh};
 use glam::Vec3;
 use lodc_mesh::NONE;
@@ -15,7 +16,7 @@ pub(super) const MAX_STAR: usize = 32;
 
 /// A face with the normals and texture coordinates of its corners.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shaded {
+pub(super) struct PatchFace {
     pub(super) face: u32,
     /// Its corners, as vertices of the patch; `NONE` for those that are none.
     corners: [u32; 3],
@@ -56,18 +57,20 @@ pub(crate) struct Patch {
     /// Normals of the faces around the ring that stay.
     fixed: Vec<Vec3>,
     /// Faces around the star. Their shading holds the part that stays, not yet of unit length.
-    pub(super) surrounding: Vec<Shaded>,
+    pub(super) surrounding: Vec<PatchFace>,
     /// Faces of the star that move, and their new places.
-    pub(super) moved: Vec<Shaded>,
-    pub(super) placed: Vec<Placed>,
+    pub(super) moved: Vec<PatchFace>,
+    pub(super) triangles: Vec<PreparedTriangle>,
+    /// For the samples, four at a time, their nearest points of the moved faces.
+    pub(super) nearest: Vec<NearestPoints>,
     /// Wedges of the group that moves, and those at the target that they share a face with.
     targets: Vec<(u32, u32)>,
     /// Samples of the star, in the order of its faces.
-    pub(super) samples: Vec<Four>,
+    pub(super) samples: Vec<SampleQuad>,
     /// For each corner of the star, where the samples of its face begin in `samples`.
     first_samples: Vec<u32>,
     /// Samples of the faces around the star, in their order.
-    pub(super) shaded: Vec<Shaded4>,
+    pub(super) shaded: Vec<ShadedQuad>,
     /// Samples of the star, as they are gathered.
     ids: Vec<u32>,
     /// The energy of the whole patch before the move.
@@ -100,7 +103,7 @@ impl Patch {
                 }
             }
         }
-        self.samples.extend(self.ids.chunks(4).map(|four| Four::new(four, samples)));
+        self.samples.extend(self.ids.chunks(4).map(|four| SampleQuad::new(four, samples)));
         self.visible = if area > visible { visible / area } else { 1.0 };
         if !source.appearance.has_normals() {
             self.gather_surrounding(source, from);
@@ -130,7 +133,7 @@ impl Patch {
                     self.marks[face as usize] = self.epoch;
                     self.current_energy += energy[face as usize];
                     self.add_surrounding(mesh, face);
-                    Shaded4::gather(face, samples, &mut self.shaded);
+                    ShadedQuad::gather(face, samples, &mut self.shaded);
                 }
             }
         }
@@ -174,7 +177,15 @@ impl Patch {
             vertex => smooth(self.fixed_at(vertex).iter().copied(), normal),
         });
         let (submesh, texture, first) = (0, [[0.0; 2]; 3], self.shaded.len() as u32);
-        self.surrounding.push(Shaded { face, corners, normal, shading, submesh, texture, first });
+        self.surrounding.push(PatchFace {
+            face,
+            corners,
+            normal,
+            shading,
+            submesh,
+            texture,
+            first,
+        });
     }
 
     /// The normals around a vertex of the patch that stay.
@@ -187,7 +198,7 @@ impl Patch {
     pub(super) fn move_to(&mut self, source: &Source<'_>, from: u32, to: u32) {
         let Source { mesh, wedges, appearance, .. } = *source;
         self.moved.clear();
-        self.placed.clear();
+        self.triangles.clear();
         self.find_targets(mesh, from, to);
         for (&corner, &first) in mesh.star(from).iter().zip(&self.first_samples) {
             let face = corner.face();
@@ -196,7 +207,9 @@ impl Patch {
                 continue;
             }
             let groups = groups.map(|g| if g == from { to } else { g });
-            let (placed, normal) = Placed::new(groups.map(|g| mesh.places[g as usize].position));
+            let corners_at = groups.map(|g| mesh.places[g as usize].position);
+            let triangle = PreparedTriangle::new(corners_at);
+            let normal = triangle.normal;
             let corners = groups.map(|g| self.vertex(g));
             let mut own = mesh.wedges(face);
             let submesh = wedges.submesh(own[0]);
@@ -208,8 +221,8 @@ impl Patch {
                 [normal; 3]
             };
             let texture = vertices.map(|v| appearance.coordinates(v));
-            self.moved.push(Shaded { face, corners, normal, shading, submesh, texture, first });
-            self.placed.push(placed);
+            self.moved.push(PatchFace { face, corners, normal, shading, submesh, texture, first });
+            self.triangles.push(triangle);
         }
         if !appearance.has_normals() {
             self.shade_moved();
@@ -259,7 +272,7 @@ impl Patch {
     }
 
     /// The normals that a face around the star is shaded with after the move.
-    pub(super) fn surrounding_shading(&self, f: &Shaded) -> [Vec3; 3] {
+    pub(super) fn surrounding_shading(&self, f: &PatchFace) -> [Vec3; 3] {
         [0, 1, 2].map(|c| match f.corners[c] {
             NONE => f.shading[c].normalize_or_zero(),
             vertex => (f.shading[c] + self.moving_at(vertex, f.normal)).normalize_or_zero(),

@@ -1,12 +1,12 @@
 //! The expected squared difference of pixels, for a light at the camera and views from all sides.
 
-use super::appearance::Colour;
+use super::vectors::Vec3x4;
 use glam::Vec4;
 
 /// Ambient light relative to the lamp at the camera: 0.15 / 0.85.
 const AMBIENT: f32 = 0.176_470_6;
 /// The largest error of a place in white: it shows the background. The mean of (0.15 + 0.85 cos)²
-/// over all views that see it, in the unit of [`Shading`].
+/// over all views that see it, in the unit of [`ShadingError`].
 const MAX_SHADING: f32 = 4.0 * AMBIENT * AMBIENT + 16.0 / 3.0 * AMBIENT + 2.0;
 /// Error of a place that nothing covers. Less than [`MAX_SHADING`] (3.07), since most often another
 /// part of the surface is behind it. Chosen by image errors; the figures are not kept.
@@ -19,40 +19,23 @@ pub(super) const MAX_GEOMETRY: f32 = 3.0;
 /// projected area, with a = 0.15 and l = 0.85 the light. In units of l²/4, so that equal white
 /// colours with normals that differ by a small d give d². One number, or four in lanes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shading<T = f32> {
+pub(super) struct ShadingError<T = f32> {
     /// Coefficients of the powers of one minus the cosine.
     coefficients: [T; 3],
     most: T,
 }
 
-impl Shading {
-    /// That of a place of one colour that shows another.
-    pub(super) fn new(was: Colour, now: Colour) -> Self {
-        let (c, d) = (was.channels(), now.channels());
-        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let apart = [0, 1, 2].map(|i| c[i] - d[i]);
-        let (cc, dd, cd) = (dot(c, c), dot(d, d), dot(c, d));
-        let constant = dot(apart, apart) * (2.0 + 4.0 * AMBIENT * AMBIENT + 16.0 / 3.0 * AMBIENT);
-        let linear = 4.0 * cd - 2.0 * dd + 16.0 / 3.0 * AMBIENT * (cd - dd);
-        Self {
-            coefficients: [constant / 3.0, linear / 3.0, dd / 3.0],
-            most: MAX_SHADING * cc.max(dd) / 3.0,
-        }
+impl ShadingError {
+    /// That of a place that shows its own colour, whose channels have this mean square.
+    pub(super) fn of_own_colour(power: f32) -> Self {
+        Self { coefficients: [0.0, 2.0 * power, power], most: MAX_SHADING * power }
     }
 }
 
-impl Shading {
-    /// With an error that does not depend on normals.
-    pub(super) fn plus(mut self, error: f32) -> Self {
-        self.coefficients[0] += error;
-        self
-    }
-}
-
-impl Shading<[f32; 4]> {
+impl ShadingError<[f32; 4]> {
     /// Sets one of four.
     #[inline]
-    pub(super) fn set(&mut self, i: usize, one: &Shading) {
+    pub(super) fn set(&mut self, i: usize, one: &ShadingError) {
         for k in 0..3 {
             self.coefficients[k][i] = one.coefficients[k];
         }
@@ -61,16 +44,36 @@ impl Shading<[f32; 4]> {
 
     /// The four in lanes.
     #[inline]
-    pub(super) fn lanes(&self) -> Shading<Vec4> {
+    pub(super) fn lanes(&self) -> ShadingError<Vec4> {
         let [constant, linear, square] = self.coefficients;
-        Shading {
+        ShadingError {
             coefficients: [constant.into(), linear.into(), square.into()],
             most: self.most.into(),
         }
     }
 }
 
-impl Shading<Vec4> {
+impl ShadingError<Vec4> {
+    /// Those of places of four colours that show four others. To them comes an error that does not
+    /// depend on normals.
+    pub(super) fn of_colours(was: Vec3x4, now: Vec3x4, more: Vec4) -> Self {
+        const CONSTANT: f32 = 2.0 + 4.0 * AMBIENT * AMBIENT + 16.0 / 3.0 * AMBIENT;
+        let apart = was.minus_each(now);
+        let (cc, dd, cd) = (was.dot(was), now.dot(now), was.dot(now));
+        let linear = cd * 4.0 - dd * 2.0 + (cd - dd) * (16.0 / 3.0 * AMBIENT);
+        let coefficients = [apart.dot(apart) * CONSTANT, linear, dd].map(|c| c / 3.0);
+        let [constant, linear, square] = coefficients;
+        Self {
+            coefficients: [constant + more, linear, square],
+            most: cc.max(dd) * (MAX_SHADING / 3.0),
+        }
+    }
+
+    /// One of the four.
+    pub(super) fn one(&self, i: usize) -> ShadingError {
+        ShadingError { coefficients: self.coefficients.map(|c| c[i]), most: self.most[i] }
+    }
+
     /// The errors for the cosines between the normals.
     #[inline]
     pub(super) fn error(&self, cosine: Vec4) -> Vec4 {
@@ -82,8 +85,8 @@ impl Shading<Vec4> {
 
 #[cfg(test)]
 mod tests {
-    use super::Shading;
-    use crate::metric::hybrid::appearance::Colour;
+    use super::ShadingError;
+    use crate::metric::hybrid::vectors::Vec3x4;
     use glam::{Vec3, Vec4};
 
     #[test]
@@ -108,9 +111,15 @@ mod tests {
             [(0.9_f32, 1.0, 1.0), (0.8, 0.6, 0.6), (0.7, 1.0, 0.4), (1.0, 0.2, 0.8)]
         {
             let n = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-            let mut four = Shading::default();
-            four.set(2, &Shading::new(Colour::new([c; 3]), Colour::new([d; 3])));
-            let said = four.lanes().error(Vec4::splat(cosine)).z;
+            let [was, now] = [c, d].map(|shade| Vec3x4::new(&[Vec3::splat(shade); 4]));
+            let error = ShadingError::of_colours(was, now, Vec4::ZERO);
+            let said = error.error(Vec4::splat(cosine)).z;
+            if c == d {
+                let own = ShadingError::of_own_colour(c * c);
+                for (a, b) in own.coefficients.into_iter().zip(error.one(1).coefficients) {
+                    assert!((a - b).abs() < 1e-6, "{own:?}");
+                }
+            }
             let expected = mean(n, c, d);
             assert!((said - expected).abs() < 0.02 * expected + 0.01, "{said}, not {expected}");
         }

@@ -1,7 +1,7 @@
 //! Samples of the input's surface, each kept with the current face nearest to it.
 
 use super::appearance::{Appearance, Colour, attribute_vertex};
-use super::pixel::Shading;
+use super::pixel::ShadingError;
 use crate::cut::{Wedges, WorkingMesh};
 use glam::Vec3;
 use lodc_mesh::NONE;
@@ -29,7 +29,7 @@ pub(super) struct Sample {
     pub(super) colour: Colour,
     pub(super) power: f32,
     /// Error of shading with the colour that its face shows in its place.
-    pub(super) shading: Shading,
+    pub(super) shading: ShadingError,
     /// Mean convex curvature of the input there: the inverse of a radius in working units.
     pub(super) curvature: f32,
     /// The area of texture space that a pixel covers there.
@@ -53,6 +53,8 @@ pub(super) struct Samples {
     first: Vec<u32>,
     /// The energy of each face's part that lies where the input has nothing.
     spurious: Vec<f32>,
+    /// The number of faces at which the samples were last put in the order of their faces.
+    sorted_at: u32,
 }
 
 impl Samples {
@@ -97,7 +99,31 @@ impl Samples {
                 all.push(s);
             }
         }
-        Self { all, spurious: vec![0.0; first.len()], first }
+        let sorted_at = mesh.live_faces;
+        Self { all, spurious: vec![0.0; first.len()], first, sorted_at }
+    }
+
+    /// Puts the samples in the order of the faces that have them, and forgets the others, each time
+    /// that half of the faces are gone: lists that lie together are read faster.
+    pub(super) fn sort(&mut self, mesh: &WorkingMesh) {
+        if mesh.live_faces > self.sorted_at / 2 {
+            return;
+        }
+        self.sorted_at = mesh.live_faces;
+        let mut sorted: Vec<Sample> = Vec::new();
+        for first in &mut self.first {
+            let mut at = std::mem::replace(first, NONE);
+            if at != NONE {
+                *first = sorted.len() as u32;
+            }
+            while at != NONE {
+                let sample = self.all[at as usize];
+                at = sample.next;
+                let next = if at == NONE { NONE } else { sorted.len() as u32 + 1 };
+                sorted.push(Sample { next, ..sample });
+            }
+        }
+        self.all = sorted;
     }
 
     /// Multiplies the weight of every sample of the input by a factor of its position and of the
@@ -157,7 +183,7 @@ impl Samples {
         face: u32,
         at: [f32; 2],
         geometric: f32,
-        shading: Shading,
+        shading: ShadingError,
     ) {
         let next = std::mem::replace(&mut self.first[face as usize], sample);
         let s = &mut self.all[sample as usize];
@@ -237,7 +263,7 @@ impl SampledSurface<'_> {
                     normal: mix(&normals, at).normalize_or_zero(),
                     colour,
                     power: colour.power(),
-                    shading: Shading::new(colour, colour),
+                    shading: ShadingError::of_own_colour(colour.power()),
                     curvature,
                     footprint,
                     texture,

@@ -167,7 +167,10 @@ fn charts_do_not_bleed() {
     let mesh = mesh(positions, triangles, Some(texture));
     let seen = simplify_coloured(&mesh, &HYBRID, &TwoCharts, &|_, _| {});
     let blind = simplify(&mesh, &Options { attributes: false, ..Options::DEFAULT }, &|_, _| {});
-    // So few that one place in a hundred is wrong where colours are not seen.
-    let (with, without) = (bled(&seen, 40, &wavy), bled(&blind, 40, &wavy));
-    assert!(without > 0.01 && with < 0.5 * without, "{with} with colours, {without} without");
+    // So few triangles that one place in a hundred is wrong where colours are not seen.
+    let all = |simplified: &Simplified| -> f32 {
+        [30, 35, 40, 45, 50, 60, 80].map(|count| bled(simplified, count, &wavy)).iter().sum()
+    };
+    let (with, without) = (all(&seen), all(&blind));
+    assert!(without > 0.05 && with < 0.6 * without, "{with} with colours, {without} without");
 }

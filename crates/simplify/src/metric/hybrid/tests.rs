@@ -5,7 +5,7 @@ use super::{Checkerboard, HybridMetric, Patch};
 use crate::cut::Region;
 use crate::metric::Reprice;
 use crate::number::Input;
-use crate::{Begun, Guidance, MetricKind, Options, simplify, simplify_with_moves};
+use crate::{Guidance, MetricKind, Options, Prefix, simplify, simplify_recorded};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};
 
@@ -82,19 +82,19 @@ fn what_is_flat_is_free() {
 fn a_run_that_begins_as_an_earlier_one_ends_as_if_it_had_decided_alone() {
     let options = Options { metric: MetricKind::Hybrid, ..Options::DEFAULT };
     let of = |mesh: &Mesh, guidance: Guidance<'_>| {
-        let (simplified, moves) = simplify_with_moves(mesh, &options, guidance, &|_, _| {});
+        let (simplified, recorded) = simplify_recorded(mesh, &options, guidance, &|_, _| {});
         let parts = simplified.collapses().parts();
         let steps = (parts.targets.clone(), parts.step_errors.clone());
-        ((steps, simplified.mesh().positions().to_vec()), moves)
+        ((steps, simplified.mesh().positions().to_vec()), recorded)
     };
     for mesh in [shapes::icosphere(3), shapes::terrain(), shapes::machine_part()] {
-        let (everywhere, moves) = of(&mesh, Guidance::default());
+        let (everywhere, recorded) = of(&mesh, Guidance::default());
         // The quadric decides from 40 to 20 %.
-        let stretches = Some(&[[1.0, 0.4], [0.2, 0.0]][..]);
-        let (alone, _) = of(&mesh, Guidance { stretches, ..Guidance::default() });
+        let hybrid_ranges = Some(&[[1.0, 0.4], [0.2, 0.0]][..]);
+        let (alone, _) = of(&mesh, Guidance { hybrid_ranges, ..Guidance::default() });
         assert_ne!(alone.0, everywhere.0);
-        let begun = Some(Begun { moves: &moves, share: 0.4 });
-        let (after, _) = of(&mesh, Guidance { stretches, begun, ..Guidance::default() });
+        let prefix = Some(Prefix { collapses: &recorded, share: 0.4 });
+        let (after, _) = of(&mesh, Guidance { hybrid_ranges, prefix, ..Guidance::default() });
         assert_eq!(alone, after);
     }
 }

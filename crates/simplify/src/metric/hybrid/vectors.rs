@@ -1,6 +1,6 @@
 //! Vectors four at a time.
 
-use glam::{BVec4A, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
 /// Four vectors.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,6 +48,12 @@ impl Vec3x4 {
         Self { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
     }
 
+    /// The differences lane by lane.
+    #[inline]
+    pub(super) fn minus_each(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+
     /// The differences from two vectors, each times a factor of its own in every lane.
     #[inline]
     pub(super) fn minus_span(self, [a, b]: [Vec3; 2], [u, v]: [Vec4; 2]) -> Self {
@@ -57,40 +63,19 @@ impl Vec3x4 {
             z: self.z - (u * a.z + v * b.z),
         }
     }
-
-    #[inline]
-    fn select(mask: BVec4A, yes: Self, no: Self) -> Self {
-        Self {
-            x: Vec4::select(mask, yes.x, no.x),
-            y: Vec4::select(mask, yes.y, no.y),
-            z: Vec4::select(mask, yes.z, no.z),
-        }
-    }
 }
 
-/// Places in moved faces, one for each of four samples.
+/// Points in moved faces, one for each of four samples.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Places {
-    /// The index of the moved face; negative if there is none.
-    pub(super) face: Vec4,
+pub(super) struct NearestPoints {
+    /// The indices of the moved faces.
+    pub(super) face: [u32; 4],
     /// Shares of the second and third corner.
     pub(super) at: [Vec4; 2],
     /// From the place to the sample.
     pub(super) away: Vec3x4,
     /// The squared length of that.
     pub(super) squared: Vec4,
-}
-
-impl Places {
-    #[inline]
-    pub(super) fn select(mask: BVec4A, yes: Self, no: Self) -> Self {
-        Self {
-            face: Vec4::select(mask, yes.face, no.face),
-            at: [Vec4::select(mask, yes.at[0], no.at[0]), Vec4::select(mask, yes.at[1], no.at[1])],
-            away: Vec3x4::select(mask, yes.away, no.away),
-            squared: Vec4::select(mask, yes.squared, no.squared),
-        }
-    }
 }
 
 /// The cosines between normals, which need no unit length, and unit normals.

@@ -8,10 +8,10 @@ use lodc_raster::{Camera, SUBPIXELS, Window, scan};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
-/// Pixels across the pictures that say what is hidden: so many that a face has 50 in a full one,
+/// Pixels across the pictures that say what is hidden: so many that a face has 20 in a full one,
 /// within limits. Not tuned.
 const SIZES: RangeInclusive<u32> = 64..=512;
-const PIXELS_PER_FACE: u32 = 50;
+const PIXELS_PER_FACE: u32 = 20;
 /// A sample is visible if it is at most this far behind the nearest surface around it, in the depth
 /// unit of cameras: half a pixel. So faces that coincide do not hide each other.
 const TOLERANCE: i32 = 512;

@@ -10,13 +10,13 @@
 //! Faces smaller than pixels leave nothing to count: as long as there is more than one
 //! face for every eight pixels covered (all views together), the quadric alone decides.
 
-mod looking;
+mod candidate_view;
 mod score;
 #[cfg(test)]
 mod tests;
 mod view;
 
-pub(crate) use looking::ViewScratch;
+pub(crate) use candidate_view::ViewScratch;
 pub(crate) use score::Score;
 
 use crate::cut::{Corner, Wedges, WorkingMesh};
@@ -32,17 +32,17 @@ const PIXELS_PER_FACE: u64 = 8;
 /// Meshes of fewer faces have smaller pictures, so that a face has as many pixels as one of these:
 /// full ones take seconds even for a box and gain nothing (over eight meshes smaller ones have 0.98
 /// times the image error of full ones on average, 1.1 at most).
-const FACES_OF_FULL: f64 = 2_000.0;
-/// Pixels across the smallest pictures, unless fewer are asked for.
-const LEAST: u32 = 48;
+const FULL_SIZE_FACES: f64 = 2_000.0;
+/// Pixels across the smallest pictures, unless the options ask for fewer. Chosen by hand.
+const MIN_SIZE: u32 = 48;
 
-/// The most faces times candidates of a group that are looked at, the geometrically cheapest first:
-/// a bound on its time, chosen by hand.
-const PATIENCE: usize = 64;
-/// The most candidates of a group that are looked at: all that most groups have.
-const MOST: usize = 8;
+/// The most faces times candidates that are drawn for a group, the geometrically cheapest
+/// candidates first: a bound on its time, chosen by hand.
+const MAX_FACES_VIEWED: usize = 64;
+/// The most candidates of a group that are drawn: all that most groups have.
+const MAX_CANDIDATES: usize = 8;
 /// Weight of geometry beside what is seen: small enough to decide only where nothing seen changes.
-const TIE: f64 = 1e-6;
+const GEOMETRY_WEIGHT: f64 = 1e-6;
 
 pub(crate) struct VisualMetric {
     score: Score,
@@ -54,15 +54,15 @@ pub(crate) struct VisualMetric {
     areas: Vec<f64>,
     /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of each view.
     divergences: Vec<f64>,
-    /// Largest number of faces with which what is seen decides.
+    /// The largest number of faces with which pictures decide.
     limit: u64,
-    asleep_for_good: bool,
+    is_finished: bool,
 }
 
 impl VisualMetric {
     /// `size` is the most pixels across each picture.
     pub(crate) fn new(mesh: &WorkingMesh, score: Score, size: u32) -> Self {
-        let size = suitable(size.clamp(8, 1024), mesh.live_faces);
+        let size = picture_size(size.clamp(8, 1024), mesh.live_faces);
         let cameras = cameras(mesh, size);
         let covered: u64 = cameras.par_iter().map(|camera| covered(mesh, camera)).sum();
         Self {
@@ -73,11 +73,11 @@ impl VisualMetric {
             areas: Vec::new(),
             divergences: Vec::new(),
             limit: covered / PIXELS_PER_FACE,
-            asleep_for_good: false,
+            is_finished: false,
         }
     }
 
-    fn open(&mut self, mesh: &WorkingMesh) {
+    fn start(&mut self, mesh: &WorkingMesh) {
         self.views = self.cameras.par_iter().map(|camera| View::new(mesh, camera)).collect();
         if self.score == Score::Divergence {
             self.areas = mesh.faces.par_iter().map(|f| log_area(mesh.area_of(f.groups))).collect();
@@ -94,7 +94,7 @@ impl VisualMetric {
         self.table.at(pixels) - f64::from(pixels) * area
     }
 
-    /// Brings every view up to a collapse that is about to happen.
+    /// Updates every view for a collapse that is about to happen.
     fn redraw(&mut self, mesh: &WorkingMesh, from: u32, to: u32) {
         if self.score == Score::Entropy {
             self.views
@@ -167,11 +167,11 @@ impl VisualMetric {
     }
 }
 
-/// Pixels across the pictures of a mesh of so many faces.
-fn suitable(size: u32, faces: u32) -> u32 {
-    let share = f64::from(faces) / FACES_OF_FULL;
+/// Pixels across the pictures of a mesh with a number of faces.
+fn picture_size(size: u32, faces: u32) -> u32 {
+    let share = f64::from(faces) / FULL_SIZE_FACES;
     // Roots are exact to the last bit on every machine.
-    ((f64::from(size) * share.sqrt()) as u32).clamp(LEAST.min(size), size)
+    ((f64::from(size) * share.sqrt()) as u32).clamp(MIN_SIZE.min(size), size)
 }
 
 /// Number of covered pixels of a picture.
@@ -215,17 +215,17 @@ impl Reprice for VisualMetric {
     }
 
     fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
-        !self.is_active() && !self.asleep_for_good && u64::from(mesh.live_faces) <= self.limit
+        !self.is_active() && !self.is_finished && u64::from(mesh.live_faces) <= self.limit
     }
 
     fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
         if legal {
             if self.should_toggle(mesh) {
-                self.open(mesh);
+                self.start(mesh);
             }
         } else {
             self.views = Vec::new();
-            self.asleep_for_good = true;
+            self.is_finished = true;
         }
     }
 
@@ -240,14 +240,14 @@ impl Reprice for VisualMetric {
     ) {
         let star = mesh.star(from);
         scratch.prepare(mesh.faces.len(), star);
-        let looked_at = (PATIENCE / star.len().max(1)).clamp(1, MOST);
+        let drawn = (MAX_FACES_VIEWED / star.len().max(1)).clamp(1, MAX_CANDIDATES);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let (near, far) = candidates.split_at_mut(looked_at.min(candidates.len()));
+        let (priced, others) = candidates.split_at_mut(drawn.min(candidates.len()));
         scratch.seen.clear();
-        scratch.seen.resize(near.len(), 0.0);
+        scratch.seen.resize(priced.len(), 0.0);
         if self.score == Score::Divergence {
             scratch.areas.clear();
-            for &(_, to) in near.iter() {
+            for &(_, to) in priced.iter() {
                 scratch.areas.extend(areas_after(mesh, from, to));
             }
         }
@@ -257,7 +257,7 @@ impl Reprice for VisualMetric {
                 continue;
             }
             scratch.gather(view, window);
-            for (i, &(_, to)) in near.iter().enumerate() {
+            for (i, &(_, to)) in priced.iter().enumerate() {
                 scratch.compare(view, window, mesh, from, to);
                 scratch.seen[i] += match self.score {
                     Score::Entropy => self.entropy_change(view, scratch),
@@ -268,13 +268,13 @@ impl Reprice for VisualMetric {
             }
         }
         let mut worst = 0.0;
-        for (candidate, &seen) in near.iter_mut().zip(&scratch.seen) {
-            candidate.0 = seen + TIE * candidate.0;
+        for (candidate, &seen) in priced.iter_mut().zip(&scratch.seen) {
+            candidate.0 = seen + GEOMETRY_WEIGHT * candidate.0;
             worst = candidate.0.max(worst);
         }
         // Candidates that were not looked at come after all that were.
-        for candidate in far {
-            candidate.0 = worst + TIE * candidate.0;
+        for candidate in others {
+            candidate.0 = worst + GEOMETRY_WEIGHT * candidate.0;
         }
     }
 }

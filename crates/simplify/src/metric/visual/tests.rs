@@ -42,7 +42,7 @@ fn collapse_at_random(mesh: &Mesh, seed: u64, score: Score, what: &str) {
         return;
     }
     let mut metric = VisualMetric::new(&working, score, SIZE);
-    metric.open(&working);
+    metric.start(&working);
     let mut random = shapes::Rng::new(seed);
     let mut marks = Marks::default();
     let mut commits = 0;
@@ -116,7 +116,7 @@ fn a_look_says_what_a_collapse_changes() {
             let whole = || Region::whole(&Input::new(&mesh), false);
             let Region { mesh: working, wedges, .. } = whole();
             let mut metric = VisualMetric::new(&working, score, SIZE);
-            metric.open(&working);
+            metric.start(&working);
             let before: Vec<f64> =
                 metric.cameras.iter().map(|c| score_of(&working, c, score)).collect();
             for from in (0..working.places.len() as u32).step_by(17) {
@@ -225,7 +225,7 @@ fn the_result_does_not_depend_on_threads() {
 
 #[test]
 fn small_meshes_have_small_pictures() {
-    let sizes = [0, 12, 500, 2_000, u32::MAX].map(|faces| super::suitable(256, faces));
+    let sizes = [0, 12, 500, 2_000, u32::MAX].map(|faces| super::picture_size(256, faces));
     assert_eq!(sizes, [48, 48, 128, 256, 256]);
-    assert_eq!([0, u32::MAX].map(|faces| super::suitable(32, faces)), [32; 2]);
+    assert_eq!([0, u32::MAX].map(|faces| super::picture_size(32, faces)), [32; 2]);
 }

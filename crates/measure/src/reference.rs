@@ -1,32 +1,33 @@
-//! The pictures of one surface from all sides, kept so that several others can be compared with it.
+//! Pictures of a reference surface from all sides, kept so that other surfaces can be compared with
+//! it.
 
 use crate::picture::{
-    Difference, ImageError, Picture, ShadingOptions, Sitter, Viewing, compare_pictures,
+    Difference, ImageError, Picture, ShadedSurface, ShadingOptions, Viewing, compare_pictures,
     image_error, pictures,
 };
 use crate::surface::Surface;
 use lodc_raster::Camera;
 use rayon::prelude::*;
 
-/// A surface as it is seen from all sides.
+/// Pictures of a surface from all sides, and how they were taken.
 #[derive(Clone, Debug)]
-pub struct Portrait {
+pub struct ReferencePictures {
     cameras: Vec<Camera>,
     looks: ShadingOptions,
     pictures: Vec<Picture>,
 }
 
-impl Portrait {
+impl ReferencePictures {
     /// Takes the pictures.
     #[must_use]
     pub fn new(surface: &Surface, viewing: Viewing, looks: ShadingOptions) -> Self {
         let cameras = viewing.cameras(surface);
-        let sitter = Sitter::new(surface, looks);
-        let pictures = cameras.par_iter().map(|camera| sitter.picture(camera, false)).collect();
+        let shaded = ShadedSurface::new(surface, looks);
+        let pictures = cameras.par_iter().map(|camera| shaded.picture(camera, false)).collect();
         Self { cameras, looks, pictures }
     }
 
-    /// The looks that are shown.
+    /// What the pictures show besides shape.
     #[must_use]
     pub fn looks(&self) -> ShadingOptions {
         self.looks
@@ -41,10 +42,10 @@ impl Portrait {
     /// Compares another surface.
     #[must_use]
     pub fn compare(&self, other: &Surface) -> ImageError {
-        let sitter = Sitter::new(other, self.looks);
+        let shaded = ShadedSurface::new(other, self.looks);
         let own = self.cameras.par_iter().zip(&self.pictures);
         let difference =
-            |(camera, picture)| Difference::new(picture, &sitter.picture(camera, false));
+            |(camera, picture)| Difference::new(picture, &shaded.picture(camera, false));
         image_error(own.map(difference).collect::<Vec<_>>().into_iter())
     }
 

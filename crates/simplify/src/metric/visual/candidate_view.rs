@@ -1,4 +1,4 @@
-//! Looking at collapses that have not happened: what each would change in a picture.
+//! What a collapse would change in a picture, found by drawing only the faces that it would move.
 
 use super::view::View;
 use crate::cut::{Corner, WorkingMesh};
@@ -7,11 +7,11 @@ use lodc_raster::{Fragment, Window};
 /// Buffers of one thread.
 #[derive(Default)]
 pub(crate) struct ViewScratch {
-    /// For each face: the epoch in which it was in the star looked at.
+    /// For each face: the epoch in which it was in the star that moves.
     marks: Vec<u32>,
     epoch: u32,
-    /// For each pixel of the window: what is seen without the star, and the nearest of the moved
-    /// star before that.
+    /// For each pixel of the window: the front fragment without the star, and the nearest fragment
+    /// of the moved star in front of it.
     base: Vec<Fragment>,
     moved: Vec<Fragment>,
     /// Pixels of the window where the star is seen, and which face of it.
@@ -27,7 +27,7 @@ pub(crate) struct ViewScratch {
 }
 
 impl ViewScratch {
-    /// Marks the faces of the star that is looked at.
+    /// Marks the faces of the star that is to move.
     pub(super) fn prepare(&mut self, faces: usize, star: &[Corner]) {
         if self.marks.len() < faces {
             self.marks.resize(faces, 0);
@@ -43,7 +43,7 @@ impl ViewScratch {
         }
     }
 
-    /// Notes what is seen in a window without the star, and where the star is seen now.
+    /// Stores the front fragments of a window without the star, and where the star is seen now.
     pub(super) fn gather(&mut self, view: &View, window: Window) {
         self.base.clear();
         self.base.resize(window.len(), Fragment::NOTHING);

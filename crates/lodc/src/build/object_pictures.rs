@@ -1,18 +1,19 @@
 //! Pictures that tell whether a level of one object looks more like it: from all sides, by what
 //! the mesh itself knows.
 //!
-//! Its textures have no part in it: a mesh has them and a file of its levels may not, and levels of
-//! both are to be the same. Noise takes their place, with as much detail of every size as pictures
-//! of the world have.
+//! Its textures are not used: a source mesh has them, a file of its levels may not, and both are to
+//! give the same levels. Noise takes their place, with equal detail of every size, as photographs
+//! have.
 
-use lodc_measure::{Portrait, Pyramid, SceneSurface, ShadingOptions, Viewing};
+use lodc_measure::{Pyramid, ReferencePictures, SceneSurface, ShadingOptions, Viewing};
 use lodc_mesh::{Mesh, SplitMix64};
 use lodc_scene::{
     Appearance, Arrangement, Coordinates, Graph, Image, Material, Pose, Texture, Wrap,
 };
 use std::sync::Arc;
 
-/// The pictures: fewer and smaller than those of `compare`, and from other sides.
+/// The pictures: fewer and smaller than those of `compare`, and from other sides, so that levels
+/// are not chosen by the very pictures that measure them.
 const VIEWING: Viewing = Viewing { views: 17, size: 256 };
 /// Pixels of the noise, across and down.
 const NOISE: usize = 256;
@@ -27,13 +28,13 @@ pub(super) fn noise() -> Arc<[Pyramid]> {
 }
 
 /// An object as it looks from all sides.
-pub(super) struct Likeness {
+pub(super) struct ObjectPictures {
     looks: Appearance,
     noise: Arc<[Pyramid]>,
-    portraits: Vec<Portrait>,
+    references: Vec<ReferencePictures>,
 }
 
-impl Likeness {
+impl ObjectPictures {
     /// Takes the pictures: shaded by its normals, and painted by its texture coordinates where it
     /// has any. `coordinates` are those that its submeshes show, `noise` is [`noise()`].
     pub(super) fn new(mesh: &Mesh, coordinates: &[Coordinates], noise: &Arc<[Pyramid]>) -> Self {
@@ -47,15 +48,17 @@ impl Likeness {
             kinds.push(ShadingOptions { checkerboard: shown.all_textured, ..shaded });
         }
         kinds.dedup();
-        let portraits =
-            kinds.into_iter().map(|looks| Portrait::new(&shown.surface, VIEWING, looks)).collect();
-        Self { looks, noise: Arc::clone(noise), portraits }
+        let references = kinds
+            .into_iter()
+            .map(|looks| ReferencePictures::new(&shown.surface, VIEWING, looks))
+            .collect();
+        Self { looks, noise: Arc::clone(noise), references }
     }
 
     /// The image errors of a level, one for each kind of picture: 0 to 255.
     pub(super) fn errors(&self, level: &Mesh) -> Vec<f64> {
         let shown = surface(level, &self.looks, &self.noise).surface;
-        self.portraits.iter().map(|p| p.compare(&shown).rmse).collect()
+        self.references.iter().map(|p| p.compare(&shown).rmse).collect()
     }
 }
 
@@ -130,13 +133,13 @@ mod tests {
         };
         let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
         let whole = shown(mesh);
-        let portrait = Portrait::new(&whole.surface, VIEWING, whole.common_looks(&whole));
+        let reference = ReferencePictures::new(&whole.surface, VIEWING, whole.common_looks(&whole));
         shares.map(|share| {
             let wanted = (share * mesh.triangles().len() as f64) as u32;
             let lod = simplified.collapses().lod_for_triangles(wanted);
             let triangles = simplified.triangles_at(lod);
             let level = simplified.mesh().extract(&triangles).expect("a level is a mesh");
-            (level.triangles().len(), portrait.compare(&shown(&level).surface))
+            (level.triangles().len(), reference.compare(&shown(&level).surface))
         })
     }
 
