@@ -17,6 +17,10 @@ serde = { version = "1", features = ["derive"] }
 serde_json = "1"
 
 [workspace]
+
+# As in the workspace, so that what it has compiled is not compiled again.
+[profile.dev.package."*"]
+opt-level = 0
 "#;
 
 const PROGRAM: &str = r##"
@@ -77,7 +81,7 @@ fn features_of_dependencies_do_not_change_the_code_of_a_host() {
     std::fs::copy(root.join("Cargo.lock"), host.join("Cargo.lock")).expect("a lock file");
     let output = Command::new(env!("CARGO"))
         .args(["run", "--offline", "--quiet", "--target-dir"])
-        .arg(host.join("target"))
+        .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join(".."))
         .current_dir(&host)
         .output()
         .expect("cargo runs");
