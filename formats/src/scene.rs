@@ -53,6 +53,8 @@ pub struct Scene {
     pub compressed: bool,
     /// True if its document says that streams may be short integers (KHR_mesh_quantization).
     pub quantized: bool,
+    /// True if an export put its values on grids of its own, whatever the source's were on.
+    pub requantized: bool,
 }
 
 /// One object of a scene.

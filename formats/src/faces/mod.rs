@@ -98,6 +98,7 @@ pub(crate) fn scene(
         files: assets.files().clone(),
         compressed: false,
         quantized: false,
+        requantized: false,
     })
 }
 

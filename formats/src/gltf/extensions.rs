@@ -148,6 +148,11 @@ pub(super) fn uses(root: &Object, name: &str) -> bool {
     root.list("extensionsUsed").iter().any(|used| used.as_str() == Some(name))
 }
 
+/// Returns whether a document says that its export put values on grids of its own.
+pub(super) fn is_requantized(root: &Object) -> bool {
+    root.get("extras").is_some_and(|extras| extras["lodc"]["quantized"].as_bool() == Some(true))
+}
+
 /// Takes a name off `extensionsUsed` and `extensionsRequired`.
 pub(super) fn forget(root: &mut Object, name: &str) {
     for key in ["extensionsUsed", "extensionsRequired"] {

@@ -166,7 +166,7 @@ impl<'a> Measure<'a> {
     /// Half the diagonal of a cell of the coarsest grid that a level's vertices are on: what is
     /// stated allows for it.
     fn rounding(&self, level: &Scene, shown: &Arrangement) -> f64 {
-        if !level.quantized || self.source.quantized {
+        if !has_own_grids(level, self.source) {
             return 0.0;
         }
         // Whole numbers are scaled to be what they were.
@@ -256,10 +256,15 @@ fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, units: Units) 
     surface.triangles.extend(mesh.triangles().iter().map(|t| t.map(|v| first + v)));
 }
 
+/// Returns whether the values of a level were put on grids that are not the source's.
+fn has_own_grids(level: &Scene, source: &Scene) -> bool {
+    level.quantized && (level.requantized || !source.quantized)
+}
+
 /// Returns whether a level has the bits of the source's values.
 fn keeps_values(level: &Scene, source: &Scene) -> bool {
     let same_kind = match (&source.document, &level.document) {
-        (Document::Gltf(_), Document::Gltf(_)) => !level.quantized || source.quantized,
+        (Document::Gltf(_), Document::Gltf(_)) => !has_own_grids(level, source),
         (Document::Obj(_), Document::Obj(_)) => true,
         _ => false,
     };
@@ -269,7 +274,7 @@ fn keeps_values(level: &Scene, source: &Scene) -> bool {
 /// Returns which triangle of a level is turned over. An object that is not the source's of that
 /// number or name is held to nothing unless all of the source is closed.
 fn turned(level: &Scene, source: &Scene, facings: &[Facing], is_refitted: bool) -> Option<String> {
-    let moved = match level.quantized && !source.quantized {
+    let moved = match has_own_grids(level, source) {
         true => Moved::IntoOtherUnits,
         false if is_refitted || !keeps_values(level, source) => Moved::Freely,
         false => Moved::ToPositions,

@@ -112,6 +112,7 @@ impl Opened<'_> {
         forest::check(&root)?;
         let compressed = extensions::is_compressed(&root);
         let quantized = extensions::uses(&root, QUANTIZATION);
+        let requantized = extensions::is_requantized(&root);
         let mut reading = Reading::new(&accessors, &views, options.limits, options.weld);
         let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
         let numbers = |accessor| document::numbers(&accessors, &views, accessor);
@@ -130,6 +131,7 @@ impl Opened<'_> {
             files: assets.files().clone(),
             compressed,
             quantized,
+            requantized,
         })
     }
 }

@@ -93,14 +93,14 @@ fn source_document(
     schema::check(&mut root)?;
     images::put(&mut root, &mut blob, &additions.textures);
     if let Some(provenance) = &additions.provenance {
-        put_provenance(&mut root, provenance);
+        put_provenance(&mut root, provenance, additions.precision != Precision::default());
     }
     Ok((root, blob))
 }
 
 /// Puts `asset.generator` and `extras.lodc` into a document. Extras that are not an object stay as
 /// they are.
-fn put_provenance(root: &mut Object, provenance: &Provenance) {
+fn put_provenance(root: &mut Object, provenance: &Provenance, requantizes: bool) {
     if let Some(asset) = root.get_mut("asset") {
         asset["generator"] = GENERATOR.into();
     }
@@ -129,6 +129,9 @@ fn put_provenance(root: &mut Object, provenance: &Provenance) {
         all["next"] = uri::percent_encoded(next).into();
     }
     all["refitted"] = provenance.refitted.into();
+    if requantizes {
+        all["quantized"] = true.into();
+    }
     all["source"] = format!("{:032x}", provenance.source).into();
     if let Some(poses) = &provenance.poses {
         let most = poses.iter().map(Vec::len).max().unwrap_or(0);
