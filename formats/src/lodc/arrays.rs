@@ -31,7 +31,7 @@ pub(super) fn f32_triples(
     bytes: &[u8],
     location: impl Fn() -> String,
 ) -> Result<Vec<[f32; 3]>, FormatError> {
-    whole(bytes, 12, location)?;
+    check_whole_entries(bytes, 12, location)?;
     Ok(bytes.chunks_exact(12).map(|b| triple(b).map(f32::from_bits)).collect())
 }
 
@@ -40,8 +40,8 @@ pub(super) fn narrow(
     width: usize,
     location: impl Fn() -> String,
 ) -> Result<Vec<u32>, FormatError> {
-    whole(bytes, width, location)?;
-    Ok(bytes.chunks_exact(width).map(value).collect())
+    check_whole_entries(bytes, width, location)?;
+    Ok(bytes.chunks_exact(width).map(little_endian).collect())
 }
 
 pub(super) fn narrow_triples(
@@ -49,13 +49,18 @@ pub(super) fn narrow_triples(
     width: usize,
     location: impl Fn() -> String,
 ) -> Result<Vec<[u32; 3]>, FormatError> {
-    whole(bytes, 3 * width, location)?;
-    let entry =
-        |b: &[u8]| [value(&b[..width]), value(&b[width..2 * width]), value(&b[2 * width..])];
+    check_whole_entries(bytes, 3 * width, location)?;
+    let entry = |b: &[u8]| {
+        [
+            little_endian(&b[..width]),
+            little_endian(&b[width..2 * width]),
+            little_endian(&b[2 * width..]),
+        ]
+    };
     Ok(bytes.chunks_exact(3 * width).map(entry).collect())
 }
 
-fn value(bytes: &[u8]) -> u32 {
+fn little_endian(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte))
 }
 
@@ -67,7 +72,7 @@ fn triple(b: &[u8]) -> [u32; 3] {
     ]
 }
 
-pub(super) fn whole(
+pub(super) fn check_whole_entries(
     bytes: &[u8],
     size: usize,
     location: impl Fn() -> String,

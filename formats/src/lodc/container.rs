@@ -3,7 +3,8 @@
 
 use super::left_out::LeftOut;
 use super::table::{
-    ENTRY, Entry, HEADER, Id, REQUIRED, Tag, WIDE, location, put_header, section_start, table, tag,
+    ENTRY_BYTES, Entry, HEADER_BYTES, Id, REQUIRED, Tag, WIDE, location, put_header, section_start,
+    table, tag,
 };
 use crate::{Fault, FormatError};
 use lodc_model::{Array, Layout};
@@ -29,8 +30,8 @@ impl<'a> Container<'a> {
     pub(super) fn read(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let table = table(bytes)?;
         let (mut sections, mut unknown) = (Vec::new(), Vec::new());
-        let mut end = HEADER + table.len();
-        for entry in table.chunks_exact(ENTRY).map(Entry::read) {
+        let mut end = HEADER_BYTES + table.len();
+        for entry in table.chunks_exact(ENTRY_BYTES).map(Entry::read) {
             entry.check_flags()?;
             let content = entry.content(bytes, end)?;
             end = section_start(end, entry.is_wide()) + content.len();
@@ -122,8 +123,7 @@ impl<'a> Container<'a> {
         let unknown = self.unknown.iter().map(|&id| (id, "is not known to this version"));
         let idle = self.remaining().map(|(id, _)| (id, nothing));
         for ((tag, object, index), problem) in unknown.chain(idle) {
-            left_out
-                .tell(|| format!("{} {problem} and was left out", location(tag, object, index)));
+            left_out.add(|| format!("{} {problem} and was left out", location(tag, object, index)));
         }
         Ok(())
     }
@@ -187,13 +187,13 @@ impl<'a> Writer<'a> {
 
     pub(super) fn finish(self) -> Vec<u8> {
         let count = self.sections.len();
-        let mut out = vec![0; HEADER + ENTRY * count];
+        let mut out = vec![0; HEADER_BYTES + ENTRY_BYTES * count];
         for (i, ((tag, object, index), flags, content)) in self.sections.into_iter().enumerate() {
             let start = section_start(out.len(), flags & WIDE != 0);
             out.resize(start, 0);
             content(&mut out);
             let (length, checksum) = ((out.len() - start) as u64, xxh3_64(&out[start..]));
-            let entry = &mut out[HEADER + i * ENTRY..][..ENTRY];
+            let entry = &mut out[HEADER_BYTES + i * ENTRY_BYTES..][..ENTRY_BYTES];
             entry[..4].copy_from_slice(&tag);
             entry[4..8].copy_from_slice(&flags.to_le_bytes());
             entry[8..12].copy_from_slice(&object.to_le_bytes());

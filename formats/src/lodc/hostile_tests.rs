@@ -5,7 +5,7 @@ use super::*;
 use crate::testing::{LodFile, read, stored, write};
 use lodc_fixtures as fixtures;
 use lodc_model::Model;
-use table::HEADER;
+use table::HEADER_BYTES;
 
 fn fails(bytes: &[u8], fault: Fault, problem: &str) {
     let error = read(bytes).expect_err("this must be refused");
@@ -31,14 +31,15 @@ fn every_single_bit_flip_is_detected() {
     ];
     let bytes = write(&gltf_file(&names));
     assert!((48 << 10..160 << 10).contains(&bytes.len()), "{} bytes", bytes.len());
-    let table = HEADER + 40 * u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
+    let table =
+        HEADER_BYTES + 40 * u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
     let mut flipped = bytes.clone();
     for bit in 0..8 * bytes.len() {
         flipped[bit / 8] ^= 1 << (bit % 8);
         // Nothing is read before the container is: what it refuses, `read` refuses. That is tried
         // for some.
         assert!(Container::read(&flipped).is_err(), "bit {bit}");
-        if bit < 8 * HEADER {
+        if bit < 8 * HEADER_BYTES {
             fails(&flipped, Fault::Malformed, "header: the header is damaged");
         } else if bit < 8 * table || bit % 97 == 0 {
             assert!(read(&flipped).is_err(), "bit {bit}");
@@ -66,7 +67,7 @@ fn damage_to_the_gpu_layout_is_found_as_in_the_packed_one() {
 /// Sets or clears bits of the flags of a section.
 fn flagged(file: &LodFile, tag: &[u8; 4], index: u32, bits: u32) -> Vec<u8> {
     let mut bytes = write(file);
-    let at = (HEADER..).step_by(40).find(|&e| {
+    let at = (HEADER_BYTES..).step_by(40).find(|&e| {
         bytes[e..].starts_with(tag) && bytes[e + 12..].starts_with(&index.to_le_bytes())
     });
     let at = at.expect("the section's entry");
@@ -79,8 +80,8 @@ fn laid_out(bytes: &[u8]) -> Vec<u8> {
     let u64_at =
         |bytes: &[u8], at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
     let sections = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
-    let mut out = bytes[..HEADER + 40 * sections].to_vec();
-    for entry in (HEADER..).step_by(40).take(sections) {
+    let mut out = bytes[..HEADER_BYTES + 40 * sections].to_vec();
+    for entry in (HEADER_BYTES..).step_by(40).take(sections) {
         let [start, length] = [16, 24].map(|at| u64_at(bytes, entry + at) as usize);
         let content = bytes[start..start + length].to_vec();
         out.resize(table::section_start(out.len(), bytes[entry + 4] & 2 != 0), 0);
@@ -153,7 +154,7 @@ fn other_files_and_other_versions_are_refused_by_name() {
     assert!(read(&crafted(|b| set(b, 10, 0x400u16.to_le_bytes()))).is_ok(), "a hint");
 }
 
-const FIRST: usize = HEADER;
+const FIRST: usize = HEADER_BYTES;
 // The table of levels comes between.
 const SECOND: usize = FIRST + 80;
 
@@ -220,7 +221,7 @@ fn models_of_later_versions_are_left_out_and_their_sections_skipped() {
 fn what_is_left_out_is_reported_in_bounded_space() {
     let mut left_out = LeftOut::default();
     for i in 0..1000 {
-        left_out.tell(|| i.to_string());
+        left_out.add(|| i.to_string());
     }
     let lines = left_out.into_lines();
     assert_eq!(
@@ -299,7 +300,7 @@ fn sections_of_the_gpu_layout_can_be_bound_where_they_lie() {
 #[test]
 fn a_sequence_that_ends_with_triangles_left_is_refused() {
     let mut bytes = write(&obj_file("cube"));
-    let entry = (HEADER..)
+    let entry = (HEADER_BYTES..)
         .step_by(40)
         .find(|&e| bytes[e..].starts_with(b"STRI"))
         .expect("the section's entry");
@@ -378,7 +379,7 @@ fn mutations_that_pass_the_checksums_never_panic() {
         let sections = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
         for _ in 0..=rng.below(3) {
             // Half of the changes hit the table and the manifest, which are small.
-            let front = HEADER + 40 * sections + 600;
+            let front = HEADER_BYTES + 40 * sections + 600;
             let range = if rng.one_in(2) { front.min(bytes.len()) } else { bytes.len() };
             let at = rng.below(range);
             match rng.below(4) {
@@ -395,7 +396,7 @@ fn mutations_that_pass_the_checksums_never_panic() {
         if rng.one_in(10) {
             bytes.truncate(rng.below(bytes.len()));
             let length = bytes.len() as u64;
-            if length >= HEADER as u64 {
+            if length >= HEADER_BYTES as u64 {
                 set(&mut bytes, 16, length.to_le_bytes());
             }
         }

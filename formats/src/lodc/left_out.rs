@@ -2,30 +2,32 @@
 //! number is limited, because a crafted file may have any number.
 
 /// Lines beyond this are only counted: a crafted file could ask for any number of them.
-const MOST: usize = 20;
-/// Characters of a name that a line shows.
-const NAME: usize = 60;
+/// Chosen by hand.
+const MAX_LINES: usize = 20;
+/// Characters of a name that a line shows. Chosen by hand.
+const NAME_CHARACTERS: usize = 60;
 
 /// Collects one line for each thing left out.
 #[derive(Default)]
 pub(super) struct LeftOut {
     lines: Vec<String>,
-    more: usize,
+    /// Things left out that have no line.
+    unlisted: usize,
 }
 
 impl LeftOut {
-    /// `line` is made only if it is kept.
-    pub(super) fn tell(&mut self, line: impl FnOnce() -> String) {
-        if self.lines.len() < MOST {
+    /// Adds a line, which is composed only if there is room for it.
+    pub(super) fn add(&mut self, line: impl FnOnce() -> String) {
+        if self.lines.len() < MAX_LINES {
             self.lines.push(line());
         } else {
-            self.more += 1;
+            self.unlisted += 1;
         }
     }
 
     pub(super) fn into_lines(mut self) -> Vec<String> {
-        if self.more > 0 {
-            self.lines.push(format!("{} things more were left out", self.more));
+        if self.unlisted > 0 {
+            self.lines.push(format!("{} things more were left out", self.unlisted));
         }
         self.lines
     }
@@ -33,7 +35,7 @@ impl LeftOut {
 
 /// A name from a file, fit for a line.
 pub(super) fn shortened(name: &str) -> String {
-    let mut short: String = name.chars().take(NAME).collect();
+    let mut short: String = name.chars().take(NAME_CHARACTERS).collect();
     if short.len() < name.len() {
         short.push('…');
     }

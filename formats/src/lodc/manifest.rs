@@ -1,4 +1,5 @@
-//! The manifest: everything small in a file.
+//! The manifest of a `.lodc` file: the section with names, counts and settings of the scene, its
+//! objects and their streams. Large arrays have sections of their own.
 //!
 //! These types are the file format: they are not those of the scene, so that the scene can change
 //! and the file not. Fields are only ever added, at the end of a record.

@@ -1,4 +1,5 @@
-//! The `.lodc` container (docs/FORMAT.md).
+//! The `.lodc` container (docs/FORMAT.md): a scene as its document, and for each object the full
+//! mesh with the sequence of edge collapses that simplifies it, in checksummed sections.
 
 mod arrays;
 mod container;
@@ -132,7 +133,7 @@ pub fn is_lodc(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// If a checksum, count, offset or index is wrong, or the file needs a newer program.
-pub fn read(bytes: &[u8], known: &[&str]) -> Result<LodFile, FormatError> {
+pub fn read(bytes: &[u8], model_kinds: &[&str]) -> Result<LodFile, FormatError> {
     let mut container = Container::read(bytes)?;
     let layout = container.layout();
     let manifest = Manifest::decode(container.take(tag::MANIFEST, SCENE, 0)?)?;
@@ -155,7 +156,7 @@ pub fn read(bytes: &[u8], known: &[&str]) -> Result<LodFile, FormatError> {
     let objects = (0..)
         .zip(manifest.objects)
         .map(|(number, entry)| {
-            object::read(&mut container, number, entry.0, known, &mut zeros, &mut left_out)
+            object::read(&mut container, number, entry.0, model_kinds, &mut zeros, &mut left_out)
         })
         .collect::<Result<_, _>>()?;
     container.finish(&mut left_out)?;

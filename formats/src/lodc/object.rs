@@ -102,7 +102,7 @@ pub(super) fn read(
     container: &mut Container<'_>,
     number: u32,
     entry: ObjectEntry,
-    known: &[&str],
+    model_kinds: &[&str],
     zeros: &mut ZeroBudget,
     left_out: &mut LeftOut,
 ) -> Result<LodObject, FormatError> {
@@ -124,7 +124,7 @@ pub(super) fn read(
         overview::check_levels(stored, number, &simplified)?;
     }
 
-    let models = read_models(container, number, entry.models, known, left_out)?;
+    let models = read_models(container, number, entry.models, model_kinds, left_out)?;
     let submeshes = entry.submeshes.into_iter().map(|Record(s)| SubmeshInfo {
         name: s.name,
         material: s.material,
@@ -146,7 +146,7 @@ fn read_models(
     container: &mut Container<'_>,
     number: u32,
     entries: Vec<Record<ModelEntry>>,
-    known: &[&str],
+    model_kinds: &[&str],
     left_out: &mut LeftOut,
 ) -> Result<Vec<StoredModel>, FormatError> {
     let mut models: Vec<StoredModel> = Vec::new();
@@ -156,9 +156,9 @@ fn read_models(
         // Each name took at least a byte of the manifest, which is far smaller than 2^32.
         index += arrays.len() as u32;
         let sections = (first..index).zip(arrays);
-        if !known.contains(&name.as_str()) {
+        if !model_kinds.contains(&name.as_str()) {
             sections.for_each(|(index, _)| container.skip(tag::MODEL_ARRAY, number, index));
-            left_out.tell(|| {
+            left_out.add(|| {
                 let name = shortened(&name);
                 format!(
                     "object {number}: the model \"{name}\" is not in this version and was left out"

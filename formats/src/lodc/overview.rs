@@ -6,10 +6,10 @@ use crate::{Fault, FormatError};
 use bincode::{Decode, Encode};
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 
-/// Levels in a table, at most.
+/// Levels in a table, at most. Chosen by hand.
 pub const MOST_LEVELS: usize = 64;
-/// Bytes of a level in a table.
-const LEVEL: usize = 20;
+/// Bytes of a level in a table: five words of four bytes.
+const LEVEL_BYTES: usize = 20;
 
 /// Bounds of all vertices of an object at rest, and so of each of its levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Encode, Decode)]
@@ -44,9 +44,9 @@ impl Bounds {
             let [x, y, z] = [0, 1, 2].map(|i| f64::from(p[i]) - f64::from(center[i]));
             x * x + y * y + z * z
         };
-        let exact = positions.iter().map(square).fold(0.0, f64::max).sqrt();
-        let nearest = exact as f32;
-        let radius = if f64::from(nearest) < exact { nearest.next_up() } else { nearest };
+        let distance = positions.iter().map(square).fold(0.0, f64::max).sqrt();
+        let nearest = distance as f32;
+        let radius = if f64::from(nearest) < distance { nearest.next_up() } else { nearest };
         Self { low, high, center, radius }
     }
 }
@@ -77,7 +77,7 @@ impl TableLevel {
         }
     }
 
-    fn bytes(&self) -> [u8; LEVEL] {
+    fn bytes(&self) -> [u8; LEVEL_BYTES] {
         let words = [
             self.lod.0,
             self.triangles,
@@ -85,7 +85,7 @@ impl TableLevel {
             self.error.to_bits(),
             self.rms.unwrap_or(-1.0).to_bits(),
         ];
-        let mut bytes = [0; LEVEL];
+        let mut bytes = [0; LEVEL_BYTES];
         for (bytes, word) in bytes.chunks_exact_mut(4).zip(words) {
             bytes.copy_from_slice(&word.to_le_bytes());
         }
@@ -101,14 +101,14 @@ pub fn table_of_levels(simplified: &Simplified) -> Vec<TableLevel> {
         return Vec::new();
     }
     let sequence = simplified.collapses();
-    let all = sequence.triangles_at(Lod(0));
-    let octaves = all.checked_ilog2().unwrap_or(0) as usize + 1;
+    let all_triangles = sequence.triangles_at(Lod(0));
+    let octaves = all_triangles.checked_ilog2().unwrap_or(0) as usize + 1;
     // Roots are the same on every machine, other powers are not.
-    let (mut ratio, mut in_octave) = (2.0f64, 1);
-    while 2 * in_octave * octaves < MOST_LEVELS {
-        (ratio, in_octave) = (ratio.sqrt(), 2 * in_octave);
+    let (mut ratio, mut levels_per_octave) = (2.0f64, 1);
+    while 2 * levels_per_octave * octaves < MOST_LEVELS {
+        (ratio, levels_per_octave) = (ratio.sqrt(), 2 * levels_per_octave);
     }
-    let (mut lods, mut wanted) = (vec![Lod(0)], f64::from(all) / ratio);
+    let (mut lods, mut wanted) = (vec![Lod(0)], f64::from(all_triangles) / ratio);
     while wanted >= 0.5 {
         let lod = sequence.lod_for_triangles((wanted + 0.5) as u32).min(sequence.last_visible());
         lods.extend((lods.last() < Some(&lod)).then_some(lod));
@@ -131,20 +131,20 @@ pub(super) fn check_levels(
         Err(FormatError::new(Fault::Malformed, location(tag::LEVELS, number, 0), problem))
     };
     let sequence = simplified.collapses();
-    if !stored.len().is_multiple_of(LEVEL) || stored.len() > MOST_LEVELS * LEVEL {
+    if !stored.len().is_multiple_of(LEVEL_BYTES) || stored.len() > MOST_LEVELS * LEVEL_BYTES {
         return wrong("is no table of at most 64 levels");
     }
-    let mut before = None;
-    for entry in stored.chunks_exact(LEVEL) {
+    let mut previous = None;
+    for entry in stored.chunks_exact(LEVEL_BYTES) {
         let lod = Lod(u32::from_le_bytes([entry[0], entry[1], entry[2], entry[3]]));
         let is_level = lod <= sequence.last() && sequence.floor(lod) == lod;
-        if !is_level || before >= Some(lod) || simplified.mesh().vertex_count() == 0 {
+        if !is_level || previous >= Some(lod) || simplified.mesh().vertex_count() == 0 {
             return wrong("has a level that the object has not, or not in order");
         }
         if entry != TableLevel::of(sequence, lod).bytes() {
             return wrong("has other numbers than the object's curves");
         }
-        before = Some(lod);
+        previous = Some(lod);
     }
     Ok(())
 }

@@ -1,18 +1,20 @@
 //! The optional section `POSE`: animated poses for which an object's errors hold besides the one at
 //! rest.
 
-use super::arrays::whole;
+use super::arrays::check_whole_entries;
 use super::table::{location, tag};
 use crate::{Fault, FormatError};
 use lodc_mesh::Posture;
 
 /// Bytes of a pose: its kind, its number, its seconds.
-const ENTRY: usize = 16;
+const POSE_BYTES: usize = 16;
 
+/// Kind of a pose that is a moment of an animation, whose number it has.
 const MOMENT: u32 = 0;
+/// Kind of a pose that is a morph target at full weight, whose number it has.
 const TARGET: u32 = 1;
 
-/// Most poses of an object.
+/// Most poses of an object. Chosen by hand.
 pub const MOST_POSES: usize = 64;
 
 pub(super) fn put(out: &mut Vec<u8>, poses: &[Posture]) {
@@ -31,12 +33,12 @@ pub(super) fn put(out: &mut Vec<u8>, poses: &[Posture]) {
 pub(super) fn get(bytes: &[u8], number: u32) -> Result<Vec<Posture>, FormatError> {
     let location = || location(tag::POSES, number, 0);
     let wrong = |problem: String| FormatError::new(Fault::Malformed, location(), problem);
-    whole(bytes, ENTRY, location)?;
-    if bytes.len() / ENTRY > MOST_POSES {
+    check_whole_entries(bytes, POSE_BYTES, location)?;
+    if bytes.len() / POSE_BYTES > MOST_POSES {
         return Err(wrong(format!("has more than {MOST_POSES} poses")));
     }
     let pose = |entry: &[u8]| {
-        let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| entry[at + i]));
+        let word = |offset: usize| u32::from_le_bytes(std::array::from_fn(|i| entry[offset + i]));
         let seconds = f64::from_le_bytes(std::array::from_fn(|i| entry[8 + i]));
         match (word(0), word(4)) {
             (MOMENT, animation) if seconds.is_finite() && seconds >= 0.0 => {
@@ -46,7 +48,7 @@ pub(super) fn get(bytes: &[u8], number: u32) -> Result<Vec<Posture>, FormatError
             (kind, _) => Err(wrong(format!("has a pose of kind {kind} at {seconds} s"))),
         }
     };
-    bytes.chunks_exact(ENTRY).map(pose).collect()
+    bytes.chunks_exact(POSE_BYTES).map(pose).collect()
 }
 
 #[cfg(test)]

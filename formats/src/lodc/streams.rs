@@ -11,13 +11,15 @@ use std::borrow::Cow;
 /// amount of memory.
 #[derive(Debug, Default)]
 pub(super) struct ZeroBudget {
+    /// Zero bytes left out so far.
     left_out: u64,
+    /// Bytes that are stored; each allows two zeros more.
     stored: u64,
 }
 
 impl ZeroBudget {
-    /// Zeros that any file may leave out.
-    const FREE: u64 = 32 << 20;
+    /// Zeros that any file may leave out, however small it is. Chosen by hand.
+    const FREE_ZEROS: u64 = 32 << 20;
 
     /// Allowance of a reader for a file of `bytes` bytes.
     pub(super) fn of_file(bytes: usize) -> Self {
@@ -27,7 +29,7 @@ impl ZeroBudget {
     /// Returns whether `zeros` more zeros can be left out.
     pub(super) fn take(&mut self, zeros: u64) -> bool {
         let fits = self.left_out.saturating_add(zeros)
-            <= Self::FREE.saturating_add(self.stored.saturating_mul(2));
+            <= Self::FREE_ZEROS.saturating_add(self.stored.saturating_mul(2));
         if fits {
             self.left_out += zeros;
         }
@@ -115,7 +117,7 @@ pub(super) fn without_padding(
     if padded == stride {
         return Ok(Cow::Borrowed(stored));
     }
-    arrays::whole(stored, padded, &location)?;
+    arrays::check_whole_entries(stored, padded, &location)?;
     let vertices = stored.chunks_exact(padded);
     if vertices.clone().any(|vertex| vertex[stride..].iter().any(|&b| b != 0)) {
         let problem = "has padding behind a vertex that is not zero";
@@ -155,9 +157,9 @@ pub(super) fn get(
     let mut stored = stored.chunks_exact(stride);
     for (slot, &submesh) in bytes.chunks_exact_mut(stride).zip(vertex_submesh) {
         if has(submesh)
-            && let Some(own) = stored.next()
+            && let Some(value) = stored.next()
         {
-            slot.copy_from_slice(own);
+            slot.copy_from_slice(value);
         }
     }
     Ok(bytes)

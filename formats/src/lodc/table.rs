@@ -6,17 +6,17 @@ use crate::{Fault, FormatError};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Bytes of the header.
-pub(super) const HEADER: usize = 40;
+pub(super) const HEADER_BYTES: usize = 40;
 const FILE_HEADER: FileHeader<8> = FileHeader {
     name: ".lodc file",
     magic: *b"\x89LODC\r\n\x1a",
     version: VERSION,
-    length: HEADER,
+    length: HEADER_BYTES,
     checksum: |header| xxh3_64(header).to_le_bytes(),
 };
 /// Bytes of an entry of the table.
-pub(super) const ENTRY: usize = 40;
-/// Sections begin at multiples of this ...
+pub(super) const ENTRY_BYTES: usize = 40;
+/// Sections begin at multiples of this, chosen by hand ...
 const ALIGN: usize = 16;
 /// ... and wide ones at multiples of this, so that they can be bound where they lie: the offset
 /// that every device of WebGPU takes.
@@ -26,7 +26,7 @@ pub(super) const REQUIRED: u32 = 1;
 /// Flag of a section as a device takes it, of [`tag::MAY_BE_WIDE`]: indices are `u32`, vertices
 /// take a multiple of four bytes.
 pub(super) const WIDE: u32 = 2;
-/// Flags that a reader may pass over where it does not know them.
+/// Flags that a reader may ignore if it does not know them: the upper half.
 const OPTIONAL: u32 = 0xffff_0000;
 
 /// The object number of sections that belong to no object.
@@ -96,7 +96,8 @@ pub(super) fn table(bytes: &[u8]) -> Result<&[u8], FormatError> {
     }
     check_length(bytes.len() as u64, u64_at(bytes, 16))?;
     let count = u32_at(bytes, 12) as usize;
-    let table = count.checked_mul(ENTRY).and_then(|length| bytes[HEADER..].get(..length));
+    let table =
+        count.checked_mul(ENTRY_BYTES).and_then(|length| bytes[HEADER_BYTES..].get(..length));
     let table = table.ok_or_else(|| {
         let length = bytes.len();
         malformed(format!("a table of {count} sections does not fit into {length} bytes"))
@@ -109,7 +110,7 @@ pub(super) fn table(bytes: &[u8]) -> Result<&[u8], FormatError> {
 
 /// Puts the header in front of a file, which has a place for it and its table.
 pub(super) fn put_header(file: &mut [u8], sections: u32) {
-    file[..HEADER].copy_from_slice(&FILE_HEADER.start());
+    file[..HEADER_BYTES].copy_from_slice(&FILE_HEADER.start());
     file[12..16].copy_from_slice(&sections.to_le_bytes());
     let length = (file.len() as u64).to_le_bytes();
     file[16..24].copy_from_slice(&length);
@@ -118,8 +119,9 @@ pub(super) fn put_header(file: &mut [u8], sections: u32) {
 
 /// Makes the checksums of the table and the header right.
 fn seal(file: &mut [u8]) {
-    let table = (u32_at(file, 12) as usize).saturating_mul(ENTRY).min(file.len() - HEADER);
-    let checksum = xxh3_64(&file[HEADER..HEADER + table]).to_le_bytes();
+    let table =
+        (u32_at(file, 12) as usize).saturating_mul(ENTRY_BYTES).min(file.len() - HEADER_BYTES);
+    let checksum = xxh3_64(&file[HEADER_BYTES..HEADER_BYTES + table]).to_le_bytes();
     file[24..32].copy_from_slice(&checksum);
     FILE_HEADER.seal(file);
 }
@@ -134,13 +136,15 @@ fn malformed(problem: impl Into<String>) -> FormatError {
 }
 
 /// Compares the bytes that are there with the length that the header states.
-fn check_length(there: u64, stated: u64) -> Result<(), FormatError> {
-    if there < stated {
-        return Err(malformed(format!("the file is cut off: {there} of {stated} bytes are there")));
+fn check_length(actual: u64, stated: u64) -> Result<(), FormatError> {
+    if actual < stated {
+        return Err(malformed(format!(
+            "the file is cut off: {actual} of {stated} bytes are there"
+        )));
     }
-    if there > stated {
-        let more = there - stated;
-        return Err(malformed(format!("{more} bytes follow the end of the file at {stated}")));
+    if actual > stated {
+        let excess = actual - stated;
+        return Err(malformed(format!("{excess} bytes follow the end of the file at {stated}")));
     }
     Ok(())
 }
@@ -198,10 +202,11 @@ impl Entry {
             };
             return Err(wrong(format!("starts at {offset}, not at {start}: it {how}")));
         }
-        let stop = offset.checked_add(length).filter(|&stop| stop <= bytes.len() as u64);
-        let stop = stop
+        let section_end =
+            offset.checked_add(length).filter(|&section_end| section_end <= bytes.len() as u64);
+        let section_end = section_end
             .ok_or_else(|| wrong(format!("{length} bytes at {offset} do not fit into the file")))?;
-        let content = &bytes[offset as usize..stop as usize];
+        let content = &bytes[offset as usize..section_end as usize];
         if bytes[end..offset as usize].iter().any(|&b| b != 0) {
             return Err(wrong("the padding before it is not zero".to_owned()));
         }
@@ -234,15 +239,19 @@ fn u64_at(bytes: &[u8], at: usize) -> u64 {
 /// be followed.
 pub(super) fn with_valid_checksums(bytes: &[u8]) -> Vec<u8> {
     let mut file = bytes.to_vec();
-    if file.len() < HEADER {
+    if file.len() < HEADER_BYTES {
         return file;
     }
     let count = u32_at(&file, 12) as usize;
-    for at in (HEADER..=file.len().saturating_sub(ENTRY)).step_by(ENTRY).take(count) {
+    for at in
+        (HEADER_BYTES..=file.len().saturating_sub(ENTRY_BYTES)).step_by(ENTRY_BYTES).take(count)
+    {
         let (start, length) = (u64_at(&file, at + 16) as usize, u64_at(&file, at + 24) as usize);
-        if let Some(content) = start.checked_add(length).and_then(|stop| file.get(start..stop)) {
+        if let Some(content) =
+            start.checked_add(length).and_then(|section_end| file.get(start..section_end))
+        {
             let checksum = xxh3_64(content).to_le_bytes();
-            file[at + 32..at + ENTRY].copy_from_slice(&checksum);
+            file[at + 32..at + ENTRY_BYTES].copy_from_slice(&checksum);
         }
     }
     seal(&mut file);

@@ -206,7 +206,7 @@ fn sections_are_aligned_and_geometry_takes_no_more_than_is_needed() {
     // not.
     assert!(stored <= 45 * v + v / 8 + 1, "{stored} bytes for {v} vertices");
     assert!((bytes.len() as u64) < stored + 1500, "{} bytes", bytes.len());
-    for entry in bytes[table::HEADER..].chunks(40).take(bytes[12].into()) {
+    for entry in bytes[table::HEADER_BYTES..].chunks(40).take(bytes[12].into()) {
         assert_eq!(entry[16] % 16, 0);
     }
 }

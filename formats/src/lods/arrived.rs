@@ -8,7 +8,8 @@ use std::borrow::Cow;
 
 /// Morph targets of an object's submeshes together that a prefix is written with before the
 /// document has said how many there are: a crafted header may name any number.
-const MOST_TARGETS: usize = 1 << 20;
+/// Chosen by hand.
+const MAX_TARGETS: usize = 1 << 20;
 
 /// The document and the names of a prefix.
 #[derive(Clone, Debug)]
@@ -24,7 +25,7 @@ pub struct Arrived<'a> {
 impl<'a> Arrived<'a> {
     pub(super) fn new(received: &'a Received) -> Result<Self, FormatError> {
         let infos = received.objects.iter().map(|o| o.info.clone()).collect();
-        if let Some(document) = received.whole_document() {
+        if let Some(document) = received.complete_document() {
             return Ok(Self { document: Cow::Borrowed(document), infos, left_out: Vec::new() });
         }
         if let Some((json, buffer)) = received.partial_gltf()
@@ -54,5 +55,5 @@ fn morph_targets(object: &ReceivedObject) -> usize {
     let header = object.decoder.header();
     let last = header.attributes.iter().filter_map(|a| a.morph_target).max();
     let number = last.map_or(0, |last| last as usize + 1);
-    if number.saturating_mul(header.submeshes.len()) > MOST_TARGETS { 0 } else { number }
+    if number.saturating_mul(header.submeshes.len()) > MAX_TARGETS { 0 } else { number }
 }

@@ -15,9 +15,12 @@ pub(super) const FILE_HEADER: FileHeader<4> = FileHeader {
     checksum: |header| xxh32(header, 0).to_le_bytes(),
 };
 /// The most bytes of a payload of steps; that of the first block may be longer.
+/// Chosen by hand, to bound what a reader keeps of an unfinished block.
 pub(super) const MAX_PAYLOAD: usize = 16 << 20;
-const HEADER_CHECK: usize = 2;
-const PAYLOAD_CHECK: usize = 4;
+/// Bytes of the checksum of a block's numbers: the low ones of an XXH32.
+const HEADER_CHECKSUM_BYTES: usize = 2;
+/// Bytes of the checksum of a payload: an XXH32.
+const PAYLOAD_CHECKSUM_BYTES: usize = 4;
 
 /// A block whose checksums are right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +29,7 @@ pub(super) struct Block<'a> {
     pub(super) tag: u32,
     /// Number of steps.
     pub(super) steps: u32,
+    /// Encoded steps, or a piece of the document.
     pub(super) payload: &'a [u8],
 }
 
@@ -46,34 +50,36 @@ pub(super) fn put(out: &mut Vec<u8>, number: u64, block: Block<'_>) {
     for n in [block.payload.len() as u32, block.tag, block.steps] {
         put_leb128(out, u64::from(n));
     }
-    let check = xxh32(&out[start..], number as u32);
-    out.extend_from_slice(&check.to_le_bytes()[..HEADER_CHECK]);
-    out.extend_from_slice(&xxh32(block.payload, check).to_le_bytes());
+    let header_checksum = xxh32(&out[start..], number as u32);
+    out.extend_from_slice(&header_checksum.to_le_bytes()[..HEADER_CHECKSUM_BYTES]);
+    out.extend_from_slice(&xxh32(block.payload, header_checksum).to_le_bytes());
     out.extend_from_slice(block.payload);
 }
 
 /// Parses block `number` from the beginning of `bytes`.
 pub(super) fn parse(bytes: &[u8], number: u64) -> Parsed<'_> {
-    let (at, [length, tag, steps]) = match parse_fields(bytes) {
-        Fields::Complete(at, fields) => (at, fields),
+    let (fields_end, [length, tag, steps]) = match parse_fields(bytes) {
+        Fields::Complete(fields_end, fields) => (fields_end, fields),
         Fields::Incomplete => return Parsed::Incomplete,
         Fields::Invalid => {
             return Parsed::Damaged("has a number that is not written as it should be");
         }
     };
-    let check = xxh32(&bytes[..at], number as u32);
-    let Some(written) = bytes.get(at..at + HEADER_CHECK) else { return Parsed::Incomplete };
-    if written != &check.to_le_bytes()[..HEADER_CHECK] {
+    let header_checksum = xxh32(&bytes[..fields_end], number as u32);
+    let Some(written) = bytes.get(fields_end..fields_end + HEADER_CHECKSUM_BYTES) else {
+        return Parsed::Incomplete;
+    };
+    if written != &header_checksum.to_le_bytes()[..HEADER_CHECKSUM_BYTES] {
         return Parsed::Damaged("has a header that does not match its checksum");
     }
     if number > 0 && length as usize > MAX_PAYLOAD {
         return Parsed::Damaged("is longer than any block may be");
     }
-    let check_at = at + HEADER_CHECK;
-    let start = check_at + PAYLOAD_CHECK;
+    let checksum_start = fields_end + HEADER_CHECKSUM_BYTES;
+    let start = checksum_start + PAYLOAD_CHECKSUM_BYTES;
     let end = start + length as usize;
     let Some(payload) = bytes.get(start..end) else { return Parsed::Incomplete };
-    if bytes[check_at..start] != xxh32(payload, check).to_le_bytes() {
+    if bytes[checksum_start..start] != xxh32(payload, header_checksum).to_le_bytes() {
         return Parsed::Damaged("does not match its checksum");
     }
     Parsed::Block(Block { tag, steps, payload }, end)
@@ -82,8 +88,10 @@ pub(super) fn parse(bytes: &[u8], number: u64) -> Parsed<'_> {
 /// Parses a block whatever its checksums. Returns it with its total length; one that is cut short
 /// ends there.
 pub(super) fn parse_unchecked(bytes: &[u8]) -> Option<(Block<'_>, usize)> {
-    let Fields::Complete(at, [length, tag, steps]) = parse_fields(bytes) else { return None };
-    let start = at + HEADER_CHECK + PAYLOAD_CHECK;
+    let Fields::Complete(fields_end, [length, tag, steps]) = parse_fields(bytes) else {
+        return None;
+    };
+    let start = fields_end + HEADER_CHECKSUM_BYTES + PAYLOAD_CHECKSUM_BYTES;
     let payload = bytes.get(start..)?;
     let payload = &payload[..payload.len().min(length as usize)];
     Some((Block { tag, steps, payload }, start + payload.len()))
@@ -98,20 +106,20 @@ enum Fields {
 }
 
 fn parse_fields(bytes: &[u8]) -> Fields {
-    let mut rest = bytes;
+    let mut unread = bytes;
     let mut fields = [0u32; 3];
     for field in &mut fields {
         // A number that is cut short is no error: the rest is still to come.
-        let ends = rest.iter().take(5).any(|byte| byte & 0x80 == 0);
-        if !ends && rest.len() < 5 {
+        let is_complete = unread.iter().take(5).any(|byte| byte & 0x80 == 0);
+        if !is_complete && unread.len() < 5 {
             return Fields::Incomplete;
         }
-        match take_leb128(&mut rest, u64::from(u32::MAX)) {
+        match take_leb128(&mut unread, u64::from(u32::MAX)) {
             Some(number) => *field = number as u32,
             None => return Fields::Invalid,
         }
     }
-    Fields::Complete(bytes.len() - rest.len(), fields)
+    Fields::Complete(bytes.len() - unread.len(), fields)
 }
 
 #[cfg(test)]

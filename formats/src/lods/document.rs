@@ -37,9 +37,10 @@ impl SequenceFacts {
     }
 }
 
-/// The document and the names of a scene.
+/// What the text of a document says: the document without its buffer, and the names of the scene's
+/// objects.
 #[derive(Clone, Debug)]
-pub(super) struct Names {
+pub(super) struct ParsedText {
     pub(super) source: Source,
     pub(super) document: Document,
     pub(super) objects: Vec<(ObjectInfo, SequenceFacts)>,
@@ -48,25 +49,28 @@ pub(super) struct Names {
 /// A document as a stream has it.
 #[derive(Debug)]
 pub(super) struct EncodedDocument {
-    /// Bytes of the text, and of the text as it is stored.
+    /// Bytes of the text before it is compressed.
     pub(super) text_bytes: u32,
+    /// Bytes of the text as it is stored: compressed where that is shorter.
     pub(super) stored: u32,
     /// The text as it is stored, then buffer 0 of a glTF in the order of the stream.
     pub(super) bytes: Vec<u8>,
-    /// Bytes that come before everything else.
-    pub(super) head: usize,
-    /// Bytes up to which it says where everything is.
-    pub(super) standing: usize,
-    /// Bytes up to which it is needed for a picture: animations follow.
-    pub(super) picture: usize,
+    /// The first bytes, which the stream sends before any triangle.
+    pub(super) leading: usize,
+    /// End of the bytes that say where everything is: the text and the matrices of skins.
+    pub(super) placement_end: usize,
+    /// End of the bytes that a picture of the scene at rest needs: animations follow.
+    pub(super) picture_end: usize,
 }
 
-/// What comes before the first triangles is at most this share of a stream ...
-const HEAD_SHARE: u64 = 20;
-/// ... and at most this many bytes. The nodes and skins of a rig come first, whatever their share:
-/// without them it would lie about.
-const MOST_HEAD: u64 = 16 << 10;
+/// The part of a document that comes before the first triangles takes at most one in this many
+/// bytes of a stream ...
+const LEADING_SHARE: u64 = 20;
+/// ... and at most this many bytes. Both are chosen by hand. The nodes and skins of a rig come first, whatever their share:
+/// its parts would stand in the wrong places without them.
+const MAX_LEADING: u64 = 16 << 10;
 
+/// What precedes the JSON in a document's text. These records are the file format.
 #[derive(Encode, Decode)]
 struct TextEntry {
     format: u8,
@@ -115,51 +119,52 @@ impl EncodedDocument {
             }
             Document::Obj(_) => (&[][..], &[][..], Vec::new()),
         };
-        entry.runs = named(&runs);
+        entry.runs = merged_runs(&runs);
         let length = |run: &BufferRun| run.bytes.end - run.bytes.start;
         let (_, text) = stored_text(&entry, json)?;
         let placement = runs.iter().filter(|r| r.purpose == Purpose::Placement);
         let placement: u64 = placement.map(length).sum();
         let total = step_bytes + text.len() as u64 + buffer.len() as u64;
-        let most_head = (total / HEAD_SHARE).min(MOST_HEAD);
-        let mut head = text.len() as u64 + placement;
-        let in_head = head <= if is_rig { MOST_HEAD } else { most_head };
+        let max_leading = (total / LEADING_SHARE).min(MAX_LEADING);
+        let mut leading = text.len() as u64 + placement;
+        let text_leads = leading <= if is_rig { MAX_LEADING } else { max_leading };
         // Small images follow, as far as they fit.
         let mut is_first = |run: &BufferRun| match run.purpose {
             Purpose::Placement => true,
             Purpose::Animation => false,
             Purpose::BaseColor | Purpose::Texture => {
-                let fits = in_head && head + length(run) + SLACK <= most_head;
-                head += if fits { length(run) } else { 0 };
+                let fits = text_leads && leading + length(run) + MAX_TEXT_GROWTH <= max_leading;
+                leading += if fits { length(run) } else { 0 };
                 fits
             }
         };
         let (first, later): (Vec<_>, Vec<_>) = runs.drain(..).partition(|run| is_first(run));
         let first_bytes: u64 = first.iter().map(length).sum();
-        let moving = later.iter().filter(|r| r.purpose == Purpose::Animation);
-        let moving: u64 = moving.map(length).sum();
+        let animation_bytes = later.iter().filter(|r| r.purpose == Purpose::Animation);
+        let animation_bytes: u64 = animation_bytes.map(length).sum();
         runs.extend(first.into_iter().chain(later));
-        entry.runs = named(&runs);
+        entry.runs = merged_runs(&runs);
         let (text_bytes, mut bytes) = stored_text(&entry, json)?;
         let stored = bytes.len();
         for run in buffer_order(&entry.runs, buffer.len() as u64)? {
             bytes.extend_from_slice(&buffer[run.start as usize..run.end as usize]);
         }
-        let rest = buffer.len() as u64 - runs.iter().map(length).sum::<u64>();
-        let unnamed = if runs.is_empty() { 0 } else { rest };
+        let unlisted = buffer.len() as u64 - runs.iter().map(length).sum::<u64>();
+        let unlisted_bytes = if runs.is_empty() { 0 } else { unlisted };
         Some(Self {
             text_bytes,
             stored: u32::try_from(stored).ok()?,
-            head: if in_head { stored + first_bytes as usize } else { 0 },
-            standing: stored + placement as usize,
-            picture: bytes.len() - (moving + unnamed) as usize,
+            leading: if text_leads { stored + first_bytes as usize } else { 0 },
+            placement_end: stored + placement as usize,
+            picture_end: bytes.len() - (animation_bytes + unlisted_bytes) as usize,
             bytes,
         })
     }
 }
 
-/// Bytes that a text may grow by when runs change places.
-const SLACK: u64 = 32;
+/// Bytes that a stored text may grow by when the runs that it lists change their order. Chosen by
+/// hand.
+const MAX_TEXT_GROWTH: u64 = 32;
 
 /// Returns the length of a text, and the text as it is stored.
 fn stored_text(entry: &TextEntry, json: &[u8]) -> Option<(u32, Vec<u8>)> {
@@ -171,22 +176,22 @@ fn stored_text(entry: &TextEntry, json: &[u8]) -> Option<(u32, Vec<u8>)> {
 }
 
 /// Returns start and length of runs, neighbours as one; none if that is the order of the buffer.
-fn named(runs: &[BufferRun]) -> Vec<(u64, u64)> {
-    let mut named: Vec<(u64, u64)> = Vec::new();
+fn merged_runs(runs: &[BufferRun]) -> Vec<(u64, u64)> {
+    let mut merged: Vec<(u64, u64)> = Vec::new();
     for Range { start, end } in runs.iter().map(|run| run.bytes.clone()) {
-        match named.last_mut() {
+        match merged.last_mut() {
             Some((first, length)) if *first + *length == start => *length = end - *first,
-            _ => named.push((start, end - start)),
+            _ => merged.push((start, end - start)),
         }
     }
-    if matches!(named[..], [(0, _)]) { Vec::new() } else { named }
+    if matches!(merged[..], [(0, _)]) { Vec::new() } else { merged }
 }
 
 /// Returns the order in which the bytes of a buffer come: the runs that are named, then those
 /// between them. `None` if these share bytes, or are not in the buffer.
-fn buffer_order(named: &[(u64, u64)], length: u64) -> Option<Vec<Range<u64>>> {
+fn buffer_order(listed: &[(u64, u64)], length: u64) -> Option<Vec<Range<u64>>> {
     let range = |&(start, length): &(u64, u64)| Some(start..start.checked_add(length)?);
-    let mut order: Vec<Range<u64>> = named.iter().map(range).collect::<Option<_>>()?;
+    let mut order: Vec<Range<u64>> = listed.iter().map(range).collect::<Option<_>>()?;
     let mut sorted = order.clone();
     sorted.sort_unstable_by_key(|run| (run.start, run.end));
     let mut end = 0;
@@ -219,9 +224,10 @@ fn object_entry(info: &ObjectInfo, facts: SequenceFacts) -> ObjectEntry {
 /// Collects the pieces of a document.
 #[derive(Debug, Default)]
 pub(super) struct ReceivedDocument {
-    text: Vec<u8>,
-    /// Its buffer is there when all of it has come.
-    pub(super) names: Option<Names>,
+    /// What has come of the text, as it is stored.
+    stored_text: Vec<u8>,
+    /// The text, once all of it has come; its document has its buffer once that has come as well.
+    pub(super) parsed: Option<ParsedText>,
     /// The order in which the buffer comes, and what has come of it.
     order: Vec<Range<u64>>,
     buffer: Vec<u8>,
@@ -232,13 +238,13 @@ pub(super) struct ReceivedDocument {
 impl ReceivedDocument {
     /// Returns whether everything that the head announces has come.
     pub(super) fn is_complete(&self, head: Head) -> bool {
-        self.names.is_some() && self.bytes == u64::from(head.stored) + head.buffer
+        self.parsed.is_some() && self.bytes == u64::from(head.stored) + head.buffer
     }
 
     /// Bytes of the buffer that have come, without the first `from` of them: where each piece
     /// belongs, and the piece.
     pub(super) fn buffer_pieces(&self, from: usize) -> impl Iterator<Item = (u64, &[u8])> {
-        let whole = match self.names.as_ref().map(|names| &names.document) {
+        let complete = match self.parsed.as_ref().map(|parsed| &parsed.document) {
             Some(Document::Gltf(gltf)) => gltf.blob.as_slice(),
             _ => &[],
         };
@@ -248,9 +254,9 @@ impl ReceivedDocument {
             before += (run.end - run.start) as usize;
             let skipped = from.saturating_sub(first);
             let start = run.start + skipped as u64;
-            let piece = match whole {
+            let piece = match complete {
                 [] => self.buffer.get(first + skipped..self.buffer.len().min(before)),
-                whole => whole.get(start as usize..run.end as usize),
+                complete => complete.get(start as usize..run.end as usize),
             };
             piece.filter(|piece| !piece.is_empty()).map(|piece| (start, piece))
         })
@@ -268,19 +274,19 @@ impl ReceivedDocument {
             return Err(malformed("is longer than the head says"));
         }
         self.bytes += piece.len() as u64;
-        let missing = head.stored as usize - self.text.len();
+        let missing = head.stored as usize - self.stored_text.len();
         let (text, buffer) = piece.split_at(missing.min(piece.len()));
-        self.text.extend_from_slice(text);
-        let now_complete = self.names.is_none() && self.text.len() == head.stored as usize;
+        self.stored_text.extend_from_slice(text);
+        let now_complete = self.parsed.is_none() && self.stored_text.len() == head.stored as usize;
         if now_complete {
-            let (names, order) = Names::parse(&self.text, head)?;
-            (self.names, self.order) = (Some(names), order);
+            let (parsed, order) = ParsedText::parse(&self.stored_text, head)?;
+            (self.parsed, self.order) = (Some(parsed), order);
         }
         self.buffer.extend_from_slice(buffer);
         let is_complete = self.is_complete(head);
-        match self.names.as_mut().map(|n| &mut n.document) {
+        match self.parsed.as_mut().map(|parsed| &mut parsed.document) {
             Some(Document::Gltf(gltf)) if is_complete => {
-                gltf.blob = in_place(&self.order, std::mem::take(&mut self.buffer));
+                gltf.blob = in_buffer_order(&self.order, std::mem::take(&mut self.buffer));
             }
             Some(Document::Obj(_)) if !self.buffer.is_empty() => {
                 return Err(malformed("has a buffer, but is no glTF"));
@@ -291,21 +297,21 @@ impl ReceivedDocument {
     }
 }
 
-/// Returns the bytes of runs at their places; the runs are a whole buffer.
-fn in_place(order: &[Range<u64>], came: Vec<u8>) -> Vec<u8> {
+/// Turns a buffer that was received run by run, in this order, back into the order of the glTF.
+fn in_buffer_order(order: &[Range<u64>], received: Vec<u8>) -> Vec<u8> {
     if order.len() <= 1 {
-        return came;
+        return received;
     }
-    let (mut buffer, mut at) = (vec![0; came.len()], 0);
+    let (mut buffer, mut read) = (vec![0; received.len()], 0);
     for run in order {
         let (start, end) = (run.start as usize, run.end as usize);
-        buffer[start..end].copy_from_slice(&came[at..][..end - start]);
-        at += end - start;
+        buffer[start..end].copy_from_slice(&received[read..][..end - start]);
+        read += end - start;
     }
     buffer
 }
 
-impl Names {
+impl ParsedText {
     /// Parses a text. Returns with it the order in which the buffer comes.
     fn parse(stored: &[u8], head: Head) -> Result<(Self, Vec<Range<u64>>), FormatError> {
         let decoded;
@@ -319,7 +325,7 @@ impl Names {
         };
         let (entry, used) = decode_front::<TextEntry>(text)
             .ok_or_else(|| malformed("ends too early or has what cannot be"))?;
-        let rest = &text[used..];
+        let json = &text[used..];
         let source =
             source_of(entry.format, entry.content_hash).map_err(|problem| malformed(&problem))?;
         if source.format != head.format || entry.objects.len() != head.objects as usize {
@@ -327,7 +333,7 @@ impl Names {
         }
         let order = buffer_order(&entry.runs, head.buffer)
             .ok_or_else(|| malformed("has runs of the buffer that cannot be"))?;
-        let document = document(entry.document, rest)?;
+        let document = document(entry.document, json)?;
         let objects = entry.objects.into_iter().map(object_info).collect::<Result<_, _>>()?;
         Ok((Self { source, document, objects }, order))
     }
@@ -376,7 +382,10 @@ mod tests {
     fn a_buffer_comes_in_runs_and_goes_to_its_place() {
         let order = buffer_order(&[(4, 3), (0, 2)], 9).expect("runs that can be");
         assert_eq!(order, [4..7, 0..2, 2..4, 7..9]);
-        assert_eq!(in_place(&order, vec![4, 5, 6, 0, 1, 2, 3, 7, 8]), (0..9).collect::<Vec<u8>>());
+        assert_eq!(
+            in_buffer_order(&order, vec![4, 5, 6, 0, 1, 2, 3, 7, 8]),
+            (0..9).collect::<Vec<u8>>()
+        );
         assert_eq!(buffer_order(&[], 0), Some(vec![]));
         for wrong in [&[(0, 3), (2, 1)][..], &[(8, 2)], &[(u64::MAX, 2)], &[(3, 0), (2, 2)]] {
             assert_eq!(buffer_order(wrong, 9), None, "{wrong:?}");

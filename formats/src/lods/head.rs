@@ -33,18 +33,18 @@ impl Head {
     /// Parses the payload of the block.
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
         let malformed = |problem: &str| FormatError::new(Fault::Malformed, LOCATION, problem);
-        let (&format, mut rest) = bytes.split_first().ok_or_else(|| malformed("is empty"))?;
+        let (&format, mut unread) = bytes.split_first().ok_or_else(|| malformed("is empty"))?;
         let format = source_format(format).map_err(|problem| malformed(&problem))?;
-        let mut number = |most: u64| {
-            take_leb128(&mut rest, most).ok_or_else(|| malformed("has a number that cannot be"))
+        let mut number = |max: u64| {
+            take_leb128(&mut unread, max).ok_or_else(|| malformed("has a number that cannot be"))
         };
-        let small = u64::from(u32::MAX);
-        let (objects, text, stored) = (number(small)?, number(small)?, number(small)?);
+        let u32_max = u64::from(u32::MAX);
+        let (objects, text, stored) = (number(u32_max)?, number(u32_max)?, number(u32_max)?);
         let buffer = number(u64::MAX)?;
         if stored > text || !format.is_gltf() && buffer > 0 {
             return Err(malformed("announces a document that cannot be"));
         }
-        if !rest.is_empty() {
+        if !unread.is_empty() {
             return Err(malformed("has bytes left over"));
         }
         let [objects, text, stored] = [objects, text, stored].map(|n| n as u32);

@@ -11,9 +11,9 @@ mod systems;
 use attribute::{attribute, put_attribute};
 
 const LOCATION: &str = "header of an object";
-/// Bytes of a header; a reader refuses more.
+/// Most bytes of a header before compression; a reader refuses more. Chosen by hand.
 const MAX_BYTES: u64 = 1 << 24;
-/// Streams that all submeshes list together; a reader refuses more.
+/// Streams that all submeshes list together; a reader refuses more. Chosen by hand.
 const MAX_ENTRIES: usize = 1 << 22;
 
 pub(super) fn malformed(problem: &str) -> FormatError {

@@ -55,12 +55,14 @@ pub struct PackedObject {
 }
 
 /// Bytes of a block of steps unless something else is asked for. Early blocks are smaller.
+/// Chosen by hand.
 const BLOCK_BYTES: u32 = 8192;
-/// A block is not longer than this share of all before it ...
-const GROWTH_SHARE: usize = 8;
-/// ... or this many bytes.
+/// A block has at most one byte for this many bytes of the stream before it, so that a reader never
+/// waits long for more detail ...
+const BLOCK_SHARE: usize = 8;
+/// ... or this many bytes, whichever is more. Both are chosen by hand.
 const MIN_BLOCK_BYTES: usize = 96;
-/// Bytes of a block of the document.
+/// Most bytes of a block of the document. Chosen by hand.
 const MAX_DOCUMENT_BLOCK: usize = 1 << 20;
 
 /// An object while it is written.
@@ -68,7 +70,7 @@ struct ObjectWriter<'a> {
     encoder: MeshEncoder<'a>,
     bounds: Vec<ErrorBound>,
     scale: f64,
-    started: bool,
+    header_written: bool,
     /// Bytes of its blocks, without its header.
     bytes: u64,
     exact_levels: u32,
@@ -87,28 +89,29 @@ pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, Forma
     let block_bytes = options.block_bytes.unwrap_or(BLOCK_BYTES) as usize;
     let blocks = step_blocks(&mut writers, block_bytes)?;
     let step_bytes: usize = blocks.iter().map(|block| block.payload.len()).sum();
-    let names = file.objects.iter().map(|o| (&o.info, SequenceFacts::of(o.simplified.collapses())));
+    let descriptions =
+        file.objects.iter().map(|o| (&o.info, SequenceFacts::of(o.simplified.collapses())));
     let is_rig = file.objects.iter().any(|o| {
         let attributes = o.simplified.mesh().attributes();
         attributes.iter().any(|a| matches!(a.semantic, Semantic::Joints(_)))
     });
     let document =
-        EncodedDocument::new(&file.source, &file.document, names, is_rig, step_bytes as u64)
+        EncodedDocument::new(&file.source, &file.document, descriptions, is_rig, step_bytes as u64)
             .ok_or_else(|| too_large("the names and the JSON of the scene have more than 4 GiB"))?;
     let mut stream = StreamWriter::new(file, document);
-    stream.put_document(stream.document.head);
+    stream.put_document(stream.document.leading);
     let triangles: u64 = writers.iter().map(|w| u64::from(w.encoder.triangles())).sum();
     for block in blocks {
         // Geometry first; then the document and the steps take turns.
-        if block.all_shown {
-            let is_a_tenth = 10 * block.triangles >= triangles;
-            stream.put_due_documents(is_a_tenth);
+        if block.all_visible {
+            let has_a_tenth = 10 * block.triangles >= triangles;
+            stream.put_due_document(has_a_tenth);
         }
         let StepsBlock { object, steps, ref payload, header_bytes, .. } = block;
         let bytes = stream.put_steps(Block { tag: object as u32 + 1, steps, payload });
         writers[object].bytes += bytes - header_bytes;
     }
-    stream.put_document_up_to(stream.document.picture);
+    stream.put_document_up_to(stream.document.picture_end);
     stream.put_document_up_to(stream.document.bytes.len());
     stream.put(Block { tag: 0, steps: 0, payload: &[] });
     let step_bytes: u64 = writers.iter().map(|w| w.bytes).sum();
@@ -125,7 +128,7 @@ struct StepsBlock {
     /// Bytes of the object's header, with which the payload begins.
     header_bytes: u64,
     /// True if each object that has triangles shows some.
-    all_shown: bool,
+    all_visible: bool,
     /// Triangles of all objects.
     triangles: u64,
 }
@@ -136,7 +139,7 @@ fn step_blocks(
     block_bytes: usize,
 ) -> Result<Vec<StepsBlock>, FormatError> {
     let mut contexts = Box::new(Contexts::new());
-    let mut headers = TextCodec::default();
+    let mut header_codec = TextCodec::default();
     // The object that is farthest from its final mesh comes next, the first of equals.
     let mut queue: BinaryHeap<(u64, Reverse<usize>)> = BinaryHeap::new();
     queue.extend(
@@ -146,15 +149,15 @@ fn step_blocks(
     while let Some((priority, Reverse(object))) = queue.pop() {
         let writer = &mut writers[object];
         // The first block of an object ends as soon as it shows something.
-        let until_triangle = priority == NOT_SHOWN && block_bytes > 0;
-        let most = if until_triangle { 0 } else { next_block_bytes(bytes).min(block_bytes) };
-        let target = BlockTarget { bytes: most, before: bytes, until_triangle };
-        let header = writer.start(&mut headers)?;
+        let until_triangle = priority == NO_TRIANGLE_YET && block_bytes > 0;
+        let max_bytes = if until_triangle { 0 } else { next_block_bytes(bytes).min(block_bytes) };
+        let target = BlockTarget { bytes: max_bytes, before: bytes, until_triangle };
+        let header = writer.start(&mut header_codec)?;
         let before = writer.encoder.triangles();
         let (steps, payload) = writer.encode(&mut contexts, target, &header)?;
         bytes += BLOCK_FIELDS + payload.len();
-        let (header_bytes, all_shown) = (header.len() as u64, priority < NOT_SHOWN);
-        blocks.push(StepsBlock { object, steps, payload, header_bytes, all_shown, triangles });
+        let (header_bytes, all_visible) = (header.len() as u64, priority < NO_TRIANGLE_YET);
+        blocks.push(StepsBlock { object, steps, payload, header_bytes, all_visible, triangles });
         triangles += u64::from(writer.encoder.triangles() - before);
         queue.extend(writer.priority().map(|priority| (priority, Reverse(object))));
     }
@@ -163,11 +166,11 @@ fn step_blocks(
 
 /// Returns how long the next block may be: blocks grow with the stream.
 fn next_block_bytes(before: usize) -> usize {
-    (before / GROWTH_SHARE).max(MIN_BLOCK_BYTES)
+    (before / BLOCK_SHARE).max(MIN_BLOCK_BYTES)
 }
 
 /// The priority of an object that has triangles, but none of them in the stream yet.
-const NOT_SHOWN: u64 = u64::MAX;
+const NO_TRIANGLE_YET: u64 = u64::MAX;
 /// Bytes of the block that ends a stream.
 const END_BYTES: u64 = 9;
 /// Bytes that a block has beside its payload, at least.
@@ -189,7 +192,7 @@ struct StreamWriter {
     /// Bytes of all blocks of steps.
     step_bytes: u64,
     /// Bytes of the document and of steps when the first tenth of the triangles was there.
-    at_a_tenth: Option<(usize, u64)>,
+    bytes_at_a_tenth: Option<(usize, u64)>,
 }
 
 impl StreamWriter {
@@ -206,7 +209,7 @@ impl StreamWriter {
         FILE_HEADER.seal(&mut bytes);
         let (blocks, document_bytes, step_bytes) = (0, 0, 0);
         let mut stream =
-            Self { bytes, blocks, document, document_bytes, step_bytes, at_a_tenth: None };
+            Self { bytes, blocks, document, document_bytes, step_bytes, bytes_at_a_tenth: None };
         stream.put(Block { tag: 0, steps: 0, payload: &head.to_bytes() });
         stream
     }
@@ -227,20 +230,20 @@ impl StreamWriter {
 
     /// Puts what is due of the document before the next steps. What places things takes
     /// turns with steps, byte for byte, and so do images after a tenth of the triangles.
-    fn put_due_documents(&mut self, is_a_tenth: bool) {
-        let EncodedDocument { head, standing, picture, .. } = self.document;
-        while self.document_bytes < standing
-            && ((self.document_bytes - head) as u64) < self.step_bytes
+    fn put_due_document(&mut self, has_a_tenth: bool) {
+        let EncodedDocument { leading, placement_end, picture_end, .. } = self.document;
+        while self.document_bytes < placement_end
+            && ((self.document_bytes - leading) as u64) < self.step_bytes
         {
-            self.put_next_document(standing);
+            self.put_next_document(placement_end);
         }
-        if is_a_tenth && self.document_bytes >= standing {
-            let begun = (self.document_bytes, self.step_bytes);
-            let (document, steps) = *self.at_a_tenth.get_or_insert(begun);
-            while self.document_bytes < picture
-                && (self.document_bytes - document) as u64 <= self.step_bytes - steps
+        if has_a_tenth && self.document_bytes >= placement_end {
+            let bytes_now = (self.document_bytes, self.step_bytes);
+            let (document_start, steps_start) = *self.bytes_at_a_tenth.get_or_insert(bytes_now);
+            while self.document_bytes < picture_end
+                && (self.document_bytes - document_start) as u64 <= self.step_bytes - steps_start
             {
-                self.put_next_document(picture);
+                self.put_next_document(picture_end);
             }
         }
     }
@@ -253,8 +256,8 @@ impl StreamWriter {
 
     /// Puts a block of the document, which goes at most up to `end`.
     fn put_next_document(&mut self, end: usize) {
-        let most = next_block_bytes(self.bytes.len()).min(MAX_DOCUMENT_BLOCK);
-        self.put_document(most.min(end - self.document_bytes));
+        let max_bytes = next_block_bytes(self.bytes.len()).min(MAX_DOCUMENT_BLOCK);
+        self.put_document(max_bytes.min(end - self.document_bytes));
     }
 
     /// Puts the next bytes of the document as a block.
@@ -282,14 +285,14 @@ impl<'a> ObjectWriter<'a> {
             (false, true) => 1,
         };
         let scale = object.info.world_scale;
-        Self { encoder, bounds, scale, started: false, bytes: 0, exact_levels }
+        Self { encoder, bounds, scale, header_written: false, bytes: 0, exact_levels }
     }
 
     /// Returns a number that rises with the world error of the mesh so far; none if it is complete.
     fn priority(&self) -> Option<u64> {
         let encoder = &self.encoder;
-        if !self.started || encoder.triangles() == 0 && encoder.header().triangles > 0 {
-            Some(NOT_SHOWN)
+        if !self.header_written || encoder.triangles() == 0 && encoder.header().triangles > 0 {
+            Some(NO_TRIANGLE_YET)
         } else if encoder.is_complete() {
             None
         } else {
@@ -299,7 +302,7 @@ impl<'a> ObjectWriter<'a> {
 
     /// Returns the header if it is still to come, else nothing.
     fn start(&mut self, codec: &mut TextCodec) -> Result<Vec<u8>, FormatError> {
-        if std::mem::replace(&mut self.started, true) {
+        if std::mem::replace(&mut self.header_written, true) {
             return Ok(Vec::new());
         }
         mesh_header::to_bytes(self.encoder.header(), codec)

@@ -1,7 +1,7 @@
 //! What a reader has received of a stream: the head, the document and one decoder for each object
 //! announced.
 
-use super::document::{Names, ReceivedDocument, SequenceFacts};
+use super::document::{ParsedText, ReceivedDocument, SequenceFacts};
 use super::head::Head;
 use crate::gltf::PartialBuffer;
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, SubmeshInfo};
@@ -47,10 +47,10 @@ impl Received {
         if self.head.stored > 0 && piece.is_empty() || !self.document.feed(self.head, piece)? {
             return Ok(());
         }
-        let names = self.document.names.take();
-        let named = names.as_ref().map_or(Ok(()), |names| self.name_objects(names));
-        self.document.names = names;
-        named
+        let parsed = self.document.parsed.take();
+        let result = parsed.as_ref().map_or(Ok(()), |parsed| self.name_objects(parsed));
+        self.document.parsed = parsed;
+        result
     }
 
     /// Returns whether the header of an object is what comes next of it.
@@ -64,9 +64,10 @@ impl Received {
         header: MeshHeader,
         limits: &Limits,
     ) -> Result<(), FormatError> {
-        let sum = |of: fn(&MeshHeader) -> u32| -> u64 {
-            let before: u64 = self.objects.iter().map(|o| u64::from(of(o.decoder.header()))).sum();
-            before + u64::from(of(&header))
+        let sum = |count: fn(&MeshHeader) -> u32| -> u64 {
+            let before: u64 =
+                self.objects.iter().map(|o| u64::from(count(o.decoder.header()))).sum();
+            before + u64::from(count(&header))
         };
         if sum(|m| m.vertices) > limits.vertices || sum(|m| m.triangles) > limits.triangles {
             let problem = "announces more vertices or triangles than the limit";
@@ -88,8 +89,8 @@ impl Received {
     }
 
     /// Gives all objects their names, also those that are still to come.
-    fn name_objects(&mut self, names: &Names) -> Result<(), FormatError> {
-        for (number, (info, facts)) in names.objects.iter().enumerate() {
+    fn name_objects(&mut self, parsed: &ParsedText) -> Result<(), FormatError> {
+        for (number, (info, facts)) in parsed.objects.iter().enumerate() {
             let (info, facts) = (info.clone(), *facts);
             if let Some(object) = self.objects.get_mut(number) {
                 check_submeshes(&info, object.decoder.header().submeshes.len())?;
@@ -103,14 +104,14 @@ impl Received {
     }
 
     /// The whole document; none while some of it is missing.
-    pub(super) fn whole_document(&self) -> Option<&Document> {
-        let names = self.document.names.as_ref()?;
-        self.document.is_complete(self.head).then_some(&names.document)
+    pub(super) fn complete_document(&self) -> Option<&Document> {
+        let parsed = self.document.parsed.as_ref()?;
+        self.document.is_complete(self.head).then_some(&parsed.document)
     }
 
     /// The JSON of a glTF and what has come of its buffer; none before its text has come.
     pub(super) fn partial_gltf(&self) -> Option<(&str, PartialBuffer)> {
-        match &self.document.names.as_ref()?.document {
+        match &self.document.parsed.as_ref()?.document {
             Document::Gltf(gltf) => Some((&gltf.json, self.document.partial_buffer())),
             Document::Obj(_) => None,
         }

@@ -29,19 +29,22 @@ use lodc_progressive::{Contexts, MeshDecoder, StepBlock, TextCodec};
 #[derive(Debug)]
 pub struct Unpacker {
     limits: Limits,
-    /// Bytes that are no whole block yet, and how many of them are already read.
+    /// The bytes fed last, with those before that had not made a whole block yet.
     waiting: Vec<u8>,
-    read: usize,
+    /// How many of the waiting bytes are blocks that have been read.
+    read_bytes: usize,
     /// Bytes of all whole blocks so far.
     bytes: u64,
     blocks: u64,
     /// Everything from the first block on.
     received: Option<Received>,
+    /// Adaptive probabilities of the decoder of steps.
     contexts: Box<Contexts>,
-    /// Codes the headers of objects.
-    headers: TextCodec,
+    /// Decompresses the headers of objects.
+    header_codec: TextCodec,
     complete: bool,
-    failed: Option<FormatError>,
+    /// The error that every further call returns.
+    failure: Option<FormatError>,
 }
 
 /// The progress of an object: the parts so far, and in all.
@@ -67,14 +70,14 @@ impl Unpacker {
         Self {
             limits,
             waiting: Vec::new(),
-            read: 0,
+            read_bytes: 0,
             bytes: 0,
             blocks: 0,
             received: None,
             contexts: Box::new(Contexts::new()),
-            headers: TextCodec::default(),
+            header_codec: TextCodec::default(),
             complete: false,
-            failed: None,
+            failure: None,
         }
     }
 
@@ -85,18 +88,18 @@ impl Unpacker {
     /// If the stream is damaged there, crafted or too new. Everything before stays, and every
     /// further call returns the same error.
     pub fn feed(&mut self, bytes: &[u8]) -> Result<(), FormatError> {
-        if let Some(failed) = &self.failed {
-            return Err(failed.clone());
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
         }
-        self.waiting.drain(..std::mem::take(&mut self.read));
+        self.waiting.drain(..std::mem::take(&mut self.read_bytes));
         self.waiting.extend_from_slice(bytes);
         let waiting = std::mem::take(&mut self.waiting);
         let result = self.read_blocks(&waiting);
         self.waiting = waiting;
         if let Err(e) = &result {
-            self.failed = Some(e.clone());
+            self.failure = Some(e.clone());
             self.waiting = Vec::new();
-            self.read = 0;
+            self.read_bytes = 0;
         }
         result
     }
@@ -116,19 +119,19 @@ impl Unpacker {
     /// The source of the scene; none before the text of the document.
     #[must_use]
     pub fn source(&self) -> Option<&Source> {
-        Some(&self.received.as_ref()?.document.names.as_ref()?.source)
+        Some(&self.received.as_ref()?.document.parsed.as_ref()?.source)
     }
 
     /// Everything that is not a triangle mesh; none before all of it has come.
     #[must_use]
     pub fn document(&self) -> Option<&Document> {
-        self.received.as_ref()?.whole_document()
+        self.received.as_ref()?.complete_document()
     }
 
     /// The document without its buffer; none before its text.
     #[must_use]
     pub fn text(&self) -> Option<&Document> {
-        Some(&self.received.as_ref()?.document.names.as_ref()?.document)
+        Some(&self.received.as_ref()?.document.parsed.as_ref()?.document)
     }
 
     /// Bytes of the document's buffer that have come, without the first `from` of them: where each
@@ -154,8 +157,9 @@ impl Unpacker {
     /// Bytes of the document so far, and in all: its text as it is stored, and its buffer.
     #[must_use]
     pub fn document_bytes(&self) -> [u64; 2] {
-        let of = |r: &Received| [r.document.bytes, u64::from(r.head.stored) + r.head.buffer];
-        self.received.as_ref().map_or([0; 2], of)
+        let received_and_total =
+            |r: &Received| [r.document.bytes, u64::from(r.head.stored) + r.head.buffer];
+        self.received.as_ref().map_or([0; 2], received_and_total)
     }
 
     /// Number of objects so far: those whose header has come, and once the text of the document has
@@ -260,9 +264,9 @@ impl Unpacker {
             if !FILE_HEADER.check(waiting)? {
                 return Ok(());
             }
-            (self.read, self.bytes) = (FILE_HEADER.length, FILE_HEADER.length as u64);
+            (self.read_bytes, self.bytes) = (FILE_HEADER.length, FILE_HEADER.length as u64);
         }
-        while self.read < waiting.len() {
+        while self.read_bytes < waiting.len() {
             let number = self.blocks;
             let malformed = |problem: &str| {
                 FormatError::new(Fault::Malformed, format!("block {number}"), problem)
@@ -270,14 +274,14 @@ impl Unpacker {
             if self.complete {
                 return Err(malformed("follows the end of the stream"));
             }
-            match block::parse(&waiting[self.read..], number) {
+            match block::parse(&waiting[self.read_bytes..], number) {
                 Parsed::Incomplete => return Ok(()),
                 Parsed::Damaged(problem) => return Err(malformed(problem)),
                 Parsed::Block(block, length) => {
                     let read = if number == 0 { self.read_head(block) } else { self.read(block) };
                     read.map_err(|e| in_block(e, number))?;
                     self.blocks += 1;
-                    self.read += length;
+                    self.read_bytes += length;
                     self.bytes += length as u64;
                 }
             }
@@ -309,7 +313,8 @@ impl Unpacker {
         let (object, mut payload) = (block.tag as usize - 1, block.payload);
         let is_first = received.awaits_header(object);
         if is_first {
-            received.announce(mesh_header::take(&mut payload, &mut self.headers)?, &self.limits)?;
+            received
+                .announce(mesh_header::take(&mut payload, &mut self.header_codec)?, &self.limits)?;
         }
         let decoder = &mut received
             .objects

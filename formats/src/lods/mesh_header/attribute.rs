@@ -6,6 +6,7 @@ use crate::FormatError;
 use crate::lodc::manifest::{component, component_code};
 use lodc_mesh::{Attribute, Semantic, put_leb128};
 
+/// Flag of integers that stand for 0 to 1, or −1 to 1, in the byte of component type and count.
 const NORMALIZED: u8 = 8;
 
 /// Appends an attribute without its bytes.

@@ -6,15 +6,20 @@ use crate::FormatError;
 use lodc_mesh::{Attribute, Component};
 use lodc_progressive::{NumberSystem, Octahedral};
 
+// The byte with which a number system begins.
+/// Exact floats.
 const FLOAT: u8 = 0;
+/// Exact integers.
 const INTEGER: u8 = 1;
+/// A quantisation grid: its step and the origin of each channel follow.
 const GRID: u8 = 2;
-/// Then the number of bits, and the system of what follows the direction.
+/// Unit vectors in octahedral coding: the number of bits follows, then the system of the components
+/// after the direction.
 pub(super) const OCTAHEDRAL: u8 = 3;
-/// Plus the number of digits, up to 9.
+/// Decimal fractions: plus the number of digits after the point, up to 9.
 const DECIMAL: u8 = 16;
 const MOST_DECIMAL: u8 = DECIMAL + 9;
-/// Plus the number of digits, 1 to 7.
+/// Numbers of few significant decimal digits: plus their number, 1 to 7.
 const SIGNIFICANT: u8 = 32;
 const LEAST_SIGNIFICANT: u8 = SIGNIFICANT + 1;
 const MOST_SIGNIFICANT: u8 = SIGNIFICANT + 7;
@@ -90,8 +95,8 @@ pub(super) fn take(
 }
 
 fn float(bytes: &mut &[u8]) -> Result<f32, FormatError> {
-    let four = bytes.split_first_chunk();
-    let (four, rest) = four.ok_or_else(|| malformed("is too short for what it should hold"))?;
+    let word = bytes.split_first_chunk();
+    let (word, rest) = word.ok_or_else(|| malformed("is too short for what it should hold"))?;
     *bytes = rest;
-    Ok(f32::from_le_bytes(*four))
+    Ok(f32::from_le_bytes(*word))
 }
