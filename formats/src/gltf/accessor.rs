@@ -62,13 +62,13 @@ impl Shape {
     }
 }
 
-fn component(of: ComponentType) -> Component {
-    COMPONENTS.iter().find(|(other, _)| *other == of).expect("the table has all").1
+fn component(kind: ComponentType) -> Component {
+    COMPONENTS.iter().find(|(other, _)| *other == kind).expect("the table has all").1
 }
 
 /// The component type of a number in glTF.
 pub(super) fn numbered_component(number: u64) -> Option<Component> {
-    let entry = COMPONENTS.iter().find(|(of, _)| u64::from(of.as_gl_enum()) == number);
+    let entry = COMPONENTS.iter().find(|(kind, _)| u64::from(kind.as_gl_enum()) == number);
     entry.map(|&(_, component)| component)
 }
 

@@ -51,10 +51,10 @@ pub(crate) fn coordinates(
     Stored::read(document, limits, |_, root| {
         let list = root.list("materials");
         let of_material = |m: &usize| match m.checked_sub(1).and_then(|m| list.get(m)) {
-            Some(source) => shown(source),
+            Some(source) => visible_coordinates(source),
             None => Coordinates::PLAIN,
         };
-        let of_object = |of: Vec<usize>| of.iter().map(of_material).collect();
+        let of_object = |materials: Vec<usize>| materials.iter().map(of_material).collect();
         Ok(materials(root, objects).into_iter().map(of_object).collect())
     })
 }
@@ -65,10 +65,10 @@ fn materials(root: &Object, objects: &[&ObjectInfo]) -> Vec<Vec<usize>> {
         let mesh = &root["meshes"][object.document_mesh as usize];
         mesh["primitives"][primitive as usize]["material"].as_index().map_or(0, |m| m + 1)
     };
-    let of = |o: &&ObjectInfo| -> Vec<usize> {
+    let numbers = |o: &&ObjectInfo| -> Vec<usize> {
         o.submeshes.iter().map(|s| number(o, s.document_primitive)).collect()
     };
-    objects.iter().map(of).collect()
+    objects.iter().map(numbers).collect()
 }
 
 /// Reads textures of one document.
@@ -97,7 +97,7 @@ impl Reader<'_> {
         Ok(Material {
             colour,
             texture: image,
-            coordinates: shown(source),
+            coordinates: visible_coordinates(source),
             double_sided: source["doubleSided"].as_bool().unwrap_or(false),
             alpha: match source["alphaMode"].as_str() {
                 Some("MASK") => AlphaMode::Mask(cut_off),
@@ -166,7 +166,7 @@ fn base(source: &Json) -> (&Json, &Json) {
 }
 
 /// The texture coordinates that a material's textures read.
-fn shown(source: &Json) -> Coordinates {
+fn visible_coordinates(source: &Json) -> Coordinates {
     let texture = base(source).1;
     let read = if texture.is_object() { Some(texture) } else { any_texture(source) };
     read.map_or(Coordinates::PLAIN, texture_coordinates)

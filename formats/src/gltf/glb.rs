@@ -4,8 +4,11 @@ use super::json::malformed;
 use crate::{Fault, FormatError};
 use std::ops::Range;
 
+/// The bytes that every GLB begins with.
 const MAGIC: &[u8; 4] = b"glTF";
+/// Type of the chunk with the document: `JSON` in ASCII.
 const JSON: u32 = 0x4e4f_534a;
+/// Type of the chunk with the first buffer: `BIN` and a zero in ASCII.
 const BIN: u32 = 0x004e_4942;
 
 /// Ranges of the chunks in the file.
@@ -26,8 +29,9 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 
 /// Finds the chunks of a GLB.
 pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
-    let word =
-        |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let word = |offset: usize| {
+        bytes.get(offset..offset + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+    };
     let (Some(version), Some(length)) = (word(4), word(8)) else {
         return Err(malformed("header", "the file ends inside the GLB header"));
     };
@@ -48,13 +52,14 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
         warnings.push(format!("{} bytes after the end of the GLB ignored", bytes.len() - length));
     }
     let (mut json, mut bin): (Option<Range<usize>>, Option<Range<usize>>) = (None, None);
-    let (mut at, mut number, mut ignored) = (12, 0usize, 0usize);
-    while at < length {
+    let (mut offset, mut number, mut ignored) = (12, 0usize, 0usize);
+    while offset < length {
         let location = || format!("chunk {number}");
-        let (Some(size), Some(kind), true) = (word(at), word(at + 4), at + 8 <= length) else {
+        let (Some(size), Some(kind), true) = (word(offset), word(offset + 4), offset + 8 <= length)
+        else {
             return Err(malformed(location(), "the file ends inside the chunk's header"));
         };
-        let start = at + 8;
+        let start = offset + 8;
         let end = start.checked_add(size as usize).filter(|&end| end <= length);
         let end = end.ok_or_else(|| {
             malformed(
@@ -70,7 +75,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
             BIN => bin = Some(start..end),
             _ => ignored += 1,
         }
-        at = end;
+        offset = end;
         number += 1;
     }
     if ignored > 0 {

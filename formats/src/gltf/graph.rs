@@ -6,7 +6,8 @@ use crate::{Document, Fault, FormatError, Limits, ObjectInfo};
 use lodc_scene::{Graph, LocalTransform, Node, Skin, Transform, transform_from_columns};
 use std::collections::BTreeMap;
 
-/// More instances than this in one document are refused.
+/// More instances than this in one document are refused: a small file can ask for any number.
+/// Chosen by hand.
 const MAX_INSTANCES: usize = 1 << 22;
 /// The extension that repeats a node's mesh.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";

@@ -11,10 +11,12 @@ use std::fmt::{self, Display, Formatter, Write};
 use std::ops::{Deref, DerefMut, Index, IndexMut};
 
 /// More values than this are refused before parsing: in memory each takes around a hundred bytes.
-const VALUES: usize = 4 << 20;
+/// Chosen by hand.
+const MAX_VALUES: usize = 4 << 20;
 
 /// A bound on nesting which no limit may exceed: documents are walked by recursion.
-const DEPTH: u32 = 126;
+/// Chosen by hand.
+const MAX_DEPTH: u32 = 126;
 
 /// A JSON value.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,12 +53,12 @@ pub(crate) fn malformed(location: impl Into<String>, problem: impl Into<String>)
 
 /// Parses a document whose root is an object.
 pub(crate) fn parse(text: &[u8], limits: &Limits) -> Result<Object, FormatError> {
-    if most_values(text) > VALUES {
-        let problem = format!("JSON of more than {VALUES} values");
+    if most_values(text) > MAX_VALUES {
+        let problem = format!("JSON of more than {MAX_VALUES} values");
         return Err(FormatError::new(Fault::Limit, "", problem));
     }
     let mut lexer = SliceLexer::new(text);
-    let mut parser = Parser { depth: 0, most: limits.json_depth.min(DEPTH) };
+    let mut parser = Parser { depth: 0, max_depth: limits.json_depth.min(MAX_DEPTH) };
     let parsed = lexer.exactly_one(Lex::ws_peek, |next, lexer| parser.value(next, lexer));
     let problem = match parsed {
         Ok(Json::Object(root)) => return Ok(root),
@@ -100,7 +102,7 @@ impl<E: Into<hifijson::Error>> From<E> for Refusal {
 
 struct Parser {
     depth: u32,
-    most: u32,
+    max_depth: u32,
 }
 
 impl Parser {
@@ -150,7 +152,7 @@ impl Parser {
         mut each: impl FnMut(&mut Self, u8, &mut SliceLexer<'t>) -> Result<(), Refusal>,
     ) -> Result<(), Refusal> {
         self.depth += 1;
-        if self.depth > self.most {
+        if self.depth > self.max_depth {
             return Err(Refusal::Limit(format!("JSON nested deeper than {} levels", self.depth)));
         }
         let read = lexer.discarded().seq(end, Lex::ws_peek, |next, lexer| each(self, next, lexer));
@@ -466,10 +468,10 @@ fn write_all<T>(
 
 fn write_text(text: &str, f: &mut Formatter<'_>) -> fmt::Result {
     f.write_char('"')?;
-    let mut rest = text;
-    while let Some(at) = rest.find(|c: char| c < ' ' || c == '"' || c == '\\') {
-        f.write_str(&rest[..at])?;
-        match rest.as_bytes()[at] {
+    let mut unwritten = text;
+    while let Some(special) = unwritten.find(|c: char| c < ' ' || c == '"' || c == '\\') {
+        f.write_str(&unwritten[..special])?;
+        match unwritten.as_bytes()[special] {
             b'\n' => f.write_str("\\n"),
             b'\r' => f.write_str("\\r"),
             b'\t' => f.write_str("\\t"),
@@ -478,9 +480,9 @@ fn write_text(text: &str, f: &mut Formatter<'_>) -> fmt::Result {
             c if c < b' ' => write!(f, "\\u{c:04x}"),
             c => write!(f, "\\{}", char::from(c)),
         }?;
-        rest = &rest[at + 1..];
+        unwritten = &unwritten[special + 1..];
     }
-    f.write_str(rest)?;
+    f.write_str(unwritten)?;
     f.write_char('"')
 }
 

@@ -83,10 +83,10 @@ fn nesting_and_numbers_of_values_are_bounded() {
     let few = Limits { json_depth: 2, ..Limits::DEFAULT };
     assert!(parse(nested(1).as_bytes(), &few).is_ok());
     assert_eq!(parse(nested(2).as_bytes(), &few).expect_err("deep").fault, Fault::Limit);
-    let many = format!("{{\"a\":[0{}]}}", ",0".repeat(VALUES));
+    let many = format!("{{\"a\":[0{}]}}", ",0".repeat(MAX_VALUES));
     assert_eq!(parsed(&many).expect_err("many").fault, Fault::Limit);
     // Brackets and commas in texts are none.
-    assert!(parsed(&format!("{{\"a\":\"{}\"}}", "[,".repeat(VALUES))).is_ok());
+    assert!(parsed(&format!("{{\"a\":\"{}\"}}", "[,".repeat(MAX_VALUES))).is_ok());
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::json::{Json, Object, object, parse};
 use super::schema::{self, Pool, references, retain};
 use crate::{FormatError, GltfDocument, Limits, ObjectInfo};
 
+/// The extension that repeats a node's mesh.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// A document, and what was left out of it with counts.
 pub(crate) type Shortened = (GltfDocument, Vec<String>);

@@ -1,4 +1,4 @@
-//! glTF 2.0 and GLB.
+//! Import and export of glTF 2.0 and GLB files.
 //!
 //! The document stays a tree of JSON values, so that everything that is not a triangle comes out as
 //! it went in; what is read from it is checked against a table (`schema`) first, and accessors,

@@ -66,8 +66,8 @@ pub(super) struct EncodedDocument {
 /// The part of a document that comes before the first triangles takes at most one in this many
 /// bytes of a stream ...
 const LEADING_SHARE: u64 = 20;
-/// ... and at most this many bytes. Both are chosen by hand. The nodes and skins of a rig come first, whatever their share:
-/// its parts would stand in the wrong places without them.
+/// ... and at most this many bytes. Both are chosen by hand. The nodes and skins of a rig come
+/// first, whatever their share: without them its parts would stand in the wrong places.
 const MAX_LEADING: u64 = 16 << 10;
 
 /// What precedes the JSON in a document's text. These records are the file format.

@@ -57,10 +57,10 @@ fn octahedral([x, y, one, w]: [i32; 4], largest: f32) -> [i32; 4] {
 fn quaternion([x, y, z, w]: [i32; 4]) -> [i32; 4] {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / (w | 3) as f32;
     let (x, y, z) = (x as f32 * scale, y as f32 * scale, z as f32 * scale);
-    let rest = (1.0 - x * x - y * y - z * z).max(0.0).sqrt();
+    let largest = (1.0 - x * x - y * y - z * z).max(0.0).sqrt();
     let left_out = (w & 3) as usize;
     let mut out = [0; 4];
-    for (i, value) in [rest, x, y, z].into_iter().enumerate() {
+    for (i, value) in [largest, x, y, z].into_iter().enumerate() {
         out[(left_out + i) & 3] = nearest(value * 32767.0);
     }
     out
@@ -164,8 +164,8 @@ fn exponential_word(float: u32, power: i32) -> Option<i32> {
     let odd = mantissa(float) >> zeros(float);
     let fits =
         shift < MANTISSA && odd.checked_shl(shift)? >> shift == odd && odd << shift < 1 << MANTISSA;
-    let whole = (odd << (shift & 31)) as i32;
-    let signed = if float >> 31 == 1 { -whole } else { whole };
+    let magnitude = (odd << (shift & 31)) as i32;
+    let signed = if float >> 31 == 1 { -magnitude } else { magnitude };
     fits.then_some(power << 24 | signed & 0xff_ffff)
 }
 

@@ -18,8 +18,8 @@ pub(super) fn triangles(count: usize, bytes: &[u8]) -> Result<Vec<u32>, &'static
     // One code per triangle, then what the codes need, then a table of 16 frequent codes.
     let body = bytes.get(1..bytes.len().saturating_sub(16)).ok_or("too short")?;
     let table = &bytes[bytes.len() - 16..];
-    let (codes, rest) = body.split_at_checked(count / 3).ok_or("too short for its count")?;
-    let mut s = Decoder { rest, recent: Recent::default(), next: 0, last: 0 };
+    let (codes, unread) = body.split_at_checked(count / 3).ok_or("too short for its count")?;
+    let mut s = Decoder { unread, recent: Recent::default(), next: 0, last: 0 };
     let cached_limit = if version == 1 { CACHED } else { 15 };
     let mut out = Vec::with_capacity(count);
     for &code in codes {
@@ -60,7 +60,7 @@ pub(super) fn triangles(count: usize, bytes: &[u8]) -> Result<Vec<u32>, &'static
         };
         out.extend([a, b, c]);
     }
-    if s.rest.is_empty() { Ok(out) } else { Err("bytes left over") }
+    if s.unread.is_empty() { Ok(out) } else { Err("bytes left over") }
 }
 
 /// Decodes a sequence of `count` indices. Bitstream versions 0 and 1.
@@ -69,23 +69,23 @@ pub(super) fn sequence(count: usize, bytes: &[u8]) -> Result<Vec<u32>, &'static 
         return Err("not an index stream of version 0 or 1");
     }
     // Four bytes of padding end the stream; every index takes at least one byte.
-    let mut rest = bytes.get(1..bytes.len().saturating_sub(4)).ok_or("too short")?;
-    if count > rest.len() {
+    let mut unread = bytes.get(1..bytes.len().saturating_sub(4)).ok_or("too short")?;
+    if count > unread.len() {
         return Err("too short for its count");
     }
     let mut last = [0u32; 2];
     let mut out = Vec::with_capacity(count);
     for _ in 0..count {
-        let v = varint(&mut rest)?;
+        let v = varint(&mut unread)?;
         let baseline = &mut last[(v & 1) as usize];
         *baseline = baseline.wrapping_add(unzigzag(v >> 1));
         out.push(*baseline);
     }
-    if rest.is_empty() { Ok(out) } else { Err("bytes left over") }
+    if unread.is_empty() { Ok(out) } else { Err("bytes left over") }
 }
 
 struct Decoder<'a> {
-    rest: &'a [u8],
+    unread: &'a [u8],
     recent: Recent,
     /// The smallest index that has not been seen.
     next: u32,
@@ -95,8 +95,8 @@ struct Decoder<'a> {
 
 impl Decoder<'_> {
     fn byte(&mut self) -> Result<u8, &'static str> {
-        let (&byte, rest) = self.rest.split_first().ok_or("the stream ends too early")?;
-        self.rest = rest;
+        let (&byte, unread) = self.unread.split_first().ok_or("the stream ends too early")?;
+        self.unread = unread;
         Ok(byte)
     }
 
@@ -107,7 +107,7 @@ impl Decoder<'_> {
     }
 
     fn free(&mut self) -> Result<u32, &'static str> {
-        self.last = self.last.wrapping_add(unzigzag(varint(&mut self.rest)?));
+        self.last = self.last.wrapping_add(unzigzag(varint(&mut self.unread)?));
         Ok(self.last)
     }
 
@@ -135,8 +135,8 @@ impl Decoder<'_> {
 fn varint(bytes: &mut &[u8]) -> Result<u32, &'static str> {
     let mut value = 0;
     for i in 0..5 {
-        let (&byte, rest) = bytes.split_first().ok_or("the stream ends too early")?;
-        *bytes = rest;
+        let (&byte, unread) = bytes.split_first().ok_or("the stream ends too early")?;
+        *bytes = unread;
         value |= u32::from(byte & 127) << (7 * i);
         if byte < 128 {
             return Ok(value);

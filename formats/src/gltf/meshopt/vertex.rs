@@ -1,19 +1,24 @@
 //! The attribute codec: blocks of vertices, each byte of the element a plane of its own, groups of
 //! 16 deltas with 0 to 8 bits each. Bitstream versions 0 and 1 are decoded, 0 is encoded.
 
-const GROUP: usize = 16;
+// All of these are set by the specification of the extension.
+
+/// Deltas of a group, which all have the same number of bits.
+const GROUP_DELTAS: usize = 16;
+/// Most bytes of a block ...
 const BLOCK_BYTES: usize = 8192;
+/// ... and most vertices.
 const BLOCK_VERTICES: usize = 256;
 
 /// Bytes of the stream's tail in version 0, at least.
-const TAIL: usize = 32;
+const MIN_TAIL_BYTES: usize = 32;
 
 /// Bits per delta by the two bits of a group's header: version 0, then the two tables of version 1.
 const BITS: [[u8; 4]; 3] = [[0, 2, 4, 8], [0, 1, 2, 4], [1, 2, 4, 8]];
 
 /// Vertices of a block.
 fn block(stride: usize) -> usize {
-    (BLOCK_BYTES / stride / GROUP * GROUP).min(BLOCK_VERTICES)
+    (BLOCK_BYTES / stride / GROUP_DELTAS * GROUP_DELTAS).min(BLOCK_VERTICES)
 }
 
 /// The small number that stands for a whole byte, which follows after all of its group.
@@ -32,7 +37,7 @@ pub(super) fn decode(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8
     // The tail, at the very end, holds the element before the first one and, since version 1, a
     // mode per 4 bytes.
     let tail = stride + if version == 1 { stride / 4 } else { 0 };
-    let padded = tail.max(if version == 1 { 24 } else { TAIL });
+    let padded = tail.max(if version == 1 { 24 } else { MIN_TAIL_BYTES });
     let tail_at = bytes.len().checked_sub(padded).filter(|&at| at >= 1).ok_or("too short")?;
     let mut data = Reader { bytes: &bytes[1..tail_at] };
     let start = bytes.len() - tail;
@@ -50,7 +55,7 @@ pub(super) fn decode(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8
     let mut planes = vec![0; 4 * BLOCK_VERTICES];
     for chunk in out.chunks_mut(block * stride) {
         let vertices = chunk.len() / stride;
-        let padded = vertices.div_ceil(GROUP) * GROUP;
+        let padded = vertices.div_ceil(GROUP_DELTAS) * GROUP_DELTAS;
         let control = if version == 1 { data.take(stride / 4)? } else { &[] };
         for (channel, &mode) in channels.iter().enumerate() {
             for (byte, plane) in planes.chunks_mut(BLOCK_VERTICES).enumerate() {
@@ -113,18 +118,18 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn take(&mut self, n: usize) -> Result<&'a [u8], &'static str> {
-        let (taken, rest) = self.bytes.split_at_checked(n).ok_or("the stream ends too early")?;
-        self.bytes = rest;
+        let (taken, unread) = self.bytes.split_at_checked(n).ok_or("the stream ends too early")?;
+        self.bytes = unread;
         Ok(taken)
     }
 
     /// One byte of every element of a block; `plane` is a whole number of groups.
     fn plane(&mut self, plane: &mut [u8], bits: [u8; 4]) -> Result<(), &'static str> {
-        let header = self.take((plane.len() / GROUP).div_ceil(4))?;
-        for (g, group) in plane.chunks_exact_mut(GROUP).enumerate() {
+        let header = self.take((plane.len() / GROUP_DELTAS).div_ceil(4))?;
+        for (g, group) in plane.chunks_exact_mut(GROUP_DELTAS).enumerate() {
             match bits[usize::from(header[g / 4] >> (g % 4 * 2) & 3)] {
                 0 => group.fill(0),
-                8 => group.copy_from_slice(self.take(GROUP)?),
+                8 => group.copy_from_slice(self.take(GROUP_DELTAS)?),
                 bits => self.group(group, bits)?,
             }
         }
@@ -133,7 +138,7 @@ impl<'a> Reader<'a> {
 
     /// 16 small numbers.
     fn group(&mut self, group: &mut [u8], bits: u8) -> Result<(), &'static str> {
-        let packed = self.take(GROUP * usize::from(bits) / 8)?;
+        let packed = self.take(GROUP_DELTAS * usize::from(bits) / 8)?;
         let per_byte = usize::from(8 / bits);
         for (i, value) in group.iter_mut().enumerate() {
             // Single bits are packed from the lowest up, the others from the highest down.
@@ -153,7 +158,7 @@ pub(super) fn encode(stride: usize, bytes: &[u8]) -> Vec<u8> {
     let mut last = first.to_vec();
     for chunk in bytes.chunks(block(stride) * stride) {
         let elements = chunk.len() / stride;
-        let mut plane = vec![0; elements.next_multiple_of(GROUP)];
+        let mut plane = vec![0; elements.next_multiple_of(GROUP_DELTAS)];
         for (byte, last) in last.iter_mut().enumerate() {
             for (delta, &value) in plane.iter_mut().zip(chunk[byte..].iter().step_by(stride)) {
                 *delta = zigzag(value.wrapping_sub(*last));
@@ -163,7 +168,7 @@ pub(super) fn encode(stride: usize, bytes: &[u8]) -> Vec<u8> {
         }
     }
     // The decoder reads the element before the first one from the very end.
-    out.resize(out.len() + TAIL.saturating_sub(first.len()), 0);
+    out.resize(out.len() + MIN_TAIL_BYTES.saturating_sub(first.len()), 0);
     out.extend_from_slice(first);
     out
 }
@@ -176,8 +181,8 @@ fn zigzag(delta: u8) -> u8 {
 /// groups.
 fn put_plane(out: &mut Vec<u8>, plane: &[u8]) {
     let header = out.len();
-    out.resize(header + (plane.len() / GROUP).div_ceil(4), 0);
-    for (g, group) in plane.chunks_exact(GROUP).enumerate() {
+    out.resize(header + (plane.len() / GROUP_DELTAS).div_ceil(4), 0);
+    for (g, group) in plane.chunks_exact(GROUP_DELTAS).enumerate() {
         let code = packing(group);
         out[header + g / 4] |= (code as u8) << (g % 4 * 2);
         match BITS[0][code] {
@@ -194,10 +199,10 @@ fn packing(group: &[u8]) -> usize {
         return 0;
     }
     let size = |&code: &usize| match BITS[0][code] {
-        8 => GROUP,
+        8 => GROUP_DELTAS,
         bits => {
-            let whole = group.iter().filter(|&&d| d >= sentinel(bits));
-            GROUP * usize::from(bits) / 8 + whole.count()
+            let full_bytes = group.iter().filter(|&&d| d >= sentinel(bits));
+            GROUP_DELTAS * usize::from(bits) / 8 + full_bytes.count()
         }
     };
     (1..4).min_by_key(size).expect("three codes")

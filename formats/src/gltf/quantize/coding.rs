@@ -102,9 +102,9 @@ fn shares(values: &[f32], bits: u8) -> Vec<i32> {
         return vec![0; values.len()];
     }
     let mut out: Vec<i32> = values.iter().map(|&v| fraction(f64::from(v) / sum, bits)).collect();
-    let rest = largest(bits) as i32 - out.iter().sum::<i32>();
-    let most = (0..out.len()).max_by_key(|&i| (out[i], std::cmp::Reverse(i)));
-    most.into_iter().for_each(|i| out[i] += rest);
+    let deficit = largest(bits) as i32 - out.iter().sum::<i32>();
+    let largest_share = (0..out.len()).max_by_key(|&i| (out[i], std::cmp::Reverse(i)));
+    largest_share.into_iter().for_each(|i| out[i] += deficit);
     out
 }
 

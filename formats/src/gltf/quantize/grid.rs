@@ -1,8 +1,8 @@
 //! Uniform quantisation grids: a value is stored as a whole number of 16 bits, of which
 //! `offset + step * number` gives it back to half a step.
 
-/// The largest number of a grid.
-const LAST: f64 = 65_535.0;
+/// The largest number of a grid: that of an unsigned integer of 16 bits.
+const MAX_NUMBER: f64 = 65_535.0;
 
 /// A grid: a value is `offset + step * number`, numbers being whole, from 0 to 65,535.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl<const N: usize> Grid<N> {
     pub(super) fn numbers(&self, value: [f32; N]) -> [u16; N] {
         std::array::from_fn(|k| {
             let number = (f64::from(value[k]) - self.offset[k]) / self.step;
-            number.round().clamp(0.0, LAST) as u16
+            number.round().clamp(0.0, MAX_NUMBER) as u16
         })
     }
 }

@@ -171,8 +171,8 @@ fn shorten(value: &mut Json) {
             // The shortest text that means the same float, as the number that it states.
             let short: f64 = single.to_string().parse().unwrap_or(f64::NAN);
             if single.is_normal() || single == 0.0 {
-                let whole = short.fract() == 0.0 && short.abs() < 1e9;
-                *value = if whole { (short as i64).into() } else { short.into() };
+                let is_integer = short.fract() == 0.0 && short.abs() < 1e9;
+                *value = if is_integer { (short as i64).into() } else { short.into() };
             }
         }
         _ => {}

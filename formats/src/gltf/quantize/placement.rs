@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// Places all meshes of the document that are on a grid.
 pub(super) fn move_to_grids(root: &mut Object, blob: &mut [u8], grids: &BTreeMap<usize, Grid<3>>) {
-    let skinned: BTreeMap<usize, Grid<3>> = skins::shown(root)
+    let skinned: BTreeMap<usize, Grid<3>> = skins::skinned_meshes(root)
         .filter_map(|(mesh, matrices)| Some((matrices, *grids.get(&mesh)?)))
         .collect();
     for (matrices, grid) in &skinned {
@@ -18,11 +18,11 @@ pub(super) fn move_to_grids(root: &mut Object, blob: &mut [u8], grids: &BTreeMap
     }
     let mut children = BTreeMap::new();
     for node in 0..root.list("nodes").len() {
-        let shown = &root["nodes"][node];
-        let grid = shown["mesh"]
+        let entry = &root["nodes"][node];
+        let grid = entry["mesh"]
             .as_index()
             .and_then(|m| grids.get(&m))
-            .filter(|_| shown.get("skin").is_none());
+            .filter(|_| entry.get("skin").is_none());
         if let Some(grid) = grid {
             children.insert(node, move_mesh(root, node, grid));
         }
@@ -54,9 +54,9 @@ fn redirect_weights(root: &mut Object, children: &BTreeMap<usize, usize>) {
             target["node"] = child.into();
         }
         let Some(pointer) = animation_pointer(target) else { continue };
-        let Some((node, rest)) = of_node(pointer) else { continue };
-        if let Some(child) = children.get(&node).filter(|_| rest.starts_with("weights")) {
-            *pointer = format!("/nodes/{child}/{rest}");
+        let Some((node, property)) = of_node(pointer) else { continue };
+        if let Some(child) = children.get(&node).filter(|_| property.starts_with("weights")) {
+            *pointer = format!("/nodes/{child}/{property}");
         }
     }
 }

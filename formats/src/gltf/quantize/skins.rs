@@ -17,7 +17,7 @@ pub(super) fn is_movable(root: &Object, node: &Object, written: impl Fn(usize) -
     let all = root.list("accessors");
     let bytes_at = |i: usize| (&all[i]["bufferView"], &all[i]["byteOffset"]);
     let twins = (0..all.len()).filter(|&i| bytes_at(i) == bytes_at(accessor)).count();
-    let moved = shown(root).filter(|(_, matrices)| *matrices == accessor);
+    let moved = skinned_meshes(root).filter(|(_, matrices)| *matrices == accessor);
     twins == 1 && of_matrices(root, accessor).is_some() && moved.map(|(mesh, _)| mesh).all(written)
 }
 
@@ -52,7 +52,7 @@ pub(super) fn transform(root: &mut Object, blob: &mut [u8], accessor: usize, gri
     }
 }
 
-/// The nodes that show a mesh with a skin: the mesh and the accessor of the matrices.
-pub(super) fn shown(root: &Object) -> impl Iterator<Item = (usize, usize)> {
+/// For each node with a skin, its mesh and the accessor of the skin's inverse bind matrices.
+pub(super) fn skinned_meshes(root: &Object) -> impl Iterator<Item = (usize, usize)> {
     root.entries("nodes").filter_map(|node| Some((node["mesh"].as_index()?, matrices(root, node)?)))
 }

@@ -110,14 +110,14 @@ fn file(scene: &Scene, precision: Precision, compress: bool) -> Vec<u8> {
 }
 
 /// Positions of all vertices where the scene shows them, by object.
-fn shown(scene: &Scene) -> Vec<Vec<[f64; 3]>> {
+fn positions_in_scene(scene: &Scene) -> Vec<Vec<[f64; 3]>> {
     let infos: Vec<_> = scene.objects.iter().map(|o| &o.info).collect();
     let graph = scene_graph(&scene.document, &infos, &Limits::DEFAULT).expect("a sound document");
     let scenes = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
-    let of = |p: &lodc_scene::Placement| {
+    let positions = |p: &lodc_scene::Placement| {
         posed(&scene.objects[p.object].mesh, p).positions.iter().map(|p| p.to_array()).collect()
     };
-    scenes.placements().iter().map(of).collect()
+    scenes.placements().iter().map(positions).collect()
 }
 
 fn stream<'a>(scene: &'a Scene, object: usize, semantic: &Semantic) -> &'a Attribute {
@@ -138,18 +138,18 @@ fn assert_close(a: &[f64], b: &[f64], limit: f64) {
 #[test]
 fn vertices_stand_where_they_stood() {
     let plain = written(&scene(), Precision::default(), false);
-    let before = shown(&plain);
+    let before = positions_in_scene(&plain);
     let all = || before.iter().flatten();
     let side = |k: usize| {
-        let of = |f: fn(f64, f64) -> f64| all().map(|p| p[k]).reduce(f).expect("vertices");
-        of(f64::max) - of(f64::min)
+        let extreme = |f: fn(f64, f64) -> f64| all().map(|p| p[k]).reduce(f).expect("vertices");
+        extreme(f64::max) - extreme(f64::min)
     };
     // Half a step in each direction, and half of that for the morph target of weight 0.5.
     let step = (0..3).map(side).fold(0.0, f64::max) / f64::from((1 << 12) - 2);
     for compress in [false, true] {
         // Weights of few bits move vertices, too.
         let quantised = written(&plain, Precision { weight: None, ..BITS }, compress);
-        for (a, b) in before.iter().flatten().zip(shown(&quantised).iter().flatten()) {
+        for (a, b) in before.iter().flatten().zip(positions_in_scene(&quantised).iter().flatten()) {
             assert_close(a, b, step * 0.87 * 1.5);
         }
         let document = parsed(&quantised);
@@ -231,7 +231,7 @@ fn compression_changes_no_bit_of_what_is_quantised() {
     }
     // What is on a grid stays on it.
     let again = written(&compressed, BITS, true);
-    assert_eq!(shown(&again), shown(&compressed));
+    assert_eq!(positions_in_scene(&again), positions_in_scene(&compressed));
 }
 
 #[test]
@@ -267,7 +267,7 @@ fn animations_and_skins_are_compressed_and_come_back_exactly() {
         |s: &Scene| crate::animation(&s.document, 0, &Limits::DEFAULT).expect("it is there");
     assert_eq!(moves(&plain), moves(&packed));
     // The skin poses them: its matrices are the same.
-    assert_eq!(shown(&plain), shown(&packed));
+    assert_eq!(positions_in_scene(&plain), positions_in_scene(&packed));
     let bytes = file(&scene, Precision::default(), true);
     let length = u32::from_le_bytes([bytes[12], bytes[13], bytes[14], bytes[15]]) as usize;
     let json: Value = serde_json::from_slice(&bytes[20..20 + length]).expect("a JSON chunk");

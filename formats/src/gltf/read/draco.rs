@@ -12,12 +12,13 @@ use draco_core::{
 };
 use lodc_mesh::Component;
 
-/// Bytes that the streams of any document may decode to, and besides for each byte of the document
-/// and its buffers: streams of large meshes have about thirty.
-const BASE: u64 = 32 << 20;
-const PER_BYTE: u64 = 64;
-/// Bytes of a triangle, decoded, and of a position.
-const TRIANGLE: u64 = 12;
+/// Bytes that the streams of any document may decode to, however small it is. Chosen by hand.
+const BASE_BYTES: u64 = 32 << 20;
+/// Bytes that they may decode to besides for each byte of the document and its buffers: about twice
+/// what streams of large meshes have.
+const BYTES_PER_BYTE: u64 = 64;
+/// Bytes of a decoded triangle, three indices, and of a position, three coordinates.
+const TRIANGLE_BYTES: u64 = 12;
 
 /// The bytes, views and accessors that decoding adds to a document.
 #[derive(Default)]
@@ -46,7 +47,7 @@ pub(super) fn unpack(
 ) -> Result<u64, FormatError> {
     let uses = uses(root);
     let [views, accessors] = ["bufferViews", "accessors"].map(|list| root.entries(list).len());
-    let most = BASE.saturating_add(PER_BYTE.saturating_mul(input_bytes));
+    let most = BASE_BYTES.saturating_add(BYTES_PER_BYTE.saturating_mul(input_bytes));
     let (mut added, mut all) = (Added::default(), Vec::new());
     for (m, mesh) in root.entries("meshes").enumerate() {
         let primitives = mesh.list("primitives").iter().filter_map(Json::as_object);
@@ -233,8 +234,8 @@ fn stream<'b>(
 /// The mesh in a stream; refused if it takes more than `most` bytes.
 fn decoded(bytes: &[u8], limits: &Limits, most: u64, location: &str) -> Result<Mesh, FormatError> {
     let ceilings = DecodeLimits::default()
-        .with_max_points(limits.vertices.min(most / TRIANGLE))
-        .with_max_faces(limits.triangles.min(most / TRIANGLE))
+        .with_max_points(limits.vertices.min(most / TRIANGLE_BYTES))
+        .with_max_faces(limits.triangles.min(most / TRIANGLE_BYTES))
         .with_max_decoded_bytes(most);
     let mut mesh = Mesh::new();
     let mut buffer = DecoderBuffer::new(bytes).with_limits(ceilings);

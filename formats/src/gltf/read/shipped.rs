@@ -131,9 +131,9 @@ impl Chain {
     fn pairs(&self, root: &Object) -> Vec<(usize, [usize; 2])> {
         let mut pairs = Vec::new();
         for (&node, ids) in &self.nodes {
-            let shown = std::iter::once(&node).chain(ids);
+            let level_nodes = std::iter::once(&node).chain(ids);
             let meshes: Vec<usize> =
-                shown.filter_map(|&n| root["nodes"][n]["mesh"].as_index()).collect();
+                level_nodes.filter_map(|&n| root["nodes"][n]["mesh"].as_index()).collect();
             pairs.extend(meshes.windows(2).enumerate().map(|(k, pair)| (k, [pair[0], pair[1]])));
         }
         pairs.sort_unstable();
@@ -143,18 +143,18 @@ impl Chain {
 
     /// Returns the document of one level.
     fn level(&self, root: &Object, level: usize) -> Result<Object, FormatError> {
-        let mut own = root.clone();
+        let mut level_document = root.clone();
         let mut empty = Vec::new();
         if self.has_ranges {
             for (m, p) in primitives(root).map(|(numbers, _)| numbers) {
-                if !take_range(&mut own, (m, p), level, self.levels)? {
+                if !take_range(&mut level_document, (m, p), level, self.levels)? {
                     empty.push((m, p));
                 }
             }
         }
-        self.take_nodes(root, &mut own, level);
-        prune::without(&mut own, &empty);
-        Ok(own)
+        self.take_nodes(root, &mut level_document, level);
+        prune::without(&mut level_document, &empty);
+        Ok(level_document)
     }
 
     /// Gives the meshes of level 0 the primitives of another level, whose own meshes and nodes go.
@@ -164,10 +164,10 @@ impl Chain {
         let mut meshes_kept = vec![true; Pool::Meshes.len(root)];
         for (&node, ids) in &self.nodes {
             let finest = mesh_of(node);
-            let shown = std::iter::once(&node).chain(ids).nth(level).and_then(|&n| mesh_of(n));
-            if let (Some(finest), Some(shown)) = (finest, shown) {
+            let level_mesh = std::iter::once(&node).chain(ids).nth(level).and_then(|&n| mesh_of(n));
+            if let (Some(finest), Some(level_mesh)) = (finest, level_mesh) {
                 level_root["meshes"].as_array_mut().into_iter().for_each(|meshes| {
-                    meshes[finest]["primitives"] = root["meshes"][shown]["primitives"].clone();
+                    meshes[finest]["primitives"] = root["meshes"][level_mesh]["primitives"].clone();
                 });
             }
             for &id in ids {
@@ -286,21 +286,21 @@ fn range(range: &Json) -> Option<[usize; 3]> {
 }
 
 fn wrong_ranges(ranges: &[Json], indices: &[u32]) -> Option<String> {
-    let (mut next, mut most) = (0, usize::MAX);
+    let (mut next, mut max_vertices) = (0, usize::MAX);
     for (level, entry) in ranges.iter().enumerate() {
         let Some([first, count, vertices]) = range(entry) else {
             return Some(format!("level {level} has no first, count and vertices"));
         };
-        let Some(own) = indices.get(first..first.saturating_add(count)) else {
+        let Some(level_indices) = indices.get(first..first.saturating_add(count)) else {
             return Some(format!("level {level} ends beyond the {} indices", indices.len()));
         };
-        let used = own.iter().max().map_or(0, |&v| v as usize + 1);
-        if used != vertices || used > most || first != next {
+        let used = level_indices.iter().max().map_or(0, |&v| v as usize + 1);
+        if used != vertices || used > max_vertices || first != next {
             return Some(format!(
                 "level {level} is at {first}, not {next}, or uses {used} vertices, not {vertices}"
             ));
         }
-        (next, most) = (first + count, used);
+        (next, max_vertices) = (first + count, used);
     }
     (next != indices.len())
         .then(|| format!("the ranges end at {next} of {} indices", indices.len()))
@@ -321,25 +321,26 @@ fn wrong_nodes(root: &Object, node: usize, ids: &[usize]) -> Option<String> {
         let all = animations.flat_map(|(a, animation)| {
             animation.list("channels").iter().map(move |channel| (a, channel.clone()))
         });
-        let own = all.filter_map(|(a, mut channel)| {
+        let of_node = all.filter_map(|(a, mut channel)| {
             (target(&mut channel) == Some(wanted)).then_some((a, channel))
         });
-        own.map(|(a, mut channel)| {
-            // Where it leads is the node; what it moves there has to be the same.
-            let pointer = animation_pointer(&mut channel["target"]).map(|pointer| {
-                *pointer = pointer.splitn(4, '/').last().unwrap_or_default().to_owned();
-            });
-            if pointer.is_none() {
-                channel["target"]["node"] = Json::Null;
-            }
-            (a, channel)
-        })
-        .collect()
+        of_node
+            .map(|(a, mut channel)| {
+                // Where it leads is the node; what it moves there has to be the same.
+                let pointer = animation_pointer(&mut channel["target"]).map(|pointer| {
+                    *pointer = pointer.splitn(4, '/').last().unwrap_or_default().to_owned();
+                });
+                if pointer.is_none() {
+                    channel["target"]["node"] = Json::Null;
+                }
+                (a, channel)
+            })
+            .collect()
     };
     let moved = channels(node);
     ids.iter().find_map(|&id| {
-        let own = &root["nodes"][id];
-        let key = PLACING.into_iter().find(|key| own[*key] != finest[*key]);
+        let coarser = &root["nodes"][id];
+        let key = PLACING.into_iter().find(|key| coarser[*key] != finest[*key]);
         let problem = key.map(|key| format!("nodes[{id}].{key}: is not that of nodes[{node}]"));
         problem.or_else(|| {
             (channels(id) != moved)
@@ -359,13 +360,13 @@ fn target(channel: &mut Json) -> Option<usize> {
 
 /// Leaves a primitive one level of its index accessor; false if it has no triangle there.
 fn take_range(
-    own: &mut Object,
+    document: &mut Object,
     (mesh, primitive): (usize, usize),
     level: usize,
     levels: usize,
 ) -> Result<bool, FormatError> {
     let location = || format!("meshes[{mesh}].primitives[{primitive}]");
-    let entry = primitive_mut(own, mesh, primitive);
+    let entry = primitive_mut(document, mesh, primitive);
     let Some(entry) = entry else { return Ok(true) };
     let ranges = ranges(entry);
     if ranges.len() != levels {
@@ -378,7 +379,7 @@ fn take_range(
     if count == 0 {
         return Ok(false);
     }
-    let mut part = own["accessors"][accessor].clone();
+    let mut part = document["accessors"][accessor].clone();
     let component = part["componentType"].as_u64().and_then(numbered_component);
     let size = component.map_or(0, Component::size);
     let offset = part["byteOffset"].as_index().unwrap_or(0) + first * size;
@@ -387,9 +388,9 @@ fn take_range(
     for key in ["min", "max"] {
         part.as_object_mut().map(|part| part.shift_remove(key));
     }
-    let number = Pool::Accessors.len(own);
-    own.append("accessors", vec![part]);
-    if let Some(entry) = primitive_mut(own, mesh, primitive) {
+    let number = Pool::Accessors.len(document);
+    document.append("accessors", vec![part]);
+    if let Some(entry) = primitive_mut(document, mesh, primitive) {
         entry["indices"] = number.into();
         forget_extra(entry, "lodc");
     }

@@ -67,16 +67,16 @@ pub fn export_chain<'a>(
     for (i, (object, subject)) in objects.iter().zip(&subjects).enumerate() {
         let geometry = quantizer.geometry(i, subject);
         let next = quantizer.next(i, subject);
-        let mut made = Levels::new(object, subject.mesh);
+        let mut object_levels = Levels::new(object, subject.mesh);
         for (s, &number) in subject.primitives.iter().enumerate() {
-            let primitive = submesh_primitive(&mut root, made.mesh, number)?;
+            let primitive = submesh_primitive(&mut root, object_levels.mesh, number)?;
             let mut numbering = writer.numbering(&geometry);
             let next = next.as_deref();
-            if !made.primitive(&mut numbering, (s, number), primitive, next, shape)? {
-                empty.push((made.mesh, number));
+            if !object_levels.primitive(&mut numbering, (s, number), primitive, next, shape)? {
+                empty.push((object_levels.mesh, number));
             }
         }
-        levels.push(made);
+        levels.push(object_levels);
     }
     let mut gliding = BTreeSet::new();
     if shape == ChainShape::Nodes {
@@ -177,7 +177,7 @@ impl<'a> Levels<'a> {
             if level == 0 {
                 primitive["indices"] = accessor.clone();
             }
-            let mut own = LevelPrimitive {
+            let mut level_primitive = LevelPrimitive {
                 number,
                 indices: accessor,
                 target: None,
@@ -191,9 +191,9 @@ impl<'a> Levels<'a> {
                 let next = (next, glide.carried);
                 let attributes = &primitive["attributes"];
                 let (target, taken) = numbering.target(submesh, &vertices, run, next, attributes);
-                (own.target, own.attributes) = (Some(target), taken);
+                (level_primitive.target, level_primitive.attributes) = (Some(target), taken);
             }
-            self.primitives[level].push(own);
+            self.primitives[level].push(level_primitive);
         }
         Ok(!levels[0].is_empty())
     }
@@ -240,11 +240,12 @@ impl<'a> Levels<'a> {
             }
             (level_primitive.is_some() || !numbers.contains(&number)).then_some(primitive)
         };
-        let kept: Vec<Json> = primitives.into_iter().enumerate().filter_map(at_level).collect();
-        if kept.is_empty() {
+        let remaining: Vec<Json> =
+            primitives.into_iter().enumerate().filter_map(at_level).collect();
+        if remaining.is_empty() {
             return None;
         }
-        mesh["primitives"] = kept.into();
+        mesh["primitives"] = remaining.into();
         root.append("meshes", vec![mesh]);
         Some(root.list("meshes").len() - 1)
     }
@@ -257,30 +258,31 @@ impl<'a> Levels<'a> {
     /// Gives the primitives of a level the target that moves them to the next one. Those that are
     /// no submeshes, or have no triangles, get one as well: all have as many.
     fn put_targets(&self, root: &mut Object, writer: &mut Writer, mesh: usize, level: usize) {
-        let counts = |primitive: &Object| -> Option<usize> {
+        let vertex_count = |primitive: &Object| -> Option<usize> {
             let accessor = primitive["attributes"]["POSITION"].as_index()?;
             root["accessors"][accessor]["count"].as_index()
         };
-        let of_others = root["meshes"][mesh]["primitives"].list().iter();
-        let of_others: Vec<_> = of_others.map(|p| p.as_object().and_then(counts)).collect();
+        let vertex_counts = root["meshes"][mesh]["primitives"].list().iter();
+        let vertex_counts: Vec<_> =
+            vertex_counts.map(|p| p.as_object().and_then(vertex_count)).collect();
         let Some(entry) = root.object_mut("meshes", mesh) else { return };
         let mut targets = 0;
-        let mut own = self.primitives[level].iter();
+        let mut level_primitives = self.primitives[level].iter();
         for (p, primitive) in entry.objects_mut("primitives").enumerate() {
             // A level's mesh has the primitives with triangles in their order; the finest has all.
-            let is_own = |own: &&LevelPrimitive| primitive["indices"] == own.indices;
-            let target = match own.clone().next().filter(is_own) {
+            let has_indices = |p: &&LevelPrimitive| primitive["indices"] == p.indices;
+            let target = match level_primitives.clone().next().filter(has_indices) {
                 Some(level) => {
-                    own.next();
+                    level_primitives.next();
                     for (name, accessor) in level.attributes.iter() {
                         primitive["attributes"][&**name] = accessor.clone();
                     }
                     level.target.clone()
                 }
-                None => of_others[p].map(|count| {
-                    let none = ("POSITION".to_owned(), 3, Vec::new());
-                    let accessor = writer.deltas(&none, 0..0, count);
-                    Object::from_iter([(none.0, accessor)])
+                None => vertex_counts[p].map(|count| {
+                    let no_movement = ("POSITION".to_owned(), 3, Vec::new());
+                    let accessor = writer.deltas(&no_movement, 0..0, count);
+                    Object::from_iter([(no_movement.0, accessor)])
                 }),
             };
             targets = targets.max(primitive.list("targets").len());
@@ -295,8 +297,9 @@ impl<'a> Levels<'a> {
         let first = root.list("nodes").len();
         let ids: Vec<usize> = (first..first + meshes.len()).collect();
         let source = &root["nodes"][node];
-        let made = (1..).zip(meshes).map(|(level, &mesh)| copied(source, mesh, level)).collect();
-        root.append("nodes", made);
+        let coarser_nodes =
+            (1..).zip(meshes).map(|(level, &mesh)| copied(source, mesh, level)).collect();
+        root.append("nodes", coarser_nodes);
         let copies = ids.iter().map(|&id| [node, id]).collect();
         let entry = root.object_mut("nodes", node).expect("the node that was copied");
         entry["extensions"]["MSFT_lod"] = object! { "ids" => ids };
@@ -340,35 +343,35 @@ fn copied(node: &Json, mesh: usize, level: usize) -> Json {
 /// Repeats the animation channels of nodes for their copies, each given with its node.
 fn copy_channels(root: &mut Object, copies: &[[usize; 2]]) {
     let mut copies_of: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (place, [node, _]) in copies.iter().enumerate() {
-        copies_of.entry(*node).or_default().push(place);
+    for (number, [node, _]) in copies.iter().enumerate() {
+        copies_of.entry(*node).or_default().push(number);
     }
-    let places = |node: usize| copies_of.get(&node).into_iter().flatten();
+    let copy_numbers = |node: usize| copies_of.get(&node).into_iter().flatten();
     for animation in root.objects_mut("animations") {
-        let mut own: Vec<(usize, Json)> = Vec::new();
+        let mut channels: Vec<(usize, Json)> = Vec::new();
         for channel in animation.list("channels") {
             let node = channel["target"]["node"].as_index();
-            own.extend(node.into_iter().flat_map(places).map(|&place| {
+            channels.extend(node.into_iter().flat_map(copy_numbers).map(|&number| {
                 let mut copy = channel.clone();
-                copy["target"]["node"] = copies[place][1].into();
-                (place, copy)
+                copy["target"]["node"] = copies[number][1].into();
+                (number, copy)
             }));
             let mut copy = channel.clone();
             let Some(pointer) = extensions::animation_pointer(&mut copy["target"]) else {
                 continue;
             };
-            let Some((of, rest)) = extensions::of_node(pointer) else { continue };
-            let rest = rest.to_owned();
-            for &place in places(of).filter(|_| node != Some(of)) {
+            let Some((target, property)) = extensions::of_node(pointer) else { continue };
+            let property = property.to_owned();
+            for &number in copy_numbers(target).filter(|_| node != Some(target)) {
                 let mut copy = copy.clone();
                 if let Some(pointer) = extensions::animation_pointer(&mut copy["target"]) {
-                    *pointer = format!("/nodes/{}/{rest}", copies[place][1]);
+                    *pointer = format!("/nodes/{}/{property}", copies[number][1]);
                 }
-                own.push((place, copy));
+                channels.push((number, copy));
             }
         }
         // All channels of a copy, then those of the next.
-        own.sort_by_key(|(place, _)| *place);
-        animation.append("channels", own.into_iter().map(|(_, channel)| channel).collect());
+        channels.sort_by_key(|(number, _)| *number);
+        animation.append("channels", channels.into_iter().map(|(_, channel)| channel).collect());
     }
 }

@@ -5,6 +5,7 @@ use crate::gltf::json::{Json, Object, object};
 use crate::gltf::meshopt::Content;
 use crate::gltf::views::put;
 
+/// The extension that is written.
 const NAME: &str = extensions::MESHOPT[0];
 
 /// The views of a document that are compressed, and the buffer that they would be in if they were

@@ -66,12 +66,13 @@ pub(super) fn widen(
     let Document::Gltf(stored) = document else { return Ok(()) };
     let is_ours = |channel: &Json| {
         let mut target = channel["target"].clone();
-        let of = |pool: &str, all: &BTreeSet<usize>, pointer: &str| {
-            let number = pointer.strip_prefix(pool).and_then(|rest| rest.strip_suffix("/weights"));
+        let is_weights_of = |pool: &str, all: &BTreeSet<usize>, pointer: &str| {
+            let number =
+                pointer.strip_prefix(pool).and_then(|suffixed| suffixed.strip_suffix("/weights"));
             number.and_then(|n| n.parse().ok()).is_some_and(|n: usize| all.contains(&n))
         };
         match animation_pointer(&mut target) {
-            Some(p) => of("/nodes/", &nodes, p) || of("/meshes/", meshes, p),
+            Some(p) => is_weights_of("/nodes/", &nodes, p) || is_weights_of("/meshes/", meshes, p),
             None => {
                 let node = target["node"].as_index().filter(|node| nodes.contains(node));
                 node.is_some() && target["path"].as_str() == Some("weights")

@@ -59,8 +59,8 @@ pub fn export_levels(
     let mut empty = Vec::new();
     for (i, object) in objects.iter().enumerate() {
         let mesh = document_mesh(document, object.info, i);
-        let own = object.simplified.mesh();
-        let adapted = adapted(document, own);
+        let finest = object.simplified.mesh();
+        let adapted = adapted(document, finest);
         let levels = Levels::new(object, &adapted);
         for (s, info) in object.info.submeshes.iter().enumerate() {
             let number = document_primitive(document, info, s);
@@ -153,12 +153,12 @@ impl<'a> Levels<'a> {
     /// The vertex of submesh `s` that `v` becomes; itself if it is the last one there. A vertex
     /// only leaves its submesh when no triangle needs it any more.
     fn target(&self, v: u32, s: usize) -> u32 {
-        let own = self.local[v as usize];
+        let local = self.local[v as usize];
         match self.object.simplified.collapses().targets().get(v as usize) {
             Some(&t) if self.mesh.vertex_submesh()[t as usize] as usize == s => {
                 self.local[t as usize]
             }
-            _ => own.saturating_sub(1),
+            _ => local.saturating_sub(1),
         }
     }
 

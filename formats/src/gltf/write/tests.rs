@@ -127,9 +127,10 @@ fn indices_are_never_8_bits_and_grow_at_65535_vertices() {
         let root = b.with_meshes(
             &json!([{ "primitives": [{ "attributes": { "POSITION": p }, "mode": 5 }] }]),
         );
-        let left = json_of(&glb(&sound(&root)));
-        let primitive = &left["meshes"][0]["primitives"][0];
-        let indices = &left["accessors"][primitive["indices"].as_u64().expect("indices") as usize];
+        let remaining = json_of(&glb(&sound(&root)));
+        let primitive = &remaining["meshes"][0]["primitives"][0];
+        let indices =
+            &remaining["accessors"][primitive["indices"].as_u64().expect("indices") as usize];
         assert_eq!(
             (&indices["componentType"], primitive.get("mode")),
             (&json!(component), None),
@@ -148,8 +149,8 @@ fn narrow_attributes_are_padded_and_positions_have_bounds_in_their_own_type() {
         &json!([{ "primitives": [{ "attributes": { "COLOR_0": color, "POSITION": p } }] }]),
     );
     let file = glb(&sound(&root));
-    let left = json_of(&file);
-    for view in left["bufferViews"].as_array().expect("views") {
+    let remaining = json_of(&file);
+    for view in remaining["bufferViews"].as_array().expect("views") {
         assert_eq!(
             view["byteStride"].as_u64().unwrap_or(4) % 4
                 + view["byteOffset"].as_u64().unwrap_or(0) % 4,
@@ -157,11 +158,11 @@ fn narrow_attributes_are_padded_and_positions_have_bounds_in_their_own_type() {
         );
         assert!(view["target"] == json!(34962) || view.get("byteStride").is_none());
     }
-    let position = left["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
+    let position = remaining["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
         .as_u64()
         .expect("positions") as usize;
-    assert_eq!(left["accessors"][position]["max"], json!([9, 5, 7]));
-    assert_eq!(left["accessors"][position]["min"], json!([0, 0, 7]));
+    assert_eq!(remaining["accessors"][position]["max"], json!([9, 5, 7]));
+    assert_eq!(remaining["accessors"][position]["min"], json!([0, 0, 7]));
 }
 
 #[test]
@@ -198,15 +199,15 @@ fn primitives_and_meshes_without_triangles_leave_a_sound_scene() {
         (0..3).map(|m| thinned(&scene.objects[m].mesh, |t| m != 1 && (m != 0 || t > 0))).collect();
     let objects: Vec<_> = scene.objects.iter().zip(&meshes).map(|(o, m)| (&o.info, m)).collect();
     let file = written(&scene.document, &objects, ExportFormat::Glb).remove(0).bytes;
-    let left = json_of(&file);
+    let remaining = json_of(&file);
     let names: Vec<_> =
-        left["meshes"].as_array().expect("meshes").iter().map(|m| m["name"].clone()).collect();
+        remaining["meshes"].as_array().expect("meshes").iter().map(|m| m["name"].clone()).collect();
     assert_eq!(names, [json!("two"), json!("last")]);
-    assert_eq!(left["meshes"][0]["primitives"].as_array().map(Vec::len), Some(1));
-    assert_eq!(left["nodes"], json!([{ "name": "n" }, { "mesh": 1 }, { "mesh": 0 }]));
-    assert_eq!(left["animations"].as_array().map(Vec::len), Some(1));
+    assert_eq!(remaining["meshes"][0]["primitives"].as_array().map(Vec::len), Some(1));
+    assert_eq!(remaining["nodes"], json!([{ "name": "n" }, { "mesh": 1 }, { "mesh": 0 }]));
+    assert_eq!(remaining["animations"].as_array().map(Vec::len), Some(1));
     assert_eq!(
-        left["animations"][0]["channels"],
+        remaining["animations"][0]["channels"],
         json!([channel(1), pointer("/meshes/1/weights")])
     );
     assert_eq!(again(&file).objects.len(), 2);
@@ -279,13 +280,13 @@ fn what_came_from_obj_gets_a_scene_materials_and_the_conventions_of_gltf() {
     let (document, info, mesh) = obj_like();
     let file =
         written(&Document::Obj(document), &[(&info, &mesh)], ExportFormat::Glb).remove(0).bytes;
-    let left = json_of(&file);
-    let pbr = &left["materials"][0]["pbrMetallicRoughness"];
+    let remaining = json_of(&file);
+    let pbr = &remaining["materials"][0]["pbrMetallicRoughness"];
     assert_eq!(pbr["baseColorFactor"], json!([0.214041, 0.050876, 1.0, 0.5]));
-    assert_eq!(left["materials"][0]["alphaMode"], json!("BLEND"));
-    assert_eq!(left["images"], json!([{ "uri": "tex/my%20map.png" }]));
+    assert_eq!(remaining["materials"][0]["alphaMode"], json!("BLEND"));
+    assert_eq!(remaining["images"], json!([{ "uri": "tex/my%20map.png" }]));
     assert_eq!(
-        (&left["asset"]["generator"], &left["scenes"]),
+        (&remaining["asset"]["generator"], &remaining["scenes"]),
         (&json!("lodc"), &json!([{ "nodes": [0] }]))
     );
     let back = again(&file);

@@ -16,9 +16,12 @@ use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
 use std::ops::Range;
 
+/// Target of views with vertex attributes (glTF 2.0).
 const ARRAY_BUFFER: u32 = 34962;
+/// Target of views with indices (glTF 2.0).
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-/// Of views that no draw reads: numbers of sparse accessors, samples.
+/// Stands for the missing target of views that no draw call reads: numbers of sparse accessors,
+/// samples.
 const NO_TARGET: u32 = 0;
 
 /// A buffer view being filled.
@@ -238,12 +241,12 @@ impl Writer {
         };
         if name == "POSITION" {
             let at_rest = if run.len() < count { 0.0 } else { f32::NAN };
-            let of = |c: usize, larger: fn(f32, f32) -> f32| -> Json {
+            let extreme = |c: usize, larger: fn(f32, f32) -> f32| -> Json {
                 let all = values.iter().skip(c).step_by(*components).copied();
                 f64::from(all.fold(at_rest, larger)).into()
             };
-            accessor["min"] = (0..*components).map(|c| of(c, f32::min)).collect();
-            accessor["max"] = (0..*components).map(|c| of(c, f32::max)).collect();
+            accessor["min"] = (0..*components).map(|c| extreme(c, f32::min)).collect();
+            accessor["max"] = (0..*components).map(|c| extreme(c, f32::max)).collect();
         }
         let elements: Vec<(u32, &[f32])> = run.zip(values.chunks_exact(*components)).collect();
         let moving = elements.iter().filter(|(_, value)| value.iter().any(|&v| v != 0.0));
@@ -448,8 +451,8 @@ impl Numbering<'_> {
             let is_joint = matches!(a.semantic, Semantic::Joints(_) | Semantic::Weights(_));
             if carried.joints && is_joint && !moving.is_empty() {
                 let name = semantic::to_name(&a.semantic);
-                let own = self.writer.replaced(&attributes[&*name], a, moving, range.clone());
-                taken.insert(name, own);
+                let accessor = self.writer.replaced(&attributes[&*name], a, moving, range.clone());
+                taken.insert(name, accessor);
             }
         }
         (target, taken)

@@ -29,14 +29,14 @@ fn animated() -> Value {
 fn geometry_goes_and_the_rest_is_renumbered_and_compacted() {
     let root = animated();
     let scene = sound(&root);
-    let left = parsed(&scene);
-    assert_eq!(left["meshes"][0]["primitives"][0], json!({ "attributes": {}, "material": 0 }));
-    assert_eq!(left["animations"][0]["samplers"][0], json!({ "input": 0, "output": 1 }));
-    assert_eq!(left["images"][0]["bufferView"], json!(2));
-    assert_eq!(left["accessors"].as_array().map(Vec::len), Some(2));
+    let remaining = parsed(&scene);
+    assert_eq!(remaining["meshes"][0]["primitives"][0], json!({ "attributes": {}, "material": 0 }));
+    assert_eq!(remaining["animations"][0]["samplers"][0], json!({ "input": 0, "output": 1 }));
+    assert_eq!(remaining["images"][0]["bufferView"], json!(2));
+    assert_eq!(remaining["accessors"].as_array().map(Vec::len), Some(2));
     let blob = &gltf(&scene).blob;
-    assert_eq!(left["buffers"], json!([{ "byteLength": blob.len() }]));
-    let at = left["bufferViews"][2]["byteOffset"].as_u64().expect("an offset") as usize;
+    assert_eq!(remaining["buffers"], json!([{ "byteLength": blob.len() }]));
+    let at = remaining["bufferViews"][2]["byteOffset"].as_u64().expect("an offset") as usize;
     assert_eq!(&blob[at..], b"not really a picture");
     assert_eq!(blob.len(), 8 + 24 + 20);
 }
@@ -46,9 +46,9 @@ fn nothing_is_renumbered_under_an_unknown_extension_with_numbers() {
     let mut root = animated();
     root["extensions"] = json!({ "X_unknown": { "accessor": 0 } });
     let scene = sound(&root);
-    let left = parsed(&scene);
-    assert_eq!(left["accessors"].as_array().map(Vec::len), Some(3));
-    assert_eq!(left["images"][0]["bufferView"], json!(3));
+    let remaining = parsed(&scene);
+    assert_eq!(remaining["accessors"].as_array().map(Vec::len), Some(3));
+    assert_eq!(remaining["images"][0]["bufferView"], json!(3));
     assert!(scene.warnings.iter().any(|w| w.contains("X_unknown")));
     // Without a whole number there is nothing that it could point with.
     root["extensions"] = json!({ "X_unknown": { "factor": 0.5, "name": "0" } });
@@ -60,11 +60,11 @@ fn an_accessor_that_nothing_names_keeps_the_view_that_geometry_left() {
     let mut root = animated();
     let position = root["accessors"][0].clone();
     root["accessors"].as_array_mut().expect("accessors").push(position);
-    let left = parsed(&sound(&root));
-    let accessors = left["accessors"].as_array().expect("accessors");
+    let remaining = parsed(&sound(&root));
+    let accessors = remaining["accessors"].as_array().expect("accessors");
     assert_eq!(accessors.len(), 3);
     let view = accessors[2]["bufferView"].as_u64().expect("a view") as usize;
-    assert_eq!(left["bufferViews"][view]["byteLength"], 3 * 12);
+    assert_eq!(remaining["bufferViews"][view]["byteLength"], 3 * 12);
 }
 
 #[test]
@@ -79,8 +79,8 @@ fn views_that_overlap_do_not_multiply() {
     let scene =
         sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }])));
     assert_eq!(gltf(&scene).blob.len(), 1000);
-    let left = parsed(&scene);
-    assert_eq!(left["bufferViews"][200]["byteOffset"], json!(199));
+    let remaining = parsed(&scene);
+    assert_eq!(remaining["bufferViews"][200]["byteOffset"], json!(199));
 }
 
 #[test]
@@ -109,9 +109,9 @@ fn points_lines_and_triangles_without_area_pass_through_unchanged() {
     let scene = sound(&root);
     assert_eq!(scene.objects.len(), 1);
     assert_eq!(scene.objects[0].info.submeshes[0].document_primitive, 2);
-    let left = parsed(&scene);
+    let remaining = parsed(&scene);
     assert_eq!(
-        (&left["meshes"][0]["primitives"][0], &left["meshes"][1]["primitives"][0]),
+        (&remaining["meshes"][0]["primitives"][0], &remaining["meshes"][1]["primitives"][0]),
         (&lines, &flat)
     );
     assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
@@ -125,9 +125,12 @@ fn images_in_data_uris_become_bytes_and_names_stay() {
     root["images"] = json!([{ "uri": "data:image/png;base64,AQID" },
         { "uri": "some%20where/x.png" }, { "uri": "data:image/png;base64,!" }]);
     let scene = sound(&root);
-    let left = parsed(&scene);
-    assert_eq!(left["images"][0], json!({ "mimeType": "image/png", "bufferView": 0 }));
-    assert_eq!((&left["images"][1], &left["images"][2]), (&root["images"][1], &root["images"][2]));
+    let remaining = parsed(&scene);
+    assert_eq!(remaining["images"][0], json!({ "mimeType": "image/png", "bufferView": 0 }));
+    assert_eq!(
+        (&remaining["images"][1], &remaining["images"][2]),
+        (&root["images"][1], &root["images"][2])
+    );
     assert_eq!(gltf(&scene).blob, [1, 2, 3]);
 }
 
