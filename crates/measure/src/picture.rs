@@ -3,7 +3,7 @@
 
 use crate::surface::Surface;
 use glam::{DVec3, Vec2, Vec3};
-use lodc_mesh::PositionIds;
+use lodc_mesh::{PositionIds, floor};
 use lodc_raster::{Camera, Fragment, Point, SUBPIXELS, Window, scan, spread_cameras};
 use lodc_scene::smooth_normals;
 use rayon::prelude::*;
@@ -248,7 +248,7 @@ fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
 }
 
 fn is_dark(at: Vec2) -> bool {
-    let parity = |x: f32| x.floor().rem_euclid(2.0) >= 1.0;
+    let parity = |x: f32| floor(x).rem_euclid(2.0) >= 1.0;
     parity(at.x) != parity(at.y)
 }
 

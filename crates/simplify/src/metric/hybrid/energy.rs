@@ -59,10 +59,7 @@ impl Patch {
         } else {
             // No part is negative, so the sum may end early: what takes least time comes first.
             self.nearest.clear();
-            let mut likely = 0;
-            for quad in &self.samples {
-                let nearest = quad.nearest(&self.triangles, likely);
-                likely = nearest.face[3];
+            for (quad, nearest) in lanes::nearest_points(&self.samples, &self.triangles) {
                 sum += lanes::sum(quad.weight * geometric_error(quad, &nearest, distance_weight));
                 if sum > most {
                     return sum;
@@ -99,10 +96,7 @@ impl Patch {
         energy: &mut [f64],
     ) -> f64 {
         let (mut sum, mut visible) = (0.0, 0.0);
-        let mut likely = 0;
-        for quad in self.samples.iter().filter(|_| !self.moved.is_empty()) {
-            let nearest = quad.nearest(&self.triangles, likely);
-            likely = nearest.face[3];
+        for (quad, nearest) in lanes::nearest_points(&self.samples, &self.triangles) {
             let geometric = quad.weight * geometric_error(quad, &nearest, distance_weight);
             let of_colours = self.shading(quad, &nearest, samples, appearance).of_colours;
             for (i, &s) in quad.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {

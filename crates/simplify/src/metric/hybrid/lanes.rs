@@ -83,7 +83,7 @@ impl SampleQuad {
     /// after one nearly as near that does not: where faces coincide, each keeps its samples.
     /// `likely` is the index of a face to begin with: the nearer that is, the sooner others are
     /// ruled out.
-    pub(super) fn nearest(&self, moved: &[PreparedTriangle], likely: u32) -> NearestPoints {
+    fn nearest(&self, moved: &[PreparedTriangle], likely: u32) -> NearestPoints {
         let behind = TURNED * self.extent * self.extent;
         let mut best = Vec4::INFINITY;
         let (mut face, mut at) = (Vec4::ZERO, [Vec4::ZERO; 2]);
@@ -107,6 +107,20 @@ impl SampleQuad {
         let away = self.position.minus_each(Vec3x4::new(&points));
         NearestPoints { face, at, away, squared: away.dot(away) }
     }
+}
+
+/// The samples of a star, four at a time, with their nearest points of the moved faces; none where
+/// no face is left. The search begins with the face of the sample before, which lies near.
+pub(super) fn nearest_points<'a>(
+    samples: &'a [SampleQuad],
+    moved: &'a [PreparedTriangle],
+) -> impl Iterator<Item = (&'a SampleQuad, NearestPoints)> {
+    let mut likely = 0;
+    samples.iter().filter(|_| !moved.is_empty()).map(move |quad| {
+        let nearest = quad.nearest(moved, likely);
+        likely = nearest.face[3];
+        (quad, nearest)
+    })
 }
 
 /// Four samples of a face that keeps its place, priced by the normals that the face is shaded with.

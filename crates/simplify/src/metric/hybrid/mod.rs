@@ -166,7 +166,7 @@ impl Reprice for HybridMetric<'_> {
 
     fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
         let faces = f64::from(mesh.live_faces);
-        self.follows = legal && self.hybrid_ranges.iter().any(|stretch| faces > stretch[1]);
+        self.follows = legal && self.hybrid_ranges.iter().any(|range| faces > range[1]);
         if self.should_toggle(mesh) {
             self.active = !self.active;
         }

@@ -72,7 +72,7 @@ pub(super) struct NearestPoints {
     pub(super) face: [u32; 4],
     /// Shares of the second and third corner.
     pub(super) at: [Vec4; 2],
-    /// From the place to the sample.
+    /// From the point to the sample.
     pub(super) away: Vec3x4,
     /// The squared length of that.
     pub(super) squared: Vec4,
