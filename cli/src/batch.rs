@@ -4,11 +4,12 @@
 use crate::exit::Outcome;
 use crate::help::MANY;
 use clap::Args;
-use lodc_assets::{Choice, Shard};
+use lodc_assets::{AssetChoice, Shard};
 use std::path::{Path, PathBuf};
 
 pub(crate) use lodc_assets::{
-    Asset, Budget, LEVELS, MESHES, OptionValues, Pair, Sources, check_streams, expand, run,
+    Asset, Budget, CommandPaths, LEVEL_EXTENSIONS, MESH_EXTENSIONS, OptionValues, Pair,
+    check_standard_streams, expand_folders, run_queue,
 };
 
 /// Options of commands that take many assets.
@@ -40,9 +41,9 @@ pub(crate) struct BatchArgs {
 
 impl BatchArgs {
     /// The choice of assets.
-    fn choice(&self) -> Choice {
+    fn choice(&self) -> AssetChoice {
         let Self { manifest, include, exclude, shard } = self.clone();
-        Choice { list: manifest, include, exclude, shard }
+        AssetChoice { list: manifest, include, exclude, shard }
     }
 
     /// Returns whether a run has several results, or may have them.
@@ -55,8 +56,8 @@ impl BatchArgs {
 ///
 /// # Errors
 /// As [`lodc_assets::assets`].
-pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Asset>> {
-    Ok(lodc_assets::assets(sources, &batch.choice())?)
+pub(crate) fn assets(paths: CommandPaths<'_>, batch: &BatchArgs) -> Outcome<Vec<Asset>> {
+    Ok(lodc_assets::assets(paths, &batch.choice())?)
 }
 
 /// The pairs of a run.

@@ -5,7 +5,7 @@ use crate::exit::Outcome;
 use crate::help::CONFIGURATION;
 use crate::program::Program;
 use clap::Args;
-use lodc_assets::{Asset, Configs, Layer};
+use lodc_assets::{Asset, ConfigLayer, Configs};
 use std::path::{Path, PathBuf};
 
 /// Options that choose a configuration.
@@ -52,12 +52,12 @@ impl ConfigArgs {
         program: &Program,
         command: &str,
         input: &Path,
-    ) -> Outcome<Vec<Layer>> {
+    ) -> Outcome<Vec<ConfigLayer>> {
         Ok(self.configs(program, command).layers(input, None)?)
     }
 
     fn configs<'a>(&'a self, program: &'a Program, command: &'a str) -> Configs<'a> {
         let (path, profile) = (self.config.as_deref(), self.profile.as_deref());
-        Configs::new(path, profile, program.words(), command)
+        Configs::new(path, profile, program.vocabulary(), command)
     }
 }

@@ -4,7 +4,7 @@
 use crate::exit::{Failure, Outcome};
 use crate::help::SIMPLIFIED;
 use clap::Args;
-use lodc_assets::listed;
+use lodc_assets::name_list;
 use lodc_formats::{ObjectInfo, PartNames, Scene};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_simplify::Weights;
@@ -111,7 +111,7 @@ fn chosen(lock: &Lock, mesh: &Mesh, names: &PartNames, object: usize) -> Vec<boo
 }
 
 fn unknown(lock: &Lock, names: &PartNames) -> Failure {
-    let list = |all: &[Vec<String>]| listed(all.iter().flatten().map(String::as_str));
+    let list = |all: &[Vec<String>]| name_list(all.iter().flatten().map(String::as_str));
     Failure::usage(match lock {
         Lock::Material(name) => {
             format!(

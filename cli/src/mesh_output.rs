@@ -83,7 +83,7 @@ pub(crate) fn format(
     option: Option<FormatName>,
     folder: bool,
 ) -> Outcome<FormatName> {
-    let to_stdout = output::is_stream(output);
+    let to_stdout = output::is_standard_stream(output);
     let format = match option {
         Some(format) => format,
         None if to_stdout || folder => FormatName::Glb,

@@ -11,7 +11,9 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-pub(crate) use lodc_assets::{Rule, Target, is_folder, is_stream, prepare, target};
+pub(crate) use lodc_assets::{
+    DependencyRule, Target, is_folder, is_standard_stream, prepare_targets, single_target,
+};
 
 /// Writes files, all or none; an interruption waits until they are in place.
 ///
@@ -144,8 +146,8 @@ pub(crate) fn write(target: &Target, bytes: Vec<u8>) -> Outcome<()> {
 ///
 /// # Errors
 /// If it cannot be written.
-pub(crate) fn write_depfile(path: &Path, rules: &[Rule]) -> Outcome<()> {
-    rules.iter().try_for_each(Rule::check)?;
-    let text: String = rules.iter().map(Rule::text).collect();
+pub(crate) fn write_depfile(path: &Path, rules: &[DependencyRule]) -> Outcome<()> {
+    rules.iter().try_for_each(DependencyRule::check)?;
+    let text: String = rules.iter().map(DependencyRule::text).collect();
     write(&Target::File(path.to_owned()), text.into_bytes())
 }

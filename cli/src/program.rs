@@ -4,12 +4,12 @@
 use crate::parts;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, FromArgMatches, Id};
-use lodc_assets::{CommandOptions, LIMIT, OptionValues, Vocabulary};
+use lodc_assets::{CommandOptions, LIMIT_OPTION, OptionValues, Vocabulary};
 use std::cell::OnceCell;
 use std::ffi::OsString;
 
 /// Options that belong to a run, not to an asset.
-const OF_THE_RUN: &[&str] = &[
+const RUN_OPTIONS: &[&str] = &[
     "annotate",
     "baseline",
     "config",
@@ -37,23 +37,23 @@ const OF_THE_RUN: &[&str] = &[
 /// made when they are asked for.
 pub(crate) struct Program {
     root: fn() -> Command,
-    words: OnceCell<Vocabulary>,
+    vocabulary: OnceCell<Vocabulary>,
 }
 
 impl Program {
     pub(crate) fn new(root: fn() -> Command) -> Self {
-        Self { root, words: OnceCell::new() }
+        Self { root, vocabulary: OnceCell::new() }
     }
 
     /// The names of commands and of their options.
-    pub(crate) fn words(&self) -> &Vocabulary {
-        self.words.get_or_init(|| {
+    pub(crate) fn vocabulary(&self) -> &Vocabulary {
+        self.vocabulary.get_or_init(|| {
             let mut root = (self.root)();
             // Groups that only arguments name are known then.
             root.build();
             Vocabulary {
                 commands: root.get_subcommands().map(options_of).collect(),
-                of_the_run: OF_THE_RUN,
+                run_options: RUN_OPTIONS,
                 check_part: |text| parts::part(text).map(drop),
             }
         })
@@ -69,7 +69,7 @@ impl Program {
         let arguments = command(&root, name).get_arguments().filter(|a| typed(a.get_id()));
         let given: Vec<String> =
             arguments.filter_map(|a| a.get_long().map(str::to_owned)).collect();
-        let excluded = self.words().of(name).excluded(&given).map(str::to_owned);
+        let excluded = self.vocabulary().command(name).excluded(&given).map(str::to_owned);
         let excluded: Vec<String> = excluded.collect();
         [given, excluded].concat()
     }
@@ -89,11 +89,11 @@ impl Program {
         let given = self.given(name);
         let mut more = Vec::new();
         for (option, values) in &own.0 {
-            if OF_THE_RUN.contains(&option.as_str()) {
+            if RUN_OPTIONS.contains(&option.as_str()) {
                 return Err(format!("option {option} is for a whole run, not for one asset"));
             }
             // Limits come before those of the command line, so that these count.
-            if given.contains(option) && option != LIMIT {
+            if given.contains(option) && option != LIMIT_OPTION {
                 continue;
             }
             match values.as_slice() {
@@ -120,17 +120,21 @@ fn command<'a>(root: &'a Command, name: &str) -> &'a Command {
 fn options_of(command: &Command) -> CommandOptions {
     let shown = command.get_arguments().filter(|a| !a.is_hide_set());
     let names = shown.filter_map(|a| a.get_long());
-    let options = names.filter(|n| !OF_THE_RUN.contains(n)).map(str::to_owned).collect();
+    let options = names.filter(|n| !RUN_OPTIONS.contains(n)).map(str::to_owned).collect();
     let long = |id: &Id| {
         let mut all = command.get_arguments();
         all.find(|a| a.get_id() == id).and_then(|a| a.get_long()).map(str::to_owned)
     };
     // Whether a group allows several can only be asked of a mutable one.
-    let exclusive = command.get_groups().cloned().filter_map(|mut group| {
+    let exclusive_groups = command.get_groups().cloned().filter_map(|mut group| {
         let names = group.get_args().filter_map(long).collect();
         (!group.is_multiple()).then_some(names)
     });
-    CommandOptions { name: command.get_name().to_owned(), options, exclusive: exclusive.collect() }
+    CommandOptions {
+        name: command.get_name().to_owned(),
+        options,
+        exclusive_groups: exclusive_groups.collect(),
+    }
 }
 
 /// The message about an option, without the usage around it.
@@ -150,7 +154,7 @@ fn resolved(matches: &ArgMatches, command: &Command) -> String {
     for argument in command.get_arguments() {
         let id = argument.get_id().as_str();
         let name = argument.get_long().unwrap_or_default();
-        if name.is_empty() || OF_THE_RUN.contains(&name) || name.starts_with(LIMIT) {
+        if name.is_empty() || RUN_OPTIONS.contains(&name) || name.starts_with(LIMIT_OPTION) {
             continue;
         }
         let values = matches.get_raw(id).into_iter().flatten();

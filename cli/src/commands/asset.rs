@@ -169,7 +169,7 @@ pub(crate) fn read_showing(
     if matches!(read, Input::Levels(_)) {
         let name = input.display().to_string();
         simplify_args.importance.refuse(&name)?;
-        simplify_args.parts.all().refuse(&name)?;
+        simplify_args.parts.all().refuse_sequence_options(&name)?;
     }
     match read {
         Input::Levels(file) => Ok(Asset {

@@ -172,13 +172,13 @@ impl From<LabError> for Failure {
 }
 
 pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
-    if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
+    if args.inputs.iter().filter(|input| output::is_standard_stream(input)).count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
     let outputs = args.plots.iter().map(|folder| folder.join("-")).map(|file| (file, true));
     for (file, make_folder) in outputs.chain(args.crowd.picture.iter().map(|f| (f.clone(), false)))
     {
-        output::prepare([&Target::File(file)], make_folder)?;
+        output::prepare_targets([&Target::File(file)], make_folder)?;
     }
     let device = open(&args.gpu)?;
     let mut report = BenchReport {
@@ -337,6 +337,6 @@ fn plots(files: &[BenchFile]) -> Vec<(String, String)> {
 fn write_plots<N: AsRef<Path>>(folder: &Path, plots: Vec<(N, String)>) -> Outcome<()> {
     let (targets, texts): (Vec<Target>, Vec<String>) =
         plots.into_iter().map(|(name, svg)| (Target::File(folder.join(name)), svg)).unzip();
-    output::prepare(&targets, true)?;
+    output::prepare_targets(&targets, true)?;
     targets.iter().zip(texts).try_for_each(|(to, svg)| output::write(to, svg.into_bytes()))
 }

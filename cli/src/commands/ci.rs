@@ -34,10 +34,10 @@ impl CiArgs {
     /// If not, or if it is one of the inputs or standard output.
     pub(crate) fn check<'a>(&self, mut inputs: impl Iterator<Item = &'a PathBuf>) -> Outcome<()> {
         let Some(junit) = &self.junit else { return Ok(()) };
-        if output::is_stream(junit) || inputs.any(|input| input == junit) {
+        if output::is_standard_stream(junit) || inputs.any(|input| input == junit) {
             return Err(Failure::usage("--junit needs a file of its own"));
         }
-        Ok(output::prepare(&[Target::File(junit.clone())], false)?)
+        Ok(output::prepare_targets(&[Target::File(junit.clone())], false)?)
     }
 
     /// Writes and prints what was asked for. `title` is the command.

@@ -34,7 +34,7 @@ pub(crate) fn run(args: &ShowArgs, program: &Program) -> Outcome<()> {
         let layers = args.configuration.layers(program, command, &args.show)?;
         let mut options = BTreeMap::new();
         for layer in &layers {
-            if let Some(part) = layer.part_text() {
+            if let Some(part) = layer.part_json() {
                 lines.push(format!("{command} --part '{part}' # {}", layer.source));
             }
             for (name, values) in &layer.values.0 {

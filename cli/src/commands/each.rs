@@ -60,7 +60,7 @@ impl<A: FromArgMatches> AssetOptions<A> {
     pub(crate) fn ready<'a>(&'a self, asset: &'a Asset) -> Outcome<(&'a A, &'a Target)> {
         let target = asset.target.as_ref().map_err(|e| Failure::from(e.clone()))?;
         let args = self.of(asset)?;
-        output::prepare([target], asset.makes_folders)?;
+        output::prepare_targets([target], asset.makes_folders)?;
         Ok((args, target))
     }
 }
@@ -85,7 +85,7 @@ pub(crate) fn all<R: Send>(
     }
     clock::expect_several(assets.len() > 1);
     let bar = BatchProgress::new(assets.len());
-    batch::run(&needs, budget, |number| {
+    batch::run_queue(&needs, budget, |number| {
         let asset = &assets[number];
         // Inside the pool: else every piece of work in parallel waits for another thread to wake.
         let result = rayon::scope(|_| work(number, asset, &bar));
@@ -108,7 +108,7 @@ pub(crate) fn estimate<const N: usize>(
     import: &ImportArgs,
     needs: impl FnOnce(Size) -> [Need; N],
 ) -> Outcome<(Counted, u64)> {
-    if output::is_stream(input) {
+    if output::is_standard_stream(input) {
         let what = "standard input cannot be estimated: it can be read once only";
         return Err(Failure::usage(what));
     }
@@ -144,7 +144,7 @@ pub(crate) fn guarded<T>(input: &Path, work: impl FnOnce() -> Outcome<T>) -> Out
 fn naming(input: &Path, failure: Failure) -> Failure {
     let name = input.display().to_string();
     let of_input = matches!(failure.status, Status::Input | Status::Usage);
-    if !of_input || failure.message.contains(&name) || output::is_stream(input) {
+    if !of_input || failure.message.contains(&name) || output::is_standard_stream(input) {
         return failure;
     }
     Failure::new(failure.status, format!("{name}: {}", failure.message))

@@ -2,7 +2,7 @@
 
 use super::asset::SimplifyArgs;
 use super::each;
-use crate::batch::{self, Asset, BatchArgs, Budget, LEVELS, Sources};
+use crate::batch::{self, Asset, BatchArgs, Budget, CommandPaths, LEVEL_EXTENSIONS};
 use crate::compression::CompressArgs;
 use crate::config::ConfigArgs;
 use crate::console;
@@ -10,7 +10,7 @@ use crate::exit::{Outcome, Status};
 use crate::help::OUTPUT;
 use crate::limits::ImportArgs;
 use crate::mesh_output::FormatName;
-use crate::output::{self, Rule, Target};
+use crate::output::{self, DependencyRule, Target};
 use crate::program::Program;
 use crate::results::{self, FailureReport, ResultReport};
 use crate::textures::TextureArgs;
@@ -46,7 +46,7 @@ pub(crate) struct ExportResult<R> {
     /// Its part of the JSON document.
     pub(crate) report: R,
     /// Its rules for a dependency file: which files it read and wrote.
-    pub(crate) rules: Vec<Rule>,
+    pub(crate) rules: Vec<DependencyRule>,
 }
 
 impl ExportArgs {
@@ -67,12 +67,16 @@ impl ExportArgs {
         output: &Path,
         format: FormatName,
     ) -> Outcome<Vec<Asset>> {
-        let writes = format.extension();
-        let allowed = self.import.allowed();
-        let sources = Sources { inputs, output: Some(output), reads: &LEVELS, writes, allowed };
-        let mut assets = batch::assets(sources, &self.batch)?;
+        let paths = CommandPaths {
+            inputs,
+            output: Some(output),
+            input_extensions: &LEVEL_EXTENSIONS,
+            output_extension: format.extension(),
+            allowed_folders: self.import.allowed(),
+        };
+        let mut assets = batch::assets(paths, &self.batch)?;
         self.configuration.apply(program, command, &mut assets)?;
-        batch::check_streams(&assets, self.json, self.depfile.as_deref())?;
+        batch::check_standard_streams(&assets, self.json, self.depfile.as_deref())?;
         let mut targets = assets.iter().filter_map(|asset| asset.target.as_ref().ok());
         targets.try_for_each(|target| self.check(format, target))?;
         Ok(assets)

@@ -59,8 +59,8 @@ fn quantize(text: &str) -> Result<Quantize, String> {
 }
 
 pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
-    let target = output::target(&args.input, Some(&args.output), "lods")?;
-    output::prepare([&target], output::is_folder(&args.output))?;
+    let target = output::single_target(&args.input, Some(&args.output), "lods")?;
+    output::prepare_targets([&target], output::is_folder(&args.output))?;
     if args.json && target == Target::Stdout {
         return Err(Failure::usage("the stream and the JSON do not fit one standard output"));
     }

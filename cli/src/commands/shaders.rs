@@ -29,7 +29,7 @@ Examples:
   lodc shaders -o engine/src/wgsl -q";
 
 pub(crate) fn run(args: &ShadersArgs) -> Outcome<()> {
-    if output::is_stream(&args.output) {
+    if output::is_standard_stream(&args.output) {
         return Err(Failure::usage("several files do not fit one standard output: name a folder"));
     }
     // Models share kernels: each is written once.
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &ShadersArgs) -> Outcome<()> {
         .map(|(name, text)| OutputFile { path: args.output.join(name), bytes: text.into_bytes() })
         .collect();
     let targets: Vec<Target> = files.iter().map(|file| Target::File(file.path.clone())).collect();
-    output::prepare(&targets, true)?;
+    output::prepare_targets(&targets, true)?;
     output::commit(&files)?;
     note(&format!("{}: {}", args.output.display(), count(files.len() as u64, "file")));
     Ok(())

@@ -69,8 +69,8 @@ fn price(text: &str) -> Result<f32, String> {
 }
 
 pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
-    let target = output::target(&args.input, Some(&args.output), "strips")?;
-    output::prepare([&target], output::is_folder(&args.output))?;
+    let target = output::single_target(&args.input, Some(&args.output), "strips")?;
+    output::prepare_targets([&target], output::is_folder(&args.output))?;
     let mut stages = Stages::new(args.import.clock(&args.input));
     let scene = stages.run("import", || import::import(&args.input, &args.import.options()))?;
     for what in &scene.warnings {

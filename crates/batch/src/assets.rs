@@ -1,63 +1,74 @@
 //! The assets of a run: named files, files below folders, lines of a list.
 
 use crate::error::AssetError;
-use crate::folder::{Filter, files, slashed};
-use crate::manifest;
+use crate::folder::{PathFilter, files_below, with_slashes};
+use crate::list;
 use crate::options::OptionValues;
 use crate::shard::Shard;
-use crate::target::{Target, is_folder, is_stream, named_target, refuse_clashes};
+use crate::target::{Target, is_folder, is_standard_stream, named_target, refuse_clashes};
 use std::path::{Path, PathBuf};
 
 /// One asset of a run.
 #[derive(Clone, Debug)]
 pub struct Asset {
-    /// Its file; `-` for standard input.
+    /// The file that it is read from; `-` for standard input.
     pub input: PathBuf,
-    /// Its path as named, or below the folder that was given; with slashes.
+    /// Its path as it was named, or below `folder`; with slashes on every system.
     pub name: String,
-    /// The folder that was given and that it was found in.
+    /// The folder of the command line that it was found in, at any depth.
     pub folder: Option<PathBuf>,
-    /// The target of its result, or the reason why there is none.
+    /// Where its result is written, or why it cannot be.
     pub target: Result<Target, AssetError>,
-    /// Options of its own.
+    /// Options that the list gives to it alone; configurations come under them.
     pub options: OptionValues,
-    /// The list and the line that names it, for messages.
-    pub line: Option<(PathBuf, usize)>,
-    /// Missing folders of its result are made.
+    /// The list that names it and the number of its line, from 1, for messages.
+    pub list_line: Option<(PathBuf, usize)>,
+    /// Whether missing folders of its result are made.
     pub makes_folders: bool,
 }
 
 impl Asset {
+    pub(crate) fn without_options(
+        input: PathBuf,
+        name: String,
+        folder: Option<PathBuf>,
+        target: Result<Target, AssetError>,
+    ) -> Self {
+        let (options, list_line) = (OptionValues::default(), None);
+        let makes_folders = folder.is_some();
+        Self { input, name, folder, target, options, list_line, makes_folders }
+    }
+
     /// Returns whether it came from a folder or a list: one of many.
     #[must_use]
     pub fn is_listed(&self) -> bool {
-        self.folder.is_some() || self.line.is_some()
+        self.folder.is_some() || self.list_line.is_some()
     }
 
-    /// A message about its options, with the line that they are in.
+    /// A message about its options, with the list's line or the file that it is about.
     #[must_use]
     pub fn with_line(&self, what: &str) -> String {
-        match &self.line {
+        match &self.list_line {
             Some((list, line)) => format!("{}: line {line}: {what}", list.display()),
             None => format!("{}: {what}", self.input.display()),
         }
     }
 }
 
-/// The choice of assets besides those that are named.
+/// Which assets a run has besides those that are named, and which of them it leaves out.
 #[derive(Clone, Debug, Default)]
-pub struct Choice {
-    /// A list: a JSON document in each line. `-` for standard input.
+pub struct AssetChoice {
+    /// A file that lists assets, a JSON document in each line; `-` for standard input.
     pub list: Option<PathBuf>,
     /// Globs of paths below a folder that is given: only these are taken.
     pub include: Vec<String>,
-    /// Globs of paths that are not.
+    /// Globs of paths below a folder that is given: these are left out.
     pub exclude: Vec<String>,
-    /// Only one of several parts of all assets.
+    /// The only part of the assets that this run is for.
     pub shard: Option<Shard>,
 }
 
-impl Choice {
+impl AssetChoice {
     /// Returns whether a run with these inputs has several results, or may have them.
     #[must_use]
     pub fn takes_many(&self, inputs: &[PathBuf]) -> bool {
@@ -65,112 +76,95 @@ impl Choice {
     }
 }
 
-/// Inputs and outputs of a command.
+/// The paths that a command was given, and what it does with them.
 #[derive(Clone, Copy, Debug)]
-pub struct Sources<'a> {
+pub struct CommandPaths<'a> {
     /// Named files and folders.
     pub inputs: &'a [PathBuf],
-    /// `-o`.
+    /// The file or folder of `-o`.
     pub output: Option<&'a Path>,
     /// Extensions of the files that are taken from folders.
-    pub reads: &'a [&'a str],
+    pub input_extensions: &'a [&'a str],
     /// Extension of results.
-    pub writes: &'a str,
-    /// Folders besides those that are given that links in them may lead to.
-    pub allowed: &'a [PathBuf],
+    pub output_extension: &'a str,
+    /// Folders outside of `inputs` that links in folders may lead to.
+    pub allowed_folders: &'a [PathBuf],
 }
 
 /// Returns the assets of a run in order: named ones and folders as they were given, then the
-/// list's. Two that would share a result each carry that as their failure.
+/// list's. Assets whose results would have one path have an error in place of their target.
 ///
 /// # Errors
-/// If a folder or the list cannot be read, or holds nothing; if there is nothing to do with what
-/// was given.
-pub fn assets(sources: Sources<'_>, choice: &Choice) -> Result<Vec<Asset>, AssetError> {
-    let filter = Filter::new(&choice.include, &choice.exclude)?;
-    let several = choice.takes_many(sources.inputs);
-    let folder_out = sources.output.filter(|out| several || is_folder(out));
-    if let Some(out) = folder_out {
-        check_folder(out)?;
+/// If a folder or the list cannot be read, or a folder has no such file; if a glob is malformed, or
+/// several results have no folder to go to.
+pub fn assets(paths: CommandPaths<'_>, choice: &AssetChoice) -> Result<Vec<Asset>, AssetError> {
+    let filter = PathFilter::new(&choice.include, &choice.exclude)?;
+    let several = choice.takes_many(paths.inputs);
+    let output_folder = paths.output.filter(|output| several || is_folder(output));
+    if let Some(folder) = output_folder {
+        check_output_folder(folder)?;
     }
     let mut all = Vec::new();
-    for input in sources.inputs {
+    for input in paths.inputs {
         if input.is_dir() {
-            for (path, name) in files(input, sources.reads, &filter)? {
-                let file = format!("{name}.{}", sources.writes);
-                let target = Target::File(folder_out.unwrap_or(input).join(file));
-                let target = check_link(&path, input, sources.allowed).map(|()| target);
-                all.push(found(path, name, Some(input.clone()), target));
+            for (path, name) in files_below(input, paths.input_extensions, &filter)? {
+                let file = format!("{name}.{}", paths.output_extension);
+                let target = Target::File(output_folder.unwrap_or(input).join(file));
+                let target = check_link(&path, input, paths.allowed_folders).map(|()| target);
+                all.push(Asset::without_options(path, name, Some(input.clone()), target));
             }
         } else {
-            let target = named_target(input, folder_out, sources.output, sources.writes);
+            let target = named_target(input, output_folder, paths.output, paths.output_extension);
             let name = input.to_string_lossy().replace('\\', "/");
-            all.push(found(input.clone(), name, None, target));
+            all.push(Asset::without_options(input.clone(), name, None, target));
         }
     }
     if let Some(list) = &choice.list {
-        for (number, line) in manifest::read(list)? {
-            let options = match line.a {
+        for (number, line) in list::read(list)? {
+            let options = match line.compared_with {
                 Some(_) => Err("a is for compare alone".to_owned()),
                 None => line.options(),
             };
-            let options = options.map_err(|what| manifest::wrong(list, number, &what))?;
-            let name = slashed(&line.input);
-            let target = Target::File(listed_target(&line, folder_out, sources.writes));
-            let asset = found(line.input, name, None, Ok(target));
+            let options = options.map_err(|what| list::line_error(list, number, &what))?;
+            let name = with_slashes(&line.input);
+            let target = Target::File(listed_target(&line, output_folder, paths.output_extension));
+            let asset = Asset::without_options(line.input, name, None, Ok(target));
             all.push(Asset {
                 options,
-                line: Some((list.clone(), number)),
+                list_line: Some((list.clone(), number)),
                 makes_folders: true,
                 ..asset
             });
         }
     }
     if let Some(shard) = choice.shard {
-        all.retain(|asset| shard.has(&asset.name));
+        all.retain(|asset| shard.contains(&asset.name));
     }
-    all.iter_mut().for_each(|asset| asset.makes_folders |= folder_out.is_some());
-    refuse_clashes(all.iter_mut().map(|a| (a.input.as_path(), &mut a.target)));
+    all.iter_mut().for_each(|asset| asset.makes_folders |= output_folder.is_some());
+    refuse_clashes(all.iter_mut().map(|asset| (asset.input.as_path(), &mut asset.target)));
     Ok(all)
 }
 
-/// Refuses a link that leads out of the folder that it was found in, as a path in a file that does.
+/// Refuses a link that leads out of the folder that it was found in, as importers refuse such
+/// paths in files.
 fn check_link(path: &Path, folder: &Path, allowed: &[PathBuf]) -> Result<(), AssetError> {
     if !path.is_symlink() {
         return Ok(());
     }
-    let real =
+    let destination =
         path.canonicalize().map_err(|e| AssetError::Input(format!("{}: {e}", path.display())))?;
     let roots = [folder].into_iter().chain(allowed.iter().map(PathBuf::as_path));
     let mut roots = roots.filter_map(|root| root.canonicalize().ok());
-    if roots.any(|root| real.starts_with(root)) {
+    if roots.any(|root| destination.starts_with(root)) {
         return Ok(());
     }
     let what = "a link that leads out of the folder: it is read with --allow-path DIR";
     Err(AssetError::Input(format!("{}: {what}", path.display())))
 }
 
-/// An asset without options of its own.
-pub(crate) fn found(
-    input: PathBuf,
-    name: String,
-    folder: Option<PathBuf>,
-    target: Result<Target, AssetError>,
-) -> Asset {
-    let makes_folders = folder.is_some();
-    Asset {
-        input,
-        name,
-        folder,
-        target,
-        options: OptionValues::default(),
-        line: None,
-        makes_folders,
-    }
-}
-
-fn check_folder(out: &Path) -> Result<(), AssetError> {
-    if is_stream(out) {
+/// Checks that the results of several inputs can be written inside OUT.
+fn check_output_folder(out: &Path) -> Result<(), AssetError> {
+    if is_standard_stream(out) {
         let what = "several results do not fit one standard output: name a folder";
         return Err(AssetError::Usage(what.to_owned()));
     }
@@ -181,12 +175,13 @@ fn check_folder(out: &Path) -> Result<(), AssetError> {
     Ok(())
 }
 
-/// Target of a line of a list: what it says, else the input's whole name.
-fn listed_target(line: &manifest::Line, folder_out: Option<&Path>, extension: &str) -> PathBuf {
-    match (&line.output, folder_out) {
-        (Some(output), Some(out)) if output.is_relative() => out.join(output),
+/// Where a line's result is written: its `output`, else the input's name with the extension of
+/// results added to its own.
+fn listed_target(line: &list::Line, output_folder: Option<&Path>, extension: &str) -> PathBuf {
+    match (&line.output, output_folder) {
+        (Some(output), Some(folder)) if output.is_relative() => folder.join(output),
         (Some(output), _) => output.clone(),
-        (None, Some(out)) => out.join(format!("{}.{extension}", slashed(&line.input))),
+        (None, Some(folder)) => folder.join(format!("{}.{extension}", with_slashes(&line.input))),
         (None, None) => {
             let mut name = line.input.file_name().unwrap_or_default().to_owned();
             name.push(format!(".{extension}"));
@@ -199,31 +194,36 @@ fn listed_target(line: &manifest::Line, folder_out: Option<&Path>, extension: &s
 mod tests {
     use super::*;
 
-    fn of_names(names: &[&str], output: Option<&str>) -> Vec<Asset> {
+    fn assets_named(names: &[&str], output: Option<&str>) -> Vec<Asset> {
         let inputs: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
         let output = output.map(Path::new);
-        let sources =
-            Sources { inputs: &inputs, output, reads: &["obj"], writes: "lodc", allowed: &[] };
-        assets(sources, &Choice::default()).expect("assets")
+        let paths = CommandPaths {
+            inputs: &inputs,
+            output,
+            input_extensions: &["obj"],
+            output_extension: "lodc",
+            allowed_folders: &[],
+        };
+        assets(paths, &AssetChoice::default()).expect("assets")
     }
 
     #[test]
     fn results_of_one_name_are_failures_of_their_own() {
-        let all = of_names(&["a/x.obj", "b/x.glb", "b/y.obj"], Some("out"));
+        let all = assets_named(&["a/x.obj", "b/x.glb", "b/y.obj"], Some("out"));
         let failed: Vec<bool> = all.iter().map(|asset| asset.target.is_err()).collect();
         assert_eq!(failed, [true, true, false]);
         let what = all[0].target.clone().expect_err("a clash").to_string();
         assert_eq!(what, "out/x.lodc: a/x.obj and b/x.glb would both be written there");
-        assert!(of_names(&["a/x.obj", "b/x.glb"], None).iter().all(|a| a.target.is_ok()));
-        let three = of_names(&["a/x.obj", "a/y.obj", "a/x.glb"], None);
+        assert!(assets_named(&["a/x.obj", "b/x.glb"], None).iter().all(|a| a.target.is_ok()));
+        let three = assets_named(&["a/x.obj", "a/y.obj", "a/x.glb"], None);
         let failed: Vec<bool> = three.iter().map(|asset| asset.target.is_err()).collect();
         assert_eq!(failed, [true, false, true], "the others are done");
-        assert!(of_names(&["x.obj", "x.obj"], None).iter().all(|a| a.target.is_err()));
+        assert!(assets_named(&["x.obj", "x.obj"], None).iter().all(|a| a.target.is_err()));
     }
 
     #[test]
     fn a_result_never_replaces_an_input() {
-        let all = of_names(&["x.obj", "x.lodc"], None);
+        let all = assets_named(&["x.obj", "x.lodc"], None);
         assert_eq!(all.iter().filter(|asset| asset.target.is_err()).count(), 2);
     }
 }

@@ -1,4 +1,4 @@
-//! What was recorded of assets the last time, in one file or in a file for each asset of a folder.
+//! What an earlier run recorded of its assets: one file for all, or a folder with a file for each.
 
 use crate::error::AssetError;
 use crate::target::is_folder;
@@ -7,17 +7,17 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Records of the last time.
+/// The records of an earlier run, a `T` for each asset.
 #[derive(Debug)]
 pub struct Baseline<T> {
     path: PathBuf,
-    /// True: a folder with a file for each asset.
+    /// Whether `path` is a folder with a file for each asset; else it is one file.
     is_folder: bool,
-    /// The assets of the only file.
+    /// The records in the one file, by the assets' names; empty for a folder.
     assets: BTreeMap<String, T>,
 }
 
-/// The only file of a baseline.
+/// The one file of a baseline, as JSON.
 #[derive(Debug, Serialize, Deserialize)]
 struct Document<T> {
     schema_version: u32,
@@ -25,7 +25,7 @@ struct Document<T> {
 }
 
 impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
-    /// Reads a baseline; one that is not there is empty.
+    /// Reads a baseline; a missing one is empty.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -44,35 +44,38 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
         &self.path
     }
 
-    /// Returns an asset as it was; none if it was not recorded.
+    /// Returns the record of an asset; none if there is none.
     ///
     /// # Errors
     /// If its file cannot be read.
-    pub fn of(&self, name: &str) -> Result<Option<T>, AssetError> {
+    pub fn record(&self, name: &str) -> Result<Option<T>, AssetError> {
         let file = self.file(name);
-        match self.is_folder {
-            true if file.exists() => Ok(Some(read(&file)?)),
-            true => Ok(None),
-            false => Ok(self.assets.get(name).cloned()),
+        if !self.is_folder {
+            return Ok(self.assets.get(name).cloned());
         }
+        file.exists().then(|| read(&file)).transpose()
     }
 
     fn file(&self, name: &str) -> PathBuf {
         self.path.join(format!("{name}.json"))
     }
 
-    /// Returns the files that record what is new, as text; other assets stay as they were.
+    /// Returns the files to write, as paths and texts, so that `new` is recorded; in the one file
+    /// the records of other assets stay.
     #[must_use]
     pub fn files(mut self, schema_version: u32, new: Vec<(String, T)>) -> Vec<(PathBuf, String)> {
         if self.is_folder {
-            return new.into_iter().map(|(name, one)| (self.file(&name), text(&one))).collect();
+            return new
+                .into_iter()
+                .map(|(name, record)| (self.file(&name), text(&record)))
+                .collect();
         }
         self.assets.extend(new);
         let document = Document { schema_version, assets: self.assets };
         vec![(self.path, text(&document))]
     }
 
-    /// Whether new files may need new folders.
+    /// Returns whether it has a file for each asset, in folders that may have to be made.
     #[must_use]
     pub fn is_folder(&self) -> bool {
         self.is_folder
@@ -99,7 +102,7 @@ mod tests {
         let new = || vec![("a/x".to_owned(), 1), ("b".to_owned(), 2)];
         let assets = BTreeMap::from([("b".to_owned(), 7), ("c".to_owned(), 8)]);
         let file = Baseline { path: "f.json".into(), is_folder: false, assets };
-        assert_eq!((file.of("b"), file.of("d")), (Ok(Some(7)), Ok(None)));
+        assert_eq!((file.record("b"), file.record("d")), (Ok(Some(7)), Ok(None)));
         let [(path, text)] = &file.files(1, new())[..] else { panic!("one file") };
         assert_eq!(path, Path::new("f.json"));
         let written: Document<u32> = serde_json::from_str(text).expect("a document");

@@ -1,16 +1,17 @@
-//! Why there is nothing to do with what a run was given.
+//! Why a run cannot begin, or an asset not be worked on.
 
 use lodc_formats::FormatError;
 use std::fmt;
 
-/// Why there is nothing to do with what a run was given, by whose fault it is: a sentence each.
+/// Why a run cannot begin, or an asset not be worked on. The variant says whose fault it is, the
+/// text is the message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AssetError {
-    /// The wishes make no sense.
+    /// The options contradict each other or the inputs.
     Usage(String),
     /// A folder, a list or a file cannot be read, or holds nothing of use.
     Input(String),
-    /// A result has no place.
+    /// A result cannot be written.
     Output(String),
     /// A file is damaged.
     Format(FormatError),

@@ -1,4 +1,4 @@
-//! Files below a folder, by extension and glob.
+//! The files below a folder, at any depth, by extension and glob.
 
 use crate::error::AssetError;
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
@@ -6,50 +6,51 @@ use std::path::{Component, Path, PathBuf};
 use walkdir::WalkDir;
 
 /// Extensions of the meshes that are taken from folders.
-pub const MESHES: [&str; 5] = ["obj", "gltf", "glb", "ply", "stl"];
+pub const MESH_EXTENSIONS: [&str; 5] = ["obj", "gltf", "glb", "ply", "stl"];
 
-/// Extensions of the files with levels, stored or to be made, that are taken from folders.
-pub const LEVELS: [&str; 6] = ["obj", "gltf", "glb", "ply", "stl", "lodc"];
+/// Extensions of the files that are taken from folders where stored levels serve as well as meshes.
+pub const LEVEL_EXTENSIONS: [&str; 6] = ["obj", "gltf", "glb", "ply", "stl", "lodc"];
 
-/// Choice of files by their paths below a folder.
+/// Accepts files by their paths below a folder.
 #[derive(Debug)]
-pub(crate) struct Filter {
+pub(crate) struct PathFilter {
+    /// Without globs every path is included.
     include: Option<GlobSet>,
     exclude: GlobSet,
 }
 
-impl Filter {
-    /// The choice of `--include` and `--exclude`.
+impl PathFilter {
+    /// Compiles the globs of `--include` and `--exclude`.
     ///
     /// # Errors
-    /// If a glob is none.
+    /// If a glob is malformed.
     pub(crate) fn new(include: &[String], exclude: &[String]) -> Result<Self, AssetError> {
         let include = (!include.is_empty()).then(|| globs(include)).transpose()?;
         Ok(Self { include, exclude: globs(exclude)? })
     }
 
-    fn takes(&self, name: &str) -> bool {
+    fn accepts(&self, name: &str) -> bool {
         self.include.as_ref().is_none_or(|set| set.is_match(name)) && !self.exclude.is_match(name)
     }
 }
 
-/// Returns the files that were named and, in the place of each folder, its files with one of the
-/// extensions whose paths below it match the globs: any of `include`, if there are some, and none
-/// of `exclude`.
+/// Returns `inputs` with each folder replaced by its files that have one of the extensions and
+/// whose paths below it match the globs: any of `include`, if there are some, and none of
+/// `exclude`.
 ///
 /// # Errors
-/// If a folder cannot be read or has no such file, or a glob is none.
-pub fn expand(
+/// If a folder cannot be read or has no such file, or a glob is malformed.
+pub fn expand_folders(
     inputs: &[PathBuf],
     extensions: &[&str],
     include: &[String],
     exclude: &[String],
 ) -> Result<Vec<PathBuf>, AssetError> {
-    let filter = Filter::new(include, exclude)?;
+    let filter = PathFilter::new(include, exclude)?;
     let mut all = Vec::new();
     for input in inputs {
         if input.is_dir() {
-            all.extend(files(input, extensions, &filter)?.into_iter().map(|(path, _)| path));
+            all.extend(files_below(input, extensions, &filter)?.into_iter().map(|(path, _)| path));
         } else {
             all.push(input.clone());
         }
@@ -67,31 +68,31 @@ pub(crate) fn globs(patterns: &[String]) -> Result<GlobSet, AssetError> {
     set.build().map_err(|e| AssetError::Usage(format!("globs: {e}")))
 }
 
-/// Returns the files below `folder` with one of the extensions: paths, and names below the folder
-/// with slashes, sorted by name. Hidden files and folders are passed over; links to folders are
-/// not followed.
+/// Returns the files below `folder` with one of the extensions that the filter accepts, sorted by
+/// name: their paths, and their names, which are the paths below `folder` with slashes. Hidden
+/// files and folders (`.name`) are skipped; links to folders are not followed.
 ///
 /// # Errors
 /// If a folder cannot be read, or no file matches.
-pub(crate) fn files(
+pub(crate) fn files_below(
     folder: &Path,
     extensions: &[&str],
-    filter: &Filter,
+    filter: &PathFilter,
 ) -> Result<Vec<(PathBuf, String)>, AssetError> {
     let hidden = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with('.');
     let walk = WalkDir::new(folder).sort_by_file_name().into_iter();
     let mut found = Vec::new();
     for entry in walk.filter_entry(|e| e.depth() == 0 || !hidden(e.file_name())) {
         let entry = entry.map_err(|e| {
-            let place = e.path().unwrap_or(folder).display().to_string();
+            let path = e.path().unwrap_or(folder).display().to_string();
             let why = e
                 .into_io_error()
                 .map_or("is part of a circle of links".to_owned(), |e| e.to_string());
-            AssetError::Input(format!("{place}: {why}"))
+            AssetError::Input(format!("{path}: {why}"))
         })?;
         let path = entry.path();
-        let name = slashed(path.strip_prefix(folder).unwrap_or(path));
-        if path.is_file() && has_extension(path, extensions) && filter.takes(&name) {
+        let name = with_slashes(path.strip_prefix(folder).unwrap_or(path));
+        if path.is_file() && has_extension(path, extensions) && filter.accepts(&name) {
             found.push((path.to_owned(), name));
         }
     }
@@ -108,8 +109,8 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     path.extension().is_some_and(|e| extensions.iter().any(|x| e.eq_ignore_ascii_case(x)))
 }
 
-/// The normal parts of a path, with slashes on every system.
-pub(crate) fn slashed(path: &Path) -> String {
+/// The names in a path, joined by slashes on every system; roots, `.` and `..` are dropped.
+pub(crate) fn with_slashes(path: &Path) -> String {
     let normal = path.components().filter_map(|part| match part {
         Component::Normal(name) => Some(name.to_string_lossy()),
         _ => None,
@@ -132,7 +133,7 @@ mod tests {
 
     #[test]
     fn names_below_a_folder_have_slashes_and_no_way_out() {
-        assert_eq!(slashed(Path::new("a/./b/../c.obj")), "a/b/c.obj");
-        assert_eq!(slashed(Path::new("/x/y.glb")), "x/y.glb");
+        assert_eq!(with_slashes(Path::new("a/./b/../c.obj")), "a/b/c.obj");
+        assert_eq!(with_slashes(Path::new("/x/y.glb")), "x/y.glb");
     }
 }

@@ -1,17 +1,21 @@
-//! Many assets in one run, in one room: which they are (files, folders, lists, parts of a batch for
-//! many machines), what each is given (its own options, those of `lodc.toml`, those of its parts),
-//! where its result goes, and in which order they are worked off within the memory there is. It
-//! knows no command line: [`Vocabulary`] says which options there are.
+//! Many assets in one run: which files they are (named ones, files of folders, lines of a list, one
+//! shard of all of them), which options each has (its own, those of `lodc.toml`, those of its
+//! parts), where its result goes, and in which order the assets are worked on within the memory
+//! that is available. It knows no command line: [`Vocabulary`] says which options there are.
 //!
 //! ```
-//! use lodc_assets::{Choice, Sources, assets};
+//! use lodc_assets::{AssetChoice, CommandPaths, assets};
 //! use std::path::{Path, PathBuf};
 //!
 //! let inputs = ["chair.obj", "props/lamp.glb"].map(PathBuf::from);
-//! let output = Some(Path::new("built"));
-//! let reads = &["obj", "glb"];
-//! let sources = Sources { inputs: &inputs, output, reads, writes: "lodc", allowed: &[] };
-//! let all = assets(sources, &Choice::default())?;
+//! let paths = CommandPaths {
+//!     inputs: &inputs,
+//!     output: Some(Path::new("built")),
+//!     input_extensions: &["obj", "glb"],
+//!     output_extension: "lodc",
+//!     allowed_folders: &[],
+//! };
+//! let all = assets(paths, &AssetChoice::default())?;
 //! let target = all[1].target.as_ref().map(|target| target.name().replace('\\', "/"));
 //! assert_eq!(target, Ok("built/lamp.lodc".to_owned()));
 //! # Ok::<(), lodc_assets::AssetError>(())
@@ -20,26 +24,28 @@
 mod assets;
 mod baseline;
 mod config;
+mod depfile;
 mod error;
 mod folder;
-mod manifest;
+mod list;
 mod options;
 mod pairs;
 mod parts;
 mod queue;
 mod shard;
-mod streams;
+mod standard_streams;
 mod target;
 
-pub use assets::{Asset, Choice, Sources, assets};
+pub use assets::{Asset, AssetChoice, CommandPaths, assets};
 pub use baseline::Baseline;
-pub use config::{Configs, Layer};
+pub use config::{ConfigLayer, Configs};
+pub use depfile::DependencyRule;
 pub use error::AssetError;
-pub use folder::{LEVELS, MESHES, expand};
-pub use options::{CommandOptions, LIMIT, OptionValues, Vocabulary};
+pub use folder::{LEVEL_EXTENSIONS, MESH_EXTENSIONS, expand_folders};
+pub use options::{CommandOptions, LIMIT_OPTION, OptionValues, Vocabulary};
 pub use pairs::{Pair, pairs};
-pub use parts::{Part, Parts, listed};
-pub use queue::{Budget, expected_bytes, run};
+pub use parts::{Part, Parts, name_list};
+pub use queue::{Budget, expected_bytes, run_queue};
 pub use shard::Shard;
-pub use streams::check_streams;
-pub use target::{Rule, Target, is_folder, is_stream, prepare, target};
+pub use standard_streams::check_standard_streams;
+pub use target::{Target, is_folder, is_standard_stream, prepare_targets, single_target};

@@ -1,17 +1,16 @@
-//! Options that an asset has of its own, from a list or a configuration: those of commands, by
-//! their long names.
+//! Options of commands by their long names, as lists and configurations give them to assets.
 
 use std::collections::BTreeMap;
 
-/// The option whose values have keys: each key counts by itself, the last one given.
-pub const LIMIT: &str = "limit";
+/// The option whose values are `KEY=VALUE`: of the values of each key the last one counts.
+pub const LIMIT_OPTION: &str = "limit";
 
-/// Values of options by long name, without dashes. A switch has none.
+/// The values of options by long name, without dashes; a switch that is on has an empty list.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct OptionValues(pub BTreeMap<String, Vec<String>>);
 
 impl OptionValues {
-    /// Reads them from a JSON object. `false` says that a switch is off, like leaving it out.
+    /// Reads them from a JSON object. `false` turns a switch off, the same as leaving it out.
     ///
     /// # Errors
     /// If a value is neither text, number, true, false nor a list of texts and numbers.
@@ -19,7 +18,7 @@ impl OptionValues {
         object: impl IntoIterator<Item = (&'a String, &'a serde_json::Value)>,
     ) -> Result<Self, String> {
         use serde_json::Value;
-        let one = |name: &str, value: &Value| match value {
+        let text = |name: &str, value: &Value| match value {
             Value::String(text) => Ok(text.clone()),
             Value::Number(number) => Ok(number.to_string()),
             _ => Err(format!("option {name}: a text, a number, true, false or a list is needed")),
@@ -30,42 +29,42 @@ impl OptionValues {
                 Value::Bool(false) => continue,
                 Value::Bool(true) => vec![],
                 Value::Array(list) => {
-                    list.iter().map(|v| one(name, v)).collect::<Result<_, _>>()?
+                    list.iter().map(|v| text(name, v)).collect::<Result<_, _>>()?
                 }
-                value => vec![one(name, value)?],
+                value => vec![text(name, value)?],
             };
             values.insert(name.clone(), list);
         }
         Ok(Self(values))
     }
 
-    /// Those of `stronger`, and these where it has none, nor one that excludes them. Limits are
-    /// known by their keys: of both, those of `stronger` come last and count.
+    /// Returns `stronger` with those of these options that it neither has nor excludes. Limits of
+    /// both are kept: those of `stronger` come last, so they count where the keys are the same.
     #[must_use]
-    pub fn under(mut self, mut stronger: Self, command: &CommandOptions) -> Self {
+    pub fn overridden_by(mut self, mut stronger: Self, command: &CommandOptions) -> Self {
         for name in command.excluded(stronger.0.keys()) {
             self.0.remove(name);
         }
-        if let Some(last) = stronger.0.get_mut(LIMIT)
-            && let Some(mut limits) = self.0.remove(LIMIT)
+        if let Some(stronger_limits) = stronger.0.get_mut(LIMIT_OPTION)
+            && let Some(mut limits) = self.0.remove(LIMIT_OPTION)
         {
-            limits.append(last);
-            *last = limits;
+            limits.append(stronger_limits);
+            *stronger_limits = limits;
         }
         self.0.extend(stronger.0);
         self
     }
 }
 
-/// The options of a command that belong to assets.
+/// The options of a command that can differ between the assets of a run.
 #[derive(Clone, Debug)]
 pub struct CommandOptions {
-    /// The command.
+    /// The name of the command.
     pub name: String,
     /// Long names of its options.
     pub options: Vec<String>,
-    /// Long names of those of which only one can be given, group by group.
-    pub exclusive: Vec<Vec<String>>,
+    /// Groups of long names; of each group only one option can be given.
+    pub exclusive_groups: Vec<Vec<String>>,
 }
 
 impl CommandOptions {
@@ -75,25 +74,25 @@ impl CommandOptions {
         self.options.iter().any(|name| name == option)
     }
 
-    /// The long names of options that cannot be combined with those of these names.
+    /// Long names of the options that are in a group with one of `names`, these included.
     pub fn excluded<'a>(
         &'a self,
         names: impl IntoIterator<Item = &'a String>,
     ) -> impl Iterator<Item = &'a str> {
         let names: Vec<&String> = names.into_iter().collect();
-        let groups = self.exclusive.iter();
-        let met = groups.filter(move |group| group.iter().any(|name| names.contains(&name)));
-        met.flatten().map(String::as_str)
+        let groups = self.exclusive_groups.iter();
+        let groups = groups.filter(move |group| group.iter().any(|name| names.contains(&name)));
+        groups.flatten().map(String::as_str)
     }
 }
 
-/// The words of a program that lists and configurations may use.
+/// The names that lists and configurations may use: the commands of a program and their options.
 #[derive(Clone, Debug)]
 pub struct Vocabulary {
     /// Its commands.
     pub commands: Vec<CommandOptions>,
-    /// Long names of options that belong to a run, not to an asset.
-    pub of_the_run: &'static [&'static str],
+    /// Long names of options that hold for a whole run, so no asset can have them of its own.
+    pub run_options: &'static [&'static str],
     /// Checks the options of a part, a JSON object as text; an error says what is wrong with them.
     pub check_part: fn(&str) -> Result<(), String>,
 }
@@ -104,7 +103,7 @@ impl Vocabulary {
     /// # Panics
     /// If there is no such command.
     #[must_use]
-    pub fn of(&self, command: &str) -> &CommandOptions {
+    pub fn command(&self, command: &str) -> &CommandOptions {
         self.commands.iter().find(|c| c.name == command).expect("a command of the program")
     }
 
@@ -113,10 +112,17 @@ impl Vocabulary {
         self.commands.iter().any(|c| c.name == name)
     }
 
-    /// The option of these commands whose name is most like a wrong one; none if none is.
-    pub(crate) fn suggestion<'a>(wrong: &str, commands: &[&'a CommandOptions]) -> Option<&'a str> {
+    /// The option of these commands whose name is most like an unknown one, if one is like it.
+    pub(crate) fn suggestion<'a>(
+        unknown: &str,
+        commands: &[&'a CommandOptions],
+    ) -> Option<&'a str> {
+        /// Jaro similarity, 0 to 1, from which a name is suggested. Chosen by hand: less, and
+        /// options that have nothing to do with the unknown one are suggested.
+        const LEAST_SIMILARITY: f64 = 0.7;
         let names = commands.iter().flat_map(|c| c.options.iter().map(String::as_str));
-        let near = names.map(|name| (strsim::jaro(wrong, name), name)).filter(|(s, _)| *s > 0.7);
-        near.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
+        let names = names.map(|name| (strsim::jaro(unknown, name), name));
+        let similar = names.filter(|(similarity, _)| *similarity > LEAST_SIMILARITY);
+        similar.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
     }
 }

@@ -1,65 +1,64 @@
-//! Pairs of files to be compared: two files, the files of two folders by their names, or those of a
-//! list.
+//! Pairs of files that are compared: two files, the files of two folders paired by their names, or
+//! those of a list.
 
-use crate::assets::{Asset, Choice, found};
+use crate::assets::{Asset, AssetChoice};
 use crate::error::AssetError;
-use crate::folder::{Filter, LEVELS, files, slashed};
-use crate::manifest;
+use crate::folder::{LEVEL_EXTENSIONS, PathFilter, files_below, with_slashes};
+use crate::list;
 use crate::target::Target;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A file to be judged, and the one that it is compared with.
+/// Two files that are compared.
 #[derive(Debug)]
 pub struct Pair {
-    /// The file to be judged. It has no result of its own: its target is standard output.
+    /// The file that is judged. No file is written for it: its target is standard output.
     pub asset: Asset,
-    /// The other file, or the reason why there is none.
-    pub other: Result<PathBuf, AssetError>,
+    /// The file that it is compared with, or why there is none.
+    pub compared_with: Result<PathBuf, AssetError>,
 }
 
-/// Returns the pairs of two files, of two folders or of a list, those of the part that is wanted.
+/// Returns the pairs of two files, of two folders or of a list that belong to the chosen shard.
 ///
 /// # Errors
-/// If one is a folder and the other is none, a folder has no file to compare, or a list is none.
-pub fn pairs(named: Option<[&Path; 2]>, choice: &Choice) -> Result<Vec<Pair>, AssetError> {
+/// If a folder would be compared with a file, a folder or the list cannot be read, or a line of the
+/// list or a glob is malformed.
+pub fn pairs(named: Option<[&Path; 2]>, choice: &AssetChoice) -> Result<Vec<Pair>, AssetError> {
     let mut pairs = match (named, &choice.list) {
-        (Some([a, b]), _) => of_paths(a, b, choice)?,
-        (None, Some(list)) => of_list(list)?,
+        (Some([a, b]), _) => pairs_of_paths(a, b, choice)?,
+        (None, Some(list)) => pairs_of_list(list)?,
         (None, None) => Vec::new(),
     };
     if let Some(shard) = choice.shard {
-        pairs.retain(|pair| shard.has(&pair.asset.name));
+        pairs.retain(|pair| shard.contains(&pair.asset.name));
     }
     Ok(pairs)
 }
 
-/// A file to be judged, without options of its own.
-fn judged(path: PathBuf, name: String, folder: Option<PathBuf>) -> Asset {
-    found(path, name, folder, Ok(Target::Stdout))
+fn judged_asset(path: PathBuf, name: String, folder: Option<PathBuf>) -> Asset {
+    Asset::without_options(path, name, folder, Ok(Target::Stdout))
 }
 
-/// Of `b`, files that the globs choose are taken; each is compared with the file of `a` of the same
-/// path, else of the path without its extension (`club.obj` for `club.obj.lodc`), else with the
-/// only one that differs in its extension.
-fn of_paths(a: &Path, b: &Path, choice: &Choice) -> Result<Vec<Pair>, AssetError> {
-    let filter = Filter::new(&choice.include, &choice.exclude)?;
+/// Pairs two files, or each file of folder `b` that the globs accept with a file of folder `a`.
+fn pairs_of_paths(a: &Path, b: &Path, choice: &AssetChoice) -> Result<Vec<Pair>, AssetError> {
+    let filter = PathFilter::new(&choice.include, &choice.exclude)?;
     match (a.is_dir(), b.is_dir()) {
         (false, false) => {
-            let asset = judged(b.to_owned(), slashed(b), None);
-            Ok(vec![Pair { asset, other: Ok(a.to_owned()) }])
+            let asset = judged_asset(b.to_owned(), with_slashes(b), None);
+            Ok(vec![Pair { asset, compared_with: Ok(a.to_owned()) }])
         }
         (true, true) => {
-            let all = files(a, &LEVELS, &Filter::new(&[], &[])?)?;
-            let all: BTreeMap<String, PathBuf> = all.into_iter().map(|(p, n)| (n, p)).collect();
+            let files = files_below(a, &LEVEL_EXTENSIONS, &PathFilter::new(&[], &[])?)?;
+            let files = files.into_iter().map(|(path, name)| (name, path));
+            let files_of_a: BTreeMap<String, PathBuf> = files.collect();
             let pair = |(path, name): (PathBuf, String)| Pair {
-                other: counterpart(&all, &name).cloned().ok_or_else(|| {
+                compared_with: counterpart(&files_of_a, &name).cloned().ok_or_else(|| {
                     let what = format!("{} has no file of this name", a.display());
                     AssetError::Input(format!("{}: {what}", path.display()))
                 }),
-                asset: judged(path, name, Some(b.to_owned())),
+                asset: judged_asset(path, name, Some(b.to_owned())),
             };
-            Ok(files(b, &LEVELS, &filter)?.into_iter().map(pair).collect())
+            Ok(files_below(b, &LEVEL_EXTENSIONS, &filter)?.into_iter().map(pair).collect())
         }
         _ => {
             let what = "a folder is compared with a folder, a file with a file";
@@ -68,31 +67,36 @@ fn of_paths(a: &Path, b: &Path, choice: &Choice) -> Result<Vec<Pair>, AssetError
     }
 }
 
-/// The pairs of a list: in each line `a`, what the file is compared with.
-fn of_list(list: &Path) -> Result<Vec<Pair>, AssetError> {
-    let pair = |(number, line): (usize, manifest::Line)| {
-        let wrong = |what: &str| manifest::wrong(list, number, what);
+/// The pairs of a list, one in each line.
+fn pairs_of_list(list: &Path) -> Result<Vec<Pair>, AssetError> {
+    let pair = |(number, line): (usize, list::Line)| {
+        let wrong = |what: &str| list::line_error(list, number, what);
         if line.output.is_some() {
             return Err(wrong("output: compare writes none"));
         }
         let options = line.options().map_err(|what| wrong(&what))?;
-        let Some(a) = line.a else { return Err(wrong("a, what to compare with, is missing")) };
-        let asset = judged(line.input.clone(), slashed(&line.input), None);
-        let line = Some((list.to_owned(), number));
-        Ok(Pair { asset: Asset { options, line, ..asset }, other: Ok(a) })
+        let Some(a) = line.compared_with else {
+            return Err(wrong("a, what to compare with, is missing"));
+        };
+        let asset = judged_asset(line.input.clone(), with_slashes(&line.input), None);
+        let list_line = Some((list.to_owned(), number));
+        Ok(Pair { asset: Asset { options, list_line, ..asset }, compared_with: Ok(a) })
     };
-    manifest::read(list)?.into_iter().map(pair).collect()
+    list::read(list)?.into_iter().map(pair).collect()
 }
 
-fn counterpart<'a>(all: &'a BTreeMap<String, PathBuf>, name: &str) -> Option<&'a PathBuf> {
-    let same = all.get(name).or_else(|| all.get(stem(name)));
+/// The file to compare another of this name with: the one of the same name, else of the name
+/// without its extension (`club.obj` for `club.obj.lodc`), else the only one that differs in its
+/// extension.
+fn counterpart<'a>(files: &'a BTreeMap<String, PathBuf>, name: &str) -> Option<&'a PathBuf> {
+    let same = files.get(name).or_else(|| files.get(stem(name)));
     same.or_else(|| {
-        let mut near = all.iter().filter(|(other, _)| stem(other) == stem(name));
-        near.next().filter(|_| near.next().is_none()).map(|(_, path)| path)
+        let mut alike = files.iter().filter(|(other, _)| stem(other) == stem(name));
+        alike.next().filter(|_| alike.next().is_none()).map(|(_, path)| path)
     })
 }
 
-/// A path without the extension of its file.
+/// A name without its last extension.
 fn stem(name: &str) -> &str {
     match name.rsplit_once('.') {
         Some((stem, extension)) if !extension.contains('/') => stem,
@@ -105,15 +109,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_meets_the_one_that_it_was_made_from() {
+    fn a_file_is_compared_with_the_one_that_it_was_made_from() {
         let names = ["a.obj", "p/b.obj", "p/b.glb", "c.d/e.obj", "f.gltf"];
-        let all = names.iter().map(|n| ((*n).to_owned(), PathBuf::from(n))).collect();
-        let other = |name: &str| counterpart(&all, name).map(|p| p.display().to_string());
-        let met = |name: &str| Some(name.to_owned());
-        assert_eq!(other("a.obj"), met("a.obj"));
-        assert_eq!(other("p/b.glb.lodc"), met("p/b.glb"));
+        let files = names.iter().map(|n| ((*n).to_owned(), PathBuf::from(n))).collect();
+        let other = |name: &str| counterpart(&files, name).map(|p| p.display().to_string());
+        let found = |name: &str| Some(name.to_owned());
+        assert_eq!(other("a.obj"), found("a.obj"));
+        assert_eq!(other("p/b.glb.lodc"), found("p/b.glb"));
         assert_eq!(other("p/b.lodc"), None, "two differ in their extension");
-        assert_eq!(other("f.glb"), met("f.gltf"));
+        assert_eq!(other("f.glb"), found("f.gltf"));
         assert_eq!(other("c.d/x.obj"), None);
         assert_eq!(other("b.obj"), None);
     }

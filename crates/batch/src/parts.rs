@@ -1,44 +1,47 @@
-//! Options of parts of an asset: of objects and of materials, by their names.
+//! Options for parts of an asset: for objects or materials whose names match globs.
 
 use crate::error::AssetError;
 use crate::folder::globs;
 use globset::GlobSet;
 use lodc_formats::{ObjectInfo, PartNames, Scene};
-use lodc_select::{Target, share, size};
+use lodc_select::{Target as LevelTarget, share, size};
 use lodc_simplify::{MetricKind, Options, Weights};
 use serde::Deserialize;
 use std::collections::BTreeSet;
 
-/// Options of a part.
+/// The options of one part.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// Names of objects; all if there are none.
+    /// Globs of the objects' names; none if it is for all objects.
     objects: Option<GlobSet>,
-    /// Names of materials within them; all if there are none.
+    /// Globs of the names of materials within those objects; none if it is for whole objects.
     materials: Option<GlobSet>,
+    /// Whether its vertices stay.
     lock: bool,
     metric: Option<MetricKind>,
     weights: Option<Weights>,
     lock_border: Option<bool>,
     preserve_topology: Option<bool>,
     no_attributes: Option<bool>,
+    /// The share of its triangles that `extract` keeps, 0 to 1.
     ratio: Option<f64>,
-    levels: Vec<Target>,
-    /// The names as they were given, of a part that has to be there.
-    required: Option<Names>,
+    /// The levels of its objects that `chain` takes, in order; empty if it has none of its own.
+    levels: Vec<LevelTarget>,
+    /// The globs as they were given, for messages; none if assets may lack the part.
+    required: Option<Globs>,
 }
 
-/// Globs of names, as they were given.
+/// Globs as they were given.
 #[derive(Clone, Debug)]
-struct Names {
+struct Globs {
     objects: Vec<String>,
     materials: Vec<String>,
 }
 
-/// A part as text.
+/// A part as JSON.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
-struct Text {
+struct PartDocument {
     objects: Vec<String>,
     materials: Vec<String>,
     lock: bool,
@@ -47,21 +50,21 @@ struct Text {
     lock_border: Option<bool>,
     preserve_topology: Option<bool>,
     no_attributes: Option<bool>,
-    ratio: Option<Number>,
-    levels: Vec<Number>,
-    /// True for parts of a configuration, which is for many assets: not each has them.
+    ratio: Option<NumberOrText>,
+    levels: Vec<NumberOrText>,
+    /// True for parts of a configuration: it is for many assets, and some may lack them.
     if_there: bool,
 }
 
-/// A number, or a text that has one.
+/// A number, or a text that is read as one.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
-enum Number {
+enum NumberOrText {
     Number(serde_json::Number),
     Text(String),
 }
 
-impl Number {
+impl NumberOrText {
     fn text(&self) -> String {
         match self {
             Self::Number(number) => number.to_string(),
@@ -71,8 +74,8 @@ impl Number {
 }
 
 impl Part {
-    /// Reads the options of a part, a JSON object: globs of `objects` or `materials`, and those of
-    /// `build` that the part has of its own. `weights` reads the value of `weight`.
+    /// Reads a part from a JSON object: globs of `objects` or `materials` and the options for them.
+    /// `weights` reads the value of `weight`.
     ///
     /// # Errors
     /// If the text is no such object, names no part, or gives a material what only objects have.
@@ -80,38 +83,38 @@ impl Part {
         text: &str,
         weights: impl Fn(&str) -> Result<Weights, String>,
     ) -> Result<Self, String> {
-        let text: Text = serde_json::from_str(text).map_err(|e| e.to_string())?;
-        if text.objects.is_empty() && text.materials.is_empty() {
+        let document: PartDocument = serde_json::from_str(text).map_err(|e| e.to_string())?;
+        if document.objects.is_empty() && document.materials.is_empty() {
             return Err("names neither objects nor materials".to_owned());
         }
         let names = |names: &[String]| match names {
             [] => Ok(None),
             names => globs(names).map(Some).map_err(|e| e.to_string()),
         };
-        let metric = text.metric.as_deref().map(metric).transpose()?;
+        let metric = document.metric.as_deref().map(metric_named).transpose()?;
         let part = Self {
-            objects: names(&text.objects)?,
-            materials: names(&text.materials)?,
-            lock: text.lock,
+            objects: names(&document.objects)?,
+            materials: names(&document.materials)?,
+            lock: document.lock,
             metric,
-            weights: text.weight.as_deref().map(weights).transpose()?,
-            lock_border: text.lock_border,
-            preserve_topology: text.preserve_topology,
-            no_attributes: text.no_attributes,
-            ratio: text.ratio.map(|r| share(&r.text())).transpose()?,
-            levels: text.levels.iter().map(|l| size(&l.text())).collect::<Result<_, _>>()?,
-            required: (!text.if_there)
-                .then_some(Names { objects: text.objects, materials: text.materials }),
+            weights: document.weight.as_deref().map(weights).transpose()?,
+            lock_border: document.lock_border,
+            preserve_topology: document.preserve_topology,
+            no_attributes: document.no_attributes,
+            ratio: document.ratio.map(|r| share(&r.text())).transpose()?,
+            levels: document.levels.iter().map(|l| size(&l.text())).collect::<Result<_, _>>()?,
+            required: (!document.if_there)
+                .then_some(Globs { objects: document.objects, materials: document.materials }),
         };
-        if part.materials.is_some() && (part.is_of_objects() || part.has_level()) {
+        if part.materials.is_some() && (part.has_object_options() || part.has_level()) {
             let why = "the materials of an object collapse together, by one metric to one level";
             return Err(format!("of a material, only lock and weight can be given: {why}"));
         }
         Ok(part)
     }
 
-    /// Returns whether it has options of the order of collapses that only whole objects have.
-    fn is_of_objects(&self) -> bool {
+    /// Returns whether it has options that decide the collapse sequence and are for whole objects.
+    fn has_object_options(&self) -> bool {
         let switches = [self.lock_border, self.preserve_topology, self.no_attributes];
         self.metric.is_some() || switches.iter().any(Option::is_some)
     }
@@ -120,27 +123,28 @@ impl Part {
         self.ratio.is_some() || !self.levels.is_empty()
     }
 
-    /// Returns whether an object of this name belongs to it, if perhaps not all of its materials.
-    fn takes(&self, object: &str) -> bool {
+    /// Returns whether an object of this name belongs to it, with all or some of its materials.
+    fn matches_object(&self, object: &str) -> bool {
         self.objects.as_ref().is_none_or(|names| names.is_match(object))
     }
 
     /// Returns whether a material of an object belongs to it.
-    fn takes_material(&self, object: &str, material: &str) -> bool {
-        let named = self.materials.as_ref().is_none_or(|names| names.is_match(material));
-        named && self.takes(object)
+    fn matches_material(&self, object: &str, material: &str) -> bool {
+        let matches = self.materials.as_ref().is_none_or(|names| names.is_match(material));
+        matches && self.matches_object(object)
     }
 }
 
-/// The parts of an asset that have options of their own. Later ones win.
+/// All parts that were given for an asset, in order: later ones win.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts<'a>(pub &'a [Part]);
 
 impl Parts<'_> {
-    /// Options of simplifying an object; without any of its own those of the asset.
+    /// The options for simplifying an object: `options`, those of the asset, with those of the
+    /// object's parts in their place.
     #[must_use]
-    pub fn options(&self, object: &str, mut options: Options) -> Options {
-        for part in self.0.iter().filter(|p| p.materials.is_none() && p.takes(object)) {
+    pub fn object_options(&self, object: &str, mut options: Options) -> Options {
+        for part in self.0.iter().filter(|p| p.materials.is_none() && p.matches_object(object)) {
             options.metric = part.metric.unwrap_or(options.metric);
             options.weights = part.weights.unwrap_or(options.weights);
             options.lock_border = part.lock_border.unwrap_or(options.lock_border);
@@ -150,12 +154,12 @@ impl Parts<'_> {
         options
     }
 
-    /// The weights of every object's materials, by submesh; objects none of whose materials has its
-    /// own have no list. `options` are those of the objects.
+    /// The weights of attributes by object and submesh; the list of an object is empty if no part
+    /// has weights for its materials. `options` are those of the objects.
     ///
     /// # Errors
     /// If the stored document is damaged.
-    pub fn weights(
+    pub fn material_weights(
         &self,
         scene: &Scene,
         options: &[Options],
@@ -165,72 +169,73 @@ impl Parts<'_> {
         if !self.0.iter().any(by_material) {
             return Ok(all);
         }
-        let materials = materials(scene)?;
+        let materials = materials_by_submesh(scene)?;
         let objects = scene.objects.iter().zip(options).zip(&materials);
         for (list, ((object, options), materials)) in all.iter_mut().zip(objects) {
             let name = &object.info.name;
             let last = |material: &String| {
                 let mut parts = self.0.iter().rev().filter(|p| p.weights.is_some());
-                parts.find(|p| p.takes_material(name, material))
+                parts.find(|p| p.matches_material(name, material))
             };
-            let own: Vec<Option<&Part>> = materials.iter().map(last).collect();
-            if own.iter().flatten().any(|part| by_material(part)) {
+            let last_parts: Vec<Option<&Part>> = materials.iter().map(last).collect();
+            if last_parts.iter().flatten().any(|part| by_material(part)) {
                 let weights = |part: Option<&Part>| part.and_then(|p| p.weights);
-                *list = own.into_iter().map(|p| weights(p).unwrap_or(options.weights)).collect();
+                let by_submesh = last_parts.into_iter().map(weights);
+                *list = by_submesh.map(|weights| weights.unwrap_or(options.weights)).collect();
             }
         }
         Ok(all)
     }
 
-    /// Refuses parts that a scene does not have, unless a configuration names them.
+    /// Refuses parts that a scene does not have, except those of configurations.
     ///
     /// # Errors
-    /// If there is such a part; the message lists what there is. If the stored document is damaged.
-    pub fn check(&self, scene: &Scene) -> Result<(), AssetError> {
+    /// If there is such a part; the message lists what it has. If the stored document is damaged.
+    pub fn check_names(&self, scene: &Scene) -> Result<(), AssetError> {
         if self.0.iter().all(|part| part.required.is_none()) {
             return Ok(());
         }
-        let materials = materials(scene)?;
+        let materials = materials_by_submesh(scene)?;
         let objects = || scene.objects.iter().map(|o| &o.info.name).zip(&materials);
         for part in self.0 {
             let Some(names) = &part.required else { continue };
             let has = |(object, all): (&String, &Vec<String>)| {
-                all.iter().any(|material| part.takes_material(object, material))
+                all.iter().any(|material| part.matches_material(object, material))
             };
             if objects().any(has) {
                 continue;
             }
-            let (kind, given, there): (_, _, Vec<&String>) = match &part.materials {
+            let (kind, given, present): (_, _, Vec<&String>) = match &part.materials {
                 None => ("object", &names.objects, objects().map(|(object, _)| object).collect()),
                 Some(_) => {
-                    let within = objects().filter(|(object, _)| part.takes(object));
+                    let within = objects().filter(|(object, _)| part.matches_object(object));
                     ("material", &names.materials, within.flat_map(|(_, all)| all).collect())
                 }
             };
             return Err(AssetError::Usage(format!(
                 "--part: no {kind} is named {} (there are: {})",
                 given.join(" or "),
-                listed(there.into_iter().map(String::as_str))
+                name_list(present.into_iter().map(String::as_str))
             )));
         }
         Ok(())
     }
 
-    /// Adds the vertices of locked parts to those that stay, by object; objects without any have no
-    /// list.
+    /// Marks the vertices of locked parts in `locked`, by object and vertex. The list of an object
+    /// without locked vertices may be empty.
     ///
     /// # Errors
     /// If the stored document is damaged.
-    pub fn lock(&self, scene: &Scene, locked: &mut [Vec<bool>]) -> Result<(), AssetError> {
+    pub fn lock_vertices(&self, scene: &Scene, locked: &mut [Vec<bool>]) -> Result<(), AssetError> {
         if self.0.iter().all(|part| !part.lock) {
             return Ok(());
         }
-        let materials = materials(scene)?;
+        let materials = materials_by_submesh(scene)?;
         for part in self.0.iter().filter(|part| part.lock) {
             for ((object, list), materials) in
                 scene.objects.iter().zip(&mut *locked).zip(&materials)
             {
-                let has = |material: &String| part.takes_material(&object.info.name, material);
+                let has = |material: &String| part.matches_material(&object.info.name, material);
                 let stays: Vec<bool> = materials.iter().map(has).collect();
                 if stays.contains(&true) {
                     list.resize(object.mesh.vertex_count(), false);
@@ -242,28 +247,30 @@ impl Parts<'_> {
         Ok(())
     }
 
-    /// The level of an object that `extract` takes, if it has one of its own.
+    /// The level of an object that `extract` takes, if a part has one for it.
     #[must_use]
-    pub fn ratio(&self, object: &str) -> Option<Target> {
-        let own = self.0.iter().rev().find(|p| p.ratio.is_some() && p.takes(object));
-        own.and_then(|part| part.ratio).map(Target::Ratio)
+    pub fn extract_level(&self, object: &str) -> Option<LevelTarget> {
+        let last = self.0.iter().rev().find(|p| p.ratio.is_some() && p.matches_object(object));
+        last.and_then(|part| part.ratio).map(LevelTarget::Ratio)
     }
 
-    /// The level of an object that `chain` takes at a place from 0, if it has levels of its own;
-    /// beyond the last of them that one.
+    /// The level of an object that is number `number`, from 0, of the chain, if a part lists levels
+    /// for it; beyond the end of that list its last one.
     #[must_use]
-    pub fn level(&self, object: &str, place: usize) -> Option<Target> {
-        let mut own = self.0.iter().rev().filter(|p| !p.levels.is_empty() && p.takes(object));
-        own.next().and_then(|part| part.levels.get(place).or(part.levels.last())).copied()
+    pub fn chain_level(&self, object: &str, number: usize) -> Option<LevelTarget> {
+        let mut parts =
+            self.0.iter().rev().filter(|p| !p.levels.is_empty() && p.matches_object(object));
+        parts.next().and_then(|part| part.levels.get(number).or(part.levels.last())).copied()
     }
 
-    /// Refuses options of what has been simplified already.
+    /// Refuses options that decide a collapse sequence, for an input that has one already.
     ///
     /// # Errors
     /// If there are any.
-    pub fn refuse(&self, input: &str) -> Result<(), AssetError> {
-        let shapes_order = |p: &Part| p.lock || p.weights.is_some() || p.is_of_objects();
-        if !self.0.iter().any(shapes_order) {
+    pub fn refuse_sequence_options(&self, input: &str) -> Result<(), AssetError> {
+        let decides_sequence =
+            |part: &Part| part.lock || part.weights.is_some() || part.has_object_options();
+        if !self.0.iter().any(decides_sequence) {
             return Ok(());
         }
         let what = "has its order of collapses: give metric, weight and lock of parts to build";
@@ -271,22 +278,22 @@ impl Parts<'_> {
     }
 }
 
-/// Names in order, each once, for a message.
-pub fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+/// Names in order, each once, for a message; `none` if there are none.
+pub fn name_list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let unique: BTreeSet<&str> = names.filter(|name| !name.is_empty()).collect();
-    match unique.is_empty() {
-        true => "none".to_owned(),
-        false => unique.into_iter().collect::<Vec<_>>().join(", "),
+    if unique.is_empty() {
+        return "none".to_owned();
     }
+    unique.into_iter().collect::<Vec<_>>().join(", ")
 }
 
 /// The names of the materials of every object, by submesh.
-fn materials(scene: &Scene) -> Result<Vec<Vec<String>>, AssetError> {
+fn materials_by_submesh(scene: &Scene) -> Result<Vec<Vec<String>>, AssetError> {
     let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
     Ok(PartNames::new(&scene.document, &infos)?.materials)
 }
 
-fn metric(name: &str) -> Result<MetricKind, String> {
+fn metric_named(name: &str) -> Result<MetricKind, String> {
     let found = MetricKind::ALL.into_iter().find(|kind| kind.name() == name);
     found.ok_or_else(|| {
         let names = MetricKind::ALL.map(MetricKind::name).join(", ");
@@ -310,18 +317,24 @@ mod tests {
         ];
         let parts = parts.map(|text| parse(text).expect("a part"));
         let parts = Parts(&parts);
-        let of = |name: &str| parts.options(name, Options::DEFAULT);
-        assert_eq!(of("arm"), Options::DEFAULT);
-        assert_eq!((of("helm").metric, of("helm").attributes), (MetricKind::Hybrid, false));
-        assert_eq!((of("head").metric, of("head").attributes), (MetricKind::Divergence, false));
-        assert_eq!(parts.ratio("head"), Some(Target::Ratio(0.5)));
-        assert_eq!((parts.ratio("arm"), parts.level("helm", 0)), (None, None));
-        assert_eq!(parts.level("head", 0), Some(Target::Ratio(0.5)));
-        assert_eq!(parts.level("head", 7), Some(Target::Triangles(100)));
+        let options = |name: &str| parts.object_options(name, Options::DEFAULT);
+        assert_eq!(options("arm"), Options::DEFAULT);
+        assert_eq!(
+            (options("helm").metric, options("helm").attributes),
+            (MetricKind::Hybrid, false)
+        );
+        assert_eq!(
+            (options("head").metric, options("head").attributes),
+            (MetricKind::Divergence, false)
+        );
+        assert_eq!(parts.extract_level("head"), Some(LevelTarget::Ratio(0.5)));
+        assert_eq!((parts.extract_level("arm"), parts.chain_level("helm", 0)), (None, None));
+        assert_eq!(parts.chain_level("head", 0), Some(LevelTarget::Ratio(0.5)));
+        assert_eq!(parts.chain_level("head", 7), Some(LevelTarget::Triangles(100)));
     }
 
     #[test]
-    fn what_is_no_part_is_refused() {
+    fn malformed_parts_are_refused() {
         for (wrong, why) in [
             (r#"{"lock": true}"#, "neither objects nor materials"),
             (r#"{"objects": ["a"], "metrik": "kl"}"#, "metrik"),

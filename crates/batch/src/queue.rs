@@ -3,12 +3,14 @@
 use std::path::Path;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Bytes of memory that a byte of an input file may come to. Text has some 70 bytes for each
-/// triangle, a GLB some 30; images only make this more.
-const MEMORY_OF_BYTE: u64 = 14;
+/// Bytes of memory that each byte of an input file is expected to take. Text has about 70 bytes for
+/// each triangle, a GLB about 30, so this is 400 to 1,000 bytes for each triangle; images in a file
+/// make the estimate too large. Chosen by hand: too small, and assets together run out of memory;
+/// too large, and fewer run at one time.
+const MEMORY_PER_INPUT_BYTE: u64 = 14;
 
-/// Bytes of memory that an asset may need where nothing but the size of its file and, for glTF, of
-/// its buffers is known; 0 if there is none.
+/// Bytes of memory that an asset is expected to need, from nothing but the size of its file and,
+/// for `x.gltf`, of `x.bin`; 0 if there is no such file.
 #[must_use]
 pub fn expected_bytes(input: &Path) -> u64 {
     let size = |path: &Path| path.metadata().map_or(0, |m| m.len());
@@ -16,44 +18,36 @@ pub fn expected_bytes(input: &Path) -> u64 {
     if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf")) {
         bytes += size(&input.with_extension("bin"));
     }
-    bytes.saturating_mul(MEMORY_OF_BYTE)
+    bytes.saturating_mul(MEMORY_PER_INPUT_BYTE)
 }
 
-/// Limits on work at one time.
+/// Limits on the work that is done at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Budget {
-    /// Assets at one time.
+    /// Assets.
     pub workers: usize,
     /// Bytes of memory, all assets together; an asset that is expected to need more runs alone.
     pub bytes: u64,
 }
 
-/// Assets at work and assets taken from the queue.
-#[derive(Debug, Default)]
-struct State {
-    next: usize,
-    running: usize,
-    bytes: u64,
-}
-
-/// Does `work` for each of `needs.len()` assets. `needs` are the bytes that each is expected to
-/// take. The results are in the order of `needs`, whatever the order of work.
-pub fn run<R: Send>(needs: &[u64], budget: Budget, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
-    let mut order: Vec<usize> = (0..needs.len()).collect();
-    order.sort_by_key(|&i| (std::cmp::Reverse(needs[i]), i));
-    let (state, freed) = (Mutex::new(State::default()), Condvar::new());
+/// Does `work` for each of `needs.len()` assets. `needs` are the bytes of memory that each is
+/// expected to take; those that need most come first. The results are in the order of `needs`.
+pub fn run_queue<R: Send>(
+    needs: &[u64],
+    budget: Budget,
+    work: impl Fn(usize) -> R + Sync,
+) -> Vec<R> {
+    let queue = Queue::new(needs, budget);
     let results: Vec<Mutex<Option<R>>> = needs.iter().map(|_| Mutex::new(None)).collect();
     let worker = || {
-        while let Some(asset) = take(&order, needs, budget, &state, &freed) {
+        while let Some(asset) = queue.take() {
             let result = work(asset);
             *locked(&results[asset]) = Some(result);
-            let mut now = locked(&state);
-            now.running -= 1;
-            now.bytes -= needs[asset];
-            freed.notify_all();
+            queue.release(asset);
         }
     };
     std::thread::scope(|scope| {
+        // The calling thread is a worker too.
         for _ in 1..budget.workers.clamp(1, needs.len().max(1)) {
             scope.spawn(worker);
         }
@@ -63,24 +57,56 @@ pub fn run<R: Send>(needs: &[u64], budget: Budget, work: impl Fn(usize) -> R + S
     all.map(|result| result.expect("every asset has had its turn")).collect()
 }
 
-/// The next asset, as soon as there is room for it; none when all are taken.
-fn take(
-    order: &[usize],
-    needs: &[u64],
+struct Queue<'a> {
+    /// Numbers of assets, those that need most memory first.
+    order: Vec<usize>,
+    needs: &'a [u64],
     budget: Budget,
-    state: &Mutex<State>,
-    freed: &Condvar,
-) -> Option<usize> {
-    let mut now = locked(state);
-    loop {
-        let &asset = order.get(now.next)?;
-        if now.running == 0 || now.bytes.saturating_add(needs[asset]) <= budget.bytes {
-            now.next += 1;
-            now.running += 1;
-            now.bytes += needs[asset];
-            return Some(asset);
+    progress: Mutex<Progress>,
+    /// Notified when an asset is done and its memory is free.
+    memory_freed: Condvar,
+}
+
+#[derive(Default)]
+struct Progress {
+    /// Assets taken so far.
+    taken: usize,
+    /// Assets that workers have now.
+    running: usize,
+    /// What those are expected to need.
+    reserved_bytes: u64,
+}
+
+impl<'a> Queue<'a> {
+    fn new(needs: &'a [u64], budget: Budget) -> Self {
+        let mut order: Vec<usize> = (0..needs.len()).collect();
+        order.sort_by_key(|&asset| (std::cmp::Reverse(needs[asset]), asset));
+        let (progress, memory_freed) = (Mutex::new(Progress::default()), Condvar::new());
+        Self { order, needs, budget, progress, memory_freed }
+    }
+
+    /// Waits until there is memory for the next asset and takes it; none when all are taken.
+    fn take(&self) -> Option<usize> {
+        let mut now = locked(&self.progress);
+        loop {
+            let &asset = self.order.get(now.taken)?;
+            let bytes = now.reserved_bytes.saturating_add(self.needs[asset]);
+            if now.running == 0 || bytes <= self.budget.bytes {
+                now.taken += 1;
+                now.running += 1;
+                now.reserved_bytes += self.needs[asset];
+                return Some(asset);
+            }
+            now = self.memory_freed.wait(now).unwrap_or_else(PoisonError::into_inner);
         }
-        now = freed.wait(now).unwrap_or_else(PoisonError::into_inner);
+    }
+
+    /// Gives back the memory of an asset that is done.
+    fn release(&self, asset: usize) {
+        let mut now = locked(&self.progress);
+        now.running -= 1;
+        now.reserved_bytes -= self.needs[asset];
+        self.memory_freed.notify_all();
     }
 }
 
@@ -97,22 +123,22 @@ mod tests {
     fn results_are_in_order_and_memory_stays_within_the_budget() {
         let needs: Vec<u64> = (0..40).map(|i| i * 7 % 13 + 1).collect();
         let budget = Budget { workers: 5, bytes: 20 };
-        let (used, most) = (AtomicU64::new(0), AtomicU64::new(0));
-        let results = run(&needs, budget, |i| {
+        let (used, peak) = (AtomicU64::new(0), AtomicU64::new(0));
+        let results = run_queue(&needs, budget, |i| {
             let now = used.fetch_add(needs[i], Ordering::SeqCst) + needs[i];
-            most.fetch_max(now, Ordering::SeqCst);
+            peak.fetch_max(now, Ordering::SeqCst);
             std::thread::yield_now();
             used.fetch_sub(needs[i], Ordering::SeqCst);
             i
         });
         assert_eq!(results, (0..40).collect::<Vec<_>>());
-        assert!(most.load(Ordering::SeqCst) <= budget.bytes);
+        assert!(peak.load(Ordering::SeqCst) <= budget.bytes);
     }
 
     #[test]
     fn only_files_are_expected_to_need_memory() {
         let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-        assert!(expected_bytes(&package.join("Cargo.toml")) > MEMORY_OF_BYTE);
+        assert!(expected_bytes(&package.join("Cargo.toml")) > MEMORY_PER_INPUT_BYTE);
         assert_eq!(expected_bytes(Path::new("-")), 0);
         assert_eq!(expected_bytes(&package.join("no such file.obj")), 0);
     }
@@ -121,8 +147,8 @@ mod tests {
     fn the_largest_is_first_and_one_beyond_the_budget_still_runs() {
         let order = Mutex::new(vec![]);
         let budget = Budget { workers: 1, bytes: 3 };
-        run(&[1, 100, 2], budget, |i| locked(&order).push(i));
+        run_queue(&[1, 100, 2], budget, |i| locked(&order).push(i));
         assert_eq!(*locked(&order), [1, 2, 0]);
-        assert!(run(&[], budget, |i| i).is_empty());
+        assert!(run_queue(&[], budget, |i| i).is_empty());
     }
 }

@@ -18,8 +18,8 @@ pub(crate) fn importance(
     args: &ImportanceArgs,
     parts: Parts<'_>,
 ) -> Outcome<Importance> {
-    parts.check(scene)?;
+    parts.check_names(scene)?;
     let mut locked = args.locked(scene)?;
-    parts.lock(scene, &mut locked)?;
-    Ok(Importance { locked, weights: parts.weights(scene, options)? })
+    parts.lock_vertices(scene, &mut locked)?;
+    Ok(Importance { locked, weights: parts.material_weights(scene, options)? })
 }

@@ -11,7 +11,7 @@ pub(crate) use counts::counts;
 pub(crate) use known::importance;
 pub(crate) use pipeline::object_options;
 
-use crate::batch::{self, BatchArgs, MESHES, Sources};
+use crate::batch::{self, BatchArgs, CommandPaths, MESH_EXTENSIONS};
 use crate::commands::ci::CiArgs;
 use crate::commands::each;
 use crate::config::ConfigArgs;
@@ -130,19 +130,19 @@ impl BuildArgs {
 
 pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
     args.models.kinds()?;
-    let sources = Sources {
+    let paths = CommandPaths {
         inputs: &args.inputs,
         output: args.output.as_deref(),
-        reads: &MESHES,
-        writes: "lodc",
-        allowed: args.import.allowed(),
+        input_extensions: &MESH_EXTENSIONS,
+        output_extension: "lodc",
+        allowed_folders: args.import.allowed(),
     };
-    let mut assets = batch::assets(sources, &args.batch)?;
+    let mut assets = batch::assets(paths, &args.batch)?;
     args.configuration.apply(program, "build", &mut assets)?;
     if args.estimate {
         return estimate::all(args, program, &assets);
     }
     args.ci.check(assets.iter().map(|asset| &asset.input))?;
-    batch::check_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
+    batch::check_standard_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
     work::all(args, program, &assets)
 }

@@ -140,7 +140,7 @@ fn check_memory(
 
 /// The options of every object: those of the asset, or its own.
 pub(crate) fn object_options(scene: &Scene, options: Options, parts: Parts<'_>) -> Vec<Options> {
-    scene.objects.iter().map(|o| parts.options(&o.info.name, options)).collect()
+    scene.objects.iter().map(|o| parts.object_options(&o.info.name, options)).collect()
 }
 
 fn fill_in(report: &mut InputReport, objects: &[LodObject]) {

@@ -6,7 +6,7 @@ use crate::batch::{Asset, Budget};
 use crate::commands::each::{self, AssetOptions};
 use crate::console::{self, error};
 use crate::exit::{Outcome, Status};
-use crate::output::{self, Results, Rule, Target};
+use crate::output::{self, DependencyRule, Results, Target};
 use crate::program::Program;
 use crate::progress::{BatchProgress, Progress};
 use crate::stages::Stages;
@@ -21,7 +21,7 @@ use std::time::Instant;
 struct AssetResult {
     report: InputReport,
     /// Its rule in the dependency file.
-    rule: Option<Rule>,
+    rule: Option<DependencyRule>,
     status: Status,
     /// A line about it.
     line: Option<String>,
@@ -87,7 +87,7 @@ fn report(args: &BuildArgs, done: Vec<AssetResult>) -> Outcome<Status> {
     }
     let mut worst = done.iter().map(|one| one.status).max().unwrap_or_default();
     if let Some(depfile) = &args.depfile {
-        let rules: Vec<Rule> = done.iter().filter_map(|one| one.rule.clone()).collect();
+        let rules: Vec<DependencyRule> = done.iter().filter_map(|one| one.rule.clone()).collect();
         if let Err(failure) = output::write_depfile(depfile, &rules) {
             error(&failure);
             worst = worst.max(failure.status);
@@ -149,14 +149,14 @@ fn build_asset(
 /// What is left to do with the result of an asset.
 #[derive(Default)]
 struct Built {
-    rule: Option<Rule>,
+    rule: Option<DependencyRule>,
     line: Option<String>,
     unwritten: Option<OutputFile>,
 }
 
 /// With `--if-changed`, the rule of a result that is up to date, and the warnings of the run that
 /// made it; else none.
-fn fresh(args: &BuildArgs, input: &Path, target: &Target) -> Option<(Rule, Vec<String>)> {
+fn fresh(args: &BuildArgs, input: &Path, target: &Target) -> Option<(DependencyRule, Vec<String>)> {
     let Target::File(path) = target else { return None };
     if !args.if_changed {
         return None;
@@ -164,7 +164,7 @@ fn fresh(args: &BuildArgs, input: &Path, target: &Target) -> Option<(Rule, Vec<S
     // A damaged result, or one without a record of its inputs, is made again.
     let made = lodc::made_from(&std::fs::read(path).ok()?).ok()??;
     let files = made.unchanged(input, &args.import.assets(input, None), &args.resolved)?;
-    Some((Rule::new(path, &files), made.warnings))
+    Some((DependencyRule::new(path, &files), made.warnings))
 }
 
 fn build(
@@ -189,7 +189,7 @@ fn build(
         summary::print(&made, target, seconds);
     }
     let rule = match target {
-        Target::File(path) => Some(Rule::new(path, &made.files)),
+        Target::File(path) => Some(DependencyRule::new(path, &made.files)),
         Target::Stdout => None,
     };
     Ok(Built { rule, line, unwritten: made.unwritten })

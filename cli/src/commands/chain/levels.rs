@@ -106,7 +106,7 @@ impl LevelArgs {
     ) -> Outcome<Vec<Chosen>> {
         let mut levels: Vec<Chosen> = Vec::new();
         for (index, (target, distance)) in self.targets().into_iter().enumerate() {
-            let own = |object: &str| parts.level(object, index);
+            let own = |object: &str| parts.chain_level(object, index);
             let chosen = scene.select_capped(target, own, cap, false)?;
             let Selection { lods, warnings, .. } = chosen;
             let triangles = triangles(objects, &lods);

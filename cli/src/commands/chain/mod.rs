@@ -14,7 +14,7 @@ use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{BECOMES, LEVEL, MORE, OUTPUT};
 use crate::mesh_output::{self, FormatName};
-use crate::output::{self, Rule, Target};
+use crate::output::{self, DependencyRule, Target};
 use crate::program::Program;
 use crate::progress::Progress;
 use crate::results::reported;
@@ -119,7 +119,7 @@ pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
 
 /// The assets and the format of their results.
 fn assets(args: &ChainArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatName)> {
-    if output::is_stream(&args.output) {
+    if output::is_standard_stream(&args.output) {
         return Err(no_stream(&args.output));
     }
     let folder = args.export.batch.takes_many(&args.inputs) || output::is_folder(&args.output);
@@ -233,8 +233,8 @@ fn provenance(args: &ChainArgs, asset: &asset::Asset, levels: &[Level]) -> Prove
 }
 
 /// A rule for each file with levels.
-fn rules(made: &Files, files: &RequestedFiles) -> Vec<Rule> {
+fn rules(made: &Files, files: &RequestedFiles) -> Vec<DependencyRule> {
     let mut outputs = made.of_level.clone();
     outputs.dedup();
-    outputs.iter().map(|output| Rule::new(output, files)).collect()
+    outputs.iter().map(|output| DependencyRule::new(output, files)).collect()
 }

@@ -16,7 +16,9 @@ pub(super) type Baseline = lodc_assets::Baseline<Recorded>;
 /// If it cannot be read, or is not there and not to be recorded.
 pub(super) fn open(args: &CompareArgs) -> Outcome<Option<Baseline>> {
     let Some(path) = &args.baseline else { return Ok(None) };
-    if output::is_stream(path) || args.named().is_some_and(|named| named.contains(&&**path)) {
+    if output::is_standard_stream(path)
+        || args.named().is_some_and(|named| named.contains(&&**path))
+    {
         return Err(Failure::usage("--baseline needs a file or folder of its own"));
     }
     if !args.record && !path.exists() {
@@ -31,7 +33,7 @@ pub(super) fn open(args: &CompareArgs) -> Outcome<Option<Baseline>> {
 /// # Errors
 /// If its file cannot be read, or it was recorded with other options.
 pub(super) fn of(baseline: &Baseline, name: &str, args: &CompareArgs) -> Outcome<Option<Recorded>> {
-    let recorded = if args.record { None } else { baseline.of(name)? };
+    let recorded = if args.record { None } else { baseline.record(name)? };
     match recorded {
         Some(recorded) if recorded.options != options(args) => {
             let what = format!("{name} was recorded with {}", recorded.options);
@@ -50,7 +52,7 @@ pub(super) fn write(baseline: Baseline, measured: Vec<(String, Recorded)>) -> Ou
     let is_folder = baseline.is_folder();
     for (path, text) in baseline.files(SCHEMA_VERSION, measured) {
         let target = Target::File(path);
-        output::prepare([&target], is_folder)?;
+        output::prepare_targets([&target], is_folder)?;
         output::write(&target, text.into_bytes())?;
     }
     Ok(())

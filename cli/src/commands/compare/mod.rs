@@ -215,7 +215,7 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     let baseline = baseline::open(args)?;
     let pairs = batch::pairs(args.named(), &args.batch)?;
     let (mut assets, others): (Vec<Asset>, Vec<_>) =
-        pairs.into_iter().map(|Pair { asset, other }| (asset, other)).unzip();
+        pairs.into_iter().map(|Pair { asset, compared_with }| (asset, compared_with)).unzip();
     args.configuration.apply(program, "compare", &mut assets)?;
     let options = AssetOptions::new(program, "compare", &assets, |args: CompareArgs, _| args);
     let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
@@ -242,7 +242,7 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
 fn check(args: &CompareArgs) -> Outcome<()> {
     args.level_b.check_distance()?;
     let inputs: Vec<&PathBuf> = [&args.a, &args.b].into_iter().flatten().collect();
-    if inputs.len() == 2 && inputs.iter().all(|path| output::is_stream(path)) {
+    if inputs.len() == 2 && inputs.iter().all(|path| output::is_standard_stream(path)) {
         return Err(Failure::usage("standard input can be read once only"));
     }
     args.ci.check(inputs.iter().copied())?;
@@ -250,10 +250,10 @@ fn check(args: &CompareArgs) -> Outcome<()> {
     if args.takes_many() || args.levels.len() > 1 {
         return Err(Failure::usage("--heatmap shows two files and one level"));
     }
-    if output::is_stream(path) || inputs.contains(&path) {
+    if output::is_standard_stream(path) || inputs.contains(&path) {
         return Err(Failure::usage("--heatmap needs a file of its own"));
     }
-    Ok(output::prepare(&[Output::File(path.clone())], false)?)
+    Ok(output::prepare_targets(&[Output::File(path.clone())], false)?)
 }
 
 /// Prints what was measured; of several with `-q` only what exceeds a limit.

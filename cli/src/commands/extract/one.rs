@@ -5,7 +5,7 @@ use crate::commands::asset::{self, Asset, Errors};
 use crate::commands::export::ExportResult;
 use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
-use crate::output::{Rule, Target};
+use crate::output::{DependencyRule, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use crate::views::CriterionName;
@@ -66,7 +66,7 @@ pub(super) fn extract(
     let mut files = asset.files;
     files.extend(&images);
     let rules = match target {
-        Target::File(path) => vec![Rule::new(path, &files)],
+        Target::File(path) => vec![DependencyRule::new(path, &files)],
         Target::Stdout => vec![],
     };
     Ok((ExportResult { report, rules }, tip))
@@ -110,7 +110,7 @@ fn uniform(
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let wish = args.selector.target().expect("there is a level or a criterion");
     let per_object = args.selector.per_object();
-    let own = |object: &str| args.export.simplify.parts.all().ratio(object);
+    let own = |object: &str| args.export.simplify.parts.all().extract_level(object);
     let chosen =
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
     let lods = &chosen.lods;

@@ -10,7 +10,7 @@ use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{MANY, MEASURED, MORE, OUTPUT};
 use crate::limits::LimitArgs;
-use crate::output::is_stream;
+use crate::output::is_standard_stream;
 use crate::results::{self, FailureReport, ResultReport};
 use clap::Args;
 use lodc_formats::{Assets, lods};
@@ -71,10 +71,11 @@ enum Content {
 }
 
 pub(crate) fn run(args: &InfoArgs) -> Outcome<Status> {
-    if args.inputs.iter().filter(|input| is_stream(input)).count() > 1 {
+    if args.inputs.iter().filter(|input| is_standard_stream(input)).count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    let inputs = batch::expand(&args.inputs, &["lodc", "lods"], &args.include, &args.exclude)?;
+    let inputs =
+        batch::expand_folders(&args.inputs, &["lodc", "lods"], &args.include, &args.exclude)?;
     let several = args.inputs.len() > 1 || args.inputs.iter().any(|input| input.is_dir());
     clock::expect_several(several);
     let (mut worst, mut results) = (Status::Done, Vec::new());

@@ -128,8 +128,8 @@ Examples:
 
 pub(crate) fn run(args: &RenderArgs) -> Outcome<()> {
     let folder = output::is_folder(&args.output);
-    let target = output::target(&args.input, Some(&args.output), "png")?;
-    output::prepare([&target], folder)?;
+    let target = output::single_target(&args.input, Some(&args.output), "png")?;
+    output::prepare_targets([&target], folder)?;
     if args.wireframe && args.color == Colouring::Error {
         return Err(Failure::usage("--color error divides triangles: leave --wireframe out"));
     }

@@ -16,12 +16,12 @@ use lodc_mesh::Mesh;
 /// If nothing has come, the stream is damaged (the part before the damage is written) or not
 /// complete though it should be, or the mesh cannot be written.
 pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
-    if args.json && output::is_stream(&args.output) {
+    if args.json && output::is_standard_stream(&args.output) {
         return Err(Failure::usage("the mesh and the JSON do not fit one standard output"));
     }
     let format = mesh_output::format(&args.output, args.format, output::is_folder(&args.output))?;
-    let target = output::target(&args.input, Some(&args.output), format.extension())?;
-    output::prepare([&target], output::is_folder(&args.output))?;
+    let target = output::single_target(&args.input, Some(&args.output), format.extension())?;
+    output::prepare_targets([&target], output::is_folder(&args.output))?;
     let mut stages = Stages::new(args.limits.clock(&args.input));
     let unpacker = Unpacker::new(args.limits.limits());
     let stream = read(args, unpacker, &mut stages)?;

@@ -29,8 +29,8 @@ pub(super) fn is_wanted(args: &UnpackArgs) -> bool {
 /// promises, if memory does not suffice, or the file cannot be written.
 pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
     args.models.kinds()?;
-    let target = output::target(&args.input, Some(&args.output), "lodc")?;
-    output::prepare(std::slice::from_ref(&target), false)?;
+    let target = output::single_target(&args.input, Some(&args.output), "lodc")?;
+    output::prepare_targets(std::slice::from_ref(&target), false)?;
     let mut stages = Stages::new(args.limits.clock(&args.input));
     let mut stream = read(args, Unpacker::new(args.limits.limits()), &mut stages)?;
     if let Some(damaged) = stream.damaged.take() {

@@ -13,7 +13,7 @@ use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
 use crate::help::{CHECKED, MANY, MORE, OUTPUT};
 use crate::limits::ImportArgs;
-use crate::output::is_stream;
+use crate::output::is_standard_stream;
 use clap::Args;
 use gpu::Gpu;
 use lodc_formats::import::{ImportOptions, import, import_levels, states_levels};
@@ -78,7 +78,7 @@ Examples:
 const LEVELS: [&str; 5] = ["lodc", "glb", "gltf", "obj", "ply"];
 
 pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
-    let streams = args.inputs.iter().chain(&args.source).filter(|path| is_stream(path));
+    let streams = args.inputs.iter().chain(&args.source).filter(|path| is_standard_stream(path));
     if streams.count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     let mut worst = Status::Done;
     let options = args.import.options();
     let kinds: &[&str] = if args.source.is_some() { &LEVELS } else { &LEVELS[..1] };
-    let mut inputs = batch::expand(&args.inputs, kinds, &args.include, &args.exclude)?;
+    let mut inputs = batch::expand_folders(&args.inputs, kinds, &args.include, &args.exclude)?;
     // In folders, meshes that are not levels by lodc are skipped; named ones are checked anyway.
     inputs.retain(|path| {
         let is_named = args.inputs.contains(path) || path.extension() == Some(LEVELS[0].as_ref());
@@ -167,7 +167,7 @@ fn check(
     input: &Path,
 ) -> Outcome<Vec<CheckReport>> {
     let (options, clock) = (args.import.options(), args.import.clock(input));
-    if !is_stream(input) && !starts_as_lodc(input) {
+    if !is_standard_stream(input) && !starts_as_lodc(input) {
         return check_exported(sources, input, &options, &clock);
     }
     let limits = options.limits;

@@ -1,7 +1,7 @@
 //! `verify --source`: finds the mesh file that a `.lodc` was built from, by name or, in a folder,
 //! by its content hash.
 
-use crate::batch::{self, MESHES};
+use crate::batch::{self, MESH_EXTENSIONS};
 use crate::exit::{Failure, Outcome, Status};
 use lodc_formats::import::{ImportOptions, import};
 use std::collections::BTreeMap;
@@ -28,7 +28,7 @@ impl Sources {
         if !source.is_dir() {
             return Ok(Self::One(source.to_owned()));
         }
-        let meshes = batch::expand(&[source.to_owned()], &MESHES, &[], &[])?;
+        let meshes = batch::expand_folders(&[source.to_owned()], &MESH_EXTENSIONS, &[], &[])?;
         let mut by_hash: BTreeMap<u128, Vec<PathBuf>> = BTreeMap::new();
         for path in meshes {
             if let Ok(scene) = import(&path, options) {

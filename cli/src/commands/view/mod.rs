@@ -10,7 +10,7 @@ use crate::help::{BECOMES, OUTPUT, SEEN};
 use crate::kinds::UpAxis;
 use crate::limits::ImportArgs;
 use crate::mesh_output;
-use crate::output::{self, Rule, Target};
+use crate::output::{self, DependencyRule, Target};
 use crate::stages::Stages;
 use clap::Args;
 use lodc::LodObject;
@@ -85,7 +85,7 @@ pub(super) struct PageInput<'a> {
 pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
     let ViewArgs { page: args, up } = args;
     let options = args.import.options();
-    if !output::is_stream(&args.input) && states_levels(&args.input, &options) {
+    if !output::is_standard_stream(&args.input) && states_levels(&args.input, &options) {
         let ShippedLevels { levels, glides, .. } = import_levels(&args.input, &options)?;
         // A level alone is a mesh like another.
         if levels.len() > 1 || !glides.is_empty() {
@@ -149,7 +149,7 @@ fn put(
     let file = OutputFile { path: path.clone(), bytes: text.into_bytes() };
     stages.run("write", || mesh_output::write(target, vec![file]))?;
     if let Some(depfile) = &args.depfile {
-        output::write_depfile(depfile, &[Rule::new(&path, files)])?;
+        output::write_depfile(depfile, &[DependencyRule::new(&path, files)])?;
     }
     let name = args.input.display().to_string();
     for warning in &warnings {
@@ -164,20 +164,20 @@ fn put(
 
 /// The page's target, ready to be written, as is the dependency file.
 fn target(args: &PageArgs) -> Outcome<Target> {
-    if output::is_stream(&args.output) && args.depfile.is_some() {
+    if output::is_standard_stream(&args.output) && args.depfile.is_some() {
         return Err(Failure::usage("a dependency file needs an output file, not standard output"));
     }
-    let target = output::target(&args.input, Some(&args.output), "html")?;
-    output::prepare([&target], output::is_folder(&args.output))?;
+    let target = output::single_target(&args.input, Some(&args.output), "html")?;
+    output::prepare_targets([&target], output::is_folder(&args.output))?;
     if let Some(depfile) = &args.depfile {
-        output::prepare(&[Target::File(depfile.clone())], false)?;
+        output::prepare_targets(&[Target::File(depfile.clone())], false)?;
     }
     Ok(target)
 }
 
 /// The file name of the input.
 fn title(input: &Path) -> String {
-    let name = if output::is_stream(input) { None } else { input.file_name() };
+    let name = if output::is_standard_stream(input) { None } else { input.file_name() };
     name.map_or_else(|| "standard input".to_owned(), |n| n.to_string_lossy().into_owned())
 }
 

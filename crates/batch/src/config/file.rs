@@ -10,22 +10,22 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Options by long name; a table under a command's name holds options of that command alone.
-pub(super) type Options = IndexMap<String, Value>;
+/// Options by long name; a table under a command's name has options of that command alone.
+pub(super) type OptionTable = IndexMap<String, Value>;
 
-/// A file as TOML has it.
+/// A configuration file as it is in TOML.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
     #[serde(default)]
-    defaults: Options,
+    defaults: OptionTable,
     #[serde(default)]
-    profile: BTreeMap<String, Options>,
+    profile: BTreeMap<String, OptionTable>,
     #[serde(default, rename = "override")]
     overrides: Vec<Override>,
 }
 
-/// Options for files that match, or for parts of them.
+/// Options for the files that match, or for parts of them.
 #[derive(Debug, Deserialize)]
 struct Override {
     /// Globs of paths below the configuration's folder; all files if there are none.
@@ -38,90 +38,93 @@ struct Override {
     #[serde(default)]
     materials: Vec<String>,
     #[serde(flatten)]
-    options: Options,
+    options: OptionTable,
 }
 
-/// Options and their lines.
+/// The options that one table of a configuration has for an asset.
 #[derive(Clone, Debug)]
-pub struct Layer {
+pub struct ConfigLayer {
     /// File and table, for people.
     pub source: String,
-    /// The options.
+    /// The options of a whole asset; empty if there is a `part`.
     pub values: OptionValues,
-    /// Options of a part, in place of `values`.
-    pub part: Option<Options>,
+    /// The options of a part of an asset, with the globs that name it.
+    pub part: Option<OptionTable>,
 }
 
-impl Layer {
-    /// The options of a part as JSON, if they are those of a part.
+impl ConfigLayer {
+    /// The options of the part as JSON.
     #[must_use]
-    pub fn part_text(&self) -> Option<String> {
-        self.part.as_ref().map(super::text)
+    pub fn part_json(&self) -> Option<String> {
+        self.part.as_ref().map(super::json)
     }
 }
 
-/// A configuration that was read.
+/// A configuration file that was read and checked.
 #[derive(Debug)]
-pub(super) struct File {
+pub(super) struct ConfigFile {
     path: PathBuf,
+    /// Canonical; the globs of overrides match paths below it.
     folder: PathBuf,
     document: Document,
-    /// Whether each override has matched an input.
-    matched: RefCell<Vec<bool>>,
+    /// By override: whether it has matched an input so far.
+    has_matched: RefCell<Vec<bool>>,
 }
 
-impl File {
+impl ConfigFile {
     /// Reads a file and checks every key in it.
     ///
     /// # Errors
-    /// If it cannot be read, is no TOML, or has a key that nothing knows.
-    pub(super) fn read(path: &Path, words: &Vocabulary) -> Result<Self, AssetError> {
-        let named = |what: String| format!("{}: {what}", path.display());
-        let unreadable = |e: std::io::Error| AssetError::Input(named(e.to_string()));
+    /// If it cannot be read, is no TOML, or has an unknown key.
+    pub(super) fn read(path: &Path, vocabulary: &Vocabulary) -> Result<Self, AssetError> {
+        let message = |what: String| format!("{}: {what}", path.display());
+        let unreadable = |e: std::io::Error| AssetError::Input(message(e.to_string()));
         let text = std::fs::read_to_string(path).map_err(unreadable)?;
         let document: Document = toml::from_str(&text).map_err(|e| {
             let line = e.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
-            AssetError::Usage(named(format!("line {line}: {}", e.message())))
+            AssetError::Usage(message(format!("line {line}: {}", e.message())))
         })?;
         let folder = match path.parent() {
             Some(parent) if parent != Path::new("") => parent,
             _ => Path::new("."),
         };
         let folder = folder.canonicalize().map_err(unreadable)?;
-        let matched = RefCell::new(vec![false; document.overrides.len()]);
-        let file = Self { path: path.to_owned(), folder, document, matched };
-        file.check(words)?;
+        let has_matched = RefCell::new(vec![false; document.overrides.len()]);
+        let file = Self { path: path.to_owned(), folder, document, has_matched };
+        file.check(vocabulary)?;
         Ok(file)
     }
 
-    /// Every table with its name.
-    fn tables(&self) -> impl Iterator<Item = (String, &Options)> {
+    /// Every table with its name, the strongest last: defaults, profiles, overrides.
+    fn tables(&self) -> impl Iterator<Item = (String, &OptionTable)> {
         let document = &self.document;
         let defaults = std::iter::once(("[defaults]".to_owned(), &document.defaults));
-        let profiles = document.profile.iter().map(|(name, o)| (format!("[profile.{name}]"), o));
+        let profiles =
+            document.profile.iter().map(|(name, options)| (format!("[profile.{name}]"), options));
         let overrides = (1..).zip(&document.overrides);
         let overrides = overrides.map(|(i, o)| (format!("[[override]] {i}"), &o.options));
         defaults.chain(profiles).chain(overrides)
     }
 
-    fn check(&self, words: &Vocabulary) -> Result<(), AssetError> {
-        let any: Vec<&CommandOptions> = words.commands.iter().collect();
+    /// Refuses unknown options and malformed overrides.
+    fn check(&self, vocabulary: &Vocabulary) -> Result<(), AssetError> {
+        let all_commands: Vec<&CommandOptions> = vocabulary.commands.iter().collect();
         for (table, options) in self.tables() {
             for (key, value) in options {
                 match value {
-                    Value::Object(inner) if words.is_command(key) => {
-                        let command = [words.of(key)];
+                    Value::Object(inner) if vocabulary.is_command(key) => {
+                        let command = [vocabulary.command(key)];
                         for option in inner.keys() {
                             let table = format!("{table}, {key}");
-                            self.check_option(&table, option, words, &command)?;
+                            self.check_option(&table, option, vocabulary, &command)?;
                         }
                     }
-                    _ => self.check_option(&table, key, words, &any)?,
+                    _ => self.check_option(&table, key, vocabulary, &all_commands)?,
                 }
             }
         }
         for (number, one) in (1..).zip(&self.document.overrides) {
-            one.check(words).map_err(|what| {
+            one.check(vocabulary).map_err(|what| {
                 let table = format!("[[override]] {number}");
                 AssetError::Usage(format!("{}: {table}: {what}", self.path.display()))
             })?;
@@ -129,85 +132,89 @@ impl File {
         Ok(())
     }
 
-    /// Refuses an option that none of some commands has for assets.
+    /// Refuses an option that none of `commands` has for assets.
     fn check_option(
         &self,
         table: &str,
         option: &str,
-        words: &Vocabulary,
+        vocabulary: &Vocabulary,
         commands: &[&CommandOptions],
     ) -> Result<(), AssetError> {
         let what = if option == "allow-path" {
             "only the command line permits further folders".to_owned()
         } else if commands.iter().any(|command| command.has(option)) {
             return Ok(());
-        } else if words.of_the_run.contains(&option) {
+        } else if vocabulary.run_options.contains(&option) {
             "is for a whole run, not for assets: say it on the command line".to_owned()
         } else {
             match Vocabulary::suggestion(option, commands) {
-                Some(near) => format!("no such option; is {near} meant?"),
+                Some(name) => format!("no such option; is {name} meant?"),
                 None => "no such option".to_owned(),
             }
         };
         Err(AssetError::Usage(format!("{}: {table}: {option}: {what}", self.path.display())))
     }
 
-    /// The overrides whose globs matched no input so far, a sentence each.
+    /// A message for each override whose globs have matched no input so far.
     pub(super) fn unmatched(&self) -> Vec<String> {
-        let matched = self.matched.borrow();
-        let overrides = (1..).zip(&self.document.overrides).zip(matched.iter());
-        let idle = overrides.filter(|((_, one), matched)| !**matched && !one.files.is_empty());
-        idle.map(|((number, one), _)| {
-            let globs = one.files.join(", ");
-            format!("{}: [[override]] {number}: no input matches {globs}", self.path.display())
-        })
-        .collect()
+        let has_matched = self.has_matched.borrow();
+        let overrides = (1..).zip(&self.document.overrides).zip(has_matched.iter());
+        let unmatched = overrides.filter(|((_, one), matched)| !**matched && !one.files.is_empty());
+        unmatched
+            .map(|((number, one), _)| {
+                let globs = one.files.join(", ");
+                format!("{}: [[override]] {number}: no input matches {globs}", self.path.display())
+            })
+            .collect()
     }
 
-    /// Layers that hold for an input: defaults, then a profile, then each override that matches.
+    /// The layers that apply to an input: defaults, then the profile, then each override that
+    /// matches.
     ///
     /// # Errors
-    /// If it lacks the profile, or a value is none.
+    /// If it lacks the profile, or a value has a wrong type.
     pub(super) fn layers(
         &self,
-        (words, command): (&Vocabulary, &str),
+        vocabulary: &Vocabulary,
+        command: &str,
         profile: Option<&str>,
         input: &Path,
-    ) -> Result<Vec<Layer>, AssetError> {
+    ) -> Result<Vec<ConfigLayer>, AssetError> {
         if let Some(name) = profile.filter(|name| !self.document.profile.contains_key(*name)) {
-            let there: Vec<&str> = self.document.profile.keys().map(String::as_str).collect();
+            let names: Vec<&str> = self.document.profile.keys().map(String::as_str).collect();
             return Err(AssetError::Usage(format!(
                 "{}: no profile {name}; there are: {}",
                 self.path.display(),
-                there.join(", ")
+                names.join(", ")
             )));
         }
-        let whole = input.canonicalize().unwrap_or_else(|_| input.to_owned());
-        let below = whole.strip_prefix(&self.folder).unwrap_or(&whole);
+        let path = input.canonicalize().unwrap_or_else(|_| input.to_owned());
+        let name = path.strip_prefix(&self.folder).unwrap_or(&path);
         let mut layers = Vec::new();
+        let first_override = 1 + self.document.profile.len();
         for (number, (table, options)) in self.tables().enumerate() {
-            let first_override = 1 + self.document.profile.len();
-            let one = number.checked_sub(first_override).map(|i| &self.document.overrides[i]);
-            let takes = match one {
-                Some(one) => one.files.is_empty() || globs(&one.files)?.is_match(below),
+            let override_number = number.checked_sub(first_override);
+            let one = override_number.map(|i| &self.document.overrides[i]);
+            let applies = match one {
+                Some(one) => one.files.is_empty() || globs(&one.files)?.is_match(name),
                 None => number == 0 || profile.is_some_and(|p| table == format!("[profile.{p}]")),
             };
-            if takes {
-                if let Some(number) = number.checked_sub(first_override) {
-                    self.matched.borrow_mut()[number] = true;
+            if applies {
+                if let Some(number) = override_number {
+                    self.has_matched.borrow_mut()[number] = true;
                 }
                 let source = format!("{} {table}", self.path.display());
-                let own = own(options, words, command);
-                let part = one.and_then(|one| one.part(&own));
+                let options = options_of_command(options, vocabulary, command);
+                let part = one.and_then(|one| one.part(&options));
                 let values = if part.is_some() {
                     Ok(OptionValues::default())
                 } else {
-                    OptionValues::from_json(&own)
+                    OptionValues::from_json(&options)
                 };
                 let values = values.map_err(|what| {
                     AssetError::Usage(format!("{}: {table}: {what}", self.path.display()))
                 })?;
-                layers.push(Layer { source, values, part });
+                layers.push(ConfigLayer { source, values, part });
             }
         }
         Ok(layers)
@@ -215,46 +222,51 @@ impl File {
 }
 
 impl Override {
-    /// Checks its globs and, of parts, its options.
-    fn check(&self, words: &Vocabulary) -> Result<(), String> {
+    /// Checks its globs and, if it is for parts, its options.
+    fn check(&self, vocabulary: &Vocabulary) -> Result<(), String> {
         globs(&self.files).map_err(|e| e.to_string())?;
         if self.files.is_empty() && self.objects.is_empty() && self.materials.is_empty() {
             return Err("names neither files nor objects nor materials".to_owned());
         }
         let tables = self.options.iter().filter(|(_, value)| value.is_object());
-        let tables = tables.map(|(name, _)| own(&self.options, words, name));
+        let tables = tables.map(|(name, _)| options_of_command(&self.options, vocabulary, name));
         let plain = self.options.iter().filter(|(_, value)| !value.is_object());
-        let plain: Options = plain.map(|(name, value)| (name.clone(), value.clone())).collect();
-        for own in tables.chain([plain]) {
-            if let Some(part) = self.part(&own) {
-                (words.check_part)(&super::text(&part))?;
+        let plain: OptionTable = plain.map(|(name, value)| (name.clone(), value.clone())).collect();
+        for options in tables.chain([plain]) {
+            if let Some(part) = self.part(&options) {
+                (vocabulary.check_part)(&super::json(&part))?;
             }
         }
         Ok(())
     }
 
-    /// Options with the part that they are for; none if they are for whole files.
-    fn part(&self, own: &Options) -> Option<Options> {
+    /// The options with the globs of the part that they are for; none if they are for whole files.
+    fn part(&self, options: &OptionTable) -> Option<OptionTable> {
         if self.objects.is_empty() && self.materials.is_empty() {
             return None;
         }
         let names = [("objects", &self.objects), ("materials", &self.materials)];
         let names = names.into_iter().filter(|(_, names)| !names.is_empty());
         let names = names.map(|(key, names)| (key.to_owned(), names.clone().into()));
-        Some(own.clone().into_iter().chain(names).collect())
+        Some(options.clone().into_iter().chain(names).collect())
     }
 }
 
-/// The options of a table that a command has.
-fn own(options: &Options, words: &Vocabulary, command: &str) -> Options {
-    let has = |option: &str| words.is_command(command) && words.of(command).has(option);
-    let mut own: Options = options
+/// The options in a table that a command has, those of the command's own table last.
+fn options_of_command(
+    options: &OptionTable,
+    vocabulary: &Vocabulary,
+    command: &str,
+) -> OptionTable {
+    let has =
+        |option: &str| vocabulary.is_command(command) && vocabulary.command(command).has(option);
+    let mut all: OptionTable = options
         .iter()
-        .filter(|(key, value)| !(value.is_object() && words.is_command(key)) && has(key))
+        .filter(|(key, value)| !(value.is_object() && vocabulary.is_command(key)) && has(key))
         .map(|(key, value)| (key.clone(), value.clone()))
         .collect();
     if let Some(Value::Object(inner)) = options.get(command) {
-        own.extend(inner.clone());
+        all.extend(inner.clone());
     }
-    own
+    all
 }

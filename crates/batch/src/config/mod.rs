@@ -1,54 +1,56 @@
-//! Configuration files: options of assets by their place, in `lodc.toml`.
+//! Configuration files, `lodc.toml`: options for the assets in the same folder and below.
 
 mod file;
 mod find;
 
-pub use file::Layer;
+pub use file::ConfigLayer;
 
 use crate::assets::Asset;
 use crate::error::AssetError;
 use crate::options::{OptionValues, Vocabulary};
-use file::{File, Options};
+use file::{ConfigFile, OptionTable};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Name of a configuration file that is found by itself.
-const NAME: &str = "lodc.toml";
+/// The name of the files that are read without being named on the command line.
+const FILE_NAME: &str = "lodc.toml";
 
-/// Options that shape the order of collapses, which a `.lodc` file has already.
-const OF_THE_ORDER: [&str; 6] =
+/// Options that decide the collapse sequence: they cannot apply to a `.lodc` file, which has one.
+const SEQUENCE_OPTIONS: [&str; 6] =
     ["lock", "lock-border", "metric", "no-attributes", "preserve-topology", "weight"];
 
 /// The options of a part as JSON.
-pub(super) fn text(part: &Options) -> String {
+fn json(part: &OptionTable) -> String {
     serde_json::to_string(part).expect("options are values of JSON")
 }
 
 /// The configurations of a run, each read once.
 #[derive(Debug)]
 pub struct Configs<'a> {
+    /// The file that the command line names.
     path: Option<&'a Path>,
     profile: Option<&'a str>,
-    words: &'a Vocabulary,
+    vocabulary: &'a Vocabulary,
     command: &'a str,
-    read: BTreeMap<PathBuf, Rc<File>>,
+    files: BTreeMap<PathBuf, Rc<ConfigFile>>,
 }
 
 impl<'a> Configs<'a> {
-    /// The configurations that assets of a command may meet: the one at `path`, or else for each
-    /// the nearest `lodc.toml`; with the options of a profile, if one is named.
+    /// The configurations for the assets of a command: the file at `path`, or else for each asset
+    /// the nearest `lodc.toml` beside or above it; with the options of a profile, if one is named.
     #[must_use]
     pub fn new(
         path: Option<&'a Path>,
         profile: Option<&'a str>,
-        words: &'a Vocabulary,
+        vocabulary: &'a Vocabulary,
         command: &'a str,
     ) -> Self {
-        Self { path, profile, words, command, read: BTreeMap::new() }
+        Self { path, profile, vocabulary, command, files: BTreeMap::new() }
     }
 
-    /// Returns what a configuration says of an asset: layers, the strongest last.
+    /// Returns the layers of options that an asset's configuration has for it, the strongest last.
+    /// A `lodc.toml` is looked for up to `folder`; without one, up to the current folder.
     ///
     /// # Errors
     /// If the configuration cannot be read, has an unknown key, or lacks the profile.
@@ -56,22 +58,22 @@ impl<'a> Configs<'a> {
         &mut self,
         input: &Path,
         folder: Option<&Path>,
-    ) -> Result<Vec<Layer>, AssetError> {
+    ) -> Result<Vec<ConfigLayer>, AssetError> {
         let found = match self.path {
             Some(path) => Some(path.to_owned()),
-            None => find::nearest(NAME, input, folder),
+            None => find::nearest(FILE_NAME, input, folder),
         };
-        let Some(path) = found else { return self.no_profile() };
-        if !self.read.contains_key(&path) {
-            self.read.insert(path.clone(), Rc::new(File::read(&path, self.words)?));
+        let Some(path) = found else { return self.layers_without_file() };
+        if !self.files.contains_key(&path) {
+            self.files.insert(path.clone(), Rc::new(ConfigFile::read(&path, self.vocabulary)?));
         }
-        let file = Rc::clone(&self.read[&path]);
-        file.layers((self.words, self.command), self.profile, input)
+        let file = Rc::clone(&self.files[&path]);
+        file.layers(self.vocabulary, self.command, self.profile, input)
     }
 
-    /// Puts what configurations say under the options that assets have already. To an asset that
-    /// has its order of collapses they say nothing of that. `given` returns the long names of the
-    /// options that the command line has or excludes; it is called only if there are parts.
+    /// Adds the options of configurations to those that assets already have, which win. An asset
+    /// that has a collapse sequence gets no options that decide one. `given` returns the long names
+    /// of the options that the command line has or excludes; it is called only if there are parts.
     ///
     /// # Errors
     /// As for [`Self::layers`].
@@ -80,49 +82,51 @@ impl<'a> Configs<'a> {
         assets: &mut [Asset],
         given: impl Fn() -> Vec<String>,
     ) -> Result<(), AssetError> {
-        let (command, mut there) = (self.words.of(self.command), None);
+        let (command, mut given_options) = (self.vocabulary.command(self.command), None);
         for asset in assets {
             let layers = self.layers(&asset.input, asset.folder.as_deref())?;
-            let has_order = asset.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc"));
-            let applies = |option: &str| !has_order || !OF_THE_ORDER.contains(&option);
-            let (mut under, mut parts) = (OptionValues::default(), Vec::new());
+            let has_sequence =
+                asset.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc"));
+            let applies = |option: &str| !has_sequence || !SEQUENCE_OPTIONS.contains(&option);
+            let (mut configured, mut parts) = (OptionValues::default(), Vec::new());
             for layer in layers {
-                under = under.under(layer.values, command);
+                configured = configured.overridden_by(layer.values, command);
                 parts.extend(layer.part);
             }
-            under.0.retain(|option, _| applies(option));
+            configured.0.retain(|option, _| applies(option));
             for part in &mut parts {
-                let given = there.get_or_insert_with(&given);
-                // The command line and the list's line win.
+                let given = given_options.get_or_insert_with(&given);
+                // The command line and the asset's line of a list win.
                 part.retain(|option, _| {
                     let stronger = given.contains(option) || asset.options.0.contains_key(option);
                     applies(option) && !stronger
                 });
             }
             if !parts.is_empty() {
-                let if_there = |mut part: Options| {
+                let optional = |mut part: OptionTable| {
                     part.insert("if-there".to_owned(), true.into());
-                    text(&part)
+                    json(&part)
                 };
-                let texts = parts.into_iter().map(if_there);
-                under.0.insert("part".to_owned(), texts.collect());
+                let texts = parts.into_iter().map(optional);
+                configured.0.insert("part".to_owned(), texts.collect());
             }
             let own = std::mem::take(&mut asset.options);
-            asset.options = under.under(own, command);
+            asset.options = configured.overridden_by(own, command);
         }
         Ok(())
     }
 
-    /// The overrides of all configurations whose globs matched no input, a sentence each.
+    /// A message for each override of all configurations whose globs matched no input.
     #[must_use]
     pub fn unmatched(&self) -> Vec<String> {
-        self.read.values().flat_map(|file| file.unmatched()).collect()
+        self.files.values().flat_map(|file| file.unmatched()).collect()
     }
 
-    fn no_profile(&self) -> Result<Vec<Layer>, AssetError> {
+    /// No layers, and an error if a profile is asked for: no file can have it.
+    fn layers_without_file(&self) -> Result<Vec<ConfigLayer>, AssetError> {
         match self.profile {
             Some(name) => Err(AssetError::Usage(format!(
-                "profile {name}: there is no {NAME} that could have it (--config names one)"
+                "profile {name}: there is no {FILE_NAME} that could have it (--config names one)"
             ))),
             None => Ok(vec![]),
         }

@@ -1,8 +1,8 @@
-//! Lists of assets: a JSON document in each line.
+//! Files that list assets (`--manifest`): a JSON document in each line.
 
 use crate::error::AssetError;
 use crate::options::OptionValues;
-use crate::target::is_stream;
+use crate::target::is_standard_stream;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -11,8 +11,9 @@ use std::path::{Path, PathBuf};
 #[serde(deny_unknown_fields)]
 pub(crate) struct Line {
     pub(crate) input: PathBuf,
-    /// The file that `compare` compares it with.
-    pub(crate) a: Option<PathBuf>,
+    /// The file that `compare` compares `input` with.
+    #[serde(rename = "a")]
+    pub(crate) compared_with: Option<PathBuf>,
     pub(crate) output: Option<PathBuf>,
     #[serde(default)]
     options: serde_json::Map<String, serde_json::Value>,
@@ -28,27 +29,28 @@ impl Line {
     }
 }
 
-/// Something wrong with a line of a list.
-pub(crate) fn wrong(list: &Path, number: usize, what: &str) -> AssetError {
+/// The error that says what is wrong with a line of a list.
+pub(crate) fn line_error(list: &Path, number: usize, what: &str) -> AssetError {
     AssetError::Input(format!("{}: line {number}: {what}", list.display()))
 }
 
-/// Reads a list, `-` from standard input; blank lines are passed over. Returns pairs of line
-/// number, from 1, and line.
+/// Reads a list, `-` from standard input; blank lines are skipped. Returns the lines with
+/// their numbers, from 1.
 ///
 /// # Errors
-/// If the list cannot be read, or a line is not such a document.
+/// If the list cannot be read, or a line is no valid document.
 pub(crate) fn read(path: &Path) -> Result<Vec<(usize, Line)>, AssetError> {
     let failure = |what: String| AssetError::Input(format!("{}: {what}", path.display()));
-    let text = match is_stream(path) {
-        true => std::io::read_to_string(std::io::stdin()),
-        false => std::fs::read_to_string(path),
+    let text = if is_standard_stream(path) {
+        std::io::read_to_string(std::io::stdin())
+    } else {
+        std::fs::read_to_string(path)
     };
     let text = text.map_err(|e| failure(e.to_string()))?;
     let mut lines = Vec::new();
     for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
         let line = serde_json::from_str(line).map_err(|e| {
-            // The parser counts lines within the line.
+            // The parser's own line number counts within this line: it is always 1.
             let what = e.to_string();
             let what = what.split(" at line ").next().unwrap_or_default().to_owned();
             failure(format!("line {number}, column {}: {what}", e.column()))
