@@ -1,73 +1,79 @@
-//! Steps that one way has followed and the other has not: all that the other needs of them.
+//! Blocks of steps that the forward pass has followed: all that the backward pass needs to know.
 
+use crate::samples::Origin;
 use crate::work::Work;
-use lodc_mesh::NONE;
 
 /// A face that a step touched, as it is after the step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
+pub(crate) struct TouchedFace {
     pub(crate) face: u32,
     pub(crate) is_live: bool,
-    /// Its corners, as points.
+    /// Its corners, as points of the input.
     pub(crate) points: [u32; 3],
-    /// The mean squared distance of its samples; not a number if they do not tell it.
+    /// Mean squared distance of its samples from it; NaN if they do not represent the face.
     pub(crate) mean_square: f32,
-    /// The origin of the sample that is nearest to its middle; [`NONE`] if it has none.
-    pub(crate) hint: u32,
+    /// Origin of the sample nearest to its centroid; [`Origin::NONE`] if it has no samples.
+    pub(crate) origin: Origin,
 }
 
-impl Entry {
-    /// A face that is gone.
+impl TouchedFace {
+    /// A face that became degenerate.
     pub(crate) fn dead(face: u32, points: [u32; 3]) -> Self {
-        Self { face, is_live: false, points, mean_square: f32::NAN, hint: NONE }
+        Self { face, is_live: false, points, mean_square: f32::NAN, origin: Origin::NONE }
     }
 }
 
-/// A step.
+/// A step that the forward pass has followed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
-    /// Ends of its entries and of its targets.
-    pub(crate) entries_end: u32,
+    /// Ends of its ranges in [`Block::touched`] and [`Block::targets`].
+    pub(crate) touched_end: u32,
     pub(crate) targets_end: u32,
-    /// The point that moved, if it was one; [`NONE`] otherwise.
+    /// The point that moved, if exactly one did; [`lodc_mesh::NONE`] otherwise.
     pub(crate) source: u32,
-    /// Faces that are left.
-    pub(crate) live: u32,
-    /// The squared bound that the forward pass has found.
-    pub(crate) bound: f64,
-    /// The mean squared distance of the samples.
+    /// Number of live faces after the step.
+    pub(crate) live_faces: u32,
+    /// Square of the largest distance that the forward pass knew of after the step.
+    pub(crate) max_squared: f64,
+    /// Mean squared distance of all samples.
     pub(crate) mean_square: f64,
 }
 
-/// Some steps in a row.
+/// A step with the faces that it touched and the points that their corners moved to.
+#[derive(Clone, Copy)]
+pub(crate) struct StepView<'a> {
+    pub(crate) step: Step,
+    pub(crate) touched: &'a [TouchedFace],
+    pub(crate) targets: &'a [u32],
+}
+
+/// Consecutive steps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block {
     pub(crate) steps: Vec<Step>,
-    pub(crate) entries: Vec<Entry>,
-    /// The points that corners move to.
+    pub(crate) touched: Vec<TouchedFace>,
     pub(crate) targets: Vec<u32>,
-    /// Work of the forward pass at the end.
+    /// Work of the forward pass up to the end of the block.
     pub(crate) work: Work,
-    /// True if the forward pass gave up after these steps.
-    pub(crate) gave_up: bool,
 }
 
 impl Block {
-    /// Empties the block.
     pub(crate) fn clear(&mut self) {
         self.steps.clear();
-        self.entries.clear();
+        self.touched.clear();
         self.targets.clear();
-        self.gave_up = false;
     }
 
-    /// Returns each step with its entries and its targets.
-    pub(crate) fn each(&self) -> impl Iterator<Item = (Step, &[Entry], &[u32])> {
+    pub(crate) fn views(&self) -> impl Iterator<Item = StepView<'_>> {
         let mut starts = [0, 0];
         self.steps.iter().map(move |&step| {
-            let ends = [step.entries_end as usize, step.targets_end as usize];
-            let [entries, targets] = std::mem::replace(&mut starts, ends);
-            (step, &self.entries[entries..ends[0]], &self.targets[targets..ends[1]])
+            let ends = [step.touched_end as usize, step.targets_end as usize];
+            let [touched, targets] = std::mem::replace(&mut starts, ends);
+            StepView {
+                step,
+                touched: &self.touched[touched..ends[0]],
+                targets: &self.targets[targets..ends[1]],
+            }
         })
     }
 }

@@ -6,8 +6,12 @@ use lodc_mesh::{NONE, is_degenerate};
 use lodc_nearest::{MovingTree, Triangles, morton_order};
 use std::ops::Range;
 
-/// Faces around a vertex that are read ahead.
-const FAN: usize = 7;
+/// Faces around a vertex that are read ahead: one more than most vertices have. Chosen by hand.
+const FACES_READ_AHEAD: usize = 7;
+
+/// Targets of a step up to which a face's tree box grows only by the points that moved; beyond,
+/// looking for them takes longer than growing by all. Chosen by hand.
+const FEW_TARGETS: usize = 8;
 
 /// A face of the current level, half a cache line.
 #[derive(Clone, Debug)]
@@ -16,19 +20,19 @@ pub(crate) struct Face {
     /// Its corners, as points.
     pub(crate) points: [u32; 3],
     /// For each corner the next one of the same vertex (3 × face + corner, [`NONE`] at the end).
-    next: [u32; 3],
-    /// The first of its samples.
+    next_corner: [u32; 3],
+    /// The first of its samples; [`NONE`] without any.
     pub(crate) first_sample: u32,
-    /// Number of its samples; more than fit are as many as fit.
-    pub(crate) samples: u16,
+    /// Number of its samples; `u16::MAX` for more.
+    pub(crate) sample_count: u16,
     flags: u8,
 }
 
 /// The face is part of the level.
 const LIVE: u8 = 1;
-/// No step has touched it yet.
+/// No step has touched the face yet.
 const ORIGINAL: u8 = 2;
-/// The step that is applied has touched it.
+/// The step that is being applied has touched the face.
 const TOUCHED: u8 = 4;
 
 impl Face {
@@ -37,23 +41,24 @@ impl Face {
         self.flags & LIVE != 0
     }
 
-    /// Returns true the first time.
-    pub(crate) fn take_original(&mut self) -> bool {
-        let was = self.flags & ORIGINAL != 0;
+    /// Marks the face as touched for good. Returns whether it was untouched before.
+    pub(crate) fn clear_original(&mut self) -> bool {
+        let was_original = self.flags & ORIGINAL != 0;
         self.flags &= !ORIGINAL;
-        was
+        was_original
     }
 }
 
-/// All faces, which corners are at each vertex, and a tree over the faces.
+/// All faces, dead ones too, in the order of the input's triangles; the list of corners at each
+/// vertex; and a tree over the faces.
 pub(crate) struct Faces {
     pub(crate) all: Vec<Face>,
-    /// The first and the last corner at each vertex.
-    ends: Vec<[u32; 2]>,
-    pub(crate) live: u32,
+    /// The first and the last corner at each vertex; both [`NONE`] without any.
+    corner_list_ends: Vec<[u32; 2]>,
+    pub(crate) live_count: u32,
     tree: MovingTree,
     /// Live faces when the tree was built.
-    in_tree: u32,
+    live_in_tree: u32,
 }
 
 /// Changes of a step.
@@ -61,27 +66,28 @@ pub(crate) struct Faces {
 pub(crate) struct Changes {
     /// All faces with a corner that moves.
     pub(crate) touched: Vec<u32>,
-    /// Those of them that stay.
-    pub(crate) changed: Vec<u32>,
+    /// Those of them that are live after the step.
+    pub(crate) surviving: Vec<u32>,
     /// The points that corners move from, and those that they move to.
     pub(crate) sources: Vec<u32>,
     pub(crate) targets: Vec<u32>,
 }
 
 impl Faces {
-    pub(crate) fn new(input: &Input, wedges: &[[u32; 3]]) -> Self {
-        let mut ends = vec![[NONE; 2]; input.point_of.len()];
+    /// The triangles of the input. `corner_vertices` has their corners as vertices of the mesh.
+    pub(crate) fn new(input: &Input, corner_vertices: &[[u32; 3]]) -> Self {
+        let mut corner_list_ends = vec![[NONE; 2]; input.point_of_vertex.len()];
         let mut all = Vec::with_capacity(input.triangles.len());
-        for (t, (points, wedges)) in (0..).zip(input.triangles.iter().zip(wedges)) {
+        for (t, (points, vertices)) in (0..).zip(input.triangles.iter().zip(corner_vertices)) {
             all.push(Face {
                 points: *points,
-                next: [NONE; 3],
+                next_corner: [NONE; 3],
                 first_sample: NONE,
-                samples: 0,
+                sample_count: 0,
                 flags: LIVE | ORIGINAL,
             });
-            for (corner, &v) in (3 * t..).zip(wedges) {
-                let [first, last] = &mut ends[v as usize];
+            for (corner, &v) in (3 * t..).zip(vertices) {
+                let [first, last] = &mut corner_list_ends[v as usize];
                 match *last {
                     NONE => *first = corner,
                     last => *next(&mut all, last) = corner,
@@ -89,35 +95,37 @@ impl Faces {
                 *last = corner;
             }
         }
-        let live = all.len() as u32;
-        Self { all, ends, live, tree: input.tree.clone(), in_tree: live }
+        let live_count = all.len() as u32;
+        let tree = input.tree.clone();
+        Self { all, corner_list_ends, live_count, tree, live_in_tree: live_count }
     }
 
-    /// Reads what the steps of some records will need: their faces lie anywhere in memory, and many
-    /// reads that do not wait for each other take little longer than one.
-    /// `touch` reads a sample.
+    /// Reads what the steps of some records will need: their faces are anywhere in memory, and many
+    /// reads that do not wait for each other take little longer than one. `touch_sample` reads a
+    /// sample.
     pub(crate) fn read_ahead(
         &self,
         input: &Input,
         records: Range<u32>,
-        touch: impl Fn(u32) -> u32,
+        touch_sample: impl Fn(u32) -> u32,
     ) {
-        let mut corners: Vec<u32> = records.map(|v| self.ends[v as usize][0]).collect();
+        let mut corners: Vec<u32> = records.map(|v| self.corner_list_ends[v as usize][0]).collect();
         let mut word = 0;
-        for _ in 0..FAN {
+        for _ in 0..FACES_READ_AHEAD {
             for corner in &mut corners {
                 let Some(face) = self.all.get(*corner as usize / 3) else { continue };
-                word ^= touch(face.first_sample) ^ self.tree.touch(*corner / 3);
+                word ^= touch_sample(face.first_sample) ^ self.tree.touch(*corner / 3);
                 for point in face.points {
-                    word ^= input.places[point as usize][0].to_bits();
+                    word ^= input.coordinates[point as usize][0].to_bits();
                 }
-                *corner = face.next[*corner as usize % 3];
+                *corner = face.next_corner[*corner as usize % 3];
             }
         }
+        // So that the compiler keeps the reads.
         std::hint::black_box(word);
     }
 
-    /// Applies a step: the vertices `moves` turn into others.
+    /// Applies a step: of each pair in `moves`, the first vertex becomes the second.
     pub(crate) fn apply(
         &mut self,
         input: &Input,
@@ -125,7 +133,7 @@ impl Faces {
         changes: &mut Changes,
     ) {
         changes.touched.clear();
-        changes.changed.clear();
+        changes.surviving.clear();
         changes.sources.clear();
         changes.targets.clear();
         for (from, to) in moves {
@@ -135,40 +143,41 @@ impl Faces {
             let face = &mut self.all[t as usize];
             face.flags &= !TOUCHED;
             let points = face.points;
-            if is_degenerate(points.map(|p| input.positions[p as usize])) {
+            if is_degenerate(points.map(|p| input.position_ids[p as usize])) {
                 face.flags &= !LIVE;
-                self.live -= 1;
+                self.live_count -= 1;
                 self.tree.remove(t, |t| self.all[t as usize].is_live());
                 continue;
             }
-            changes.changed.push(t);
-            let few = changes.targets.len() <= 8;
+            changes.surviving.push(t);
+            let has_few_targets = changes.targets.len() <= FEW_TARGETS;
             for point in points {
-                if !few || changes.targets.contains(&point) {
-                    self.tree.grow(t, input.places[point as usize]);
+                if !has_few_targets || changes.targets.contains(&point) {
+                    self.tree.grow(t, input.coordinates[point as usize]);
                 }
             }
         }
-        if self.live > 0 && self.live <= self.in_tree / 2 {
-            self.rebuild(input);
+        if self.live_count > 0 && self.live_count <= self.live_in_tree / 2 {
+            self.rebuild_tree(input);
         }
     }
 
+    /// Moves the corners at a vertex to another one, and appends their list to its list.
     fn move_vertex(&mut self, input: &Input, from: u32, to: u32, changes: &mut Changes) {
-        let (old, new) = (input.point_of[from as usize], input.point_of[to as usize]);
+        let (old, new) = (input.point_of_vertex[from as usize], input.point_of_vertex[to as usize]);
         if old != new && changes.targets.last() != Some(&new) {
             changes.targets.push(new);
         }
         if old != new && changes.sources.last() != Some(&old) {
             changes.sources.push(old);
         }
-        // Dead faces leave the list here.
+        // The list loses the corners of dead faces.
         let (mut first, mut last) = (NONE, NONE);
-        let mut corner = self.ends[from as usize][0];
+        let mut corner = self.corner_list_ends[from as usize][0];
         while corner != NONE {
             let (t, c) = (corner / 3, corner as usize % 3);
             let face = &mut self.all[t as usize];
-            let following = face.next[c];
+            let following = face.next_corner[c];
             if face.is_live() {
                 face.points[c] = new;
                 if old != new && face.flags & TOUCHED == 0 {
@@ -187,34 +196,35 @@ impl Faces {
             return;
         }
         *next(&mut self.all, last) = NONE;
-        let ends = &mut self.ends[to as usize];
+        let ends = &mut self.corner_list_ends[to as usize];
         match ends[1] {
             NONE => ends[0] = first,
-            end => *next(&mut self.all, end) = first,
+            last_at_target => *next(&mut self.all, last_at_target) = first,
         }
         ends[1] = last;
     }
 
-    fn rebuild(&mut self, input: &Input) {
-        let corners = |t: u32| self.all[t as usize].points.map(|p| input.places[p as usize]);
+    fn rebuild_tree(&mut self, input: &Input) {
+        let corners = |t: u32| self.all[t as usize].points.map(|p| input.coordinates[p as usize]);
         let live = self.tree.triangles().filter(|&t| self.all[t as usize].is_live());
         let order = morton_order(live, corners);
         self.tree = MovingTree::of(order, self.all.len(), corners);
-        self.in_tree = self.live;
+        self.live_in_tree = self.live_count;
     }
 
-    /// The live faces, and a tree over them.
-    pub(crate) fn level<'a>(&'a self, input: &'a Input) -> (Level<'a>, &'a MovingTree) {
+    /// The current level and a tree over it.
+    pub(crate) fn level_and_tree<'a>(&'a self, input: &'a Input) -> (Level<'a>, &'a MovingTree) {
         (Level { input, faces: &self.all }, &self.tree)
     }
 }
 
+/// The corner after one in the list of its vertex.
 #[inline]
 fn next(faces: &mut [Face], corner: u32) -> &mut u32 {
-    &mut faces[corner as usize / 3].next[corner as usize % 3]
+    &mut faces[corner as usize / 3].next_corner[corner as usize % 3]
 }
 
-/// The current level as the tree sees it.
+/// The current level as its tree reads it.
 pub(crate) struct Level<'a> {
     input: &'a Input,
     faces: &'a [Face],
@@ -223,7 +233,7 @@ pub(crate) struct Level<'a> {
 impl Triangles for Level<'_> {
     #[inline]
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
-        self.input.at(self.faces[triangle as usize].points)
+        self.input.corners_of(self.faces[triangle as usize].points)
     }
     #[inline]
     fn is_live(&self, triangle: u32) -> bool {

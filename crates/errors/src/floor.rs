@@ -1,34 +1,35 @@
 //! Errors that are stated already: a pass looks for what is above them.
 
-/// Margin stated above the distance found, for what no sample saw. With it none of 707 measured
-/// levels at rest or in stated poses is farther than stated (design-notes/errors.md).
+/// Stated error over the distance found, for what no sample saw. With it none of 707 measured
+/// levels at rest or in stated poses is farther than stated (docs/design-notes/errors.md).
 pub(crate) const MARGIN: f64 = 1.06;
 
-/// Errors of the steps that are stated already; none if there is nothing below a pass.
+/// Distances above this many times a stated error, before its [`MARGIN`], raise it. Less than
+/// [`MARGIN`]: the rest is for what no sample sees in this shape. Chosen by hand.
+const RAISING_EXCESS: f64 = 1.03;
+
+/// The errors of steps that are stated already; none in the first shape that is measured.
 #[derive(Clone, Copy)]
 pub(crate) struct Floor<'a> {
+    /// One for each step, in mesh units; or empty.
     errors: &'a [f32],
-    /// Mesh units for each unit of the pass.
-    unit: f64,
+    /// Mesh units per unit of the pass.
+    mesh_scale: f64,
 }
 
-/// A stated error is raised by distances above this many times it. Less than [`MARGIN`], part of
-/// which is kept for what no sample sees in this shape.
-const EXCESS: f64 = 1.03;
-
 impl<'a> Floor<'a> {
-    pub(crate) fn new(errors: &'a [f32], unit: f64) -> Self {
-        Self { errors, unit }
+    pub(crate) fn new(errors: &'a [f32], mesh_scale: f64) -> Self {
+        Self { errors, mesh_scale }
     }
 
-    /// Returns the squared bound of the pass below which a step raises nothing.
+    /// Returns the squared distance, in units of the pass, up to which a step raises nothing.
     #[inline]
     pub(crate) fn squared(&self, step: usize) -> f64 {
-        let distance = self.stated(step) / (self.unit * MARGIN) * EXCESS;
+        let distance = self.stated(step) / (self.mesh_scale * MARGIN) * RAISING_EXCESS;
         distance * distance
     }
 
-    /// Returns the error of a step in mesh units; 0 without one.
+    /// Returns the stated error of a step in mesh units; 0 without one.
     pub(crate) fn stated(&self, step: usize) -> f64 {
         self.errors.get(step).map_or(0.0, |&error| f64::from(error))
     }

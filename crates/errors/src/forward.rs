@@ -1,125 +1,129 @@
 //! The forward pass: how far points of the input are from the level. Samples travel from face to
-//! face; what they cannot tell is searched.
+//! face; where a point between them may be farther than all so far, triangles of the input are
+//! searched by branch and bound. *E* is the largest distance so far.
 
-use crate::block::{Block, Entry, Step};
+use crate::block::{Block, Step, TouchedFace};
 use crate::faces::{Changes, Faces};
 use crate::floor::Floor;
-use crate::gap::gap_of;
+use crate::gap::{Moved, fan_gap};
 use crate::input::Input;
-use crate::samples::{Sample, Samples};
+use crate::samples::{Sample, SampleOnFace, Samples};
+use crate::settings::Settings;
 use crate::thinning::Thinning;
-use crate::thresholds::Thresholds;
-use crate::work::{FLOOR, Work};
+use crate::work::{ROUNDING_SQUARED, Work};
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, NONE};
-use lodc_nearest::{Hit, Moving, Search, Seeker, centroid};
+use lodc_nearest::{Hit, Moving, Search, Seeker, Triangles, centroid};
 use std::ops::Range;
 
-/// A sample takes the first changed face within this share of the bound. At a half errors are the
-/// same, but the mean distance of the cow at 10 % is 1.68 times the measured one; with a quarter
-/// 1.18 times, in the same time.
-const NEAR: f64 = 0.25;
+/// A sample takes the first changed face within this share of E. At a half errors are the same, but
+/// the mean distance of the cow at 10 % is 1.68 times the measured one; with a quarter 1.18 times,
+/// in the same time.
+const TAKEN_WITHIN: f64 = 0.25;
 
-/// Distances within this share of the bound need no better face: only beyond the bound would they
-/// count. The rest is for mean distances. Chosen by hand.
-const NEAR_ENOUGH: f64 = 0.75;
+/// No tree is searched for a nearer face within this share of E: only distances beyond E raise
+/// errors, so 1 would do for them; less is for mean distances. Chosen by hand.
+const SEARCHED_BEYOND: f64 = 0.75;
 
-/// A triangle is searched for points that nothing covers while the squared bound is this share of
-/// its longest edge, squared: the edge is 20 times the bound, and samples alone would miss what
-/// lies between them.
-const UNCOVERED: f64 = 2.5e-3;
-/// Most triangles of a mesh in which this is done: larger ones have enough points.
-const COVERABLE: usize = 1 << 16;
+/// A triangle is large while E² is below this share of its longest edge, squared: the edge is
+/// longer than 20 E. Samples alone would miss holes between them. Chosen by hand.
+const LARGE_TRIANGLE_SHARE: f64 = 2.5e-3;
+/// Most triangles of a mesh in which large ones are searched: meshes of more have enough points.
+/// Chosen by hand.
+const MAX_TRIANGLES_COVERED: usize = 1 << 16;
 
-/// A new sample is kept if its squared distance is beyond this share of the squared bound (0.3 of
-/// the bound): nearer ones rarely come to decide it. Chosen by hand.
-const KEPT_BEYOND: f64 = 0.09;
+/// A new sample is kept if its squared distance is beyond this share of E² (0.3 of E): nearer ones
+/// rarely come to decide E. Chosen by hand.
+const KEPT_BEYOND_SQUARED: f64 = 0.09;
 
-/// A sample that was searched around before is searched around again when its squared distance has
-/// grown by this factor. Chosen by hand.
-const GROWN: f64 = 1.1;
+/// The triangles of a sample's origin are searched again when its squared distance has grown by
+/// this factor. Chosen by hand.
+const SEARCHED_AGAIN_RATIO: f64 = 1.1;
 
 /// Changed faces that a sample is tried on before the tree is searched: twice a large star. Chosen
 /// by hand.
-const TRIED: usize = 48;
+const MAX_FACES_TRIED: usize = 48;
 
 /// Records whose faces are read ahead at once, about as many misses as a core has under way at a
 /// time.
-const READ_AHEAD: u32 = 16;
+const RECORDS_READ_AHEAD: u32 = 16;
 
-/// The faces of the level, and the samples that travel over them.
+/// The faces of the level, the samples that travel over them, and the present step.
 pub(crate) struct Forward<'a> {
     input: &'a Input,
     floor: Floor<'a>,
-    thresholds: Thresholds,
+    settings: Settings,
     faces: Faces,
     samples: Samples,
     thinning: Thinning,
     changes: Changes,
-    /// Corners of the changed faces.
+    /// Corners of the surviving faces.
     corners: Vec<[DVec3; 3]>,
-    /// The squared bound.
-    bound: f64,
+    /// E², the square of the largest distance so far, of either pass.
+    max_squared: f64,
     seeker: Seeker,
     work: Work,
     /// Work of the backward pass, as far as it is known.
-    other: Work,
-    taken: Vec<(u32, u32)>,
-    /// Samples that are far, with the face that each is nearest to.
-    doubtful: Vec<(u32, u32)>,
-    /// Triangles of the input that are looked at as a whole.
-    large: Vec<u32>,
+    backward_work: Work,
+    /// Samples of the touched faces, with the face of each before the step.
+    moved_samples: Vec<SampleOnFace>,
+    /// Samples that are far from the level, with the face of each.
+    far_samples: Vec<SampleOnFace>,
+    /// Large triangles of the input, which are searched as a whole.
+    large_triangles: Vec<u32>,
     /// The border of the fan that the step removes.
     link: Vec<DVec3>,
-    /// The first record of the next step, and the first that was not read ahead.
-    record: u32,
-    ahead: u32,
+    next_record: u32,
+    /// The first record that was not read ahead.
+    first_unread_record: u32,
 }
 
 impl<'a> Forward<'a> {
-    /// Starts at LOD 0. `wedges` has the corners of its triangles as vertices of the mesh.
+    /// Starts at LOD 0. `corner_vertices` has the corners of its triangles as vertices of the mesh.
     pub(crate) fn new(
         input: &'a Input,
-        wedges: Vec<[u32; 3]>,
-        (floor, thresholds): (Floor<'a>, Thresholds),
+        corner_vertices: Vec<[u32; 3]>,
+        floor: Floor<'a>,
+        settings: Settings,
     ) -> Self {
-        let mut faces = Faces::new(input, &wedges);
-        drop(wedges);
-        let samples = Samples::new(input, &mut faces.all, thresholds.samples);
+        let mut faces = Faces::new(input, &corner_vertices);
+        drop(corner_vertices);
+        let samples = Samples::new(input, &mut faces.all, settings.few_triangles_samples);
         Self {
             input,
             floor,
-            thresholds,
+            settings,
             faces,
             samples,
-            thinning: Thinning::new(thresholds.kept),
+            thinning: Thinning::new(settings.few_faces_samples),
             changes: Changes::default(),
             corners: vec![],
-            bound: 0.0,
+            max_squared: 0.0,
             seeker: Seeker::new(Search::within(input.diagonal)),
             work: Work::default(),
-            other: Work::default(),
-            taken: vec![],
-            doubtful: vec![],
-            large: vec![],
+            backward_work: Work::default(),
+            moved_samples: vec![],
+            far_samples: vec![],
+            large_triangles: vec![],
             link: vec![],
-            record: 0,
-            ahead: 0,
+            next_record: 0,
+            first_unread_record: 0,
         }
     }
 
     /// Returns the share of the area that belongs to samples at points.
-    pub(crate) fn at_points(&self) -> f64 {
-        self.samples.at_points
+    pub(crate) fn point_area_share(&self) -> f64 {
+        self.samples.point_area_share
     }
 
-    /// Takes over what the backward pass has found.
-    pub(crate) fn learn(&mut self, bound: f64, work: Work) {
-        self.bound = self.bound.max(bound);
-        self.other = work;
+    /// Takes over what the backward pass has found: the largest squared distance, and its work.
+    pub(crate) fn learn(&mut self, max_squared: f64, work: Work) {
+        self.max_squared = self.max_squared.max(max_squared);
+        self.backward_work = work;
     }
 
-    /// Follows some steps, and notes what the backward pass needs of them in `block`.
+    /// Follows some steps, and fills `block` with what the backward pass needs of them; with fewer
+    /// steps if the limit of work is reached.
     pub(crate) fn run(
         &mut self,
         sequence: &CollapseSequence,
@@ -129,172 +133,111 @@ impl<'a> Forward<'a> {
         let (targets, ends) = (sequence.targets(), &sequence.parts().step_ends);
         block.clear();
         for step in steps {
-            if (self.work + self.other).is_too_much(self.input) {
-                block.gave_up = true;
+            if (self.work + self.backward_work).exceeds_limit(self.input) {
                 break;
             }
-            self.bound = self.bound.max(self.floor.squared(step as usize));
+            self.max_squared = self.max_squared.max(self.floor.squared(step as usize));
             let end = ends[step as usize];
-            if end > self.ahead {
-                let to = (end + READ_AHEAD).min(targets.len() as u32);
-                self.faces.read_ahead(self.input, self.ahead..to, |s| self.samples.touch(s));
-                self.ahead = to;
+            if end > self.first_unread_record {
+                let to = (end + RECORDS_READ_AHEAD).min(targets.len() as u32);
+                let records = self.first_unread_record..to;
+                self.faces.read_ahead(self.input, records, |s| self.samples.touch(s));
+                self.first_unread_record = to;
             }
-            let moves = (self.record..end).map(|k| (k, targets[k as usize]));
+            let moves = (self.next_record..end).map(|k| (k, targets[k as usize]));
             self.faces.apply(self.input, moves, &mut self.changes);
-            self.record = end;
-            self.work.done += 1 + self.changes.touched.len() as u64;
-            if self.faces.live > 0 && !self.changes.touched.is_empty() {
+            self.next_record = end;
+            self.work.0 += 1 + self.changes.touched.len() as u64;
+            if self.faces.live_count > 0 && !self.changes.touched.is_empty() {
                 self.follow();
             }
-            self.note(block);
+            self.append_step(block);
         }
         block.work = self.work;
     }
 
-    /// Notes a step.
-    fn note(&self, block: &mut Block) {
+    /// Appends the present step to a block.
+    fn append_step(&self, block: &mut Block) {
         let Self { faces, changes, samples, .. } = self;
         for &t in &changes.touched {
             let face = &faces.all[t as usize];
-            block.entries.push(if face.is_live() {
-                samples.entry(self.input.at(face.points), t, face)
+            block.touched.push(if face.is_live() {
+                samples.touched_face(self.input.corners_of(face.points), t, face)
             } else {
-                Entry::dead(t, face.points)
+                TouchedFace::dead(t, face.points)
             });
         }
         block.targets.extend_from_slice(&changes.targets);
         block.steps.push(Step {
-            entries_end: block.entries.len() as u32,
+            touched_end: block.touched.len() as u32,
             targets_end: block.targets.len() as u32,
-            source: if let [source] = changes.sources[..] { source } else { NONE },
-            live: faces.live,
-            bound: self.bound,
+            source: self.source(),
+            live_faces: faces.live_count,
+            max_squared: self.max_squared,
             mean_square: samples.mean_square(),
         });
+    }
+
+    /// Returns the point that the step moved, if it was one; [`NONE`] otherwise.
+    fn source(&self) -> u32 {
+        if let [source] = self.changes.sources[..] { source } else { NONE }
     }
 
     /// Follows one step.
     fn follow(&mut self) {
         let Self { input, faces, changes, corners, .. } = self;
         corners.clear();
-        corners.extend(changes.changed.iter().map(|&t| input.at(faces.all[t as usize].points)));
-        self.doubtful.clear();
-        self.place_samples();
-        self.take_new_samples();
-        self.refine_doubtful();
-        self.cover_taken();
-        for i in 0..self.changes.changed.len() {
-            let (face, live) = (self.changes.changed[i], self.faces.live);
-            self.thinning.thin(&mut self.samples, &mut self.faces.all, face, live, self.bound);
+        let surviving = changes.surviving.iter();
+        corners.extend(surviving.map(|&t| input.corners_of(faces.all[t as usize].points)));
+        self.far_samples.clear();
+        self.reassign_samples();
+        self.add_new_samples();
+        self.search_around_far_samples();
+        self.search_large_triangles();
+        for i in 0..self.changes.surviving.len() {
+            let (face, live_faces) = (self.changes.surviving[i], self.faces.live_count);
+            let (samples, faces) = (&mut self.samples, &mut self.faces.all);
+            self.thinning.thin(samples, faces, face, live_faces, self.max_squared);
         }
-        if self.input.triangles.len() <= self.thresholds.exhaustive {
-            self.cover_around();
-        }
-    }
-
-    /// Looks for points beyond the bound in all triangles of the input that the step may have taken
-    /// the nearest face from: the old faces were within the bound of them.
-    fn cover_around(&mut self) {
-        let (input, Self { faces, changes, .. }) = (self.input, &*self);
-        let touched = changes.touched.iter().flat_map(|&t| faces.all[t as usize].points);
-        let places = touched.chain(changes.sources.iter().copied()).map(|p| input.place(p));
-        let (low, high) = extent(places);
-        let reach = self.bound.max(FLOOR).sqrt();
-        for (t, &points) in (0..).zip(&input.triangles) {
-            let (own_low, own_high) = extent(input.at(points).into_iter());
-            if (own_low - reach).cmple(high).all() && (own_high + reach).cmpge(low).all() {
-                self.seek(t, t);
-            }
+        if self.input.triangles.len() <= self.settings.exhaustive_triangles {
+            self.search_all_around();
         }
     }
 
-    /// Looks for a point beyond the bound in a triangle of the input. `near` is a face near it.
-    fn seek(&mut self, triangle: u32, near: u32) {
-        let Self { input, faces, seeker, bound, work, .. } = self;
-        let (level, tree) = faces.level(input);
-        let least = bound.max(FLOOR).sqrt();
-        let corners = input.at(input.triangles[triangle as usize]);
-        let to = Moving { triangles: &level, tree };
-        let found = seeker.seek(least, corners, near, &to, (*work + self.other).boxes(input));
-        if found.least > least {
-            *bound = found.least * found.least;
-        }
-        work.done += found.opened;
-    }
-
-    /// Decides how far those triangles of the input are whose samples the step has moved, where
-    /// they are so large beside the bound that a part may be uncovered in which no sample is.
-    fn cover_taken(&mut self) {
-        if self.input.triangles.len() > COVERABLE {
-            return;
-        }
-        let mut large = std::mem::take(&mut self.large);
-        large.clear();
-        for &(number, _) in &self.taken {
-            let sources = self.samples.all[number as usize].sources(self.input);
-            large.extend(sources.as_slice().iter().filter(|&&t| self.is_large(t)));
-        }
-        if large.is_empty() || self.unfolds() {
-            self.large = large;
-            return;
-        }
-        large.sort_unstable();
-        large.dedup();
-        for &t in &large {
-            self.seek(t, t);
-        }
-        self.large = large;
-    }
-
-    /// Returns whether the step made a closed fan smaller and nothing folds, which leaves no hole.
-    fn unfolds(&mut self) -> bool {
-        let Self { input, faces, changes, link, .. } = self;
-        let source = if let [source] = changes.sources[..] { source } else { NONE };
-        let touched = changes.touched.iter().map(|&t| &faces.all[t as usize]);
-        let touched = touched.map(|face| (face.is_live(), face.points));
-        gap_of(input, (source, &changes.targets), touched, link).is_some()
-    }
-
-    fn is_large(&self, triangle: u32) -> bool {
-        let [a, b, c] = self.input.at(self.input.triangles[triangle as usize]);
-        let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
-        self.bound.max(FLOOR) < UNCOVERED * edges[0].max(edges[1]).max(edges[2])
-    }
-
-    /// Finds the nearest face for the samples of all faces that were touched.
-    fn place_samples(&mut self) {
-        let mut taken = std::mem::take(&mut self.taken);
-        taken.clear();
+    /// Finds a face for each sample of the touched faces.
+    fn reassign_samples(&mut self) {
+        let mut moved = std::mem::take(&mut self.moved_samples);
+        moved.clear();
         for &t in &self.changes.touched {
-            self.samples.take(&mut self.faces.all, t, &mut taken);
+            self.samples.unlink_all(&mut self.faces.all, t, &mut moved);
         }
-        self.work.done += taken.len() as u64;
-        for &(number, own) in &taken {
-            let p = self.samples.all[number as usize].place();
-            let nearest = self.nearest_face(p, own, self.bound * (NEAR * NEAR));
-            if nearest.squared > self.enough()
-                && nearest.squared > GROWN * f64::from(self.samples.all[number as usize].refined)
+        self.work.0 += moved.len() as u64;
+        for &SampleOnFace { sample, face } in &moved {
+            let p = self.samples.all[sample as usize].position();
+            let hit = self.find_face(p, face, self.max_squared * (TAKEN_WITHIN * TAKEN_WITHIN));
+            let searched_at = f64::from(self.samples.all[sample as usize].searched_at_squared);
+            if hit.squared > self.searched_beyond_squared()
+                && hit.squared > SEARCHED_AGAIN_RATIO * searched_at
             {
-                self.doubtful.push((number, nearest.triangle));
+                self.far_samples.push(SampleOnFace { sample, face: hit.triangle });
             }
-            self.bound = self.bound.max(nearest.squared);
-            self.samples.set(number, nearest.squared);
-            self.samples.link(&mut self.faces.all, nearest.triangle, number);
+            self.max_squared = self.max_squared.max(hit.squared);
+            self.samples.set_squared_distance(sample, hit.squared);
+            self.samples.link(&mut self.faces.all, hit.triangle, sample);
         }
-        self.taken = taken;
+        self.moved_samples = moved;
     }
 
     /// Tries the centroids and the edge midpoints of triangles that change for the first time, and
     /// keeps those that are far.
-    fn take_new_samples(&mut self) {
+    fn add_new_samples(&mut self) {
         for i in 0..self.changes.touched.len() {
             let t = self.changes.touched[i];
-            if !self.faces.all[t as usize].take_original() {
+            if !self.faces.all[t as usize].clear_original() {
                 continue;
             }
             let points = self.input.triangles[t as usize];
-            let corners = self.input.at(points);
+            let corners = self.input.corners_of(points);
             for k in 0..4 {
                 // Each inner edge is tried by the triangle that has it in rising order.
                 if k < 3 && points[k] > points[(k + 1) % 3] {
@@ -304,75 +247,147 @@ impl<'a> Forward<'a> {
                     3 => centroid(corners),
                     k => (corners[k] + corners[(k + 1) % 3]) * 0.5,
                 };
-                let near = self.bound * KEPT_BEYOND;
-                let nearest = self.nearest_face(p, t, near);
-                if nearest.squared <= near.max(FLOOR) || nearest.triangle == NONE {
+                let kept_beyond = self.max_squared * KEPT_BEYOND_SQUARED;
+                let hit = self.find_face(p, t, kept_beyond);
+                if hit.squared <= kept_beyond.max(ROUNDING_SQUARED) || hit.triangle == NONE {
                     continue;
                 }
-                let sample = Sample::inside(p.to_array().map(|x| x as f32), t, 0.0);
-                let number = self.samples.add(&mut self.faces.all, nearest.triangle, sample);
-                self.samples.set(number, nearest.squared);
-                if nearest.squared > self.enough() {
-                    self.doubtful.push((number, nearest.triangle));
+                let sample = Sample::without_area(p.to_array().map(|x| x as f32), t);
+                let sample = self.samples.add(&mut self.faces.all, hit.triangle, sample);
+                self.samples.set_squared_distance(sample, hit.squared);
+                if hit.squared > self.searched_beyond_squared() {
+                    self.far_samples.push(SampleOnFace { sample, face: hit.triangle });
                 }
-                self.bound = self.bound.max(nearest.squared);
+                self.max_squared = self.max_squared.max(hit.squared);
             }
         }
     }
 
-    /// Looks more closely at the input around samples that are far.
-    fn refine_doubtful(&mut self) {
-        for i in 0..self.doubtful.len() {
-            let (number, near) = self.doubtful[i];
-            let enough = self.enough();
-            let sample = &mut self.samples.all[number as usize];
-            if f64::from(sample.squared) <= enough {
-                continue;
-            }
-            sample.refined = sample.squared;
-            for &t in sample.sources(self.input).as_slice() {
-                self.seek(t, near);
-            }
+    /// Returns a live face near a point, one found in the tree if the others are too far: `face` if
+    /// it is live, or the first surviving face within the squared distance `taken_within`.
+    fn find_face(&mut self, p: DVec3, face: u32, taken_within: f64) -> Hit {
+        let mut hit = Hit::NOTHING;
+        let taken_within = taken_within.max(ROUNDING_SQUARED);
+        if self.faces.all[face as usize].is_live() {
+            let corners = self.input.corners_of(self.faces.all[face as usize].points);
+            hit.look(p, corners, face);
         }
-    }
-
-    /// Returns a live face near a point: its own, a changed one, or one found in the tree if these
-    /// are too far. Stops within the squared distance `near`.
-    fn nearest_face(&mut self, p: DVec3, own: u32, near: f64) -> Hit {
-        let mut nearest = Hit::NOTHING;
-        let near = near.max(FLOOR);
-        if self.faces.all[own as usize].is_live() {
-            let corners = self.input.at(self.faces.all[own as usize].points);
-            nearest.look(p, corners, own);
-        }
-        for (&t, corners) in self.changes.changed.iter().zip(&self.corners).take(TRIED) {
-            if nearest.squared <= near {
+        let surviving = self.changes.surviving.iter().zip(&self.corners);
+        for (&t, corners) in surviving.take(MAX_FACES_TRIED) {
+            if hit.squared <= taken_within {
                 break;
             }
-            if t != own {
-                self.work.done += 1;
-                nearest.look(p, *corners, t);
+            if t != face {
+                self.work.0 += 1;
+                hit.look(p, *corners, t);
             }
         }
-        let enough = self.enough();
-        if nearest.squared > enough {
-            let (level, tree) = self.faces.level(self.input);
-            let patience = (self.work + self.other).patience(self.input);
-            let hint = nearest.triangle;
-            self.work.done +=
-                u64::from(tree.search(&level, p, hint, enough, patience, &mut nearest));
+        let enough = self.searched_beyond_squared();
+        if hit.squared > enough {
+            let (level, tree) = self.faces.level_and_tree(self.input);
+            let max_boxes = (self.work + self.backward_work).boxes_nearest(self.input);
+            let hint = hit.triangle;
+            self.work.0 += u64::from(tree.search(&level, p, hint, enough, max_boxes, &mut hit));
         }
-        nearest
+        hit
     }
 
-    /// The squared distance within which nothing has to be looked for.
-    fn enough(&self) -> f64 {
-        (self.bound * (NEAR_ENOUGH * NEAR_ENOUGH)).max(FLOOR)
+    /// The squared distance within which nothing is searched; see [`SEARCHED_BEYOND`].
+    fn searched_beyond_squared(&self) -> f64 {
+        (self.max_squared * (SEARCHED_BEYOND * SEARCHED_BEYOND)).max(ROUNDING_SQUARED)
+    }
+
+    /// Searches the triangles of the input around samples that are far.
+    fn search_around_far_samples(&mut self) {
+        for i in 0..self.far_samples.len() {
+            let SampleOnFace { sample, face } = self.far_samples[i];
+            let searched_beyond = self.searched_beyond_squared();
+            let sample = &mut self.samples.all[sample as usize];
+            // E may have grown since.
+            if f64::from(sample.squared_distance) <= searched_beyond {
+                continue;
+            }
+            sample.searched_at_squared = sample.squared_distance;
+            for &t in sample.origin.triangles(self.input).as_slice() {
+                self.search_triangle(t, face);
+            }
+        }
+    }
+
+    /// Searches those triangles of the input whose samples the step has moved and which are large:
+    /// the step may leave a hole in which no sample is.
+    fn search_large_triangles(&mut self) {
+        if self.input.triangles.len() > MAX_TRIANGLES_COVERED {
+            return;
+        }
+        let mut large = std::mem::take(&mut self.large_triangles);
+        large.clear();
+        for moved in &self.moved_samples {
+            let triangles = self.samples.all[moved.sample as usize].origin.triangles(self.input);
+            large.extend(triangles.as_slice().iter().filter(|&&t| self.is_large(t)));
+        }
+        if !large.is_empty() && !self.is_unfolded_fan() {
+            large.sort_unstable();
+            large.dedup();
+            for &t in &large {
+                self.search_triangle(t, t);
+            }
+        }
+        self.large_triangles = large;
+    }
+
+    fn is_large(&self, triangle: u32) -> bool {
+        let [a, b, c] = self.input.corners(triangle);
+        let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
+        let longest = edges[0].max(edges[1]).max(edges[2]);
+        self.max_squared.max(ROUNDING_SQUARED) < LARGE_TRIANGLE_SHARE * longest
+    }
+
+    /// Returns whether the step made a closed fan smaller and nothing folds, which leaves no hole.
+    fn is_unfolded_fan(&mut self) -> bool {
+        let source = self.source();
+        let Self { input, faces, changes, link, .. } = self;
+        let touched = changes.touched.iter().map(|&t| &faces.all[t as usize]);
+        let touched = touched.map(|face| (face.is_live(), face.points));
+        fan_gap(input, Moved { source, targets: &changes.targets }, touched, link).is_some()
+    }
+
+    /// Searches all triangles of the input whose nearest face the step may have taken away: those
+    /// within E of the old faces.
+    fn search_all_around(&mut self) {
+        let (input, Self { faces, changes, .. }) = (self.input, &*self);
+        let touched = changes.touched.iter().flat_map(|&t| faces.all[t as usize].points);
+        let points = touched.chain(changes.sources.iter().copied()).map(|p| input.point(p));
+        let (low, high) = extent(points);
+        let distance = self.max_squared.max(ROUNDING_SQUARED).sqrt();
+        for t in 0..input.triangles.len() as u32 {
+            let (triangle_low, triangle_high) = extent(input.corners(t).into_iter());
+            let is_near = (triangle_low - distance).cmple(high).all()
+                && (triangle_high + distance).cmpge(low).all();
+            if is_near {
+                self.search_triangle(t, t);
+            }
+        }
+    }
+
+    /// Looks for a point of a triangle of the input that is beyond E, and raises E to its distance.
+    /// `hint` is a face that is probably near.
+    fn search_triangle(&mut self, triangle: u32, hint: u32) {
+        let Self { input, faces, seeker, max_squared, work, .. } = self;
+        let (level, tree) = faces.level_and_tree(input);
+        let level = Moving { triangles: &level, tree };
+        let distance = max_squared.max(ROUNDING_SQUARED).sqrt();
+        let max_boxes = (*work + self.backward_work).boxes_farthest(input);
+        let found = seeker.seek(distance, input.corners(triangle), hint, &level, max_boxes);
+        if found.least > distance {
+            *max_squared = found.least * found.least;
+        }
+        work.0 += found.opened;
     }
 }
 
-/// Least and greatest coordinates.
-fn extent(places: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
-    let bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    places.fold(bounds, |(low, high), p| (low.min(p), high.max(p)))
+/// The corners of a bounding box.
+fn extent(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    points.fold(empty, |(low, high), p| (low.min(p), high.max(p)))
 }

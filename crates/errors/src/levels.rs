@@ -1,27 +1,32 @@
-//! Levels that are measured as surfaces, each by itself: from nothing but their triangles.
+//! Single levels, each measured by itself: distances between two surfaces of which only the
+//! triangles are known.
 
 use crate::Tick;
 use crate::input::Input;
-use crate::step_errors::above;
+use crate::step_errors::round_up;
 use glam::DVec3;
 use lodc_mesh::{Lod, NONE, Simplified, SplitMix64, is_degenerate};
 use lodc_nearest::{Moving, MovingTree, Search, Surface, Triangles, area, morton_order, point_at};
 use rayon::prelude::*;
 
-/// Points on either surface that the mean is of, at least: it is known to about a hundredth.
-const POINTS: f64 = 4_096.0;
+/// Points on either surface whose distances make the mean, at least: it is known to about 1 %.
+const SAMPLES: f64 = 4_096.0;
 
-/// Points that one thread looks up one after the other.
-const RUN: usize = 256;
+/// Triangles, or runs of triangles of which one is sampled, that one thread samples one after the
+/// other, with random numbers of their own. Results depend on this. Chosen by hand.
+const SAMPLED_PER_TASK: usize = 256;
 
-/// Boxes that the search for one of them may open.
-const PATIENCE: u32 = 1_024;
+/// Boxes that the search for the triangle nearest to one sample may open; a distance that needs
+/// more may be too large. Chosen by hand.
+const BOXES_PER_SAMPLE: u32 = 1_024;
 
-/// Most parts along an edge of a triangle, each with a point.
-const MOST: f64 = 200.0;
+/// Most parts, each with a sample, along an edge of a triangle. Chosen by hand: 40,000 samples tell
+/// enough of one triangle.
+const MAX_PARTS: f64 = 200.0;
 
-/// Boxes that may be opened for each triangle and besides, where one level is measured.
-const BOXES: [u32; 2] = [500, 1_000_000];
+/// Boxes that the search for the farthest point of a level may open: for each triangle, and
+/// besides. Chosen by hand.
+const BOXES_PER_LEVEL: [u32; 2] = [500, 1_000_000];
 
 /// How far a level is from LOD 0, in the mesh's units; infinite where a mesh that had triangles has
 /// none left.
@@ -33,14 +38,14 @@ pub struct LevelError {
     pub rms: f32,
 }
 
-/// Measures some levels of a sequence, each by itself, without those before it: the largest over
-/// all `shapes`, each a place for every vertex. A level may be less far than a finer one, and than
-/// [`measure`](crate::measure) states of it, which never falls.
+/// Measures some levels of a sequence, each by itself, without those before it: the largest
+/// distances over all `shapes`, each a position for every vertex. A level may be nearer than a
+/// finer one, and than [`measure`](crate::measure) states of it, which never falls.
 ///
 /// All threads share the work; the result is the same with any number.
 ///
 /// # Panics
-/// If there are not as many places as vertices in a shape.
+/// If there are not as many positions as vertices in a shape.
 #[must_use]
 pub fn at_levels<S: AsRef<[[f32; 3]]>>(
     simplified: &Simplified,
@@ -50,16 +55,17 @@ pub fn at_levels<S: AsRef<[[f32; 3]]>>(
 ) -> Vec<LevelError> {
     let mut errors = vec![LevelError::default(); lods.len()];
     for shape in shapes {
-        let shown = shape.as_ref();
-        assert_eq!(shown.len(), simplified.mesh().vertex_count(), "a place for each vertex");
-        let (input, wedges) = Input::new(simplified, shown);
-        let search = Search { boxes: BOXES, ..Search::within(input.diagonal) };
-        let original = Original { input: &input, simplified, wedges: &wedges, search };
+        let posed = shape.as_ref();
+        assert_eq!(posed.len(), simplified.mesh().vertex_count(), "a position for each vertex");
+        let (input, corner_vertices) = Input::new(simplified, posed);
+        let (input, corner_vertices) = (&input, &corner_vertices[..]);
+        let search = Search { boxes: BOXES_PER_LEVEL, ..Search::within(input.diagonal) };
+        let original = Original { input, simplified, corner_vertices, search };
         for (level, &lod) in errors.iter_mut().zip(lods) {
             tick();
-            let before = f64::from(level.error) / input.unit;
-            let ([error, rms], _) = original.measure(lod, before);
-            let [error, rms] = [error, rms].map(|distance| above(distance * input.unit));
+            let known_distance = f64::from(level.error) / input.mesh_scale;
+            let found = original.measure(lod, known_distance);
+            let [error, rms] = [found.error, found.rms].map(|d| round_up(d * input.mesh_scale));
             *level = LevelError { error: level.error.max(error), rms: level.rms.max(rms) };
         }
     }
@@ -71,58 +77,79 @@ pub(crate) struct Original<'a> {
     pub(crate) input: &'a Input,
     pub(crate) simplified: &'a Simplified,
     /// The corners of the input's triangles as vertices of the mesh.
-    pub(crate) wedges: &'a [[u32; 3]],
+    pub(crate) corner_vertices: &'a [[u32; 3]],
     pub(crate) search: Search,
 }
 
-impl Original<'_> {
-    /// Measures a level: an upper bound of its distance and the root mean square distance, in units
-    /// of the input's places, and the boxes that were opened. What is nearer than `before` is not
-    /// looked at closely.
-    pub(crate) fn measure(&self, lod: Lod, before: f64) -> ([f64; 2], u64) {
-        let Self { input, simplified, wedges, search } = self;
-        let map = simplified.collapses().resolve_all(lod);
-        let mut level = Level { input, faces: vec![] };
-        let (mut from, mut back) = (Changed::default(), Changed::default());
-        for (old, wedges) in input.triangles.iter().zip(*wedges) {
-            let new = wedges.map(|v| input.point_of[map[v as usize] as usize]);
-            let is_live = !is_degenerate(new.map(|p| input.positions[p as usize]));
-            if is_live {
-                level.faces.push(new);
-            }
-            from.add(input.at(*old), *old != new);
-            if is_live {
-                back.add(input.at(new), *old != new);
-            }
-        }
-        if level.faces.is_empty() {
-            return ([if input.triangles.is_empty() { 0.0 } else { f64::INFINITY }; 2], 0);
-        }
-        if from.triangles.is_empty() {
-            return ([0.0; 2], 0);
-        }
-        let places = |t: u32| level.faces[t as usize].map(|p| input.places[p as usize]);
-        let order = morton_order(0..level.faces.len() as u32, places);
-        level.faces = order.iter().map(|&t| level.faces[t as usize]).collect();
-        let places = |t: u32| level.faces[t as usize].map(|p| input.places[p as usize]);
-        let tree = MovingTree::of_all(level.faces.len() as u32, places);
-        let level = Moving { triangles: &level, tree: &tree };
-        let original = Moving { triangles: *input, tree: &input.tree };
+/// Distances of a level from LOD 0, in units of the input's coordinates.
+pub(crate) struct LevelDistances {
+    /// An upper bound of the Hausdorff distance.
+    pub(crate) error: f64,
+    /// The root mean square distance.
+    pub(crate) rms: f64,
+    /// Boxes that were opened for the error.
+    pub(crate) boxes: u64,
+}
 
-        let (there, here) = rayon::join(|| from.sample(&level), || back.sample(&original));
-        // A sample is a point that is so far off.
-        let known = there.far.max(here.far).max(before / (1.0 + search.tolerance));
-        let (forth, back) = rayon::join(
-            || search.beyond(known, &from.triangles, &level),
-            || search.beyond(known, &back.triangles, &original),
-        );
-        let error = forth.most.max(back.most).min(input.diagonal);
-        let rms = there.mean_square.max(here.mean_square).sqrt().min(error);
-        ([error, rms], forth.opened + back.opened)
+impl LevelDistances {
+    fn same(distance: f64) -> Self {
+        Self { error: distance, rms: distance, boxes: 0 }
     }
 }
 
-/// A level as its tree sees it.
+impl Original<'_> {
+    /// Measures a level. Distances up to `known_distance` are not searched closely: a smaller error
+    /// may be stated as that.
+    pub(crate) fn measure(&self, lod: Lod, known_distance: f64) -> LevelDistances {
+        let Self { input, simplified, corner_vertices, search } = self;
+        let vertex_at_lod = simplified.collapses().resolve_all(lod);
+        let mut level = Level { input, faces: vec![] };
+        // Triangles that both surfaces have are nowhere apart.
+        let (mut only_original, mut only_level) = (Difference::default(), Difference::default());
+        for (&points, vertices) in input.triangles.iter().zip(*corner_vertices) {
+            let level_points =
+                vertices.map(|v| input.point_of_vertex[vertex_at_lod[v as usize] as usize]);
+            let has_changed = points != level_points;
+            only_original.add(input.corners_of(points), has_changed);
+            if !is_degenerate(level_points.map(|p| input.position_ids[p as usize])) {
+                level.faces.push(level_points);
+                only_level.add(input.corners_of(level_points), has_changed);
+            }
+        }
+        if level.faces.is_empty() {
+            let has_lost_all = !input.triangles.is_empty();
+            return LevelDistances::same(if has_lost_all { f64::INFINITY } else { 0.0 });
+        }
+        if only_original.triangles.is_empty() {
+            return LevelDistances::same(0.0);
+        }
+        let corners = |t: u32| level.faces[t as usize].map(|p| input.coordinates[p as usize]);
+        let order = morton_order(0..level.faces.len() as u32, corners);
+        level.faces = order.iter().map(|&t| level.faces[t as usize]).collect();
+        let corners = |t: u32| level.faces[t as usize].map(|p| input.coordinates[p as usize]);
+        let tree = MovingTree::of_all(level.faces.len() as u32, corners);
+        let level = Moving { triangles: &level, tree: &tree };
+        let original = Moving { triangles: *input, tree: &input.tree };
+
+        let (to_level, to_original) =
+            rayon::join(|| only_original.sample(&level), || only_level.sample(&original));
+        let mean_square = to_level.mean_square.max(to_original.mean_square);
+        // The distance of a sample is a lower bound.
+        let known_distance = to_level
+            .max_distance
+            .max(to_original.max_distance)
+            .max(known_distance / (1.0 + search.tolerance));
+        let (to_level, to_original) = rayon::join(
+            || search.beyond(known_distance, &only_original.triangles, &level),
+            || search.beyond(known_distance, &only_level.triangles, &original),
+        );
+        let error = to_level.most.max(to_original.most).min(input.diagonal);
+        let rms = mean_square.sqrt().min(error);
+        LevelDistances { error, rms, boxes: to_level.opened + to_original.opened }
+    }
+}
+
+/// The faces of a level, whose corners are points of the input.
 struct Level<'a> {
     input: &'a Input,
     faces: Vec<[u32; 3]>,
@@ -131,7 +158,7 @@ struct Level<'a> {
 impl Triangles for Level<'_> {
     #[inline]
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
-        self.input.at(self.faces[triangle as usize])
+        self.input.corners_of(self.faces[triangle as usize])
     }
     #[inline]
     fn is_live(&self, _: u32) -> bool {
@@ -139,74 +166,90 @@ impl Triangles for Level<'_> {
     }
 }
 
-/// The triangles of one surface that the other has not, and the area of all.
+/// The triangles of a surface that the other surface does not have.
 #[derive(Default)]
-struct Changed {
+struct Difference {
     triangles: Vec<[DVec3; 3]>,
-    area: f64,
+    /// The area of all triangles of the surface.
+    surface_area: f64,
 }
 
-/// What samples have found.
-struct Sampled {
+/// Distances of samples from the other surface.
+struct SampledDistances {
+    /// The mean squared distance over the whole surface.
     mean_square: f64,
-    /// The largest distance that is sure.
-    far: f64,
+    /// The largest distance of those that are exact.
+    max_distance: f64,
 }
 
-impl Changed {
-    fn add(&mut self, corners: [DVec3; 3], is_changed: bool) {
-        self.area += area(corners);
-        if is_changed {
+impl Difference {
+    fn add(&mut self, corners: [DVec3; 3], has_changed: bool) {
+        self.surface_area += area(corners);
+        if has_changed {
             self.triangles.push(corners);
         }
     }
 
-    /// Samples the distance to a surface: a point anywhere in each of equal parts of a triangle, as
-    /// many as its share of the area asks for; of many triangles in some.
-    fn sample(&self, to: &(impl Surface + Sync)) -> Sampled {
-        let stride = ((self.triangles.len() as f64 / POINTS) as usize).max(1);
+    /// Samples the distance to the other surface: a random point in each of equal parts of a
+    /// triangle, their number by its share of the area. Of very many triangles some stand for all.
+    fn sample(&self, other: &(impl Surface + Sync)) -> SampledDistances {
+        let stride = ((self.triangles.len() as f64 / SAMPLES) as usize).max(1);
         let count = self.triangles.len().div_ceil(stride);
-        let starts: Vec<usize> = (0..count).step_by(RUN).collect();
-        let run = |start: usize| {
+        let sample_task = |start: usize| {
             let mut random = SplitMix64::new(start as u64);
-            let (mut near, mut sum, mut weight, mut far) = (NONE, 0.0, 0.0, 0.0f64);
-            for i in start..(start + RUN).min(count) {
-                // One of the next `stride` triangles.
-                let many = stride.min(self.triangles.len() - i * stride);
-                let corners = self.triangles[i * stride + random.below(many)];
-                let share = area(corners) * many as f64;
-                let n = (share / self.area * POINTS).sqrt().ceil().clamp(1.0, MOST);
-                let part = share / (n * n);
-                for (row, column) in rows(n as u32) {
-                    let p = point_at(corners, within(n, row, column, &mut random));
-                    let (hit, opened) = to.near(p, near, 0.0, PATIENCE);
-                    near = hit.triangle;
-                    sum += hit.squared * part;
-                    far = far.max(if opened < PATIENCE { hit.squared } else { 0.0 });
+            let mut sums = SampleSums::default();
+            let mut hint = NONE;
+            for i in start..(start + SAMPLED_PER_TASK).min(count) {
+                // One of the next `stride` triangles stands for all of them.
+                let represented = stride.min(self.triangles.len() - i * stride);
+                let corners = self.triangles[i * stride + random.below(represented)];
+                let area = area(corners) * represented as f64;
+                let n = (area / self.surface_area * SAMPLES).sqrt().ceil().clamp(1.0, MAX_PARTS);
+                let part_area = area / (n * n);
+                for (row, column) in triangle_parts(n as u32) {
+                    let p = point_at(corners, random_in_part(n, row, column, &mut random));
+                    let (hit, opened) = other.near(p, hint, 0.0, BOXES_PER_SAMPLE);
+                    hint = hit.triangle;
+                    sums.area_times_squared += hit.squared * part_area;
+                    let is_exact = opened < BOXES_PER_SAMPLE;
+                    sums.max_squared =
+                        sums.max_squared.max(if is_exact { hit.squared } else { 0.0 });
                 }
-                weight += share;
+                sums.area += area;
             }
-            (sum, weight, far)
+            sums
         };
-        let runs: Vec<_> = starts.into_par_iter().map(run).collect();
-        let (sum, weight, far) = runs
-            .iter()
-            .fold((0.0, 0.0, 0.0f64), |all, run| (all.0 + run.0, all.1 + run.1, all.2.max(run.2)));
-        let changed: f64 = self.triangles.iter().map(|&t| area(t)).sum();
-        let mean = if weight > 0.0 { sum / weight } else { 0.0 };
-        let share = if self.area > 0.0 { changed / self.area } else { 0.0 };
-        Sampled { mean_square: mean * share, far: far.sqrt() }
+        let starts: Vec<usize> = (0..count).step_by(SAMPLED_PER_TASK).collect();
+        let tasks: Vec<SampleSums> = starts.into_par_iter().map(sample_task).collect();
+        let sums = tasks.iter().fold(SampleSums::default(), |all, task| SampleSums {
+            area_times_squared: all.area_times_squared + task.area_times_squared,
+            area: all.area + task.area,
+            max_squared: all.max_squared.max(task.max_squared),
+        });
+        let mean = if sums.area > 0.0 { sums.area_times_squared / sums.area } else { 0.0 };
+        let difference_area: f64 = self.triangles.iter().map(|&t| area(t)).sum();
+        let share = if self.surface_area > 0.0 { difference_area / self.surface_area } else { 0.0 };
+        SampledDistances { mean_square: mean * share, max_distance: sums.max_squared.sqrt() }
     }
 }
 
-/// The parts of a triangle that is divided `n` times each way: rows, and in each the upright and
-/// the turned parts in turn.
-fn rows(n: u32) -> impl Iterator<Item = (u32, u32)> {
+/// Sums over samples.
+#[derive(Default)]
+struct SampleSums {
+    area_times_squared: f64,
+    area: f64,
+    /// The largest squared distance of those that are exact.
+    max_squared: f64,
+}
+
+/// The equal parts of a triangle whose edges are divided into `n`: row and column of each, where
+/// every second one of a row is turned by half a circle.
+fn triangle_parts(n: u32) -> impl Iterator<Item = (u32, u32)> {
     (0..n).flat_map(move |row| (0..2 * (n - row) - 1).map(move |column| (row, column)))
 }
 
-/// Barycentric coordinates of a point anywhere in a part of a triangle.
-fn within(n: f64, row: u32, column: u32, random: &mut SplitMix64) -> [f64; 3] {
+/// Barycentric coordinates of a random point in a part of a triangle.
+fn random_in_part(n: f64, row: u32, column: u32, random: &mut SplitMix64) -> [f64; 3] {
     let [mut u, mut v] = [0; 2].map(|_| f64::from(random.unit()));
     if u + v > 1.0 {
         (u, v) = (1.0 - u, 1.0 - v);

@@ -3,8 +3,11 @@
 //!
 //! Points of the input travel along the sequence, each tied to a face: when a step changes the
 //! faces around it, it goes to the nearest one (Klein, Liebich and Straßer 1996; Ciampalini et al.
-//! 1997). New faces are looked at the other way. Where either is near the largest distance so far,
-//! branch and bound decides whether a point is beyond it. The pass knows nothing of the simplifier.
+//! 1997). New faces are measured the other way, to the input. Where either distance comes near the
+//! largest one so far, branch and bound decides whether any point is beyond that. The pass knows
+//! nothing of the simplifier.
+//!
+//! Read `pass.rs` first; `docs/design-notes/errors.md` tells the method.
 //!
 //! ```
 //! let mesh = lodc_fixtures::torus();
@@ -16,19 +19,19 @@
 
 mod backward;
 mod block;
-mod direct;
 mod faces;
 mod floor;
-mod follower;
 mod forward;
 mod gap;
 mod input;
 mod levels;
 mod pass;
+mod remaining_steps;
+mod runner;
 mod samples;
+mod settings;
 mod step_errors;
 mod thinning;
-mod thresholds;
 mod work;
 
 pub use levels::{LevelError, at_levels};
@@ -36,42 +39,43 @@ pub use step_errors::StepErrors;
 
 use floor::Floor;
 use lodc_mesh::Simplified;
-use thresholds::Thresholds;
+use pass::Pass;
+use settings::Settings;
 
-/// An error counts as raised if it is more than this many times itself, and this share of the
-/// diagonal besides: a twentieth is what stated errors may be too large by anyway.
-const RISE: f64 = 1.05;
-const TINY: f64 = 1e-4;
+/// An error has risen noticeably in a shape if it is more than this many times what it was, and by
+/// more than this share of the diagonal besides: stated errors may be a twentieth too large anyway.
+const NOTICEABLE_RATIO: f64 = 1.05;
+const NOTICEABLE_SHARE: f64 = 1e-4;
 
-/// Levels of fewer triangles than one in this many do not count for that: below 1 % few are used,
-/// and errors change by chance.
-const COARSEST: u32 = 100;
+/// Levels of fewer triangles than LOD 0 has, divided by this, do not count for that: below 1 % few
+/// are used, and errors change by chance.
+const COARSEST_DIVISOR: u32 = 100;
 
 /// Meshes of more triangles are measured in one shape at a time: a pass takes about 200 bytes a
-/// triangle.
-const MANY: usize = 1 << 20;
+/// triangle. Chosen by hand.
+const MAX_TRIANGLES_IN_PAIRS: usize = 1 << 20;
 
 /// Called now and then while a stage works, by any thread. Where it unwinds, so does the stage, as
 /// after a panic.
 pub type Tick<'a> = dyn Fn() + Sync + 'a;
 
-/// Measures every step of a sequence. `shown` is the surface that is compared: a place for each
+/// Measures every step of a sequence. `posed` is the surface that is compared: a position for each
 /// vertex of the mesh, in the mesh's units, all finite.
 ///
 /// Two threads share the work; the result is the same with one.
 ///
 /// # Panics
-/// If there are not as many places as vertices.
+/// If there are not as many positions as vertices.
 #[must_use]
-pub fn measure(simplified: &Simplified, shown: &[[f32; 3]], tick: &Tick<'_>) -> StepErrors {
-    measure_above(simplified, shown, (&StepErrors::default(), Thresholds::AT_REST), tick)
+pub fn measure(simplified: &Simplified, posed: &[[f32; 3]], tick: &Tick<'_>) -> StepErrors {
+    measure_above(&StepErrors::default(), simplified, posed, Settings::AT_REST, tick)
 }
 
-/// Measures every step of a sequence in several shapes, [`measure`] in the first and [`raise`] in
-/// the others. Returns how many others were measured, too.
+/// Measures every step of a sequence in several shapes: as [`measure`] in the first, and as
+/// [`raise`] in the others. Returns how many others were measured, too.
 ///
 /// # Panics
-/// If there is no shape, or not as many places as vertices in one.
+/// If there is no shape, or not as many positions as vertices in one.
 pub fn measure_over<S: AsRef<[[f32; 3]]> + Send>(
     simplified: &Simplified,
     mut shapes: impl Iterator<Item = S>,
@@ -82,9 +86,10 @@ pub fn measure_over<S: AsRef<[[f32; 3]]> + Send>(
     (errors, raised)
 }
 
-/// Raises what [`measure`] found to the distances of the same sequence in other shapes, in the
-/// same units: the errors are those of the shape in which a step is farthest, the mean distances,
-/// too. What is not above the errors that are there is not looked at closely.
+/// Raises what [`measure`] found to the distances of the same sequence in other shapes, each a
+/// position for every vertex, in the same units: the errors are those of the shape in which a step
+/// is farthest, the mean distances, too. Distances up to the errors so far are not searched
+/// closely.
 ///
 /// Shapes of large effect come first. Two at a time are measured, and none after two that raise no
 /// error of a level above 1 % of the triangles by more than a twentieth. Returns how many were.
@@ -92,7 +97,7 @@ pub fn measure_over<S: AsRef<[[f32; 3]]> + Send>(
 /// Two threads share the work; the result is the same with one.
 ///
 /// # Panics
-/// If there are not as many distances as steps, or not as many places as vertices in a shape.
+/// If there are not as many distances as steps, or not as many positions as vertices in a shape.
 pub fn raise<S: AsRef<[[f32; 3]]> + Send>(
     errors: &mut StepErrors,
     simplified: &Simplified,
@@ -100,47 +105,53 @@ pub fn raise<S: AsRef<[[f32; 3]]> + Send>(
     tick: &Tick<'_>,
 ) -> usize {
     assert_eq!(errors.error.len(), simplified.collapses().steps(), "a distance for each step");
-    let tiny = TINY * simplified.mesh().diagonal();
     let (collapses, triangles) = (simplified.collapses(), simplified.mesh().triangles().len());
-    let coarsest = collapses.lod_for_triangles(triangles as u32 / COARSEST);
-    let looked_at = collapses.steps_at(coarsest);
-    let thresholds =
-        Thresholds { threads: if triangles > MANY { 2 } else { 4 }, ..Thresholds::IN_POSES };
-    let mut count = 0;
+    let coarsest = collapses.lod_for_triangles(triangles as u32 / COARSEST_DIVISOR);
+    let counted_steps = collapses.steps_at(coarsest);
+    let in_pairs = triangles <= MAX_TRIANGLES_IN_PAIRS;
+    // Two shapes at once share the threads.
+    let settings = Settings { min_threads: if in_pairs { 4 } else { 2 }, ..Settings::IN_POSES };
+    let noticeable = NOTICEABLE_SHARE * simplified.mesh().diagonal();
+    let mut measured_shapes = 0;
     while let Some(first) = shapes.next() {
         let second = shapes.next();
-        let look = |shape: S| measure_above(simplified, shape.as_ref(), (errors, thresholds), tick);
-        let (first, second) = if triangles > MANY {
-            (look(first), second.map(look))
+        let one = |shape: S| measure_above(errors, simplified, shape.as_ref(), settings, tick);
+        let (first, second) = if in_pairs {
+            rayon::join(|| one(first), || second.map(one))
         } else {
-            rayon::join(|| look(first), || second.map(look))
+            (one(first), second.map(one))
         };
         let before = errors.error.clone();
         for found in std::iter::once(first).chain(second) {
             errors.raise(&found);
-            count += 1;
+            measured_shapes += 1;
         }
-        let rises =
-            |(&before, &now): (&f32, &f32)| f64::from(now) > RISE * f64::from(before) + tiny;
-        if !before.iter().zip(&errors.error).take(looked_at).any(rises) {
+        let has_risen = |(&before, &now): (&f32, &f32)| {
+            f64::from(now) > NOTICEABLE_RATIO * f64::from(before) + noticeable
+        };
+        if !before.iter().zip(&errors.error).take(counted_steps).any(has_risen) {
             break;
         }
     }
-    count
+    measured_shapes
 }
 
+/// Measures every step in one shape. What is within the errors `before` is not searched closely,
+/// and no step states less than they do.
 fn measure_above(
+    before: &StepErrors,
     simplified: &Simplified,
-    shown: &[[f32; 3]],
-    (before, thresholds): (&StepErrors, Thresholds),
+    posed: &[[f32; 3]],
+    settings: Settings,
     tick: &Tick<'_>,
 ) -> StepErrors {
-    assert_eq!(shown.len(), simplified.mesh().vertex_count(), "a place for each vertex");
-    let (input, wedges) = input::Input::new(simplified, shown);
-    let floor = Floor::new(&before.error, input.unit);
+    assert_eq!(posed.len(), simplified.mesh().vertex_count(), "a position for each vertex");
+    let (input, corner_vertices) = input::Input::new(simplified, posed);
+    let floor = Floor::new(&before.error, input.mesh_scale);
     rayon::scope(|_| {
-        let mut errors = pass::run(&input, wedges, simplified, (floor, thresholds), tick);
-        direct::complete(&mut errors, &input, (simplified, shown), tick);
+        let pass = Pass { input: &input, simplified, floor, settings, tick };
+        let mut errors = pass.run(corner_vertices);
+        remaining_steps::complete(&mut errors, &input, simplified, posed, tick);
         errors
     })
 }

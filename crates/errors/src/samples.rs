@@ -1,80 +1,105 @@
-//! Samples of the input's surface: each belongs to its nearest face of the level at hand.
+//! Samples of the input's surface, which the forward pass follows: each belongs to a face of the
+//! current level, the nearest as far as it matters.
 
-use crate::block::Entry;
+use crate::block::TouchedFace;
 use crate::faces::Face;
-use crate::input::{Input, wide};
+use crate::input::{Input, to_dvec3};
 use glam::DVec3;
 use lodc_mesh::{NONE, SplitMix64};
-use lodc_nearest::centroid;
+use lodc_nearest::{Triangles, area, centroid};
 use std::ops::RangeInclusive;
 
-/// Most samples put on a large or long triangle besides its corners. Where they do not suffice, the
-/// triangle is searched as a whole.
-const MOST_INSIDE: f64 = 24.0;
+/// Most samples put inside a large or long triangle. Where they do not suffice, the triangle is
+/// searched as a whole. Chosen by hand: more take time in every step.
+const MAX_EXTRA_SAMPLES: f64 = 24.0;
 
-/// Triangles with an edge this many times as long as the side of a square of the mean area have
-/// samples along it.
-const LONG: f64 = 6.0;
+/// Triangles above this many times the mean area have samples inside, one for each
+/// [`AREA_PER_SAMPLE`] mean areas. Chosen by hand.
+const LARGE_AREA_RATIO: f64 = 3.0;
+const AREA_PER_SAMPLE: f64 = 2.0;
 
-/// Most of the samples of a mesh of few triangles that one of them gets, as a share: 160 of 30,000.
-const MOST_OF_FEW: f64 = 1.0 / 187.5;
+/// So have triangles with an edge this many times as long as the side of a square of the mean area,
+/// one for each half of that length. Chosen by hand.
+const LONG_EDGE_RATIO: f64 = 6.0;
 
-/// Samples tell a face's mean distance if the areas that belong to them are this many times its
-/// own. Where they are more, some come from parts that are gone: these are far from the face, not
-/// it from the input (folds of noise that became flat are no more than about three times as large).
-/// Where they are fewer, the face is larger than what it came from: it is a web or a needle.
-const TELLING: RangeInclusive<f64> = 0.25..=4.0;
+/// Most samples that one triangle of a mesh of few gets, as a share of the mesh's: 160 of 30,000.
+/// Chosen by hand; a `u8` holds the number.
+const MAX_SHARE_OF_SAMPLES: f64 = 1.0 / 187.5;
 
-/// A point of the input, half a cache line.
+/// The samples of a face represent it if the areas that belong to them are this many times its own:
+/// then its mean distance is theirs. Where they are more, some come from parts that are gone: these
+/// are far from the face, not it from the input (folds of noise that became flat are no more than
+/// about three times as large). Where they are fewer, the face is larger than what it came from: it
+/// spans a gap or is a needle.
+const RELIABLE_AREA_RATIO: RangeInclusive<f64> = 0.25..=4.0;
+
+/// A position on the surface of the input, in units of [`Input::coordinates`]; half a cache line.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
 pub(crate) struct Sample {
-    place: [f32; 3],
-    /// The next sample of the same face.
+    position: [f32; 3],
+    /// The next sample of the same face; [`NONE`] at the end.
     next: u32,
-    /// Its origin: twice the point that it is, or twice the triangle that it lies in, plus
-    /// 1.
-    origin: u32,
+    pub(crate) origin: Origin,
     /// Squared distance to its face.
-    pub(crate) squared: f32,
-    /// The squared distance at which the input around it was searched last.
-    pub(crate) refined: f32,
+    pub(crate) squared_distance: f32,
+    /// The squared distance at which the triangles of its origin were searched last; 0 before.
+    pub(crate) searched_at_squared: f32,
     /// The area of the input that belongs to it.
-    pub(crate) weight: f32,
+    pub(crate) area: f32,
 }
 
 impl Sample {
+    /// A sample of no area inside a triangle of the input.
+    pub(crate) fn without_area(position: [f32; 3], triangle: u32) -> Self {
+        Self::new(position, Origin::triangle(triangle), 0.0)
+    }
+
+    fn new(position: [f32; 3], origin: Origin, area: f32) -> Self {
+        let (squared_distance, searched_at_squared) = (0.0, 0.0);
+        Self { position, next: NONE, origin, squared_distance, searched_at_squared, area }
+    }
+
     #[inline]
-    pub(crate) fn place(&self) -> DVec3 {
-        wide(self.place)
-    }
-
-    /// Returns the triangles of the input that it lies on.
-    pub(crate) fn sources<'a>(&self, input: &'a Input) -> Sources<'a> {
-        sources(input, self.origin)
+    pub(crate) fn position(&self) -> DVec3 {
+        to_dvec3(self.position)
     }
 }
 
-/// Returns the triangles of the input that a sample with some origin lies on.
-pub(crate) fn sources(input: &Input, origin: u32) -> Sources<'_> {
-    let which = origin / 2;
-    if origin.is_multiple_of(2) {
-        Sources::Around(input.around.row(which))
-    } else {
-        Sources::Inside(which)
+/// Where a sample was taken on the input: twice a point, or twice a triangle plus 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Origin(u32);
+
+impl Origin {
+    /// That of no sample.
+    pub(crate) const NONE: Self = Self(NONE);
+
+    fn point(point: u32) -> Self {
+        Self(2 * point)
+    }
+
+    fn triangle(triangle: u32) -> Self {
+        Self(2 * triangle + 1)
+    }
+
+    /// Returns the triangles of the input that meet there, at least one.
+    pub(crate) fn triangles(self, input: &Input) -> OriginTriangles<'_> {
+        let which = self.0 / 2;
+        if self.0.is_multiple_of(2) {
+            OriginTriangles::Around(input.triangles_around.row(which))
+        } else {
+            OriginTriangles::Inside(which)
+        }
     }
 }
 
-/// Triangles that a sample lies on.
-pub(crate) enum Sources<'a> {
-    /// Those around a point.
+/// The triangles around a point, or one that a sample is inside of.
+pub(crate) enum OriginTriangles<'a> {
     Around(&'a [u32]),
-    /// One that it lies inside of.
     Inside(u32),
 }
 
-impl Sources<'_> {
-    /// Returns the triangles.
+impl OriginTriangles<'_> {
     pub(crate) fn as_slice(&self) -> &[u32] {
         match self {
             Self::Around(row) => row,
@@ -83,62 +108,65 @@ impl Sources<'_> {
     }
 }
 
-/// All samples, in a list for each face.
+/// All samples, in a linked list for each face.
 pub(crate) struct Samples {
     pub(crate) all: Vec<Sample>,
-    /// The sum of weight times squared distance.
-    pub(crate) sum: f64,
-    /// The sum of weights, and the share of it that points have.
-    pub(crate) weight: f64,
-    pub(crate) at_points: f64,
+    /// The sum of area times squared distance.
+    pub(crate) area_times_squared: f64,
+    /// The sum of areas: that of the input.
+    pub(crate) area: f64,
+    /// The share of it that belongs to samples at points.
+    pub(crate) point_area_share: f64,
 }
 
 impl Samples {
-    /// Puts a sample at every point of the input, and more on triangles above three times the mean
-    /// area; on all triangles of a mesh that has not `fewest` of them.
-    pub(crate) fn new(input: &Input, faces: &mut [Face], fewest: f64) -> Self {
-        let areas: Vec<f32> = faces.iter().map(|f| area(input.at(f.points))).collect();
-        let inside = inside(input, faces, &areas, fewest);
-        let extra: u64 = inside.iter().map(|&n| u64::from(n)).sum();
+    /// Puts a sample at every point of the input, and more inside of large and long triangles; some
+    /// `few_triangles_samples` in all on a mesh of fewer triangles than that.
+    pub(crate) fn new(input: &Input, faces: &mut [Face], few_triangles_samples: f64) -> Self {
+        let areas: Vec<f32> =
+            faces.iter().map(|f| area(input.corners_of(f.points)) as f32).collect();
+        let extra_counts = extra_counts(input, faces, &areas, few_triangles_samples);
+        let extra: u64 = extra_counts.iter().map(|&n| u64::from(n)).sum();
         let mut samples = Self {
-            all: Vec::with_capacity(input.places.len() + extra as usize),
-            sum: 0.0,
-            weight: areas.iter().copied().map(f64::from).sum(),
-            at_points: 0.0,
+            all: Vec::with_capacity(input.coordinates.len() + extra as usize),
+            area_times_squared: 0.0,
+            area: areas.iter().copied().map(f64::from).sum(),
+            point_area_share: 0.0,
         };
         // A triangle's area is shared equally by its corners and the samples inside of it.
         let share = |(&area, &n): (&f32, &u8)| (f64::from(area) / (3.0 + f64::from(n))) as f32;
-        let shares: Vec<f32> = areas.iter().zip(&inside).map(share).collect();
-        for (point, &place) in (0..).zip(&input.places) {
-            let around = input.around.row(point);
+        let shares: Vec<f32> = areas.iter().zip(&extra_counts).map(share).collect();
+        for (point, &position) in (0..).zip(&input.coordinates) {
+            let around = input.triangles_around.row(point);
             if let Some(&t) = around.first() {
-                let weight = around.iter().map(|&t| shares[t as usize]).sum();
-                samples.at_points += f64::from(weight) / samples.weight.max(f64::MIN_POSITIVE);
-                samples.add(faces, t, Sample::at_point(place, point, weight));
+                let area = around.iter().map(|&t| shares[t as usize]).sum();
+                samples.point_area_share += f64::from(area) / samples.area.max(f64::MIN_POSITIVE);
+                samples.add(faces, t, Sample::new(position, Origin::point(point), area));
             }
         }
         let mut random = SplitMix64::new(7);
-        for (t, &n) in (0..).zip(&inside) {
-            let [a, b, c] = if n > 0 { input.at(input.triangles[t as usize]) } else { continue };
+        for (t, &n) in (0..).zip(&extra_counts) {
+            let [a, b, c] = if n > 0 { input.corners(t) } else { continue };
             for _ in 0..n {
                 let (mut u, mut v) = (f64::from(random.unit()), f64::from(random.unit()));
                 if u + v > 1.0 {
                     (u, v) = (1.0 - u, 1.0 - v);
                 }
                 let p = a + (b - a) * u + (c - a) * v;
-                let place = p.to_array().map(|x| x as f32);
-                samples.add(faces, t, Sample::inside(place, t, shares[t as usize]));
+                let position = p.to_array().map(|x| x as f32);
+                let sample = Sample::new(position, Origin::triangle(t), shares[t as usize]);
+                samples.add(faces, t, sample);
             }
         }
         samples
     }
 
-    /// Adds a sample to the list of a face. Returns its number.
+    /// Adds a sample to the list of a face. Returns its index in `all`.
     pub(crate) fn add(&mut self, faces: &mut [Face], face: u32, sample: Sample) -> u32 {
-        let number = self.all.len() as u32;
+        let index = self.all.len() as u32;
         self.all.push(sample);
-        self.link(faces, face, number);
-        number
+        self.link(faces, face, index);
+        index
     }
 
     /// Puts a sample that is in no list into that of a face.
@@ -146,100 +174,112 @@ impl Samples {
         let face = &mut faces[face as usize];
         self.all[sample as usize].next = face.first_sample;
         face.first_sample = sample;
-        face.samples = face.samples.saturating_add(1);
+        face.sample_count = face.sample_count.saturating_add(1);
     }
 
-    /// Appends the samples of a face to `taken`, with the face, and leaves the face without.
-    pub(crate) fn take(&self, faces: &mut [Face], face: u32, taken: &mut Vec<(u32, u32)>) {
-        taken.extend(self.of(&faces[face as usize]).map(|sample| (sample, face)));
+    /// Empties the list of a face: appends its samples to `unlinked`, each with the face.
+    pub(crate) fn unlink_all(
+        &self,
+        faces: &mut [Face],
+        face: u32,
+        unlinked: &mut Vec<SampleOnFace>,
+    ) {
+        let on_face = |sample| SampleOnFace { sample, face };
+        unlinked.extend(self.of_face(&faces[face as usize]).map(on_face));
         faces[face as usize].first_sample = NONE;
-        faces[face as usize].samples = 0;
+        faces[face as usize].sample_count = 0;
     }
 
-    /// Notes a sample's new distance.
-    pub(crate) fn set(&mut self, sample: u32, squared: f64) {
+    /// Sets a sample's squared distance to its face.
+    pub(crate) fn set_squared_distance(&mut self, sample: u32, squared: f64) {
         let s = &mut self.all[sample as usize];
         let squared = squared as f32;
-        self.sum += f64::from(s.weight) * (f64::from(squared) - f64::from(s.squared));
-        s.squared = squared;
+        let change = f64::from(squared) - f64::from(s.squared_distance);
+        self.area_times_squared += f64::from(s.area) * change;
+        s.squared_distance = squared;
     }
 
-    /// Returns a word of a sample, which fetches it into the cache.
+    /// Returns a word of a sample, to load its cache line early.
     #[inline]
     pub(crate) fn touch(&self, sample: u32) -> u32 {
         self.all.get(sample as usize).map_or(0, |s| s.next)
     }
 
-    /// The samples of a face.
-    pub(crate) fn of(&self, face: &Face) -> impl Iterator<Item = u32> {
+    /// The samples of a face, as indices in `all`.
+    pub(crate) fn of_face(&self, face: &Face) -> impl Iterator<Item = u32> {
         let some = |sample: u32| (sample != NONE).then_some(sample);
         std::iter::successors(some(face.first_sample), move |&s| some(self.all[s as usize].next))
     }
 
     /// Returns the mean squared distance of all samples.
     pub(crate) fn mean_square(&self) -> f64 {
-        if self.weight > 0.0 { (self.sum / self.weight).max(0.0) } else { 0.0 }
+        if self.area > 0.0 { (self.area_times_squared / self.area).max(0.0) } else { 0.0 }
     }
 
-    /// Returns what the backward pass, from the level to the input, has to know of a live face.
-    pub(crate) fn entry(&self, corners: [DVec3; 3], number: u32, face: &Face) -> Entry {
-        let (middle, area) = (centroid(corners), area(corners));
-        let (mut sum, mut weight, mut near, mut hint) = (0.0, 0.0, f64::INFINITY, NONE);
-        for sample in self.of(face).map(|s| &self.all[s as usize]) {
-            sum += f64::from(sample.weight) * f64::from(sample.squared);
-            weight += f64::from(sample.weight);
-            let apart = (sample.place() - middle).length_squared();
-            if apart < near {
-                (near, hint) = (apart, sample.origin);
+    /// Returns what the backward pass has to know of a live face, `index`, at its corners.
+    pub(crate) fn touched_face(&self, corners: [DVec3; 3], index: u32, face: &Face) -> TouchedFace {
+        let centroid = centroid(corners);
+        let (mut area_times_squared, mut sample_area) = (0.0, 0.0);
+        let (mut least, mut origin) = (f64::INFINITY, Origin::NONE);
+        for sample in self.of_face(face).map(|s| &self.all[s as usize]) {
+            area_times_squared += f64::from(sample.area) * f64::from(sample.squared_distance);
+            sample_area += f64::from(sample.area);
+            let to_centroid = (sample.position() - centroid).length_squared();
+            if to_centroid < least {
+                (least, origin) = (to_centroid, sample.origin);
             }
         }
-        let is_told = TELLING.contains(&(weight / f64::from(area)));
-        let mean_square = if is_told { (sum / weight) as f32 } else { f32::NAN };
-        Entry { face: number, is_live: true, points: face.points, mean_square, hint }
+        let face_area = f64::from(area(corners) as f32);
+        let is_represented = RELIABLE_AREA_RATIO.contains(&(sample_area / face_area));
+        let mean_square =
+            if is_represented { (area_times_squared / sample_area) as f32 } else { f32::NAN };
+        TouchedFace { face: index, is_live: true, points: face.points, mean_square, origin }
     }
 }
 
-impl Sample {
-    fn new(place: [f32; 3], origin: u32, weight: f32) -> Self {
-        Self { place, next: NONE, origin, squared: 0.0, refined: 0.0, weight }
-    }
-
-    fn at_point(place: [f32; 3], point: u32, weight: f32) -> Self {
-        Self::new(place, 2 * point, weight)
-    }
-
-    /// A sample inside a triangle of the input.
-    pub(crate) fn inside(place: [f32; 3], triangle: u32, weight: f32) -> Self {
-        Self::new(place, 2 * triangle + 1, weight)
-    }
+/// A sample and the face that it belongs to, or belonged to before the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampleOnFace {
+    pub(crate) sample: u32,
+    pub(crate) face: u32,
 }
 
-/// Returns for each face how many samples go inside it.
-fn inside(input: &Input, faces: &[Face], areas: &[f32], fewest: f64) -> Vec<u8> {
-    let longest = |f: &Face| {
-        let [a, b, c] = input.at(f.points);
+/// Returns for each face how many samples go inside it; see [`Samples::new`].
+fn extra_counts(
+    input: &Input,
+    faces: &[Face],
+    areas: &[f32],
+    few_triangles_samples: f64,
+) -> Vec<u8> {
+    let longest_edge = |f: &Face| {
+        let [a, b, c] = input.corners_of(f.points);
         (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt()
     };
-    let is_few = (faces.len() as f64) < fewest;
-    let all: f64 = areas.iter().copied().map(f64::from).sum();
-    let lengths: f64 = if is_few { faces.iter().map(longest).sum() } else { 0.0 };
-    let mean = all / faces.len().max(1) as f64;
-    let many = |(f, &area): (&Face, &f32)| {
-        let (area, length) = (f64::from(area), longest(f));
-        let large = if area > 3.0 * mean { area / (2.0 * mean) } else { 0.0 };
-        let long =
-            if length > LONG * mean.sqrt() { length / (LONG / 2.0 * mean.sqrt()) } else { 0.0 };
-        let few = if is_few && lengths > 0.0 && all > 0.0 {
-            (0.5 * fewest * (area / all + length / lengths)).min(fewest * MOST_OF_FEW)
+    let has_few_triangles = (faces.len() as f64) < few_triangles_samples;
+    let total_area: f64 = areas.iter().copied().map(f64::from).sum();
+    let total_length: f64 =
+        if has_few_triangles { faces.iter().map(longest_edge).sum() } else { 0.0 };
+    let mean_area = total_area / faces.len().max(1) as f64;
+    let count = |(f, &area): (&Face, &f32)| {
+        let (area, length) = (f64::from(area), longest_edge(f));
+        let for_area = if area > LARGE_AREA_RATIO * mean_area {
+            area / (AREA_PER_SAMPLE * mean_area)
         } else {
             0.0
         };
-        large.max(long).min(MOST_INSIDE).max(few) as u8
+        let for_length = if length > LONG_EDGE_RATIO * mean_area.sqrt() {
+            length / (LONG_EDGE_RATIO / 2.0 * mean_area.sqrt())
+        } else {
+            0.0
+        };
+        // Half of them by area, half by length.
+        let for_few = if has_few_triangles && total_length > 0.0 && total_area > 0.0 {
+            (0.5 * few_triangles_samples * (area / total_area + length / total_length))
+                .min(few_triangles_samples * MAX_SHARE_OF_SAMPLES)
+        } else {
+            0.0
+        };
+        for_area.max(for_length).min(MAX_EXTRA_SAMPLES).max(for_few) as u8
     };
-    faces.iter().zip(areas).map(many).collect()
-}
-
-/// Returns the area of a face at some corners.
-pub(crate) fn area(corners: [DVec3; 3]) -> f32 {
-    lodc_nearest::area(corners) as f32
+    faces.iter().zip(areas).map(count).collect()
 }

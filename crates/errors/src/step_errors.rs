@@ -16,31 +16,31 @@ impl StepErrors {
         Self { error: Vec::with_capacity(steps), rms: Vec::with_capacity(steps) }
     }
 
-    /// Takes over what is larger for the same steps.
+    /// Raises each distance to that of the same step in `other`, where that is larger.
     pub(crate) fn raise(&mut self, other: &Self) {
-        let each = |own: &mut [f32], other: &[f32]| {
-            own.iter_mut().zip(other).for_each(|(own, &other)| *own = own.max(other));
+        let raise_all = |distances: &mut [f32], other: &[f32]| {
+            distances.iter_mut().zip(other).for_each(|(d, &other)| *d = d.max(other));
         };
-        each(&mut self.error, &other.error);
-        each(&mut self.rms, &other.rms);
+        raise_all(&mut self.error, &other.error);
+        raise_all(&mut self.rms, &other.rms);
     }
 
     /// Adds a step: distances are rounded up and kept from falling.
     pub(crate) fn push(&mut self, error: f64, rms: f64) {
-        self.error.push(not_below(&self.error, error));
-        self.rms.push(not_below(&self.rms, rms));
+        self.error.push(rounded_up_from_last(&self.error, error));
+        self.rms.push(rounded_up_from_last(&self.rms, rms));
     }
 }
 
-/// Returns a distance, rounded up.
-pub(crate) fn above(distance: f64) -> f32 {
-    let nearest = distance as f32;
-    let above = if f64::from(nearest) < distance { nearest.next_up() } else { nearest };
-    // What is too large for the type is no missing surface.
-    if distance.is_finite() { above.min(f32::MAX) } else { above }
+fn rounded_up_from_last(distances: &[f32], distance: f64) -> f32 {
+    let rounded = round_up(distance);
+    distances.last().map_or(rounded, |&last| rounded.max(last))
 }
 
-fn not_below(list: &[f32], distance: f64) -> f32 {
-    let above = above(distance);
-    list.last().map_or(above, |&before| above.max(before))
+/// Returns the least `f32` that is not below a distance.
+pub(crate) fn round_up(distance: f64) -> f32 {
+    let nearest = distance as f32;
+    let rounded = if f64::from(nearest) < distance { nearest.next_up() } else { nearest };
+    // Infinity means a missing surface: a finite distance that is too large for `f32` is not that.
+    if distance.is_finite() { rounded.min(f32::MAX) } else { rounded }
 }

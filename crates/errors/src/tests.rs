@@ -29,7 +29,7 @@ fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
     .expect("a mesh")
 }
 
-/// A mesh whose vertices collapse as they stand, one in each step.
+/// A mesh whose vertices collapse in the order of their numbers, one in each step.
 fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> Simplified {
     let mesh = mesh(positions, triangles);
     let records = targets.len();
@@ -44,11 +44,11 @@ fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> 
     let bare = CollapseSequence::try_from(parts.clone()).expect("a sequence");
     let bare = Simplified::new(mesh.clone(), bare).expect("they fit");
     let ids = PositionIds::new(positions);
-    let left = |lod| bare.triangles_at_with(Lod(lod), &ids).len() as u32;
+    let triangles_left = |lod| bare.triangles_at_with(Lod(lod), &ids).len() as u32;
     // Long sequences of these tests lose a triangle in each step.
     let one_less = |lod| (triangles.len() as u32).saturating_sub(lod);
     let step_triangles = (1..=records as u32)
-        .map(|lod| if records < 1000 { left(lod) } else { one_less(lod) })
+        .map(|lod| if records < 1000 { triangles_left(lod) } else { one_less(lod) })
         .collect();
     let collapses = CollapseSequence::try_from(SequenceParts { step_triangles, ..parts });
     Simplified::new(mesh, collapses.expect("a sequence")).expect("they fit")
@@ -105,8 +105,9 @@ fn check(name: &str, simplified: &Simplified, every: usize) -> f64 {
     if levels > 0 { (log / f64::from(levels)).exp() } else { 1.0 }
 }
 
-fn near(a: f32, b: f64) -> bool {
-    (0.995..=1.005 * MARGIN).contains(&(f64::from(a) / b))
+/// Whether a stated error is right for a distance.
+fn is_stated(error: f32, distance: f64) -> bool {
+    (0.995..=1.005 * MARGIN).contains(&(f64::from(error) / distance))
 }
 
 const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -116,7 +117,7 @@ const HALVES: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 fn a_card_that_loses_a_corner_is_off_by_its_distance() {
     let card = sequence(&SQUARE, &HALVES, &[1, 2, 3]);
     let errors = measured(&card);
-    assert!(near(errors.error[0], 0.5f64.sqrt()), "{errors:?}");
+    assert!(is_stated(errors.error[0], 0.5f64.sqrt()), "{errors:?}");
     assert!(errors.rms[0] > 0.0 && errors.rms[0] < errors.error[0]);
     assert!(errors.error[1..].iter().chain(&errors.rms[1..]).all(|e| e.is_infinite()));
 }
@@ -127,8 +128,8 @@ fn a_piece_that_vanishes_is_off_by_its_farthest_point() {
     let positions = [far, SQUARE].concat();
     let triangles = [HALVES, HALVES.map(|t| t.map(|v| v + 4))].concat();
     let errors = measured(&sequence(&positions, &triangles, &[1, 2, 3, 4, 5, 6, 7]));
-    assert!(near(errors.error[0], 0.5f64.sqrt()), "{errors:?}");
-    assert!(near(errors.error[1], 10.0) && near(errors.error[3], 10.0), "{errors:?}");
+    assert!(is_stated(errors.error[0], 0.5f64.sqrt()), "{errors:?}");
+    assert!(is_stated(errors.error[1], 10.0) && is_stated(errors.error[3], 10.0), "{errors:?}");
     assert!(errors.error[4] >= errors.error[3] && errors.error[6].is_infinite());
 }
 
@@ -139,7 +140,7 @@ fn a_face_that_has_a_double_costs_nothing() {
     let triangles = [HALVES, other].concat();
     let errors = measured(&sequence(&positions, &triangles, &[1, 2, 3, 4, 5, 6, 7]));
     assert_eq!(errors.error[..3], [0.0; 3], "{errors:?}");
-    assert!(near(errors.error[4], 0.5f64.sqrt()), "{errors:?}");
+    assert!(is_stated(errors.error[4], 0.5f64.sqrt()), "{errors:?}");
 }
 
 #[test]
@@ -201,7 +202,7 @@ fn random_meshes_are_bounded() {
 }
 
 #[test]
-fn scaled_and_moved_places_scale_the_errors() {
+fn a_scaled_shape_scales_the_errors() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 5);
     let plain = measured(&simplified);
     let doubled: Vec<[f32; 3]> =
@@ -212,14 +213,17 @@ fn scaled_and_moved_places_scale_the_errors() {
 }
 
 #[test]
-fn places_count_and_not_positions() {
-    // One card, folded where it is shown: half of it stands upright.
+fn the_shape_counts_and_not_positions() {
+    // A card that is flat by its positions, and folded in the shape: half of it stands upright.
     let card = sequence(&SQUARE, &HALVES, &[1, 2, 3]);
-    let mut shown = SQUARE;
-    shown[3] = [0.0, 0.0, 3.0];
-    let [flat, folded] = [measured(&card), measure(&card, &shown, &|| ())].map(|e| e.error[0]);
+    let mut posed = SQUARE;
+    posed[3] = [0.0, 0.0, 3.0];
+    let [flat, folded] = [measured(&card), measure(&card, &posed, &|| ())].map(|e| e.error[0]);
     // The corner at the origin is off by its distance to the line from (1, 0, 0) to (0, 0, 3).
-    assert!(near(flat, 0.5f64.sqrt()) && near(folded, 3.0 / 10.0f64.sqrt()), "{flat} {folded}");
+    assert!(
+        is_stated(flat, 0.5f64.sqrt()) && is_stated(folded, 3.0 / 10.0f64.sqrt()),
+        "{flat} {folded}"
+    );
 }
 
 #[test]
@@ -358,12 +362,12 @@ fn errors_are_the_largest_over_all_shapes() {
             let at = collapses.step(step);
             let stated = f64::from(errors.error[step]);
             for shape in &shapes {
-                let shown = |lod| Surface {
+                let posed = |lod| Surface {
                     positions: shape.iter().map(|&p| p.into()).collect(),
                     ..surface(&simplified, lod)
                 };
                 let sampling = Sampling { samples: 2_000, lattice: 3_000, seed: step as u64 };
-                let d = distances(&shown(Lod(0)), &shown(at.lod), &sampling);
+                let d = distances(&posed(Lod(0)), &posed(at.lod), &sampling);
                 let largest = d.hausdorff[0].max(d.hausdorff[1]);
                 let here = format!("{name}: step {step} states {stated} and is {largest} away");
                 assert!(at.triangles == 0 || largest <= 1.05 * stated + 1e-6, "{here}");
@@ -481,7 +485,7 @@ fn faces_that_lie_on_each_other_count_once_on_both_sides() {
     assert_eq!((levels > 0, wrong), (true, None));
 }
 
-/// The way back is followed on threads of its own, for which all threads of a pool may be waiting.
+/// The backward pass has a thread of its own, for which all threads of a pool may be waiting.
 #[test]
 fn many_meshes_at_once_end_on_two_threads() {
     let mesh = fixtures::twin(&fixtures::icosphere(4), fixtures::Twin::HalfDoubled);
@@ -496,7 +500,7 @@ fn many_meshes_at_once_end_on_two_threads() {
 fn work_is_left_where_a_tick_unwinds() {
     let sphere = fixtures::icosphere(5);
     let simplified = lodc_simplify::simplify(&sphere, &lodc_simplify::Options::DEFAULT, &|_, _| {});
-    let places = simplified.mesh().positions();
+    let positions = simplified.mesh().positions();
     for threads in [1, 4] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let left_after = |most: u32| {
@@ -506,7 +510,7 @@ fn work_is_left_where_a_tick_unwinds() {
                     std::panic::resume_unwind(Box::new("late"));
                 }
             };
-            let work = || pool.install(|| measure(&simplified, places, &tick));
+            let work = || pool.install(|| measure(&simplified, positions, &tick));
             let left = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work));
             let late = left.err().and_then(|e| e.downcast_ref().copied());
             (late, ticks.into_inner())
