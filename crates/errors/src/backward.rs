@@ -3,7 +3,7 @@
 use crate::block::{Block, StepView, TouchedFace};
 use crate::gap::{Moved, fan_gap};
 use crate::input::Input;
-use crate::samples::Origin;
+use crate::origin::Origin;
 use crate::settings::Settings;
 use crate::work::{ROUNDING_SQUARED, Work};
 use glam::DVec3;

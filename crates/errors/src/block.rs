@@ -1,6 +1,6 @@
 //! Blocks of steps that the forward pass has followed: all that the backward pass needs to know.
 
-use crate::samples::Origin;
+use crate::origin::Origin;
 use crate::work::Work;
 
 /// A face that a step touched, as it is after the step.

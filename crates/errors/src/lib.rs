@@ -25,6 +25,7 @@ mod forward;
 mod gap;
 mod input;
 mod levels;
+mod origin;
 mod pass;
 mod remaining_steps;
 mod runner;

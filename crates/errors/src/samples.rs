@@ -4,6 +4,7 @@
 use crate::block::TouchedFace;
 use crate::faces::Face;
 use crate::input::{Input, to_dvec3};
+use crate::origin::Origin;
 use glam::DVec3;
 use lodc_mesh::{NONE, SplitMix64};
 use lodc_nearest::{Triangles, area, centroid};
@@ -63,48 +64,6 @@ impl Sample {
     #[inline]
     pub(crate) fn position(&self) -> DVec3 {
         to_dvec3(self.position)
-    }
-}
-
-/// Where a sample was taken on the input: twice a point, or twice a triangle plus 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Origin(u32);
-
-impl Origin {
-    /// That of no sample.
-    pub(crate) const NONE: Self = Self(NONE);
-
-    fn point(point: u32) -> Self {
-        Self(2 * point)
-    }
-
-    fn triangle(triangle: u32) -> Self {
-        Self(2 * triangle + 1)
-    }
-
-    /// Returns the triangles of the input that meet there, at least one.
-    pub(crate) fn triangles(self, input: &Input) -> OriginTriangles<'_> {
-        let which = self.0 / 2;
-        if self.0.is_multiple_of(2) {
-            OriginTriangles::Around(input.triangles_around.row(which))
-        } else {
-            OriginTriangles::Inside(which)
-        }
-    }
-}
-
-/// The triangles around a point, or one that a sample is inside of.
-pub(crate) enum OriginTriangles<'a> {
-    Around(&'a [u32]),
-    Inside(u32),
-}
-
-impl OriginTriangles<'_> {
-    pub(crate) fn as_slice(&self) -> &[u32] {
-        match self {
-            Self::Around(row) => row,
-            Self::Inside(triangle) => std::slice::from_ref(triangle),
-        }
     }
 }
 
