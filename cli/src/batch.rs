@@ -1,8 +1,8 @@
-//! Options that choose the assets of a run: a manifest (one JSON document a line), glob patterns
-//! for folders, and shards for several machines.
+//! Options that choose the assets of a run: a list (one JSON document in each line), globs for
+//! folders, and shards for several machines.
 
 use crate::exit::Outcome;
-use crate::help::MANY;
+use crate::help::MANY_ASSETS;
 use clap::Args;
 use lodc_assets::{AssetChoice, Shard};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ pub(crate) use lodc_assets::{
 
 /// Options of commands that take many assets.
 #[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = MANY)]
+#[command(next_help_heading = MANY_ASSETS)]
 pub(crate) struct BatchArgs {
     /// List of assets, a JSON document in each line; - for standard input
     ///
@@ -40,7 +40,7 @@ pub(crate) struct BatchArgs {
 }
 
 impl BatchArgs {
-    /// The choice of assets.
+    /// The choice of assets that the options make.
     fn choice(&self) -> AssetChoice {
         let Self { manifest, include, exclude, shard } = self.clone();
         AssetChoice { list: manifest, include, exclude, shard }
@@ -52,7 +52,7 @@ impl BatchArgs {
     }
 }
 
-/// The assets of a run.
+/// The assets of a run, in order.
 ///
 /// # Errors
 /// As [`lodc_assets::assets`].
@@ -60,7 +60,7 @@ pub(crate) fn assets(paths: CommandPaths<'_>, batch: &BatchArgs) -> Outcome<Vec<
     Ok(lodc_assets::assets(paths, &batch.choice())?)
 }
 
-/// The pairs of a run.
+/// The pairs of files that a run compares.
 ///
 /// # Errors
 /// As [`lodc_assets::pairs`].

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 ///
 /// # Errors
 /// If a kind is unknown or given twice, or its bits are out of range.
-pub(crate) fn by_kind<const N: usize>(
+pub(crate) fn bits_by_kind<const N: usize>(
     text: &str,
     kinds: [&str; N],
     range: &RangeInclusive<u8>,
@@ -19,10 +19,10 @@ pub(crate) fn by_kind<const N: usize>(
         let (fewest, most) = range.clone().into_inner();
         let bits =
             bits.ok_or_else(|| format!("\"{part}\": bits are a number from {fewest} to {most}"))?;
-        let Some(at) = kinds.iter().position(|k| *k == kind) else {
+        let Some(index) = kinds.iter().position(|k| *k == kind) else {
             return Err(format!("\"{kind}\" is none of {}", kinds.join(", ")));
         };
-        if all[at].replace(bits).is_some() {
+        if all[index].replace(bits).is_some() {
             return Err(format!("\"{kind}\" is given twice"));
         }
     }
@@ -35,7 +35,7 @@ mod tests {
 
     #[test]
     fn bits_are_asked_for_by_kind() {
-        let parse = |text: &str| by_kind(text, ["pos", "normal", "uv"], &(2..=24));
+        let parse = |text: &str| bits_by_kind(text, ["pos", "normal", "uv"], &(2..=24));
         assert_eq!(parse("pos=16,normal=10,uv=12"), Ok([Some(16), Some(10), Some(12)]));
         assert_eq!(parse("uv=2"), Ok([None, None, Some(2)]));
         for wrong in

@@ -1,4 +1,4 @@
-//! The command line as `clap` sees it: every command, and the options all of them have.
+//! The command line as `clap` sees it: every command, and the options that all of them have.
 
 use crate::commands::{
     bench, build, chain, compare, completions, config, extract, info, man, pack, render, report,
@@ -106,7 +106,7 @@ pub(crate) enum Command {
 
 impl Command {
     /// Returns whether a graphics device may be opened.
-    pub(crate) fn takes_gpu(&self) -> bool {
+    pub(crate) fn uses_gpu(&self) -> bool {
         match self {
             Self::Render(_) => true,
             Self::Verify(args) => args.gpu.gpu.is_some(),
@@ -115,8 +115,8 @@ impl Command {
         }
     }
 
-    /// Returns whether meshes that may be large are simplified, or whole sequences replayed.
-    pub(crate) fn takes_memory(&self) -> bool {
+    /// Returns whether it simplifies meshes that may be large, or replays whole sequences.
+    pub(crate) fn needs_much_memory(&self) -> bool {
         match self {
             Self::Build(args) => !args.is_small(),
             Self::Chain(args) => !args.is_small(),

@@ -44,7 +44,7 @@ fn short_help_fits_a_screen_and_leads_to_the_rest() {
 }
 
 #[test]
-fn every_option_stands_in_a_group_of_the_long_help_with_a_short_first_line() {
+fn every_option_is_in_a_group_of_the_long_help_with_a_short_first_line() {
     for mut command in commands() {
         let long = command.render_long_help().to_string();
         let name = command.get_name();
@@ -87,8 +87,8 @@ fn examples_are_commands_that_the_parser_takes() {
         for line in lines {
             let matches = Cli::command().try_get_matches_from(words(line));
             let matches = matches.unwrap_or_else(|e| panic!("{line}: {e}"));
-            let taken = matches.subcommand_name().unwrap_or_default();
-            assert!(taken == name || name == "lodc", "{line} stands in the help of {name}");
+            let parsed = matches.subcommand_name().unwrap_or_default();
+            assert!(parsed == name || name == "lodc", "{line} is in the help of {name}");
         }
     }
 }

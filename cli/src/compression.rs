@@ -44,7 +44,7 @@ pub(crate) struct Packing {
 }
 
 impl Packing {
-    /// That of an export.
+    /// The packing of an export.
     pub(crate) fn of(additions: &Additions) -> Self {
         Self { compress: additions.compress, precision: additions.precision }
     }
@@ -66,25 +66,27 @@ impl Packing {
 }
 
 impl CompressArgs {
-    /// Returns whether to compress what was compressed or was not, and the bits to keep.
+    /// Returns whether a result is compressed, and the bits that its numbers keep.
     ///
     /// # Errors
-    /// If the format knows neither and one was asked for.
-    pub(crate) fn wanted(&self, format: FormatName, input: bool) -> Outcome<Packing> {
-        let can = matches!(format, FormatName::Glb | FormatName::Gltf);
-        if self.compress == Some(Compression::Meshopt) && !can {
+    /// If either was asked for and the format has neither.
+    pub(crate) fn wanted(&self, format: FormatName, input_is_compressed: bool) -> Outcome<Packing> {
+        let supports_both = matches!(format, FormatName::Glb | FormatName::Gltf);
+        if self.compress == Some(Compression::Meshopt) && !supports_both {
             return Err(Failure::usage("only .glb and .gltf can be compressed"));
         }
-        if self.quantize.is_some() && !can {
+        if self.quantize.is_some() && !supports_both {
             return Err(Failure::usage("only .glb and .gltf can be quantised"));
         }
-        let compress = can && self.compress.map_or(input, |c| c == Compression::Meshopt);
+        let compress = supports_both
+            && self.compress.map_or(input_is_compressed, |c| c == Compression::Meshopt);
         Ok(Packing { compress, precision: self.quantize.unwrap_or_default() })
     }
 }
 
+/// Reads `pos=14,normal=10`.
 fn precision(text: &str) -> Result<Precision, String> {
     let kinds = ["pos", "normal", "uv", "color", "weight"];
-    let [position, normal, uv, color, weight] = bits::by_kind(text, kinds, &(2..=16))?;
+    let [position, normal, uv, color, weight] = bits::bits_by_kind(text, kinds, &(2..=16))?;
     Ok(Precision { position, normal, uv, color, weight })
 }

@@ -24,7 +24,7 @@ pub(crate) struct ConfigArgs {
 }
 
 impl ConfigArgs {
-    /// Puts what configurations say under the options of a command's assets.
+    /// Adds the options of configurations to those of a command's assets, which win.
     ///
     /// # Errors
     /// As [`Configs::apply`].
@@ -36,14 +36,14 @@ impl ConfigArgs {
     ) -> Outcome<()> {
         let mut configs = self.configs(program, command);
         configs.apply(assets, || program.given(command))?;
-        // Of single files an override for others is no mistake.
+        // Of named files alone, an override for others is no mistake.
         if assets.iter().any(|asset| asset.folder.is_some()) {
             configs.unmatched().iter().for_each(|what| console::note(&format!("lodc: {what}")));
         }
         Ok(())
     }
 
-    /// Returns what the configuration says of a named file.
+    /// Returns the layers of options that the configuration has for a named file.
     ///
     /// # Errors
     /// As [`Configs::layers`].

@@ -16,27 +16,27 @@ pub(crate) enum Loudness {
     Verbose,
 }
 
-/// Takes what is in the way off the terminal while it prints.
+/// Calls the function that it is given, which prints, with the progress bar off the terminal.
 pub(crate) type PrintHook = Box<dyn Fn(&dyn Fn()) + Send>;
 
 struct Console {
     loudness: Loudness,
-    around: Option<PrintHook>,
-    /// Something stands on standard output.
+    print_hook: Option<PrintHook>,
+    /// Whether writing to standard output has begun.
     printed: bool,
 }
 
 // A global because warnings arise everywhere and there is one standard error.
 static CONSOLE: Mutex<Console> =
-    Mutex::new(Console { loudness: Loudness::Normal, around: None, printed: false });
+    Mutex::new(Console { loudness: Loudness::Normal, print_hook: None, printed: false });
 
 fn console() -> MutexGuard<'static, Console> {
     CONSOLE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Makes every message print inside `around`, from now on.
-pub(crate) fn print_inside(around: Option<PrintHook>) {
-    console().around = around;
+/// Makes every message print inside the hook, from now on; without one, directly.
+pub(crate) fn set_print_hook(print_hook: Option<PrintHook>) {
+    console().print_hook = print_hook;
 }
 
 /// Chooses how much is said.
@@ -49,12 +49,12 @@ pub(crate) fn wants(loudness: Loudness) -> bool {
     console().loudness >= loudness
 }
 
-/// Returns whether a result has been printed, or was begun.
+/// Returns whether anything has been written to standard output, or writing has begun.
 pub(crate) fn has_printed() -> bool {
     console().printed
 }
 
-/// Prints an error. Never fails: there is nowhere left to complain.
+/// Prints an error. A failure to print it is ignored: there is no other way to report it.
 pub(crate) fn error(what: &impl Display) {
     line(&format!("lodc: {what}"));
 }
@@ -73,7 +73,7 @@ pub(crate) fn note(text: &str) {
     }
 }
 
-/// Prints a line for the system that runs the program, also with `-q`.
+/// Prints a line for the CI system that runs the program, also with `-q`.
 pub(crate) fn annotation(text: &str) {
     line(text);
 }
@@ -88,13 +88,13 @@ pub(crate) fn detail(text: &str) {
 fn line(text: &str) {
     // Whole lines in one call, so that lines of several threads do not mix.
     let print = || drop(io::stderr().lock().write_all(format!("{text}\n").as_bytes()));
-    match &console().around {
-        Some(around) => around(&print),
+    match &console().print_hook {
+        Some(hook) => hook(&print),
         None => print(),
     }
 }
 
-/// Prints a result for people. A reader that closed the pipe has seen enough: that is no failure.
+/// Prints a result for people. A closed pipe is no failure: its reader needed no more.
 ///
 /// # Errors
 /// If standard output cannot be written for another reason.

@@ -14,7 +14,7 @@ pub(crate) enum Status {
     Done = 0,
     /// A check found a difference.
     Difference = 1,
-    /// The command line makes no sense.
+    /// The command line is wrong.
     Usage = 2,
     /// The input is unreadable, malformed or unsupported.
     Input = 3,
@@ -35,7 +35,7 @@ impl Status {
     }
 }
 
-/// Why a command, or its work on one input, came to nothing.
+/// Why a command, or its work on one input, failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Failure {
     pub(crate) status: Status,
@@ -52,7 +52,7 @@ impl Failure {
     }
 }
 
-/// One line whatever the names in it: control characters are shown, not obeyed.
+/// The text with control characters escaped: one line, whatever file names are in it.
 pub(crate) fn one_line(text: &str) -> String {
     let mut visible = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! Words that the help of all commands shares: the headings of groups of options, and the line that
+//! Texts that the help of all commands shares: the headings of groups of options, and the line that
 //! leads from `-h` to `--help`.
 
 /// Options that choose a level of detail.
@@ -16,13 +16,13 @@ pub(crate) const CHECKED: &str = "What is checked";
 /// The measurements of `compare` and `bench`.
 pub(crate) const MEASURED: &str = "What is measured";
 /// The limits of `compare`, beyond which it ends with status 1.
-pub(crate) const FAILS: &str = "What counts as a difference";
+pub(crate) const DIFFERENCE: &str = "What counts as a difference";
 /// The graphics device.
 pub(crate) const DEVICE: &str = "Graphics device";
-/// Places of results, and reports about them.
+/// Where results go, and reports about them.
 pub(crate) const OUTPUT: &str = "Output";
-/// Folders, lists and parts of them.
-pub(crate) const MANY: &str = "Many assets";
+/// Folders and lists of assets, and shards of them.
+pub(crate) const MANY_ASSETS: &str = "Many assets";
 /// Options from files.
 pub(crate) const CONFIGURATION: &str = "Configuration";
 /// Inputs and what they may name.

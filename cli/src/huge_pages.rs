@@ -1,39 +1,38 @@
 //! Huge pages: 2 MiB of memory for one page fault instead of 512. Work on meshes of medium size
-//! gains a tenth to a fifth of its time by them. Small meshes gain nothing, and tens of MB are not
-//! to be taken for those; large ones would take a third more.
+//! is a tenth to a fifth faster with them. Small meshes gain nothing and would take tens of MB
+//! more; large ones would take a third more.
 
 use std::ops::Range;
 
-/// Bytes of memory that work on an asset takes, for which huge pages pay: 40,000 to 900,000
-/// triangles.
-const PAYING: Range<u64> = 8_000_000..200_000_000;
+/// Bytes of memory of the work on an asset for which huge pages are worth it: about 40,000 to
+/// 900,000 triangles.
+const WORTHWHILE: Range<u64> = 8_000_000..200_000_000;
 
-/// Lets no memory be huge pages from now on, in programs that are started either. Those that are
-/// there stay.
+/// Forbids huge pages for memory taken from now on, also in programs that this one starts.
 pub(crate) fn forbid() {
     allow_if(false);
 }
 
-/// Allows huge pages if they pay for work that is expected to take `bytes` bytes.
+/// Allows huge pages if they are worth it for work that is expected to take `bytes` bytes.
 pub(crate) fn allow_for(bytes: u64) {
-    allow_if(PAYING.contains(&bytes));
+    allow_if(WORTHWHILE.contains(&bytes));
 }
 
-/// Forbids huge pages for work that takes more bytes than they pay for, or more than a quarter of
-/// what there is: up to four times the expected bytes were seen with them.
+/// Forbids huge pages for work that takes more bytes than they are worth it for, or more than a
+/// quarter of `available`: with them up to four times the expected bytes were measured.
 pub(crate) fn forbid_for(bytes: u64, available: Option<u64>) {
-    if bytes >= PAYING.end || available.is_some_and(|available| bytes > available / 4) {
+    if bytes >= WORTHWHILE.end || available.is_some_and(|available| bytes > available / 4) {
         forbid();
     }
 }
 
-/// Asks the system. Where it does not do so, work is slower or takes more memory, and is right.
+/// Asks the system. Where that fails, work is slower or takes more memory; results are the same.
 #[cfg(target_os = "linux")]
 fn allow_if(allowed: bool) {
     let _ = rustix::thread::disable_transparent_huge_pages(!allowed);
 }
 
-/// Does nothing: other systems have no such pages, or do not ask.
+/// Does nothing: other systems have no such pages, or no such setting.
 #[cfg(not(target_os = "linux"))]
 fn allow_if(_: bool) {}
 

@@ -10,7 +10,7 @@ use lodc_mesh::{Mesh, Semantic};
 use lodc_simplify::Weights;
 use std::collections::BTreeSet;
 
-/// Weights and locks. They shape the order of collapses, so that a `.lodc` file has its own.
+/// Weights and locks. They decide the collapse sequence, so a `.lodc` file takes none.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = SIMPLIFIED)]
 pub(crate) struct ImportanceArgs {
@@ -40,11 +40,11 @@ impl ImportanceArgs {
         self.weight.unwrap_or(Weights::DEFAULT)
     }
 
-    /// Refuses weights and locks of what has been simplified already.
+    /// Refuses weights and locks for an input that has a collapse sequence already.
     ///
     /// # Errors
     /// If there are any.
-    pub(crate) fn refuse(&self, input: &str) -> Outcome<()> {
+    pub(crate) fn refuse_for_sequence(&self, input: &str) -> Outcome<()> {
         if self.weight.is_none() && self.lock.is_empty() {
             return Ok(());
         }
@@ -53,21 +53,23 @@ impl ImportanceArgs {
         )))
     }
 
-    /// For every object and each of its vertices: true if it stays. No list for objects without
-    /// such vertices.
+    /// By object and vertex: whether the vertex stays. The list of an object without such vertices
+    /// is empty.
     ///
     /// # Errors
-    /// If a lock names nothing in the scene; the message lists what there is.
+    /// If the stored document is damaged, or a lock names nothing in the scene; the message lists
+    /// what it has.
     pub(crate) fn locked(&self, scene: &Scene) -> Outcome<Vec<Vec<bool>>> {
         let mut locked = vec![Vec::new(); scene.objects.len()];
         if self.lock.is_empty() {
             return Ok(locked);
         }
-        let names = part_names(scene)?;
+        let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
+        let names = PartNames::new(&scene.document, &infos)?;
         for lock in &self.lock {
             let mut found = false;
             for ((object, list), number) in scene.objects.iter().zip(&mut locked).zip(0..) {
-                let chosen = chosen(lock, &object.mesh, &names, number);
+                let chosen = locked_vertices(lock, &object.mesh, &names, number);
                 if chosen.contains(&true) {
                     found = true;
                     list.resize(chosen.len(), false);
@@ -75,42 +77,34 @@ impl ImportanceArgs {
                 }
             }
             if !found {
-                return Err(unknown(lock, &names));
+                return Err(unknown_lock(lock, &names));
             }
         }
         Ok(locked)
     }
 }
 
-/// The names of the parts of a scene.
-///
-/// # Errors
-/// If the stored document is damaged.
-fn part_names(scene: &Scene) -> Outcome<PartNames> {
-    let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
-    Ok(PartNames::new(&scene.document, &infos)?)
-}
-
-/// The vertices of an object that a lock means.
-fn chosen(lock: &Lock, mesh: &Mesh, names: &PartNames, object: usize) -> Vec<bool> {
-    let of_submesh = |s: usize| match lock {
-        Lock::Material(name) => names.materials[object][s] == *name,
+/// By vertex of an object: whether a lock applies to it.
+fn locked_vertices(lock: &Lock, mesh: &Mesh, names: &PartNames, object: usize) -> Vec<bool> {
+    let is_named = |submesh: usize| match lock {
+        Lock::Material(name) => names.materials[object][submesh] == *name,
         Lock::Node(name) => names.nodes[object].contains(name),
         Lock::Color => false,
     };
     let submeshes = mesh.submeshes();
-    let by_name: Vec<bool> = (0..submeshes.len()).map(of_submesh).collect();
-    let red = |v: u32, s: usize| {
-        let streams = submeshes[s].attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
+    let by_name: Vec<bool> = (0..submeshes.len()).map(is_named).collect();
+    let is_red = |v: u32, submesh: usize| {
+        let attributes =
+            submeshes[submesh].attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
         let mut colors =
-            streams.filter(|a| a.semantic == Semantic::Color(0) && a.morph_target.is_none());
+            attributes.filter(|a| a.semantic == Semantic::Color(0) && a.morph_target.is_none());
         *lock == Lock::Color && colors.next().is_some_and(|a| a.value(v, 0) >= 1.0)
     };
-    let submesh_of = mesh.vertex_submesh().iter().map(|&s| s as usize);
-    (0..).zip(submesh_of).map(|(v, s)| by_name[s] || red(v, s)).collect()
+    let submesh_of_vertex = mesh.vertex_submesh().iter().map(|&s| s as usize);
+    (0..).zip(submesh_of_vertex).map(|(v, s)| by_name[s] || is_red(v, s)).collect()
 }
 
-fn unknown(lock: &Lock, names: &PartNames) -> Failure {
+fn unknown_lock(lock: &Lock, names: &PartNames) -> Failure {
     let list = |all: &[Vec<String>]| name_list(all.iter().flatten().map(String::as_str));
     Failure::usage(match lock {
         Lock::Material(name) => {
@@ -126,6 +120,7 @@ fn unknown(lock: &Lock, names: &PartNames) -> Failure {
     })
 }
 
+/// Reads `material:NAME`, `node:NAME` or `color`.
 fn lock(text: &str) -> Result<Lock, String> {
     match text.split_once(':') {
         Some(("material", name)) if !name.is_empty() => Ok(Lock::Material(name.to_owned())),
@@ -138,7 +133,7 @@ fn lock(text: &str) -> Result<Lock, String> {
 /// Reads factors by kind: `normal=2,uv=0.5`.
 ///
 /// # Errors
-/// If a kind is none or given twice, or a factor is not from 0 to 1e6.
+/// If a kind is unknown or given twice, or a factor is not from 0 to 1e6.
 pub(crate) fn weights(text: &str) -> Result<Weights, String> {
     let mut weights = Weights::DEFAULT;
     let mut kinds_seen = BTreeSet::new();

@@ -4,11 +4,11 @@
 use crate::exit::{Failure, Outcome, Status};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Whether a result is in place.
+/// Locked while files are written; holds whether a result is in place.
 static COMMITTING: Mutex<bool> = Mutex::new(false);
 
-/// Held while files are being written and renamed; an interruption waits until it is let go. True
-/// once a file is in place.
+/// Held while files are written and renamed: an interruption waits until it is released. Its holder
+/// sets it to true once a file is in place.
 pub(crate) fn committing() -> MutexGuard<'static, bool> {
     COMMITTING.lock().unwrap_or_else(PoisonError::into_inner)
 }

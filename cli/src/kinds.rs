@@ -11,9 +11,9 @@ use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
 use lodc_strip::{Effort, StripKind, StripOptions};
 
-/// A member of a family that an option can name.
+/// A type whose values form a closed list, each with a name that an option takes.
 pub(crate) trait Kind: Copy + Send + Sync + 'static {
-    /// The whole family.
+    /// The whole list.
     const ALL: &'static [Self];
 
     /// The name in options.
@@ -30,7 +30,7 @@ pub(crate) enum UpAxis {
     Z,
 }
 
-/// Takes the lists from the libraries.
+/// Implements [`Kind`] by the list, the names and the help that a library's type has.
 macro_rules! families {
     ($($kind:ty),*) => {$(
         impl Kind for $kind {
@@ -49,17 +49,17 @@ macro_rules! families {
 
 families!(ModelKind, MetricKind, StripKind, Effort, Layout);
 
-/// One of a family, or the word beside it that an option also takes.
+/// A value from a [`Kind`]'s list, or the one other word that an option also takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice<K> {
-    /// One of the family.
+    /// A value from the list.
     Kind(K),
     /// The other word.
     Other,
 }
 
 impl<K> Choice<K> {
-    /// The member of the family, if one was named.
+    /// The value from the list, if one was named.
     pub(crate) fn kind(self) -> Option<K> {
         match self {
             Self::Kind(kind) => Some(kind),
@@ -70,8 +70,7 @@ impl<K> Choice<K> {
 
 /// Reads the name of a kind.
 pub(crate) fn parser<K: Kind>() -> impl TypedValueParser<Value = K> {
-    let find = |name: String| K::ALL.iter().copied().find(|kind| kind.name() == name);
-    PossibleValuesParser::new(values::<K>()).map(move |name| find(name).expect("a possible value"))
+    PossibleValuesParser::new(values::<K>()).map(|name| find(&name).expect("a possible value"))
 }
 
 /// Reads the name of a kind, or one other word.
@@ -80,9 +79,11 @@ pub(crate) fn parser_with<K: Kind>(
     help: &'static str,
 ) -> impl TypedValueParser<Value = Choice<K>> {
     let values = values::<K>().chain([PossibleValue::new(other).help(help)]);
-    let find = |name: String| K::ALL.iter().copied().find(|kind| kind.name() == name);
-    PossibleValuesParser::new(values)
-        .map(move |name| find(name).map_or(Choice::Other, Choice::Kind))
+    PossibleValuesParser::new(values).map(|name| find(&name).map_or(Choice::Other, Choice::Kind))
+}
+
+fn find<K: Kind>(name: &str) -> Option<K> {
+    K::ALL.iter().copied().find(|kind| kind.name() == name)
 }
 
 fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
@@ -108,7 +109,7 @@ pub(crate) struct MetricArgs {
 
 /// Orders that the steps of a file can have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Sequence {
+pub(crate) enum StepOrder {
     #[default]
     Metric,
     Stream,
@@ -116,7 +117,7 @@ pub(crate) enum Sequence {
 
 /// The option of the command that orders steps.
 #[derive(Args, Clone, Copy, Debug, Default)]
-pub(crate) struct SequenceArgs {
+pub(crate) struct StepOrderArgs {
     /// Order of the steps: by the metric, or as streams have them
     ///
     /// stream: `pack` keeps every level, and `unpack -o F.lodc` with the options of `build` gives
@@ -124,7 +125,7 @@ pub(crate) struct SequenceArgs {
     /// farther from the input. Such a file does not say what it was made from: --if-changed always
     /// makes it anew.
     #[arg(long, value_enum, value_name = "ORDER", default_value = "metric", help_heading = STORED)]
-    pub(crate) sequence: Sequence,
+    pub(crate) sequence: StepOrder,
 }
 
 /// The option of commands that measure errors.
@@ -141,8 +142,8 @@ pub(crate) struct PosesArgs {
 }
 
 impl PosesArgs {
-    /// The most poses.
-    pub(crate) fn most(self) -> usize {
+    /// How many poses errors hold in at most, besides rest.
+    pub(crate) fn max_poses(self) -> usize {
         self.poses.map_or(POSES, usize::from)
     }
 }
@@ -154,7 +155,7 @@ pub(crate) struct ModelArgs {
     ///
     /// Each lets an engine move between levels in its own way. To take levels out of the file, none
     /// is enough.
-    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = structures(),
+    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = models(),
           help_heading = STORED)]
     models: Vec<Choice<ModelKind>>,
     /// Width of the indices in the file; levels are the same
@@ -169,7 +170,7 @@ impl ModelArgs {
         !self.models.is_empty() || self.layout != Layout::default()
     }
 
-    /// Layout of the file.
+    /// The layout of the file.
     pub(crate) fn layout(&self) -> Layout {
         self.layout
     }
@@ -180,23 +181,23 @@ impl ModelArgs {
     /// If `none` goes with another name.
     pub(crate) fn kinds(&self) -> Outcome<Vec<ModelKind>> {
         let named: Vec<ModelKind> = self.models.iter().filter_map(|choice| choice.kind()).collect();
-        let none = named.len() < self.models.len();
-        match (none, named.is_empty()) {
+        let has_none = named.len() < self.models.len();
+        match (has_none, named.is_empty()) {
             (true, true) => Ok(vec![]),
             (true, false) => Err(Failure::usage("--models none goes with no other name")),
-            (false, _) => Ok(chosen(&named)),
+            (false, _) => Ok(models_or_all(&named)),
         }
     }
 }
 
-/// The kinds that were asked for, in the order of files; all if none was named.
-pub(crate) fn chosen(named: &[ModelKind]) -> Vec<ModelKind> {
+/// The models that were named, in the order that files have them; all if none was named.
+pub(crate) fn models_or_all(named: &[ModelKind]) -> Vec<ModelKind> {
     let wanted = |kind: &ModelKind| named.is_empty() || named.contains(kind);
     ModelKind::ALL.into_iter().filter(wanted).collect()
 }
 
-/// The names of all that may be written.
-fn structures() -> impl TypedValueParser<Value = Choice<ModelKind>> {
+/// Reads the name of a model, or `none`.
+fn models() -> impl TypedValueParser<Value = Choice<ModelKind>> {
     parser_with("none", "The collapse sequence alone: extract, chain, render and pack need no more")
 }
 
@@ -252,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn every_member_of_a_family_can_be_named_and_nothing_else() {
+    fn every_value_of_a_list_can_be_named_and_nothing_else() {
         check::<ModelKind>();
         check::<MetricKind>();
         check::<StripKind>();

@@ -6,9 +6,10 @@ use crate::help::{LIMITS, READ};
 use crate::huge_pages;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use lodc::build::{Need, Size};
+use lodc_assets::LIMIT_OPTION;
 use lodc_formats::import::ImportOptions;
 use lodc_formats::{Assets, Limits};
-use lodc_report::text::{count, size as size_of};
+use lodc_report::text::{count, size as size_text};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -50,9 +51,9 @@ impl ImportArgs {
     pub(crate) fn clock(&self, input: &Path) -> Clock {
         self.limits.clock(input)
     }
-    /// The files of an asset; those that it names are in another folder, if there is one.
+    /// The files that an asset names, in its own folder or in `folder`.
     pub(crate) fn assets(&self, input: &Path, folder: Option<&PathBuf>) -> Assets {
-        // Only the folder of that path counts.
+        // `Assets` uses only the parent of this path.
         let main = folder.map_or_else(|| input.to_owned(), |folder| folder.join("-"));
         Assets::new(&main, &self.allow_path, self.limits.limits())
     }
@@ -67,101 +68,99 @@ pub(crate) struct LimitArgs {
     time: Option<Duration>,
 }
 
-/// The option, repeated for several keys.
-const LIMIT: &str = "limit";
-
 /// A key of `--limit`.
 #[derive(Debug)]
 struct Key {
     name: &'static str,
-    /// An option of its own that says the same.
+    /// The hidden option `--limit-KEY` that sets the same limit.
     option: &'static str,
-    /// The numbers that the key takes.
-    counts: &'static str,
+    /// What the key counts, for the help.
+    description: &'static str,
     default: Preset,
-    /// Reads a value.
-    read: fn(&str) -> Result<u64, String>,
+    /// Parses a value.
+    parse: fn(&str) -> Result<u64, String>,
     set: fn(&mut LimitArgs, u64),
 }
 
-/// The limit of a key that is not given.
+/// The default of a key, for the help.
 #[derive(Debug)]
 enum Preset {
+    /// A multiple of 1 Mi.
     Number(u64),
-    Words(&'static str),
+    Text(&'static str),
 }
 
 const KEYS: [Key; 8] = [
     Key {
         name: "file",
         option: "limit-file-bytes",
-        counts: "bytes of a single file",
+        description: "bytes of a single file",
         default: Preset::Number(Limits::DEFAULT.file_bytes),
-        read: size,
+        parse: size,
         set: |args, number| args.limits.file_bytes = number,
     },
     Key {
         name: "total",
         option: "limit-total-bytes",
-        counts: "bytes of all files of one input together",
+        description: "bytes of all files of one input together",
         default: Preset::Number(Limits::DEFAULT.total_bytes),
-        read: size,
+        parse: size,
         set: |args, number| args.limits.total_bytes = number,
     },
     Key {
         name: "line",
         option: "limit-line-bytes",
-        counts: "bytes of a line of a text format",
+        description: "bytes of a line of a text format",
         default: Preset::Number(Limits::DEFAULT.line_bytes),
-        read: size,
+        parse: size,
         set: |args, number| args.limits.line_bytes = number,
     },
     Key {
         name: "vertices",
         option: "limit-vertices",
-        counts: "vertices",
+        description: "vertices",
         default: Preset::Number(Limits::DEFAULT.vertices),
-        read: size,
+        parse: size,
         set: |args, number| args.limits.vertices = number,
     },
     Key {
         name: "triangles",
         option: "limit-triangles",
-        counts: "triangles",
+        description: "triangles",
         default: Preset::Number(Limits::DEFAULT.triangles),
-        read: size,
+        parse: size,
         set: |args, number| args.limits.triangles = number,
     },
     Key {
         name: "memory",
         option: "limit-memory",
-        counts: "bytes that the work on one input may be expected to need",
-        default: Preset::Words("what the machine has"),
-        read: size,
+        description: "bytes that the work on one input may be expected to need",
+        default: Preset::Text("what the machine has"),
+        parse: size,
         set: |args, number| args.memory = Some(number),
     },
     Key {
         name: "pixels",
         option: "limit-pixels",
-        counts: "pixels of all images of one input that are decoded",
+        description: "pixels of all images of one input that are decoded",
         default: Preset::Number(Limits::DEFAULT.pixels),
-        read: size,
+        parse: size,
         set: |args, number| args.limits.pixels = number,
     },
     Key {
         name: "time",
         option: "limit-time",
-        counts: "processor time of the work on one input: 90s, 500ms, 5m, 1h",
-        default: Preset::Words("none"),
-        read: milliseconds,
+        description: "processor time of the work on one input: 90s, 500ms, 5m, 1h",
+        default: Preset::Text("none"),
+        parse: milliseconds,
         set: |args, number| args.time = Some(Duration::from_millis(number)),
     },
 ];
 
 impl Args for LimitArgs {
     fn augment_args(command: Command) -> Command {
-        let limit = Arg::new(LIMIT)
-            .long(LIMIT)
+        let limit = Arg::new(LIMIT_OPTION)
+            .long(LIMIT_OPTION)
             .value_name("KEY=VALUE")
             .action(ArgAction::Append)
             .value_parser(limit)
@@ -170,7 +169,7 @@ impl Args for LimitArgs {
             .help_heading(LIMITS)
             .hide_short_help(true);
         let flag = |key: &'static Key| {
-            let flag = Arg::new(key.option).long(key.option).value_parser(key.read);
+            let flag = Arg::new(key.option).long(key.option).value_parser(key.parse);
             flag.help("The same as --limit with a key").help_heading(LIMITS).hide(true)
         };
         command.arg(limit).args(KEYS.iter().map(flag))
@@ -190,9 +189,9 @@ fn long_help() -> String {
     let line = |key: &Key| {
         let default = match key.default {
             Preset::Number(number) => default(number),
-            Preset::Words(words) => words.to_owned(),
+            Preset::Text(text) => text.to_owned(),
         };
-        format!("\n  {:10} {} ({default})", key.name, key.counts)
+        format!("\n  {:10} {} ({default})", key.name, key.description)
     };
     let lines: String = KEYS.iter().map(line).collect();
     format!(
@@ -213,8 +212,8 @@ impl FromArgMatches for LimitArgs {
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         let indices = |option| matches.indices_of(option).into_iter().flatten();
-        let keyed = matches.get_many::<Limit>(LIMIT).into_iter().flatten();
-        let mut given: Vec<(usize, Limit)> = indices(LIMIT).zip(keyed.copied()).collect();
+        let keyed = matches.get_many::<Limit>(LIMIT_OPTION).into_iter().flatten();
+        let mut given: Vec<(usize, Limit)> = indices(LIMIT_OPTION).zip(keyed.copied()).collect();
         for key in &KEYS {
             let numbers = matches.get_many::<u64>(key.option).into_iter().flatten();
             given.extend(indices(key.option).zip(numbers.map(|&number| Limit { key, number })));
@@ -233,13 +232,13 @@ struct Limit {
     number: u64,
 }
 
-/// `memory=8G`.
+/// Reads `memory=8G`.
 fn limit(text: &str) -> Result<Limit, String> {
     let read = || {
         let (name, number) = text.split_once('=').ok_or("KEY=VALUE is needed")?;
         let key = KEYS.iter().find(|key| key.name == name);
         let key = key.ok_or_else(|| format!("there is no key {name}"))?;
-        Ok(Limit { key, number: (key.read)(number)? })
+        Ok(Limit { key, number: (key.parse)(number)? })
     };
     read().map_err(|why: String| {
         let names: Vec<&str> = KEYS.iter().map(|key| key.name).collect();
@@ -264,23 +263,23 @@ impl LimitArgs {
     }
 
     /// Refuses work on an asset that would not fit into memory, before the system kills the process
-    /// for it. `name` is the asset's, `needs` are those of the stages that follow. Large work,
-    /// or work in little memory, gets no more huge pages.
+    /// for it. `name` is the asset's, `needs` are those of the stages that follow. Also forbids
+    /// huge pages for large work, and for work in little memory.
     ///
     /// # Errors
     /// If a stage needs more than there is, or than `--limit memory=` allows.
     pub(crate) fn check_memory(&self, name: &str, size: Size, needs: &[Need]) -> Outcome<()> {
-        let (most, limit) = (needs.iter().max(), self.memory());
-        huge_pages::forbid_for(most.map_or(0, |need| need.bytes), limit);
-        match (most, limit) {
+        let (largest, limit) = (needs.iter().max(), self.memory());
+        huge_pages::forbid_for(largest.map_or(0, |need| need.bytes), limit);
+        match (largest, limit) {
             (Some(Need { bytes, stage }), Some(limit)) if *bytes > limit => Err(Failure::new(
                 Status::Limit,
                 format!(
                     "{name}: {} may need {} of memory (stage {stage}), more than the limit of {} \
                      (--limit memory=SIZE)",
                     count(size.triangles, "triangle"),
-                    size_of(*bytes),
-                    size_of(limit)
+                    size_text(*bytes),
+                    size_text(limit)
                 ),
             )),
             _ => Ok(()),
@@ -350,12 +349,14 @@ mod tests {
     #[test]
     fn keys_and_options_of_their_own_say_the_same_and_the_last_counts() {
         let numbers = |args: &LimitArgs| {
-            let l = args.limits();
+            let limits = args.limits();
             let seconds = args.time.map(|time| time.as_secs());
-            [l.file_bytes, l.total_bytes, l.line_bytes, l.vertices, l.triangles]
-                .map(Some)
+            let sizes = [limits.file_bytes, limits.total_bytes, limits.line_bytes];
+            sizes
                 .into_iter()
-                .chain([args.memory, Some(l.pixels), seconds])
+                .chain([limits.vertices, limits.triangles])
+                .map(Some)
+                .chain([args.memory, Some(limits.pixels), seconds])
                 .collect::<Vec<_>>()
         };
         let before = numbers(&given(&[]).expect("no limits"));

@@ -47,21 +47,24 @@ use program::Program;
 use std::panic;
 use std::process::ExitCode;
 
-/// Gives memory back: a region of the simplifier has a dozen lists and lives for one round. What
-/// systems bring along keeps much of that, with glibc a third of the peak.
+/// Returns freed memory to the system. A region of the simplifier allocates a dozen lists for one
+/// round; the allocators of systems keep much of that, glibc's a third of the peak.
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
     huge_pages::forbid();
     panic::set_hook(Box::new(report_panic));
-    let status = panic::catch_unwind(run).unwrap_or_else(|payload| match clock::left(&*payload) {
-        Some(late) => {
-            console::error(&late);
-            late.status
-        }
-        None => Status::Bug,
-    });
+    let status =
+        panic::catch_unwind(run).unwrap_or_else(|payload| {
+            match clock::time_limit_failure(&*payload) {
+                Some(failure) => {
+                    console::error(&failure);
+                    failure.status
+                }
+                None => Status::Bug,
+            }
+        });
     ExitCode::from(status.code())
 }
 
@@ -79,17 +82,17 @@ fn run() -> Status {
             return Status::Usage;
         }
         Err(error) => {
-            // Help and versions come as errors too. A closed pipe is none of our business here.
+            // Help and versions come as errors too. A closed pipe does not matter here.
             let _ = error.print();
             return if error.use_stderr() { Status::Usage } else { Status::Done };
         }
     };
     let program = Program::new(Cli::command);
     let mut variables = Vec::new();
-    if cfg!(feature = "gpu") && cli.command.takes_gpu() {
+    if cfg!(feature = "gpu") && cli.command.uses_gpu() {
         variables.push(environment::RUNTIME_FOLDER);
     }
-    if cli.command.takes_memory() {
+    if cli.command.needs_much_memory() {
         variables.push(environment::RETURN_MEMORY);
     }
     environment::restart_with(&variables);
@@ -98,7 +101,7 @@ fn run() -> Status {
         (_, true) => Loudness::Verbose,
         _ => Loudness::Normal,
     });
-    let done = |outcome: Outcome<()>| outcome.map(|()| Status::Done);
+    let without_status = |outcome: Outcome<()>| outcome.map(|()| Status::Done);
     let outcome = interrupt::install().and_then(|()| threads::start(cli.common.jobs)).and_then(
         |()| match &cli.command {
             Command::Build(args) => build::run(args, &program),
@@ -107,18 +110,18 @@ fn run() -> Status {
             Command::Info(args) => info::run(args),
             Command::Verify(args) => verify::run(args),
             Command::Compare(args) => compare::run(args, &program),
-            Command::Render(args) => done(render::run(args)),
+            Command::Render(args) => without_status(render::run(args)),
             Command::Report(args) => commands::report::run(args),
-            Command::View(args) => done(view::run(args)),
-            Command::Pack(args) => done(pack::run(args)),
+            Command::View(args) => without_status(view::run(args)),
+            Command::Pack(args) => without_status(pack::run(args)),
             Command::Unpack(args) => unpack::run(args),
-            Command::Strips(args) => done(strips::run(args)),
-            Command::Shaders(args) => done(shaders::run(args)),
-            Command::Select(args) => done(select::run(args)),
+            Command::Strips(args) => without_status(strips::run(args)),
+            Command::Shaders(args) => without_status(shaders::run(args)),
+            Command::Select(args) => without_status(select::run(args)),
             Command::Bench(args) => bench::run(args),
-            Command::Config(args) => done(config_command::run(args, &program)),
-            Command::Completions(args) => done(completions::run(args, Cli::command())),
-            Command::Man(args) => done(man::run(args, Cli::command())),
+            Command::Config(args) => without_status(config_command::run(args, &program)),
+            Command::Completions(args) => without_status(completions::run(args, Cli::command())),
+            Command::Man(args) => without_status(man::run(args, Cli::command())),
         },
     );
     outcome.unwrap_or_else(|failure| {
@@ -127,7 +130,8 @@ fn run() -> Status {
     })
 }
 
-/// One line instead of a back-trace. The work itself is caught further up, with status 70.
+/// Prints one line instead of a back-trace. `main` or the work on one input catches the panic and
+/// ends with status 70.
 fn report_panic(info: &panic::PanicHookInfo<'_>) {
     let site =
         info.location().map(|l| format!(" at {}:{}", l.file(), l.line())).unwrap_or_default();

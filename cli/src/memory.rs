@@ -5,6 +5,7 @@ use std::fs;
 
 /// Forgets the peak so far, where the system allows that, so that each input's peak is its own.
 pub(crate) fn reset_peak() {
+    // 5 resets the peak of resident memory (VmHWM).
     let _ = fs::write("/proc/self/clear_refs", "5");
 }
 
@@ -21,7 +22,7 @@ pub(crate) fn available_bytes() -> Option<u64> {
     machine.into_iter().chain(group).min()
 }
 
-/// A line such as `VmHWM:     1234 kB`.
+/// The bytes that a line such as `VmHWM:     1234 kB` says.
 fn kibibytes(file: &str, key: &str) -> Option<u64> {
     let text = fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(key))?;

@@ -63,7 +63,7 @@ impl FormatName {
             Self::Ply => "ply",
         }
     }
-    fn format(self) -> ExportFormat {
+    fn export_format(self) -> ExportFormat {
         match self {
             Self::Glb => ExportFormat::Glb,
             Self::Gltf => ExportFormat::Gltf,
@@ -74,19 +74,19 @@ impl FormatName {
 }
 
 /// Returns the format of results at OUT: by option, by the extension of OUT or, for standard output
-/// and folders, GLB. `folder` says that OUT is one.
+/// and folders, GLB. `is_folder` says whether OUT is one.
 ///
 /// # Errors
 /// If the extension names none, or a .gltf should go to standard output.
 pub(crate) fn format(
     output: &Path,
     option: Option<FormatName>,
-    folder: bool,
+    is_folder: bool,
 ) -> Outcome<FormatName> {
     let to_stdout = output::is_standard_stream(output);
     let format = match option {
         Some(format) => format,
-        None if to_stdout || folder => FormatName::Glb,
+        None if to_stdout || is_folder => FormatName::Glb,
         None => FormatName::by_extension(output)?,
     };
     if to_stdout && format == FormatName::Gltf {
@@ -112,7 +112,7 @@ pub(crate) fn files(
         Target::File(path) => path.clone(),
         Target::Stdout => PathBuf::from("stdout").with_extension(format.extension()),
     };
-    Ok(export_with(&path, format.format(), document, objects, additions)?)
+    Ok(export_with(&path, format.export_format(), document, objects, additions)?)
 }
 
 /// Writes what [`files`] gave.
@@ -122,7 +122,7 @@ pub(crate) fn files(
 pub(crate) fn write(target: &Target, files: Vec<OutputFile>) -> Outcome<()> {
     match target {
         Target::File(_) => output::commit(&files),
-        // Standard output takes the mesh; what goes beside it (an MTL) has no place there.
+        // Standard output takes the mesh only: a file that belongs to it (an MTL) is left out.
         Target::Stdout => {
             files.into_iter().next().map_or(Ok(()), |first| console::bytes(&first.bytes))
         }

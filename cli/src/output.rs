@@ -29,8 +29,8 @@ pub(crate) fn commit(files: &[OutputFile]) -> Outcome<()> {
             })?;
         }
     }
-    // Opening a pipe without a reader waits for ever, so there an interruption must get through;
-    // it leaves nothing behind either, since pipes and devices are written to directly.
+    // Opening a pipe without a reader blocks, so there an interruption must get through; it leaves
+    // no partial file either, since pipes and devices are written to directly.
     let commit_guard = (!files.iter().any(is_special)).then(interrupt::committing);
     write_all(files)?;
     commit_guard.into_iter().for_each(|mut placed| *placed = true);
@@ -42,51 +42,55 @@ fn is_special(file: &OutputFile) -> bool {
     file.path.metadata().is_ok_and(|m| !m.is_file())
 }
 
-/// Results that are written together.
-const TOGETHER: usize = 64;
-/// Bytes of results that wait to be written.
-const WAITING: usize = 16 << 20;
-/// How long a result waits at most while others come.
-const PATIENCE: Duration = Duration::from_millis(500);
+/// Results that wait to be written, at most. Chosen by hand, as are the next two: more at a time
+/// saves time of syncing, but results are on the disk and reported later.
+const MAX_WAITING_RESULTS: usize = 64;
+/// Their bytes at most.
+const MAX_WAITING_BYTES: usize = 16 << 20;
+/// How long a result waits at most.
+const MAX_WAIT: Duration = Duration::from_millis(500);
 
-/// Results of many assets, written many at a time: syncing each by itself takes most of the time of
-/// small ones. What became of a result is told once it is known.
+/// Writes the results of many assets, many at a time: syncing each by itself would take most of the
+/// time of small ones.
 pub(crate) struct Results<T, F> {
-    told: F,
+    /// Called with a result's context once it is written or could not be.
+    on_written: F,
     waiting: Mutex<Waiting<T>>,
-    ended: Condvar,
+    all_added: Condvar,
 }
 
 struct Waiting<T> {
+    /// Files with their contexts.
     results: Vec<(OutputFile, T)>,
+    /// Whether no more results come.
     is_over: bool,
 }
 
 impl<T: Send, F: Fn(T, Outcome<()>) + Sync> Results<T, F> {
-    /// Lets `work` hand in results, and tells `told` what became of each.
-    pub(crate) fn gather(told: F, work: impl FnOnce(&Self)) {
+    /// Lets `work` add results, and calls `on_written` for each.
+    pub(crate) fn gather(on_written: F, work: impl FnOnce(&Self)) {
         let waiting = Mutex::new(Waiting { results: Vec::new(), is_over: false });
-        let results = Self { told, waiting, ended: Condvar::new() };
+        let results = Self { on_written, waiting, all_added: Condvar::new() };
         thread::scope(|scope| {
-            // Without this thread results wait until there are enough of them.
-            let _ = thread::Builder::new().spawn_scoped(scope, || results.write_now_and_then());
-            let over = Over(&results);
+            // If this thread cannot be started, results wait until there are enough of them.
+            let _ = thread::Builder::new().spawn_scoped(scope, || results.write_at_intervals());
+            let ends_writer = EndsWriter(&results);
             work(&results);
-            drop(over);
+            drop(ends_writer);
             results.write(results.waiting());
         });
     }
 
-    /// Takes a result, which may wait for others; without a file there is nothing to wait for.
-    pub(crate) fn add(&self, file: Option<OutputFile>, what: T) {
-        let Some(file) = file else { return (self.told)(what, Ok(())) };
+    /// Adds a result, which may wait for others; without a file it counts as written at once.
+    pub(crate) fn add(&self, file: Option<OutputFile>, context: T) {
+        let Some(file) = file else { return (self.on_written)(context, Ok(())) };
         if is_special(&file) {
-            return (self.told)(what, commit(&[file]));
+            return (self.on_written)(context, commit(&[file]));
         }
         let mut waiting = self.waiting();
-        waiting.results.push((file, what));
+        waiting.results.push((file, context));
         let bytes: usize = waiting.results.iter().map(|(file, _)| file.bytes.len()).sum();
-        if waiting.results.len() >= TOGETHER || bytes >= WAITING {
+        if waiting.results.len() >= MAX_WAITING_RESULTS || bytes >= MAX_WAITING_BYTES {
             self.write(waiting);
         }
     }
@@ -95,9 +99,9 @@ impl<T: Send, F: Fn(T, Outcome<()>) + Sync> Results<T, F> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn write_now_and_then(&self) {
+    fn write_at_intervals(&self) {
         loop {
-            let waited = self.ended.wait_timeout(self.waiting(), PATIENCE);
+            let waited = self.all_added.wait_timeout(self.waiting(), MAX_WAIT);
             let waiting = waited.unwrap_or_else(PoisonError::into_inner).0;
             if waiting.is_over {
                 return;
@@ -106,28 +110,28 @@ impl<T: Send, F: Fn(T, Outcome<()>) + Sync> Results<T, F> {
         }
     }
 
-    /// Writes what waits.
+    /// Writes the results that wait.
     fn write(&self, mut waiting: MutexGuard<'_, Waiting<T>>) {
         let results = take(&mut waiting.results);
         drop(waiting);
-        let (files, whats): (Vec<OutputFile>, Vec<T>) = results.into_iter().unzip();
-        let each: Vec<&[OutputFile]> = files.iter().map(std::slice::from_ref).collect();
+        let (files, contexts): (Vec<OutputFile>, Vec<T>) = results.into_iter().unzip();
+        let single_files: Vec<&[OutputFile]> = files.iter().map(std::slice::from_ref).collect();
         let commit_guard = interrupt::committing();
-        let written = write_each(&each);
+        let written = write_each(&single_files);
         drop(commit_guard);
-        for (what, written) in whats.into_iter().zip(written) {
-            (self.told)(what, written.map_err(Failure::from));
+        for (context, written) in contexts.into_iter().zip(written) {
+            (self.on_written)(context, written.map_err(Failure::from));
         }
     }
 }
 
-/// Ends the thread that writes now and then, also when the work panics.
-struct Over<'a, T, F>(&'a Results<T, F>);
+/// Ends the thread that writes at intervals, also when the work panics.
+struct EndsWriter<'a, T, F>(&'a Results<T, F>);
 
-impl<T, F> Drop for Over<'_, T, F> {
+impl<T, F> Drop for EndsWriter<'_, T, F> {
     fn drop(&mut self) {
         self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner).is_over = true;
-        self.0.ended.notify_all();
+        self.0.all_added.notify_all();
     }
 }
 

@@ -7,19 +7,19 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// An option as a row: how it is typed, what it does, its default.
+/// A row of the page: how an option is typed, what it does, its default.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct Row {
     typed: String,
-    does: String,
+    meaning: String,
     default: String,
 }
 
 impl Row {
     fn of(option: &Arg) -> Self {
         let help = option.get_help().unwrap_or_default().to_string();
-        let (does, default) = match help.split_once(" [default: ") {
-            Some((does, default)) => (does, default.trim_end_matches(']').to_owned()),
+        let (meaning, default) = match help.split_once(" [default: ") {
+            Some((meaning, default)) => (meaning, default.trim_end_matches(']').to_owned()),
             None => {
                 let values = option.get_default_values().iter();
                 let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
@@ -28,11 +28,11 @@ impl Row {
             }
         };
         let required = if option.is_required_set() { "(required)" } else { &default };
-        Self { typed: typed(option), does: with_code(does), default: with_code(required) }
+        Self { typed: typed(option), meaning: with_code(meaning), default: with_code(required) }
     }
 
     fn text(&self) -> String {
-        format!("| `{}` | {} | {} |", self.typed, self.does, self.default)
+        format!("| `{}` | {} | {} |", self.typed, self.meaning, self.default)
     }
 }
 
@@ -74,8 +74,8 @@ struct Options {
 
 impl Options {
     fn new(program: &Command) -> Self {
-        let shown = program.get_subcommands().filter(|c| !c.is_hide_set());
-        let all = shown.flat_map(|command| {
+        let visible = program.get_subcommands().filter(|c| !c.is_hide_set());
+        let all = visible.flat_map(|command| {
             let options =
                 command.get_arguments().filter(|a| !a.is_positional() && !a.is_hide_set());
             options.map(|option| {
@@ -131,19 +131,19 @@ impl Options {
     }
 
     /// The options of one command, and the groups that it shares with others.
-    fn own(&self, command: &str) -> String {
-        let mine = || self.all.iter().filter(|(name, ..)| name == command);
+    fn of_command(&self, command: &str) -> String {
+        let rows_of_command = || self.all.iter().filter(|(name, ..)| name == command);
         let mut lines = Vec::new();
         let mut groups: BTreeMap<usize, (&str, Vec<String>)> = BTreeMap::new();
         let mut shared: Vec<&str> = Vec::new();
-        for (_, group, row) in mine() {
+        for (_, group, row) in rows_of_command() {
             if self.is_shared(group, row) {
                 if !shared.contains(&group.as_str()) && group != super::GENERAL {
                     shared.push(group);
                 }
                 continue;
             }
-            let position = mine().position(|(_, g, _)| g == group).expect("it is there");
+            let position = rows_of_command().position(|(_, g, _)| g == group).expect("it is there");
             groups.entry(position).or_insert((group, Vec::new())).1.push(row.text());
         }
         if !groups.is_empty() {
@@ -164,12 +164,12 @@ impl Options {
 
 /// The commands that the program lists.
 fn commands(program: &Command) -> String {
-    let shown = program.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help");
+    let visible = program.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help");
     let row = |command: &Command| {
         let about = command.get_about().map(ToString::to_string).unwrap_or_default();
         format!("| `{}` | {about} |", command.get_name())
     };
-    let rows: Vec<String> = shown.map(row).collect();
+    let rows: Vec<String> = visible.map(row).collect();
     format!("| command | does |\n| --- | --- |\n{}", rows.join("\n"))
 }
 
@@ -186,7 +186,7 @@ fn page(program: &Command) -> String {
     let mut names: Vec<&str> = options.all.iter().map(|(command, ..)| command.as_str()).collect();
     names.dedup();
     for name in names {
-        parts.extend([format!("## {name}"), options.own(name)]);
+        parts.extend([format!("## {name}"), options.of_command(name)]);
     }
     parts.join("\n\n") + "\n"
 }
@@ -202,8 +202,8 @@ fn the_page_of_options_is_that_of_the_program() {
         return;
     }
     let text = fs::read_to_string(&path).expect("the page");
-    for (shown, made) in text.lines().zip(made.lines()) {
-        assert_eq!(shown, made, "docs/OPTIONS.md shows something else: `just options` writes it");
+    for (line, made) in text.lines().zip(made.lines()) {
+        assert_eq!(line, made, "docs/OPTIONS.md shows something else: `just options` writes it");
     }
     assert_eq!(text.lines().count(), made.lines().count(), "docs/OPTIONS.md: run `just options`");
 }

@@ -1,4 +1,4 @@
-//! Options that name parts of an asset: objects and materials.
+//! The option that gives options to parts of an asset: objects and materials.
 
 use crate::help::SIMPLIFIED;
 use crate::importance;

@@ -27,7 +27,7 @@ struct Moment {
     seconds: f64,
 }
 
-/// `Walk@1.5`; without seconds the animation's first moment.
+/// Reads `Walk@1.5`; without seconds it is the animation's first moment.
 fn moment(text: &str) -> Result<Moment, String> {
     let (animation, seconds) = text.rsplit_once('@').unwrap_or((text, "0"));
     match seconds.parse::<f64>() {
@@ -60,12 +60,12 @@ impl PoseArgs {
         };
         let input = input.display().to_string();
         let names = animation_names(document, limits).map_err(|e| e.in_file(&input))?;
-        let numbered = || wanted.parse().ok().filter(|&number: &usize| number < names.len());
-        let Some(number) = names.iter().position(|name| name == wanted).or_else(numbered) else {
-            let has: Vec<String> =
+        let by_number = || wanted.parse().ok().filter(|&number: &usize| number < names.len());
+        let Some(number) = names.iter().position(|name| name == wanted).or_else(by_number) else {
+            let numbered: Vec<String> =
                 names.iter().enumerate().map(|(i, name)| format!("{i} {name}")).collect();
-            let has = if has.is_empty() { "none".to_owned() } else { has.join(", ") };
-            let what = format!("{input}: has no animation {wanted} (it has: {})", has.trim_end());
+            let list = if numbered.is_empty() { "none".to_owned() } else { numbered.join(", ") };
+            let what = format!("{input}: has no animation {wanted} (it has: {})", list.trim_end());
             return Err(Failure::usage(what));
         };
         let found = animation(document, number, limits).map_err(|e| e.in_file(&input))?;
@@ -79,10 +79,10 @@ mod tests {
 
     #[test]
     fn moments_are_read_and_nonsense_is_refused() {
-        let of = |animation: &str, seconds| Ok(Moment { animation: animation.to_owned(), seconds });
-        assert_eq!(moment("0@1.5"), of("0", 1.5));
-        assert_eq!(moment("a@b@2"), of("a@b", 2.0));
-        assert_eq!(moment("Walk"), of("Walk", 0.0));
+        let at = |animation: &str, seconds| Ok(Moment { animation: animation.to_owned(), seconds });
+        assert_eq!(moment("0@1.5"), at("0", 1.5));
+        assert_eq!(moment("a@b@2"), at("a@b", 2.0));
+        assert_eq!(moment("Walk"), at("Walk", 0.0));
         for wrong in ["", "@1", "Walk@", "Walk@-1", "Walk@soon", "0@NaN"] {
             assert!(moment(wrong).is_err(), "{wrong}");
         }

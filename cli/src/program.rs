@@ -1,5 +1,5 @@
-//! Options of single assets from `lodc.toml` and batch lists: they are parsed by `clap` as if they
-//! had been typed.
+//! Options of single assets, from `lodc.toml` and lists: `clap` parses them as if they had been
+//! typed.
 
 use crate::parts;
 use clap::parser::ValueSource;
@@ -8,7 +8,7 @@ use lodc_assets::{CommandOptions, LIMIT_OPTION, OptionValues, Vocabulary};
 use std::cell::OnceCell;
 use std::ffi::OsString;
 
-/// Options that belong to a run, not to an asset.
+/// Options that hold for a whole run: no asset can have them of its own.
 const RUN_OPTIONS: &[&str] = &[
     "annotate",
     "baseline",
@@ -33,8 +33,8 @@ const RUN_OPTIONS: &[&str] = &[
     "verbose",
 ];
 
-/// The command line, and what of it assets can have of their own. Most runs need neither: both are
-/// made when they are asked for.
+/// The definition of the command line, and the options in it that assets can have of their own.
+/// Most runs need neither, so both are made on demand.
 pub(crate) struct Program {
     root: fn() -> Command,
     vocabulary: OnceCell<Vocabulary>,
@@ -49,7 +49,7 @@ impl Program {
     pub(crate) fn vocabulary(&self) -> &Vocabulary {
         self.vocabulary.get_or_init(|| {
             let mut root = (self.root)();
-            // Groups that only arguments name are known then.
+            // Only this makes the groups that arguments name without defining them.
             root.build();
             Vocabulary {
                 commands: root.get_subcommands().map(options_of).collect(),
@@ -75,40 +75,40 @@ impl Program {
     }
 
     /// Reads the arguments of a command anew, with an asset's own options where the command line
-    /// has none of that name. Returns what the command sees, and every option with its values as
-    /// text, for keys: equal texts mean equal options.
+    /// has none of that name. Returns the command's arguments, and all options with their values as
+    /// one text: equal texts mean equal options.
     ///
     /// # Errors
-    /// In one line, if an option is unknown, belongs to a run, or has a value that is none.
+    /// In one line, if an option is unknown, holds for a whole run, or has a malformed value.
     pub(crate) fn arguments<A: FromArgMatches>(
         &self,
         name: &str,
-        own: &OptionValues,
+        asset_options: &OptionValues,
     ) -> Result<(A, String), String> {
         let mut raw: Vec<OsString> = std::env::args_os().collect();
         let given = self.given(name);
-        let mut more = Vec::new();
-        for (option, values) in &own.0 {
+        let mut inserted = Vec::new();
+        for (option, values) in &asset_options.0 {
             if RUN_OPTIONS.contains(&option.as_str()) {
                 return Err(format!("option {option} is for a whole run, not for one asset"));
             }
-            // Limits come before those of the command line, so that these count.
+            // Limits are inserted before those of the command line: for each key the last counts.
             if given.contains(option) && option != LIMIT_OPTION {
                 continue;
             }
             match values.as_slice() {
-                [] => more.push(format!("--{option}").into()),
-                values => more.extend(values.iter().map(|v| format!("--{option}={v}").into())),
+                [] => inserted.push(format!("--{option}").into()),
+                values => inserted.extend(values.iter().map(|v| format!("--{option}={v}").into())),
             }
         }
         let typed = raw.iter().position(|arg| arg == name);
         let index = typed.expect("the command's name is there") + 1;
-        raw.splice(index..index, more);
+        raw.splice(index..index, inserted);
         let root = (self.root)();
         let matches = root.clone().try_get_matches_from(raw).map_err(|e| first_line(&e))?;
         let matches = matches.subcommand_matches(name).expect("the same command");
         let read = A::from_arg_matches(matches).map_err(|e| first_line(&e))?;
-        Ok((read, resolved(matches, command(&root, name))))
+        Ok((read, options_text(matches, command(&root, name))))
     }
 }
 
@@ -116,16 +116,16 @@ fn command<'a>(root: &'a Command, name: &str) -> &'a Command {
     root.find_subcommand(name).expect("a command of this program")
 }
 
-/// The options of a command that belong to assets.
+/// The options of a command that assets can have.
 fn options_of(command: &Command) -> CommandOptions {
-    let shown = command.get_arguments().filter(|a| !a.is_hide_set());
-    let names = shown.filter_map(|a| a.get_long());
+    let visible = command.get_arguments().filter(|a| !a.is_hide_set());
+    let names = visible.filter_map(|a| a.get_long());
     let options = names.filter(|n| !RUN_OPTIONS.contains(n)).map(str::to_owned).collect();
     let long = |id: &Id| {
         let mut all = command.get_arguments();
         all.find(|a| a.get_id() == id).and_then(|a| a.get_long()).map(str::to_owned)
     };
-    // Whether a group allows several can only be asked of a mutable one.
+    // `is_multiple` needs a mutable group.
     let exclusive_groups = command.get_groups().cloned().filter_map(|mut group| {
         let names = group.get_args().filter_map(long).collect();
         (!group.is_multiple()).then_some(names)
@@ -148,8 +148,8 @@ fn first_line(error: &clap::Error) -> String {
     }
 }
 
-/// Every option of an asset that can change its result, with its values.
-fn resolved(matches: &ArgMatches, command: &Command) -> String {
+/// Every option of a command that can change an asset's result, with its values.
+fn options_text(matches: &ArgMatches, command: &Command) -> String {
     let mut text = String::new();
     for argument in command.get_arguments() {
         let id = argument.get_id().as_str();

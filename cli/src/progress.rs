@@ -6,7 +6,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr};
 use std::time::Duration;
 
-// No colours at all, so NO_COLOR has nothing to switch off.
+// No colours, so NO_COLOR changes nothing.
+// The input's name has 14 columns, see `Progress::new`.
 const COUNTED: &str = "{prefix:14!} {msg:<9} {bar:12} {percent:>3} % {elapsed:>4} (left: {eta:>3})";
 const UNCOUNTED: &str = "{prefix:14!} {msg:<9} {spinner} {elapsed:>4}";
 
@@ -34,12 +35,12 @@ impl Progress {
     pub(crate) fn clear(&self) {
         self.0.finish_and_clear();
     }
-    /// A new stage begins, which counts nothing.
+    /// Begins a stage whose units are not counted.
     pub(crate) fn stage(&self, name: &'static str) {
         self.begin(name, UNCOUNTED, 1);
     }
     /// Begins a stage of `units` units.
-    pub(crate) fn stage_of(&self, name: &'static str, units: u64) {
+    pub(crate) fn stage_with_units(&self, name: &'static str, units: u64) {
         self.begin(name, COUNTED, units.max(1));
     }
     /// Adds units of the stage that are done.
@@ -63,33 +64,34 @@ impl Drop for Progress {
     }
 }
 
-/// Progress of a run: `[i/n]` and the asset that was done last. A single asset has its own bar.
+/// Progress of a run: `[i/n]` and the asset that was done last. The only asset of a run has a bar
+/// of its own instead.
 #[derive(Debug)]
 pub(crate) struct BatchProgress {
     bar: ProgressBar,
-    single: bool,
+    is_single: bool,
 }
 
 impl BatchProgress {
     /// A bar for `assets` assets.
     pub(crate) fn new(assets: usize) -> Self {
-        let single = assets < 2;
-        if single || !stderr().is_terminal() || !wants(Loudness::Normal) {
-            return Self { bar: ProgressBar::hidden(), single };
+        let is_single = assets < 2;
+        if is_single || !stderr().is_terminal() || !wants(Loudness::Normal) {
+            return Self { bar: ProgressBar::hidden(), is_single };
         }
         let target = ProgressDrawTarget::stderr_with_hz(10);
         let bar = ProgressBar::with_draw_target(Some(assets as u64), target);
         let style = ProgressStyle::with_template("[{pos}/{len}] {msg:20!} {bar:12} {elapsed}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        let shown = bar.clone();
-        console::print_inside(Some(Box::new(move |print| shown.suspend(print))));
-        Self { bar, single }
+        let bar_in_hook = bar.clone();
+        console::set_print_hook(Some(Box::new(move |print| bar_in_hook.suspend(print))));
+        Self { bar, is_single }
     }
     /// Progress of one asset of the run.
     pub(crate) fn of_asset(&self, name: &str) -> Progress {
-        if self.single { Progress::new(name) } else { Progress::hidden() }
+        if self.is_single { Progress::new(name) } else { Progress::hidden() }
     }
-    /// One asset more is done.
+    /// Counts one more asset as done.
     pub(crate) fn done(&self, name: &str) {
         self.bar.set_message(name.to_owned());
         self.bar.inc(1);
@@ -98,7 +100,7 @@ impl BatchProgress {
 
 impl Drop for BatchProgress {
     fn drop(&mut self) {
-        console::print_inside(None);
+        console::set_print_hook(None);
         self.bar.finish_and_clear();
     }
 }

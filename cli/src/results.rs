@@ -6,7 +6,7 @@ use lodc_report::SCHEMA_VERSION;
 use serde::Serialize;
 use std::path::Path;
 
-/// A document about what failed, in the place of the one about what was done.
+/// The document about a failure, in place of the one about a result.
 #[derive(Debug, Serialize)]
 pub(crate) struct FailureReport {
     pub(crate) schema_version: u32,
@@ -41,7 +41,7 @@ pub(crate) enum ResultReport<R> {
 #[derive(Debug, Serialize)]
 struct ResultsReport<R> {
     schema_version: u32,
-    /// The highest of all.
+    /// The highest status of all results.
     status: u8,
     /// In the order of the inputs.
     results: Vec<ResultReport<R>>,

@@ -88,12 +88,12 @@ impl ScreenArgs {
     pub(crate) fn error(&self, pixels: f64, distance: f64) -> Target {
         Target::Error(distance * self.slope(pixels))
     }
-    /// Returns the same at distance 1.
+    /// Returns the error per distance that takes up `pixels` pixels.
     pub(crate) fn slope(&self, pixels: f64) -> f64 {
-        let height = 2.0 * (self.degrees().to_radians() / 2.0).tan();
-        pixels * height / self.height
+        let height_at_distance_1 = 2.0 * (self.degrees().to_radians() / 2.0).tan();
+        pixels * height_at_distance_1 / self.height
     }
-    /// Returns the lines of the screen and its vertical field of view in degrees.
+    /// Returns the height of the screen in pixels and its vertical field of view in degrees.
     pub(crate) fn size(&self) -> (f64, f64) {
         (self.height, self.degrees())
     }
@@ -140,9 +140,9 @@ impl SelectorArgs {
     /// Returns the level asked for, if any.
     pub(crate) fn target(&self) -> Option<Target> {
         let t = &self.target;
-        let seen = t.pixels.zip(self.distance).map(|(p, d)| self.screen.error(p, d));
+        let by_pixels = t.pixels.zip(self.distance).map(|(p, d)| self.screen.error(p, d));
         let chosen = t.lod.map(Target::Lod).or(t.ratio.map(Target::Ratio));
-        chosen.or(t.triangles.map(Target::Triangles)).or(t.error).or(t.rms).or(seen)
+        chosen.or(t.triangles.map(Target::Triangles)).or(t.error).or(t.rms).or(by_pixels)
     }
 }
 

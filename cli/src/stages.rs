@@ -21,7 +21,7 @@ impl Stages {
     pub(crate) fn new(clock: Clock) -> Self {
         Self { done: Vec::new(), clock }
     }
-    /// Does some work as a stage of this name, unless there is no time left.
+    /// Does work as a stage of this name, unless the asset's time is over.
     pub(crate) fn run<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
         self.clock.check();
         let start = Instant::now();
@@ -29,8 +29,8 @@ impl Stages {
         self.add(name, start);
         result
     }
-    /// Does some work as a stage of this name that calls what it is given now and then, and is left
-    /// once there is no time any more.
+    /// Does work as a stage of this name. It calls the function that it is given now and then; that
+    /// leaves the work when the asset's time is over.
     pub(crate) fn checked<T>(
         &mut self,
         name: &'static str,
@@ -39,9 +39,10 @@ impl Stages {
         let clock = self.clock.clone();
         self.run(name, || work(&|| clock.check()))
     }
-    /// Work that says itself which of its stages runs.
+    /// For work that announces its stages itself.
     pub(crate) fn watched<'a>(&'a mut self, progress: &'a Progress) -> Watched<'a> {
-        Watched { progress, clock: self.clock.clone(), stages: Mutex::new((self, None)) }
+        let clock = self.clock.clone();
+        Watched { progress, clock, stages: Mutex::new(WatchedStages { all: self, start: None }) }
     }
     fn add(&mut self, name: &'static str, start: Instant) {
         let seconds = start.elapsed().as_secs_f64();
@@ -57,24 +58,30 @@ impl Stages {
     }
 }
 
-/// Durations and progress of the library's work, which is left when there is no time any more.
+/// Takes down durations and progress of the library's work, and leaves it when the time is over.
 #[derive(Debug)]
 pub(crate) struct Watched<'a> {
     progress: &'a Progress,
     clock: Clock,
-    /// The stages so far, and when the present one began.
-    stages: Mutex<(&'a mut Stages, Option<Instant>)>,
+    stages: Mutex<WatchedStages<'a>>,
+}
+
+#[derive(Debug)]
+struct WatchedStages<'a> {
+    all: &'a mut Stages,
+    /// When the present stage began.
+    start: Option<Instant>,
 }
 
 impl Watch for Watched<'_> {
     fn begin(&self, stage: &'static str, units: Option<u64>) {
         self.clock.check();
         match units {
-            Some(units) => self.progress.stage_of(stage, units),
+            Some(units) => self.progress.stage_with_units(stage, units),
             None => self.progress.stage(stage),
         }
         let mut stages = self.stages.lock().unwrap_or_else(PoisonError::into_inner);
-        stages.1.get_or_insert_with(Instant::now);
+        stages.start.get_or_insert_with(Instant::now);
     }
     fn add(&self, units: u64) {
         self.clock.check();
@@ -82,8 +89,8 @@ impl Watch for Watched<'_> {
     }
     fn end(&self, stage: &'static str) {
         let mut stages = self.stages.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(start) = stages.1.take() {
-            stages.0.add(stage, start);
+        if let Some(start) = stages.start.take() {
+            stages.all.add(stage, start);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Options for a model's image files: embedded, copied or left where they are.
+//! Options for the image files of a scene: embedded, copied or left where they are.
 
 use crate::exit::{Failure, Outcome};
 use crate::help::BECOMES;
@@ -51,8 +51,8 @@ impl TextureArgs {
         }
     }
 
-    /// Reads the image files of a document and gives each its place; with the files that were
-    /// looked for.
+    /// Reads the image files of a document and says where each goes. Also returns the files that
+    /// were looked for.
     ///
     /// # Errors
     /// If the stored document is damaged.
@@ -80,6 +80,7 @@ impl TextureArgs {
         Ok((placed, assets.files().clone()))
     }
 
+    /// Where image files go; none if they are not touched.
     fn mode(&self, target: &Target, format: FormatName) -> Option<TextureMode> {
         match (self.textures, format) {
             (_, FormatName::Ply) | (Some(TextureChoice::Keep), _) => None,

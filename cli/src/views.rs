@@ -1,5 +1,5 @@
 //! Options of view-dependent levels: the criterion (silhouette, pixels, sphere, box, frustum) and
-//! the eye.
+//! the eye that it needs.
 
 use crate::exit::{Failure, Outcome};
 use crate::help::SEEN;
@@ -119,27 +119,27 @@ impl ViewArgs {
             selector.check_distance()?;
             return Ok(None);
         };
-        let wrong = |what: String| Err(Failure::usage(what));
-        let named = name.name();
+        let refused = |what: String| Err(Failure::usage(what));
+        let typed = name.name();
         let from_eye = [CriterionName::Silhouette, CriterionName::Pixels, CriterionName::Frustum];
         if from_eye.contains(&name) && self.at.eye.is_none() {
-            return wrong(format!("--criterion {named} needs --eye X,Y,Z"));
+            return refused(format!("--criterion {typed} needs --eye X,Y,Z"));
         }
-        for (option, given, belongs) in [
+        for (option, given, owner) in [
             ("--radius", self.radius.is_some(), CriterionName::Sphere),
             ("--box", self.corners.is_some(), CriterionName::Box),
             ("--aspect", self.aspect.is_some(), CriterionName::Frustum),
             ("--pixels", selector.pixels().is_some(), CriterionName::Pixels),
         ] {
-            if given && name != belongs {
-                return wrong(format!(
-                    "{option} belongs to --criterion {}, not {named}",
-                    belongs.name()
+            if given && name != owner {
+                return refused(format!(
+                    "{option} belongs to --criterion {}, not {typed}",
+                    owner.name()
                 ));
             }
         }
         if self.coarse.is_some_and(|coarse| coarse > self.fine) {
-            return wrong("--coarse keeps more triangles than --fine".to_owned());
+            return refused("--coarse keeps more triangles than --fine".to_owned());
         }
         Ok(Some(name))
     }
@@ -161,7 +161,7 @@ impl ViewArgs {
         )))
     }
 
-    /// A scene as a criterion shows it.
+    /// The views of a scene by a criterion.
     ///
     /// # Errors
     /// As [`SceneViews::new`].
@@ -175,7 +175,7 @@ impl ViewArgs {
         Ok(SceneViews::new(self.options(name, selector), levels, scene)?)
     }
 
-    /// The view of a criterion.
+    /// The options of a criterion's view.
     fn options(&self, name: CriterionName, selector: &SelectorArgs) -> ViewOptions {
         let criterion = match name {
             CriterionName::Silhouette => Criterion::Silhouette,
@@ -199,12 +199,12 @@ impl ViewArgs {
     }
 }
 
-/// A point: `X,Y,Z`.
+/// Reads a point, `X,Y,Z`.
 pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
     numbers(text).ok_or_else(|| "three numbers X,Y,Z".to_owned())
 }
 
-/// Two corners of a box.
+/// Reads the lowest and the highest corner of a box, `X,Y,Z,X,Y,Z`.
 fn corners(text: &str) -> Result<[f32; 6], String> {
     numbers(text)
         .filter(|c: &[f32; 6]| (0..3).all(|i| c[i] <= c[i + 3]))
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_and_boxes_are_read_and_nonsense_is_refused() {
+    fn points_and_boxes_are_read_and_nonsense_is_refused() {
         assert_eq!(point("1,-2.5, 3e2"), Ok([1.0, -2.5, 300.0]));
         assert_eq!(corners("0,0,0,1,2,3"), Ok([0.0, 0.0, 0.0, 1.0, 2.0, 3.0]));
         for wrong in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,inf", "NaN,0,0"] {

@@ -168,7 +168,7 @@ pub(crate) fn read_showing(
     let read = stages.run("read", || read_input(input, &import.options()))?;
     if matches!(read, Input::Levels(_)) {
         let name = input.display().to_string();
-        simplify_args.importance.refuse(&name)?;
+        simplify_args.importance.refuse_for_sequence(&name)?;
         simplify_args.parts.all().refuse_sequence_options(&name)?;
     }
     match read {
@@ -233,7 +233,7 @@ fn simplified_showing(
     let mut simplified = simplify_all(objects, &options, known, &watch)?;
     warnings.extend(paints.warnings);
     files.extend(&paints.files);
-    let poses = simplify_args.poses.most();
+    let poses = simplify_args.poses.max_poses();
     match errors {
         Errors::OfResult => drop(choose_poses(&mut simplified, &document, &limits, poses)?),
         Errors::Curve => {

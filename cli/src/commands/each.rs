@@ -1,7 +1,7 @@
 //! Runs a command on each of several inputs: one that fails is reported, and the others go on.
 
 use crate::batch::{self, Asset, Budget, OptionValues};
-use crate::clock::{self, Turn};
+use crate::clock::{self, AtWork};
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::huge_pages;
@@ -132,10 +132,11 @@ const PANIC: &str = "internal error";
 /// # Errors
 /// If the work fails.
 pub(crate) fn guarded<T>(input: &Path, work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
-    let _turn = Turn::new();
+    let _turn = AtWork::new();
     let done = catch_unwind(AssertUnwindSafe(work));
     let panic = || Failure::new(Status::Bug, PANIC);
-    let done = done.unwrap_or_else(|payload| Err(clock::left(&*payload).unwrap_or_else(panic)));
+    let done = done
+        .unwrap_or_else(|payload| Err(clock::time_limit_failure(&*payload).unwrap_or_else(panic)));
     done.map_err(|failure| naming(input, failure))
 }
 

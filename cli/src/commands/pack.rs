@@ -54,7 +54,7 @@ Examples:
   lodc pack chair.lodc -o chair.lods --quantize pos=14,normal=10,uv=12";
 
 fn quantize(text: &str) -> Result<Quantize, String> {
-    let [position, normal, uv] = bits::by_kind(text, ["pos", "normal", "uv"], &(2..=24))?;
+    let [position, normal, uv] = bits::bits_by_kind(text, ["pos", "normal", "uv"], &(2..=24))?;
     Ok(Quantize { position, normal, uv })
 }
 

@@ -18,7 +18,7 @@ use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
 use crate::help::{MORE, OUTPUT, SIMPLIFIED};
 use crate::importance::ImportanceArgs;
-use crate::kinds::{MetricArgs, ModelArgs, PosesArgs, SequenceArgs, StripArgs};
+use crate::kinds::{MetricArgs, ModelArgs, PosesArgs, StepOrderArgs, StripArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::program::Program;
@@ -53,7 +53,7 @@ pub(crate) struct BuildArgs {
     #[command(flatten)]
     poses: PosesArgs,
     #[command(flatten)]
-    sequence: SequenceArgs,
+    sequence: StepOrderArgs,
     #[command(flatten)]
     models: ModelArgs,
     #[command(flatten)]

@@ -2,7 +2,7 @@
 
 use super::{BuildArgs, counts, importance};
 use crate::exit::{Failure, Outcome, Status};
-use crate::kinds::Sequence;
+use crate::kinds::StepOrder;
 use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
@@ -62,13 +62,13 @@ pub(super) fn make(
     let watch = stages.watched(progress);
     let simplified = simplify_all(objects, &options, known, &watch)?;
     let simplified = match args.sequence.sequence {
-        Sequence::Metric => simplified,
-        Sequence::Stream => streamed(simplified)?,
+        StepOrder::Metric => simplified,
+        StepOrder::Stream => streamed(simplified)?,
     };
     report.warnings.extend(paints.warnings);
     files.extend(&paints.files);
     files.extend(&images(args, input, &document)?);
-    let simplified = measure_all(simplified, &document, &limits, args.poses.most(), &watch)?;
+    let simplified = measure_all(simplified, &document, &limits, args.poses.max_poses(), &watch)?;
 
     let bug = |error: lodc::Error| {
         Failure::new(Status::Bug, format!("{}: {error}; nothing was written", input.display()))
@@ -82,7 +82,7 @@ pub(super) fn make(
 
     progress.stage("write");
     // A stream does not say what its file was made from, so such a file does not either.
-    let made_from = (args.sequence.sequence == Sequence::Metric)
+    let made_from = (args.sequence.sequence == StepOrder::Metric)
         .then(|| MadeFrom::of(input, &files, &args.resolved, &report.warnings))
         .flatten();
     let layout = args.models.layout();

@@ -13,7 +13,7 @@ use crate::clock;
 use crate::config::ConfigArgs;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
-use crate::help::{FAILS, LEVEL, MEASURED, MORE, OUTPUT};
+use crate::help::{DIFFERENCE, LEVEL, MEASURED, MORE, OUTPUT};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target as Output};
 use crate::pose::PoseArgs;
@@ -91,32 +91,32 @@ pub(crate) struct CompareArgs {
     /// Then the exit status is 1. Either way, from A to B and back; in A's unit, a percentage of
     /// A's diagonal.
     #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true,
-          help_heading = FAILS)]
+          help_heading = DIFFERENCE)]
     max_rms: Option<Length>,
     /// Largest distance above D (or D%)
     ///
     /// Then the exit status is 1. In A's unit, a percentage of A's diagonal.
     #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true,
-          help_heading = FAILS)]
+          help_heading = DIFFERENCE)]
     max_hausdorff: Option<Length>,
     /// Pictures that differ by more than GREY, 0 to 255
     ///
     /// Then the exit status is 1. Root mean square of all pixels.
     #[arg(long, value_name = "GREY", value_parser = grey, allow_negative_numbers = true,
-          help_heading = FAILS)]
+          help_heading = DIFFERENCE)]
     max_image_rmse: Option<f64>,
     /// Levels worse than those recorded in FILE or DIR
     ///
     /// Then the exit status is 1. FILE is one document for all assets. DIR (one that is there, or a
     /// name with / at its end) has a file for each file of B.
-    #[arg(long, value_name = "FILE|DIR", help_heading = FAILS)]
+    #[arg(long, value_name = "FILE|DIR", help_heading = DIFFERENCE)]
     baseline: Option<PathBuf>,
     /// Write the baseline instead of comparing with it
-    #[arg(long, requires = "baseline", help_heading = FAILS)]
+    #[arg(long, requires = "baseline", help_heading = DIFFERENCE)]
     record: bool,
     /// Share by which a number may be above the baseline
     #[arg(long, value_name = "SHARE", default_value = "2%", value_parser = share,
-          help_heading = FAILS, hide_short_help = true)]
+          help_heading = DIFFERENCE, hide_short_help = true)]
     tolerance: f64,
     /// Print one JSON document on standard output
     #[arg(long, help_heading = OUTPUT)]

@@ -8,7 +8,7 @@ use crate::batch;
 use crate::clock;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
-use crate::help::{MANY, MEASURED, MORE, OUTPUT};
+use crate::help::{MANY_ASSETS, MEASURED, MORE, OUTPUT};
 use crate::limits::LimitArgs;
 use crate::output::is_standard_stream;
 use crate::results::{self, FailureReport, ResultReport};
@@ -36,12 +36,12 @@ pub(crate) struct InfoArgs {
     /// In folders, only files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
-    #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
+    #[arg(long, value_name = "GLOB", help_heading = MANY_ASSETS, hide_short_help = true)]
     include: Vec<String>,
     /// In folders, no files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
-    #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
+    #[arg(long, value_name = "GLOB", help_heading = MANY_ASSETS, hide_short_help = true)]
     exclude: Vec<String>,
     #[command(flatten)]
     limits: LimitArgs,

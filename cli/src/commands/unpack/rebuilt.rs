@@ -82,7 +82,7 @@ fn file(
     let document = unpacker.document().expect("a complete stream has a document").clone();
     let limits = args.limits.limits();
     let watch = stages.watched(&progress);
-    let measured = measure_all(simplified, &document, &limits, args.poses.most(), &watch)?;
+    let measured = measure_all(simplified, &document, &limits, args.poses.max_poses(), &watch)?;
     let bug = |error: lodc::Error| {
         Failure::new(Status::Bug, format!("{name}: {error}; nothing was written"))
     };

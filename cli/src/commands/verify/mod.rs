@@ -11,7 +11,7 @@ use crate::clock::{self, Clock};
 use crate::console::{self, Loudness, wants};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
-use crate::help::{CHECKED, MANY, MORE, OUTPUT};
+use crate::help::{CHECKED, MANY_ASSETS, MORE, OUTPUT};
 use crate::limits::ImportArgs;
 use crate::output::is_standard_stream;
 use clap::Args;
@@ -56,12 +56,12 @@ pub(crate) struct VerifyArgs {
     /// In folders, only files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
-    #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
+    #[arg(long, value_name = "GLOB", help_heading = MANY_ASSETS, hide_short_help = true)]
     include: Vec<String>,
     /// In folders, no files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
-    #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
+    #[arg(long, value_name = "GLOB", help_heading = MANY_ASSETS, hide_short_help = true)]
     exclude: Vec<String>,
     #[command(flatten)]
     import: ImportArgs,
