@@ -7,7 +7,9 @@ use crate::origin::Origin;
 use crate::settings::Settings;
 use crate::work::{ROUNDING_SQUARED, Work};
 use glam::DVec3;
-use lodc_nearest::{Moving, Search, Seeker, Surface, area, centroid, point_at};
+use lodc_nearest::{
+    FarthestSearch, MovingSurface, Query, Surface, TriangleSearcher, area, centroid, point_at,
+};
 
 /// The search for a triangle near one of the four points of a face ends within this share of E. A
 /// face with a point beyond the second share is searched as a whole. Without these points errors of
@@ -72,7 +74,7 @@ pub(crate) struct Backward<'a> {
     input: &'a Input,
     settings: Settings,
     faces: Vec<Face>,
-    seeker: Seeker,
+    searcher: TriangleSearcher,
     /// E², the square of the largest distance so far, of either pass.
     max_squared: f64,
     /// Sums over faces: of area times mean squared distance, and of area.
@@ -98,7 +100,7 @@ impl<'a> Backward<'a> {
             input,
             settings,
             faces,
-            seeker: Seeker::new(Search::within(input.diagonal)),
+            searcher: TriangleSearcher::new(FarthestSearch::for_size(input.diagonal)),
             max_squared: 0.0,
             area_times_squared: 0.0,
             area,
@@ -180,7 +182,7 @@ impl<'a> Backward<'a> {
         self.update_hint(touched);
         let Self { input, work, max_squared, .. } = self;
         let face = &mut self.faces[touched.face as usize];
-        let surface = Moving { triangles: *input, tree: &input.tree };
+        let surface = MovingSurface { triangles: *input, tree: &input.tree };
         let max_boxes = (*work + self.forward_work).boxes_nearest(input);
         let mut farthest_squared = 0.0f64;
         let [a, b, c] = corners;
@@ -188,10 +190,11 @@ impl<'a> Backward<'a> {
             let enough = (*max_squared * (NEAR_ENOUGH * NEAR_ENOUGH))
                 .max(ROUNDING_SQUARED)
                 .max(farthest_squared);
-            let (hit, opened) = surface.near(p, face.hint, enough, max_boxes);
+            let query = Query { point: p, hint: face.hint, enough, max_boxes };
+            let (hit, opened_boxes) = surface.near(query);
             face.hint = hit.triangle;
             farthest_squared = farthest_squared.max(hit.squared);
-            work.0 += u64::from(opened) + 1;
+            work.0 += u64::from(opened_boxes) + 1;
         }
         face.max_distance = farthest_squared.sqrt() as f32;
         farthest_squared
@@ -201,17 +204,17 @@ impl<'a> Backward<'a> {
     /// Looks for a point of a face that is beyond E, and raises E to its distance.
     fn search_face(&mut self, touched: TouchedFace, corners: [DVec3; 3]) {
         self.update_hint(touched);
-        let Self { input, work, seeker, max_squared, .. } = self;
+        let Self { input, work, searcher, max_squared, .. } = self;
         let face = &mut self.faces[touched.face as usize];
         let distance = max_squared.max(ROUNDING_SQUARED).sqrt();
-        let surface = Moving { triangles: *input, tree: &input.tree };
+        let surface = MovingSurface { triangles: *input, tree: &input.tree };
         let max_boxes = (*work + self.forward_work).boxes_farthest(input);
-        let found = seeker.seek(distance, corners, face.hint, &surface, max_boxes);
-        face.max_distance = (found.most * ROUND_UP) as f32;
-        if found.least > distance {
-            *max_squared = found.least * found.least;
+        let found = searcher.search(distance, corners, face.hint, &surface, max_boxes);
+        face.max_distance = (found.upper * ROUND_UP) as f32;
+        if found.lower > distance {
+            *max_squared = found.lower * found.lower;
         }
-        work.0 += found.opened;
+        work.0 += found.opened_boxes;
     }
 
     fn update_hint(&mut self, TouchedFace { face, origin, .. }: TouchedFace) {
@@ -224,14 +227,15 @@ impl<'a> Backward<'a> {
     fn mean_square_at(&mut self, face: u32, corners: [DVec3; 3], points: &[[f64; 3]]) -> f64 {
         let Self { input, work, .. } = self;
         let hint = &mut self.faces[face as usize].hint;
-        let surface = Moving { triangles: *input, tree: &input.tree };
+        let surface = MovingSurface { triangles: *input, tree: &input.tree };
         let max_boxes = (*work + self.forward_work).boxes_nearest(input);
         let mut sum = 0.0;
         for &barycentric in points {
-            let p = point_at(corners, barycentric);
-            let (hit, opened) = surface.near(p, *hint, 0.0, max_boxes);
+            let point = point_at(corners, barycentric);
+            let query = Query { point, hint: *hint, enough: 0.0, max_boxes };
+            let (hit, opened_boxes) = surface.near(query);
             *hint = hit.triangle;
-            work.0 += u64::from(opened) + 1;
+            work.0 += u64::from(opened_boxes) + 1;
             sum += hit.squared;
         }
         sum / points.len() as f64

@@ -13,7 +13,9 @@ use crate::thinning::Thinning;
 use crate::work::{ROUNDING_SQUARED, Work};
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, NONE};
-use lodc_nearest::{Hit, Moving, Search, Seeker, Triangles, centroid};
+use lodc_nearest::{
+    FarthestSearch, Hit, MovingSurface, Query, TriangleSearcher, Triangles, centroid,
+};
 use std::ops::Range;
 
 /// A sample takes the first changed face within this share of E. At a half errors are the same, but
@@ -61,7 +63,7 @@ pub(crate) struct Forward<'a> {
     corners: Vec<[DVec3; 3]>,
     /// E², the square of the largest distance so far, of either pass.
     max_squared: f64,
-    seeker: Seeker,
+    searcher: TriangleSearcher,
     work: Work,
     /// Work of the backward pass, as far as it is known.
     backward_work: Work,
@@ -99,7 +101,7 @@ impl<'a> Forward<'a> {
             changes: Changes::default(),
             corners: vec![],
             max_squared: 0.0,
-            seeker: Seeker::new(Search::within(input.diagonal)),
+            searcher: TriangleSearcher::new(FarthestSearch::for_size(input.diagonal)),
             work: Work::default(),
             backward_work: Work::default(),
             moved_samples: vec![],
@@ -266,11 +268,11 @@ impl<'a> Forward<'a> {
     /// Returns a live face near a point, one found in the tree if the others are too far: `face` if
     /// it is live, or the first surviving face within the squared distance `taken_within`.
     fn find_face(&mut self, p: DVec3, face: u32, taken_within: f64) -> Hit {
-        let mut hit = Hit::NOTHING;
+        let mut hit = Hit::NONE;
         let taken_within = taken_within.max(ROUNDING_SQUARED);
         if self.faces.all[face as usize].is_live() {
             let corners = self.input.corners_of(self.faces.all[face as usize].points);
-            hit.look(p, corners, face);
+            hit.replace_if_nearer(p, corners, face);
         }
         let surviving = self.changes.surviving.iter().zip(&self.corners);
         for (&t, corners) in surviving.take(MAX_FACES_TRIED) {
@@ -279,15 +281,15 @@ impl<'a> Forward<'a> {
             }
             if t != face {
                 self.work.0 += 1;
-                hit.look(p, *corners, t);
+                hit.replace_if_nearer(p, *corners, t);
             }
         }
         let enough = self.searched_beyond_squared();
         if hit.squared > enough {
             let (level, tree) = self.faces.level_and_tree(self.input);
             let max_boxes = (self.work + self.backward_work).boxes_nearest(self.input);
-            let hint = hit.triangle;
-            self.work.0 += u64::from(tree.search(&level, p, hint, enough, max_boxes, &mut hit));
+            let query = Query { point: p, hint: hit.triangle, enough, max_boxes };
+            self.work.0 += u64::from(tree.search(&level, query, &mut hit));
         }
         hit
     }
@@ -373,16 +375,16 @@ impl<'a> Forward<'a> {
     /// Looks for a point of a triangle of the input that is beyond E, and raises E to its distance.
     /// `hint` is a face that is probably near.
     fn search_triangle(&mut self, triangle: u32, hint: u32) {
-        let Self { input, faces, seeker, max_squared, work, .. } = self;
+        let Self { input, faces, searcher, max_squared, work, .. } = self;
         let (level, tree) = faces.level_and_tree(input);
-        let level = Moving { triangles: &level, tree };
+        let level = MovingSurface { triangles: &level, tree };
         let distance = max_squared.max(ROUNDING_SQUARED).sqrt();
         let max_boxes = (*work + self.backward_work).boxes_farthest(input);
-        let found = seeker.seek(distance, input.corners(triangle), hint, &level, max_boxes);
-        if found.least > distance {
-            *max_squared = found.least * found.least;
+        let found = searcher.search(distance, input.corners(triangle), hint, &level, max_boxes);
+        if found.lower > distance {
+            *max_squared = found.lower * found.lower;
         }
-        work.0 += found.opened;
+        work.0 += found.opened_boxes;
     }
 }
 

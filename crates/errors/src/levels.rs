@@ -6,7 +6,10 @@ use crate::input::Input;
 use crate::step_errors::round_up;
 use glam::DVec3;
 use lodc_mesh::{Lod, NONE, Simplified, SplitMix64, is_degenerate};
-use lodc_nearest::{Moving, MovingTree, Search, Surface, Triangles, area, morton_order, point_at};
+use lodc_nearest::{
+    FarthestSearch, MovingSurface, MovingTree, Query, Surface, Triangles, area, morton_order,
+    point_at,
+};
 use rayon::prelude::*;
 
 /// Points on either surface whose distances make the mean, at least: it is known to about 1 %.
@@ -59,7 +62,8 @@ pub fn at_levels<S: AsRef<[[f32; 3]]>>(
         assert_eq!(posed.len(), simplified.mesh().vertex_count(), "a position for each vertex");
         let (input, corner_vertices) = Input::new(simplified, posed);
         let (input, corner_vertices) = (&input, &corner_vertices[..]);
-        let search = Search { boxes: BOXES_PER_LEVEL, ..Search::within(input.diagonal) };
+        let search =
+            FarthestSearch { boxes: BOXES_PER_LEVEL, ..FarthestSearch::for_size(input.diagonal) };
         let original = Original { input, simplified, corner_vertices, search };
         for (level, &lod) in errors.iter_mut().zip(lods) {
             tick();
@@ -78,7 +82,7 @@ pub(crate) struct Original<'a> {
     pub(crate) simplified: &'a Simplified,
     /// The corners of the input's triangles as vertices of the mesh.
     pub(crate) corner_vertices: &'a [[u32; 3]],
-    pub(crate) search: Search,
+    pub(crate) search: FarthestSearch,
 }
 
 /// Distances of a level from LOD 0, in units of the input's coordinates.
@@ -128,8 +132,8 @@ impl Original<'_> {
         level.faces = order.iter().map(|&t| level.faces[t as usize]).collect();
         let corners = |t: u32| level.faces[t as usize].map(|p| input.coordinates[p as usize]);
         let tree = MovingTree::of_all(level.faces.len() as u32, corners);
-        let level = Moving { triangles: &level, tree: &tree };
-        let original = Moving { triangles: *input, tree: &input.tree };
+        let level = MovingSurface { triangles: &level, tree: &tree };
+        let original = MovingSurface { triangles: *input, tree: &input.tree };
 
         let (to_level, to_original) =
             rayon::join(|| only_original.sample(&level), || only_level.sample(&original));
@@ -140,12 +144,12 @@ impl Original<'_> {
             .max(to_original.max_distance)
             .max(known_distance / (1.0 + search.tolerance));
         let (to_level, to_original) = rayon::join(
-            || search.beyond(known_distance, &only_original.triangles, &level),
-            || search.beyond(known_distance, &only_level.triangles, &original),
+            || search.farthest_beyond(known_distance, &only_original.triangles, &level),
+            || search.farthest_beyond(known_distance, &only_level.triangles, &original),
         );
-        let error = to_level.most.max(to_original.most).min(input.diagonal);
+        let error = to_level.upper.max(to_original.upper).min(input.diagonal);
         let rms = mean_square.sqrt().min(error);
-        LevelDistances { error, rms, boxes: to_level.opened + to_original.opened }
+        LevelDistances { error, rms, boxes: to_level.opened_boxes + to_original.opened_boxes }
     }
 }
 
@@ -207,11 +211,13 @@ impl Difference {
                 let n = (area / self.surface_area * SAMPLES).sqrt().ceil().clamp(1.0, MAX_PARTS);
                 let part_area = area / (n * n);
                 for (row, column) in triangle_parts(n as u32) {
-                    let p = point_at(corners, random_in_part(n, row, column, &mut random));
-                    let (hit, opened) = other.near(p, hint, 0.0, BOXES_PER_SAMPLE);
+                    let point = point_at(corners, random_in_part(n, row, column, &mut random));
+                    let max_boxes = BOXES_PER_SAMPLE;
+                    let query = Query { point, hint, enough: 0.0, max_boxes };
+                    let (hit, opened_boxes) = other.near(query);
                     hint = hit.triangle;
                     sums.area_times_squared += hit.squared * part_area;
-                    let is_exact = opened < BOXES_PER_SAMPLE;
+                    let is_exact = opened_boxes < max_boxes;
                     sums.max_squared =
                         sums.max_squared.max(if is_exact { hit.squared } else { 0.0 });
                 }

@@ -11,7 +11,7 @@ use crate::input::Input;
 use crate::levels::Original;
 use crate::step_errors::StepErrors;
 use lodc_mesh::Simplified;
-use lodc_nearest::Search;
+use lodc_nearest::FarthestSearch;
 
 /// Shares of the triangles, in percent, whose levels are measured in any case: those that people
 /// ask for.
@@ -52,7 +52,8 @@ pub(crate) fn complete(
     if first < last {
         // Made again, since the pass has dropped them to save memory.
         let (_, corner_vertices) = Input::new(simplified, posed);
-        let search = Search { boxes: BOXES_PER_SEARCH, ..Search::within(input.diagonal) };
+        let search =
+            FarthestSearch { boxes: BOXES_PER_SEARCH, ..FarthestSearch::for_size(input.diagonal) };
         let original = Original { input, simplified, corner_vertices: &corner_vertices, search };
         let mut step_counts: Vec<usize> = (0..u32::BITS)
             .map(|halvings| u64::from(triangles_left(first)) >> halvings)

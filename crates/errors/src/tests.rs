@@ -9,7 +9,7 @@ use lodc_measure::{Sampling, Surface, distances};
 use lodc_mesh::{
     CollapseSequence, Lod, Mesh, MeshParts, PositionIds, SequenceParts, Simplified, Submesh,
 };
-use lodc_nearest::{Search, TriangleTree};
+use lodc_nearest::{FarthestSearch, TriangleTree};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -422,14 +422,14 @@ fn slivers_are_stated_as_they_are() {
         let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
         let (collapses, errors) = (simplified.collapses(), measured(&simplified));
         let size = mesh.diagonal();
-        let search = Search { tolerance: 0.01, ..Search::within(size) };
+        let search = FarthestSearch { tolerance: 0.01, ..FarthestSearch::for_size(size) };
         let input = corners(&simplified, Lod(0));
         let tree = TriangleTree::new(&input);
         let farthest = |lod: Lod| {
             let level = corners(&simplified, lod);
             let there = search.farthest(&input, &TriangleTree::new(&level));
             let back = search.farthest(&level, &tree);
-            there.least.max(back.least)
+            there.lower.max(back.lower)
         };
         for share in [90, 70, 50, 35, 25, 15, 10, 7, 5, 3, 2, 1] {
             let wanted = mesh.triangles().len() as u32 * share / 100;

@@ -6,7 +6,7 @@ use crate::spread::{over_area, over_triangles};
 use crate::surface::Surface;
 use glam::DVec3;
 use lodc_mesh::NONE;
-use lodc_nearest::{Search, TriangleTree, morton_order};
+use lodc_nearest::{FarthestSearch, TriangleTree, morton_order};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -97,7 +97,7 @@ impl Original {
     #[must_use]
     pub fn bound_and_rms(&self, other: &Surface) -> (f64, f64) {
         let own: Vec<_> =
-            (0..self.tree.order().len() as u32).map(|t| self.tree.corners_of(t)).collect();
+            (0..self.tree.spatial_order().len() as u32).map(|t| self.tree.corners_of(t)).collect();
         let others: Vec<_> = (0..other.triangles.len()).map(|t| other.corners(t)).collect();
         let (low, high) = own
             .as_flattened()
@@ -105,12 +105,12 @@ impl Original {
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| {
                 (low.min(p), high.max(p))
             });
-        let search = Search::within((high - low).max(DVec3::ZERO).length());
+        let search = FarthestSearch::for_size((high - low).max(DVec3::ZERO).length());
         let tree = TriangleTree::new(&others);
-        let forward = || (search.farthest(&own, &tree).most, self.samples.area.mean_square(&tree));
+        let forward = || (search.farthest(&own, &tree).upper, self.samples.area.mean_square(&tree));
         let backward = || {
             let area = over_area(other, self.sampling.samples, self.sampling.seed);
-            (search.farthest(&others, &*self.tree).most, Points::new(area).mean_square(&self.tree))
+            (search.farthest(&others, &*self.tree).upper, Points::new(area).mean_square(&self.tree))
         };
         let (forward, backward) = rayon::join(forward, backward);
         let bound = forward.0.max(backward.0);
@@ -205,8 +205,9 @@ fn search_worst(
     triangles.sort_unstable();
     triangles.dedup();
     let from: Vec<[DVec3; 3]> = triangles.into_iter().map(corners).collect();
-    let search = Search { tolerance: 0.01, boxes: BOX_BUDGET, ..Search::within(largest) };
-    largest.max(search.farthest(&from, to).least)
+    let search =
+        FarthestSearch { tolerance: 0.01, boxes: BOX_BUDGET, ..FarthestSearch::for_size(largest) };
+    largest.max(search.farthest(&from, to).lower)
 }
 
 /// The squared distances of points, each searched for from the triangle of the one before it in an
@@ -216,9 +217,9 @@ fn squares(points: &Points, to: &TriangleTree) -> Vec<f64> {
     let measure_run = |run: &[u32]| {
         let mut hint = NONE;
         let measure = |&i: &u32| {
-            let (squared, triangle) = to.distance_from(positions[i as usize], hint);
-            hint = triangle;
-            squared
+            let hit = to.nearest_triangle(positions[i as usize], hint);
+            hint = hit.triangle;
+            hit.squared
         };
         run.iter().map(measure).collect::<Vec<f64>>()
     };

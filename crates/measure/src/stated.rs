@@ -4,7 +4,7 @@
 use crate::distance::{Sampling, farther_than, mean_square};
 use crate::surface::Surface;
 use lodc_mesh::{CollapseSequence, Lod, PositionIds, Simplified, SplitMix64, is_degenerate};
-use lodc_nearest::{Search, TriangleTree};
+use lodc_nearest::{FarthestSearch, TriangleTree};
 use rayon::prelude::*;
 
 /// Levels that are measured, spread over the triangle counts. Chosen by hand.
@@ -215,7 +215,7 @@ impl<'a> Levels<'a> {
         // small part, so only a bound tells that there is none.
         let first_step = collapses.parts().step_errors.partition_point(|&e| e < stored);
         let finer = self.changes(collapses.step(first_step).lod);
-        let search = |shape: &Shape| Search::within(shape.diagonal);
+        let search = |shape: &Shape| FarthestSearch::for_size(shape.diagonal);
         let bounds = finer.iter().zip(&self.shapes).map(|(c, shape)| c.bound(search(shape)));
         let bound = bounds.fold(0.0, f64::max);
         (bound < too_large_below)
@@ -300,10 +300,10 @@ impl Changes<'_> {
     }
 
     /// An upper bound of the distance, either way.
-    fn bound(&self, search: Search) -> f64 {
+    fn bound(&self, search: FarthestSearch) -> f64 {
         let upper_bound = |from: &Surface, to: &TriangleTree| {
             let corners: Vec<_> = (0..from.triangles.len()).map(|t| from.corners(t)).collect();
-            search.farthest(&corners, to).most
+            search.farthest(&corners, to).upper
         };
         let (forward, backward) = rayon::join(
             || upper_bound(&self.input_changed, &self.level),

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// A box.
+/// A box; empty if `low` is above `high`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
     low: [f32; 3],
@@ -60,7 +60,7 @@ impl Bounds {
         0.5 * self.low[axis] + 0.5 * self.high[axis]
     }
 
-    /// Takes a point in. Returns whether the box grew.
+    /// Grows the box to include a point. Returns whether the box grew.
     pub(crate) fn include(&mut self, p: [f32; 3]) -> bool {
         let mut grew = false;
         for (axis, x) in p.into_iter().enumerate() {

@@ -2,13 +2,13 @@
 //!
 //! Branch and bound (as Guthe, Borodin and Klein 2005), the part that may be farthest first. A part
 //! is a convex polygon. Its distance from one triangle is a convex function, so it is largest at a
-//! corner: a part whose corners are near enough to one triangle is closed. Of any other part, the
-//! region is cut off that is near enough to the triangle next to its middle: over the triangle, and
-//! as far around it as the distance allows. The remaining pieces are compared with the triangles
-//! beside it. So flat regions end exactly, and it is decided whether triangles cover a part, where
+//! corner: a part whose corners are all near enough to one triangle is done. Of any other part, the
+//! region is cut off that is near enough to the triangle found near its middle: above and below the
+//! triangle, and as far around it as the distance allows. What is left is compared with other
+//! triangles. So flat regions end exactly, and it is decided whether triangles cover a part, where
 //! bisection alone would go on for ever along common edges.
 
-use crate::moving::Hit;
+use crate::moving::{Hit, Query};
 use crate::polygon::Polygon;
 use crate::surface::Surface;
 use crate::triangle::is_within;
@@ -23,307 +23,328 @@ use std::collections::BinaryHeap;
 const ROWS_PER_BATCH: usize = 512;
 const TRIANGLES_PER_ROW: usize = 32;
 
-/// Triangles, spread evenly, whose middles are looked up first, for a lower bound. Chosen by hand.
+/// Triangles, spread evenly, whose middles are measured first, for a lower bound. Chosen by hand.
 const INITIAL_TRIANGLES: usize = 1_024;
 
-/// A part is cut if at least this share of it is near the triangle next to its middle, else halved.
-/// Chosen by hand.
+/// A part is cut if at least this share of it is near enough to the triangle near its middle, else
+/// halved. Chosen by hand.
 const WORTH_CUTTING: f64 = 0.125;
 
-/// A search for a triangle to cut a part by ends at one within this share of the bound. Chosen by
-/// hand.
+/// A search for a triangle to cut a part by ends at one within this share of the accepted distance.
+/// Chosen by hand.
 const NEAR_SHARE: f64 = 0.25;
 
-/// The distance of a cut part's farthest corner is looked up where it is at most this many times
-/// the lower bound: farther ones more often have another triangle that is nearer. Chosen by hand.
-const PROMISING: f64 = 1.5;
+/// The distance of a cut part's farthest corner from the whole surface is measured where it is at
+/// most this many times the lower bound from the part's triangle: farther ones more often have
+/// another triangle that is nearer. Chosen by hand.
+const MEASURED_CORNER_RATIO: f64 = 1.5;
 
 /// Boxes that the search for the triangle near one point may open: at first, and for a part that
 /// may be farthest. Chosen by hand.
-const PATIENCE: [u32; 2] = [128, 4_096];
+const MAX_BOXES_AT_FIRST: u32 = 128;
+const MAX_BOXES: u32 = 4_096;
 
 /// Boxes that may be opened for a triangle before all others had their turn. Chosen by hand.
-const BOXES_PER_TRIANGLE: u64 = 2_000;
+const FIRST_TURN_BOXES: u64 = 2_000;
 
-/// The largest distance of any point of a surface from another one.
+/// Distances below this share of the floor are rounding errors. Chosen by hand.
+const SLACK_OF_FLOOR: f64 = 0.1;
+
+/// Parts are cut at this share of the accepted distance, so that rounding leaves what is cut off
+/// within it. Chosen by hand.
+const CUT_SHARE: f64 = 0.999;
+
+/// Bounds of the largest distance of any point of a surface from another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Farthest {
-    /// A point is that far off.
-    pub least: f64,
+    /// A point is at least this far off, or this distance was known before.
+    pub lower: f64,
     /// No point is farther.
-    pub most: f64,
-    /// Boxes of the tree that were opened: the work that it took.
-    pub opened: u64,
+    pub upper: f64,
+    /// Boxes of the tree that were opened, and parts: the work that it took.
+    pub opened_boxes: u64,
 }
 
-/// What a search for the farthest point may do.
+/// How a search for the point of one surface that is farthest from another ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Search {
-    /// Excess of the upper over the lower bound that is left, as a share.
+pub struct FarthestSearch {
+    /// The upper bound may exceed the lower one by this share of it.
     pub tolerance: f64,
-    /// Distances below this are none.
+    /// Distances up to this count as 0.
     pub floor: f64,
-    /// Boxes of the tree that may be opened after all triangles were looked at once: the
-    /// first number for each of them, and the second besides. Beyond, the bounds stay apart.
+    /// Boxes of the tree that may be opened after each triangle had its first turn: this many times
+    /// the number of triangles, and so many more. Beyond, the bounds stay apart.
     pub boxes: [u32; 2],
 }
 
-impl Search {
-    /// Within 2 %, distances below a billionth of a length as none, 2,000 boxes a triangle and
-    /// three million besides.
+impl FarthestSearch {
+    /// Within 2 %; distances up to a billionth of `length`, the diagonal of the surfaces, count as
+    /// 0; 2,000 boxes a triangle and three million more.
     #[must_use]
-    pub fn within(length: f64) -> Self {
+    pub fn for_size(length: f64) -> Self {
         Self { tolerance: 0.02, floor: 1e-9 * length, boxes: [2_000, 3_000_000] }
     }
 
     /// Looks for the point of `from` that is farthest from `to`. Infinite if only `to` is empty.
     #[must_use]
     pub fn farthest(&self, from: &[[DVec3; 3]], to: &(impl Surface + Sync)) -> Farthest {
-        self.beyond(0.0, from, to)
+        self.farthest_beyond(0.0, from, to)
     }
 
-    /// The same where a point is known that is `least` off, of this surface or of any other that
-    /// the bounds are for, too.
+    /// The same where a distance is known already: of a point of this surface, or of any other that
+    /// the bounds are for, too. Nearer points are not searched for.
     #[must_use]
-    pub fn beyond(&self, least: f64, from: &[[DVec3; 3]], to: &(impl Surface + Sync)) -> Farthest {
+    pub fn farthest_beyond(
+        &self,
+        known_distance: f64,
+        from: &[[DVec3; 3]],
+        to: &(impl Surface + Sync),
+    ) -> Farthest {
         let Some(&[p, ..]) = from.first() else {
-            return Farthest { least, most: least, opened: 0 };
+            return Farthest { lower: known_distance, upper: known_distance, opened_boxes: 0 };
         };
-        if to.near(p, NONE, 0.0, PATIENCE[0]).0.triangle == NONE {
-            return Farthest { least: f64::INFINITY, most: f64::INFINITY, opened: 0 };
+        let any = Query { point: p, hint: NONE, enough: 0.0, max_boxes: MAX_BOXES_AT_FIRST };
+        if to.near(any).0.triangle == NONE {
+            return Farthest { lower: f64::INFINITY, upper: f64::INFINITY, opened_boxes: 0 };
         }
-        let mut state = SearchState::new(*self, least);
-        let bound = state.bound();
-        // A bound to begin with, where none is known.
-        let stride = if least > 0.0 { from.len() } else { (from.len() / INITIAL_TRIANGLES).max(1) };
-        let initial = |row: &[[DVec3; 3]]| {
-            let part = Part::new(Polygon::triangle(row[0]), NONE, to, bound, PATIENCE[0]);
-            part.1
+        let mut state = SearchState::new(*self, known_distance);
+        let limits = state.limits();
+        let has_bound = known_distance > 0.0;
+        let stride = if has_bound { from.len() } else { (from.len() / INITIAL_TRIANGLES).max(1) };
+        let initial = |chunk: &[[DVec3; 3]]| {
+            Part::measure(Polygon::triangle(chunk[0]), NONE, to, limits, MAX_BOXES_AT_FIRST).1
         };
-        let results: Vec<SearchResult> = from.par_chunks(stride).map(initial).collect();
-        results.into_iter().for_each(|results| state.record(results));
+        let initial: Vec<Measured> = from.par_chunks(stride).map(initial).collect();
+        initial.into_iter().for_each(|measured| state.record(measured));
         for batch in from.chunks(ROWS_PER_BATCH * TRIANGLES_PER_ROW) {
             let row = |row: &[[DVec3; 3]]| {
-                let mut state = SearchState::new(*self, state.least);
-                let mut near = NONE;
+                let mut state = SearchState::new(*self, state.lower);
+                let mut hint = NONE;
                 for &corners in row {
-                    near = state.triangle(corners, near, to, PATIENCE[0]);
-                    state.explore(to, state.opened + BOXES_PER_TRIANGLE);
+                    hint = state.add_triangle(corners, hint, to, MAX_BOXES_AT_FIRST);
+                    state.divide_parts(to, state.opened_boxes + FIRST_TURN_BOXES);
                 }
                 state
             };
             let rows: Vec<SearchState> = batch.par_chunks(TRIANGLES_PER_ROW).map(row).collect();
             rows.into_iter().for_each(|row| state.join(row));
         }
-        let [each, besides] = self.boxes.map(u64::from);
-        let max_opened = state.opened + each * from.len() as u64 + besides;
-        while state.opened < max_opened {
-            let next = state.next(ROWS_PER_BATCH);
-            if next.is_empty() {
+        let [per_triangle, more] = self.boxes.map(u64::from);
+        let max_boxes = state.opened_boxes + per_triangle * from.len() as u64 + more;
+        while state.opened_boxes < max_boxes {
+            let farthest_parts = state.pop_parts(ROWS_PER_BATCH);
+            if farthest_parts.is_empty() {
                 break;
             }
-            let bound = state.bound();
+            let limits = state.limits();
             let divide = |part: &Part| {
                 let mut parts = Vec::new();
-                part.divide(to, bound, &mut Vec::new(), |part| parts.push(part));
+                part.divide(to, limits, &mut Vec::new(), |part| parts.push(part));
                 parts
             };
-            let parts: Vec<Vec<(Part, SearchResult)>> = next.par_iter().map(divide).collect();
+            let parts: Vec<Vec<(Part, Measured)>> = farthest_parts.par_iter().map(divide).collect();
             parts.iter().flatten().for_each(|part| state.add_part(part));
         }
         state.bounds()
     }
 }
 
-/// Looks for points beyond a bound in one triangle after the other, on the thread that asks.
+/// Looks for points beyond a distance in one triangle after the other, on the calling thread.
+/// Allocates less than a [`FarthestSearch`] for each would.
 #[derive(Clone, Debug)]
-pub struct Seeker(SearchState);
+pub struct TriangleSearcher(SearchState);
 
-impl Seeker {
-    /// One that searches as `search` says.
+impl TriangleSearcher {
+    /// Makes one with the tolerance and the floor of `search`; its `boxes` do not count.
     #[must_use]
-    pub fn new(search: Search) -> Self {
+    pub fn new(search: FarthestSearch) -> Self {
         Self(SearchState::new(search, 0.0))
     }
 
-    /// Looks for a point of a triangle that is farther than `least`, the least distance that is
-    /// returned. `near` is a triangle that is probably near, or [`NONE`]; no more than `boxes` are
-    /// opened, or the bounds stay apart.
-    pub fn seek(
+    /// Looks for a point of a triangle that is farther from `to` than `known_distance`, the least
+    /// that is returned. `hint` is a triangle that is probably near, or [`NONE`]. When `max_boxes`
+    /// are opened, the bounds stay apart.
+    pub fn search(
         &mut self,
-        least: f64,
+        known_distance: f64,
         corners: [DVec3; 3],
-        near: u32,
+        hint: u32,
         to: &impl Surface,
-        boxes: u64,
+        max_boxes: u64,
     ) -> Farthest {
         let Self(state) = self;
-        state.clear(least);
-        state.triangle(corners, near, to, PATIENCE[1]);
-        state.explore(to, boxes);
+        state.clear(known_distance);
+        state.add_triangle(corners, hint, to, MAX_BOXES);
+        state.divide_parts(to, max_boxes);
         state.bounds()
     }
 }
 
-/// The state of a search.
+/// Distances that decide what is done with a part.
 #[derive(Clone, Copy, Debug)]
-struct Bound {
-    /// The largest distance found, and the one up to which nothing is looked for.
-    least: f64,
-    allowed: f64,
+struct Limits {
+    /// The largest distance found.
+    lower: f64,
+    /// The upper bound that is good enough: nothing is searched up to it.
+    accepted: f64,
     /// Distances below this are rounding errors.
     slack: f64,
 }
 
-impl Bound {
-    /// Returns whether a triangle is near enough to a triangle of the other surface.
-    fn is_within(&self, corners: [DVec3; 3], near: u32, to: &impl Surface) -> bool {
+impl Limits {
+    /// Returns whether a triangle of the other surface is near enough to all of a triangle.
+    fn accept(&self, corners: [DVec3; 3], near: u32, to: &impl Surface) -> bool {
         near != NONE && {
             let triangle = to.corners(near);
-            corners.iter().all(|&c| is_within(c, triangle, self.allowed * self.allowed))
+            corners.iter().all(|&c| is_within(c, triangle, self.accepted * self.accepted))
         }
     }
 }
 
-/// What the search at one point found.
+/// The distance of one point from the other surface.
 #[derive(Clone, Copy, Debug)]
-struct SearchResult {
-    /// The point is that far from the other surface; 0 if that is not known for sure.
+struct Measured {
+    /// 0 if the exact distance is not known.
     distance: f64,
-    opened: u32,
+    opened_boxes: u32,
 }
 
-/// The parts that may have a point farther than any found.
+impl Measured {
+    const NOTHING: Self = Self { distance: 0.0, opened_boxes: 0 };
+}
+
+/// The parts that may have a point farther than any found, and what was found.
 #[derive(Clone, Debug)]
 struct SearchState {
-    search: Search,
+    search: FarthestSearch,
     /// The largest distance found.
-    least: f64,
-    /// No point of the parts that were closed is farther than this.
-    closed: f64,
-    /// Boxes that were opened, and parts looked at.
-    opened: u64,
-    order: BinaryHeap<Rank>,
-    /// Parts by the numbers that their ranks have, and numbers that are free.
+    lower: f64,
+    /// No point of the parts that are done is farther than this.
+    done_upper: f64,
+    /// Boxes that were opened, and parts.
+    opened_boxes: u64,
+    queue: BinaryHeap<QueueEntry>,
+    /// Parts by their index in queue entries, and indices that are free.
     parts: Vec<Part>,
-    free: Vec<u32>,
-    /// Kept to save allocating.
+    free_indices: Vec<u32>,
+    /// Buffers.
     pieces: Vec<Polygon>,
-    divided: Vec<(Part, SearchResult)>,
+    divided: Vec<(Part, Measured)>,
 }
 
 impl SearchState {
-    fn new(search: Search, least: f64) -> Self {
+    fn new(search: FarthestSearch, known_distance: f64) -> Self {
         Self {
             search,
-            least,
-            closed: 0.0,
-            opened: 0,
-            order: BinaryHeap::new(),
+            lower: known_distance,
+            done_upper: 0.0,
+            opened_boxes: 0,
+            queue: BinaryHeap::new(),
             parts: vec![],
-            free: vec![],
+            free_indices: vec![],
             pieces: vec![],
             divided: vec![],
         }
     }
 
     /// Starts another search.
-    fn clear(&mut self, least: f64) {
-        (self.least, self.closed, self.opened) = (least, 0.0, 0);
-        self.order.clear();
+    fn clear(&mut self, known_distance: f64) {
+        (self.lower, self.done_upper, self.opened_boxes) = (known_distance, 0.0, 0);
+        self.queue.clear();
         self.parts.clear();
-        self.free.clear();
+        self.free_indices.clear();
     }
 
-    fn bound(&self) -> Bound {
-        let Search { tolerance, floor, .. } = self.search;
-        let allowed = self.least * (1.0 + tolerance) + floor;
-        Bound { least: self.least, allowed, slack: 0.1 * floor }
+    fn limits(&self) -> Limits {
+        let FarthestSearch { tolerance, floor, .. } = self.search;
+        let accepted = self.lower * (1.0 + tolerance) + floor;
+        Limits { lower: self.lower, accepted, slack: SLACK_OF_FLOOR * floor }
     }
 
-    fn record(&mut self, found: SearchResult) {
-        self.least = self.least.max(found.distance);
-        self.opened += u64::from(found.opened) + 1;
+    fn record(&mut self, measured: Measured) {
+        self.lower = self.lower.max(measured.distance);
+        self.opened_boxes += u64::from(measured.opened_boxes) + 1;
     }
 
-    /// Adds a part with what was found in it, or closes it if it is near enough.
-    fn add_part(&mut self, (part, found): &(Part, SearchResult)) {
-        self.record(*found);
-        if part.most <= self.bound().allowed || !part.polygon.has_area() {
-            self.closed = self.closed.max(part.most);
+    /// Adds a part and the distance of a point of it; it is done if it is near enough.
+    fn add_part(&mut self, (part, measured): &(Part, Measured)) {
+        self.record(*measured);
+        if part.upper <= self.limits().accepted || !part.polygon.has_area() {
+            self.done_upper = self.done_upper.max(part.upper);
             return;
         }
-        let number = self.free.pop().unwrap_or(self.parts.len() as u32);
-        match self.parts.get_mut(number as usize) {
+        let index = self.free_indices.pop().unwrap_or(self.parts.len() as u32);
+        match self.parts.get_mut(index as usize) {
             Some(slot) => *slot = *part,
             None => self.parts.push(*part),
         }
-        self.order.push(Rank { most: part.most, number });
+        self.queue.push(QueueEntry { upper: part.upper, index });
     }
 
     /// Adds a triangle as a part. Returns a triangle of the other surface near it.
-    fn triangle(
+    fn add_triangle(
         &mut self,
         corners: [DVec3; 3],
-        near: u32,
+        hint: u32,
         to: &impl Surface,
-        patience: u32,
+        max_boxes: u32,
     ) -> u32 {
-        let bound = self.bound();
-        if bound.is_within(corners, near, to) {
-            self.closed = self.closed.max(bound.allowed);
-            return near;
+        let limits = self.limits();
+        if limits.accept(corners, hint, to) {
+            self.done_upper = self.done_upper.max(limits.accepted);
+            return hint;
         }
-        let part = Part::new(Polygon::triangle(corners), near, to, bound, patience);
+        let part = Part::measure(Polygon::triangle(corners), hint, to, limits, max_boxes);
         self.add_part(&part);
-        part.0.near
+        part.0.near_triangle
     }
 
-    /// Divides parts until all are near enough or `most` boxes were opened.
-    fn explore(&mut self, to: &impl Surface, most: u64) {
-        while self.opened < most {
+    /// Divides parts, the farthest first, until all are near enough or `max_boxes` were opened.
+    fn divide_parts(&mut self, to: &impl Surface, max_boxes: u64) {
+        while self.opened_boxes < max_boxes {
             let Some(part) = self.pop() else { return };
-            let bound = self.bound();
+            let limits = self.limits();
             let mut divided = std::mem::take(&mut self.divided);
-            part.divide(to, bound, &mut self.pieces, |part| divided.push(part));
+            part.divide(to, limits, &mut self.pieces, |part| divided.push(part));
             divided.drain(..).for_each(|part| self.add_part(&part));
             self.divided = divided;
         }
     }
 
-    /// Adds the results and the open parts of another search.
+    /// Adds the results and the parts of another search.
     fn join(&mut self, mut other: Self) {
-        self.least = self.least.max(other.least);
-        self.closed = self.closed.max(other.closed);
-        self.opened += other.opened;
+        self.lower = self.lower.max(other.lower);
+        self.done_upper = self.done_upper.max(other.done_upper);
+        self.opened_boxes += other.opened_boxes;
         while let Some(part) = other.pop() {
-            self.add_part(&(part, SearchResult { distance: 0.0, opened: 0 }));
+            self.add_part(&(part, Measured::NOTHING));
         }
-        self.closed = self.closed.max(other.closed);
+        // The last `pop` may have raised it.
+        self.done_upper = self.done_upper.max(other.done_upper);
     }
 
-    /// Returns the part that may be farthest; none if all open ones are near enough.
+    /// Removes the part that may be farthest; `None` if all parts are near enough.
     fn pop(&mut self) -> Option<Part> {
-        let Rank { most, number } = self.order.pop()?;
-        if most <= self.bound().allowed {
+        let QueueEntry { upper, index } = self.queue.pop()?;
+        if upper <= self.limits().accepted {
             // All others are nearer.
-            self.closed = self.closed.max(most);
-            self.order.clear();
+            self.done_upper = self.done_upper.max(upper);
+            self.queue.clear();
             return None;
         }
-        self.free.push(number);
-        Some(self.parts[number as usize])
+        self.free_indices.push(index);
+        Some(self.parts[index as usize])
     }
 
-    /// The parts to be looked at next, the farthest first.
-    fn next(&mut self, count: usize) -> Vec<Part> {
+    /// Removes up to `count` parts, the farthest first.
+    fn pop_parts(&mut self, count: usize) -> Vec<Part> {
         std::iter::from_fn(|| self.pop()).take(count).collect()
     }
 
     fn bounds(&self) -> Farthest {
-        let state = self.order.peek().map_or(0.0, |rank| rank.most);
-        let most = self.least.max(self.closed).max(state);
-        Farthest { least: self.least, most, opened: self.opened }
+        let queue_upper = self.queue.peek().map_or(0.0, |entry| entry.upper);
+        let upper = self.lower.max(self.done_upper).max(queue_upper);
+        Farthest { lower: self.lower, upper, opened_boxes: self.opened_boxes }
     }
 }
 
@@ -332,113 +353,120 @@ impl SearchState {
 struct Part {
     polygon: Polygon,
     /// A triangle of the other surface near its middle.
-    near: u32,
-    /// No point of it is farther than this.
-    most: f64,
+    near_triangle: u32,
+    /// No point of it is farther from the other surface than this.
+    upper: f64,
 }
 
 impl Part {
-    /// A part with the distance of its middle, as far as it matters. `hint` is a triangle that is
-    /// probably near.
-    fn new(
+    /// Returns a part and the distance of its middle. `hint` is a triangle that is probably near.
+    fn measure(
         polygon: Polygon,
         hint: u32,
         to: &impl Surface,
-        bound: Bound,
-        patience: u32,
-    ) -> (Self, SearchResult) {
+        limits: Limits,
+        max_boxes: u32,
+    ) -> (Self, Measured) {
         let (middle, radius) = polygon.disc();
-        let enough = (bound.allowed - radius).max(NEAR_SHARE * bound.allowed);
-        let (near, found) = find_near(middle, hint, to, enough, patience);
-        let mut most = near.squared.sqrt() + radius;
-        if most > bound.allowed && near.triangle != NONE {
-            most = most.min(polygon.farthest_corner(to.corners(near.triangle)).0);
+        let enough = (limits.accepted - radius).max(NEAR_SHARE * limits.accepted);
+        let (near, measured) = measure_point(middle, hint, to, enough, max_boxes);
+        let mut upper = near.squared.sqrt() + radius;
+        if upper > limits.accepted && near.triangle != NONE {
+            upper = upper.min(polygon.farthest_corner(to.corners(near.triangle)).0);
         }
-        (Self { polygon, near: near.triangle, most: most.max(found.distance) }, found)
+        let upper = upper.max(measured.distance);
+        (Self { polygon, near_triangle: near.triangle, upper }, measured)
     }
 
-    /// Divides it: calls `add` with the new parts, and with what was found at their middles.
-    /// `pieces` is kept to save allocating.
+    /// Divides it: calls `add` with the new parts, each with the distance of a point. `pieces` is a
+    /// buffer.
     fn divide(
         &self,
         to: &impl Surface,
-        bound: Bound,
+        limits: Limits,
         pieces: &mut Vec<Polygon>,
-        mut add: impl FnMut((Self, SearchResult)),
+        mut add: impl FnMut((Self, Measured)),
     ) {
-        let triangle = to.corners(self.near);
-        let inside = self.polygon.split_near(triangle, 0.999 * bound.allowed, bound.slack, pieces);
-        let mut most = inside.farthest_corner(triangle).0;
-        // Of a line nothing would be cut off.
-        let is_cut = most <= bound.allowed && inside.area() > WORTH_CUTTING * self.polygon.area();
+        let triangle = to.corners(self.near_triangle);
+        let cut_distance = CUT_SHARE * limits.accepted;
+        let near_part = self.polygon.split_near(triangle, cut_distance, limits.slack, pieces);
+        let mut done_upper = near_part.farthest_corner(triangle).0;
+        // A polygon without area is never cut.
+        let is_cut = done_upper <= limits.accepted
+            && near_part.double_area() > WORTH_CUTTING * self.polygon.double_area();
         let (distance, corner) = self.polygon.farthest_corner(triangle);
-        let found = match distance > bound.least && (!is_cut || distance <= PROMISING * bound.least)
-        {
-            true => find_near(corner, self.near, to, bound.least, PATIENCE[1]).1,
-            false => SearchResult { distance: 0.0, opened: 0 },
+        let is_promising = distance > limits.lower
+            && (!is_cut || distance <= MEASURED_CORNER_RATIO * limits.lower);
+        let measured_corner = if is_promising {
+            measure_point(corner, self.near_triangle, to, limits.lower, MAX_BOXES).1
+        } else {
+            Measured::NOTHING
         };
         if !is_cut {
             pieces.clear();
-            // What is no larger than a rounding error stays as it is.
-            let is_small = self.polygon.disc().1 <= bound.slack;
-            most = if is_small { self.most } else { 0.0 };
+            // What is no larger than a rounding error is done.
+            let is_small = self.polygon.disc().1 <= limits.slack;
+            done_upper = if is_small { self.upper } else { 0.0 };
             if !is_small {
                 pieces.extend(self.polygon.halves());
             }
         }
-        let mut part = |polygon: Polygon| {
+        let mut add_polygon = |polygon: Polygon| {
             if polygon.has_area() {
-                add(Self::new(polygon, self.near, to, bound, PATIENCE[1]));
+                add(Self::measure(polygon, self.near_triangle, to, limits, MAX_BOXES));
             }
         };
         for polygon in pieces.drain(..) {
             if polygon.is_simple() {
-                part(polygon);
+                add_polygon(polygon);
             } else {
-                polygon.split().into_iter().for_each(&mut part);
+                polygon.split().into_iter().for_each(&mut add_polygon);
             }
         }
-        add((Self { polygon: Polygon::EMPTY, near: self.near, most }, found));
+        // What is done, as a part of no area.
+        let done = Self { polygon: Polygon::EMPTY, upper: done_upper, ..*self };
+        add((done, measured_corner));
     }
 }
 
 /// Returns the triangle nearest to a point, or the first one within a distance `enough`; and the
-/// distance, 0 where it is not sure: within `enough`, or after a search that ended early.
-fn find_near(
-    p: DVec3,
+/// distance if it is exact: beyond `enough`, and from a search that was not cut short.
+fn measure_point(
+    point: DVec3,
     hint: u32,
     to: &impl Surface,
     enough: f64,
-    patience: u32,
-) -> (Hit, SearchResult) {
-    let (near, opened) = to.near(p, hint, enough * enough, patience);
-    let is_sure = opened < patience && near.squared > enough * enough;
-    let distance = if is_sure { near.squared.sqrt() } else { 0.0 };
-    (near, SearchResult { distance, opened })
+    max_boxes: u32,
+) -> (Hit, Measured) {
+    let (near, opened_boxes) = to.near(Query { point, hint, enough: enough * enough, max_boxes });
+    let is_exact = opened_boxes < max_boxes && near.squared > enough * enough;
+    let distance = if is_exact { near.squared.sqrt() } else { 0.0 };
+    (near, Measured { distance, opened_boxes })
 }
 
-/// The priority of a part: the farthest first.
+/// A part in the queue: the one that may be farthest comes first.
 #[derive(Clone, Copy, Debug)]
-struct Rank {
-    most: f64,
-    number: u32,
+struct QueueEntry {
+    upper: f64,
+    /// Of the part.
+    index: u32,
 }
 
-impl Ord for Rank {
+impl Ord for QueueEntry {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.most.total_cmp(&other.most).then(other.number.cmp(&self.number))
+        self.upper.total_cmp(&other.upper).then(other.index.cmp(&self.index))
     }
 }
 
-impl PartialOrd for Rank {
+impl PartialOrd for QueueEntry {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Eq for Rank {}
+impl Eq for QueueEntry {}
 
-impl PartialEq for Rank {
+impl PartialEq for QueueEntry {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
@@ -471,8 +499,11 @@ mod tests {
         let flat = sheet(1, |_, _| 0.0);
         let bump = sheet(8, |x, y| if x == 0.5 && y == 0.5 { 0.25 } else { 0.0 });
         for (from, to, far) in [(&bump, &flat, 0.25), (&flat, &flat, 0.0), (&bump, &bump, 0.0)] {
-            let Farthest { least, most, .. } = Search::within(1.0).farthest(from, &tree(to));
-            assert!((least - far).abs() < 1e-9 && (far - 1e-9..=1.02 * far + 1e-9).contains(&most));
+            let Farthest { lower, upper, .. } =
+                FarthestSearch::for_size(1.0).farthest(from, &tree(to));
+            assert!(
+                (lower - far).abs() < 1e-9 && (far - 1e-9..=1.02 * far + 1e-9).contains(&upper)
+            );
         }
     }
 
@@ -480,10 +511,10 @@ mod tests {
     fn one_plane_divided_in_two_ways_is_nowhere_apart() {
         // Bisection alone would go on along all edges.
         let (a, b) = (sheet(7, |x, y| 0.3 * x + 0.1 * y), sheet(5, |x, y| 0.3 * x + 0.1 * y));
-        let search = Search::within(1.0);
+        let search = FarthestSearch::for_size(1.0);
         let found = search.farthest(&a, &tree(&b));
-        assert!(found.most <= 2e-9, "{found:?}");
-        assert!(search.farthest(&b, &tree(&a)).most <= 2e-9);
+        assert!(found.upper <= 2e-9, "{found:?}");
+        assert!(search.farthest(&b, &tree(&a)).upper <= 2e-9);
     }
 
     #[test]
@@ -491,11 +522,12 @@ mod tests {
         let whole = sheet(1, |_, _| 0.0);
         let mut holed = sheet(40, |_, _| 0.0);
         holed.remove(1234);
-        let Farthest { least, most, .. } = Search::within(1.0).farthest(&whole, &tree(&holed));
+        let Farthest { lower, upper, .. } =
+            FarthestSearch::for_size(1.0).farthest(&whole, &tree(&holed));
         // The radius of the circle in a triangle with two sides of 1/40.
         let radius = (2.0 - 2.0f64.sqrt()) / 2.0 / 40.0;
-        assert!(least <= radius * 1.0001 && most >= radius * 0.9999, "{least} {most} {radius}");
-        assert!(most <= 1.03 * least, "{least} {most}");
+        assert!(lower <= radius * 1.0001 && upper >= radius * 0.9999, "{lower} {upper} {radius}");
+        assert!(upper <= 1.03 * lower, "{lower} {upper}");
     }
 
     #[test]
@@ -506,8 +538,9 @@ mod tests {
             let mut some = |n: usize| (0..n).map(|_| [0; 3].map(|_| point())).collect::<Vec<_>>();
             let (from, to) = (some(1 + round % 5), some(1 + round / 5));
             let tree = tree(&to);
-            let Farthest { least, most, .. } = Search::within(1.0).farthest(&from, &tree);
-            assert!(least <= most && most <= 1.021 * least + 1e-8, "{round}: {least} {most}");
+            let Farthest { lower, upper, .. } =
+                FarthestSearch::for_size(1.0).farthest(&from, &tree);
+            assert!(lower <= upper && upper <= 1.021 * lower + 1e-8, "{round}: {lower} {upper}");
             let mut seen = 0.0f64;
             for &[a, b, c] in &from {
                 for i in 0..=40 {
@@ -518,8 +551,8 @@ mod tests {
                     }
                 }
             }
-            assert!(seen <= most + 1e-12, "{round}: {seen} {most}");
-            assert!(seen >= 0.9 * least, "{round}: {seen} {least}");
+            assert!(seen <= upper + 1e-12, "{round}: {seen} {upper}");
+            assert!(seen >= 0.9 * lower, "{round}: {seen} {lower}");
         }
     }
 }

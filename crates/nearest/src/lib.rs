@@ -1,8 +1,8 @@
 //! The nearest triangle to a point.
 //!
 //! [`TriangleTree`] is for triangles that stay, [`MovingTree`] for those of a mesh under
-//! simplification, which move and die. Both are trees of boxes, searched from a triangle that is
-//! probably near.
+//! simplification, which move and die. Both are trees of boxes; a search may begin at a triangle
+//! that is probably near. [`FarthestSearch`] bounds the distance between two surfaces with them.
 //!
 //! ```
 //! use glam::DVec3;
@@ -23,9 +23,9 @@ mod surface;
 mod tree;
 mod triangle;
 
-pub use farthest::{Farthest, Search, Seeker};
+pub use farthest::{Farthest, FarthestSearch, TriangleSearcher};
 pub use morton::morton_order;
-pub use moving::{Hit, MovingTree, Triangles};
-pub use surface::{Moving, Surface};
+pub use moving::{Hit, MovingTree, Query, Triangles};
+pub use surface::{MovingSurface, Surface};
 pub use tree::{Nearest, TriangleTree};
 pub use triangle::{area, centroid, closest, distance_squared, is_within, point_at};

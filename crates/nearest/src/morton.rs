@@ -22,6 +22,7 @@ pub fn morton_order(
             code | spread((middle * cells) as u32) << i
         })
     };
+    // A radix sort, ten bits at a time; stable, so ties are broken by the order of `triangles`.
     let mut keyed: Vec<(u32, u32)> = triangles.map(|t| (code(t), t)).collect();
     let mut sorted = vec![(0, 0); keyed.len()];
     for shift in [0, 10, 20] {

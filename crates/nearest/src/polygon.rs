@@ -6,15 +6,15 @@ use glam::DVec3;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Most corners of a polygon: a simple one cut by the eight planes around a triangle rarely has
-/// more. Not measured.
+/// more. Chosen by hand.
 const MAX_CORNERS: usize = 12;
 
-/// Most corners of one that is to be cut: each cut may add one.
-const MAX_SIMPLE: usize = 6;
+/// Most corners of a polygon that is cut: each cut may add one. Chosen by hand.
+const MAX_CORNERS_BEFORE_CUTS: usize = 6;
 
-/// Height above a triangle, as a share of the distance, at which a polygon that rises beyond the
-/// distance is cut. Chosen by hand.
-const HEIGHT: f64 = 0.8;
+/// Least height above a triangle, as a share of the distance, at which a polygon that rises beyond
+/// the distance is cut: higher leaves less margin beside the triangle. Chosen by hand.
+const MIN_CUT_HEIGHT: f64 = 0.8;
 
 /// A convex polygon.
 #[derive(Clone, Copy, Debug)]
@@ -52,8 +52,8 @@ impl Polygon {
         (middle, squared.fold(0.0, f64::max).sqrt())
     }
 
-    /// Twice its area.
-    pub(crate) fn area(&self) -> f64 {
+    /// Returns twice its area.
+    pub(crate) fn double_area(&self) -> f64 {
         let c = self.corners();
         (1..c.len().max(2) - 1)
             .map(|i| (c[i] - c[0]).cross(c[i + 1] - c[0]))
@@ -66,8 +66,8 @@ impl Polygon {
         self.count >= 3
     }
 
-    /// Returns the largest distance of a corner from a triangle, and the corner; of all points of
-    /// the polygon one is farthest that is a corner. 0 without corners.
+    /// Returns the largest distance of a corner from a triangle, and the corner. No point of the
+    /// polygon is farther. 0 without corners.
     pub(crate) fn farthest_corner(&self, triangle: [DVec3; 3]) -> (f64, DVec3) {
         let distances = self.corners().iter().map(|&c| (distance_squared(c, triangle), c));
         let (squared, corner) = distances
@@ -75,14 +75,15 @@ impl Polygon {
         (squared.sqrt(), corner)
     }
 
-    /// The parts on the negative and the positive side of a plane with a normal of length 1. A
-    /// corner within `slack` of it is on both, and no side is thinner: slivers along common edges
-    /// would be divided for ever. All on the negative side if there is no room for more corners.
-    fn cut(&self, at: DVec3, normal: DVec3, slack: f64) -> [Self; 2] {
+    /// Returns the parts on the negative and the positive side of a plane, given by a point and a
+    /// normal of length 1. A corner within `slack` of it is on both, and no side is thinner than
+    /// that: slivers along common edges would be divided for ever. All is on the negative side if
+    /// there is no room for more corners.
+    fn cut(&self, point: DVec3, normal: DVec3, slack: f64) -> [Self; 2] {
         let mut heights = [0.0; MAX_CORNERS];
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (height, &p) in heights.iter_mut().zip(self.corners()) {
-            *height = (p - at).dot(normal);
+            *height = (p - point).dot(normal);
             (low, high) = (low.min(*height), high.max(*height));
         }
         if high <= slack {
@@ -111,9 +112,9 @@ impl Polygon {
         if fits { sides } else { [*self, Self::EMPTY] }
     }
 
-    /// Returns the part that is within a distance of a triangle, nearly all of it, and fills
-    /// `pieces` with the parts around that. The first is what lies in the triangle's prism, so high
-    /// that the distance is not exceeded and widened as far as it is not.
+    /// Returns a part that is within a distance of a triangle, nearly all there is, and fills
+    /// `pieces` with the other parts. The first is what is inside the triangle's prism, as high as
+    /// the distance allows, and widened as far as that then allows.
     pub(crate) fn split_near(
         &self,
         [a, b, c]: [DVec3; 3],
@@ -127,8 +128,8 @@ impl Polygon {
             return Self::EMPTY;
         };
         let mut inside = *self;
-        let mut cut = |at: DVec3, outwards: DVec3| {
-            let [inner, outer] = inside.cut(at, outwards, slack);
+        let mut cut = |point: DVec3, outwards: DVec3| {
+            let [inner, outer] = inside.cut(point, outwards, slack);
             if outer.has_area() {
                 inside = inner;
                 pieces.push(outer);
@@ -142,12 +143,12 @@ impl Polygon {
         let mut height = high.max(-low);
         if height > distance {
             let middle = (sum / self.count as f64).abs().min(distance);
-            height = (HEIGHT * distance).max(0.5 * (middle + distance));
+            height = (MIN_CUT_HEIGHT * distance).max(0.5 * (middle + distance));
             cut(a + normal * height, normal);
             cut(a - normal * height, -normal);
         }
-        // A corner between two planes that meet at no more than a right angle is no farther from
-        // the triangle than √2 times them.
+        // Where two planes meet at no more than a right angle, their common line is no farther from
+        // the triangle than √2 times the margin.
         let margin = (distance * distance - height * height).max(0.0).sqrt();
         let margin = (margin * FRAC_1_SQRT_2 - slack).max(0.0);
         let directions = [b - a, c - b, a - c].map(DVec3::normalize_or_zero);
@@ -168,10 +169,10 @@ impl Polygon {
 
     /// Returns whether it has room for the corners that cutting adds.
     pub(crate) fn is_simple(&self) -> bool {
-        self.count <= MAX_SIMPLE
+        self.count <= MAX_CORNERS_BEFORE_CUTS
     }
 
-    /// Two parts with fewer corners.
+    /// Returns two parts with fewer corners.
     pub(crate) fn split(&self) -> [Self; 2] {
         let half = self.count / 2;
         let mut parts = [Self::EMPTY; 2];
@@ -184,7 +185,7 @@ impl Polygon {
         parts
     }
 
-    /// Two halves, across its longest diagonal or edge.
+    /// Returns two parts, cut across the middle of the longest diagonal or edge.
     pub(crate) fn halves(&self) -> [Self; 2] {
         let mut longest = (0.0, DVec3::ZERO, DVec3::ZERO);
         for (i, &a) in self.corners().iter().enumerate() {
@@ -209,17 +210,18 @@ mod tests {
     fn what_is_near_a_triangle_is_within_the_distance_and_nothing_is_lost() {
         let mut random = SplitMix64::new(7);
         let mut point = || DVec3::from_array([0; 3].map(|_| f64::from(random.unit())));
-        let (mut some, mut around) = (0, Vec::new());
+        let (mut nonempty, mut around) = (0, Vec::new());
         for round in 0..2_000 {
             let [triangle, corners] = [0; 2].map(|_| [0; 3].map(|_| point()));
             let distance = 0.05 * f64::from(round % 10);
             let polygon = Polygon::triangle(corners);
             let inside = polygon.split_near(triangle, distance, 1e-12, &mut around);
             assert!(inside.farthest_corner(triangle).0 <= distance + 1e-11, "{round}");
-            let sum = inside.area() + around.iter().map(Polygon::area).sum::<f64>();
-            assert!((sum - polygon.area()).abs() < 1e-9, "{round}: {sum} {}", polygon.area());
-            some += usize::from(inside.has_area());
+            let sum = inside.double_area() + around.iter().map(Polygon::double_area).sum::<f64>();
+            let whole = polygon.double_area();
+            assert!((sum - whole).abs() < 1e-9, "{round}: {sum} {whole}");
+            nonempty += usize::from(inside.has_area());
         }
-        assert!(some > 500, "{some}");
+        assert!(nonempty > 500, "{nonempty}");
     }
 }

@@ -1,7 +1,6 @@
-//! The trait of surfaces that can be asked which triangle is near a point, and triangles that move
-//! as one.
+//! Surfaces that can be searched for a triangle near a point.
 
-use crate::moving::{Hit, MovingTree, Triangles};
+use crate::moving::{Hit, MovingTree, Query, Triangles};
 use glam::DVec3;
 
 /// Triangles with a tree over them.
@@ -9,32 +8,30 @@ pub trait Surface {
     /// Returns the corners of a triangle.
     fn corners(&self, triangle: u32) -> [DVec3; 3];
 
-    /// Returns the nearest triangle to a point, or the first within the squared distance `enough`,
-    /// and how many boxes were opened. As many as `patience`: the search was cut short, and a
-    /// nearer triangle may have been missed. `hint` is a triangle that is probably near, or
-    /// [`lodc_mesh::NONE`].
-    fn near(&self, p: DVec3, hint: u32, enough: f64, patience: u32) -> (Hit, u32);
+    /// Returns a triangle near a point, and how many boxes were opened. If these are as many as
+    /// `query.max_boxes`, the search was cut short, and a nearer triangle may have been missed.
+    fn near(&self, query: Query) -> (Hit, u32);
 }
 
-/// Triangles that move, with their tree.
+/// Triangles that move, with their tree, as a [`Surface`].
 #[derive(Clone, Copy, Debug)]
-pub struct Moving<'a, T> {
+pub struct MovingSurface<'a, T> {
     /// The triangles.
     pub triangles: &'a T,
     /// Their tree.
     pub tree: &'a MovingTree,
 }
 
-impl<T: Triangles> Surface for Moving<'_, T> {
+impl<T: Triangles> Surface for MovingSurface<'_, T> {
     #[inline]
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.triangles.corners(triangle)
     }
 
     #[inline]
-    fn near(&self, p: DVec3, hint: u32, enough: f64, patience: u32) -> (Hit, u32) {
-        let mut nearest = Hit::NOTHING;
-        let opened = self.tree.search(self.triangles, p, hint, enough, patience, &mut nearest);
-        (nearest, opened)
+    fn near(&self, query: Query) -> (Hit, u32) {
+        let mut nearest = Hit::NONE;
+        let opened_boxes = self.tree.search(self.triangles, query, &mut nearest);
+        (nearest, opened_boxes)
     }
 }

@@ -2,7 +2,7 @@
 //! median, so that its depth is the logarithm of the number of triangles.
 
 use crate::bounds::Bounds;
-use crate::moving::Hit;
+use crate::moving::{Hit, Query};
 use crate::surface::Surface;
 use crate::triangle::{closest, is_within};
 use glam::DVec3;
@@ -10,12 +10,12 @@ use lodc_mesh::NONE;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// No leaf has more triangles than this.
-const LEAF: usize = 2;
+/// No leaf has more triangles than this. Chosen by hand.
+const MAX_LEAF_TRIANGLES: usize = 2;
 
-/// Boxes that the question for a near triangle may open. Surfaces open some dozens; where very many
+/// Boxes that [`TriangleTree::may_be_within`] may open. Surfaces open some dozens; where very many
 /// triangles overlap, as at a vertex of thousands, a search that went on would open them all.
-const PATIENCE: u32 = 4_000;
+const MAX_BOXES_WITHIN: u32 = 4_000;
 
 /// The nearest point of some triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,20 +38,21 @@ struct Node {
 /// Content of a box.
 #[derive(Clone, Copy, Debug)]
 struct Child {
-    /// A leaf's first slot, or a node.
-    at: u32,
-    /// A leaf's triangles; 0 for nodes.
+    /// A leaf's first slot, or an inner node.
+    index: u32,
+    /// A leaf's triangles; 0 for inner nodes.
     count: u32,
 }
 
 impl Child {
+    /// The slots of a leaf.
     fn slots(self) -> Range<usize> {
-        let first = self.at as usize;
+        let first = self.index as usize;
         first..first + self.count as usize
     }
 }
 
-/// A search tree over triangles. A triangle may be a segment: two of its corners may be one.
+/// A search tree over triangles. A triangle may be a segment: two of its corners may be the same.
 #[derive(Clone, Debug)]
 pub struct TriangleTree {
     root: Child,
@@ -65,39 +66,40 @@ pub struct TriangleTree {
 }
 
 impl TriangleTree {
-    /// The tree of triangles by their corners, in `O(n log n)`, on all threads.
+    /// Builds the tree of triangles by their corners, in `O(n log n)`, on all threads.
     #[must_use]
     pub fn new(corners: &[[DVec3; 3]]) -> Self {
         let item = |(t, corners): (usize, &[DVec3; 3])| Item::new(t as u32, corners);
         let mut items: Vec<Item> = corners.par_iter().enumerate().map(item).collect();
-        let empty = Child { at: 0, count: 0 };
+        let empty = Child { index: 0, count: 0 };
         let node = Node { bounds: [Bounds::EMPTY; 2], child: [empty; 2] };
         let mut nodes = vec![node; inner_nodes(corners.len())];
-        let (_, root) = build(&mut items, Subtree { node: 0, slot: 0 }, &mut nodes);
+        let (_, root) = build(&mut items, SubtreeStart { node: 0, slot: 0 }, &mut nodes);
         let order: Vec<u32> = items.iter().map(|item| item.triangle).collect();
         let mut slot = vec![0; order.len()];
-        for (&triangle, at) in order.iter().zip(0..) {
-            slot[triangle as usize] = at;
+        for (&triangle, own_slot) in order.iter().zip(0..) {
+            slot[triangle as usize] = own_slot;
         }
         let corners = order.iter().map(|&t| corners[t as usize]).collect();
         Self { root, nodes, order, slot, corners }
     }
 
-    /// The tree of segments, each as a triangle whose last two corners are one.
+    /// Builds the tree of segments, each as a triangle whose last two corners are the same.
     #[must_use]
     pub fn of_segments(segments: &[[DVec3; 2]]) -> Self {
         Self::new(&segments.iter().map(|&[a, b]| [a, b, b]).collect::<Vec<_>>())
     }
 
-    /// Takes the triangles at new corners, in `O(n)`. The less they moved, the faster is the tree.
-    pub fn follow(&mut self, corners: &[[DVec3; 3]]) {
-        for (own, &triangle) in self.corners.iter_mut().zip(&self.order) {
-            *own = corners[triangle as usize];
+    /// Moves the triangles to new corners, in `O(n)`. The tree keeps its shape: the less they
+    /// moved, the faster are searches.
+    pub fn move_to(&mut self, corners: &[[DVec3; 3]]) {
+        for (in_slot, &triangle) in self.corners.iter_mut().zip(&self.order) {
+            *in_slot = corners[triangle as usize];
         }
-        for at in (0..self.nodes.len()).rev() {
-            self.nodes[at].bounds = self.nodes[at].child.map(|child| {
+        for node in (0..self.nodes.len()).rev() {
+            self.nodes[node].bounds = self.nodes[node].child.map(|child| {
                 if child.count == 0 {
-                    let [a, b] = &self.nodes[child.at as usize].bounds;
+                    let [a, b] = &self.nodes[child.index as usize].bounds;
                     return Bounds::union(a, b);
                 }
                 let boxes = self.corners[child.slots()].iter().map(bounds);
@@ -106,9 +108,9 @@ impl TriangleTree {
         }
     }
 
-    /// The triangles in an order in which neighbours are near each other.
+    /// The triangles in an order in which neighbours are near each other in space.
     #[must_use]
-    pub fn order(&self) -> &[u32] {
+    pub fn spatial_order(&self) -> &[u32] {
         &self.order
     }
 
@@ -118,22 +120,22 @@ impl TriangleTree {
         self.corners[self.slot[triangle as usize] as usize]
     }
 
-    /// Returns the nearest point to `p`, of equally near triangles one that the search meets first;
-    /// `hint` is a triangle that is probably near, or [`NONE`]. Nothing if there is no triangle.
+    /// Returns the nearest point to `p`, of equally near ones the first that the search meets;
+    /// `hint` is a triangle that is probably near, or [`NONE`]. `None` if there is no triangle.
     #[must_use]
     pub fn nearest(&self, p: DVec3, hint: u32) -> Option<Nearest> {
         let mut best = Nearest { triangle: NONE, barycentric: [0.0; 3], squared: f64::INFINITY };
-        let visit = |slot: usize, best: &mut Nearest| {
+        let visit_slot = |slot: usize, best: &mut Nearest| {
             let (barycentric, squared) = closest(p, self.corners[slot]);
             if squared < best.squared {
                 *best = Nearest { triangle: self.order[slot], barycentric, squared };
             }
         };
         if let Some(&slot) = self.slot.get(hint as usize) {
-            visit(slot as usize, &mut best);
+            visit_slot(slot as usize, &mut best);
         }
-        self.search(p, best.squared, &mut { u32::MAX }, |slots| {
-            slots.for_each(|slot| visit(slot, &mut best));
+        self.visit_leaves(p, best.squared, &mut { u32::MAX }, |slots| {
+            slots.for_each(|slot| visit_slot(slot, &mut best));
             best.squared
         });
         (best.triangle != NONE).then_some(best)
@@ -143,21 +145,20 @@ impl TriangleTree {
     /// none.
     #[must_use]
     pub fn distance_squared(&self, p: DVec3) -> f64 {
-        self.distance_from(p, NONE).0
+        self.nearest_triangle(p, NONE).squared
     }
 
-    /// Returns [`Self::distance_squared`], the same to the bit, and the triangle, with a hint as
-    /// for [`Self::nearest`].
+    /// Returns the nearest triangle to a point, and [`Self::distance_squared`], the same to the
+    /// bit; `hint` as for [`Self::nearest`]. [`Hit::NONE`] if there is no triangle.
     #[must_use]
-    pub fn distance_from(&self, p: DVec3, hint: u32) -> (f64, u32) {
-        let nearest = self.near(p, hint, 0.0, u32::MAX).0;
-        (nearest.squared, nearest.triangle)
+    pub fn nearest_triangle(&self, point: DVec3, hint: u32) -> Hit {
+        self.near(Query { point, hint, enough: 0.0, max_boxes: u32::MAX }).0
     }
 
-    /// Returns false if no triangle is within a squared distance of a point. Ends at the first that
-    /// is, so it is far cheaper than [`Self::distance_squared`] where the answer is true; and true
-    /// is also the answer where 4,000 boxes were opened without one. `hint` is a triangle that is
-    /// probably near, or [`NONE`], and becomes the one that was found.
+    /// Returns whether a triangle is within a squared distance of a point: false is certain, true
+    /// is also the answer where 4,000 boxes were opened without one. Ends at the first that is
+    /// found, so it is far cheaper than [`Self::distance_squared`] where there is one. `hint` is a
+    /// triangle that is probably near, or [`NONE`], and becomes the one that was found.
     #[must_use]
     pub fn may_be_within(&self, p: DVec3, squared: f64, hint: &mut u32) -> bool {
         let is_within = |slot: usize| is_within(p, self.corners[slot], squared);
@@ -165,39 +166,39 @@ impl TriangleTree {
             return true;
         }
         let mut found = None;
-        let beyond = squared.next_up();
-        let all = self.search(p, beyond, &mut { PATIENCE }, |mut slots| {
+        let limit = squared.next_up();
+        let is_complete = self.visit_leaves(p, limit, &mut { MAX_BOXES_WITHIN }, |mut slots| {
             found = slots.find(|&slot| is_within(slot));
-            if found.is_some() { 0.0 } else { beyond }
+            if found.is_some() { 0.0 } else { limit }
         });
         *hint = found.map_or(*hint, |slot| self.order[slot]);
-        found.is_some() || !all
+        found.is_some() || !is_complete
     }
 
-    /// Visits the leaves that are nearer to a point than a squared distance, which every visit may
-    /// lower, the nearest box first. Returns false if `patience` boxes were opened before the end;
-    /// those that were opened are taken from it.
+    /// Visits the leaves whose squared distance to a point is below `limit`, of two boxes the
+    /// nearer first. `visit` gets the slots of a leaf and returns the limit from then on. Returns
+    /// false if `boxes_left` boxes were opened before the end; it counts down.
     #[inline]
-    fn search(
+    fn visit_leaves(
         &self,
         p: DVec3,
         mut limit: f64,
-        patience: &mut u32,
-        mut leaf: impl FnMut(Range<usize>) -> f64,
+        boxes_left: &mut u32,
+        mut visit: impl FnMut(Range<usize>) -> f64,
     ) -> bool {
         if self.order.is_empty() {
             return true;
         }
         // One entry for each level that was passed: halves of 2^32 triangles.
         let mut stack = [(0.0, self.root); 32];
-        let (mut depth, mut at) = (0, self.root);
+        let (mut depth, mut child) = (0, self.root);
         loop {
-            if at.count == 0 {
-                if *patience == 0 {
+            if child.count == 0 {
+                if *boxes_left == 0 {
                     return false;
                 }
-                *patience -= 1;
-                let node = &self.nodes[at.at as usize];
+                *boxes_left -= 1;
+                let node = &self.nodes[child.index as usize];
                 let (a, b) =
                     (node.bounds[0].distance_squared(p), node.bounds[1].distance_squared(p));
                 let [first, second] = node.child;
@@ -208,11 +209,11 @@ impl TriangleTree {
                     depth += 1;
                 }
                 if nearer.0 < limit {
-                    at = nearer.1;
+                    child = nearer.1;
                     continue;
                 }
             } else {
-                limit = leaf(at.slots());
+                limit = visit(child.slots());
             }
             loop {
                 if depth == 0 {
@@ -223,7 +224,7 @@ impl TriangleTree {
                     break;
                 }
             }
-            at = stack[depth].1;
+            child = stack[depth].1;
         }
     }
 }
@@ -234,21 +235,21 @@ impl Surface for TriangleTree {
         self.corners_of(triangle)
     }
 
-    fn near(&self, p: DVec3, hint: u32, enough: f64, patience: u32) -> (Hit, u32) {
-        let mut best = Hit::NOTHING;
+    fn near(&self, Query { point, hint, enough, max_boxes }: Query) -> (Hit, u32) {
+        let mut best = Hit::NONE;
         if let Some(&slot) = self.slot.get(hint as usize) {
-            best.look(p, self.corners[slot as usize], hint);
+            best.replace_if_nearer(point, self.corners[slot as usize], hint);
         }
-        let mut boxes_left = patience;
+        let mut boxes_left = max_boxes;
         if best.squared > enough {
-            self.search(p, best.squared, &mut boxes_left, |slots| {
+            self.visit_leaves(point, best.squared, &mut boxes_left, |slots| {
                 for slot in slots {
-                    best.look(p, self.corners[slot], self.order[slot]);
+                    best.replace_if_nearer(point, self.corners[slot], self.order[slot]);
                 }
                 if best.squared > enough { best.squared } else { 0.0 }
             });
         }
-        (best, patience - boxes_left)
+        (best, max_boxes - boxes_left)
     }
 }
 
@@ -274,55 +275,61 @@ impl Item {
 fn inner_nodes(n: usize) -> usize {
     /// Those of `n` and of `n + 1` triangles.
     fn pair(n: usize) -> (usize, usize) {
-        if n < LEAF {
+        if n < MAX_LEAF_TRIANGLES {
             return (0, 0);
         }
-        let (half, more) = pair(n / 2);
-        let of = |a: usize, b: usize, n: usize| if n <= LEAF { 0 } else { 1 + a + b };
+        let (half, half_and_one) = pair(n / 2);
+        let with_root = |low: usize, high: usize, n: usize| {
+            if n <= MAX_LEAF_TRIANGLES { 0 } else { 1 + low + high }
+        };
         if n.is_multiple_of(2) {
-            (of(half, half, n), of(half, more, n + 1))
+            (with_root(half, half, n), with_root(half, half_and_one, n + 1))
         } else {
-            (of(half, more, n), of(more, more, n + 1))
+            (with_root(half, half_and_one, n), with_root(half_and_one, half_and_one, n + 1))
         }
     }
     pair(n).0
 }
 
-/// A subtree: its first node and the slot of its first triangle.
+/// Where a subtree starts: its first node and the slot of its first triangle.
 #[derive(Clone, Copy)]
-struct Subtree {
+struct SubtreeStart {
     node: u32,
     slot: u32,
 }
 
-/// Triangles from which on both halves of a subtree are built at once.
-const PARALLEL: usize = 4096;
+/// Triangles of a subtree from which on its halves are built in parallel. Chosen by hand: in
+/// smaller ones starting a task takes as long.
+const MIN_PARALLEL: usize = 4096;
 
-/// Builds the subtree of some triangles into `nodes`.
-fn build(items: &mut [Item], at: Subtree, nodes: &mut [Node]) -> (Bounds, Child) {
+/// Builds the subtree of some triangles into `nodes`, which has room for exactly that, and puts the
+/// triangles into the order of slots. Returns its box.
+fn build(items: &mut [Item], start: SubtreeStart, nodes: &mut [Node]) -> (Bounds, Child) {
     let all = items.iter().fold(Bounds::EMPTY, |all, item| Bounds::union(&all, &item.bounds));
-    if items.len() <= LEAF {
-        return (all, Child { at: at.slot, count: items.len() as u32 });
+    if items.len() <= MAX_LEAF_TRIANGLES {
+        return (all, Child { index: start.slot, count: items.len() as u32 });
     }
     let (node, nodes) = nodes.split_first_mut().expect("every subtree has a node");
-    // Halves of equal number: the tree is never deeper than the logarithm, whatever the mesh.
+    // Halves of equal number: whatever the mesh, the depth is logarithmic.
     let axis = all.longest_axis();
     let half = items.len() / 2;
     items.select_nth_unstable_by(half, |a, b| {
         let [x, y] = [a, b].map(|item| item.bounds.middle(axis));
         x.total_cmp(&y).then(a.triangle.cmp(&b.triangle))
     });
-    let parallel = items.len() >= PARALLEL;
-    let (low, high) = items.split_at_mut(half);
-    let (near_nodes, far_nodes) = nodes.split_at_mut(inner_nodes(half));
-    let first = Subtree { node: at.node + 1, slot: at.slot };
-    let second =
-        Subtree { node: first.node + near_nodes.len() as u32, slot: at.slot + half as u32 };
-    let mut low = || build(low, first, near_nodes);
-    let mut high = || build(high, second, far_nodes);
-    let (low, high) = if parallel { rayon::join(low, high) } else { (low(), high()) };
+    let in_parallel = items.len() >= MIN_PARALLEL;
+    let (low_items, high_items) = items.split_at_mut(half);
+    let (low_nodes, high_nodes) = nodes.split_at_mut(inner_nodes(half));
+    let low_start = SubtreeStart { node: start.node + 1, slot: start.slot };
+    let high_start = SubtreeStart {
+        node: low_start.node + low_nodes.len() as u32,
+        slot: start.slot + half as u32,
+    };
+    let mut low = || build(low_items, low_start, low_nodes);
+    let mut high = || build(high_items, high_start, high_nodes);
+    let (low, high) = if in_parallel { rayon::join(low, high) } else { (low(), high()) };
     *node = Node { bounds: [low.0, high.0], child: [low.1, high.1] };
-    (all, Child { at: at.node, count: 0 })
+    (all, Child { index: start.node, count: 0 })
 }
 
 #[cfg(test)]
@@ -337,8 +344,8 @@ mod tests {
         let mut point = |s: f64| DVec3::from_array([(); 3].map(|()| f64::from(random.unit()))) * s;
         let mut corners: Vec<[DVec3; 3]> = (0..300)
             .map(|_| {
-                let at = point(4.0);
-                [at, at + point(1.0), at + point(1.0)]
+                let a = point(4.0);
+                [a, a + point(1.0), a + point(1.0)]
             })
             .collect();
         // Segments, too.
@@ -349,7 +356,7 @@ mod tests {
         for corner in corners.iter_mut().flatten() {
             *corner = *corner * 1.5 + point(0.5);
         }
-        tree.follow(&corners);
+        tree.move_to(&corners);
         assert_agrees(&tree, &corners, &mut point);
         assert!(TriangleTree::new(&[]).nearest(DVec3::ZERO, NONE).is_none());
     }
@@ -367,9 +374,9 @@ mod tests {
                 assert!((found.squared - slow).abs() <= 1e-12 * (1.0 + slow), "{found:?} {slow}");
             }
             let squared = tree.distance_squared(p);
-            let (same, triangle) = tree.distance_from(p, i);
-            assert_eq!(same, squared);
-            assert_eq!(same, distance_squared(p, corners[triangle as usize]));
+            let hit = tree.nearest_triangle(p, i);
+            assert_eq!(hit.squared, squared);
+            assert_eq!(hit.squared, distance_squared(p, corners[hit.triangle as usize]));
             assert!((squared - slow).abs() <= 1e-12 * (1.0 + slow), "{squared} {slow}");
             for mut hint in [NONE, i] {
                 assert!(tree.may_be_within(p, squared, &mut hint));

@@ -3,16 +3,16 @@
 
 use glam::DVec3;
 
-/// The part of a triangle that its closest point to a point lies on (by regions, Ericson 2005,
-/// section 5.1.5).
+/// The feature of a triangle that its closest point to a given point is on (by regions, Ericson
+/// 2005, section 5.1.5).
 enum ClosestFeature {
     Corner(usize),
-    /// On the edge from a corner to another, with the share of the way.
+    /// The edge from a corner to another, with the share of the way.
     Edge([usize; 2], f64),
-    /// Inside, with the weights of the corners, not scaled.
+    /// The inside, with the weights of the corners, not scaled to a sum of 1.
     Inside([f64; 3]),
-    /// On one of three edges of a triangle without area.
-    Flat,
+    /// An edge of a triangle without area; which one is not decided.
+    Degenerate,
 }
 
 const EDGES: [[usize; 2]; 3] = [[0, 1], [1, 2], [0, 2]];
@@ -34,9 +34,10 @@ fn closest_feature(p: DVec3, [a, b, c]: [DVec3; 3]) -> ClosestFeature {
     if d6 >= 0.0 && d5 <= d6 {
         return ClosestFeature::Corner(2);
     }
-    let area = ab.cross(ac).length_squared();
-    if area <= 1e-20 * ab.length_squared() * ac.length_squared() {
-        return ClosestFeature::Flat;
+    // Where the sine of the angle is below 1e-10, what follows would divide rounding errors.
+    let sine_squared = ab.cross(ac).length_squared();
+    if sine_squared <= 1e-20 * ab.length_squared() * ac.length_squared() {
+        return ClosestFeature::Degenerate;
     }
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
@@ -66,19 +67,19 @@ pub fn distance_squared(p: DVec3, t: [DVec3; 3]) -> f64 {
             let height = (p - t[0]).dot(normal);
             height * height / normal.length_squared()
         }
-        ClosestFeature::Flat => {
+        ClosestFeature::Degenerate => {
             EDGES.iter().map(|&e| on_edge(p, t, e).1).fold(f64::INFINITY, f64::min)
         }
     }
 }
 
-/// Returns false if a triangle's box is farther from a point than a squared distance: then the
-/// triangle is, too, and [`distance_squared`] says so with much more work.
+/// Returns false if a triangle's bounding box is farther from a point than a squared distance: then
+/// the triangle is, too. Much cheaper than [`distance_squared`].
 #[inline]
 pub(crate) fn may_be_within(p: DVec3, [a, b, c]: [DVec3; 3], squared: f64) -> bool {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let gap_squared = (low - p).max(p - high).max(DVec3::ZERO).length_squared();
-    // Less than what rounding may make of the distance.
+    // Lowered by more than rounding may lower the exact distance.
     gap_squared * (1.0 - 1e-9) <= squared
 }
 
@@ -105,7 +106,7 @@ pub fn closest(p: DVec3, t: [DVec3; 3]) -> ([f64; 3], f64) {
             let sum = u + v + w;
             [u / sum, v / sum, w / sum]
         }
-        ClosestFeature::Flat => {
+        ClosestFeature::Degenerate => {
             let candidates = EDGES.map(|edge| (on_edge(p, t, edge), edge));
             let nearest = candidates.into_iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1));
             nearest.map_or([1.0, 0.0, 0.0], |((share, _), edge)| on(edge, share))

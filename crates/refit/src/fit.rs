@@ -109,7 +109,7 @@ impl<'a> Fit<'a> {
         let tree = TriangleTree::new(&level.corners(&level.points));
         // A face lies near the triangle that it was.
         let hint = |&face: &u32| [level.source[face as usize]; SIX.len()];
-        let backward_hints = tree.order().iter().flat_map(hint).collect();
+        let backward_hints = tree.spatial_order().iter().flat_map(hint).collect();
         Self {
             input,
             level,
@@ -228,7 +228,7 @@ impl<'a> Fit<'a> {
 
     fn tie(&mut self, positions: &[DVec3]) -> Ties<'a> {
         let corners = self.level.corners(positions);
-        self.tree.follow(&corners);
+        self.tree.move_to(&corners);
         let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
         let level = self.level;
         let system = System::new(positions.len(), &level.faces, &level.face_edges, &level.edges);
@@ -306,7 +306,7 @@ impl<'a> Fit<'a> {
             (found, normal.normalize_or_zero())
         };
         let blocks = self.backward_hints.chunks_mut(SAMPLES_PER_BLOCK * SIX.len());
-        for (faces, hints) in self.tree.order().chunks(SAMPLES_PER_BLOCK).zip(blocks) {
+        for (faces, hints) in self.tree.spatial_order().chunks(SAMPLES_PER_BLOCK).zip(blocks) {
             let hints = hints.par_chunks_mut(SIX.len());
             let found: Vec<_> = faces.par_iter().zip(hints).map(tie_face).collect();
             for (&face, (points, normal)) in faces.iter().zip(found) {

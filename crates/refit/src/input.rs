@@ -83,7 +83,7 @@ impl Input {
     /// The triangle of a sample, its barycentric coordinates there, and its share of the whole
     /// area.
     pub(crate) fn sample_location(&self, i: usize) -> (usize, [f64; 3], f64) {
-        let triangle = self.tree.order()[i / self.rule.len()] as usize;
+        let triangle = self.tree.spatial_order()[i / self.rule.len()] as usize;
         let (barycentric, share) = self.rule[i % self.rule.len()];
         (triangle, barycentric, self.areas[triangle] * share / self.area)
     }

@@ -163,7 +163,7 @@ impl Surface<'_> {
             }
             found
         });
-        let from_level = tree.order().par_chunks(SAMPLES_PER_THREAD).flat_map_iter(|faces| {
+        let from_level = tree.spatial_order().par_chunks(SAMPLES_PER_THREAD).flat_map_iter(|faces| {
             let mut found = Vec::with_capacity(SIX.len() * SAMPLES_PER_THREAD);
             for &face in faces {
                 let mut last = level.source[face as usize];

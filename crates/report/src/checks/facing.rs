@@ -111,7 +111,7 @@ impl Facing {
         let corners = level.triangles()[triangle].map(position);
         let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
         let middle = corners.iter().sum::<DVec3>() / 3.0;
-        let (_, nearest) = self.tree.distance_from(middle, NONE);
+        let nearest = self.tree.nearest_triangle(middle, NONE).triangle;
         nearest != NONE && normal(corners).dot(normal(self.tree.corners_of(nearest))) < 0.0
     }
 }
