@@ -163,7 +163,8 @@ impl Surface<'_> {
             }
             found
         });
-        let from_level = tree.spatial_order().par_chunks(SAMPLES_PER_THREAD).flat_map_iter(|faces| {
+        let face_chunks = tree.spatial_order().par_chunks(SAMPLES_PER_THREAD);
+        let from_level = face_chunks.flat_map_iter(|faces| {
             let mut found = Vec::with_capacity(SIX.len() * SAMPLES_PER_THREAD);
             for &face in faces {
                 let mut last = level.source[face as usize];
