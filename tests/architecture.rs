@@ -5,6 +5,8 @@
 mod circles;
 #[path = "architecture/drawing.rs"]
 mod drawing;
+#[path = "architecture/features.rs"]
+mod features;
 #[path = "architecture/globals.rs"]
 mod globals;
 #[path = "architecture/locks.rs"]

@@ -20,7 +20,6 @@ mod extract;
 mod fixtures;
 mod folders;
 mod geomorph;
-mod host;
 mod importance;
 mod inputs;
 mod limits;
