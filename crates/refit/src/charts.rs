@@ -15,7 +15,7 @@ pub(crate) enum Continuity {
 }
 
 impl Continuity {
-    fn counts(self, semantic: &Semantic) -> bool {
+    fn includes(self, semantic: &Semantic) -> bool {
         match semantic {
             Semantic::TexCoord(_) | Semantic::Color(_) => true,
             Semantic::Normal => self == Self::Shading,
@@ -24,8 +24,8 @@ impl Continuity {
     }
 }
 
-/// Returns the chart of each triangle: triangles of one submesh hang together at vertices whose
-/// position and streams are bit for bit the same.
+/// Returns the chart of each triangle, named by one of its vertices: triangles of one submesh are
+/// connected by vertices whose position and streams are bit for bit the same.
 pub(crate) fn charts(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
     let class_of = classes(mesh, continuity);
     let mut sets = DisjointSets::new(mesh.vertex_count());
@@ -37,22 +37,22 @@ pub(crate) fn charts(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
     mesh.triangles().iter().map(|t| sets.find(class_of[t[0] as usize])).collect()
 }
 
-/// For each vertex the first vertex that it is equal to.
+/// Returns for each vertex the first vertex that it is equal to.
 fn classes(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
     let positions = PositionIds::new(mesh.positions());
     let streams: Vec<_> = mesh
         .attributes()
         .iter()
-        .filter(|a| a.morph_target.is_none() && continuity.counts(&a.semantic))
+        .filter(|a| a.morph_target.is_none() && continuity.includes(&a.semantic))
         .collect();
     let key = |v: u32| (mesh.vertex_submesh()[v as usize], positions.of_vertex[v as usize]);
     let mut order: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
     order.par_sort_unstable_by(|&a, &b| {
-        let mut by = key(a).cmp(&key(b));
+        let mut ordering = key(a).cmp(&key(b));
         for stream in &streams {
-            by = by.then_with(|| stream.at(a).cmp(stream.at(b)));
+            ordering = ordering.then_with(|| stream.at(a).cmp(stream.at(b)));
         }
-        by.then(a.cmp(&b))
+        ordering.then(a.cmp(&b))
     });
     let is_equal = |a: u32, b: u32| key(a) == key(b) && streams.iter().all(|s| s.at(a) == s.at(b));
     let mut class_of = vec![NONE; mesh.vertex_count()];
@@ -62,14 +62,16 @@ fn classes(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
     class_of
 }
 
-/// Returns the curves of a surface as `3 * face + corner` of one side each: edges that one face has
-/// alone, that more than two share, or where charts meet. Faces are given by positions.
-pub(crate) fn curves(faces: &[[u32; 3]], chart: &[u32]) -> Vec<u32> {
+/// Returns the curve edges of a surface as `3 * face + corner` of one side each: edges that one
+/// face has alone, that more than two share, or where charts meet. Faces are given by positions;
+/// `charts` has the chart of each.
+pub(crate) fn curves(faces: &[[u32; 3]], charts: &[u32]) -> Vec<u32> {
     let sides = sides(faces);
-    let inner = |run: &[Side]| run.len() == 2 && chart[run[0].face()] == chart[run[1].face()];
+    let is_inner =
+        |edge: &[Side]| edge.len() == 2 && charts[edge[0].face()] == charts[edge[1].face()];
     let edges = sides.chunk_by(|a, b| a.edge == b.edge);
     let mut curves: Vec<u32> =
-        edges.filter(|run| !inner(run)).map(|run| run[0].half_edge).collect();
+        edges.filter(|edge| !is_inner(edge)).map(|edge| edge[0].half_edge).collect();
     curves.sort_unstable();
     curves
 }

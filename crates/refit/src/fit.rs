@@ -2,42 +2,43 @@
 //! least squares for the moves of the points, guard faces against turning over, and keep the best
 //! state.
 
-use crate::by_face::{ByFace, hardly_closer, within_reach};
 use crate::charts::curves;
+use crate::face_distances::{FaceDistances, barely_closer, energy_if_worse_stay};
 use crate::guard::{Guard, cross};
 use crate::input::Input;
 use crate::level::Level;
-use crate::quadrature::SIX;
+use crate::quadrature::SIX_POINTS;
 use crate::system::{System, Tie};
 use glam::DVec3;
 use lodc_mesh::NONE;
 use lodc_nearest::{TriangleTree, point_at};
 use rayon::prelude::*;
 
-/// Distances below this share of the diagonal have no direction worth following.
+/// Distances below this share of the diagonal have no direction worth following. Chosen by hand.
 const TINY_SHARE: f64 = 1e-7;
 /// The most that a point moves in one iteration, in mean edge lengths around it. Chosen by hand.
 const MAX_STEP: f64 = 0.5;
 /// The most that a point moves in all, in mean edge lengths around its start. Chosen by hand.
 const MAX_MOVE: f64 = 1.0;
-/// Points on each curve edge of the level. Chosen by hand.
-const ON_CURVE: usize = 4;
-/// Samples, or faces, that are looked up in parallel before they are added up in order.
+/// Points on each curve edge of the level that are tied to the input. Chosen by hand.
+const POINTS_PER_CURVE_EDGE: usize = 4;
+/// Samples, or faces, that are looked up in parallel before they are added up in order: bounds the
+/// memory of their ties. Chosen by hand.
 const SAMPLES_PER_BLOCK: usize = 1 << 14;
 /// Samples that one thread looks up one after the other, each with the last one's triangle as a
-/// hint.
+/// hint. Chosen by hand.
 const SAMPLES_PER_THREAD: usize = 1 << 8;
-/// The most that a sample's squared distance may become, as a share of the farthest sample's at the
-/// start: 5 % more in distance. Chosen by hand.
-const MAX_FARTHEST: f64 = 1.05 * 1.05;
-/// Number of times that points with samples beyond the limit are held back. Chosen by hand.
-const HELD_ROUNDS: usize = 4;
-/// The share of the squared distance at the start that points which come farther may add. Chosen by
-/// hand.
-const MAX_SPOILT: f64 = 0.02;
+/// The most that any sample's squared distance may become, over the farthest sample's at the start:
+/// 5 % more in distance. Chosen by hand.
+const MAX_SQUARED_RATIO: f64 = 1.05 * 1.05;
+/// Most rounds in which points with samples beyond that are held back. Chosen by hand.
+const MAX_HOLD_ROUNDS: usize = 4;
+/// The share of the energy at the start by which points that get worse may raise it in all. Chosen
+/// by hand.
+const MAX_WORSE_SHARE: f64 = 0.02;
 /// Root mean square distance, as a share of the diagonal, below which a level is not refitted
-/// further: rounding of `f32` coordinates.
-const GOOD_ENOUGH: f64 = 1e-6;
+/// further: what is left is rounding of `f32` coordinates.
+const GOOD_ENOUGH_SHARE: f64 = 1e-6;
 
 /// Points of the level on their way to a better fit.
 pub(crate) struct Fit<'a> {
@@ -45,14 +46,16 @@ pub(crate) struct Fit<'a> {
     level: &'a Level,
     /// Normals of the faces where the simplifier left them.
     first_normals: Vec<DVec3>,
-    first_lengths: Vec<f64>,
-    /// Curves of the level, as `3 * face + corner`.
+    /// The mean edge length around each point where the simplifier left it.
+    first_edge_lengths: Vec<f64>,
+    /// Curve edges of the level, as `3 * face + corner`.
     curves: Vec<u32>,
-    /// The tree of the faces, which follows them.
+    /// The tree of the faces, which moves with them.
     tree: TriangleTree,
-    /// The face that each sample was nearest to, and the input triangle of each backward point, by
-    /// the order of the tree.
+    /// The face that each sample of the input was nearest to last.
     hints: Vec<u32>,
+    /// The input triangle that each point of the level's faces was nearest to last, in the order of
+    /// the tree.
     backward_hints: Vec<u32>,
 }
 
@@ -61,8 +64,17 @@ struct Ties<'a> {
     system: System<'a>,
     /// Mean squared distance, both directions added.
     energy: f64,
-    by_face: ByFace,
+    face_distances: FaceDistances,
+    /// The mean normal of the input near each face.
     input_normals: Vec<DVec3>,
+}
+
+/// Positions of the points, and how far both surfaces are from each other then.
+struct State {
+    positions: Vec<DVec3>,
+    energy: f64,
+    face_distances: FaceDistances,
+    energies_around: Vec<f64>,
 }
 
 /// Distances of the level where the simplifier left it.
@@ -70,26 +82,26 @@ struct UnmovedDistances {
     /// Mean squared distance, both directions added.
     energy: f64,
     /// The same around each point.
-    around: Vec<f64>,
-    /// Most that a squared distance of any sample may become.
-    limit: f64,
+    energies_around: Vec<f64>,
+    /// The most that the squared distance of any sample may become.
+    max_squared: f64,
 }
 
 impl UnmovedDistances {
-    /// Marks the points that come farther than they were, if they spoil more than a little of the
-    /// whole; returns whether any was not marked before.
+    /// Holds the points that have got worse, if together they raise the energy by more than
+    /// [`MAX_WORSE_SHARE`]; returns whether any was not held before.
     fn hold_worse(&self, energies_around: &[f64], held: &mut [bool]) -> bool {
-        let worse = |p: usize| energies_around[p] - self.around[p];
-        let spoilt: f64 = (0..held.len()).map(|p| worse(p).max(0.0)).sum();
-        if spoilt <= MAX_SPOILT * self.around.iter().sum::<f64>() {
+        let excess = |p: usize| energies_around[p] - self.energies_around[p];
+        let total_excess: f64 = (0..held.len()).map(|p| excess(p).max(0.0)).sum();
+        if total_excess <= MAX_WORSE_SHARE * self.energies_around.iter().sum::<f64>() {
             return false;
         }
-        let mut new = false;
-        for p in (0..held.len()).filter(|&p| worse(p) > 0.0) {
-            new |= !held[p];
+        let mut any_new = false;
+        for p in (0..held.len()).filter(|&p| excess(p) > 0.0) {
+            any_new |= !held[p];
             held[p] = true;
         }
-        new
+        any_new
     }
 }
 
@@ -98,25 +110,26 @@ impl Ties<'_> {
     fn add(&mut self, (tie, squared): &(Tie, f64)) {
         self.system.add(tie);
         self.energy += tie.weight * squared;
-        self.by_face.add(tie, *squared);
+        self.face_distances.add(tie, *squared);
     }
 }
 
 impl<'a> Fit<'a> {
     pub(crate) fn new(input: &'a Input, level: &'a Level) -> Self {
-        let chart: Vec<u32> = level.source.iter().map(|&t| input.chart[t as usize]).collect();
+        let charts = level.input_triangles.iter().map(|&t| input.charts[t as usize]);
+        let charts: Vec<u32> = charts.collect();
         let normal = |corners| cross(corners).normalize_or_zero();
         let tree = TriangleTree::new(&level.corners(&level.points));
-        // A face lies near the triangle that it was.
-        let hint = |&face: &u32| [level.source[face as usize]; SIX.len()];
+        // A face is near the triangle that it was.
+        let hint = |&face: &u32| [level.input_triangles[face as usize]; SIX_POINTS.len()];
         let backward_hints = tree.spatial_order().iter().flat_map(hint).collect();
         Self {
             input,
             level,
             first_normals: level.corners(&level.points).into_iter().map(normal).collect(),
-            first_lengths: level.edge_lengths(&level.points),
-            curves: curves(&level.faces, &chart),
-            hints: vec![NONE; input.samples()],
+            first_edge_lengths: level.edge_lengths(&level.points),
+            curves: curves(&level.faces, &charts),
+            hints: vec![NONE; input.sample_count()],
             backward_hints,
             tree,
         }
@@ -127,70 +140,77 @@ impl<'a> Fit<'a> {
     pub(crate) fn run(mut self, iterations: u32, tick: &(dyn Fn() + Sync)) -> Vec<DVec3> {
         let (points, faces) = (&self.level.points, &self.level.faces);
         let start = self.tie(points);
-        let limit = MAX_FARTHEST * start.by_face.farthest();
+        let max_squared = MAX_SQUARED_RATIO * start.face_distances.max_squared();
         let first = UnmovedDistances {
             energy: start.energy,
-            around: self.energies_around(&start.by_face),
-            limit,
+            energies_around: self.energies_around(&start.face_distances),
+            max_squared,
         };
         let (mut best, mut positions) = (None, points.clone());
-        let (mut least_energy, mut ties) = (first.around.iter().sum(), start);
+        let (mut least_energy, mut ties) = (first.energies_around.iter().sum(), start);
         for _ in 0..iterations {
             tick();
-            if ties.energy.sqrt() < GOOD_ENOUGH * self.input.diagonal {
+            if ties.energy.sqrt() < GOOD_ENOUGH_SHARE * self.input.diagonal {
                 break;
             }
             let moves = self.clamped(&positions, &ties.system.solve());
             positions = self.guard(&ties.input_normals).limit(&positions, &moves);
             ties = self.tie(&positions);
-            let energies_around = self.energies_around(&ties.by_face);
-            let energy_within_reach = within_reach(&first.around, &energies_around);
-            if energy_within_reach < least_energy {
-                least_energy = energy_within_reach;
-                best =
-                    Some((positions.clone(), ties.energy, ties.by_face.clone(), energies_around));
+            let energies_around = self.energies_around(&ties.face_distances);
+            let reachable = energy_if_worse_stay(&first.energies_around, &energies_around);
+            if reachable < least_energy {
+                least_energy = reachable;
+                let (positions, face_distances) = (positions.clone(), ties.face_distances.clone());
+                let energy = ties.energy;
+                best = Some(State { positions, energy, face_distances, energies_around });
             }
         }
-        let Some((best, energy, by_face, energies_around)) = best else { return points.clone() };
-        let mut held = hardly_closer(&first.around, &energies_around, faces);
-        let is_good = energy < first.energy && by_face.farthest() <= limit && !held.contains(&true);
-        if !first.hold_worse(&energies_around, &mut held) && is_good {
-            return best;
+        let Some(best) = best else { return points.clone() };
+        let mut held = barely_closer(&first.energies_around, &best.energies_around, faces);
+        let is_good = best.energy < first.energy
+            && best.face_distances.max_squared() <= max_squared
+            && !held.contains(&true);
+        if !first.hold_worse(&best.energies_around, &mut held) && is_good {
+            return best.positions;
         }
-        let held = self.held_back(&best, held, by_face, &ties.input_normals, &first);
-        let ties = self.tie(&held);
-        let max_energy = if is_good { energy } else { first.energy };
-        match () {
-            () if ties.energy < max_energy && ties.by_face.farthest() <= limit => held,
-            () if is_good => best,
-            () => self.level.points.clone(),
+        let held_back = self.hold_back(&best, held, &ties.input_normals, &first);
+        let ties = self.tie(&held_back);
+        let max_energy = if is_good { best.energy } else { first.energy };
+        if ties.energy < max_energy && ties.face_distances.max_squared() <= max_squared {
+            held_back
+        } else if is_good {
+            best.positions
+        } else {
+            self.level.points.clone()
         }
     }
 
-    fn energies_around(&self, by_face: &ByFace) -> Vec<f64> {
-        by_face.around(&self.level.faces, self.level.points.len())
+    fn energies_around(&self, face_distances: &FaceDistances) -> Vec<f64> {
+        face_distances.energies_around(&self.level.faces, self.level.points.len())
     }
 
-    /// Puts the points that are `held`, and the corners of faces with a sample beyond the limit,
-    /// back to their start, with a ring of neighbours more each time, and points that come farther,
-    /// until no sample is beyond and hardly any point comes farther.
-    fn held_back(
+    /// Returns the positions of `best` with points back where the simplifier left them: those that
+    /// are `held`, the corners of faces with a sample beyond the limit, with one more ring of
+    /// neighbours in each round, and points that get worse. Ends when no sample is beyond the limit
+    /// and hardly any point is worse.
+    fn hold_back(
         &mut self,
-        moved: &[DVec3],
+        best: &State,
         mut held: Vec<bool>,
-        mut by_face: ByFace,
         input_normals: &[DVec3],
         first: &UnmovedDistances,
     ) -> Vec<DVec3> {
-        let level = self.level;
+        let (level, moved) = (self.level, &best.positions);
+        let mut face_distances = best.face_distances.clone();
         let mut beyond_limit = vec![false; moved.len()];
-        let mut positions = moved.to_vec();
-        for _ in 0..HELD_ROUNDS {
-            let touched = |f: &usize| {
+        let mut positions = moved.clone();
+        for _ in 0..MAX_HOLD_ROUNDS {
+            let is_affected = |f: &usize| {
                 let is_beyond = |&p: &u32| beyond_limit[p as usize];
-                by_face.farthest_of(*f) > first.limit || level.faces[*f].iter().any(is_beyond)
+                face_distances.max_squared_of(*f) > first.max_squared
+                    || level.faces[*f].iter().any(is_beyond)
             };
-            let affected_faces: Vec<usize> = (0..level.faces.len()).filter(touched).collect();
+            let affected_faces: Vec<usize> = (0..level.faces.len()).filter(is_affected).collect();
             for &p in affected_faces.iter().flat_map(|&f| &level.faces[f]) {
                 beyond_limit[p as usize] = true;
                 held[p as usize] = true;
@@ -199,9 +219,9 @@ impl<'a> Fit<'a> {
                 .map(|p| if held[p] { DVec3::ZERO } else { moved[p] - level.points[p] })
                 .collect();
             positions = self.guard(input_normals).limit(&level.points, &moves);
-            by_face = self.tie(&positions).by_face;
-            let got_worse = first.hold_worse(&self.energies_around(&by_face), &mut held);
-            if by_face.farthest() <= first.limit && !got_worse {
+            face_distances = self.tie(&positions).face_distances;
+            let got_worse = first.hold_worse(&self.energies_around(&face_distances), &mut held);
+            if face_distances.max_squared() <= first.max_squared && !got_worse {
                 break;
             }
         }
@@ -212,7 +232,7 @@ impl<'a> Fit<'a> {
         Guard { level: self.level, first_normals: &self.first_normals, input_normals }
     }
 
-    /// Limits moves to half an edge now, and to one edge in all.
+    /// Limits moves to [`MAX_STEP`], and to [`MAX_MOVE`] in all.
     fn clamped(&self, positions: &[DVec3], moves: &[DVec3]) -> Vec<DVec3> {
         let lengths = self.level.edge_lengths(positions);
         (0..positions.len())
@@ -220,31 +240,33 @@ impl<'a> Fit<'a> {
                 let step = moves[i].clamp_length_max(MAX_STEP * lengths[i]);
                 let first = self.level.points[i];
                 let total = positions[i] + step - first;
-                first + total.clamp_length_max(MAX_MOVE * self.first_lengths[i]) - positions[i]
+                first + total.clamp_length_max(MAX_MOVE * self.first_edge_lengths[i]) - positions[i]
             })
             .map(|m| if m.is_finite() { m } else { DVec3::ZERO })
             .collect()
     }
 
+    /// Ties both surfaces to each other, with the points of the level at `positions`.
     fn tie(&mut self, positions: &[DVec3]) -> Ties<'a> {
         let corners = self.level.corners(positions);
         self.tree.move_to(&corners);
         let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
         let level = self.level;
         let system = System::new(positions.len(), &level.faces, &level.face_edges, &level.edges);
-        let by_face = ByFace::new(level.faces.len());
+        let face_distances = FaceDistances::new(level.faces.len());
         let input_normals = vec![DVec3::ZERO; level.faces.len()];
-        let mut ties = Ties { system, energy: 0.0, by_face, input_normals };
+        let mut ties = Ties { system, energy: 0.0, face_distances, input_normals };
         self.tie_input(&corners, &crosses, &mut ties);
         self.tie_level(&corners, &crosses, &mut ties);
         self.tie_curves(&corners, &mut ties);
         ties
     }
 
-    /// From the input's samples to the level.
+    /// Ties the input's samples to the level. `crosses` are twice the areas of faces along their
+    /// normals.
     fn tie_input(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
         let (input, tree) = (self.input, &self.tree);
-        let tiny = (TINY_SHARE * input.diagonal).powi(2);
+        let tiny_squared = (TINY_SHARE * input.diagonal).powi(2);
         for (block, hints) in self.hints.chunks_mut(SAMPLES_PER_BLOCK).enumerate() {
             let tie_sample = |i: usize, hint: u32| {
                 let (p, weight) = input.sample(i);
@@ -252,7 +274,7 @@ impl<'a> Fit<'a> {
                 let face = nearest.triangle as usize;
                 let residual = point_at(corners[face], nearest.barycentric) - p;
                 let normal = crosses[face].normalize_or_zero();
-                let direction = direction(residual, nearest.squared, tiny, normal);
+                let direction = direction(residual, nearest.squared, tiny_squared, normal);
                 let tie = Tie {
                     face: nearest.triangle,
                     barycentric: nearest.barycentric,
@@ -262,42 +284,46 @@ impl<'a> Fit<'a> {
                 };
                 Some((tie, nearest.squared))
             };
-            let run = |(run, hints): (usize, &mut [u32])| -> Vec<(Tie, f64)> {
-                let (first, mut last) =
-                    (SAMPLES_PER_BLOCK * block + SAMPLES_PER_THREAD * run, NONE);
+            let tie_run = |(run, hints): (usize, &mut [u32])| -> Vec<(Tie, f64)> {
+                let first_sample = SAMPLES_PER_BLOCK * block + SAMPLES_PER_THREAD * run;
+                let mut last_face = NONE;
                 let tie_next = |(i, hint): (usize, &mut u32)| {
-                    let guess = if *hint == NONE { last } else { *hint };
-                    let nearest = tie_sample(first + i, guess);
-                    *hint = nearest.map_or(NONE, |f| f.0.face);
-                    last = *hint;
-                    nearest
+                    let guess = if *hint == NONE { last_face } else { *hint };
+                    let tie = tie_sample(first_sample + i, guess);
+                    *hint = tie.map_or(NONE, |(tie, _)| tie.face);
+                    last_face = *hint;
+                    tie
                 };
                 hints.iter_mut().enumerate().filter_map(tie_next).collect()
             };
-            let nearest: Vec<_> =
-                hints.par_chunks_mut(SAMPLES_PER_THREAD).enumerate().map(run).collect();
-            nearest.iter().flatten().for_each(|nearest| ties.add(nearest));
+            let found: Vec<_> =
+                hints.par_chunks_mut(SAMPLES_PER_THREAD).enumerate().map(tie_run).collect();
+            found.iter().flatten().for_each(|tie| ties.add(tie));
         }
     }
 
-    /// From points on the level's faces to the input.
+    /// Ties points on the level's faces to the input, and finds the input's normals there.
     fn tie_level(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
         let input = self.input;
-        let tiny = (TINY_SHARE * input.diagonal).powi(2);
+        let tiny_squared = (TINY_SHARE * input.diagonal).powi(2);
         let area = crosses.iter().map(|c| c.length()).sum::<f64>().max(f64::MIN_POSITIVE);
         let tie_face = |(face, hints): (&u32, &mut [u32])| {
             let (face, mut normal) = (*face as usize, DVec3::ZERO);
-            let mut found = [None; SIX.len()];
-            for (k, (barycentric, share)) in SIX.iter().enumerate() {
+            let mut found = [None; SIX_POINTS.len()];
+            for (k, (barycentric, share)) in SIX_POINTS.iter().enumerate() {
                 let q = point_at(corners[face], *barycentric);
                 let hint = if hints[k] == NONE { hints[k.saturating_sub(1)] } else { hints[k] };
                 let Some(nearest) = input.tree.nearest(q, hint) else { continue };
                 hints[k] = nearest.triangle;
                 let input_triangle = nearest.triangle as usize;
                 normal += input.normals[input_triangle] * *share;
-                let residual = q - input.at(input_triangle, nearest.barycentric);
-                let direction =
-                    direction(residual, nearest.squared, tiny, input.normals[input_triangle]);
+                let residual = q - input.surface_point(input_triangle, nearest.barycentric);
+                let direction = direction(
+                    residual,
+                    nearest.squared,
+                    tiny_squared,
+                    input.normals[input_triangle],
+                );
                 let weight = crosses[face].length() * share / area;
                 let (face, barycentric) = (face as u32, *barycentric);
                 let tie = Tie { face, barycentric, residual, direction, weight };
@@ -305,9 +331,9 @@ impl<'a> Fit<'a> {
             }
             (found, normal.normalize_or_zero())
         };
-        let blocks = self.backward_hints.chunks_mut(SAMPLES_PER_BLOCK * SIX.len());
+        let blocks = self.backward_hints.chunks_mut(SAMPLES_PER_BLOCK * SIX_POINTS.len());
         for (faces, hints) in self.tree.spatial_order().chunks(SAMPLES_PER_BLOCK).zip(blocks) {
-            let hints = hints.par_chunks_mut(SIX.len());
+            let hints = hints.par_chunks_mut(SIX_POINTS.len());
             let found: Vec<_> = faces.par_iter().zip(hints).map(tie_face).collect();
             for (&face, (points, normal)) in faces.iter().zip(found) {
                 ties.input_normals[face as usize] = normal;
@@ -316,23 +342,24 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Between the curves of both surfaces: borders, borders of materials, seams of charts.
+    /// Ties the curves of both surfaces to each other: borders, borders of materials, seams of
+    /// charts.
     fn tie_curves(&self, corners: &[[DVec3; 3]], ties: &mut Ties<'_>) {
-        let (input, sides) = (self.input, &self.curves);
-        if sides.is_empty() || input.curve_points.is_empty() {
+        let (input, curves) = (self.input, &self.curves);
+        if curves.is_empty() || input.curve_points.is_empty() {
             return;
         }
         let ends = |side: u32| {
             let (t, k) = (corners[side as usize / 3], side as usize % 3);
             [t[k], t[(k + 1) % 3]]
         };
-        let segments: Vec<[DVec3; 2]> = sides.iter().map(|&side| ends(side)).collect();
+        let segments: Vec<[DVec3; 2]> = curves.iter().map(|&side| ends(side)).collect();
         let lengths: Vec<f64> = segments.iter().map(|[a, b]| a.distance(*b)).collect();
-        // Curves weigh as bands of the mean width of a face.
-        let band = mean_edge(corners) / input.area.max(f64::MIN_POSITIVE);
+        // A curve weighs as much as a band along it, as wide as a mean edge is long.
+        let weight_per_length = mean_edge(corners) / input.area.max(f64::MIN_POSITIVE);
         let tree = TriangleTree::of_segments(&segments);
         let tie = |segment: usize, t: f64, residual: DVec3, weight: f64| {
-            let (side, mut barycentric) = (sides[segment], [0.0; 3]);
+            let (side, mut barycentric) = (curves[segment], [0.0; 3]);
             let k = side as usize % 3;
             (barycentric[k], barycentric[(k + 1) % 3]) = (1.0 - t, t);
             let direction = residual.normalize_or_zero();
@@ -344,18 +371,23 @@ impl<'a> Fit<'a> {
                     let found = tree.nearest(p, NONE)?;
                     let (segment, t) = (found.triangle as usize, 1.0 - found.barycentric[0]);
                     let [a, b] = segments[segment];
-                    Some(tie(segment, t, a.lerp(b, t) - p, length * band))
+                    Some(tie(segment, t, a.lerp(b, t) - p, length * weight_per_length))
                 })
                 .collect();
-        let from_level: Vec<Option<Tie>> = (0..ON_CURVE * segments.len())
+        let from_level: Vec<Option<Tie>> = (0..POINTS_PER_CURVE_EDGE * segments.len())
             .into_par_iter()
             .map(|i| {
-                let (segment, k) = (i / ON_CURVE, i % ON_CURVE);
-                let t = (k as f64 + 0.5) / ON_CURVE as f64;
+                let (segment, k) = (i / POINTS_PER_CURVE_EDGE, i % POINTS_PER_CURVE_EDGE);
+                let t = (k as f64 + 0.5) / POINTS_PER_CURVE_EDGE as f64;
                 let q = segments[segment][0].lerp(segments[segment][1], t);
                 let found = input.curve_tree.nearest(q, NONE)?;
-                let p = input.on_curve(found.triangle as usize, 1.0 - found.barycentric[0]);
-                Some(tie(segment, t, q - p, lengths[segment] / ON_CURVE as f64 * band))
+                let p = input.point_on_curve(found.triangle as usize, 1.0 - found.barycentric[0]);
+                Some(tie(
+                    segment,
+                    t,
+                    q - p,
+                    lengths[segment] / POINTS_PER_CURVE_EDGE as f64 * weight_per_length,
+                ))
             })
             .collect();
         from_input.into_iter().chain(from_level).flatten().for_each(|tie| ties.system.add(&tie));
@@ -369,6 +401,6 @@ fn mean_edge(corners: &[[DVec3; 3]]) -> f64 {
 }
 
 /// The unit direction of a residual, or the normal where it is too short to have one.
-fn direction(residual: DVec3, squared: f64, tiny: f64, normal: DVec3) -> DVec3 {
-    if squared < tiny { normal } else { residual / squared.sqrt() }
+fn direction(residual: DVec3, squared: f64, tiny_squared: f64, normal: DVec3) -> DVec3 {
+    if squared < tiny_squared { normal } else { residual / squared.sqrt() }
 }

@@ -1,14 +1,13 @@
-//! The input of a refit, fixed over all iterations: a tree over its triangles, samples on them,
-//! charts, and curves with their own tree.
+//! LOD 0 as the input of a refit, the same over all iterations: a tree over its triangles, samples
+//! on them, charts, and curves with their own tree.
 
 use crate::charts::{Continuity, charts, curves};
-use crate::quadrature::for_ratio;
+use crate::quadrature::{Rule, rule_for_ratio};
 use glam::DVec3;
 use lodc_mesh::{Mesh, PositionIds};
 use lodc_nearest::{TriangleTree, point_at};
 use std::sync::Arc;
 
-/// The input, the same over all iterations.
 pub(crate) struct Input {
     /// Unit normals of the triangles; zero for those without area.
     pub(crate) normals: Vec<DVec3>,
@@ -16,17 +15,17 @@ pub(crate) struct Input {
     /// The tree of the curves (each a segment), and the two points of Gauss's rule on each.
     pub(crate) curve_tree: TriangleTree,
     pub(crate) curve_points: Vec<DVec3>,
-    /// Half the length of the curve that each of `curve_points` stands for.
+    /// The length that each of `curve_points` represents: half a curve's.
     pub(crate) curve_lengths: Vec<f64>,
-    /// Charts as far as texture coordinates and colours go.
-    pub(crate) chart: Vec<u32>,
+    /// The chart of each triangle, as far as texture coordinates and colours go.
+    pub(crate) charts: Vec<u32>,
     pub(crate) area: f64,
     /// Length of the bounding box's diagonal.
     pub(crate) diagonal: f64,
     segments: Vec<[DVec3; 2]>,
     corners: Vec<[DVec3; 3]>,
     areas: Vec<f64>,
-    rule: crate::quadrature::Rule,
+    rule: Rule,
 }
 
 impl Input {
@@ -36,17 +35,17 @@ impl Input {
         let crosses = corners.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a));
         let (normals, areas): (Vec<DVec3>, Vec<f64>) =
             crosses.map(|n| (n.normalize_or_zero(), n.length() / 2.0)).unzip();
-        let chart = charts(mesh, Continuity::Texture);
+        let charts = charts(mesh, Continuity::Texture);
         let ids = PositionIds::new(mesh.positions());
         let faces: Vec<[u32; 3]> =
             mesh.triangles().iter().map(|t| t.map(|v| ids.of_vertex[v as usize])).collect();
-        let sides = curves(&faces, &chart);
+        let curves = curves(&faces, &charts);
         let segment = |&side: &u32| {
             let (t, k) = (corners[side as usize / 3], side as usize % 3);
             [t[k], t[(k + 1) % 3]]
         };
-        let segments: Vec<[DVec3; 2]> = sides.iter().map(segment).collect();
-        // The two points of Gauss's rule.
+        let segments: Vec<[DVec3; 2]> = curves.iter().map(segment).collect();
+        // The first of the two points of Gauss's rule.
         let gauss = 0.5 - 0.5 / 3f64.sqrt();
         let curve_points = segments
             .iter()
@@ -58,10 +57,10 @@ impl Input {
             curve_tree: TriangleTree::of_segments(&segments),
             curve_points,
             curve_lengths,
-            chart,
+            charts,
             area: areas.iter().sum(),
             diagonal: mesh.diagonal(),
-            rule: for_ratio(corners.len(), level_triangles),
+            rule: rule_for_ratio(corners.len(), level_triangles),
             normals,
             segments,
             corners,
@@ -69,32 +68,33 @@ impl Input {
         }
     }
 
-    /// Number of samples on the triangles.
-    pub(crate) fn samples(&self) -> usize {
+    /// Returns the number of samples on all triangles.
+    pub(crate) fn sample_count(&self) -> usize {
         self.rule.len() * self.corners.len()
     }
 
-    /// A sample, and its share of the whole area. Samples with near numbers are near each other.
+    /// Returns the position of a sample, and its share of the whole area. Samples with consecutive
+    /// numbers are near each other.
     pub(crate) fn sample(&self, i: usize) -> (DVec3, f64) {
         let (triangle, barycentric, weight) = self.sample_location(i);
-        (self.at(triangle, barycentric), weight)
+        (self.surface_point(triangle, barycentric), weight)
     }
 
-    /// The triangle of a sample, its barycentric coordinates there, and its share of the whole
-    /// area.
+    /// Returns the triangle of a sample, its barycentric coordinates there, and its share of the
+    /// whole area.
     pub(crate) fn sample_location(&self, i: usize) -> (usize, [f64; 3], f64) {
         let triangle = self.tree.spatial_order()[i / self.rule.len()] as usize;
         let (barycentric, share) = self.rule[i % self.rule.len()];
         (triangle, barycentric, self.areas[triangle] * share / self.area)
     }
 
-    /// The point of a triangle with given barycentric coordinates.
-    pub(crate) fn at(&self, triangle: usize, barycentric: [f64; 3]) -> DVec3 {
+    /// Returns the point of a triangle with given barycentric coordinates.
+    pub(crate) fn surface_point(&self, triangle: usize, barycentric: [f64; 3]) -> DVec3 {
         point_at(self.corners[triangle], barycentric)
     }
 
-    /// The point of a curve at `t`, from 0 to 1.
-    pub(crate) fn on_curve(&self, curve: usize, t: f64) -> DVec3 {
+    /// Returns the point of a curve at `t`, from 0 to 1.
+    pub(crate) fn point_on_curve(&self, curve: usize, t: f64) -> DVec3 {
         let [a, b] = self.segments[curve];
         a.lerp(b, t)
     }

@@ -11,10 +11,10 @@ pub(crate) struct Level {
     /// The level as a mesh of its own, where the simplifier left it.
     pub(crate) mesh: Mesh,
     /// For each triangle of `mesh` the triangle of LOD 0 that it was.
-    pub(crate) source: Vec<u32>,
+    pub(crate) input_triangles: Vec<u32>,
     /// For each vertex of `mesh` its point.
-    pub(crate) point_of: Vec<u32>,
-    /// Positions, each once.
+    pub(crate) point_of_vertex: Vec<u32>,
+    /// The positions of `mesh`, each once.
     pub(crate) points: Vec<DVec3>,
     /// The triangles by points.
     pub(crate) faces: Vec<[u32; 3]>,
@@ -26,14 +26,14 @@ pub(crate) struct Level {
 
 impl Level {
     pub(crate) fn new(simplified: &Simplified, lod: Lod) -> Self {
-        let (input, map) = (simplified.mesh(), simplified.collapses().resolve_all(lod));
+        let (input, vertex_at_lod) = (simplified.mesh(), simplified.collapses().resolve_all(lod));
         let positions = PositionIds::new(input.positions());
-        let (mut source, mut triangles) = (Vec::new(), Vec::new());
+        let (mut input_triangles, mut triangles) = (Vec::new(), Vec::new());
         for (submesh, s) in input.submeshes().iter().enumerate() {
             for t in s.triangles() {
-                let corners = input.triangles()[t].map(|v| map[v as usize]);
+                let corners = input.triangles()[t].map(|v| vertex_at_lod[v as usize]);
                 if !is_degenerate(corners.map(|v| positions.of_vertex[v as usize])) {
-                    source.push(t as u32);
+                    input_triangles.push(t as u32);
                     triangles.push(OrientedTriangle::new(submesh as u32, corners));
                 }
             }
@@ -44,20 +44,21 @@ impl Level {
         for (&id, &p) in ids.of_vertex.iter().zip(mesh.positions()) {
             points[id as usize] = DVec3::from_array(p.map(f64::from));
         }
-        let point_of = ids.of_vertex;
+        let point_of_vertex = ids.of_vertex;
         let faces: Vec<[u32; 3]> =
-            mesh.triangles().iter().map(|t| t.map(|v| point_of[v as usize])).collect();
+            mesh.triangles().iter().map(|t| t.map(|v| point_of_vertex[v as usize])).collect();
         let (edges, face_edges) = edges(&faces);
-        Self { mesh, source, point_of, points, faces, edges, face_edges }
+        Self { mesh, input_triangles, point_of_vertex, points, faces, edges, face_edges }
     }
 
-    /// The corners of all faces with the points at `positions`.
+    /// Returns the corners of all faces with the points at `positions`.
     pub(crate) fn corners(&self, positions: &[DVec3]) -> Vec<[DVec3; 3]> {
         self.faces.iter().map(|f| f.map(|p| positions[p as usize])).collect()
     }
 
-    /// The mean length of the edges at each point.
+    /// Returns the mean length of the edges at each point, with the points at `positions`.
     pub(crate) fn edge_lengths(&self, positions: &[DVec3]) -> Vec<f64> {
+        // The sum of lengths, and their number.
         let mut sums = vec![(0.0, 0.0); positions.len()];
         for &[a, b] in &self.edges {
             let length = positions[a as usize].distance(positions[b as usize]);
@@ -70,7 +71,7 @@ impl Level {
     }
 }
 
-/// The undirected edges of faces, and for each face the numbers of its three.
+/// Returns the undirected edges of faces, and for each face the indices of its three.
 fn edges(faces: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
     let (mut edges, mut face_edges) = (Vec::new(), vec![[NONE; 3]; faces.len()]);
     for side in sides(faces) {

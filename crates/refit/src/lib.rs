@@ -20,8 +20,8 @@
 
 mod attributes;
 mod blend;
-mod by_face;
 mod charts;
+mod face_distances;
 mod fit;
 mod guard;
 mod input;
@@ -47,7 +47,8 @@ use std::sync::Arc;
 /// Effort of a refit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Iterations of ties and moves. Two give some 93 % of what five do.
+    /// Iterations, each of which ties samples and moves vertices. Two gain some 93 % of what five
+    /// do.
     pub iterations: u32,
 }
 
@@ -74,7 +75,14 @@ pub struct Refit<'a> {
     original: &'a Mesh,
     level: Level,
     /// None where nothing moves.
-    fitted: Option<(Input, Vec<DVec3>)>,
+    fitted: Option<Fitted>,
+}
+
+/// LOD 0 as the input of a fit, and the positions that fit it best, one for each point of the
+/// level.
+struct Fitted {
+    input: Input,
+    positions: Vec<DVec3>,
 }
 
 impl<'a> Refit<'a> {
@@ -96,13 +104,13 @@ impl<'a> Refit<'a> {
         }
         let input = Input::new(original, level.faces.len());
         let positions = Fit::new(&input, &level).run(options.iterations, tick);
-        Self { original, level, fitted: Some((input, positions)) }
+        Self { original, level, fitted: Some(Fitted { input, positions }) }
     }
 
     /// The tree of LOD 0's triangles; none where nothing moves.
     #[must_use]
     pub fn tree(&self) -> Option<Arc<TriangleTree>> {
-        self.fitted.as_ref().map(|(input, _)| Arc::clone(&input.tree))
+        self.fitted.as_ref().map(|fitted| Arc::clone(&fitted.input.tree))
     }
 
     /// Returns the level as the simplifier left it.
@@ -111,28 +119,28 @@ impl<'a> Refit<'a> {
         self.level.mesh.clone()
     }
 
-    /// Returns the level with its vertices a share of the way to those positions, from 0 to 1, with
-    /// normals that fit LOD 0's best and with other attributes as LOD 0 has them there. The
-    /// triangles are those of the level, in the order of [`Mesh::extract`].
+    /// Returns the level with its vertices a share of the way to the positions that fit best, from
+    /// 0 to 1, with normals that fit LOD 0's best and with other attributes as LOD 0 has them
+    /// there. The triangles are those of the level, in the order of [`Mesh::extract`].
     #[must_use]
     pub fn mesh(&self, share: f64) -> Mesh {
         let level = &self.level;
-        let Some((input, positions)) = &self.fitted else { return self.unmoved() };
+        let Some(Fitted { input, positions }) = &self.fitted else { return self.unmoved() };
         let mut positions = part_way(level, positions, share);
-        // Positions are stored as f32: what that makes of slivers is known only afterwards.
+        // Positions are stored as f32, which may make slivers degenerate.
         loop {
             let mut parts = attributes::resample(self.original, &input.tree, level, &positions);
             normals::fit(self.original, input, level, &positions, &mut parts);
             match Mesh::try_from(parts) {
                 Ok(mesh) => return mesh,
-                Err(MeshError::Degenerate { .. }) => put_back(level, &mut positions),
+                Err(MeshError::Degenerate { .. }) => reset_degenerate(level, &mut positions),
                 Err(e) => unreachable!("only positions and values of attributes changed: {e}"),
             }
         }
     }
 }
 
-/// The points of a level a share of the way to other positions, so that no face turns over.
+/// Returns the points of a level a share of the way to other positions, so that no face turns over.
 fn part_way(level: &Level, positions: &[DVec3], share: f64) -> Vec<DVec3> {
     if share >= 1.0 {
         return positions.to_vec();
@@ -147,14 +155,14 @@ fn part_way(level: &Level, positions: &[DVec3], share: f64) -> Vec<DVec3> {
         .limit(&level.points, &moves)
 }
 
-/// Puts the corners of all faces that `f32` makes degenerate back to where they were.
-fn put_back(level: &Level, positions: &mut [DVec3]) {
+/// Moves the corners of all faces that `f32` makes degenerate back to where they were.
+fn reset_degenerate(level: &Level, positions: &mut [DVec3]) {
     let stored = |p: u32| positions[p as usize].as_vec3();
-    let collapsed = |f: &&[u32; 3]| {
+    let is_degenerate = |f: &&[u32; 3]| {
         let [a, b, c] = f.map(stored);
         a == b || b == c || c == a
     };
-    let points: Vec<u32> = level.faces.iter().filter(collapsed).flatten().copied().collect();
+    let points: Vec<u32> = level.faces.iter().filter(is_degenerate).flatten().copied().collect();
     for p in points {
         positions[p as usize] = level.points[p as usize];
     }

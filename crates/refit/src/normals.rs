@@ -1,15 +1,16 @@
-//! Fits the normals of a refitted level by least squares to those of the input, each over the part
-//! of the level that it stands for.
+//! Fits the normals of a refitted level by least squares to those of the input, over the faces
+//! around each.
 //!
-//! What counts is the normal that is seen between the corners of a face, of unit length. So fits
-//! are repeated, each time to normals as long as the level's are at that point.
+//! What counts is the normal that is interpolated between the corners of a face and scaled to unit
+//! length. So the fit is repeated, each time to the input's normals scaled to the length that the
+//! level's interpolated ones have there.
 
-use crate::blend::put;
+use crate::blend::store;
 use crate::charts::{Continuity, charts};
 use crate::guard::cross;
 use crate::input::Input;
 use crate::level::Level;
-use crate::quadrature::SIX;
+use crate::quadrature::SIX_POINTS;
 use glam::DVec3;
 use lodc_mesh::{Mesh, MeshParts, NONE, Semantic};
 use lodc_nearest::{TriangleTree, point_at};
@@ -18,14 +19,17 @@ use rayon::prelude::*;
 /// Number of fits. Chosen by hand.
 const FITS: usize = 3;
 /// Length below which a fitted normal has no direction worth following: the input's cancel out.
+/// Chosen by hand.
 const MIN_LENGTH: f64 = 0.1;
 /// Pull towards the normals at the start, as a share of a normal's own weight. Chosen by hand.
 const DAMPING: f64 = 0.02;
-/// The most steps of conjugate gradients, and the share of the residual at which they end. Chosen
-/// by hand.
+/// The least weight that this counts with, as a share of the mean one. Chosen by hand.
+const MIN_WEIGHT_SHARE: f64 = 0.1;
+/// The most steps of conjugate gradients, and the share of the first residual at which they end.
+/// Chosen by hand.
 const MAX_STEPS: usize = 30;
-const RESIDUAL: f64 = 1e-4;
-/// Samples, or faces, that one thread looks up one after the other.
+const END_RESIDUAL: f64 = 1e-4;
+/// Samples, or faces, that one thread looks up one after the other. Chosen by hand.
 const SAMPLES_PER_THREAD: usize = 1 << 8;
 
 /// Replaces the normals in `parts`, a level with its points at `positions`, by those that fit the
@@ -42,25 +46,25 @@ pub(crate) fn fit(
         return;
     }
     let input_parts = mesh.clone().into_parts();
-    let wedges = Wedges::new(level, parts);
-    let surface = Surface { mesh, normals: unit_normals(&input_parts), input };
-    let ties = surface.ties(level, positions, &wedges);
-    let mut fitted = wedges.first.clone();
+    let unknowns = Unknowns::new(level, parts);
+    let normals = InputNormals { mesh, of_vertex: unit_normals(&input_parts), input };
+    let ties = normals.ties(level, positions, &unknowns);
+    let mut fitted = unknowns.first.clone();
     for _ in 0..FITS {
-        let mut system = System::new(&wedges.faces, fitted.len());
+        let mut system = System::new(&unknowns.faces, fitted.len());
         ties.iter().for_each(|tie| system.add(tie, &fitted));
-        let solved = system.solve(&fitted, &wedges.first);
-        for ((own, solved), first) in fitted.iter_mut().zip(solved).zip(&wedges.first) {
+        let solved = system.solve(&fitted, &unknowns.first);
+        for ((normal, solved), first) in fitted.iter_mut().zip(solved).zip(&unknowns.first) {
             if solved.length() > MIN_LENGTH && solved.dot(*first) > 0.0 {
-                *own = solved.normalize();
+                *normal = solved.normalize();
             }
         }
     }
-    store(&wedges, &fitted, parts);
+    store_normals(&unknowns, &fitted, parts);
 }
 
-/// Normals of a level's vertices as unknowns: one for all that share position and normal.
-struct Wedges {
+/// The normals of a level as unknowns: one for all vertices that share position and normal.
+struct Unknowns {
     /// For each vertex its unknown; [`NONE`] without a normal.
     of_vertex: Vec<u32>,
     /// The same by the corners of faces.
@@ -69,15 +73,18 @@ struct Wedges {
     first: Vec<DVec3>,
 }
 
-impl Wedges {
+impl Unknowns {
     fn new(level: &Level, parts: &MeshParts) -> Self {
         let (level_normals, normals) =
             (unit_normals(&level.mesh.clone().into_parts()), unit_normals(parts));
         let key = |v: u32| {
-            (level.point_of[v as usize], level_normals[v as usize].to_array().map(f64::to_bits))
+            (
+                level.point_of_vertex[v as usize],
+                level_normals[v as usize].to_array().map(f64::to_bits),
+            )
         };
-        let has = |v: &u32| level_normals[*v as usize] != DVec3::ZERO;
-        let mut order: Vec<u32> = (0..level_normals.len() as u32).filter(has).collect();
+        let has_normal = |v: &u32| level_normals[*v as usize] != DVec3::ZERO;
+        let mut order: Vec<u32> = (0..level_normals.len() as u32).filter(has_normal).collect();
         order.sort_unstable_by_key(|&v| (key(v), v));
         let (mut of_vertex, mut first) = (vec![NONE; level_normals.len()], Vec::new());
         for equal in order.chunk_by(|&a, &b| key(a) == key(b)) {
@@ -91,22 +98,23 @@ impl Wedges {
     }
 }
 
-/// The unit normal of each vertex; zero where it has none.
+/// Returns the unit normal of each vertex; zero where it has none.
 fn unit_normals(parts: &MeshParts) -> Vec<DVec3> {
     let normal = |v: usize| {
-        let Some(stream) = stream_of(parts, v, &Semantic::Normal) else { return DVec3::ZERO };
+        let stream = direction_stream(parts, v, &Semantic::Normal);
+        let Some(stream) = stream else { return DVec3::ZERO };
         direction(parts, stream, v).normalize_or_zero()
     };
     (0..parts.positions.len()).map(normal).collect()
 }
 
-/// The first three components of a vertex.
+/// Returns the first three components of a vertex in a stream.
 fn direction(parts: &MeshParts, stream: usize, v: usize) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|k| f64::from(parts.attributes[stream].value(v as u32, k))))
 }
 
-/// The stream of directions that a vertex has with some meaning.
-fn stream_of(parts: &MeshParts, v: usize, semantic: &Semantic) -> Option<usize> {
+/// Returns the stream of a vertex that has directions with a meaning.
+fn direction_stream(parts: &MeshParts, v: usize, semantic: &Semantic) -> Option<usize> {
     let submesh = &parts.submeshes[parts.vertex_submesh[v] as usize];
     submesh.attributes.iter().map(|&a| a as usize).find(|&a| {
         let a = &parts.attributes[a];
@@ -117,7 +125,7 @@ fn stream_of(parts: &MeshParts, v: usize, semantic: &Semantic) -> Option<usize> 
 /// A unit normal of the input, tied to a point of the level.
 #[derive(Clone, Copy, Debug)]
 struct Tie {
-    /// The face that the point lies on, and its barycentric coordinates there.
+    /// The face that the point is on, and its barycentric coordinates there.
     face: u32,
     barycentric: [f64; 3],
     normal: DVec3,
@@ -125,55 +133,56 @@ struct Tie {
     weight: f64,
 }
 
-/// The input with its unit normals, one for each vertex.
-struct Surface<'a> {
+/// The input with its unit normals.
+struct InputNormals<'a> {
     mesh: &'a Mesh,
-    normals: Vec<DVec3>,
+    of_vertex: Vec<DVec3>,
     input: &'a Input,
 }
 
-impl Surface<'_> {
-    /// Normals at samples of the input, tied to where the level is nearest, and at points of the
-    /// level, of where the input is nearest. Only within a chart, and only on the outside.
-    fn ties(&self, level: &Level, positions: &[DVec3], wedges: &Wedges) -> Vec<Tie> {
+impl InputNormals<'_> {
+    /// Returns the normals at samples of the input, each tied to the nearest point of the level,
+    /// and for points of the level those of the nearest point of the input. Only within a chart,
+    /// and only where normal and face are on the same side.
+    fn ties(&self, level: &Level, positions: &[DVec3], unknowns: &Unknowns) -> Vec<Tie> {
         let input = self.input;
-        let chart = charts(self.mesh, Continuity::Shading);
+        let charts = charts(self.mesh, Continuity::Shading);
         let corners = level.corners(positions);
         let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
         let area = crosses.iter().map(|c| c.length()).sum::<f64>().max(f64::MIN_POSITIVE);
-        let tie = |face: u32, barycentric, triangle: usize, from_input, weight| {
-            let normal = self.normal(triangle, from_input);
-            let source = level.source[face as usize] as usize;
-            let is_own = chart[triangle] == chart[source]
+        let tie = |face: u32, barycentric, triangle: usize, on_triangle, weight| {
+            let normal = self.normal_at(triangle, on_triangle);
+            let own_triangle = level.input_triangles[face as usize] as usize;
+            let counts = charts[triangle] == charts[own_triangle]
                 && normal.dot(crosses[face as usize]) > 0.0
-                && !wedges.faces[face as usize].contains(&NONE);
-            is_own.then_some(Tie { face, barycentric, normal, weight })
+                && !unknowns.faces[face as usize].contains(&NONE);
+            counts.then_some(Tie { face, barycentric, normal, weight })
         };
         let tree = TriangleTree::new(&corners);
-        let starts: Vec<usize> = (0..input.samples()).step_by(SAMPLES_PER_THREAD).collect();
+        let starts: Vec<usize> = (0..input.sample_count()).step_by(SAMPLES_PER_THREAD).collect();
         let from_input = starts.par_iter().flat_map_iter(|&start| {
-            let (mut found, mut last) = (Vec::with_capacity(SAMPLES_PER_THREAD), NONE);
-            for i in start..(start + SAMPLES_PER_THREAD).min(input.samples()) {
-                let (triangle, location, weight) = input.sample_location(i);
-                let Some(nearest) = tree.nearest(input.at(triangle, location), last) else {
-                    continue;
-                };
-                last = nearest.triangle;
-                found.extend(tie(last, nearest.barycentric, triangle, location, weight));
+            let (mut found, mut hint) = (Vec::with_capacity(SAMPLES_PER_THREAD), NONE);
+            for i in start..(start + SAMPLES_PER_THREAD).min(input.sample_count()) {
+                let (triangle, barycentric, weight) = input.sample_location(i);
+                let p = input.surface_point(triangle, barycentric);
+                let Some(nearest) = tree.nearest(p, hint) else { continue };
+                hint = nearest.triangle;
+                found.extend(tie(hint, nearest.barycentric, triangle, barycentric, weight));
             }
             found
         });
         let face_chunks = tree.spatial_order().par_chunks(SAMPLES_PER_THREAD);
         let from_level = face_chunks.flat_map_iter(|faces| {
-            let mut found = Vec::with_capacity(SIX.len() * SAMPLES_PER_THREAD);
+            let mut found = Vec::with_capacity(SIX_POINTS.len() * SAMPLES_PER_THREAD);
             for &face in faces {
-                let mut last = level.source[face as usize];
-                for &(location, share) in SIX {
-                    let q = point_at(corners[face as usize], location);
-                    let Some(nearest) = input.tree.nearest(q, last) else { continue };
-                    last = nearest.triangle;
+                let mut hint = level.input_triangles[face as usize];
+                for &(barycentric, share) in SIX_POINTS {
+                    let q = point_at(corners[face as usize], barycentric);
+                    let Some(nearest) = input.tree.nearest(q, hint) else { continue };
+                    hint = nearest.triangle;
+                    let (triangle, on_triangle) = (hint as usize, nearest.barycentric);
                     let weight = crosses[face as usize].length() * share / area;
-                    found.extend(tie(face, location, last as usize, nearest.barycentric, weight));
+                    found.extend(tie(face, barycentric, triangle, on_triangle, weight));
                 }
             }
             found
@@ -181,26 +190,30 @@ impl Surface<'_> {
         from_input.chain(from_level).collect()
     }
 
-    fn normal(&self, triangle: usize, barycentric: [f64; 3]) -> DVec3 {
-        let corners = self.mesh.triangles()[triangle].map(|v| self.normals[v as usize]);
+    fn normal_at(&self, triangle: usize, barycentric: [f64; 3]) -> DVec3 {
+        let corners = self.mesh.triangles()[triangle].map(|v| self.of_vertex[v as usize]);
         point_at(corners, barycentric).normalize_or_zero()
     }
 }
 
-/// The normal equations: a block for each face, so that no edges need be known.
+/// The normal equations: a block for each face, so that no edges are needed.
 struct System<'a> {
+    /// The unknowns at the corners of each face.
     faces: &'a [[u32; 3]],
-    /// For each face the products of its corners' shares: 00, 11, 22, 01, 12, 20.
+    /// For each face the weighted sums of products of barycentric coordinates: 00, 11, 22, 01, 12,
+    /// 20.
     blocks: Vec<[f64; 6]>,
-    right: Vec<DVec3>,
+    right_side: Vec<DVec3>,
 }
 
 impl<'a> System<'a> {
-    fn new(faces: &'a [[u32; 3]], unknowns: usize) -> Self {
-        Self { faces, blocks: vec![[0.0; 6]; faces.len()], right: vec![DVec3::ZERO; unknowns] }
+    fn new(faces: &'a [[u32; 3]], unknown_count: usize) -> Self {
+        let (blocks, right_side) = (vec![[0.0; 6]; faces.len()], vec![DVec3::ZERO; unknown_count]);
+        Self { faces, blocks, right_side }
     }
 
-    /// Adds the squared distance of the level's normal from a tie's, made as long as it is now.
+    /// Adds the squared distance of the level's interpolated normal from a tie's, which is scaled
+    /// to the length that the interpolated normal has with `current` ones.
     fn add(&mut self, tie: &Tie, current: &[DVec3]) {
         let (face, [a, b, c]) = (tie.face as usize, tie.barycentric);
         let products = [a * a, b * b, c * c, a * b, b * c, c * a];
@@ -208,22 +221,22 @@ impl<'a> System<'a> {
         let corners = self.faces[face];
         let length = point_at(corners.map(|v| current[v as usize]), tie.barycentric).length();
         for (&v, share) in corners.iter().zip(tie.barycentric) {
-            self.right[v as usize] += tie.normal * (tie.weight * share * length);
+            self.right_side[v as usize] += tie.normal * (tie.weight * share * length);
         }
     }
 
-    /// Returns the normals with the least sum of squares, not of unit length, searched for from
-    /// `current` and drawn to `first` (conjugate gradients, preconditioned by the diagonal).
+    /// Returns the normals with the least sum of squares, not of unit length, pulled towards
+    /// `first` (conjugate gradients from `current`, preconditioned by the diagonal).
     fn solve(mut self, current: &[DVec3], first: &[DVec3]) -> Vec<DVec3> {
-        let mut diagonal = vec![0.0; self.right.len()];
-        for (f, block) in self.tied() {
+        let mut diagonal = vec![0.0; self.right_side.len()];
+        for (f, block) in self.blocks_with_normals() {
             (0..3).for_each(|k| diagonal[f[k] as usize] += block[k]);
         }
         let mean = diagonal.iter().sum::<f64>() / diagonal.len().max(1) as f64;
-        let min_diagonal = f64::max(0.1 * mean, f64::MIN_POSITIVE);
+        let min_diagonal = f64::max(MIN_WEIGHT_SHARE * mean, f64::MIN_POSITIVE);
         let damping: Vec<f64> = diagonal.iter().map(|d| DAMPING * d.max(min_diagonal)).collect();
         for v in 0..diagonal.len() {
-            self.right[v] += first[v] * damping[v];
+            self.right_side[v] += first[v] * damping[v];
             diagonal[v] += damping[v];
         }
         let precondition = |r: &[DVec3]| -> Vec<DVec3> {
@@ -231,11 +244,11 @@ impl<'a> System<'a> {
         };
         let mut x = current.to_vec();
         let product = self.times(&x, &damping);
-        let mut r: Vec<DVec3> = self.right.iter().zip(product).map(|(&b, a)| b - a).collect();
+        let mut r: Vec<DVec3> = self.right_side.iter().zip(product).map(|(&b, a)| b - a).collect();
         let mut z = precondition(&r);
         let mut p = z.clone();
         let mut rz = dot(&r, &z);
-        let enough = RESIDUAL * RESIDUAL * rz;
+        let enough = END_RESIDUAL * END_RESIDUAL * rz;
         for _ in 0..MAX_STEPS {
             let q = self.times(&p, &damping);
             let pq = dot(&p, &q);
@@ -256,14 +269,15 @@ impl<'a> System<'a> {
         x
     }
 
-    /// The faces that all corners have a normal of, and their blocks.
-    fn tied(&self) -> impl Iterator<Item = (&[u32; 3], &[f64; 6])> {
+    /// Returns the faces whose corners all have normals, and their blocks.
+    fn blocks_with_normals(&self) -> impl Iterator<Item = (&[u32; 3], &[f64; 6])> {
         self.faces.iter().zip(&self.blocks).filter(|(f, _)| !f.contains(&NONE))
     }
 
+    /// Returns the product of the matrix and a vector.
     fn times(&self, p: &[DVec3], damping: &[f64]) -> Vec<DVec3> {
         let mut q: Vec<DVec3> = p.iter().zip(damping).map(|(&p, &d)| p * d).collect();
-        for (f, m) in self.tied() {
+        for (f, m) in self.blocks_with_normals() {
             let [a, b, c] = f.map(|v| p[v as usize]);
             q[f[0] as usize] += a * m[0] + b * m[3] + c * m[5];
             q[f[1] as usize] += a * m[3] + b * m[1] + c * m[4];
@@ -277,17 +291,17 @@ fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
-/// Writes normals into their streams, and turns tangents upright on them.
-fn store(wedges: &Wedges, fitted: &[DVec3], parts: &mut MeshParts) {
-    for (v, &wedge) in wedges.of_vertex.iter().enumerate().filter(|(_, w)| **w != NONE) {
-        let normal = fitted[wedge as usize];
-        if let Some(stream) = stream_of(parts, v, &Semantic::Normal) {
-            put(&mut parts.attributes[stream], v, &normal.to_array());
+/// Writes normals into their streams, and makes tangents perpendicular to them.
+fn store_normals(unknowns: &Unknowns, fitted: &[DVec3], parts: &mut MeshParts) {
+    for (v, &unknown) in unknowns.of_vertex.iter().enumerate().filter(|(_, u)| **u != NONE) {
+        let normal = fitted[unknown as usize];
+        if let Some(stream) = direction_stream(parts, v, &Semantic::Normal) {
+            store(&mut parts.attributes[stream], v, &normal.to_array());
         }
-        let Some(stream) = stream_of(parts, v, &Semantic::Tangent) else { continue };
+        let Some(stream) = direction_stream(parts, v, &Semantic::Tangent) else { continue };
         let tangent = direction(parts, stream, v);
-        if let Some(upright) = (tangent - normal * tangent.dot(normal)).try_normalize() {
-            put(&mut parts.attributes[stream], v, &upright.to_array());
+        if let Some(tangent) = (tangent - normal * tangent.dot(normal)).try_normalize() {
+            store(&mut parts.attributes[stream], v, &tangent.to_array());
         }
     }
 }

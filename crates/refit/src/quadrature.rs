@@ -4,23 +4,24 @@
 /// A rule: barycentric coordinates and the share of the triangle's area of each point.
 pub(crate) type Rule = &'static [([f64; 3], f64)];
 
+// Barycentric coordinates and weights of the rule of six points.
 const A: f64 = 0.445_948_490_915_965;
 const B: f64 = 0.091_576_213_509_771;
 const WEIGHT_A: f64 = 0.223_381_589_678_011;
 const WEIGHT_B: f64 = 0.109_951_743_655_322;
 
 /// The centroid: exact for linear functions.
-const ONE: Rule = &[([1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0], 1.0)];
+const ONE_POINT: Rule = &[([1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0], 1.0)];
 
 /// Three points: exact for quadratic functions.
-const THREE: Rule = &[
+const THREE_POINTS: Rule = &[
     ([2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], 1.0 / 3.0),
     ([1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], 1.0 / 3.0),
     ([1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0], 1.0 / 3.0),
 ];
 
 /// Six points: exact for polynomials of degree 4.
-pub(crate) const SIX: Rule = &[
+pub(crate) const SIX_POINTS: Rule = &[
     ([1.0 - 2.0 * A, A, A], WEIGHT_A),
     ([A, 1.0 - 2.0 * A, A], WEIGHT_A),
     ([A, A, 1.0 - 2.0 * A], WEIGHT_A),
@@ -29,13 +30,13 @@ pub(crate) const SIX: Rule = &[
     ([B, B, 1.0 - 2.0 * B], WEIGHT_B),
 ];
 
-/// The rule for the input's triangles: the more of them there are to one of the level, the fewer
-/// points each needs.
-pub(crate) fn for_ratio(input: usize, level: usize) -> Rule {
-    match input / level.max(1) {
-        0..3 => SIX,
-        3..10 => THREE,
-        _ => ONE,
+/// Returns the rule for the input's triangles: the more of them there are for each of the level,
+/// the fewer points each needs. The limits are chosen by hand.
+pub(crate) fn rule_for_ratio(input_triangles: usize, level_triangles: usize) -> Rule {
+    match input_triangles / level_triangles.max(1) {
+        0..3 => SIX_POINTS,
+        3..10 => THREE_POINTS,
+        _ => ONE_POINT,
     }
 }
 
@@ -45,7 +46,7 @@ mod tests {
 
     #[test]
     fn shares_add_up_and_moments_are_exact() {
-        for (rule, degree) in [(ONE, 1), (THREE, 2), (SIX, 4)] {
+        for (rule, degree) in [(ONE_POINT, 1), (THREE_POINTS, 2), (SIX_POINTS, 4)] {
             assert!((rule.iter().map(|r| r.1).sum::<f64>() - 1.0).abs() < 1e-12);
             for n in 1..=degree {
                 // The mean of the n-th power of one barycentric coordinate is 2 / ((n + 1)(n + 2)).

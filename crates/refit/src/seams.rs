@@ -1,5 +1,5 @@
-//! Seams within one chart, which meets itself where its texture coordinates jump: vertices do not
-//! take attributes from beyond such a seam.
+//! Seams inside a chart, where a connected region meets itself with other texture coordinates:
+//! vertices do not take attributes from beyond such a seam.
 
 use crate::blend::Source;
 use crate::level::Level;
@@ -10,10 +10,10 @@ use lodc_mesh::{Attribute, Mesh, Semantic};
 pub(crate) fn keep_to_own_side(
     input: &Mesh,
     level: &Level,
-    chart_of: &[u32],
-    sources: &mut [Source],
+    chart_of_vertex: &[u32],
+    sources: &mut [Option<Source>],
 ) {
-    let key = |v: &u32| (level.point_of[*v as usize], chart_of[*v as usize]);
+    let key = |v: &u32| (level.point_of_vertex[*v as usize], chart_of_vertex[*v as usize]);
     let mut order: Vec<u32> = (0..sources.len() as u32).collect();
     order.sort_unstable_by_key(|v| (key(v), *v));
     for twins in order.chunk_by(|a, b| key(a) == key(b)).filter(|twins| twins.len() > 1) {
@@ -35,19 +35,19 @@ fn texture_distance(
     input: &Mesh,
     level: &Level,
     v: u32,
-    (corners, weights): ([u32; 3], [f64; 3]),
+    Source { vertices, weights }: Source,
 ) -> f64 {
     let streams = input.attributes().iter().zip(level.mesh.attributes());
-    let read = |(a, _): &(&Attribute, &Attribute)| {
+    let is_texture = |(a, _): &(&Attribute, &Attribute)| {
         matches!(a.semantic, Semantic::TexCoord(_)) && a.morph_target.is_none()
     };
     let difference = |from: &Attribute, to: &Attribute, k: usize| {
         let interpolated =
-            corners.iter().zip(weights).map(|(&c, w)| w * f64::from(from.value(c, k)));
+            vertices.iter().zip(weights).map(|(&vertex, w)| w * f64::from(from.value(vertex, k)));
         interpolated.sum::<f64>() - f64::from(to.value(v, k))
     };
     streams
-        .filter(read)
+        .filter(is_texture)
         .flat_map(|(from, to)| (0..2).map(move |k| difference(from, to, k).powi(2)))
         .sum()
 }

@@ -1,4 +1,4 @@
-//! Sides of faces, sorted by the edge that they lie on.
+//! Sides of faces, sorted by edge.
 
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ impl Side {
     }
 }
 
-/// All sides of faces, those of one edge one after another.
+/// Returns all sides of faces, those of one edge one after another.
 pub(crate) fn sides(faces: &[[u32; 3]]) -> Vec<Side> {
     let mut sides = Vec::with_capacity(3 * faces.len());
     for (half_edge, face) in (0..).step_by(3).zip(faces) {

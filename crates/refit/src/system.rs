@@ -8,7 +8,8 @@ use glam::DVec3;
 pub(crate) struct Symmetric([f64; 6]);
 
 impl Symmetric {
-    /// `share` of the projection onto the unit vector `u`, and `identity` of the identity.
+    /// Returns `share` times the projection onto the unit vector `u`, plus `identity` times the
+    /// identity.
     pub(crate) fn projection(u: DVec3, share: f64, identity: f64) -> Self {
         let s = u * share;
         Self([
@@ -59,12 +60,12 @@ impl Symmetric {
     }
 }
 
-/// One point of one surface tied to a point of the other.
+/// A point of one surface tied to a point of the other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tie {
-    /// The face of the level that the point lies on.
+    /// The face of the level that the level's point is on.
     pub(crate) face: u32,
-    /// Barycentric coordinates of the point on it.
+    /// Barycentric coordinates of the level's point on it.
     pub(crate) barycentric: [f64; 3],
     /// From the input's point to the level's.
     pub(crate) residual: DVec3,
@@ -74,15 +75,18 @@ pub(crate) struct Tie {
     pub(crate) weight: f64,
 }
 
-/// Share of a distance that counts along the surface, so that vertices do not drift. Chosen by
-/// hand.
-const TANGENTIAL: f64 = 0.01;
-/// Damping, as a share of a vertex's own stiffness. Chosen by hand.
-const DAMPING: f64 = 0.01;
-/// The most steps of conjugate gradients, and the share of the residual at which they end. Chosen
+/// Weight of distances along the surface, of 1 for those across it: so vertices do not drift.
+/// Chosen by hand.
+const TANGENTIAL_WEIGHT: f64 = 0.01;
+/// Damping, as a share of a vertex's stiffness: the mean of its diagonal block's diagonal. Chosen
 /// by hand.
+const DAMPING: f64 = 0.01;
+/// The least stiffness that damping counts with, as a share of the mean one. Chosen by hand.
+const MIN_STIFFNESS_SHARE: f64 = 0.1;
+/// The most steps of conjugate gradients, and the share of the first residual at which they end.
+/// Chosen by hand.
 const MAX_STEPS: usize = 20;
-const RESIDUAL: f64 = 1e-3;
+const END_RESIDUAL: f64 = 1e-3;
 
 /// A sparse symmetric system of one 3 × 3 block per vertex and per edge.
 #[derive(Clone, Debug)]
@@ -96,8 +100,10 @@ pub(crate) struct System<'a> {
 }
 
 impl<'a> System<'a> {
+    /// A system without ties. `face_edges` has the edges from a face's corners 0, 1 and 2 to the
+    /// next.
     pub(crate) fn new(
-        vertices: usize,
+        vertex_count: usize,
         faces: &'a [[u32; 3]],
         face_edges: &'a [[u32; 3]],
         edges: &'a [[u32; 2]],
@@ -106,17 +112,17 @@ impl<'a> System<'a> {
             faces,
             face_edges,
             edges,
-            diagonal: vec![Symmetric::default(); vertices],
+            diagonal: vec![Symmetric::default(); vertex_count],
             off_diagonal: vec![Symmetric::default(); edges.len()],
-            gradient: vec![DVec3::ZERO; vertices],
+            gradient: vec![DVec3::ZERO; vertex_count],
         }
     }
 
-    /// Adds the squared distance of a tie.
+    /// Adds the squared distance of a tie, most of all along its direction.
     pub(crate) fn add(&mut self, tie: &Tie) {
         let (u, r) = (tie.direction, tie.residual);
-        let block = Symmetric::projection(u, 1.0 - TANGENTIAL, TANGENTIAL);
-        let pull = u * ((1.0 - TANGENTIAL) * r.dot(u)) + r * TANGENTIAL;
+        let block = Symmetric::projection(u, 1.0 - TANGENTIAL_WEIGHT, TANGENTIAL_WEIGHT);
+        let pull = u * ((1.0 - TANGENTIAL_WEIGHT) * r.dot(u)) + r * TANGENTIAL_WEIGHT;
         let face = tie.face as usize;
         for k in 0..3 {
             let vertex = self.faces[face][k] as usize;
@@ -131,35 +137,35 @@ impl<'a> System<'a> {
     /// Returns the moves that lower the sum of squared distances most (Levenberg's damping, then
     /// block-Jacobi conjugate gradients).
     pub(crate) fn solve(mut self) -> Vec<DVec3> {
-        let vertices = self.diagonal.len();
+        let vertex_count = self.diagonal.len();
         let stiffness: Vec<f64> = self.diagonal.iter().map(|b| b.trace() / 3.0).collect();
-        let mean = stiffness.iter().sum::<f64>() / vertices.max(1) as f64;
+        let mean = stiffness.iter().sum::<f64>() / vertex_count.max(1) as f64;
         for (block, vertex_stiffness) in self.diagonal.iter_mut().zip(&stiffness) {
-            block.add_diagonal(DAMPING * vertex_stiffness.max(0.1 * mean));
+            block.add_diagonal(DAMPING * vertex_stiffness.max(MIN_STIFFNESS_SHARE * mean));
         }
         let inverse: Vec<Symmetric> = self.diagonal.iter().map(Symmetric::inverse).collect();
         let precondition = |r: &[DVec3]| -> Vec<DVec3> {
             inverse.iter().zip(r).map(|(m, &r)| m.times(r)).collect()
         };
-        let mut x = vec![DVec3::ZERO; vertices];
+        let mut x = vec![DVec3::ZERO; vertex_count];
         let mut r: Vec<DVec3> = self.gradient.iter().map(|&g| -g).collect();
         let mut z = precondition(&r);
         let mut p = z.clone();
         let mut rz = dot(&r, &z);
-        let enough = rz * RESIDUAL * RESIDUAL;
+        let enough = rz * END_RESIDUAL * END_RESIDUAL;
         for _ in 0..MAX_STEPS {
             if rz <= enough {
                 break;
             }
             let q = self.times(&p);
             let alpha = rz / dot(&p, &q);
-            for i in 0..vertices {
+            for i in 0..vertex_count {
                 x[i] += p[i] * alpha;
                 r[i] -= q[i] * alpha;
             }
             z = precondition(&r);
             let next = dot(&r, &z);
-            for i in 0..vertices {
+            for i in 0..vertex_count {
                 p[i] = z[i] + p[i] * (next / rz);
             }
             rz = next;
@@ -167,6 +173,7 @@ impl<'a> System<'a> {
         x
     }
 
+    /// Returns the product of the matrix and a vector.
     fn times(&self, p: &[DVec3]) -> Vec<DVec3> {
         let mut q: Vec<DVec3> = self.diagonal.iter().zip(p).map(|(m, &p)| m.times(p)).collect();
         for (block, &[a, b]) in self.off_diagonal.iter().zip(self.edges) {

@@ -64,8 +64,8 @@ fn mean_angle(a: &Mesh, b: &Mesh) -> f64 {
     let normal = |m: &Mesh, t: [u32; 3], at: [f64; 3]| {
         let is_normal = |s: &&Attribute| s.semantic == Semantic::Normal && s.morph_target.is_none();
         let stream = m.attributes().iter().find(is_normal).expect("normals");
-        let of = |v| DVec3::from_array([0, 1, 2].map(|k| f64::from(stream.value(v, k))));
-        lodc_nearest::point_at(t.map(of), at).normalize()
+        let value = |v| DVec3::from_array([0, 1, 2].map(|k| f64::from(stream.value(v, k))));
+        lodc_nearest::point_at(t.map(value), at).normalize()
     };
     let tree = surface(b).tree();
     let (mut sum, mut count) = (0.0, 0.0);
@@ -73,8 +73,8 @@ fn mean_angle(a: &Mesh, b: &Mesh) -> f64 {
         for at in [[1.0 / 3.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
             let point = lodc_nearest::point_at(surface(a).corners(t), at);
             let near = tree.nearest(point, lodc_mesh::NONE).expect("triangles");
-            let there = b.triangles()[near.triangle as usize];
-            let cosine = normal(a, corners, at).dot(normal(b, there, near.barycentric));
+            let near_corners = b.triangles()[near.triangle as usize];
+            let cosine = normal(a, corners, at).dot(normal(b, near_corners, near.barycentric));
             sum += cosine.clamp(-1.0, 1.0).acos().to_degrees();
             count += 1.0;
         }
@@ -88,7 +88,7 @@ fn normals_are_nearer_than_those_that_are_looked_up() {
         let s = simplified(&named(name).expect("a fixture"));
         for share in [0.25, 0.1] {
             let found = Refit::new(&s, level(&s, share), &Options::DEFAULT, &|| ());
-            let (input, positions) = found.fitted.as_ref().expect("places");
+            let Fitted { input, positions } = found.fitted.as_ref().expect("positions");
             let looked_up = attributes::resample(s.mesh(), &input.tree, &found.level, positions);
             let looked_up = Mesh::try_from(looked_up).expect("a mesh");
             let [before, after] =
@@ -99,7 +99,7 @@ fn normals_are_nearer_than_those_that_are_looked_up() {
 }
 
 #[test]
-fn tangents_stand_upright_on_normals() {
+fn tangents_are_perpendicular_to_normals() {
     let s = simplified(&tangential(&named("uv_sphere").expect("a fixture")));
     let after = refit(&s, level(&s, 0.25), &Options::DEFAULT);
     let stream = |semantic| after.attributes().iter().find(|a| a.semantic == semantic);
@@ -287,7 +287,7 @@ fn a_vertex_takes_nothing_from_the_other_side_of_a_sheet() {
     for v in above {
         // Nearer to the lower sheet than to its own.
         let mut positions = level.points.clone();
-        positions[level.point_of[v as usize] as usize].z = -0.006;
+        positions[level.point_of_vertex[v as usize] as usize].z = -0.006;
         let moved = attributes::resample(s.mesh(), &input.tree, &level, &positions);
         let moved = Mesh::try_from(moved).expect("a mesh");
         assert!(up(&moved, v) > 0.5, "vertex {v}: {}", up(&moved, v));
