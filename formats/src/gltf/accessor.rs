@@ -86,16 +86,29 @@ pub(super) struct Accessor {
     pub(super) normalized: bool,
     pub(super) count: usize,
     location: String,
-    /// Its view, the first byte in it, and the distance of elements; none means zeros.
-    data: Option<(usize, usize, usize)>,
+    /// Where its elements are; none means zeros.
+    data: Option<StridedBytes>,
     sparse: Option<Sparse>,
 }
 
+/// Elements in a buffer view.
+#[derive(Clone, Copy, Debug)]
+struct StridedBytes {
+    view: usize,
+    /// Offset of the first element in the view, in bytes.
+    offset: usize,
+    /// Bytes from one element to the next.
+    stride: usize,
+}
+
+/// Elements that replace others of an accessor.
 #[derive(Clone, Debug)]
 struct Sparse {
     count: usize,
-    indices: (usize, usize, Component),
-    values: (usize, usize),
+    /// The numbers of the elements that are replaced.
+    indices: StridedBytes,
+    index_component: Component,
+    values: StridedBytes,
 }
 
 impl Accessor {
@@ -147,7 +160,7 @@ impl Accessor {
                 let offset = offset.unwrap_or(0);
                 fits(offset, stride, count, last, views.len(view))
                     .map_err(|problem| malformed(&*location, problem))?;
-                Some((view, offset as usize, stride))
+                Some(StridedBytes { view, offset: offset as usize, stride })
             }
         };
         let sparse = stated.sparse.as_ref();
@@ -160,24 +173,21 @@ impl Accessor {
     /// Its elements.
     pub(super) fn reader<'v>(&self, views: &'v Views<'_>) -> Result<Reader<'v>, FormatError> {
         let (bytes, stride) = match self.data {
-            Some((view, offset, stride)) => (&views.bytes(view)?[offset..], stride),
+            Some(data) => (&views.bytes(data.view)?[data.offset..], data.stride),
             None => (&[][..], 0),
         };
-        let row = self.shape.rows * self.component.size();
-        let column_stride = self.shape.column_stride(self.component);
         let mut reader = Reader {
             bytes,
             stride,
             columns: self.shape.columns,
-            row,
-            column_stride,
+            column_bytes: self.shape.rows * self.component.size(),
+            column_stride: self.shape.column_stride(self.component),
             replaced: Vec::new(),
-            values: &[],
+            replacements: &[],
         };
         if let Some(sparse) = &self.sparse {
             reader.replaced = sparse.read_indices(views, self.count, &self.location)?;
-            let (view, offset) = sparse.values;
-            reader.values = &views.bytes(view)?[offset..];
+            reader.replacements = &views.bytes(sparse.values.view)?[sparse.values.offset..];
         }
         Ok(reader)
     }
@@ -198,26 +208,27 @@ impl Sparse {
                 format!("count {count} is not between 1 and the accessor's {accessor_count}"),
             ));
         }
-        let located = |view: json::Index<View>, offset: USize64, size: usize| {
+        let packed = |view: json::Index<View>, offset: USize64, size: usize| {
             let (view, offset) = (view.value(), offset.0);
             if views.stride(view).is_some() {
                 return Err(malformed(location, "sparse data must not have a byteStride"));
             }
             fits(offset, size, count as usize, size, views.len(view))
                 .map_err(|problem| malformed(location, problem))?;
-            Ok((view, offset as usize))
+            Ok(StridedBytes { view, offset: offset as usize, stride: size })
         };
         let (indices, values) = (&stated.indices, &stated.values);
         let Checked::Valid(IndexComponentType(index)) = indices.component_type else {
             let location = format!("{location}.indices");
             return Err(malformed(location, "componentType is not an unsigned integer"));
         };
-        let index = component(index);
-        let (view, offset) = located(indices.buffer_view, indices.byte_offset, index.size())?;
+        let index_component = component(index);
+        let index_size = index_component.size();
         Ok(Self {
             count: count as usize,
-            indices: (view, offset, index),
-            values: located(values.buffer_view, values.byte_offset, size)?,
+            indices: packed(indices.buffer_view, indices.byte_offset, index_size)?,
+            index_component,
+            values: packed(values.buffer_view, values.byte_offset, size)?,
         })
     }
 
@@ -227,10 +238,11 @@ impl Sparse {
         count: usize,
         location: &str,
     ) -> Result<Vec<u32>, FormatError> {
-        let (view, offset, component) = self.indices;
+        let StridedBytes { view, offset, .. } = self.indices;
+        let index_size = self.index_component.size();
         views.budget.charge(self.count as u64, 4, location)?;
-        let bytes = &views.bytes(view)?[offset..][..self.count * component.size()];
-        let indices: Vec<u32> = bytes.chunks_exact(component.size()).map(unsigned).collect();
+        let bytes = &views.bytes(view)?[offset..][..self.count * index_size];
+        let indices: Vec<u32> = bytes.chunks_exact(index_size).map(unsigned).collect();
         let rising = indices.windows(2).all(|w| w[0] < w[1]);
         if !rising || indices.last().is_some_and(|&i| i as usize >= count) {
             return Err(malformed(
@@ -268,25 +280,28 @@ pub(super) struct Reader<'v> {
     bytes: &'v [u8],
     stride: usize,
     columns: usize,
-    row: usize,
+    /// Bytes of a column without padding.
+    column_bytes: usize,
     column_stride: usize,
+    /// Numbers of the elements that sparse data replaces, rising.
     replaced: Vec<u32>,
-    values: &'v [u8],
+    /// The elements that take their place.
+    replacements: &'v [u8],
 }
 
 impl Reader<'_> {
     /// Appends the bytes of element `i`, which is below the accessor's count.
     pub(super) fn append(&self, i: u32, out: &mut Vec<u8>) {
         let element = match self.replaced.binary_search(&i) {
-            Ok(at) => &self.values[at * self.columns * self.column_stride..],
+            Ok(index) => &self.replacements[index * self.columns * self.column_stride..],
             Err(_) if self.bytes.is_empty() => {
-                out.resize(out.len() + self.columns * self.row, 0);
+                out.resize(out.len() + self.columns * self.column_bytes, 0);
                 return;
             }
             Err(_) => &self.bytes[i as usize * self.stride..],
         };
         for column in 0..self.columns {
-            out.extend_from_slice(&element[column * self.column_stride..][..self.row]);
+            out.extend_from_slice(&element[column * self.column_stride..][..self.column_bytes]);
         }
     }
 }

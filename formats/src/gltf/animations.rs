@@ -34,7 +34,7 @@ pub fn animation(
     Stored::read(gltf, limits, |stored, root| {
         let missing = || malformed(&*location, "is not there");
         let animation = root.entries("animations").nth(number).ok_or_else(missing)?;
-        one(stored, animation, &location)
+        read_animation(stored, animation, &location)
     })
 }
 
@@ -45,9 +45,10 @@ pub fn animation(
 fn animations(document: &Document, limits: &Limits) -> Result<Vec<Animation>, FormatError> {
     let Document::Gltf(gltf) = document else { return Ok(Vec::new()) };
     Stored::read(gltf, limits, |stored, root| {
-        let all = (0..).zip(root.entries("animations"));
-        let read = |(i, animation): (usize, _)| one(stored, animation, &format!("animations[{i}]"));
-        Ok(all.map(|animation| read(animation).unwrap_or_default()).collect())
+        let read = |(i, animation): (usize, _)| {
+            read_animation(stored, animation, &format!("animations[{i}]")).unwrap_or_default()
+        };
+        Ok((0..).zip(root.entries("animations")).map(read).collect())
     })
 }
 
@@ -65,7 +66,11 @@ pub fn scene_motion(
     Ok(Motion::new(graph, animations(document, limits)?, objects.len()))
 }
 
-fn one(stored: &Stored<'_>, animation: &Object, location: &str) -> Result<Animation, FormatError> {
+fn read_animation(
+    stored: &Stored<'_>,
+    animation: &Object,
+    location: &str,
+) -> Result<Animation, FormatError> {
     let samplers: Vec<&Object> = animation.entries("samplers").collect();
     let mut channels = Vec::new();
     for (i, source) in animation.entries("channels").enumerate() {
@@ -73,13 +78,13 @@ fn one(stored: &Stored<'_>, animation: &Object, location: &str) -> Result<Animat
         let target = source["target"].as_object();
         let (Some(sampler), Some(target)) = (sampler, target) else { continue };
         let location = format!("{location}.channels[{i}]");
-        channels.extend(channel(stored, sampler, target, &location)?);
+        channels.extend(read_channel(stored, sampler, target, &location)?);
     }
     Ok(Animation { name: name(animation), channels })
 }
 
-/// One channel; none if it changes something else.
-fn channel(
+/// Reads a channel; none if it changes neither a node nor its morph weights.
+fn read_channel(
     stored: &Stored<'_>,
     sampler: &Object,
     target: &Object,

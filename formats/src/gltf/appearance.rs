@@ -10,10 +10,11 @@ use crate::{Assets, Fault, FormatError, GltfDocument, Limits, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 use std::collections::BTreeSet;
 
-/// Linear colour of a mesh without a material. glTF says white, which leaves no room for light.
+/// Linear colour of a mesh without a material. glTF says white, on which highlights cannot be seen.
+/// Chosen by hand.
 const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
 
-/// Reads the looks of a document.
+/// Reads the materials, textures and pictures of a document.
 ///
 /// # Errors
 /// If it is damaged.
@@ -24,18 +25,18 @@ pub(crate) fn appearance(
 ) -> Result<Appearance, FormatError> {
     let limits = *assets.limits();
     Stored::read(document, &limits, |stored, root| {
-        let of_submesh = materials(root, objects);
+        let submesh_materials = materials(root, objects);
         let view = |index| stored.view(index);
         let mut reader = Reader { root, pictures: Pictures::new(&limits), assets, view: &view };
         let mut materials = vec![Material { colour: PLAIN, ..Material::default() }];
         // What nothing uses need not have its pictures read.
-        let used: BTreeSet<usize> = of_submesh.iter().flatten().copied().collect();
+        let used: BTreeSet<usize> = submesh_materials.iter().flatten().copied().collect();
         for (number, source) in (1..).zip(root.list("materials")) {
             let used = used.contains(&number);
             materials.push(if used { reader.material(source)? } else { Material::default() });
         }
         let Pictures { list, warnings, .. } = reader.pictures;
-        Ok(Appearance { materials, of_submesh, images: list, warnings })
+        Ok(Appearance { materials, of_submesh: submesh_materials, images: list, warnings })
     })
 }
 
@@ -50,12 +51,12 @@ pub(crate) fn coordinates(
 ) -> Result<Vec<Vec<Coordinates>>, FormatError> {
     Stored::read(document, limits, |_, root| {
         let list = root.list("materials");
-        let of_material = |m: &usize| match m.checked_sub(1).and_then(|m| list.get(m)) {
+        let read_by = |m: &usize| match m.checked_sub(1).and_then(|m| list.get(m)) {
             Some(source) => visible_coordinates(source),
             None => Coordinates::PLAIN,
         };
-        let of_object = |materials: Vec<usize>| materials.iter().map(of_material).collect();
-        Ok(materials(root, objects).into_iter().map(of_object).collect())
+        let by_submesh = |materials: Vec<usize>| materials.iter().map(read_by).collect();
+        Ok(materials(root, objects).into_iter().map(by_submesh).collect())
     })
 }
 

@@ -67,7 +67,7 @@ pub(crate) fn buffer_runs<'a>(
             _ => runs.push((bytes, priority)),
         }
     }
-    // Padding goes with what is before it.
+    // Padding goes with the run before it.
     for i in 0..runs.len() {
         let next = runs.get(i + 1).map_or(end, |(next, _)| next.start);
         let (bytes, _) = &mut runs[i];
@@ -102,12 +102,12 @@ fn priorities<'a>(
     let mut used_by_animation = vec![false; Pool::Accessors.len(root)];
     let mut used_elsewhere = used_by_animation.clone();
     references(root, Pool::Accessors, &mut |accessor, location| {
-        let of = if location.starts_with("animations") {
+        let used = if location.starts_with("animations") {
             &mut used_by_animation
         } else {
             &mut used_elsewhere
         };
-        if let Some(mark) = accessor.as_index().and_then(|i| of.get_mut(i)) {
+        if let Some(mark) = accessor.as_index().and_then(|i| used.get_mut(i)) {
             *mark = true;
         }
     });
@@ -188,44 +188,47 @@ fn texture_indices<'a>(members: impl Iterator<Item = &'a Json>, used: &mut Vec<u
     }
 }
 
-/// The bytes of a buffer that have come.
+/// The bytes of a buffer that have arrived.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PartialBuffer {
     bytes: Vec<u8>,
-    /// Runs of the buffer by their starts, and where each begins in `bytes`.
+    /// Runs of the buffer in the order of their starts, each with its offset in `bytes`.
     runs: Vec<(Range<u64>, u64)>,
 }
 
-/// Runs begin as far from a multiple of this as in the whole buffer: no component is longer.
+/// The offset of a run in `PartialBuffer::bytes` is that in the whole buffer modulo so many bytes:
+/// no component is longer, so all stay aligned.
 const ALIGN: u64 = 8;
 
 impl PartialBuffer {
-    /// A buffer of runs, each as far as it has come, with the bytes of all one after the other.
-    pub(crate) fn new(runs: impl Iterator<Item = Range<u64>>, mut came: &[u8]) -> Self {
+    /// A buffer of the runs whose bytes have arrived, one run after the other; the last may have
+    /// arrived in part.
+    pub(crate) fn new(runs: impl Iterator<Item = Range<u64>>, mut arrived: &[u8]) -> Self {
         let mut partial = Self::default();
         for run in runs {
-            let length = came.len().min((run.end - run.start) as usize);
+            let length = arrived.len().min((run.end - run.start) as usize);
             if length == 0 {
                 continue;
             }
-            let (piece, rest) = came.split_at(length);
-            came = rest;
+            let (piece, rest) = arrived.split_at(length);
+            arrived = rest;
             while partial.bytes.len() as u64 % ALIGN != run.start % ALIGN {
                 partial.bytes.push(0);
             }
-            let at = partial.bytes.len() as u64;
-            partial.runs.push((run.start..run.start + length as u64, at));
+            let offset = partial.bytes.len() as u64;
+            partial.runs.push((run.start..run.start + length as u64, offset));
             partial.bytes.extend_from_slice(piece);
         }
         partial.runs.sort_unstable_by_key(|(run, _)| run.start);
         partial
     }
 
-    /// Returns where bytes of the buffer are among those that have come; none if they are missing.
+    /// Returns the offset of bytes of the buffer among those that have arrived; none if some are
+    /// missing.
     pub(super) fn find(&self, bytes: &Range<u64>) -> Option<u64> {
         let index = self.runs.partition_point(|(run, _)| run.start <= bytes.start);
-        let (run, at) = self.runs.get(index.checked_sub(1)?)?;
-        (bytes.end <= run.end).then(|| at + bytes.start - run.start)
+        let (run, offset) = self.runs.get(index.checked_sub(1)?)?;
+        (bytes.end <= run.end).then(|| offset + bytes.start - run.start)
     }
 
     pub(super) fn is_empty(&self) -> bool {

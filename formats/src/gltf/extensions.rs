@@ -48,7 +48,7 @@ const HARMLESS: [&str; 22] = [
     "CESIUM_RTC",
 ];
 
-/// The same by prefix: materials and textures.
+/// Beginnings of names of further such extensions: those of materials and textures.
 const HARMLESS_PREFIXES: [&str; 8] = [
     "KHR_materials_",
     "EXT_materials_",
@@ -108,9 +108,8 @@ fn numbers(version: &str) -> Option<(u32, u32)> {
     Some((digits(major)?, digits(minor)?))
 }
 
-/// The first extension that might point to accessors or buffer views in a way that is not known
-/// here: one that is not known and has a whole number somewhere. While there is one, nothing must
-/// be renumbered.
+/// The first unknown extension with a whole number somewhere, which might be the index of an
+/// accessor or buffer view. While there is one, nothing must be renumbered.
 pub(crate) fn opaque(root: &Object) -> Option<String> {
     root.iter().find_map(|(key, value)| opaque_below(key, value))
 }
@@ -157,10 +156,10 @@ pub(super) fn is_requantized(root: &Object) -> bool {
 pub(super) fn forget(root: &mut Object, name: &str) {
     for key in ["extensionsUsed", "extensionsRequired"] {
         let Some(Json::Array(names)) = root.get_mut(key) else { continue };
-        let before = names.len();
+        let count_before = names.len();
         names.retain(|n| n.as_str() != Some(name));
-        // An array that was empty before is the file's own business.
-        if names.is_empty() && before > 0 {
+        // An array that the file had empty stays.
+        if names.is_empty() && count_before > 0 {
             root.shift_remove(key);
         }
     }

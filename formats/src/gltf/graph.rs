@@ -41,9 +41,9 @@ pub(crate) fn gltf_graph(
     meshes: &[u32],
     read: &Numbers<'_>,
 ) -> Result<Graph, FormatError> {
-    let mut objects_of: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    let mut objects_by_mesh: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for (object, &mesh) in (0..).zip(meshes) {
-        objects_of.entry(mesh).or_default().push(object);
+        objects_by_mesh.entry(mesh).or_default().push(object);
     }
     let meshes: Vec<&Object> = root.entries("meshes").collect();
     let mut instances = 0;
@@ -57,7 +57,10 @@ pub(crate) fn gltf_graph(
             name: source["name"].as_str().unwrap_or_default().to_owned(),
             local: local(source),
             children: indices(source, "children"),
-            objects: mesh.and_then(|m| objects_of.get(&(m as u32))).cloned().unwrap_or_default(),
+            objects: mesh
+                .and_then(|m| objects_by_mesh.get(&(m as u32)))
+                .cloned()
+                .unwrap_or_default(),
             skin: source["skin"].as_index().map(|s| s as u32),
             weights: weights.into_iter().flatten().map(weight).collect(),
             instances: source
@@ -104,7 +107,7 @@ fn skin(skin: &Object, read: &Numbers<'_>) -> Result<Skin, FormatError> {
         Some(accessor) => read(accessor)?,
         None => (Vec::new(), 16),
     };
-    // Matrices of another shape are none.
+    // Matrices of another shape are ignored.
     let matrices = if components == 16 { values.as_chunks::<16>().0 } else { &[] };
     Ok(Skin {
         joints: indices(skin, "joints"),
@@ -112,7 +115,7 @@ fn skin(skin: &Object, read: &Numbers<'_>) -> Result<Skin, FormatError> {
     })
 }
 
-/// The transforms of instances. One that has no property of a kind has that of a node without it.
+/// The transforms of instances. A property that they do not have is that of a node without it.
 fn instances(extension: &Object, read: &Numbers<'_>) -> Result<Vec<Transform>, FormatError> {
     let attributes = &extension["attributes"];
     let column = |name: &str, components: usize| -> Result<Option<Vec<f64>>, FormatError> {
@@ -126,20 +129,20 @@ fn instances(extension: &Object, read: &Numbers<'_>) -> Result<Vec<Transform>, F
     let counts = [(&translations, 3), (&rotations, 4), (&scales, 3)];
     let counts = counts.into_iter().filter_map(|(c, n)| Some(c.as_ref()?.len() / n));
     let count = counts.min().unwrap_or(1);
-    let three = |column: &Option<Vec<f64>>, i: usize, default: f64| match column {
+    let vector = |column: &Option<Vec<f64>>, i: usize, default: f64| match column {
         Some(values) => [values[3 * i], values[3 * i + 1], values[3 * i + 2]],
         None => [default; 3],
     };
-    let one = |i: usize| {
+    let transform = |i: usize| {
         let rotation = rotations.as_ref().map(|r| std::array::from_fn(|k| r[4 * i + k]));
         let local = LocalTransform::Trs {
-            translation: three(&translations, i, 0.0),
+            translation: vector(&translations, i, 0.0),
             rotation: rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
-            scale: three(&scales, i, 1.0),
+            scale: vector(&scales, i, 1.0),
         };
         local.matrix()
     };
-    Ok((0..count).map(one).collect())
+    Ok((0..count).map(transform).collect())
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ pub(crate) fn malformed(location: impl Into<String>, problem: impl Into<String>)
 
 /// Parses a document whose root is an object.
 pub(crate) fn parse(text: &[u8], limits: &Limits) -> Result<Object, FormatError> {
-    if most_values(text) > MAX_VALUES {
+    if value_bound(text) > MAX_VALUES {
         let problem = format!("JSON of more than {MAX_VALUES} values");
         return Err(FormatError::new(Fault::Limit, "", problem));
     }
@@ -72,9 +72,9 @@ pub(crate) fn parse(text: &[u8], limits: &Limits) -> Result<Object, FormatError>
     Err(malformed(format!("line {line} column {column}"), format!("not valid JSON: {problem}")))
 }
 
-/// Number of values that a text may have, without allocating: one for each comma and each opening
-/// bracket that is not in a string.
-fn most_values(text: &[u8]) -> usize {
+/// An upper bound of the number of values in a text, without allocating: one more than its commas
+/// and opening brackets outside strings.
+fn value_bound(text: &[u8]) -> usize {
     let (mut values, mut in_string, mut escaped) = (1, false, false);
     for &b in text {
         match b {
@@ -121,8 +121,8 @@ impl Parser {
                     elements.push(parser.value(next, lexer)?);
                     Ok(())
                 })?;
-                // The first element takes room for four: of lists of one child most of a document's
-                // memory. Long ones would be copied for little.
+                // A vector of one element has room for four: in documents of many lists of one
+                // child that is most of the memory. To shrink long ones would copy much for little.
                 if elements.len() < 4 {
                     elements.shrink_to_fit();
                 }
@@ -144,18 +144,19 @@ impl Parser {
         })
     }
 
-    /// The elements of an array or object, one level down.
+    /// Reads the elements of an array or object, one level down, each by `read_element`.
     fn inside<'t>(
         &mut self,
         lexer: &mut SliceLexer<'t>,
         end: u8,
-        mut each: impl FnMut(&mut Self, u8, &mut SliceLexer<'t>) -> Result<(), Refusal>,
+        mut read_element: impl FnMut(&mut Self, u8, &mut SliceLexer<'t>) -> Result<(), Refusal>,
     ) -> Result<(), Refusal> {
         self.depth += 1;
         if self.depth > self.max_depth {
             return Err(Refusal::Limit(format!("JSON nested deeper than {} levels", self.depth)));
         }
-        let read = lexer.discarded().seq(end, Lex::ws_peek, |next, lexer| each(self, next, lexer));
+        let read =
+            lexer.discarded().seq(end, Lex::ws_peek, |next, lexer| read_element(self, next, lexer));
         self.depth -= 1;
         read
     }
@@ -191,7 +192,7 @@ impl Json {
     pub(crate) fn as_index(&self) -> Option<usize> {
         self.as_u64().and_then(|i| usize::try_from(i).ok())
     }
-    /// As many numbers as there should be, or the default.
+    /// An array of exactly `N` numbers; the default for anything else.
     pub(crate) fn numbers<const N: usize>(&self, default: [f64; N]) -> [f64; N] {
         match self.list() {
             all if all.len() == N => std::array::from_fn(|i| all[i].as_f64().unwrap_or(default[i])),
@@ -274,7 +275,7 @@ impl Object {
 }
 
 impl Json {
-    fn made_object(&mut self) -> &mut Object {
+    fn make_object(&mut self) -> &mut Object {
         if !self.is_object() {
             *self = Self::Object(Object::default());
         }
@@ -327,7 +328,7 @@ impl Index<&str> for Json {
 /// What is no object becomes one; a member that is not there is made, as null.
 impl IndexMut<&str> for Json {
     fn index_mut(&mut self, key: &str) -> &mut Self {
-        &mut self.made_object()[key]
+        &mut self.make_object()[key]
     }
 }
 

@@ -8,10 +8,10 @@ use crate::{FormatError, GltfDocument, Limits, ObjectInfo};
 
 /// The extension that repeats a node's mesh.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
-/// A document, and what was left out of it with counts.
+/// A document without the parts whose bytes are missing, and these parts by kind with their counts.
 pub(crate) type Shortened = (GltfDocument, Vec<String>);
 
-/// Leaves out of a document what refers to bytes of its buffer that have not come. Returns `None`
+/// Removes from a document what refers to bytes of its buffer that have not arrived. Returns `None`
 /// if the document refers to its buffer in a way that is not known.
 ///
 /// # Errors
@@ -26,21 +26,21 @@ pub(crate) fn gltf_without_missing(
         return Ok(None);
     }
     let missing = Missing::of(&root, &buffer);
-    let mut left_out = Vec::new();
-    let mut note = |number: usize, kind: &str| match number {
+    let mut removed = Vec::new();
+    let mut note = |count: usize, kind: &str| match count {
         0 => {}
-        1 => left_out.push(format!("1 {kind}")),
-        n => left_out.push(format!("{n} {kind}s")),
+        1 => removed.push(format!("1 {kind}")),
+        n => removed.push(format!("{n} {kind}s")),
     };
     note(missing.drop_textures(&mut root), "texture");
     note(missing.drop_animations(&mut root), "animation");
     note(missing.drop_skins(&mut root), "skin");
     note(missing.drop_instances(&mut root), "set of instances");
-    // Points and lines still need theirs.
-    let mut is_free = missing.drop_arrays(&mut root);
+    // Points and lines may still refer to missing bytes, and cannot be removed.
+    let mut is_complete = missing.drop_arrays(&mut root);
     for view in root.objects_mut("bufferViews") {
-        let came = view_bytes(view).map(|bytes| (bytes.start, buffer.find(&bytes)));
-        if let Some((before, Some(now))) = came
+        let offsets = view_bytes(view).map(|bytes| (bytes.start, buffer.find(&bytes)));
+        if let Some((before, Some(now))) = offsets
             && before != now
         {
             view.insert("byteOffset".to_owned(), now.into());
@@ -48,17 +48,17 @@ pub(crate) fn gltf_without_missing(
     }
     if buffer.is_empty() {
         root.shift_remove("buffers");
-        is_free &= Pool::BufferViews.len(&root) == 0;
+        is_complete &= Pool::BufferViews.len(&root) == 0;
     }
     let blob = buffer.into_bytes();
     if let Some(buffer) = root.objects_mut("buffers").next() {
         buffer["byteLength"] = (blob.len() as u64).into();
     }
-    Ok(is_free.then(|| (GltfDocument { json: root.to_string(), blob }, left_out)))
+    Ok(is_complete.then(|| (GltfDocument { json: root.to_string(), blob }, removed)))
 }
 
-/// A document with a mesh and a node for each object, whose numbers become those of this document.
-/// `targets` are the numbers of their morph targets.
+/// Makes a document with a mesh and a node for each object, and changes `infos` to refer to it.
+/// `targets` counts the morph targets of each object.
 pub(crate) fn bare_gltf(infos: &mut [ObjectInfo], targets: &[usize]) -> GltfDocument {
     let mut meshes: Vec<Json> = Vec::new();
     for ((number, info), &targets) in (0..).zip(infos).zip(targets) {
@@ -92,10 +92,10 @@ struct Missing {
 }
 
 impl Missing {
-    /// Finds what refers to bytes that have not come.
+    /// Finds what refers to bytes that have not arrived.
     fn of(root: &Object, buffer: &PartialBuffer) -> Self {
-        let came = |view| view_bytes(view).is_some_and(|bytes| buffer.find(&bytes).is_some());
-        let views: Vec<bool> = root.entries("bufferViews").map(|view| !came(view)).collect();
+        let arrived = |view| view_bytes(view).is_some_and(|bytes| buffer.find(&bytes).is_some());
+        let views: Vec<bool> = root.entries("bufferViews").map(|view| !arrived(view)).collect();
         let accessor = |a: &Object| {
             let sparse = ["indices", "values"].map(|key| &a["sparse"][key]["bufferView"]);
             [&a["bufferView"], sparse[0], sparse[1]].into_iter().any(|v| is_marked(&views, v))
@@ -107,10 +107,12 @@ impl Missing {
 
     /// Drops textures without an image, also from materials. Returns their number.
     fn drop_textures(&self, root: &mut Object) -> usize {
-        let mut bare = Vec::new();
+        // Which textures have lost their only image.
+        let mut without_image = Vec::new();
         for texture in root.objects_mut("textures") {
-            let has = |t: &Object| ["source", "extensions"].iter().any(|key| t.contains_key(*key));
-            let had = has(texture);
+            let has_image =
+                |t: &Object| ["source", "extensions"].iter().any(|key| t.contains_key(*key));
+            let had_image = has_image(texture);
             if is_marked(&self.images, &texture["source"]) {
                 texture.shift_remove("source");
             }
@@ -120,17 +122,17 @@ impl Missing {
                     texture.shift_remove("extensions");
                 }
             }
-            bare.push(had && !has(texture));
+            without_image.push(had_image && !has_image(texture));
         }
-        let dropped = bare.iter().filter(|b| **b).count();
+        let dropped = without_image.iter().filter(|b| **b).count();
         if let (Some(materials), true) = (root.get_mut("materials"), dropped > 0) {
-            renumber_textures(materials, &bare);
+            renumber_textures(materials, &without_image);
         }
-        if dropped == bare.len() {
+        if dropped == without_image.len() {
             root.shift_remove("textures");
         } else if let Some(Json::Array(textures)) = root.get_mut("textures") {
-            let mut bare = bare.iter();
-            textures.retain(|_| !bare.next().copied().unwrap_or(false));
+            let mut without_image = without_image.iter();
+            textures.retain(|_| !without_image.next().copied().unwrap_or(false));
         }
         dropped
     }
@@ -138,16 +140,17 @@ impl Missing {
     /// Drops animations with missing samplers, and those that point into materials.
     fn drop_animations(&self, root: &mut Object) -> usize {
         let Some(Json::Array(animations)) = root.get_mut("animations") else { return 0 };
-        let before = animations.len();
+        let count_before = animations.len();
         let is_missing = |sampler: &Json| {
             ["input", "output"].iter().any(|key| is_marked(&self.accessors, &sampler[*key]))
         };
-        let points =
+        let has_pointer =
             |channel: &Json| channel["target"]["extensions"].get("KHR_animation_pointer").is_some();
         animations.retain(|a| {
-            !a["samplers"].list().iter().any(is_missing) && !a["channels"].list().iter().any(points)
+            !a["samplers"].list().iter().any(is_missing)
+                && !a["channels"].list().iter().any(has_pointer)
         });
-        let dropped = before - animations.len();
+        let dropped = count_before - animations.len();
         if animations.is_empty() {
             root.shift_remove("animations");
         }
@@ -163,11 +166,12 @@ impl Missing {
                 node.shift_remove("skin");
             }
         }
-        keep(root, Pool::Skins, &skins);
+        drop_marked(root, Pool::Skins, &skins);
         skins.iter().filter(|s| **s).count()
     }
 
-    /// Shows nodes once whose instances are missing.
+    /// Takes missing instances off nodes, which then show their meshes once. Returns the number of
+    /// these nodes.
     fn drop_instances(&self, root: &mut Object) -> usize {
         let mut dropped = 0;
         for node in root.objects_mut("nodes") {
@@ -181,7 +185,7 @@ impl Missing {
         dropped
     }
 
-    /// Drops missing images, accessors and buffer views. Returns whether nothing refers to any.
+    /// Drops missing images, accessors and buffer views; false if something still refers to one.
     fn drop_arrays(&self, root: &mut Object) -> bool {
         let pools = [
             (Pool::Images, &self.images),
@@ -189,12 +193,12 @@ impl Missing {
             (Pool::BufferViews, &self.views),
         ];
         pools.into_iter().all(|(pool, missing)| {
-            let mut is_free = true;
-            references(root, pool, &mut |value, _| is_free &= !is_marked(missing, value));
-            if is_free {
-                keep(root, pool, missing);
+            let mut is_unused = true;
+            references(root, pool, &mut |value, _| is_unused &= !is_marked(missing, value));
+            if is_unused {
+                drop_marked(root, pool, missing);
             }
-            is_free
+            is_unused
         })
     }
 }
@@ -203,10 +207,10 @@ fn is_marked(marks: &[bool], index: &Json) -> bool {
     index.as_index().and_then(|i| marks.get(i)).copied().unwrap_or(false)
 }
 
-/// Drops the marked entries of a pool to which nothing refers.
-fn keep(root: &mut Object, pool: Pool, missing: &[bool]) {
-    let keep: Vec<bool> = missing.iter().map(|m| !m).collect();
-    retain(root, pool, &keep);
+/// Drops the marked entries of a pool, to which nothing refers.
+fn drop_marked(root: &mut Object, pool: Pool, marks: &[bool]) {
+    let kept: Vec<bool> = marks.iter().map(|m| !m).collect();
+    retain(root, pool, &kept);
 }
 
 /// Drops every `…Texture` whose index is marked, and renumbers the others.

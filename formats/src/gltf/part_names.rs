@@ -43,16 +43,16 @@ impl PartNames {
         let material_names: Vec<String> = root.entries("materials").map(name).collect();
         let materials = |o: &&ObjectInfo| {
             let primitives = &root["meshes"][o.document_mesh as usize]["primitives"];
-            let of = |s: &SubmeshInfo| {
+            let material_name = |s: &SubmeshInfo| {
                 let material = primitives[s.document_primitive as usize]["material"].as_index();
                 material.and_then(|m| material_names.get(m)).cloned().unwrap_or_default()
             };
-            o.submeshes.iter().map(of).collect()
+            o.submeshes.iter().map(material_name).collect()
         };
         let nodes = |o: &&ObjectInfo| {
             let shows = |n: &&Object| n["mesh"].as_index() == Some(o.document_mesh as usize);
-            let shown = root.entries("nodes").filter(shows).map(name);
-            shown.filter(|n| !n.is_empty()).collect()
+            let names = root.entries("nodes").filter(shows).map(name);
+            names.filter(|n| !n.is_empty()).collect()
         };
         Self {
             materials: objects.iter().map(materials).collect(),

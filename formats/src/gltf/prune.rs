@@ -54,7 +54,7 @@ fn drop_channels(root: &mut Object, keep: &[bool], without_mesh: &BTreeSet<u64>)
         channels.retain_mut(|channel| {
             channel
                 .get_mut("target")
-                .is_none_or(|target| is_kept(target, (keep, &numbers), without_mesh))
+                .is_none_or(|target| redirect(target, keep, &numbers, without_mesh))
         });
         !channels.is_empty()
     });
@@ -63,10 +63,12 @@ fn drop_channels(root: &mut Object, keep: &[bool], without_mesh: &BTreeSet<u64>)
     }
 }
 
-/// `numbers` are those of the meshes that are kept.
-fn is_kept(
+/// Renumbers the mesh in the pointer of a channel's target; false if what it moves is gone.
+/// `numbers` are the new numbers of the meshes that are kept.
+fn redirect(
     target: &mut Json,
-    (keep, numbers): (&[bool], &[u64]),
+    keep: &[bool],
+    numbers: &[u64],
     without_mesh: &BTreeSet<u64>,
 ) -> bool {
     let node = target["node"].as_u64();

@@ -42,18 +42,19 @@ pub(crate) fn to_name(semantic: &Semantic) -> String {
 /// integers except in custom data. Any other component type is taken, as KHR_mesh_quantization
 /// allows more than the core does.
 pub(super) fn accepts(semantic: &Semantic, morph_target: bool, accessor: &Accessor) -> bool {
-    let shape = |components: usize| accessor.shape == Shape { columns: 1, rows: components };
-    let shape = match semantic {
+    let is_vector = |components: usize| accessor.shape == Shape { columns: 1, rows: components };
+    let shape_fits = match semantic {
         Semantic::Custom(_) => return true,
-        Semantic::Position | Semantic::Normal => shape(3),
+        Semantic::Position | Semantic::Normal => is_vector(3),
         // A morph target moves the direction of a tangent, not its handedness.
-        Semantic::Tangent => shape(if morph_target { 3 } else { 4 }),
-        Semantic::TexCoord(_) => shape(2),
-        Semantic::Color(_) => shape(3) || shape(4),
-        Semantic::Joints(_) | Semantic::Weights(_) => shape(4),
+        Semantic::Tangent => is_vector(if morph_target { 3 } else { 4 }),
+        Semantic::TexCoord(_) => is_vector(2),
+        Semantic::Color(_) => is_vector(3) || is_vector(4),
+        Semantic::Joints(_) | Semantic::Weights(_) => is_vector(4),
     };
-    let integer = !matches!(semantic, Semantic::Joints(_)) || accessor.component != Component::F32;
-    shape && integer && accessor.component != Component::U32
+    let joints_fit =
+        !matches!(semantic, Semantic::Joints(_)) || accessor.component != Component::F32;
+    shape_fits && joints_fit && accessor.component != Component::U32
 }
 
 /// Positions as a stream.

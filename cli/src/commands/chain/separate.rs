@@ -99,7 +99,8 @@ pub(super) fn gliding_files(
     for (number, level) in levels.iter().enumerate() {
         let chain_object = |o: usize| {
             let own = &gliding[o][number];
-            let glide = Glide { next: &own.next, moving: vec![Some(own.moving.clone())], carried };
+            let glide =
+                Glide { next: &own.next, moving: vec![Some(own.moving.clone())], streams: carried };
             ChainObject {
                 info: &objects[o].info,
                 mesh: &own.mesh,

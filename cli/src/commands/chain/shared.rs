@@ -65,7 +65,7 @@ pub(super) fn files(
     let glide = |object: usize, carried: MovedStreams| Glide {
         next: &next[object],
         moving: (0..levels.len()).map(|k| glide::moving(&chains[object].prefixes, k)).collect(),
-        carried,
+        streams: carried,
     };
     let objects: Vec<ChainObject<'_>> = (asset.objects.iter().zip(&chains).zip(coverages))
         .enumerate()

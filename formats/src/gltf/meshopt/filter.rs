@@ -9,8 +9,8 @@ const MANTISSA: u32 = 23;
 /// What a float's exponent is more than the power of its last bit.
 const BIAS: i32 = 127 + MANTISSA as i32;
 
-/// The nearest whole number and its neighbours, as differences.
-const NEAR: [i32; 3] = [0, -1, 1];
+/// Differences of the nearest whole number and of its two neighbours from the nearest.
+const NEIGHBOURS: [i32; 3] = [0, -1, 1];
 
 /// Applies a filter to all elements in place; `stride` fits it.
 pub(crate) fn apply(filter: Filter, stride: usize, bytes: &mut [u8]) {
@@ -218,10 +218,9 @@ pub(super) fn packed_directions(bits: u8, stride: usize, bytes: &[u8]) -> Option
     for element in bytes.chunks_exact(stride) {
         let values: [i32; 4] = std::array::from_fn(|k| component(&element[k * size..][..size]));
         let [x, y, z, w] = values.map(|v| v as f32 / all);
-        let near = packed_direction(bits, [x, y, z], w);
+        let [x, y, one, w] = packed_direction(bits, [x, y, z], w);
         // Rounding to bytes may have moved it to a neighbour.
-        let neighbours =
-            (0..9).map(|i| [near[0] + NEAR[i % 3], near[1] + NEAR[i / 3], near[2], near[3]]);
+        let neighbours = (0..9).map(|i| [x + NEIGHBOURS[i % 3], y + NEIGHBOURS[i / 3], one, w]);
         let packed =
             neighbours.into_iter().find(|&packed| unpacked_direction(bits, packed) == values)?;
         out.extend(packed.iter().flat_map(|v| v.to_le_bytes().into_iter().take(size)));

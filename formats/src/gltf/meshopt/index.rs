@@ -5,8 +5,9 @@
 const FREQUENT: [u8; 16] = [
     0x00, 0x76, 0x87, 0x56, 0x67, 0x78, 0xa9, 0x86, 0x65, 0x89, 0x68, 0x98, 0x01, 0x69, 0x00, 0x00,
 ];
-/// Recent vertices that the third corner of a triangle at a recent edge may be, in version 1.
-const CACHED: usize = 13;
+/// Codes below this name a recent vertex as the third corner of a triangle at a recent edge, in
+/// version 1.
+const MAX_CACHED: usize = 13;
 
 /// Decodes a triangle list of `count` indices, a multiple of 3. Bitstream versions 0 and 1.
 pub(super) fn triangles(count: usize, bytes: &[u8]) -> Result<Vec<u32>, &'static str> {
@@ -20,7 +21,7 @@ pub(super) fn triangles(count: usize, bytes: &[u8]) -> Result<Vec<u32>, &'static
     let table = &bytes[bytes.len() - 16..];
     let (codes, unread) = body.split_at_checked(count / 3).ok_or("too short for its count")?;
     let mut s = Decoder { unread, recent: Recent::default(), next: 0, last: 0 };
-    let cached_limit = if version == 1 { CACHED } else { 15 };
+    let cached_limit = if version == 1 { MAX_CACHED } else { 15 };
     let mut out = Vec::with_capacity(count);
     for &code in codes {
         let (high, low) = (usize::from(code >> 4), usize::from(code & 15));
@@ -111,8 +112,8 @@ impl Decoder<'_> {
         Ok(self.last)
     }
 
-    /// A triangle that shares no recent edge. Per corner: 0 a fresh index, 15 a free one, else a
-    /// recent one.
+    /// A triangle that shares no recent edge. Codes of corners: 0 is the smallest index that has
+    /// not been seen (fresh), 15 an index as a delta in the data (free), others are recent ones.
     fn corners(&mut self, codes: [usize; 3]) -> Result<[u32; 3], &'static str> {
         // All corners are looked up before any is remembered, and free ones come after the codes
         // in the data.
@@ -155,8 +156,8 @@ pub(super) fn encode(triangles: &[[u32; 3]]) -> Vec<u8> {
     let mut codes = vec![0xe1];
     for &triangle in triangles {
         codes.push(match edge_of(&s.recent, triangle) {
-            Some((back, turned)) => s.at_edge(back, turned),
-            None => s.apart(triangle),
+            Some((age, turned)) => s.at_edge(age, turned),
+            None => s.without_edge(triangle),
         });
     }
     codes.append(&mut s.data);
@@ -176,10 +177,10 @@ struct Encoder {
 }
 
 impl Encoder {
-    /// A triangle whose first two corners are a recent edge.
-    fn at_edge(&mut self, back: usize, [a, b, c]: [u32; 3]) -> u8 {
+    /// The code of a triangle whose first two corners are a recent edge.
+    fn at_edge(&mut self, age: usize, [a, b, c]: [u32; 3]) -> u8 {
         let code = match age_of(&self.recent, c) {
-            Some(vertex) if (1..CACHED).contains(&vertex) => vertex,
+            Some(vertex) if (1..MAX_CACHED).contains(&vertex) => vertex,
             _ if c == self.next => {
                 self.next += 1;
                 self.recent.push_vertex(c);
@@ -200,18 +201,18 @@ impl Encoder {
             }
         };
         self.recent.push_edges([[c, b], [a, c]]);
-        (back << 4 | code) as u8
+        (age << 4 | code) as u8
     }
 
-    /// A triangle that shares no recent edge.
-    fn apart(&mut self, [a, b, c]: [u32; 3]) -> u8 {
+    /// The code of a triangle that shares no recent edge.
+    fn without_edge(&mut self, [a, b, c]: [u32; 3]) -> u8 {
         let triangle = match self.next {
             next if b == next => [b, c, a],
             next if c == next => [c, a, b],
             _ => [a, b, c],
         };
         let [a, b, c] = triangle;
-        // A primitive that begins: its numbers begin again.
+        // A new primitive, whose indices begin again at 0.
         let reset = triangle == [0, 1, 2] && self.next > 0;
         if reset {
             self.next = 0;
@@ -222,7 +223,7 @@ impl Encoder {
         let pair = (second << 4 | third) as u8;
         let frequent = FREQUENT[..14].iter().position(|&f| f == pair);
         let code = match frequent {
-            Some(at) if first == 0 && !reset => at,
+            Some(index) if first == 0 && !reset => index,
             _ => {
                 self.data.push(pair);
                 14 | first
@@ -246,7 +247,7 @@ impl Encoder {
     /// The code of a corner: 0 a fresh index, 15 a free one, else a recent one.
     fn corner(&mut self, v: u32) -> usize {
         match age_of(&self.recent, v) {
-            Some(back) if back < 14 => back + 1,
+            Some(age) if age < 14 => age + 1,
             _ if v == self.next => self.fresh(),
             _ => 15,
         }
@@ -272,50 +273,52 @@ impl Encoder {
 /// Returns the age of an edge of the triangle (0: just used, at most 14), and the triangle turned
 /// so that the edge comes first.
 fn edge_of(recent: &Recent, [a, b, c]: [u32; 3]) -> Option<(usize, [u32; 3])> {
-    (0..15).find_map(|back| {
-        let edge = recent.edge(back);
+    (0..15).find_map(|age| {
+        let edge = recent.edge(age);
         let mut turned = [[a, b, c], [b, c, a], [c, a, b]].into_iter();
-        turned.find(|t| [t[0], t[1]] == edge).map(|t| (back, t))
+        turned.find(|t| [t[0], t[1]] == edge).map(|t| (age, t))
     })
 }
 
 /// Returns the age of a vertex (0: just seen).
 fn age_of(recent: &Recent, v: u32) -> Option<usize> {
-    (0..16).find(|&back| recent.vertex(back) == v)
+    (0..16).find(|&age| recent.vertex(age) == v)
 }
 
 /// What both sides of the codec of triangle lists remember: the 16 latest edges and vertices.
 struct Recent {
     edges: [[u32; 2]; 16],
     vertices: [u32; 16],
-    edge_at: usize,
-    vertex_at: usize,
+    /// Where the next edge is put.
+    edge_slot: usize,
+    /// Where the next vertex is put.
+    vertex_slot: usize,
 }
 
 impl Default for Recent {
     fn default() -> Self {
-        Self { edges: [[u32::MAX; 2]; 16], vertices: [u32::MAX; 16], edge_at: 0, vertex_at: 0 }
+        Self { edges: [[u32::MAX; 2]; 16], vertices: [u32::MAX; 16], edge_slot: 0, vertex_slot: 0 }
     }
 }
 
 impl Recent {
     /// Returns an edge by its age: 0 is the latest.
-    fn edge(&self, back: usize) -> [u32; 2] {
-        self.edges[(self.edge_at + 31 - back) & 15]
+    fn edge(&self, age: usize) -> [u32; 2] {
+        self.edges[(self.edge_slot + 31 - age) & 15]
     }
     /// Returns a vertex by its age: 0 is the latest.
-    fn vertex(&self, back: usize) -> u32 {
-        self.vertices[(self.vertex_at + 31 - back) & 15]
+    fn vertex(&self, age: usize) -> u32 {
+        self.vertices[(self.vertex_slot + 31 - age) & 15]
     }
     fn push_edges<const N: usize>(&mut self, edges: [[u32; 2]; N]) {
         for edge in edges {
-            self.edges[self.edge_at & 15] = edge;
-            self.edge_at = (self.edge_at + 1) & 15;
+            self.edges[self.edge_slot & 15] = edge;
+            self.edge_slot = (self.edge_slot + 1) & 15;
         }
     }
     fn push_vertex(&mut self, vertex: u32) {
-        self.vertices[self.vertex_at & 15] = vertex;
-        self.vertex_at = (self.vertex_at + 1) & 15;
+        self.vertices[self.vertex_slot & 15] = vertex;
+        self.vertex_slot = (self.vertex_slot + 1) & 15;
     }
     fn forget_vertices(&mut self) {
         self.vertices = [u32::MAX; 16];

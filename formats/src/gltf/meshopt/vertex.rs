@@ -5,13 +5,13 @@
 
 /// Deltas of a group, which all have the same number of bits.
 const GROUP_DELTAS: usize = 16;
-/// Most bytes of a block ...
+/// Largest number of bytes in a block.
 const BLOCK_BYTES: usize = 8192;
-/// ... and most vertices.
+/// Largest number of vertices in a block.
 const BLOCK_VERTICES: usize = 256;
 
-/// Bytes of the stream's tail in version 0, at least.
-const MIN_TAIL_BYTES: usize = 32;
+/// Least bytes of the stream's tail by version.
+const MIN_TAIL_BYTES: [usize; 2] = [32, 24];
 
 /// Bits per delta by the two bits of a group's header: version 0, then the two tables of version 1.
 const BITS: [[u8; 4]; 3] = [[0, 2, 4, 8], [0, 1, 2, 4], [1, 2, 4, 8]];
@@ -37,9 +37,9 @@ pub(super) fn decode(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8
     // The tail, at the very end, holds the element before the first one and, since version 1, a
     // mode per 4 bytes.
     let tail = stride + if version == 1 { stride / 4 } else { 0 };
-    let padded = tail.max(if version == 1 { 24 } else { MIN_TAIL_BYTES });
-    let tail_at = bytes.len().checked_sub(padded).filter(|&at| at >= 1).ok_or("too short")?;
-    let mut data = Reader { bytes: &bytes[1..tail_at] };
+    let padded_tail = tail.max(MIN_TAIL_BYTES[version]);
+    let data_end = bytes.len().checked_sub(padded_tail).filter(|&end| end >= 1);
+    let mut data = Reader { bytes: &bytes[1..data_end.ok_or("too short")?] };
     let start = bytes.len() - tail;
     let mut last: Vec<u8> = bytes[start..start + stride].to_vec();
     let channels: Vec<u8> =
@@ -47,8 +47,8 @@ pub(super) fn decode(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8
 
     let block = block(stride);
     // Before allocating: even a block of nothing but zeros takes this many bytes.
-    let least = if version == 1 { stride / 4 } else { stride };
-    if count.div_ceil(block).checked_mul(least).is_none_or(|n| n > data.bytes.len()) {
+    let min_block_bytes = if version == 1 { stride / 4 } else { stride };
+    if count.div_ceil(block).checked_mul(min_block_bytes).is_none_or(|n| n > data.bytes.len()) {
         return Err("too short for its count");
     }
     let mut out = vec![0; count.checked_mul(stride).ok_or("too large")?];
@@ -68,8 +68,9 @@ pub(super) fn decode(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8
                     Some(_) => plane[..vertices].copy_from_slice(data.take(vertices)?),
                 }
             }
-            let at = channel * 4;
-            integrate(mode, &planes, &mut last[at..at + 4], chunk[at..].chunks_mut(stride))?;
+            let first = channel * 4;
+            let elements = chunk[first..].chunks_mut(stride);
+            integrate(mode, &planes, &mut last[first..first + 4], elements)?;
         }
     }
     if !data.bytes.is_empty() {
@@ -168,7 +169,7 @@ pub(super) fn encode(stride: usize, bytes: &[u8]) -> Vec<u8> {
         }
     }
     // The decoder reads the element before the first one from the very end.
-    out.resize(out.len() + MIN_TAIL_BYTES.saturating_sub(first.len()), 0);
+    out.resize(out.len() + MIN_TAIL_BYTES[0].saturating_sub(first.len()), 0);
     out.extend_from_slice(first);
     out
 }

@@ -9,7 +9,7 @@ use lodc_mesh::{Attribute, Component, Mesh, MeshParts};
 /// The coding of a stream of one submesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Coding {
-    /// Nothing: they stay as they are.
+    /// Values stay as they are.
     Exact,
     /// Positions on a grid.
     Positions(Grid<3>),
@@ -30,7 +30,8 @@ pub(super) enum Coding {
 }
 
 impl Coding {
-    /// The type of the integers, and whether they stand for fractions; none if they stay.
+    /// The type of the integers, and whether they stand for fractions (glTF's `normalized`); none
+    /// if values stay.
     fn format(self) -> Option<(Component, bool)> {
         let sized = |bits, narrow, wide| (if bits <= 8 { narrow } else { wide }, true);
         Some(match self {
@@ -75,9 +76,14 @@ impl Coding {
     }
 }
 
+/// Bytes of an integer of 1 to 16 bits.
+pub(super) const fn size(bits: u8) -> usize {
+    if bits <= 8 { 1 } else { 2 }
+}
+
 /// The largest integer of the bytes that `bits` bits need.
 fn largest(bits: u8) -> f64 {
-    last_number(if bits <= 8 { 8 } else { 16 })
+    last_number(8 * size(bits) as u8)
 }
 
 /// A number from 0 to 1 as one of 2^bits levels, spread over all values of its bytes.
@@ -90,12 +96,12 @@ fn fraction(value: f64, bits: u8) -> i32 {
 fn signed(value: f64, bits: u8) -> i32 {
     let levels = last_number(bits - 1);
     let level = (value.clamp(-1.0, 1.0) * levels).round();
-    let all = last_number(if bits <= 8 { 7 } else { 15 });
-    (level / levels * all).round() as i32
+    let largest = last_number(8 * size(bits) as u8 - 1);
+    (level / levels * largest).round() as i32
 }
 
-/// Numbers whose sum is that of 1; the largest one takes what rounding leaves. All are 0 if their
-/// sum is.
+/// Integers that stand for numbers whose sum is 1: they add up to the integer that stands for 1,
+/// and the largest takes what rounding leaves. All are 0 if the numbers are.
 fn shares(values: &[f32], bits: u8) -> Vec<i32> {
     let sum: f64 = values.iter().map(|&v| f64::from(v.max(0.0))).sum();
     if sum <= 0.0 || !sum.is_finite() {
@@ -133,7 +139,7 @@ pub(super) fn coded(
     Mesh::try_from(parts).expect("only values of attributes have changed")
 }
 
-/// Adds a stream of some submeshes, once for every format that it gets.
+/// Adds a stream that some submeshes use, once for each format that it is stored in.
 fn put(parts: &mut MeshParts, stream: &Attribute, codings: &[(usize, Coding)]) {
     let mut formats: Vec<_> = codings.iter().map(|(_, c)| c.format()).collect();
     formats.dedup();
@@ -141,8 +147,8 @@ fn put(parts: &mut MeshParts, stream: &Attribute, codings: &[(usize, Coding)]) {
         if formats[..i].contains(&format) {
             continue;
         }
-        let of_format: Vec<_> = codings.iter().filter(|(_, c)| c.format() == format).collect();
-        for (submesh, _) in &of_format {
+        let same_format: Vec<_> = codings.iter().filter(|(_, c)| c.format() == format).collect();
+        for (submesh, _) in &same_format {
             parts.submeshes[*submesh].attributes.push(parts.attributes.len() as u32);
         }
         parts.attributes.push(match format {
@@ -150,14 +156,14 @@ fn put(parts: &mut MeshParts, stream: &Attribute, codings: &[(usize, Coding)]) {
             Some((component, normalized)) => {
                 let mut coded = Attribute { component, normalized, ..stream.described() };
                 coded.bytes = vec![0; coded.stride() * parts.vertex_submesh.len()];
-                fill(&mut coded, stream, &parts.vertex_submesh, &of_format);
+                fill(&mut coded, stream, &parts.vertex_submesh, &same_format);
                 coded
             }
         });
     }
 }
 
-/// Fills a stream in for the vertices of some submeshes.
+/// Writes the values of a stream, coded, for the vertices of some submeshes.
 fn fill(to: &mut Attribute, from: &Attribute, submesh: &[u32], codings: &[&(usize, Coding)]) {
     let (size, stride) = (to.component.size(), to.stride());
     let mut by_submesh: Vec<Option<Coding>> = Vec::new();

@@ -21,9 +21,9 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use textures::TextureGrids;
 
-/// An object as the document shows it.
+/// An object to be written, and which mesh and primitives of the document it is.
 #[derive(Clone, Debug)]
-pub(super) struct Subject<'a> {
+pub(super) struct WrittenObject<'a> {
     pub(super) info: &'a ObjectInfo,
     /// The number of its mesh in the document.
     pub(super) mesh: usize,
@@ -31,7 +31,7 @@ pub(super) struct Subject<'a> {
     pub(super) primitives: Vec<usize>,
     /// Its geometry as it will be written.
     pub(super) geometry: Cow<'a, Mesh>,
-    /// The same vertices where they glide to, if they do.
+    /// The same vertices where the next level has them, if they glide there.
     pub(super) next: Option<Cow<'a, Mesh>>,
 }
 
@@ -50,18 +50,21 @@ impl Quantizer {
     pub(super) fn new(
         precision: Precision,
         document: &Document,
-        subjects: &[Subject<'_>],
+        written_objects: &[WrittenObject<'_>],
         root: &mut Object,
         blob: &mut [u8],
     ) -> Result<Self, FormatError> {
-        let positions = position_grids(precision, document, root, subjects)?;
+        let positions = position_grids(precision, document, root, written_objects)?;
         let textures = match precision.uv {
-            Some(bits) => TextureGrids::new(root, subjects, bits),
+            Some(bits) => TextureGrids::new(root, written_objects, bits),
             None => TextureGrids::default(),
         };
-        let of_mesh: BTreeMap<usize, Grid<3>> =
-            subjects.iter().zip(&positions).filter_map(|(s, g)| Some((s.mesh, (*g)?))).collect();
-        placement::move_to_grids(root, blob, &of_mesh);
+        let mesh_grids: BTreeMap<usize, Grid<3>> = written_objects
+            .iter()
+            .zip(&positions)
+            .filter_map(|(s, g)| Some((s.mesh, (*g)?)))
+            .collect();
+        placement::move_to_grids(root, blob, &mesh_grids);
         textures.transform(root);
         if precision != Precision::default() {
             shorten_numbers(root);
@@ -73,20 +76,24 @@ impl Quantizer {
     }
 
     /// The geometry of an object, quantised.
-    pub(super) fn geometry<'a>(&self, object: usize, subject: &Subject<'a>) -> Cow<'a, Mesh> {
+    pub(super) fn geometry<'a>(&self, object: usize, written: &WrittenObject<'a>) -> Cow<'a, Mesh> {
         if self.precision == Precision::default() {
-            return subject.geometry.clone();
+            return written.geometry.clone();
         }
         let grid = self.positions[object];
         let coding = |submesh: usize, stream: &Attribute| {
-            self.coding(object, submesh, stream, &subject.geometry)
+            self.coding(object, submesh, stream, &written.geometry)
         };
-        Cow::Owned(coded(&subject.geometry, grid, coding))
+        Cow::Owned(coded(&written.geometry, grid, coding))
     }
 
     /// The vertices of an object where they glide to, quantised as its geometry is.
-    pub(super) fn next<'a>(&self, object: usize, subject: &Subject<'a>) -> Option<Cow<'a, Mesh>> {
-        let next = subject.next.clone()?;
+    pub(super) fn next<'a>(
+        &self,
+        object: usize,
+        written: &WrittenObject<'a>,
+    ) -> Option<Cow<'a, Mesh>> {
+        let next = written.next.clone()?;
         if self.precision == Precision::default() {
             return Some(next);
         }
@@ -95,6 +102,7 @@ impl Quantizer {
         Some(Cow::Owned(coded(&next, self.positions[object], coding)))
     }
 
+    /// How the values of a submesh's stream are stored.
     fn coding(&self, object: usize, submesh: usize, stream: &Attribute, mesh: &Mesh) -> Coding {
         let bits = &self.precision;
         let float = stream.component == Component::F32;
@@ -113,9 +121,8 @@ impl Quantizer {
                 Some(self.textures.coding(object, submesh, *set))
             }
             Semantic::Color(_) if at_rest && is_within(mesh, stream, 0.0, 1.0) => {
-                let narrower = |bits| if bits <= 8 { 1 } else { 2 };
-                let narrower = |&bits: &u8| narrower(bits) < stream.component.size();
-                bits.color.filter(narrower).map(Coding::Fractions)
+                let is_narrower = |&bits: &u8| coding::size(bits) < stream.component.size();
+                bits.color.filter(is_narrower).map(Coding::Fractions)
             }
             Semantic::Weights(0) if float && has_one_set(mesh, submesh) => {
                 bits.weight.map(Coding::Shares)
@@ -130,15 +137,16 @@ fn position_grids(
     precision: Precision,
     document: &Document,
     root: &Object,
-    subjects: &[Subject<'_>],
+    written_objects: &[WrittenObject<'_>],
 ) -> Result<Vec<Option<Grid<3>>>, FormatError> {
     match precision.position {
-        Some(bits) => positions::grids(document, root, subjects, bits),
-        None => Ok(vec![None; subjects.len()]),
+        Some(bits) => positions::grids(document, root, written_objects, bits),
+        None => Ok(vec![None; written_objects.len()]),
     }
 }
 
-/// The farthest that a vertex of each object moves: half the diagonal of a cell, in mesh units.
+/// The largest distance that rounding moves a vertex of each object: half the diagonal of a cell,
+/// in mesh units.
 ///
 /// # Errors
 /// If the document is damaged.
@@ -146,14 +154,14 @@ pub(super) fn rounding(
     precision: Precision,
     document: &Document,
     root: &Object,
-    subjects: &[Subject<'_>],
+    written_objects: &[WrittenObject<'_>],
 ) -> Result<Vec<f64>, FormatError> {
-    let grids = position_grids(precision, document, root, subjects)?;
+    let grids = position_grids(precision, document, root, written_objects)?;
     let half_diagonal = |grid: Grid<3>| 0.5 * 3f64.sqrt() * grid.step;
     Ok(grids.into_iter().map(|grid| grid.map_or(0.0, half_diagonal)).collect())
 }
 
-/// States the numbers of nodes and materials as shortly as single precision allows.
+/// Spells the numbers of nodes and materials as shortly as single precision allows.
 fn shorten_numbers(root: &mut Object) {
     for key in ["nodes", "materials"] {
         root.get_mut(key).into_iter().for_each(shorten);

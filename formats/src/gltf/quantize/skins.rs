@@ -12,23 +12,25 @@ pub(super) fn matrices(root: &Object, node: &Object) -> Option<usize> {
 
 /// Returns whether the matrices of a node's skin can take a transform: they have bytes of their
 /// own, and all meshes that they move are written.
-pub(super) fn is_movable(root: &Object, node: &Object, written: impl Fn(usize) -> bool) -> bool {
+pub(super) fn is_movable(root: &Object, node: &Object, is_written: impl Fn(usize) -> bool) -> bool {
     let Some(accessor) = matrices(root, node) else { return false };
     let all = root.list("accessors");
     let bytes_at = |i: usize| (&all[i]["bufferView"], &all[i]["byteOffset"]);
-    let twins = (0..all.len()).filter(|&i| bytes_at(i) == bytes_at(accessor)).count();
-    let moved = skinned_meshes(root).filter(|(_, matrices)| *matrices == accessor);
-    twins == 1 && of_matrices(root, accessor).is_some() && moved.map(|(mesh, _)| mesh).all(written)
+    let same_bytes = (0..all.len()).filter(|&i| bytes_at(i) == bytes_at(accessor)).count();
+    let mut moved = skinned_meshes(root).filter(|(_, matrices)| *matrices == accessor);
+    same_bytes == 1
+        && matrix_floats(root, accessor).is_some()
+        && moved.all(|(mesh, _)| is_written(mesh))
 }
 
-/// The places of the matrices of an accessor, 16 floats each, in the document's bytes.
-fn of_matrices(root: &Object, accessor: usize) -> Option<Floats> {
+/// Where an accessor's matrices, 16 floats each, are in the document's bytes.
+fn matrix_floats(root: &Object, accessor: usize) -> Option<Floats> {
     Floats::of(root, accessor).filter(|floats| floats.size == 64)
 }
 
 /// Multiplies the matrices of an accessor by the transform of a grid.
 pub(super) fn transform(root: &mut Object, blob: &mut [u8], accessor: usize, grid: &Grid<3>) {
-    let floats = of_matrices(root, accessor);
+    let floats = matrix_floats(root, accessor);
     if let Some(accessor) = root.object_mut("accessors", accessor) {
         // They are optional, and no longer true.
         ["min", "max"].iter().for_each(|key| drop(accessor.shift_remove(*key)));

@@ -1,5 +1,5 @@
-//! Primitives that are compressed with Draco: decoded into a buffer more, in which their accessors
-//! then have their elements, before anything else looks at the document.
+//! Decodes primitives that are compressed with Draco into one more buffer, and makes their
+//! accessors refer to it, before anything else reads the document.
 
 use crate::gltf::accessor::{component_number, numbered_component};
 use crate::gltf::extensions::DRACO;
@@ -14,20 +14,20 @@ use lodc_mesh::Component;
 
 /// Bytes that the streams of any document may decode to, however small it is. Chosen by hand.
 const BASE_BYTES: u64 = 32 << 20;
-/// Bytes that they may decode to besides for each byte of the document and its buffers: about twice
-/// what streams of large meshes have.
+/// Further bytes that they may decode to for each byte of the document and its buffers. Chosen by
+/// hand: about twice what streams of large meshes decode to.
 const BYTES_PER_BYTE: u64 = 64;
-/// Bytes of a decoded triangle, three indices, and of a position, three coordinates.
-const TRIANGLE_BYTES: u64 = 12;
+/// Bytes of a decoded triangle (three indices), and of a decoded position (three coordinates).
+const ELEMENT_BYTES: u64 = 12;
 
 /// The bytes, views and accessors that decoding adds to a document.
 #[derive(Default)]
 struct Added {
     bytes: Vec<u8>,
     views: Vec<Json>,
-    /// Each takes the place of one that nothing else uses.
-    replaced: Vec<(usize, Object)>,
-    /// The others come behind those of the document.
+    /// Accessors by the numbers of those that they replace, which nothing else uses.
+    replacing: Vec<(usize, Object)>,
+    /// Accessors that follow those of the document.
     accessors: Vec<Json>,
 }
 
@@ -47,14 +47,14 @@ pub(super) fn unpack(
 ) -> Result<u64, FormatError> {
     let uses = uses(root);
     let [views, accessors] = ["bufferViews", "accessors"].map(|list| root.entries(list).len());
-    let most = BASE_BYTES.saturating_add(BYTES_PER_BYTE.saturating_mul(input_bytes));
+    let max_bytes = BASE_BYTES.saturating_add(BYTES_PER_BYTE.saturating_mul(input_bytes));
     let (mut added, mut all) = (Added::default(), Vec::new());
     for (m, mesh) in root.entries("meshes").enumerate() {
         let primitives = mesh.list("primitives").iter().filter_map(Json::as_object);
         for (p, primitive) in primitives.enumerate().filter(|(_, p)| is_needed(root, p)) {
             let location = format!("meshes[{m}].primitives[{p}].extensions.{DRACO}");
             let input = Input { root, primitive, buffers, location, views, accessors, uses: &uses };
-            all.push((m, p, input.decode(limits, most, &mut added)?));
+            all.push((m, p, input.decode(limits, max_bytes, &mut added)?));
         }
     }
     if all.is_empty() {
@@ -63,7 +63,7 @@ pub(super) fn unpack(
     let bytes = added.bytes.len() as u64;
     root.append("buffers", vec![object! { "byteLength" => added.bytes.len() }]);
     root.append("bufferViews", added.views);
-    for (number, accessor) in added.replaced {
+    for (number, accessor) in added.replacing {
         *entry_mut(root, "accessors", number) = accessor;
     }
     root.append("accessors", added.accessors);
@@ -108,12 +108,13 @@ fn uses(root: &Object) -> Vec<u32> {
 
 /// Returns whether a primitive is compressed, and its positions or corners are nowhere else.
 fn is_needed(root: &Object, primitive: &Object) -> bool {
-    let bare = |value: Option<&Json>| {
+    let lacks_bytes = |value: Option<&Json>| {
         let accessor = value.and_then(Json::as_index).and_then(|i| entry(root, "accessors", i));
         accessor.is_some_and(|a| !a.contains_key("bufferView"))
     };
     let position = primitive.get("attributes").and_then(|a| a.get("POSITION"));
-    primitive.extension(DRACO).is_some() && (bare(position) || bare(primitive.get("indices")))
+    primitive.extension(DRACO).is_some()
+        && (lacks_bytes(position) || lacks_bytes(primitive.get("indices")))
 }
 
 /// A compressed primitive; `views` and `accessors` count those of the document, `uses` says how
@@ -129,11 +130,12 @@ struct Input<'a> {
 }
 
 impl Input<'_> {
-    /// Decodes it and adds its accessors. All of a document may have `most` bytes.
+    /// Decodes it and adds its accessors. All primitives of a document together may decode to
+    /// `max_bytes`.
     fn decode(
         &self,
         limits: &Limits,
-        most: u64,
+        max_bytes: u64,
         added: &mut Added,
     ) -> Result<Decoded, FormatError> {
         let location = self.location.as_str();
@@ -144,7 +146,7 @@ impl Input<'_> {
             return Err(FormatError::new(Fault::Unsupported, location, problem));
         }
         let bytes = stream(self.root, packed, self.buffers, location)?;
-        let bytes_left = most.saturating_sub(added.bytes.len() as u64);
+        let bytes_left = max_bytes.saturating_sub(added.bytes.len() as u64);
         let mesh = decoded(bytes, limits, bytes_left, location)?;
         let mut attributes = Vec::new();
         let named = packed.get("attributes").and_then(Json::as_object);
@@ -171,12 +173,12 @@ impl Input<'_> {
         Ok(Decoded { attributes, indices })
     }
 
-    /// The accessor of a number.
+    /// The accessor that the document has under a number.
     fn stated(&self, number: &Json) -> Option<&Object> {
         entry(self.root, "accessors", number.as_index()?)
     }
 
-    /// Adds an accessor that is as another one, of elements that were decoded. Returns its number.
+    /// Adds a copy of the accessor `number` that refers to decoded elements. Returns its number.
     fn add(
         &self,
         number: &Json,
@@ -188,9 +190,9 @@ impl Input<'_> {
         let location = self.location.as_str();
         let stated = self.stated(number);
         let stated = stated.ok_or_else(|| malformed(location, "stands for no accessor"))?;
-        let said = stated.required("count", location)?;
-        if said != count as u64 {
-            let problem = format!("has {count} elements where its accessor has {said}");
+        let stated_count = stated.required("count", location)?;
+        if stated_count != count as u64 {
+            let problem = format!("has {count} elements where its accessor has {stated_count}");
             return Err(malformed(location, problem));
         }
         let mut accessor = stated.clone();
@@ -204,7 +206,7 @@ impl Input<'_> {
         added.views.push(view);
         let number = number.as_index().expect("it stands for an accessor");
         if self.uses[number] == 1 {
-            added.replaced.push((number, accessor));
+            added.replacing.push((number, accessor));
             return Ok(number);
         }
         added.accessors.push(Json::Object(accessor));
@@ -231,17 +233,23 @@ fn stream<'b>(
     bytes.ok_or_else(|| malformed(location, "lies outside its buffer"))
 }
 
-/// The mesh in a stream; refused if it takes more than `most` bytes.
-fn decoded(bytes: &[u8], limits: &Limits, most: u64, location: &str) -> Result<Mesh, FormatError> {
+/// The mesh in a stream; refused if it takes more than `max_bytes`.
+fn decoded(
+    bytes: &[u8],
+    limits: &Limits,
+    max_bytes: u64,
+    location: &str,
+) -> Result<Mesh, FormatError> {
     let ceilings = DecodeLimits::default()
-        .with_max_points(limits.vertices.min(most / TRIANGLE_BYTES))
-        .with_max_faces(limits.triangles.min(most / TRIANGLE_BYTES))
-        .with_max_decoded_bytes(most);
+        .with_max_points(limits.vertices.min(max_bytes / ELEMENT_BYTES))
+        .with_max_faces(limits.triangles.min(max_bytes / ELEMENT_BYTES))
+        .with_max_decoded_bytes(max_bytes);
     let mut mesh = Mesh::new();
     let mut buffer = DecoderBuffer::new(bytes).with_limits(ceilings);
     let failed = |e: DracoError| match e.kind() {
         ErrorKind::LimitExceeded | ErrorKind::AllocationExceedsInput => {
-            let problem = format!("unpacks to more than {} MiB, or than limits allow", most >> 20);
+            let problem =
+                format!("unpacks to more than {} MiB, or than limits allow", max_bytes >> 20);
             FormatError::new(Fault::Limit, location, problem)
         }
         _ => malformed(location, format!("cannot be decoded: {}", e.message())),
@@ -254,8 +262,8 @@ fn decoded(bytes: &[u8], limits: &Limits, most: u64, location: &str) -> Result<M
     Ok(mesh)
 }
 
-/// The values of all points as an accessor has them; integers in its width. None if a value does
-/// not fit, or floats are integers there.
+/// The values of all points in the component type of their accessor. None if an integer does not
+/// fit it, or only one of the two has floats.
 fn values(attribute: &PointAttribute, points: usize, component: Component) -> Option<Vec<u8>> {
     let (kind, count) = (attribute.data_type(), usize::from(attribute.num_components()));
     let (size, data) = (kind.byte_length(), attribute.buffer().data());

@@ -24,10 +24,10 @@ fn forest(root: &Object) -> Result<Vec<usize>, FormatError> {
     }
     let mut order: Vec<usize> = (0..nodes).filter(|&i| parent[i].is_none()).collect();
     let all: Vec<&Object> = root.entries("nodes").collect();
-    let mut at = 0;
-    while let Some(&node) = order.get(at) {
+    let mut visited = 0;
+    while let Some(&node) = order.get(visited) {
         order.extend(children(all[node]));
-        at += 1;
+        visited += 1;
     }
     if order.len() < nodes {
         let mut reached = vec![false; nodes];

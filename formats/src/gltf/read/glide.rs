@@ -16,24 +16,24 @@ use crate::{Assets, FormatError, GLIDE_TARGET};
 use lodc_mesh::{Attribute, Component, Semantic};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The number of the target that moves a mesh to the next level.
-fn target(mesh: &Object) -> Option<usize> {
+/// The number of the morph target that moves a mesh to the next level.
+fn glide_target(mesh: &Object) -> Option<usize> {
     let number = mesh["extras"]["lodc"]["next"].as_index()?;
     let is_named = mesh["extras"]["targetNames"].list().get(number)?.as_str() == Some(GLIDE_TARGET);
     is_named.then_some(number)
 }
 
-/// Takes the targets out of a document, and what weights and animations know of them.
+/// Takes these targets out of a document, with their weights and the animations of these.
 pub(super) fn strip(root: &mut Object) {
     let targets: BTreeMap<usize, usize> = root
         .entries("meshes")
         .enumerate()
-        .filter_map(|(m, mesh)| Some((m, target(mesh)?)))
+        .filter_map(|(m, mesh)| Some((m, glide_target(mesh)?)))
         .collect();
     if targets.is_empty() {
         return;
     }
-    let plain = without_replacements(root);
+    let unsparse = bases_of_sparse(root);
     // The target is the last one, so its number is the count of those that stay.
     for (m, mesh) in root.objects_mut("meshes").enumerate() {
         let Some(&count) = targets.get(&m) else { continue };
@@ -42,7 +42,7 @@ pub(super) fn strip(root: &mut Object) {
             shorten(primitive, "targets", count);
             let attributes = primitive.get_mut("attributes").and_then(Json::as_object_mut);
             for (_, accessor) in attributes.into_iter().flat_map(|a| a.iter_mut()) {
-                if let Some(base) = accessor.as_index().and_then(|a| plain.get(&a)) {
+                if let Some(base) = accessor.as_index().and_then(|a| unsparse.get(&a)) {
                     *accessor = (*base).into();
                 }
             }
@@ -71,14 +71,14 @@ pub(super) fn strip(root: &mut Object) {
                 channel["sampler"] = narrow.into();
             }
         }
-        let kept = narrow.iter().rposition(Option::is_none).map_or(0, |last| last + 1);
+        let remaining = narrow.iter().rposition(Option::is_none).map_or(0, |last| last + 1);
         if let Some(Json::Array(samplers)) = animation.get_mut("samplers") {
-            samplers.truncate(kept);
+            samplers.truncate(remaining);
         }
     }
 }
 
-/// Cuts a list off; it goes with its last element.
+/// Leaves the first `count` elements of a list; removes it if there are none.
 fn shorten(object: &mut Object, key: &str, count: usize) {
     if let Some(Json::Array(all)) = object.get_mut(key) {
         all.truncate(count);
@@ -88,11 +88,10 @@ fn shorten(object: &mut Object, key: &str, count: usize) {
     }
 }
 
-/// Maps each sparse accessor that is another one but for the elements that it replaces to that
-/// other one.
-fn without_replacements(root: &Object) -> BTreeMap<usize, usize> {
+/// Maps each sparse accessor to the one that is the same but for the replaced elements.
+fn bases_of_sparse(root: &Object) -> BTreeMap<usize, usize> {
     let all: Vec<&Object> = root.entries("accessors").collect();
-    // Few accessors are sparse over a view: those of levels. So all others may be looked through.
+    // Only those that levels share are sparse over a view: few, so each may search all others.
     let replaced = all.iter().enumerate().filter_map(|(a, accessor)| {
         let mut base = (*accessor).clone();
         base.shift_remove("sparse")?;
@@ -102,8 +101,8 @@ fn without_replacements(root: &Object) -> BTreeMap<usize, usize> {
     replaced.collect()
 }
 
-/// Reads how the levels of a file move, each to the next: to the next of its own, or to those of
-/// the file that it names. `pairs` are meshes of levels that follow each other, and the level.
+/// Reads how the vertices of each level move to the next one, in this file or in the one that it
+/// names as next. `pairs` has levels, each with its mesh and that of the next level.
 ///
 /// # Errors
 /// If the file of the next level cannot be read.
@@ -114,18 +113,17 @@ pub(super) fn glides(
     assets: &mut Assets,
     options: &ImportOptions,
 ) -> Result<Vec<Glide>, FormatError> {
-    let is_gliding = root.entries("meshes").any(|mesh| target(mesh).is_some());
+    let is_gliding = root.entries("meshes").any(|mesh| glide_target(mesh).is_some());
     if !is_gliding {
         return Ok(Vec::new());
     }
-    // Each level is read twice, as far as its triangles go.
-    let budget = Budget::new(file.bytes.saturating_mul(MOST_READ));
+    let budget = Budget::new(file.bytes.saturating_mul(MAX_READS));
     let views = Views::new(root, &file.buffers, &budget)?;
-    let own = Meshes { root, accessors: &Accessor::all(root, &views)?, views: &views };
+    let this_file = Meshes { root, accessors: &Accessor::all(root, &views)?, views: &views };
     let mut all = Vec::new();
     let mut add = |level: usize, mesh: usize, next: Option<(&Meshes<'_>, usize)>| {
-        if let Some(from) = own.moved(mesh)? {
-            let names = carried(root, mesh);
+        if let Some(from) = this_file.moved(mesh)? {
+            let names = moved_attributes(root, mesh);
             let to = next.map(|(file, mesh)| file.parts(mesh, None, &names)).transpose()?;
             let (location, to) = (format!("meshes[{mesh}]"), to.unwrap_or_default());
             all.push(Glide { level, location, from, to });
@@ -133,32 +131,33 @@ pub(super) fn glides(
         Ok::<_, FormatError>(())
     };
     for &(level, [mesh, next]) in pairs {
-        add(level, mesh, Some((&own, next)))?;
+        add(level, mesh, Some((&this_file, next)))?;
     }
     let Some(name) = root["extras"]["lodc"]["next"].as_str() else { return Ok(all) };
     let bytes = uri::read(name, "extras.lodc.next", assets)?;
     let (other, other_file) = open(&bytes, assets, options)?;
-    let budget = Budget::new(other_file.bytes.saturating_mul(MOST_READ));
+    let budget = Budget::new(other_file.bytes.saturating_mul(MAX_READS));
     let views = Views::new(&other, &other_file.buffers, &budget)?;
     let accessors = Accessor::all(&other, &views)?;
     let next_file = Meshes { root: &other, accessors: &accessors, views: &views };
-    let same = Pool::Meshes.len(root) == Pool::Meshes.len(&other);
+    let same_meshes = Pool::Meshes.len(root) == Pool::Meshes.len(&other);
     for (mesh, entry) in root.entries("meshes").enumerate() {
         let by_name = || other.entries("meshes").position(|m| m["name"] == entry["name"]);
-        let next = if same { Some(mesh) } else { by_name() };
+        let next = if same_meshes { Some(mesh) } else { by_name() };
         add(0, mesh, next.map(|next| (&next_file, next)))?;
     }
     Ok(all)
 }
 
-/// Times that vertices are read at most: each level where it begins, where it ends and as the next
-/// one, and levels share vertices. Chosen by hand, to bound the work that a crafted file asks for.
-const MOST_READ: u64 = 8;
+/// How often a file's vertices may be read, on average: each level is read where its vertices
+/// begin, where they end and as the next one, and levels share vertices. Chosen by hand, to bound
+/// the work that a crafted file asks for.
+const MAX_READS: u64 = 8;
 
-/// What the target of a mesh moves.
-fn carried(root: &Object, mesh: usize) -> BTreeSet<String> {
+/// The names of the attributes that the glide target of a mesh moves.
+fn moved_attributes(root: &Object, mesh: usize) -> BTreeSet<String> {
     let mesh = &root["meshes"][mesh];
-    let Some(number) = mesh.as_object().and_then(target) else { return BTreeSet::new() };
+    let Some(number) = mesh.as_object().and_then(glide_target) else { return BTreeSet::new() };
     let primitives = mesh["primitives"].list().iter();
     let moved = primitives.filter_map(|p| p["targets"].list().get(number)?.as_object());
     moved.flat_map(|target| target.keys().cloned()).collect()
@@ -172,14 +171,15 @@ struct Meshes<'a> {
 }
 
 impl Meshes<'_> {
-    /// The primitives of a mesh with triangles, moved by its target. None if it has none.
+    /// The primitives of a mesh that have triangles, moved by its glide target. None without one.
     fn moved(&self, mesh: usize) -> Result<Option<Vec<GlidePart>>, FormatError> {
-        let number = self.root["meshes"][mesh].as_object().and_then(target);
-        let parts = number.map(|_| self.parts(mesh, number, &carried(self.root, mesh)));
+        let number = self.root["meshes"][mesh].as_object().and_then(glide_target);
+        let parts = number.map(|_| self.parts(mesh, number, &moved_attributes(self.root, mesh)));
         parts.transpose()
     }
 
-    /// The primitives of a mesh with triangles: what of these names they have, moved by a target.
+    /// The primitives of a mesh that have triangles: their attributes of these names, moved by the
+    /// target of this number.
     fn parts(
         &self,
         mesh: usize,

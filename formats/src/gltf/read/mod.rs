@@ -54,11 +54,11 @@ pub(crate) fn import(
     opened.scene(root, assets, options)
 }
 
-/// A file besides its document.
+/// What a file has besides its document.
 struct Opened<'a> {
     source: Source,
     buffers: Buffers<'a>,
-    /// Bytes of the file and of all buffers, also of what was decoded to begin with.
+    /// Bytes of the file and of all buffers, also of those that Draco streams were decoded to.
     bytes: u64,
     warnings: Vec<String>,
 }
@@ -90,9 +90,9 @@ fn open<'a>(
     hasher.update(bytes);
     let files = root.entries("buffers").zip(&buffers).filter(|(buffer, _)| names_file(buffer));
     files.filter_map(|(_, b)| b.as_deref()).for_each(|b| hasher.update(b));
-    let all = bytes.len() + buffers.iter().flatten().map(|b| b.len()).sum::<usize>();
+    let input = (bytes.len() + buffers.iter().flatten().map(|b| b.len()).sum::<usize>()) as u64;
     let source = Source { format, content_hash: hasher.digest128() };
-    let bytes = all as u64 + draco::unpack(&mut root, &mut buffers, &options.limits, all as u64)?;
+    let bytes = input + draco::unpack(&mut root, &mut buffers, &options.limits, input)?;
     Ok((root, Opened { source, buffers, bytes, warnings }))
 }
 
@@ -117,11 +117,11 @@ impl Opened<'_> {
         let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
         let numbers = |accessor| document::numbers(&accessors, &views, accessor);
         forest::set_world_scales(&root, &mut objects, &numbers)?;
-        let of_object = |o: &SceneObject| -> Vec<(usize, usize)> {
+        let primitives = |o: &SceneObject| -> Vec<(usize, usize)> {
             let mesh = o.info.document_mesh as usize;
             o.info.submeshes.iter().map(|s| (mesh, s.document_primitive as usize)).collect()
         };
-        let stripped: Vec<(usize, usize)> = objects.iter().flat_map(of_object).collect();
+        let stripped: Vec<(usize, usize)> = objects.iter().flat_map(primitives).collect();
         let document = remainder::remainder(root, &stripped, &views, &mut warnings)?;
         Ok(Scene {
             source: self.source.clone(),
@@ -147,7 +147,7 @@ fn read_objects(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<SceneObject>, FormatError> {
     let mut objects = Vec::new();
-    let (mut other, mut no_position) = (0, 0);
+    let (mut points_or_lines, mut without_positions) = (0, 0);
     for (m, mesh) in root.entries("meshes").enumerate() {
         let (mut primitives, mut numbers): (Vec<Primitive>, Vec<u32>) = (Vec::new(), Vec::new());
         for (p, object) in mesh.list("primitives").iter().filter_map(Json::as_object).enumerate() {
@@ -160,34 +160,34 @@ fn read_objects(
                     primitives.push(primitive);
                     numbers.push(p as u32);
                 }
-                Read::Other => other += 1,
-                Read::NoPosition => no_position += 1,
+                Read::PointsOrLines => points_or_lines += 1,
+                Read::NoPosition => without_positions += 1,
             }
         }
-        let Some((triangles, kept)) = reading.object(&primitives)? else { continue };
+        let Some((triangles, submeshes)) = reading.object(&primitives)? else { continue };
         let name = mesh["name"].as_str().map_or_else(|| format!("mesh{m}"), str::to_owned);
-        objects.push(scene_object(name, m, triangles, kept.iter().map(|&k| numbers[k])));
+        objects.push(scene_object(name, m, triangles, submeshes.iter().map(|&s| numbers[s])));
     }
     let counts = &reading.counts;
-    let mut tell = |problem: &str, count: usize| {
+    let mut warn = |problem: &str, count: usize| {
         if count > 0 {
             warnings.push(format!("{problem}: {count}"));
         }
     };
-    tell("triangles with two corners at one position dropped", counts.degenerate);
-    tell(
+    warn("triangles with two corners at one position dropped", counts.degenerate);
+    warn(
         "vertices that no triangle uses dropped",
         reading.unused_vertices() + counts.lonely_vertices,
     );
-    tell("vertices moved onto others by welding", counts.welded);
-    tell(
+    warn("vertices moved onto others by welding", counts.welded);
+    warn(
         "corners after the last whole triangle of their primitive dropped",
         counts.leftover_corners,
     );
-    tell("attribute values that are not finite numbers, kept as they are", counts.not_finite);
-    tell("primitives of points or lines, passed through unchanged", other);
-    tell("primitives without positions, passed through unchanged", no_position);
-    tell(
+    warn("attribute values that are not finite numbers, kept as they are", counts.not_finite);
+    warn("primitives of points or lines, passed through unchanged", points_or_lines);
+    warn("primitives without positions, passed through unchanged", without_positions);
+    warn(
         "primitives without a triangle of any area, passed through unchanged",
         counts.only_degenerate,
     );

@@ -20,20 +20,26 @@ pub(super) struct Reading<'a> {
     pub(super) counts: Counts,
     vertices: u64,
     triangles: u64,
-    /// Elements of each accessor of positions that some triangle uses, one bit each.
+    /// For each accessor of positions one bit per element: whether a triangle uses it.
     used: BTreeMap<usize, Vec<u64>>,
-    /// Those of them whose primitives have become submeshes.
+    /// Accessors of positions of primitives that have become submeshes.
     converted: BTreeSet<usize>,
 }
 
 /// Counts of what was dropped or moved.
 #[derive(Debug, Default)]
 pub(super) struct Counts {
+    /// Triangles without an area.
     pub(super) degenerate: usize,
+    /// Vertices that only these triangles used.
     pub(super) lonely_vertices: usize,
+    /// Vertices that welding moved.
     pub(super) welded: usize,
+    /// Primitives in which no triangle has an area.
     pub(super) only_degenerate: usize,
+    /// Corners after the last whole triangle of a primitive.
     pub(super) leftover_corners: usize,
+    /// Attribute values that are not finite; they stay.
     pub(super) not_finite: usize,
 }
 
@@ -41,8 +47,10 @@ pub(super) struct Counts {
 /// corners alone.
 #[derive(Debug, Default)]
 pub(super) struct Numbering {
+    /// The number of the present primitive.
     epoch: u32,
-    seen: Vec<(u32, u32)>,
+    /// For each vertex the primitive that numbered it last, and its number there.
+    numbered: Vec<(u32, u32)>,
 }
 
 impl Numbering {
@@ -53,14 +61,14 @@ impl Numbering {
         vertices: usize,
         budget: &Budget,
     ) -> Result<Vec<u32>, FormatError> {
-        if self.seen.len() < vertices {
-            budget.charge((vertices - self.seen.len()) as u64, 8, "")?;
-            self.seen.resize(vertices, (0, 0));
+        if self.numbered.len() < vertices {
+            budget.charge((vertices - self.numbered.len()) as u64, 8, "")?;
+            self.numbered.resize(vertices, (0, 0));
         }
         self.epoch += 1;
         let mut sources = Vec::new();
         for corner in corners {
-            let (epoch, number) = &mut self.seen[*corner as usize];
+            let (epoch, number) = &mut self.numbered[*corner as usize];
             if *epoch != self.epoch {
                 (*epoch, *number) = (self.epoch, sources.len() as u32);
                 sources.push(*corner);
@@ -114,20 +122,20 @@ impl<'a> Reading<'a> {
         let sizes = SubmeshSizes::of(&parts);
         parts.clean();
         let cleaned = SubmeshSizes::of(&parts);
-        let kept = drop_empty_submeshes(&mut parts);
-        for &s in &kept {
+        let with_area = drop_empty_submeshes(&mut parts);
+        for &s in &with_area {
             self.counts.degenerate += sizes.triangles[s] - cleaned.triangles[s];
             self.counts.lonely_vertices += sizes.vertices[s] - cleaned.vertices[s];
             self.converted.insert(primitives[s].position);
         }
-        self.counts.only_degenerate += primitives.len() - kept.len();
-        if kept.is_empty() {
+        self.counts.only_degenerate += primitives.len() - with_area.len();
+        if with_area.is_empty() {
             return Ok(None);
         }
-        let location = |e: &dyn std::fmt::Display| {
+        let invalid = |e: &dyn std::fmt::Display| {
             malformed(primitives.first().map_or("", |p| p.location.as_str()), e.to_string())
         };
-        Ok(Some((Mesh::try_from(parts).map_err(|e| location(&e))?, kept)))
+        Ok(Some((Mesh::try_from(parts).map_err(|e| invalid(&e))?, with_area)))
     }
 
     fn add(
@@ -263,7 +271,8 @@ fn positions(
     Ok(out)
 }
 
-/// The streams of a mesh by meaning and format.
+/// The streams of a mesh by meaning and format: semantic, morph target, component type, number of
+/// components, and whether integers stand for fractions.
 #[derive(Debug, Default)]
 struct Streams(BTreeMap<(Semantic, Option<u32>, u8, u8, bool), usize>);
 

@@ -37,7 +37,7 @@ pub(crate) fn plain(
     let mut added: Vec<Json> = Vec::new();
     for (i, image) in root.objects_mut("images").enumerate() {
         let Some(text) = image["uri"].as_str().map(str::to_owned) else { continue };
-        // Without a file to look in there is nowhere else to look.
+        // The readers could not open it, so without its bytes the name is of no use.
         image.shift_remove("uri");
         match uri::read(&text, &format!("images[{i}]"), assets) {
             Ok(bytes) => {

@@ -27,8 +27,7 @@ pub(super) struct Primitive {
 pub(super) enum Read {
     /// It draws triangles.
     Triangles(Primitive),
-    /// Points or lines.
-    Other,
+    PointsOrLines,
     /// Triangles without positions: nothing is drawn.
     NoPosition,
 }
@@ -41,7 +40,7 @@ pub(super) fn read(
 ) -> Result<Read, FormatError> {
     let mode = object.optional("mode", &location)?.unwrap_or(4);
     match mode {
-        0..=3 => return Ok(Read::Other),
+        0..=3 => return Ok(Read::PointsOrLines),
         4..=6 => {}
         _ => {
             return Err(malformed(
@@ -56,13 +55,14 @@ pub(super) fn read(
     let indices = object.get("indices").map(index);
     let mut streams = streams(object, attributes);
     check_streams(&streams, &location, accessors)?;
+    // A mesh has its positions as floats anyway.
     streams.retain(|(s, target, a)| {
-        *s != Semantic::Position || target.is_some() || !is_plain(accessors, *a)
+        *s != Semantic::Position || target.is_some() || !is_float(accessors, *a)
     });
     Ok(Read::Triangles(Primitive { location, mode, indices, position, streams }))
 }
 
-/// The number of what a member refers to; one that nothing has where it is none.
+/// The index in a member; one that is out of any range if it is not an index.
 fn index(value: &Json) -> usize {
     value.as_index().unwrap_or(usize::MAX)
 }
@@ -111,8 +111,8 @@ fn check_streams(
     Ok(())
 }
 
-/// Returns whether positions are three `f32` and need no stream besides.
-fn is_plain(accessors: &[Option<Accessor>], accessor: usize) -> bool {
+/// Returns whether an accessor holds floats.
+fn is_float(accessors: &[Option<Accessor>], accessor: usize) -> bool {
     accessors.get(accessor).and_then(Option::as_ref).is_some_and(|a| a.component == Component::F32)
 }
 
@@ -174,21 +174,21 @@ impl Primitive {
     }
 
     /// The triangles that corners make, wound as glTF 2.0, 3.7.2.1 has it.
-    pub(super) fn triangles(&self, corners: &[u32], mut each: impl FnMut([u32; 3])) {
+    pub(super) fn triangles(&self, corners: &[u32], mut visit: impl FnMut([u32; 3])) {
         match self.mode {
-            4 => corners.chunks_exact(3).for_each(|c| each([c[0], c[1], c[2]])),
+            4 => corners.chunks_exact(3).for_each(|c| visit([c[0], c[1], c[2]])),
             5 => corners.windows(3).enumerate().for_each(|(i, c)| {
                 // Every other triangle of a strip is turned over.
                 let odd = i % 2;
-                each([c[0], c[1 + odd], c[2 - odd]]);
+                visit([c[0], c[1 + odd], c[2 - odd]]);
             }),
-            _ => corners.windows(2).skip(1).for_each(|c| each([c[0], c[1], corners[0]])),
+            _ => corners.windows(2).skip(1).for_each(|c| visit([c[0], c[1], corners[0]])),
         }
     }
 }
 
-/// Takes the geometry of a primitive out of the document; morph targets leave their number behind.
-/// Returns whether an extension was dropped that held something besides.
+/// Takes the geometry of a primitive out of the document; of morph targets empty objects stay.
+/// Returns whether outlines or n-gons were dropped, which name the old triangles.
 pub(super) fn strip(object: &mut Object) -> bool {
     object["attributes"] = Json::Object(Object::default());
     object.shift_remove("indices");
@@ -196,10 +196,10 @@ pub(super) fn strip(object: &mut Object) -> bool {
     for target in object.get_mut("targets").and_then(Json::as_array_mut).into_iter().flatten() {
         *target = Json::Object(Object::default());
     }
-    let mut others = false;
+    let mut had_outlines = false;
     for name in DROPPED_FROM_PRIMITIVES {
-        others |= name != DRACO && object.extension(name).is_some();
+        had_outlines |= name != DRACO && object.extension(name).is_some();
         object.remove_extension(name);
     }
-    others
+    had_outlines
 }

@@ -31,14 +31,14 @@ pub(super) fn remainder(
         ));
     }
     drop_draco(&mut root);
-    let mut kept: Vec<usize> = (0..Pool::BufferViews.len(&root)).collect();
+    let mut kept_views: Vec<usize> = (0..Pool::BufferViews.len(&root)).collect();
     if let Some(name) = extensions::opaque(&root) {
         warnings.push(format!(
             "the extension {name} is unknown and may refer to old data, which stays in the file"
         ));
     } else {
         for (pool, referenced_before) in pools.into_iter().zip(referenced_before) {
-            // What nothing pointed to from the start may be meant for someone else.
+            // What nothing referred to from the start may be meant for other programs.
             let referenced_after = referenced(&mut root, pool).into_iter();
             let keep: Vec<bool> = referenced_after
                 .zip(referenced_before)
@@ -46,19 +46,19 @@ pub(super) fn remainder(
                 .collect();
             retain(&mut root, pool, &keep);
             if pool == Pool::BufferViews {
-                kept.retain(|&v| keep[v]);
+                kept_views.retain(|&v| keep[v]);
             }
         }
     }
-    let blob = compact(&mut root, &kept, views)?;
+    let blob = compact(&mut root, &kept_views, views)?;
     for name in MESHOPT {
         extensions::forget(&mut root, name);
     }
     Ok(GltfDocument { json: root.to_string(), blob })
 }
 
-/// Compressed primitives have been refused, so wherever the extension is left the uncompressed data
-/// is there too.
+/// Drops the Draco extension: the data is there uncompressed, from the start or since it was
+/// decoded.
 fn drop_draco(root: &mut Object) {
     for mesh in root.objects_mut("meshes") {
         mesh.objects_mut("primitives").for_each(|primitive| primitive.remove_extension(DRACO));

@@ -78,17 +78,17 @@ fn stated(root: &Object) -> Result<Provenance, FormatError> {
             pose_error: level["geomorph_pose_error"].as_f64(),
         }),
     };
-    let number = |key: &str| all["screen"][key].as_f64();
-    let screen = number("pixels").zip(number("height")).zip(number("fovy"));
+    let screen_number = |key: &str| all["screen"][key].as_f64();
+    let screen = screen_number("pixels").zip(screen_number("height")).zip(screen_number("fovy"));
     let screen = screen.map(|((pixels, height), fovy)| ScreenFacts { pixels, height, fovy });
     let levels = match all["levels"].list() {
         [] => vec![facts(all)],
         several => several.iter().map(facts).collect(),
     };
     let refitted = all["refitted"].as_bool().unwrap_or(false);
-    let poses_of = |object: &Json| object.list().iter().filter_map(posture).collect();
-    let is_known = all["errors_over"]["rest"].as_bool() == Some(true);
-    let poses = is_known.then(|| all["poses"].list().iter().map(poses_of).collect());
+    let object_poses = |object: &Json| object.list().iter().filter_map(posture).collect();
+    let states_poses = all["errors_over"]["rest"].as_bool() == Some(true);
+    let poses = states_poses.then(|| all["poses"].list().iter().map(object_poses).collect());
     let next = all["next"].as_str().map(str::to_owned);
     Ok(Provenance { source, levels, refitted, screen, next, poses })
 }
@@ -107,9 +107,9 @@ fn posture(pose: &Json) -> Option<Posture> {
 struct Chain {
     /// Number of levels.
     levels: usize,
-    /// Nodes that show the finest level, and those of all others.
+    /// For each node that shows the finest level, the nodes of the coarser ones in order.
     nodes: BTreeMap<usize, Vec<usize>>,
-    /// True if an index accessor has them all.
+    /// True if a primitive has the triangles of all levels in one index accessor.
     has_ranges: bool,
 }
 
@@ -184,8 +184,10 @@ impl Chain {
         if self.nodes.is_empty() {
             return;
         }
-        for node in level_root.objects_mut("nodes").zip(&nodes_kept).filter(|(_, kept)| !**kept) {
-            node.0.shift_remove("mesh");
+        for (node, is_kept) in level_root.objects_mut("nodes").zip(&nodes_kept) {
+            if !is_kept {
+                node.shift_remove("mesh");
+            }
         }
         for animation in level_root.objects_mut("animations") {
             if let Some(Json::Array(channels)) = animation.get_mut("channels") {
@@ -230,9 +232,11 @@ impl Chain {
             let meshes = std::iter::once(&node)
                 .chain(ids)
                 .filter_map(|&n| root["nodes"][n]["mesh"].as_index());
+            // Primitives of the finest level, each with the number of vertices that the level
+            // before uses.
             let mut prefixes: Vec<(&Object, usize)> = Vec::new();
             for (k, mesh) in meshes.enumerate() {
-                for (p, primitive) in of_mesh(root, mesh) {
+                for (p, primitive) in mesh_primitives(root, mesh) {
                     let used = indices((mesh, p), primitive)?
                         .into_iter()
                         .max()
@@ -264,14 +268,15 @@ impl Chain {
     }
 }
 
-/// All primitives with their places: mesh and number.
+/// All primitives, each with the number of its mesh and its own.
 fn primitives(root: &Object) -> impl Iterator<Item = ((usize, usize), &Object)> {
-    (0..Pool::Meshes.len(root)).flat_map(|m| of_mesh(root, m).map(move |(p, one)| ((m, p), one)))
+    (0..Pool::Meshes.len(root))
+        .flat_map(|m| mesh_primitives(root, m).map(move |(p, primitive)| ((m, p), primitive)))
 }
 
-fn of_mesh(root: &Object, mesh: usize) -> impl Iterator<Item = (usize, &Object)> {
+fn mesh_primitives(root: &Object, mesh: usize) -> impl Iterator<Item = (usize, &Object)> {
     let all = root["meshes"][mesh]["primitives"].list().iter().enumerate();
-    all.filter_map(|(p, one)| Some((p, one.as_object()?)))
+    all.filter_map(|(p, primitive)| Some((p, primitive.as_object()?)))
 }
 
 /// The ranges of a primitive's index accessor, one for each level; none without them.
@@ -321,12 +326,12 @@ fn wrong_nodes(root: &Object, node: usize, ids: &[usize]) -> Option<String> {
         let all = animations.flat_map(|(a, animation)| {
             animation.list("channels").iter().map(move |channel| (a, channel.clone()))
         });
-        let of_node = all.filter_map(|(a, mut channel)| {
+        let channels_of_node = all.filter_map(|(a, mut channel)| {
             (target(&mut channel) == Some(wanted)).then_some((a, channel))
         });
-        of_node
+        channels_of_node
             .map(|(a, mut channel)| {
-                // Where it leads is the node; what it moves there has to be the same.
+                // The node differs; what moves there has to be the same.
                 let pointer = animation_pointer(&mut channel["target"]).map(|pointer| {
                     *pointer = pointer.splitn(4, '/').last().unwrap_or_default().to_owned();
                 });
@@ -337,13 +342,13 @@ fn wrong_nodes(root: &Object, node: usize, ids: &[usize]) -> Option<String> {
             })
             .collect()
     };
-    let moved = channels(node);
+    let finest_channels = channels(node);
     ids.iter().find_map(|&id| {
         let coarser = &root["nodes"][id];
         let key = PLACING.into_iter().find(|key| coarser[*key] != finest[*key]);
         let problem = key.map(|key| format!("nodes[{id}].{key}: is not that of nodes[{node}]"));
         problem.or_else(|| {
-            (channels(id) != moved)
+            (channels(id) != finest_channels)
                 .then(|| format!("nodes[{id}]: is not animated as nodes[{node}] is"))
         })
     })
@@ -358,7 +363,7 @@ fn target(channel: &mut Json) -> Option<usize> {
     })
 }
 
-/// Leaves a primitive one level of its index accessor; false if it has no triangle there.
+/// Gives a primitive an index accessor of one level alone; false if it has no triangle there.
 fn take_range(
     document: &mut Object,
     (mesh, primitive): (usize, usize),
@@ -379,17 +384,17 @@ fn take_range(
     if count == 0 {
         return Ok(false);
     }
-    let mut part = document["accessors"][accessor].clone();
-    let component = part["componentType"].as_u64().and_then(numbered_component);
+    let mut level_accessor = document["accessors"][accessor].clone();
+    let component = level_accessor["componentType"].as_u64().and_then(numbered_component);
     let size = component.map_or(0, Component::size);
-    let offset = part["byteOffset"].as_index().unwrap_or(0) + first * size;
-    part["byteOffset"] = offset.into();
-    part["count"] = count.into();
+    let offset = level_accessor["byteOffset"].as_index().unwrap_or(0) + first * size;
+    level_accessor["byteOffset"] = offset.into();
+    level_accessor["count"] = count.into();
     for key in ["min", "max"] {
-        part.as_object_mut().map(|part| part.shift_remove(key));
+        level_accessor.as_object_mut().map(|members| members.shift_remove(key));
     }
     let number = Pool::Accessors.len(document);
-    document.append("accessors", vec![part]);
+    document.append("accessors", vec![level_accessor]);
     if let Some(entry) = primitive_mut(document, mesh, primitive) {
         entry["indices"] = number.into();
         forget_extra(entry, "lodc");

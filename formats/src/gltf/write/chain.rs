@@ -2,13 +2,14 @@
 //! `MSFT_lod` nodes, one for each level beside that of the finest, or as index ranges, all levels
 //! of a primitive one after another in one index accessor.
 
+use super::differences::Deltas;
 use super::glide::{self, Glide};
-use super::writer::{Numbering, Writer};
+use super::writer::{MeshWriter, Writer};
 use super::{glb, gltf, source_document, submesh_primitive};
 use crate::gltf::extensions;
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::prune;
-use crate::gltf::quantize::{Quantizer, Subject};
+use crate::gltf::quantize::{Quantizer, WrittenObject};
 use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
@@ -54,25 +55,27 @@ pub fn export_chain<'a>(
 ) -> Result<Vec<OutputFile>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let (mut root, mut blob) = source_document(document, &infos, additions)?;
-    let subject = |(i, o): (usize, &ChainObject<'a>)| {
-        let subject = super::subject(document, i, o.info, o.mesh)?;
+    let written_object = |(i, o): (usize, &ChainObject<'a>)| {
+        let written_object = super::written_object(document, i, o.info, o.mesh)?;
         let next = o.glide.as_ref().map(|glide| super::adapted(document, glide.next));
-        Ok::<_, FormatError>(Subject { next, ..subject })
+        Ok::<_, FormatError>(WrittenObject { next, ..written_object })
     };
-    let subjects = objects.iter().enumerate().map(subject).collect::<Result<Vec<_>, _>>()?;
-    let quantizer = Quantizer::new(additions.precision, document, &subjects, &mut root, &mut blob)?;
+    let written_objects =
+        objects.iter().enumerate().map(written_object).collect::<Result<Vec<_>, _>>()?;
+    let quantizer =
+        Quantizer::new(additions.precision, document, &written_objects, &mut root, &mut blob)?;
     let mut writer = Writer::new(&root, additions);
     let mut empty = Vec::new();
     let mut levels = Vec::new();
-    for (i, (object, subject)) in objects.iter().zip(&subjects).enumerate() {
-        let geometry = quantizer.geometry(i, subject);
-        let next = quantizer.next(i, subject);
-        let mut object_levels = Levels::new(object, subject.mesh);
-        for (s, &number) in subject.primitives.iter().enumerate() {
+    for (i, (object, written_object)) in objects.iter().zip(&written_objects).enumerate() {
+        let geometry = quantizer.geometry(i, written_object);
+        let next = quantizer.next(i, written_object);
+        let mut object_levels = Levels::new(object, written_object.mesh);
+        for (s, &number) in written_object.primitives.iter().enumerate() {
             let primitive = submesh_primitive(&mut root, object_levels.mesh, number)?;
-            let mut numbering = writer.numbering(&geometry);
+            let mut mesh_writer = writer.mesh_writer(&geometry);
             let next = next.as_deref();
-            if !object_levels.primitive(&mut numbering, (s, number), primitive, next, shape)? {
+            if !object_levels.primitive(&mut mesh_writer, (s, number), primitive, next, shape)? {
                 empty.push((object_levels.mesh, number));
             }
         }
@@ -98,17 +101,19 @@ fn put_levels(
     levels: &[Levels<'_>],
     gliding: &mut BTreeSet<usize>,
 ) {
-    let mut showing: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let mut nodes_showing: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (node, entry) in root.entries("nodes").enumerate() {
         if let Some(mesh) = entry["mesh"].as_index() {
-            showing.entry(mesh).or_default().push(node);
+            nodes_showing.entry(mesh).or_default().push(node);
         }
     }
     let mut copies = Vec::new();
     for level in levels {
         let meshes = level.put(root, writer, gliding);
-        for &node in showing.get(&level.mesh).into_iter().flatten().filter(|_| meshes.len() > 1) {
-            copies.extend(level.put_nodes(root, node, &meshes[1..]));
+        if meshes.len() > 1 {
+            for &node in nodes_showing.get(&level.mesh).into_iter().flatten() {
+                copies.extend(level.put_nodes(root, node, &meshes[1..]));
+            }
         }
     }
     copy_channels(root, &copies);
@@ -125,7 +130,7 @@ struct Levels<'a> {
     primitives: Vec<Vec<LevelPrimitive>>,
 }
 
-/// What a primitive has of its own at one level.
+/// How a primitive of one level differs from those of other levels.
 #[derive(Clone, Debug)]
 struct LevelPrimitive {
     /// The primitive.
@@ -147,33 +152,33 @@ impl<'a> Levels<'a> {
     /// False if it has none.
     fn primitive(
         &mut self,
-        numbering: &mut Numbering<'_>,
+        mesh_writer: &mut MeshWriter<'_>,
         (submesh, number): (usize, usize),
         primitive: &mut Object,
         next: Option<&Mesh>,
         shape: ChainShape,
     ) -> Result<bool, FormatError> {
         self.numbers.push(number);
-        let of_level = |level: &Vec<Vec<[u32; 3]>>| level[submesh].as_flattened().to_vec();
-        let levels: Vec<Vec<u32>> = self.object.levels.iter().map(of_level).collect();
+        let corners = |level: &Vec<Vec<[u32; 3]>>| level[submesh].as_flattened().to_vec();
+        let levels: Vec<Vec<u32>> = self.object.levels.iter().map(corners).collect();
         if levels.iter().all(Vec::is_empty) {
             return Ok(false);
         }
         let mut vertices: Vec<u32> = levels.iter().flatten().copied().collect();
         vertices.sort_unstable();
         vertices.dedup();
-        numbering.attributes(submesh, &vertices, primitive)?;
+        mesh_writer.attributes(submesh, &vertices, primitive)?;
         let number_of = |v: &u32| vertices.partition_point(|w| w < v) as u32;
         let local: Vec<Vec<u32>> =
             levels.iter().map(|l| l.iter().map(number_of).collect()).collect();
         if shape == ChainShape::IndexRanges {
-            let all = numbering.indices(&local.concat(), vertices.len());
+            let all = mesh_writer.indices(&local.concat(), vertices.len());
             primitive["indices"] = all;
             put_ranges(primitive, &local);
             return Ok(true);
         }
         for (level, indices) in local.iter().enumerate().filter(|(_, i)| !i.is_empty()) {
-            let accessor = numbering.indices(indices, vertices.len());
+            let accessor = mesh_writer.indices(indices, vertices.len());
             if level == 0 {
                 primitive["indices"] = accessor.clone();
             }
@@ -188,10 +193,11 @@ impl<'a> Levels<'a> {
             {
                 let index_of = |v: u32| vertices.partition_point(|&w| w < v);
                 let run = index_of(moving.start)..index_of(moving.end);
-                let next = (next, glide.carried);
+                let next = (next, glide.streams);
                 let attributes = &primitive["attributes"];
-                let (target, taken) = numbering.target(submesh, &vertices, run, next, attributes);
-                (level_primitive.target, level_primitive.attributes) = (Some(target), taken);
+                let (target, replaced) =
+                    mesh_writer.target(submesh, &vertices, run, next, attributes);
+                (level_primitive.target, level_primitive.attributes) = (Some(target), replaced);
             }
             self.primitives[level].push(level_primitive);
         }
@@ -199,8 +205,8 @@ impl<'a> Levels<'a> {
     }
 
     /// Puts the coarser levels into the document, a mesh each; returns the meshes of all levels. A
-    /// level that does not differ from the one before has a mesh of its own all
-    /// the same: engines dispose of the levels that they have replaced.
+    /// level that does not differ from the one before has a mesh of its own all the same: engines
+    /// dispose of the levels that they have replaced.
     ///
     /// Meshes that glide are added to `gliding`.
     fn put(
@@ -227,14 +233,14 @@ impl<'a> Levels<'a> {
         let mut mesh = root["meshes"][self.mesh].clone();
         mesh["name"] = format!("{}_LOD{level}", self.object.info.name).into();
         let primitives = std::mem::take(mesh["primitives"].as_array_mut()?);
-        let of_level: BTreeMap<usize, &LevelPrimitive> = self.primitives[level]
+        let level_primitives: BTreeMap<usize, &LevelPrimitive> = self.primitives[level]
             .iter()
             .map(|level_primitive| (level_primitive.number, level_primitive))
             .collect();
         let numbers: BTreeSet<usize> = self.numbers.iter().copied().collect();
         // Points and lines are no submeshes: they are shown at every level.
         let at_level = |(number, mut primitive): (usize, Json)| {
-            let level_primitive = of_level.get(&number);
+            let level_primitive = level_primitives.get(&number);
             if let Some(level_primitive) = level_primitive {
                 primitive["indices"] = level_primitive.indices.clone();
             }
@@ -250,13 +256,14 @@ impl<'a> Levels<'a> {
         Some(root.list("meshes").len() - 1)
     }
 
-    /// Returns whether the vertices of a level move to the next one.
+    /// Returns whether the vertices of a level move towards the next one.
     fn glides(&self, level: usize) -> bool {
         self.object.glide.as_ref().is_some_and(|glide| glide.moving[level].is_some())
     }
 
     /// Gives the primitives of a level the target that moves them to the next one. Those that are
-    /// no submeshes, or have no triangles, get one as well: all have as many.
+    /// no submeshes, or have no triangles, get one that moves nothing: the primitives of a mesh
+    /// must have the same number of targets.
     fn put_targets(&self, root: &mut Object, writer: &mut Writer, mesh: usize, level: usize) {
         let vertex_count = |primitive: &Object| -> Option<usize> {
             let accessor = primitive["attributes"]["POSITION"].as_index()?;
@@ -280,9 +287,10 @@ impl<'a> Levels<'a> {
                     level.target.clone()
                 }
                 None => vertex_counts[p].map(|count| {
-                    let no_movement = ("POSITION".to_owned(), 3, Vec::new());
+                    let (name, values) = ("POSITION".to_owned(), Vec::new());
+                    let no_movement = Deltas { name, components: 3, values };
                     let accessor = writer.deltas(&no_movement, 0..0, count);
-                    Object::from_iter([(no_movement.0, accessor)])
+                    Object::from_iter([(no_movement.name, accessor)])
                 }),
             };
             targets = targets.max(primitive.list("targets").len());
@@ -298,7 +306,7 @@ impl<'a> Levels<'a> {
         let ids: Vec<usize> = (first..first + meshes.len()).collect();
         let source = &root["nodes"][node];
         let coarser_nodes =
-            (1..).zip(meshes).map(|(level, &mesh)| copied(source, mesh, level)).collect();
+            (1..).zip(meshes).map(|(level, &mesh)| level_node(source, mesh, level)).collect();
         root.append("nodes", coarser_nodes);
         let copies = ids.iter().map(|&id| [node, id]).collect();
         let entry = root.object_mut("nodes", node).expect("the node that was copied");
@@ -322,8 +330,8 @@ fn put_ranges(primitive: &mut Object, levels: &[Vec<u32>]) {
     primitive["extras"]["lodc"] = object! { "levels" => ranges };
 }
 
-/// A node for a coarser level: what places and deforms the mesh, nothing that hangs below it.
-fn copied(node: &Json, mesh: usize, level: usize) -> Json {
+/// A node for a coarser level: what places and deforms the mesh, without children.
+fn level_node(node: &Json, mesh: usize, level: usize) -> Json {
     let mut copy = Object::default();
     if let Some(name) = node["name"].as_str() {
         copy["name"] = format!("{name}_LOD{level}").into();
@@ -340,7 +348,7 @@ fn copied(node: &Json, mesh: usize, level: usize) -> Json {
     Json::Object(copy)
 }
 
-/// Repeats the animation channels of nodes for their copies, each given with its node.
+/// Repeats the animation channels of nodes for their copies; `copies` has pairs of node and copy.
 fn copy_channels(root: &mut Object, copies: &[[usize; 2]]) {
     let mut copies_of: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (number, [node, _]) in copies.iter().enumerate() {

@@ -38,15 +38,24 @@ fn stream<'m>(mesh: &'m Mesh, submesh: usize, wanted: &Semantic) -> Option<&'m A
     streams.find(|a| a.semantic == *wanted && a.morph_target.is_none())
 }
 
-/// The differences of a submesh's values for some vertices, each with its name and the number of
-/// its components.
+/// How much a stream's values change.
+pub(super) struct Deltas {
+    /// The stream's name in glTF.
+    pub(super) name: String,
+    /// Components of a value.
+    pub(super) components: usize,
+    /// All components of all values; empty if nothing moves.
+    pub(super) values: Vec<f32>,
+}
+
+/// The differences of a submesh's values between two meshes, for some vertices.
 pub(super) fn differences(
     now: &Mesh,
     next: &Mesh,
     submesh: usize,
     vertices: &[u32],
-    carried: MovedStreams,
-) -> Vec<(String, usize, Vec<f32>)> {
+    moved_streams: MovedStreams,
+) -> Vec<Deltas> {
     let position = Semantic::Position;
     let stored = [now, next].map(|mesh| stream(mesh, submesh, &position));
     let coordinate = |mesh: &Mesh, v: u32, c: usize| mesh.positions()[v as usize][c];
@@ -54,13 +63,15 @@ pub(super) fn differences(
         [Some(a), Some(b)] => difference(a.value(v, c), b.value(v, c)),
         _ => difference(coordinate(now, v, c), coordinate(next, v, c)),
     };
-    let mut all = vec![(semantic::to_name(&position), 3, flat(vertices, 3, moved))];
+    let values = flat(vertices, 3, moved);
+    let mut all = vec![Deltas { name: semantic::to_name(&position), components: 3, values }];
     for &a in &now.submeshes()[submesh].attributes {
         let a = &now.attributes()[a as usize];
-        let Some(components) = carried.components(a) else { continue };
+        let Some(components) = moved_streams.components(a) else { continue };
         let Some(b) = stream(next, submesh, &a.semantic) else { continue };
         let moved = |v: u32, c: usize| difference(a.value(v, c), b.value(v, c));
-        all.push((semantic::to_name(&a.semantic), components, flat(vertices, components, moved)));
+        let values = flat(vertices, components, moved);
+        all.push(Deltas { name: semantic::to_name(&a.semantic), components, values });
     }
     all
 }
@@ -73,9 +84,9 @@ fn flat(vertices: &[u32], components: usize, value: impl Fn(u32, usize) -> f32) 
         .collect()
 }
 
-/// What has to be added to one number to get another; 0 where no float says it.
+/// What has to be added to one number to get another; 0 if that is not a finite float.
 fn difference(from: f32, to: f32) -> f32 {
     let difference = (f64::from(to) - f64::from(from)) as f32;
-    // Without negative zeros.
+    // Adding zero turns −0 into 0.
     if difference.is_finite() { difference + 0.0 } else { 0.0 }
 }

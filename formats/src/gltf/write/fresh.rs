@@ -1,5 +1,5 @@
-//! A glTF document for what did not come from glTF: one mesh and node per object, one material per
-//! OBJ material.
+//! Makes the glTF document of a scene from another format: one mesh and node per object, one
+//! material per OBJ material.
 
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::materials::six_decimals;
@@ -47,7 +47,7 @@ fn put(root: &mut Object, key: &str, values: Vec<Json>) {
     }
 }
 
-/// The materials' textures: each picture as often as it is repeated in another way.
+/// The materials' textures: one per image, or two if it is both repeated and clamped.
 #[derive(Default)]
 struct Textures {
     /// URIs.
@@ -139,15 +139,15 @@ pub(super) fn adapted(mesh: &Mesh) -> Mesh {
     Mesh::try_from(parts).expect("only values of attributes have changed")
 }
 
-/// Leaves texture coordinates the two numbers that glTF has: of OBJ there may be one or three.
+/// Gives texture coordinates the two numbers that glTF has: an OBJ may have one or three.
 fn two_components(a: &mut Attribute) {
     if a.components != 2 {
-        let of_vertex = |all: &[u8]| {
-            let mut two = [0; 8];
-            two.iter_mut().zip(all).for_each(|(byte, &own)| *byte = own);
-            two
+        let first_two = |vertex: &[u8]| {
+            let mut bytes = [0; 8];
+            bytes.iter_mut().zip(vertex).for_each(|(to, &from)| *to = from);
+            bytes
         };
-        a.bytes = a.bytes.chunks_exact(a.stride()).flat_map(of_vertex).collect();
+        a.bytes = a.bytes.chunks_exact(a.stride()).flat_map(first_two).collect();
         a.components = 2;
     }
 }
@@ -156,7 +156,8 @@ fn unit(n: &mut [f32]) {
     let square: f64 = n.iter().map(|&c| f64::from(c).powi(2)).sum();
     if square.is_finite() && square > 0.0 {
         let length = square.sqrt();
-        // What is a unit vector already stays bit for bit.
+        // Unit vectors stay bit for bit. The tolerance is chosen by hand: it has to be above the
+        // rounding of single precision and of the six digits that many OBJ files have.
         if (length - 1.0).abs() > 1e-5 {
             n.iter_mut().for_each(|c| *c = (f64::from(*c) / length) as f32);
         }
@@ -165,6 +166,7 @@ fn unit(n: &mut [f32]) {
     }
 }
 
+/// Changes the values of each vertex, which are floats.
 fn each(a: &mut Attribute, change: impl Fn(&mut [f32])) {
     let mut values = vec![0.0; usize::from(a.components)];
     for element in a.bytes.chunks_exact_mut(4 * usize::from(a.components)) {

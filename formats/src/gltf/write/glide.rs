@@ -19,8 +19,8 @@ pub struct Glide<'a> {
     pub next: &'a Mesh,
     /// By level the vertices that move; none of a level that nothing comes after.
     pub moving: Vec<Option<Range<u32>>>,
-    /// What moves besides positions and normals.
-    pub carried: MovedStreams,
+    /// The streams that move besides positions and normals.
+    pub streams: MovedStreams,
 }
 
 /// Names the last target of a mesh, which has `targets` others.
@@ -44,7 +44,8 @@ pub(super) fn name_target(mesh: &mut Object, targets: usize) {
     }
 }
 
-/// Lets weights of nodes, and animations of them, know of the target that their meshes got.
+/// Adds an entry for the target that these meshes got to the weights of nodes and to animations of
+/// weights.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -64,7 +65,7 @@ pub(super) fn widen(
         }
     }
     let Document::Gltf(stored) = document else { return Ok(()) };
-    let is_ours = |channel: &Json| {
+    let moves_weights = |channel: &Json| {
         let mut target = channel["target"].clone();
         let is_weights_of = |pool: &str, all: &BTreeSet<usize>, pointer: &str| {
             let number =
@@ -79,22 +80,23 @@ pub(super) fn widen(
             }
         }
     };
-    let wanted = root.entries("animations").any(|a| a.list("channels").iter().any(is_ours));
-    if !wanted {
+    let is_animated =
+        root.entries("animations").any(|a| a.list("channels").iter().any(moves_weights));
+    if !is_animated {
         return Ok(());
     }
     Stored::read(stored, &Limits::DEFAULT, |stored, _| {
         for animation in root.objects_mut("animations") {
-            // Samplers by how many channels of either kind use them.
+            // How many channels use each sampler: those of other values, and those of the weights.
             let mut users: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
             for channel in animation.list("channels") {
                 if let Some(sampler) = channel["sampler"].as_index() {
-                    users.entry(sampler).or_default()[usize::from(is_ours(channel))] += 1;
+                    users.entry(sampler).or_default()[usize::from(moves_weights(channel))] += 1;
                 }
             }
-            for (sampler, [others, ours]) in users {
+            for (sampler, [other_users, weight_users]) in users {
                 let Some(source) = animation["samplers"].list().get(sampler) else { continue };
-                if ours == 0 {
+                if weight_users == 0 {
                     continue;
                 }
                 let mut wide = source.clone();
@@ -113,18 +115,18 @@ pub(super) fn widen(
                 let grown = values.chunks_exact(values.len() / rows);
                 let grown = grown.flat_map(|row| row.iter().map(|&w| w as f32).chain([0.0]));
                 wide["output"] = writer.scalars("weights", &grown.collect::<Vec<f32>>());
-                if others == 0 {
+                if other_users == 0 {
                     animation["samplers"].as_array_mut().into_iter().for_each(|all| {
                         all[sampler] = wide.clone();
                     });
                     continue;
                 }
-                // Levels without the target go on as before.
+                // Channels of levels without the target go on using the narrow sampler.
                 wide["extras"] = object! { "lodc" => object! { "narrow" => sampler } };
                 let number = animation.list("samplers").len();
                 animation.append("samplers", vec![wide]);
                 for channel in animation["channels"].as_array_mut().into_iter().flatten() {
-                    if channel["sampler"].as_index() == Some(sampler) && is_ours(channel) {
+                    if channel["sampler"].as_index() == Some(sampler) && moves_weights(channel) {
                         channel["sampler"] = number.into();
                     }
                 }

@@ -1,16 +1,16 @@
-//! Images of the document: embedded, or under the name that their copy has.
+//! Embeds the images of the document, or renames them as their copies are called.
 
 use crate::gltf::json::{Json, Object};
 use crate::gltf::{uri, views};
 use crate::images::{ImagePlace, PlacedTextures};
 use std::collections::BTreeMap;
 
-/// Gives every image its place. Embedded ones get a buffer view each, at a multiple of four bytes
-/// behind what `blob` holds; an image file that is named twice is embedded once.
+/// Makes every image refer to its bytes or its file. Embedded ones get a buffer view each, whose
+/// bytes are appended to `blob` at a multiple of four; a file that is named twice is embedded once.
 pub(super) fn put(root: &mut Object, blob: &mut Vec<u8>, textures: &PlacedTextures) {
     let first = root.list("bufferViews").len();
     let mut added: Vec<Json> = Vec::new();
-    let mut known: BTreeMap<String, usize> = BTreeMap::new();
+    let mut embedded: BTreeMap<String, usize> = BTreeMap::new();
     for image in root.objects_mut("images") {
         let path = image["uri"].as_str().and_then(uri::path);
         let Some(path) = path else { continue };
@@ -20,7 +20,7 @@ pub(super) fn put(root: &mut Object, blob: &mut Vec<u8>, textures: &PlacedTextur
             }
             None | Some(ImagePlace::Beside(_)) => {}
             Some(ImagePlace::Inside { mime, bytes }) => {
-                let view = *known.entry(path).or_insert_with(|| {
+                let view = *embedded.entry(path).or_insert_with(|| {
                     added.push(views::put(blob, bytes));
                     first + added.len() - 1
                 });

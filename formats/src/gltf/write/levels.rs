@@ -1,4 +1,5 @@
-//! All levels in one GLB: LOD 0 as any reader of glTF shows it, its collapse sequence in `extras`.
+//! Writes all levels into one GLB: LOD 0 as any reader of glTF shows it, and the collapse sequence
+//! in `extras`.
 //!
 //! Vertices of a primitive are in reverse order of their disappearance, so those of a level are
 //! the first ones; triangles that disappear last come first.
@@ -94,6 +95,7 @@ fn forget_missing(root: &mut Object) {
 struct Levels<'a> {
     object: &'a LevelsObject<'a>,
     mesh: &'a Mesh,
+    /// The LOD at which each triangle becomes degenerate.
     removals: Vec<u32>,
     /// Vertices of each submesh, the last to disappear first.
     vertices: Vec<Vec<u32>>,
@@ -107,9 +109,9 @@ impl<'a> Levels<'a> {
         let mut vertices = vec![Vec::new(); mesh.submeshes().len()];
         let mut local = vec![0; mesh.vertex_count()];
         for (v, &s) in mesh.vertex_submesh().iter().enumerate().rev() {
-            let of_submesh: &mut Vec<u32> = &mut vertices[s as usize];
-            local[v] = of_submesh.len() as u32;
-            of_submesh.push(v as u32);
+            let submesh_vertices: &mut Vec<u32> = &mut vertices[s as usize];
+            local[v] = submesh_vertices.len() as u32;
+            submesh_vertices.push(v as u32);
         }
         let removals = removal_lods(object.simplified, &positions);
         Self { object, mesh, removals, vertices, local }
@@ -133,9 +135,9 @@ impl<'a> Levels<'a> {
             .iter()
             .map(|&v| self.local[v as usize])
             .collect();
-        let mut numbering = writer.numbering(self.mesh);
-        numbering.attributes(s, vertices, primitive)?;
-        let indices = numbering.indices(&indices, vertices.len());
+        let mut mesh_writer = writer.mesh_writer(self.mesh);
+        mesh_writer.attributes(s, vertices, primitive)?;
+        let indices = mesh_writer.indices(&indices, vertices.len());
         primitive["indices"] = indices;
         let targets: Vec<u32> = vertices.iter().map(|&v| self.target(v, s)).collect();
         let extras = &mut primitive["extras"]["lodc"];
@@ -166,16 +168,16 @@ impl<'a> Levels<'a> {
     fn sequence(&self, writer: &mut Writer) -> Result<Json, FormatError> {
         let parts: &SequenceParts = self.object.simplified.collapses().parts();
         let finite = parts.step_errors.iter().copied().filter(|e| e.is_finite());
-        let last = finite.fold(0.0, f32::max);
+        let largest_finite = finite.fold(0.0, f32::max);
         let errors: Vec<u8> =
-            parts.step_errors.iter().flat_map(|e| e.min(last).to_le_bytes()).collect();
-        let numbers = parts.step_ends.len();
+            parts.step_errors.iter().flat_map(|e| e.min(largest_finite).to_le_bytes()).collect();
+        let steps = parts.step_ends.len();
         let mut extras = object! {
             "records" => parts.targets.len(),
             "scale" => self.object.info.world_scale,
             "diagonal" => self.mesh.diagonal(),
         };
-        if numbers > 0 {
+        if steps > 0 {
             extras["ends"] = words(writer, &parts.step_ends)?;
             extras["triangles"] = words(writer, &parts.step_triangles)?;
             extras["errors"] = scalars(writer, Component::F32, errors)?;

@@ -1,4 +1,5 @@
-//! glTF 2.0 and GLB: the document as it was, its triangles at one level of detail.
+//! Writes glTF 2.0 and GLB: the source's document as it was, its triangles at one level of detail;
+//! or a chain of levels, or all of them.
 
 mod chain;
 mod compressed;
@@ -11,7 +12,7 @@ mod samples;
 mod writer;
 
 use super::json::{self, Json, Object, object};
-use super::quantize::{self, Quantizer, Subject};
+use super::quantize::{self, Quantizer, WrittenObject};
 use super::{glb, prune, schema, uri};
 use crate::options::{Additions, ExportObject, Precision};
 use crate::provenance::{LevelFacts, Provenance};
@@ -37,17 +38,22 @@ pub(crate) fn export<'a>(
 ) -> Result<Vec<OutputFile>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let (mut root, mut blob) = source_document(document, &infos, additions)?;
-    let subject = |(i, o): (usize, &ExportObject<'a>)| subject(document, i, o.info, o.mesh);
-    let subjects = objects.iter().enumerate().map(subject).collect::<Result<Vec<_>, _>>()?;
-    let quantizer = Quantizer::new(additions.precision, document, &subjects, &mut root, &mut blob)?;
+    let written_object =
+        |(i, o): (usize, &ExportObject<'a>)| written_object(document, i, o.info, o.mesh);
+    let written_objects =
+        objects.iter().enumerate().map(written_object).collect::<Result<Vec<_>, _>>()?;
+    let quantizer =
+        Quantizer::new(additions.precision, document, &written_objects, &mut root, &mut blob)?;
     let mut writer = Writer::new(&root, additions);
     let mut empty = Vec::new();
-    for (i, subject) in subjects.iter().enumerate() {
-        let geometry = quantizer.geometry(i, subject);
-        let mut numbering = writer.numbering(&geometry);
-        for (s, &number) in subject.primitives.iter().enumerate() {
-            if !numbering.primitive(s, submesh_primitive(&mut root, subject.mesh, number)?)? {
-                empty.push((subject.mesh, number));
+    for (i, written_object) in written_objects.iter().enumerate() {
+        let geometry = quantizer.geometry(i, written_object);
+        let mut mesh_writer = writer.mesh_writer(&geometry);
+        for (s, &number) in written_object.primitives.iter().enumerate() {
+            if !mesh_writer
+                .primitive(s, submesh_primitive(&mut root, written_object.mesh, number)?)?
+            {
+                empty.push((written_object.mesh, number));
             }
         }
     }
@@ -56,8 +62,8 @@ pub(crate) fn export<'a>(
     if binary { glb(path, &root, &blob).map(|file| vec![file]) } else { Ok(gltf(path, root, blob)) }
 }
 
-/// Returns the farthest that quantising moves a vertex of each object, in mesh units; 0 where
-/// positions stay as they are.
+/// Returns the largest distance that quantising moves a vertex of each object, in mesh units; 0
+/// where positions stay as they are.
 ///
 /// # Errors
 /// If the document is damaged.
@@ -71,9 +77,11 @@ pub fn rounding<'a>(
     }
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let (root, _) = source_document(document, &infos, &Additions::default())?;
-    let subject = |(i, o): (usize, &ExportObject<'a>)| subject(document, i, o.info, o.mesh);
-    let subjects = objects.iter().enumerate().map(subject).collect::<Result<Vec<_>, _>>()?;
-    quantize::rounding(precision, document, &root, &subjects)
+    let written_object =
+        |(i, o): (usize, &ExportObject<'a>)| written_object(document, i, o.info, o.mesh);
+    let written_objects =
+        objects.iter().enumerate().map(written_object).collect::<Result<Vec<_>, _>>()?;
+    quantize::rounding(precision, document, &root, &written_objects)
 }
 
 /// The document that geometry goes into, additions included, and the bytes that it refers to
@@ -89,7 +97,7 @@ fn source_document(
         }
         Document::Obj(obj) => (fresh::document(obj, objects), Vec::new()),
     };
-    // The document may come from a file that someone made up.
+    // The document may come from a crafted file.
     schema::check(&mut root)?;
     images::put(&mut root, &mut blob, &additions.textures);
     if let Some(provenance) = &additions.provenance {
@@ -134,11 +142,11 @@ fn put_provenance(root: &mut Object, provenance: &Provenance, requantizes: bool)
     }
     all["source"] = format!("{:032x}", provenance.source).into();
     if let Some(poses) = &provenance.poses {
-        let most = poses.iter().map(Vec::len).max().unwrap_or(0);
-        all["errors_over"] = object! { "rest" => true, "poses" => most };
-        if most > 0 {
-            let of_object = |poses: &Vec<Posture>| poses.iter().map(posture).collect::<Json>();
-            all["poses"] = poses.iter().map(of_object).collect::<Json>();
+        let max_count = poses.iter().map(Vec::len).max().unwrap_or(0);
+        all["errors_over"] = object! { "rest" => true, "poses" => max_count };
+        if max_count > 0 {
+            let object_poses = |poses: &Vec<Posture>| poses.iter().map(posture).collect::<Json>();
+            all["poses"] = poses.iter().map(object_poses).collect::<Json>();
         }
     }
     if root.get("extras").is_none_or(Json::is_object) {
@@ -179,18 +187,18 @@ fn adapted<'a>(document: &Document, mesh: &'a Mesh) -> Cow<'a, Mesh> {
     }
 }
 
-/// An object and its places in the document.
-fn subject<'a>(
+/// An object, and which mesh and primitives of the document it is.
+fn written_object<'a>(
     document: &Document,
     object: usize,
     info: &'a ObjectInfo,
     mesh: &'a Mesh,
-) -> Result<Subject<'a>, FormatError> {
+) -> Result<WrittenObject<'a>, FormatError> {
     if info.submeshes.len() != mesh.submeshes().len() {
         return Err(json::malformed(&*info.name, "has other submeshes than its description"));
     }
     let primitive = |(s, submesh)| document_primitive(document, submesh, s);
-    Ok(Subject {
+    Ok(WrittenObject {
         info,
         mesh: document_mesh(document, info, object),
         primitives: info.submeshes.iter().enumerate().map(primitive).collect(),
@@ -217,9 +225,9 @@ fn glb(path: &Path, root: &Object, blob: &[u8]) -> Result<OutputFile, FormatErro
 }
 
 fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
-    let beside = path.with_extension("bin");
+    let buffer_path = path.with_extension("bin");
     if !blob.is_empty() {
-        let name = beside.file_name().map(|n| uri::percent_encoded(&n.to_string_lossy()));
+        let name = buffer_path.file_name().map(|n| uri::percent_encoded(&n.to_string_lossy()));
         if let Some(buffer) = root.objects_mut("buffers").next() {
             buffer["uri"] = name.unwrap_or_default().into();
         }
@@ -227,7 +235,7 @@ fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
     let mut files =
         vec![OutputFile { path: path.to_owned(), bytes: format!("{root:#}").into_bytes() }];
     if !blob.is_empty() {
-        files.push(OutputFile { path: beside, bytes: blob });
+        files.push(OutputFile { path: buffer_path, bytes: blob });
     }
     files
 }

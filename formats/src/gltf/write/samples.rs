@@ -16,7 +16,7 @@ pub(super) struct Samples {
     pub(super) bytes: Vec<u8>,
     /// Accessors, with their offsets in `bytes`.
     accessors: Vec<(usize, usize)>,
-    /// The offset of each content.
+    /// The offset in `bytes` of each accessor's content, so that equal ones are stored once.
     offsets: BTreeMap<Vec<u8>, usize>,
 }
 
@@ -41,8 +41,8 @@ pub(super) fn of(root: &mut Object, blob: &[u8]) -> Vec<Samples> {
         let elements: Option<Vec<&[u8]>> =
             floats.byte_ranges().map(|range| blob.get(range)).collect();
         let (stride, Some(bytes)) = (floats.size, elements.map(|e| e.concat())) else { continue };
-        let same = |s: &Samples| s.name == name && s.stride == stride;
-        let i = all.iter().position(same).unwrap_or_else(|| {
+        let same_kind = |s: &Samples| s.name == name && s.stride == stride;
+        let i = all.iter().position(same_kind).unwrap_or_else(|| {
             let (bytes, accessors, offsets) = (vec![], vec![], BTreeMap::new());
             all.push(Samples { name, stride, bytes, accessors, offsets });
             all.len() - 1
@@ -57,12 +57,12 @@ pub(super) fn of(root: &mut Object, blob: &[u8]) -> Vec<Samples> {
     all
 }
 
-/// The accessors of animations and skins, once for each reference, and what they say.
+/// The accessors of animations and skins, once for each reference, with the names of their kinds.
 fn named(root: &Object) -> Vec<(usize, String)> {
     let mut named_accessors = Vec::new();
     for animation in root.entries("animations") {
         let channels = animation.list("channels");
-        // The first channel of each counts.
+        // A sampler is named by the first channel that uses it.
         let mut paths: BTreeMap<usize, &Json> = BTreeMap::new();
         for channel in channels {
             if let Some(sampler) = channel["sampler"].as_index() {
@@ -84,7 +84,7 @@ fn named(root: &Object) -> Vec<(usize, String)> {
 
 impl Samples {
     /// Makes their accessors refer to the view that these samples are in.
-    pub(super) fn refer(&self, root: &mut Object, view: usize) {
+    pub(super) fn refer_to(&self, root: &mut Object, view: usize) {
         let Some(Json::Array(accessors)) = root.get_mut("accessors") else { return };
         for &(accessor, offset) in &self.accessors {
             let Some(accessor) = accessors[accessor].as_object_mut() else { continue };
@@ -101,28 +101,28 @@ impl Samples {
 pub(super) fn drop_unused(root: &mut Object, blob: &mut Vec<u8>, used: &[bool]) {
     let ranges: Option<Vec<Range<usize>>> = root.entries("bufferViews").map(range).collect();
     let Some(ranges) = ranges else { return };
-    let mut kept: Vec<Range<usize>> =
+    let mut used_ranges: Vec<Range<usize>> =
         ranges.iter().zip(used).filter(|(_, used)| **used).map(|(r, _)| r.clone()).collect();
-    kept.sort_unstable_by_key(|r| (r.start, r.end));
+    used_ranges.sort_unstable_by_key(|r| (r.start, r.end));
     let mut bytes = Vec::with_capacity(blob.len());
-    // Where views that overlap or touch begin, there and here.
+    // Runs of views that overlap or touch, each with its offset in `bytes`.
     let mut runs: Vec<(Range<usize>, usize)> = Vec::new();
-    for range in kept {
+    for range in used_ranges {
         match runs.last_mut() {
             Some((run, _)) if range.start <= run.end => run.end = run.end.max(range.end),
             _ => runs.push((range, 0)),
         }
     }
-    for (run, to) in &mut runs {
+    for (run, offset) in &mut runs {
         let Some(content) = blob.get(run.clone()) else { return };
         bytes.resize(bytes.len().next_multiple_of(4) + run.start % 4, 0);
-        *to = bytes.len();
+        *offset = bytes.len();
         bytes.extend_from_slice(content);
     }
     let Some(Json::Array(views)) = root.get_mut("bufferViews") else { return };
     for ((view, range), _) in views.iter_mut().zip(&ranges).zip(used).filter(|(_, used)| **used) {
-        let run = runs.partition_point(|(run, _)| run.start <= range.start) - 1;
-        view["byteOffset"] = (runs[run].1 + range.start - runs[run].0.start).into();
+        let (run, offset) = &runs[runs.partition_point(|(run, _)| run.start <= range.start) - 1];
+        view["byteOffset"] = (offset + range.start - run.start).into();
     }
     *blob = bytes;
 }

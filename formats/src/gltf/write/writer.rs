@@ -3,7 +3,7 @@
 //! stream.
 
 use super::compressed::Compressed;
-use super::differences::{MovedStreams, differences};
+use super::differences::{Deltas, MovedStreams, differences};
 use super::samples::{self, Samples};
 use crate::gltf::accessor::{Shape, component_number};
 use crate::gltf::json::{Json, Object, malformed, object};
@@ -30,7 +30,7 @@ struct Group {
     target: u32,
     /// The stream, where each has a view of its own; else empty.
     name: String,
-    /// Of vertex data; of indices the size of one.
+    /// Bytes from one element to the next; of indices the size of one.
     stride: usize,
     /// The type of the first stream in it.
     component: Component,
@@ -82,8 +82,8 @@ impl Writer {
     }
 
     /// Starts a mesh.
-    pub(super) fn numbering<'w>(&'w mut self, mesh: &'w Mesh) -> Numbering<'w> {
-        Numbering { writer: self, mesh, number: Vec::new() }
+    pub(super) fn mesh_writer<'w>(&'w mut self, mesh: &'w Mesh) -> MeshWriter<'w> {
+        MeshWriter { writer: self, mesh, numbers: Vec::new() }
     }
 
     /// Puts accessors, buffer views and the buffer into the document, and the data behind what
@@ -94,7 +94,7 @@ impl Writer {
         let mut compressed = Compressed::new(root);
         let samples = if self.compress { samples::of(root, blob) } else { vec![] };
         for (samples, i) in samples.iter().zip(self.first_view + self.groups.len()..) {
-            samples.refer(root, i);
+            samples.refer_to(root, i);
         }
         let used = referenced(root, Pool::BufferViews);
         if !samples.is_empty() {
@@ -137,8 +137,8 @@ impl Writer {
         compressed.finish(root);
     }
 
-    /// The group of this kind, at a multiple of four bytes. Indices that will be compressed follow
-    /// each other without gaps.
+    /// The number of the view of this kind and its bytes so far, padded to a multiple of four.
+    /// Indices that will be compressed follow each other without gaps.
     fn group(
         &mut self,
         target: u32,
@@ -147,8 +147,8 @@ impl Writer {
         name: &str,
     ) -> (usize, &mut Vec<u8>) {
         let name = if self.compress { name } else { "" };
-        let same = |g: &Group| g.target == target && g.stride == stride && g.name == name;
-        let i = self.groups.iter().position(same).unwrap_or_else(|| {
+        let same_kind = |g: &Group| g.target == target && g.stride == stride && g.name == name;
+        let i = self.groups.iter().position(same_kind).unwrap_or_else(|| {
             let (name, bytes) = (name.to_owned(), Vec::new());
             self.groups.push(Group { target, name, stride, component, bytes });
             self.groups.len() - 1
@@ -172,17 +172,17 @@ impl Writer {
             let problem = format!("glTF has no type of {} components", a.components);
             return Err(FormatError::new(Fault::Unsupported, name, problem));
         };
-        let row = shape.rows * a.component.size();
-        let column = shape.column_stride(a.component);
-        let stride = (shape.columns * column).next_multiple_of(4);
+        let column_bytes = shape.rows * a.component.size();
+        let column_stride = shape.column_stride(a.component);
+        let stride = (shape.columns * column_stride).next_multiple_of(4);
         let (view, bytes) = self.group(ARRAY_BUFFER, a.component, stride, &name);
         let offset = bytes.len();
         bytes.reserve(vertices.len() * stride);
         for &v in vertices {
             let start = bytes.len();
-            for (i, values) in a.at(v).chunks_exact(row).enumerate() {
-                bytes.resize(start + i * column, 0);
-                bytes.extend_from_slice(values);
+            for (i, column) in a.at(v).chunks_exact(column_bytes).enumerate() {
+                bytes.resize(start + i * column_stride, 0);
+                bytes.extend_from_slice(column);
             }
             bytes.resize(start + stride, 0);
         }
@@ -204,8 +204,8 @@ impl Writer {
         Ok(self.accessor(accessor))
     }
 
-    /// Puts bytes of sparse elements or samples into a view of their kind; returns it and where
-    /// they begin.
+    /// Puts bytes of sparse elements or samples into a view of their kind; returns a reference with
+    /// the view and the offset in it.
     fn put(&mut self, name: &str, component: Component, stride: usize, values: &[u8]) -> Json {
         let (view, bytes) = self.group(NO_TARGET, component, stride, name);
         let offset = bytes.len();
@@ -227,14 +227,10 @@ impl Writer {
         self.accessor(accessor)
     }
 
-    /// An accessor of `count` elements of floats that are 0 but for a run of them, and in it but
-    /// for some.
-    pub(super) fn deltas(
-        &mut self,
-        (name, components, values): &(String, usize, Vec<f32>),
-        run: Range<u32>,
-        count: usize,
-    ) -> Json {
+    /// An accessor of `count` elements of which only those in `run` may differ from 0; `deltas` has
+    /// the values of these.
+    pub(super) fn deltas(&mut self, deltas: &Deltas, run: Range<u32>, count: usize) -> Json {
+        let Deltas { name, components, values } = deltas;
         let kind = Shape::of_components(*components).map_or("SCALAR", |(_, kind)| kind);
         let mut accessor = object! {
             "componentType" => component_number(Component::F32), "count" => count, "type" => kind,
@@ -252,17 +248,18 @@ impl Writer {
         let moving = elements.iter().filter(|(_, value)| value.iter().any(|&v| v != 0.0));
         let moving: Vec<(u32, &[f32])> = moving.copied().collect();
         let stride = components * Component::F32.size();
-        // Numbers that do not follow each other are a list of their own.
-        let number = Component::U32.size();
-        let is_less = moving.len() * (stride + number) < elements.len() * stride;
-        let chosen = if is_less { moving } else { elements };
+        // The numbers of a run take next to no bytes; those of scattered elements take four each.
+        let number_size = Component::U32.size();
+        let is_smaller = moving.len() * (stride + number_size) < elements.len() * stride;
+        let chosen = if is_smaller { moving } else { elements };
         let bytes = chosen.iter().flat_map(|(_, value)| *value).flat_map(|v| v.to_le_bytes());
         let bytes: Vec<u8> = bytes.collect();
         let numbers = chosen.iter().map(|(number, _)| *number).collect();
         self.sparse(accessor, name, (Component::F32, stride), &bytes, numbers)
     }
 
-    /// An accessor as another one of the document, but for a run of elements of a stream.
+    /// A copy of the accessor `base` in which a run of elements is replaced by a stream's values at
+    /// `vertices`.
     pub(super) fn replaced(
         &mut self,
         base: &Json,
@@ -277,7 +274,7 @@ impl Writer {
         self.sparse(accessor, &name, (a.component, a.stride()), &bytes, run.collect())
     }
 
-    /// An accessor with other values, `stride` bytes each, for the elements of these numbers.
+    /// Adds `accessor` with other values, `stride` bytes each, for the elements of these numbers.
     fn sparse(
         &mut self,
         mut accessor: Json,
@@ -294,34 +291,33 @@ impl Writer {
         self.accessor(accessor)
     }
 
-    /// Writes the numbers of the elements of sparse accessors. Those that follow each other are
-    /// parts of one list of consecutive numbers.
+    /// Writes the numbers of the elements of sparse accessors. Runs of consecutive numbers are
+    /// parts of one list of consecutive numbers, which is stored once.
     fn number_elements(&mut self) {
         let all = std::mem::take(&mut self.sparse);
-        let follow = |numbers: &[u32]| match numbers {
+        let is_run = |numbers: &[u32]| match numbers {
             [first, .., last] => (last - first) as usize + 1 == numbers.len(),
             _ => true,
         };
         let ends = |numbers: &Vec<u32>| Some([*numbers.first()?, *numbers.last()?]);
-        let Some(most) = all.iter().filter_map(|(_, n)| ends(n)).map(|[_, last]| last).max() else {
-            return;
-        };
-        // Wide numbers have a codec that makes next to nothing of those that follow each other.
-        let wide = self.compress || most > u32::from(u16::MAX);
+        let largest = all.iter().filter_map(|(_, n)| ends(n)).map(|[_, last]| last).max();
+        let Some(largest) = largest else { return };
+        // The codec of elements of four bytes makes next to nothing of consecutive numbers.
+        let wide = self.compress || largest > u32::from(u16::MAX);
         let component = if wide { Component::U32 } else { Component::U16 };
         let size = component.size();
         let bytes = |numbers: &mut dyn Iterator<Item = u32>| -> Vec<u8> {
             numbers.flat_map(|i| i.to_le_bytes().into_iter().take(size)).collect()
         };
-        let runs = all.iter().filter(|(_, numbers)| follow(numbers));
+        let runs = all.iter().filter(|(_, numbers)| is_run(numbers));
         let runs: Vec<[u32; 2]> = runs.filter_map(|(_, numbers)| ends(numbers)).collect();
         let first = runs.iter().map(|[first, _]| *first).min().unwrap_or(0);
         let end = runs.iter().map(|[_, last]| last + 1).max().unwrap_or(first);
         let list = self.put("numbers", component, size, &bytes(&mut (first..end)));
-        let begins = list["byteOffset"].as_index().unwrap_or(0);
+        let list_offset = list["byteOffset"].as_index().unwrap_or(0);
         for (accessor, numbers) in all {
-            let mut reference = if follow(&numbers) {
-                let offset = begins + (numbers[0] - first) as usize * size;
+            let mut reference = if is_run(&numbers) {
+                let offset = list_offset + (numbers[0] - first) as usize * size;
                 object! { "bufferView" => list["bufferView"].clone(), "byteOffset" => offset }
             } else {
                 self.put("numbers", component, size, &bytes(&mut numbers.into_iter()))
@@ -353,39 +349,40 @@ impl Writer {
 
 /// One mesh being written.
 #[derive(Debug)]
-pub(super) struct Numbering<'w> {
+pub(super) struct MeshWriter<'w> {
     writer: &'w mut Writer,
     mesh: &'w Mesh,
-    /// Of each vertex in its primitive, once it is known. A vertex belongs to one submesh only.
-    number: Vec<u32>,
+    /// The number of each vertex in its primitive; `u32::MAX` while it has none. A vertex belongs
+    /// to one submesh only.
+    numbers: Vec<u32>,
 }
 
-impl Numbering<'_> {
+impl MeshWriter<'_> {
     /// Puts the triangles of a submesh into a primitive; false if there are none. Vertices are in
     /// the order in which triangles first use them; those that none uses are left out.
     pub(super) fn primitive(
         &mut self,
-        number: usize,
+        s: usize,
         primitive: &mut Object,
     ) -> Result<bool, FormatError> {
         let mesh = self.mesh;
-        let submesh = &mesh.submeshes()[number];
+        let submesh = &mesh.submeshes()[s];
         if submesh.triangle_count == 0 {
             return Ok(false);
         }
-        // Levels ask for attributes only, many times.
-        self.number.resize(mesh.vertex_count(), u32::MAX);
+        // Not before: chains make a mesh writer for each submesh, which needs no numbers.
+        self.numbers.resize(mesh.vertex_count(), u32::MAX);
         let mut vertices = Vec::new();
         let mut indices = Vec::with_capacity(3 * submesh.triangle_count as usize);
         for &v in mesh.triangles()[submesh.triangles()].iter().flatten() {
-            let number = &mut self.number[v as usize];
+            let number = &mut self.numbers[v as usize];
             if *number == u32::MAX {
                 *number = vertices.len() as u32;
                 vertices.push(v);
             }
             indices.push(*number);
         }
-        self.attributes(number, &vertices, primitive)?;
+        self.attributes(s, &vertices, primitive)?;
         let indices = self.indices(&indices, vertices.len());
         primitive["indices"] = indices;
         Ok(true)
@@ -401,15 +398,16 @@ impl Numbering<'_> {
         let mesh = self.mesh;
         let submesh = &mesh.submeshes()[submesh];
         let mut attributes = Object::default();
-        let declared = primitive.list("targets").len();
-        let mut targets: Vec<Object> = vec![Object::default(); declared];
+        let target_count = primitive.list("targets").len();
+        let mut targets: Vec<Object> = vec![Object::default(); target_count];
         let streams = || submesh.attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
         if !streams().any(|a| a.semantic == Semantic::Position && a.morph_target.is_none()) {
             // Of these vertices alone: a mesh may have thousands of submeshes.
-            let own: Vec<[f32; 3]> =
+            let positions: Vec<[f32; 3]> =
                 vertices.iter().map(|&v| mesh.positions()[v as usize]).collect();
-            let order: Vec<u32> = (0..own.len() as u32).collect();
-            attributes["POSITION"] = self.writer.stream(&semantic::positions(&own), &order)?;
+            let order: Vec<u32> = (0..positions.len() as u32).collect();
+            let stream = semantic::positions(&positions);
+            attributes["POSITION"] = self.writer.stream(&stream, &order)?;
         }
         for a in streams() {
             let accessor = self.writer.stream(a, vertices)?;
@@ -423,42 +421,42 @@ impl Numbering<'_> {
             members.insert(name, accessor);
         }
         primitive["attributes"] = Json::Object(attributes);
-        if declared > 0 {
+        if target_count > 0 {
             primitive["targets"] = targets.into_iter().map(Json::Object).collect();
         }
         Ok(())
     }
 
     /// The morph target that moves a run of a submesh's `vertices` to where they are in `next`, and
-    /// the streams that they take over from there.
+    /// the attributes that are replaced because the run takes over joints and weights from there.
     pub(super) fn target(
         &mut self,
         submesh: usize,
         vertices: &[u32],
         run: Range<usize>,
-        (next, carried): (&Mesh, MovedStreams),
+        (next, moved_streams): (&Mesh, MovedStreams),
         attributes: &Json,
     ) -> (Object, Object) {
-        let (mut target, mut taken) = (Object::default(), Object::default());
+        let (mut target, mut replaced) = (Object::default(), Object::default());
         let range = run.start as u32..run.end as u32;
         let moving = &vertices[run];
-        for values in differences(self.mesh, next, submesh, moving, carried) {
-            let accessor = self.writer.deltas(&values, range.clone(), vertices.len());
-            target.insert(values.0, accessor);
+        for deltas in differences(self.mesh, next, submesh, moving, moved_streams) {
+            let accessor = self.writer.deltas(&deltas, range.clone(), vertices.len());
+            target.insert(deltas.name, accessor);
         }
         let streams = next.submeshes()[submesh].attributes.iter();
         for a in streams.map(|&a| &next.attributes()[a as usize]) {
             let is_joint = matches!(a.semantic, Semantic::Joints(_) | Semantic::Weights(_));
-            if carried.joints && is_joint && !moving.is_empty() {
+            if moved_streams.joints && is_joint && !moving.is_empty() {
                 let name = semantic::to_name(&a.semantic);
                 let accessor = self.writer.replaced(&attributes[&*name], a, moving, range.clone());
-                taken.insert(name, accessor);
+                replaced.insert(name, accessor);
             }
         }
-        (target, taken)
+        (target, replaced)
     }
 
-    /// An accessor of indices into as many vertices.
+    /// An accessor of indices into this number of vertices.
     pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Json {
         self.writer.indices(indices, vertices)
     }
