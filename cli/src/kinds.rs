@@ -6,7 +6,7 @@ use crate::help::{SIMPLIFIED, STORED};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use lodc::build::POSES;
-use lodc_formats::lodc::{Layout, MOST_POSES};
+use lodc_formats::lodc::{Layout, MAX_POSES};
 use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
 use lodc_strip::{Effort, StripKind, StripOptions};
@@ -137,7 +137,7 @@ pub(crate) struct PosesArgs {
     /// animations and single targets, at most 64. 0: errors are those at rest. A .lodc file has its
     /// errors already.
     #[arg(long, value_name = "N", help_heading = SIMPLIFIED, hide_short_help = true,
-          value_parser = clap::value_parser!(u8).range(..=MOST_POSES as i64))]
+          value_parser = clap::value_parser!(u8).range(..=MAX_POSES as i64))]
     poses: Option<u8>,
 }
 

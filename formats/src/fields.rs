@@ -2,34 +2,36 @@
 //! `bincode`'s legacy encoding, that is fixed-width little-endian integers, lengths before lists
 //! and a number before each variant.
 //!
-//! The traits are its own: through `serde` a browser's decoder would be about twice as large.
+//! The traits are `bincode`'s own: with those of `serde` a browser's decoder would be about twice
+//! as large.
 
 use bincode::de::{BorrowDecoder, Decoder};
 use bincode::enc::Encoder;
 use bincode::error::{DecodeError, EncodeError};
 use bincode::{BorrowDecode, Decode, Encode, config};
 
-/// Bytes of a manifest, and of what its values may take in memory; a reader refuses more, whatever
-/// the file says.
-pub(crate) const LIMIT: usize = 256 << 20;
+/// Largest number of bytes of a manifest, and of its values in memory; a reader refuses more,
+/// whatever the file says. Chosen by hand.
+pub(crate) const MAX_BYTES: usize = 256 << 20;
 
 /// Returns the bytes of a value.
 pub(crate) fn to_bytes(value: &impl Encode) -> Vec<u8> {
     bincode::encode_to_vec(value, config::legacy()).expect("plain data can be written to memory")
 }
 
-/// Reads a value off the front, whatever follows; none if bytes are missing or cannot be one.
+/// Reads a value from the first bytes, whatever follows; none if bytes are missing or are no such
+/// value.
 pub(crate) fn decode<T: Decode<()>>(bytes: &[u8]) -> Option<T> {
     decode_front(bytes).map(|(value, _)| value)
 }
 
-/// The same with the number of bytes that were read.
+/// As [`decode`]; returns with the value the number of bytes that were read.
 pub(crate) fn decode_front<T: Decode<()>>(bytes: &[u8]) -> Option<(T, usize)> {
-    bincode::decode_from_slice(bytes, config::legacy().with_limit::<LIMIT>()).ok()
+    bincode::decode_from_slice(bytes, config::legacy().with_limit::<MAX_BYTES>()).ok()
 }
 
-/// A value with the number of its bytes (u64) in front. Bytes behind its known fields belong to
-/// later versions.
+/// A value after the number of its bytes (u64). Bytes that follow its known fields belong to later
+/// versions.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Record<T>(pub(crate) T);
 

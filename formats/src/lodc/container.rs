@@ -1,7 +1,7 @@
 //! The section table of a `.lodc` file: sections are found by kind, object and index and checked by
 //! their checksums; what they contain is read elsewhere.
 
-use super::left_out::LeftOut;
+use super::skipped::SkippedParts;
 use super::table::{
     ENTRY_BYTES, Entry, HEADER_BYTES, Id, REQUIRED, Tag, WIDE, location, put_header, section_start,
     table, tag,
@@ -10,10 +10,10 @@ use crate::{Fault, FormatError};
 use lodc_model::{Array, Layout};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// A file whose header, table and checksums are right, and whose sections lie one after another
-/// without gaps.
+/// A file whose header, table and checksums are right, and whose sections follow each other without
+/// gaps.
 pub(super) struct Container<'a> {
-    /// Sections of known kinds, in the order of their keys; none where one was taken.
+    /// Sections of known kinds, in the order of their ids; `None` for those that were taken.
     sections: Vec<(Id, Option<Section<'a>>)>,
     /// Sections of unknown kinds, none of them required.
     unknown: Vec<Id>,
@@ -65,7 +65,7 @@ impl<'a> Container<'a> {
         if self.remaining().any(|(_, section)| section.wide) { Layout::Gpu } else { Layout::Packed }
     }
 
-    /// The sections of known kinds, in the order of their keys.
+    /// The sections of known kinds, in the order of their ids.
     pub(super) fn into_sections(self) -> impl Iterator<Item = (Id, Section<'a>)> {
         self.sections.into_iter().filter_map(|(id, section)| Some((id, section?)))
     }
@@ -76,8 +76,8 @@ impl<'a> Container<'a> {
     }
 
     fn remove(&mut self, id: Id) -> Option<Section<'a>> {
-        let at = self.sections.binary_search_by_key(&id, |&(id, _)| id).ok()?;
-        self.sections[at].1.take()
+        let index = self.sections.binary_search_by_key(&id, |&(id, _)| id).ok()?;
+        self.sections[index].1.take()
     }
 
     /// The bytes of a section that has to be there.
@@ -107,13 +107,13 @@ impl<'a> Container<'a> {
         self.remove((tag, object, index)).map(|section| section.bytes)
     }
 
-    /// Leaves a section out: what it belongs to is not known.
+    /// Drops a section of a part that this version does not know.
     pub(super) fn skip(&mut self, tag: Tag, object: u32, index: u32) {
         self.remove((tag, object, index));
     }
 
-    /// Every required section must have been taken. Names the others that were not.
-    pub(super) fn finish(self, left_out: &mut LeftOut) -> Result<(), FormatError> {
+    /// Refuses required sections that were not taken, and notes the others.
+    pub(super) fn finish(self, skipped: &mut SkippedParts) -> Result<(), FormatError> {
         let nothing = "belongs to nothing that the manifest names";
         if let Some(((tag, object, index), _)) =
             self.remaining().find(|(_, section)| section.required)
@@ -121,16 +121,16 @@ impl<'a> Container<'a> {
             return Err(FormatError::new(Fault::Malformed, location(tag, object, index), nothing));
         }
         let unknown = self.unknown.iter().map(|&id| (id, "is not known to this version"));
-        let idle = self.remaining().map(|(id, _)| (id, nothing));
-        for ((tag, object, index), problem) in unknown.chain(idle) {
-            left_out.add(|| format!("{} {problem} and was left out", location(tag, object, index)));
+        let unused = self.remaining().map(|(id, _)| (id, nothing));
+        for ((tag, object, index), problem) in unknown.chain(unused) {
+            skipped.add(|| format!("{} {problem} and was left out", location(tag, object, index)));
         }
         Ok(())
     }
 }
 
-/// The flag of a section that is wide or not.
-fn wide(is_wide: bool) -> u32 {
+/// The flag that says whether a section is wide.
+fn wide_flag(is_wide: bool) -> u32 {
     if is_wide { WIDE } else { 0 }
 }
 
@@ -139,6 +139,7 @@ pub(super) type Content<'a> = Box<dyn FnOnce(&mut Vec<u8>) + 'a>;
 /// Collects sections and lays them out.
 #[derive(Default)]
 pub(super) struct Writer<'a> {
+    /// Each with its id, its flags and what appends its bytes.
     sections: Vec<(Id, u32, Content<'a>)>,
 }
 
@@ -174,14 +175,14 @@ impl<'a> Writer<'a> {
         layout: Layout,
         content: impl FnOnce(&mut Vec<u8>) + 'a,
     ) {
-        let flags = REQUIRED | wide(layout == Layout::Gpu);
+        let flags = REQUIRED | wide_flag(layout == Layout::Gpu);
         self.sections.push(((tag, object, index), flags, Box::new(content)));
     }
 
     /// An array of a model.
     pub(super) fn array(&mut self, object: u32, index: u32, array: Array) {
         let content = Box::new(move |out: &mut Vec<u8>| out.extend_from_slice(&array.bytes));
-        let flags = REQUIRED | wide(array.wide);
+        let flags = REQUIRED | wide_flag(array.wide);
         self.sections.push(((tag::MODEL_ARRAY, object, index), flags, content));
     }
 

@@ -219,7 +219,7 @@ fn models_of_later_versions_are_left_out_and_their_sections_skipped() {
 
 #[test]
 fn what_is_left_out_is_reported_in_bounded_space() {
-    let mut left_out = LeftOut::default();
+    let mut left_out = SkippedParts::default();
     for i in 0..1000 {
         left_out.add(|| i.to_string());
     }
@@ -228,7 +228,7 @@ fn what_is_left_out_is_reported_in_bounded_space() {
         (lines.len(), lines[19].as_str(), lines[20].as_str()),
         (21, "19", "980 things more were left out")
     );
-    assert_eq!(left_out::shortened(&"é\n".repeat(10_000)), format!("{}…", "é\\n".repeat(30)));
+    assert_eq!(skipped::shortened(&"é\n".repeat(10_000)), format!("{}…", "é\\n".repeat(30)));
 }
 
 #[test]

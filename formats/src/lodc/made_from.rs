@@ -16,7 +16,7 @@ pub struct MadeFrom {
     /// The files that the input names, relative to its folder, in the order in which the key
     /// covers them: also those that were looked for and not there.
     pub files: Vec<String>,
-    /// What the run that made the file had to say about its input.
+    /// Warnings of the run that made the file.
     pub warnings: Vec<String>,
     /// The program and its version that made it.
     pub program: String,
@@ -33,14 +33,14 @@ impl MadeFrom {
         options: &str,
         warnings: &[String],
     ) -> Option<Self> {
-        let mut all = Vec::new();
-        let mut part = |bytes: &[u8]| {
-            all.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
-            all.extend_from_slice(bytes);
+        let mut hashed = Vec::new();
+        let mut add = |bytes: &[u8]| {
+            hashed.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
+            hashed.extend_from_slice(bytes);
         };
-        part(env!("CARGO_PKG_VERSION").as_bytes());
-        part(&VERSION.to_le_bytes());
-        part(options.as_bytes());
+        add(env!("CARGO_PKG_VERSION").as_bytes());
+        add(&VERSION.to_le_bytes());
+        add(options.as_bytes());
         let folder = input.parent().unwrap_or(Path::new(""));
         let mut names = Vec::new();
         let mut has_input = false;
@@ -49,13 +49,13 @@ impl MadeFrom {
                 has_input = content.is_some();
             } else {
                 let name = path.strip_prefix(folder).unwrap_or(path).to_string_lossy();
-                part(name.as_bytes());
+                add(name.as_bytes());
                 names.push(name.into_owned());
             }
-            part(content.map(u128::to_le_bytes).as_ref().map_or(b"", |content| &content[..]));
+            add(content.map(u128::to_le_bytes).as_ref().map_or(b"", |content| &content[..]));
         }
         let made = || Self {
-            key: key(&all),
+            key: key(&hashed),
             files: names,
             warnings: warnings.to_vec(),
             program: GENERATOR.to_owned(),
@@ -79,9 +79,9 @@ impl MadeFrom {
         main.read_main().ok()?;
         let mut files = main.files().clone();
         for name in &self.files {
-            // Each by itself: the limit of all together is for those that a build reads at once.
+            // With a new count of bytes: the limit for all is on files that a build reads together.
             let mut assets = assets.clone();
-            // What cannot be read counts as well.
+            // A file that cannot be read is one of `files`, too: as absent.
             let _ = assets.read_reference(name);
             files.extend(assets.files());
         }

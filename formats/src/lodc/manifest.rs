@@ -6,7 +6,7 @@
 
 use super::streams::Plan;
 use super::{Bounds, LodFile, LodObject, StoredModel};
-use crate::fields::{LIMIT, Record, decode, to_bytes};
+use crate::fields::{MAX_BYTES, Record, decode, to_bytes};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
 use bincode::{Decode, Encode};
 use lodc_mesh::{Attribute, Component, Semantic};
@@ -83,19 +83,19 @@ pub(super) enum SemanticEntry {
 #[derive(Encode, Decode)]
 pub(super) struct ModelEntry {
     pub(super) name: String,
-    /// Names of its arrays: as many of the object's next `MODA` sections.
+    /// Names of its arrays, one for each of the object's next `MODA` sections.
     pub(super) arrays: Vec<String>,
 }
 
 impl Manifest {
     /// Decodes the section; what follows the known fields belongs to later versions.
     pub(super) fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
-        if bytes.len() > LIMIT {
-            let problem = format!("has more than {LIMIT} bytes");
+        if bytes.len() > MAX_BYTES {
+            let problem = format!("has more than {MAX_BYTES} bytes");
             return Err(FormatError::new(Fault::Limit, LOCATION, problem));
         }
-        let cannot = "ends too early or has what cannot be";
-        decode(bytes).ok_or_else(|| FormatError::new(Fault::Malformed, LOCATION, cannot))
+        let problem = "ends too early or has what cannot be";
+        decode(bytes).ok_or_else(|| FormatError::new(Fault::Malformed, LOCATION, problem))
     }
 
     /// Encodes the section: bincode's legacy encoding, fixed-width little-endian integers.

@@ -7,13 +7,13 @@ mod container;
 mod golden_tests;
 #[cfg(test)]
 mod hostile_tests;
-mod left_out;
 mod made_from;
 pub(crate) mod manifest;
 mod object;
 mod overview;
 mod poses;
 mod sections;
+mod skipped;
 mod steps;
 mod streams;
 mod table;
@@ -22,15 +22,15 @@ mod tests;
 
 use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source};
 use container::{Container, Writer};
-use left_out::LeftOut;
 use lodc_mesh::Simplified;
 use lodc_model::Array;
 pub use lodc_model::Layout;
 pub use made_from::MadeFrom;
 use manifest::{DocumentEntry, Manifest};
-pub use overview::{Bounds, MOST_LEVELS, TableLevel, table_of_levels};
-pub use poses::MOST_POSES;
+pub use overview::{Bounds, MAX_LEVELS, TableLevel, table_of_levels};
+pub use poses::MAX_POSES;
 pub use sections::{Section, sections};
+use skipped::SkippedParts;
 use std::sync::Arc;
 use streams::ZeroBudget;
 use table::{SCENE, tag};
@@ -50,11 +50,11 @@ pub struct LodFile<M = StoredModel> {
     pub objects: Vec<LodObject<M>>,
     /// Width of its indices.
     pub layout: Layout,
-    /// Origin of its content, if whoever made it knew.
+    /// What its content was made from, if that is known.
     pub made_from: Option<MadeFrom>,
     /// Parts that a reader left out because this version does not know them: one line for each, up
-    /// to twenty. Empty in a file to be written; writing a file that was read leaves it out for
-    /// good.
+    /// to twenty. Empty in a file to be written: a file that is read and written again loses such
+    /// parts.
     pub left_out: Vec<String>,
 }
 
@@ -90,7 +90,7 @@ impl<M> LodFile<M> {
     /// Turns every model into something else.
     ///
     /// # Errors
-    /// If `change` fails: its error, with the object as its place.
+    /// If `change` fails: its error, with the object as its location.
     pub fn with_models<N>(
         self,
         change: impl Fn(&Arc<Simplified>, M) -> Result<N, String>,
@@ -129,7 +129,7 @@ pub fn is_lodc(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x89LODC")
 }
 
-/// Reads a container, with models of the kinds in `known`; others are left out.
+/// Reads a container, with models of the kinds in `model_kinds`; others are left out.
 ///
 /// # Errors
 /// If a checksum, count, offset or index is wrong, or the file needs a newer program.
@@ -152,15 +152,15 @@ pub fn read(bytes: &[u8], model_kinds: &[&str]) -> Result<LodFile, FormatError> 
     let made_from = container.take_optional(tag::MADE_FROM, SCENE, 0).map(MadeFrom::read);
     let made_from = made_from.transpose()?;
     let mut zeros = ZeroBudget::of_file(bytes.len());
-    let mut left_out = LeftOut::default();
+    let mut skipped = SkippedParts::default();
     let objects = (0..)
         .zip(manifest.objects)
         .map(|(number, entry)| {
-            object::read(&mut container, number, entry.0, model_kinds, &mut zeros, &mut left_out)
+            object::read(&mut container, number, entry.0, model_kinds, &mut zeros, &mut skipped)
         })
         .collect::<Result<_, _>>()?;
-    container.finish(&mut left_out)?;
-    Ok(LodFile { source, document, objects, layout, made_from, left_out: left_out.into_lines() })
+    container.finish(&mut skipped)?;
+    Ok(LodFile { source, document, objects, layout, made_from, left_out: skipped.into_lines() })
 }
 
 /// Returns what a file was made from, without reading its objects; none if the file does not say.

@@ -1,8 +1,8 @@
 //! One object: its mesh, its collapse sequence and its models as sections.
 
 use super::container::{Container, Writer};
-use super::left_out::{LeftOut, shortened};
 use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
+use super::skipped::{SkippedParts, shortened};
 use super::streams::{self, Plan, ZeroBudget};
 use super::table::{Tag, location, tag};
 use super::{Bounds, LodObject, StoredModel, arrays, overview, poses, steps};
@@ -14,8 +14,7 @@ use lodc_mesh::{
 use lodc_model::{Array, Layout};
 use std::sync::Arc;
 
-/// Bytes for each entry of `VSUB`: the fewest that hold the last submesh's number; 0 if there is
-/// only one.
+/// Bytes of each entry of `VSUB`: enough for the last submesh's number; 0 if there is only one.
 fn submesh_width(submeshes: usize) -> usize {
     match submeshes {
         0..=1 => 0,
@@ -104,7 +103,7 @@ pub(super) fn read(
     entry: ObjectEntry,
     model_kinds: &[&str],
     zeros: &mut ZeroBudget,
-    left_out: &mut LeftOut,
+    skipped: &mut SkippedParts,
 ) -> Result<LodObject, FormatError> {
     let wrong =
         |problem: String| FormatError::new(Fault::Malformed, format!("object {number}"), problem);
@@ -124,7 +123,7 @@ pub(super) fn read(
         overview::check_levels(stored, number, &simplified)?;
     }
 
-    let models = read_models(container, number, entry.models, model_kinds, left_out)?;
+    let models = read_models(container, number, entry.models, model_kinds, skipped)?;
     let submeshes = entry.submeshes.into_iter().map(|Record(s)| SubmeshInfo {
         name: s.name,
         material: s.material,
@@ -141,24 +140,24 @@ pub(super) fn read(
     Ok(LodObject { info, simplified, models })
 }
 
-/// Reads the models of an object; those whose kind is not `known` are left out.
+/// Reads the models of an object; those of other kinds than `model_kinds` are left out.
 fn read_models(
     container: &mut Container<'_>,
     number: u32,
     entries: Vec<Record<ModelEntry>>,
     model_kinds: &[&str],
-    left_out: &mut LeftOut,
+    skipped: &mut SkippedParts,
 ) -> Result<Vec<StoredModel>, FormatError> {
     let mut models: Vec<StoredModel> = Vec::new();
     let mut index = 0;
     for Record(ModelEntry { name, arrays }) in entries {
         let first = index;
-        // Each name took at least a byte of the manifest, which is far smaller than 2^32.
+        // Each name takes at least a byte of the manifest, which is far smaller than 2^32.
         index += arrays.len() as u32;
         let sections = (first..index).zip(arrays);
         if !model_kinds.contains(&name.as_str()) {
             sections.for_each(|(index, _)| container.skip(tag::MODEL_ARRAY, number, index));
-            left_out.add(|| {
+            skipped.add(|| {
                 let name = shortened(&name);
                 format!(
                     "object {number}: the model \"{name}\" is not in this version and was left out"
@@ -209,8 +208,8 @@ fn read_mesh(
         first = first.saturating_add(s.triangles);
         submeshes.push(submesh);
     }
-    // Which submeshes have each stream, turned round: asking every submesh for every stream could
-    // take very long.
+    // For each stream the submeshes that have it: to ask each submesh for each stream would take
+    // time that grows with their product.
     let mut users = vec![Vec::new(); entry.attributes.len()];
     for (submesh, s) in submeshes.iter().enumerate() {
         for &a in &s.attributes {

@@ -6,8 +6,8 @@ use crate::{Fault, FormatError};
 use bincode::{Decode, Encode};
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 
-/// Levels in a table, at most. Chosen by hand.
-pub const MOST_LEVELS: usize = 64;
+/// Largest number of levels in a table. Chosen by hand.
+pub const MAX_LEVELS: usize = 64;
 /// Bytes of a level in a table: five words of four bytes.
 const LEVEL_BYTES: usize = 20;
 
@@ -105,7 +105,7 @@ pub fn table_of_levels(simplified: &Simplified) -> Vec<TableLevel> {
     let octaves = all_triangles.checked_ilog2().unwrap_or(0) as usize + 1;
     // Roots are the same on every machine, other powers are not.
     let (mut ratio, mut levels_per_octave) = (2.0f64, 1);
-    while 2 * levels_per_octave * octaves < MOST_LEVELS {
+    while 2 * levels_per_octave * octaves < MAX_LEVELS {
         (ratio, levels_per_octave) = (ratio.sqrt(), 2 * levels_per_octave);
     }
     let (mut lods, mut wanted) = (vec![Lod(0)], f64::from(all_triangles) / ratio);
@@ -131,7 +131,7 @@ pub(super) fn check_levels(
         Err(FormatError::new(Fault::Malformed, location(tag::LEVELS, number, 0), problem))
     };
     let sequence = simplified.collapses();
-    if !stored.len().is_multiple_of(LEVEL_BYTES) || stored.len() > MOST_LEVELS * LEVEL_BYTES {
+    if !stored.len().is_multiple_of(LEVEL_BYTES) || stored.len() > MAX_LEVELS * LEVEL_BYTES {
         return wrong("is no table of at most 64 levels");
     }
     let mut previous = None;

@@ -14,8 +14,8 @@ const MOMENT: u32 = 0;
 /// Kind of a pose that is a morph target at full weight, whose number it has.
 const TARGET: u32 = 1;
 
-/// Most poses of an object. Chosen by hand.
-pub const MOST_POSES: usize = 64;
+/// Largest number of poses of an object. Chosen by hand: errors are measured in each.
+pub const MAX_POSES: usize = 64;
 
 pub(super) fn put(out: &mut Vec<u8>, poses: &[Posture]) {
     for &pose in poses {
@@ -34,8 +34,8 @@ pub(super) fn get(bytes: &[u8], number: u32) -> Result<Vec<Posture>, FormatError
     let location = || location(tag::POSES, number, 0);
     let wrong = |problem: String| FormatError::new(Fault::Malformed, location(), problem);
     check_whole_entries(bytes, POSE_BYTES, location)?;
-    if bytes.len() / POSE_BYTES > MOST_POSES {
-        return Err(wrong(format!("has more than {MOST_POSES} poses")));
+    if bytes.len() / POSE_BYTES > MAX_POSES {
+        return Err(wrong(format!("has more than {MAX_POSES} poses")));
     }
     let pose = |entry: &[u8]| {
         let word = |offset: usize| u32::from_le_bytes(std::array::from_fn(|i| entry[offset + i]));
@@ -67,7 +67,7 @@ mod tests {
             assert!(get(&wrong, 0).is_err(), "{at}");
         }
         assert!(get(&bytes[1..], 0).is_err());
-        assert!(get(&bytes.repeat(MOST_POSES / 2), 0).is_ok());
-        assert!(get(&bytes.repeat(MOST_POSES / 2 + 1), 0).is_err());
+        assert!(get(&bytes.repeat(MAX_POSES / 2), 0).is_ok());
+        assert!(get(&bytes.repeat(MAX_POSES / 2 + 1), 0).is_err());
     }
 }

@@ -7,15 +7,15 @@ const MAX_LINES: usize = 20;
 /// Characters of a name that a line shows. Chosen by hand.
 const NAME_CHARACTERS: usize = 60;
 
-/// Collects one line for each thing left out.
+/// Collects one line for each part of a file that is skipped.
 #[derive(Default)]
-pub(super) struct LeftOut {
+pub(super) struct SkippedParts {
     lines: Vec<String>,
-    /// Things left out that have no line.
+    /// Number of skipped parts that have no line.
     unlisted: usize,
 }
 
-impl LeftOut {
+impl SkippedParts {
     /// Adds a line, which is composed only if there is room for it.
     pub(super) fn add(&mut self, line: impl FnOnce() -> String) {
         if self.lines.len() < MAX_LINES {

@@ -45,8 +45,8 @@ pub(super) fn lost_triangles(triangles: u32, step_triangles: &[u32]) -> Vec<u8> 
         .map(|&triangles_after| std::mem::replace(&mut before, triangles_after) - triangles_after)
         .collect();
     let mut bytes: Vec<u8> = lost.iter().map(|&n| n.min(u32::from(ESCAPE)) as u8).collect();
-    let many: Vec<u32> = lost.into_iter().filter(|&n| n >= u32::from(ESCAPE)).collect();
-    arrays::put_u32s(&mut bytes, &many);
+    let long: Vec<u32> = lost.into_iter().filter(|&n| n >= u32::from(ESCAPE)).collect();
+    arrays::put_u32s(&mut bytes, &long);
     bytes
 }
 
@@ -85,9 +85,9 @@ pub(super) fn step_triangles(
     Ok(triangles_after)
 }
 
-/// The errors after the steps, which never fall: how much the number that their bits are grows from
-/// step to step, seven bits a byte, the lowest first, all bytes but a number's last with their top
-/// bit set.
+/// The errors after the steps, which never fall, as differences of their bits from step to step:
+/// LEB128, that is seven bits a byte, the lowest first, all bytes but a number's last with their
+/// top bit set.
 pub(super) fn error_growth(step_errors: &[f32]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(2 * step_errors.len());
     let mut before = 0;
@@ -99,7 +99,7 @@ pub(super) fn error_growth(step_errors: &[f32]) -> Vec<u8> {
     bytes
 }
 
-/// The errors from what [`error_growth`] gave out.
+/// The errors that [`error_growth`] has encoded.
 pub(super) fn step_errors(bytes: &[u8], steps: usize) -> Result<Vec<f32>, String> {
     if bytes.len() < steps {
         return Err(format!("{} bytes are too few for {steps} steps", bytes.len()));

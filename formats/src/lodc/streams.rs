@@ -71,7 +71,7 @@ pub(super) fn plan(mesh: &Mesh, layout: Layout, budget: &mut ZeroBudget) -> Plan
             }
         }
         let full = layout == Layout::Gpu || zeros == 0 || !only_zeros || !budget.take(zeros);
-        // A reader's budget is twice the file, which holds at least these bytes.
+        // A reader's budget grows by twice the file's bytes, which are at least those stored here.
         budget.stored += stream.bytes.len() as u64 - if full { 0 } else { zeros };
         full
     };
@@ -107,7 +107,7 @@ pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, plan: &Plan, la
     }
 }
 
-/// A stream of the gpu layout without the zeros behind each vertex.
+/// A stream of the gpu layout without the padding behind each vertex.
 pub(super) fn without_padding(
     stored: &[u8],
     stride: usize,

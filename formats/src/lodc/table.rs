@@ -16,10 +16,10 @@ const FILE_HEADER: FileHeader<8> = FileHeader {
 };
 /// Bytes of an entry of the table.
 pub(super) const ENTRY_BYTES: usize = 40;
-/// Sections begin at multiples of this, chosen by hand ...
+/// Sections begin at multiples of this number of bytes. Chosen by hand.
 const ALIGN: usize = 16;
-/// ... and wide ones at multiples of this, so that they can be bound where they lie: the offset
-/// that every device of WebGPU takes.
+/// Wide sections begin at multiples of this number of bytes, which every device of WebGPU takes as
+/// an offset: so they can be bound in place.
 const WIDE_ALIGN: usize = 256;
 /// Flag of a section without which the file cannot be understood.
 pub(super) const REQUIRED: u32 = 1;

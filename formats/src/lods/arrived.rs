@@ -6,9 +6,9 @@ use crate::gltf::{bare_gltf, gltf_without_missing};
 use crate::{Document, FormatError, ObjDocument, ObjectInfo, SourceFormat};
 use std::borrow::Cow;
 
-/// Morph targets of an object's submeshes together that a prefix is written with before the
-/// document has said how many there are: a crafted header may name any number.
-/// Chosen by hand.
+/// Largest number of morph targets, of all submeshes of an object together, that a prefix is
+/// written with before the document has said how many there are: a crafted header may name any
+/// number. Chosen by hand.
 const MAX_TARGETS: usize = 1 << 20;
 
 /// The document and the names of a prefix.

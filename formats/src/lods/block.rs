@@ -14,8 +14,8 @@ pub(super) const FILE_HEADER: FileHeader<4> = FileHeader {
     length: 16,
     checksum: |header| xxh32(header, 0).to_le_bytes(),
 };
-/// The most bytes of a payload of steps; that of the first block may be longer.
-/// Chosen by hand, to bound what a reader keeps of an unfinished block.
+/// Largest number of bytes in a payload; only that of the first block may be longer. Chosen by
+/// hand, to bound what a reader keeps of an unfinished block.
 pub(super) const MAX_PAYLOAD: usize = 16 << 20;
 /// Bytes of the checksum of a block's numbers: the low ones of an XXH32.
 const HEADER_CHECKSUM_BYTES: usize = 2;

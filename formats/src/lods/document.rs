@@ -63,11 +63,11 @@ pub(super) struct EncodedDocument {
     pub(super) picture_end: usize,
 }
 
-/// The part of a document that comes before the first triangles takes at most one in this many
-/// bytes of a stream ...
+/// The part of a document that comes before the first triangles takes at most one of this number of
+/// bytes of a stream. Chosen by hand: a larger part delays the first triangles.
 const LEADING_SHARE: u64 = 20;
-/// ... and at most this many bytes. Both are chosen by hand. The nodes and skins of a rig come
-/// first, whatever their share: without them its parts would stand in the wrong places.
+/// The largest number of bytes of that part, chosen by hand. The nodes and skins of a rig come
+/// first whatever their share: without them its parts would be in the wrong places.
 const MAX_LEADING: u64 = 16 << 10;
 
 /// What precedes the JSON in a document's text. These records are the file format.
@@ -128,8 +128,8 @@ impl EncodedDocument {
         let max_leading = (total / LEADING_SHARE).min(MAX_LEADING);
         let mut leading = text.len() as u64 + placement;
         let text_leads = leading <= if is_rig { MAX_LEADING } else { max_leading };
-        // Small images follow, as far as they fit.
-        let mut is_first = |run: &BufferRun| match run.purpose {
+        // Small images lead, too, as far as they fit.
+        let mut is_leading = |run: &BufferRun| match run.purpose {
             Purpose::Placement => true,
             Purpose::Animation => false,
             Purpose::BaseColor | Purpose::Texture => {
@@ -138,7 +138,7 @@ impl EncodedDocument {
                 fits
             }
         };
-        let (first, later): (Vec<_>, Vec<_>) = runs.drain(..).partition(|run| is_first(run));
+        let (first, later): (Vec<_>, Vec<_>) = runs.drain(..).partition(|run| is_leading(run));
         let first_bytes: u64 = first.iter().map(length).sum();
         let animation_bytes = later.iter().filter(|r| r.purpose == Purpose::Animation);
         let animation_bytes: u64 = animation_bytes.map(length).sum();
@@ -224,12 +224,13 @@ fn object_entry(info: &ObjectInfo, facts: SequenceFacts) -> ObjectEntry {
 /// Collects the pieces of a document.
 #[derive(Debug, Default)]
 pub(super) struct ReceivedDocument {
-    /// What has come of the text, as it is stored.
+    /// The bytes of the text that have arrived, as it is stored.
     stored_text: Vec<u8>,
     /// The text, once all of it has come; its document has its buffer once that has come as well.
     pub(super) parsed: Option<ParsedText>,
-    /// The order in which the buffer comes, and what has come of it.
+    /// The order in which the runs of the buffer come.
     order: Vec<Range<u64>>,
+    /// The bytes of the buffer that have arrived, in that order.
     buffer: Vec<u8>,
     /// Bytes so far, text and buffer.
     pub(super) bytes: u64,
@@ -274,8 +275,8 @@ impl ReceivedDocument {
             return Err(malformed("is longer than the head says"));
         }
         self.bytes += piece.len() as u64;
-        let missing = head.stored as usize - self.stored_text.len();
-        let (text, buffer) = piece.split_at(missing.min(piece.len()));
+        let text_missing = head.stored as usize - self.stored_text.len();
+        let (text, buffer) = piece.split_at(text_missing.min(piece.len()));
         self.stored_text.extend_from_slice(text);
         let now_complete = self.parsed.is_none() && self.stored_text.len() == head.stored as usize;
         if now_complete {

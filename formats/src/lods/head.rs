@@ -11,6 +11,7 @@ const LOCATION: &str = "head";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Head {
     pub(super) format: SourceFormat,
+    /// Number of objects.
     pub(super) objects: u32,
     /// Bytes of the document's text.
     pub(super) text: u32,

@@ -11,9 +11,10 @@ mod systems;
 use attribute::{attribute, put_attribute};
 
 const LOCATION: &str = "header of an object";
-/// Most bytes of a header before compression; a reader refuses more. Chosen by hand.
+/// Largest number of bytes of a header before compression; a reader refuses more. Chosen by hand.
 const MAX_BYTES: u64 = 1 << 24;
-/// Streams that all submeshes list together; a reader refuses more. Chosen by hand.
+/// Largest number of streams that all submeshes list together; a reader refuses more. Chosen by
+/// hand.
 const MAX_ENTRIES: usize = 1 << 22;
 
 pub(super) fn malformed(problem: &str) -> FormatError {

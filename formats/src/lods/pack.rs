@@ -23,7 +23,8 @@ pub struct PackOptions {
     pub quantize: Quantize,
     /// Steps keep their order, and each shows its level: batches would be smaller.
     pub exact: bool,
-    /// The most bytes of a block, as far as whole steps allow; 0 for a block for each step.
+    /// The largest number of bytes of a block, as far as whole steps allow; 0 for a block for each
+    /// step.
     pub block_bytes: Option<u32>,
 }
 
@@ -43,8 +44,8 @@ pub struct Packed {
 pub struct PackedObject {
     /// Bytes of its blocks, without its header.
     pub bytes: u64,
-    /// Bytes that the same packages would take as plain words and bytes, positions only: the
-    /// thesis's accounting (table 4.3), with what names the parent.
+    /// Bytes that its steps would take as plain words and bytes, with positions and parents only:
+    /// the update packages of the thesis (table 4.3).
     pub package_bytes: u64,
     /// The same with normals: three words more for each vertex.
     pub package_bytes_with_normals: u64,
@@ -57,12 +58,12 @@ pub struct PackedObject {
 /// Bytes of a block of steps unless something else is asked for. Early blocks are smaller.
 /// Chosen by hand.
 const BLOCK_BYTES: u32 = 8192;
-/// A block has at most one byte for this many bytes of the stream before it, so that a reader never
-/// waits long for more detail ...
+/// A block has at most one byte for this number of bytes of the stream before it, so that a reader
+/// never waits long for more detail. Chosen by hand.
 const BLOCK_SHARE: usize = 8;
-/// ... or this many bytes, whichever is more. Both are chosen by hand.
+/// Bytes that a block may have however short the stream before it is. Chosen by hand.
 const MIN_BLOCK_BYTES: usize = 96;
-/// Most bytes of a block of the document. Chosen by hand.
+/// Largest number of bytes of a block of the document. Chosen by hand.
 const MAX_DOCUMENT_BLOCK: usize = 1 << 20;
 
 /// An object while it is written.
@@ -104,8 +105,8 @@ pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, Forma
     for block in blocks {
         // Geometry first; then the document and the steps take turns.
         if block.all_visible {
-            let has_a_tenth = 10 * block.triangles >= triangles;
-            stream.put_due_document(has_a_tenth);
+            let tenth_shown = 10 * block.triangles >= triangles;
+            stream.put_due_document(tenth_shown);
         }
         let StepsBlock { object, steps, ref payload, header_bytes, .. } = block;
         let bytes = stream.put_steps(Block { tag: object as u32 + 1, steps, payload });
@@ -191,7 +192,7 @@ struct StreamWriter {
     document_bytes: usize,
     /// Bytes of all blocks of steps.
     step_bytes: u64,
-    /// Bytes of the document and of steps when the first tenth of the triangles was there.
+    /// Bytes of the document and of steps when the first tenth of the triangles was in the stream.
     bytes_at_a_tenth: Option<(usize, u64)>,
 }
 
@@ -219,7 +220,7 @@ impl StreamWriter {
         self.blocks += 1;
     }
 
-    /// Returns the bytes of the block.
+    /// Puts a block of steps; returns its number of bytes.
     fn put_steps(&mut self, block: Block<'_>) -> u64 {
         let before = self.bytes.len();
         self.put(block);
@@ -228,16 +229,16 @@ impl StreamWriter {
         bytes
     }
 
-    /// Puts what is due of the document before the next steps. What places things takes
-    /// turns with steps, byte for byte, and so do images after a tenth of the triangles.
-    fn put_due_document(&mut self, has_a_tenth: bool) {
+    /// Puts the part of the document that is due before the next steps: placements take turns with
+    /// steps, byte for byte, and so do images after a tenth of the triangles.
+    fn put_due_document(&mut self, tenth_shown: bool) {
         let EncodedDocument { leading, placement_end, picture_end, .. } = self.document;
         while self.document_bytes < placement_end
             && ((self.document_bytes - leading) as u64) < self.step_bytes
         {
             self.put_next_document(placement_end);
         }
-        if has_a_tenth && self.document_bytes >= placement_end {
+        if tenth_shown && self.document_bytes >= placement_end {
             let bytes_now = (self.document_bytes, self.step_bytes);
             let (document_start, steps_start) = *self.bytes_at_a_tenth.get_or_insert(bytes_now);
             while self.document_bytes < picture_end
@@ -280,8 +281,8 @@ impl<'a> ObjectWriter<'a> {
         let exact_levels = match (is_as_in_file, encoder.header().exact) {
             (true, _) => simplified.collapses().steps() as u32,
             (false, false) => encoder.exact_levels(),
-            // A hub kept what was put into batches from being coded so: of its levels only the
-            // finest is sure to be one of the file.
+            // The steps were put into batches, but a hub kept them from being coded so: of the
+            // levels only the finest is sure to be one of the file.
             (false, true) => 1,
         };
         let scale = object.info.world_scale;

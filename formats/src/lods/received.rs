@@ -21,12 +21,12 @@ pub(super) struct Received {
     pub(super) head: Head,
     pub(super) document: ReceivedDocument,
     pub(super) objects: Vec<ReceivedObject>,
-    /// Objects whose header has come: the first ones.
+    /// Number of objects whose header has arrived: the first ones.
     pub(super) announced: usize,
 }
 
 impl Received {
-    /// A scene of which the first block has come.
+    /// A scene of which the first block has arrived.
     pub(super) fn new(payload: &[u8]) -> Result<Self, FormatError> {
         let (head, document) = (Head::parse(payload)?, ReceivedDocument::default());
         let mut received = Self { head, document, objects: Vec::new(), announced: 0 };

@@ -47,7 +47,7 @@ pub struct Unpacker {
     failure: Option<FormatError>,
 }
 
-/// The progress of an object: the parts so far, and in all.
+/// How much of an object has arrived.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Vertices so far, with points that are only announced ([`MeshDecoder::has_come`]), and in

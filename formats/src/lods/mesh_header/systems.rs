@@ -18,11 +18,11 @@ const GRID: u8 = 2;
 pub(super) const OCTAHEDRAL: u8 = 3;
 /// Decimal fractions: plus the number of digits after the point, up to 9.
 const DECIMAL: u8 = 16;
-const MOST_DECIMAL: u8 = DECIMAL + 9;
+const MAX_DECIMAL: u8 = DECIMAL + 9;
 /// Numbers of few significant decimal digits: plus their number, 1 to 7.
 const SIGNIFICANT: u8 = 32;
-const LEAST_SIGNIFICANT: u8 = SIGNIFICANT + 1;
-const MOST_SIGNIFICANT: u8 = SIGNIFICANT + 7;
+const MIN_SIGNIFICANT: u8 = SIGNIFICANT + 1;
+const MAX_SIGNIFICANT: u8 = SIGNIFICANT + 7;
 
 /// Appends the system of a stream with these channels; nothing without any.
 pub(super) fn put(out: &mut Vec<u8>, channels: &[NumberSystem]) {
@@ -85,8 +85,8 @@ pub(super) fn take(
             let grids = (0..channels).map(grid).collect::<Result<_, _>>()?;
             return if step > 0.0 { Ok(grids) } else { Err(wrong()) };
         }
-        (n @ DECIMAL..=MOST_DECIMAL, Component::F32) => NumberSystem::Decimal(n - DECIMAL),
-        (n @ LEAST_SIGNIFICANT..=MOST_SIGNIFICANT, Component::F32) => {
+        (n @ DECIMAL..=MAX_DECIMAL, Component::F32) => NumberSystem::Decimal(n - DECIMAL),
+        (n @ MIN_SIGNIFICANT..=MAX_SIGNIFICANT, Component::F32) => {
             NumberSystem::Significant(n - SIGNIFICANT)
         }
         _ => return Err(wrong()),
