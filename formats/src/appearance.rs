@@ -5,8 +5,8 @@
 use crate::{Assets, Document, FormatError, Limits, ObjectInfo, gltf, obj};
 use lodc_scene::{Appearance, Coordinates};
 
-/// Reads the looks of a scene. Images are read from where `assets` has its main file; one that
-/// cannot be had is a warning.
+/// Reads the materials of a scene and their images, which are looked for beside the main file of
+/// `assets`; one that cannot be read is a warning.
 ///
 /// # Errors
 /// If the stored document is damaged, or its images have more pixels than the limits allow.
@@ -21,8 +21,8 @@ pub fn appearance(
     }
 }
 
-/// Returns, for every object and submesh, the texture coordinates that its textures read. No image
-/// is looked for: the answer is the same wherever they are.
+/// Returns, for every object and submesh, the texture coordinates that its textures read. Images
+/// are not opened: they do not matter.
 ///
 /// # Errors
 /// If the stored document is damaged.

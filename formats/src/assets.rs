@@ -15,8 +15,10 @@ const OUTSIDE: &str =
 #[derive(Clone, Debug)]
 pub struct Assets {
     main: PathBuf,
+    /// Further folders that may be read.
     allowed: Vec<PathBuf>,
     limits: Limits,
+    /// Bytes of all files that have been read.
     total: u64,
     requested: RequestedFiles,
 }
@@ -92,7 +94,7 @@ impl Assets {
         bytes.map_err(|e| e.in_file(reference))
     }
 
-    /// Notes that another file was read in the place of one that is not there.
+    /// Notes that another file was read instead of one that is not there.
     #[cfg(feature = "import")]
     pub(crate) fn substitute(&mut self, reference: &str) {
         if let Ok(file) = self.locate(reference) {
@@ -100,7 +102,7 @@ impl Assets {
         }
     }
 
-    /// Place of a file that a reference names, inside the allowed folders by its name.
+    /// The file that a reference names: by its name inside the allowed folders.
     fn locate(&self, reference: &str) -> Result<ReferencedFile, FormatError> {
         let forbidden = |problem: &str| Err(FormatError::new(Fault::Forbidden, "", problem));
         if reference.contains('\0') {
@@ -171,8 +173,8 @@ impl Assets {
         FormatError::new(Fault::Limit, "", problem)
     }
 
-    /// Reads to the end, but never more than there is room for: a size in a directory is only a
-    /// hint.
+    /// Reads to the end, but never more than the limits allow: the size that a directory states
+    /// (`expected`) is only a hint.
     fn read_bounded(
         &mut self,
         source: &mut dyn Read,
@@ -212,7 +214,7 @@ struct ReferencedFile {
 }
 
 impl ReferencedFile {
-    /// What it really is: a link may lead anywhere.
+    /// The path without links, which may lead anywhere; refused if it is outside the folders.
     fn real(&self) -> Result<PathBuf, FormatError> {
         let real = self.absolute.canonicalize().map_err(|e| unreadable(&e))?;
         if is_inside(&real, &self.roots) {
@@ -248,7 +250,7 @@ fn require_regular(metadata: &Metadata) -> Result<(), FormatError> {
     Err(FormatError::new(Fault::Unreadable, "", problem))
 }
 
-/// Opens without waiting, should the path have become a FIFO since it was looked at.
+/// Opens without waiting, in case the path has become a FIFO since it was checked.
 #[cfg(target_os = "linux")]
 fn open(path: &Path) -> io::Result<File> {
     use std::os::unix::fs::OpenOptionsExt;

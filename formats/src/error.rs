@@ -1,4 +1,5 @@
-//! Errors sorted by whose fault they are, so that a caller knows what to do next.
+//! Errors of readers and writers: what is wrong, where, and whose fault it is, which tells a caller
+//! what to do next.
 
 use std::fmt;
 
@@ -33,7 +34,7 @@ pub struct FormatError {
 }
 
 impl FormatError {
-    /// An error without a file yet: [`Self::in_file`] adds it.
+    /// An error that names no file yet: [`Self::in_file`] adds it.
     #[must_use]
     pub fn new(fault: Fault, location: impl Into<String>, problem: impl Into<String>) -> Self {
         Self { fault, file: String::new(), location: location.into(), problem: problem.into() }
@@ -56,7 +57,7 @@ impl fmt::Display for FormatError {
                 write!(f, "{}: ", part.escape_debug())?;
             }
         }
-        // One line whatever the file had in it.
+        // The problem may quote line ends of a file.
         write!(f, "{}", self.problem.replace(['\n', '\r'], " "))
     }
 }

@@ -6,7 +6,8 @@ use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Mesh};
 use lodc_scene::{Arrangement, Graph, Placement, PosedVertices, Transform, posed};
 
-/// Flattening repeats an object for every node that shows it, but not beyond this many triangles.
+/// Largest number of triangles of all instances together. Chosen by hand: as many as an import may
+/// have.
 const MAX_TRIANGLES: usize = 1 << 28;
 
 /// An object where a node of the scene shows it.
@@ -16,7 +17,7 @@ pub(crate) struct Placed<'a> {
     pub(crate) object: ExportObject<'a>,
     /// The node's name or, lacking that, the object's.
     pub(crate) name: String,
-    /// None where the object stays as it was modelled, so that bits survive.
+    /// None where the object is as it was modelled: its values then stay bit for bit.
     placement: Option<Placement>,
 }
 
@@ -63,8 +64,8 @@ impl Vertices<'_> {
     }
 }
 
-/// Every object where the default scene shows it, joints at rest and default morph weights, and one
-/// that it does not show as it was modelled.
+/// Every object where the default scene shows it, with joints at rest and default morph weights;
+/// objects that it does not show are as they were modelled.
 ///
 /// # Errors
 /// If the instances together are too large.
@@ -90,7 +91,7 @@ pub(crate) fn placed<'a>(
         out.push(Placed {
             object,
             name: name.unwrap_or_else(|| object.info.name.clone()),
-            placement: (!stays(placement)).then(|| placement.clone()),
+            placement: (!is_identity(placement)).then(|| placement.clone()),
         });
     }
     let hidden = (0..objects.len()).filter(|&o| scene.of(o).next().is_none());
@@ -102,7 +103,8 @@ pub(crate) fn placed<'a>(
     Ok(out)
 }
 
-fn stays(placement: &Placement) -> bool {
+/// Returns whether a placement changes nothing.
+fn is_identity(placement: &Placement) -> bool {
     placement.transform == Transform::IDENTITY
         && placement.joints.is_empty()
         && placement.weights.iter().all(|&w| w == 0.0)

@@ -1,4 +1,4 @@
-//! Reading meshes: the format is told by content.
+//! Reads mesh files and exported levels of any format, which is recognised by content.
 
 mod count;
 mod sniff;
@@ -58,10 +58,11 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Scene, FormatError
 pub fn import_levels(path: &Path, options: &ImportOptions) -> Result<ShippedLevels, FormatError> {
     let mut assets = Assets::new(path, &options.allowed, options.limits);
     let bytes = assets.read_main()?;
-    levels_of(bytes, path, &mut assets, options)
+    read_levels(bytes, path, &mut assets, options)
 }
 
-/// The same of bytes that have been read already; further files lie beside `path`.
+/// As [`import_levels`], of bytes that have been read already; files that they name are looked for
+/// beside `path`.
 ///
 /// # Errors
 /// As [`import_levels`].
@@ -71,10 +72,10 @@ pub fn levels_in(
     options: &ImportOptions,
 ) -> Result<ShippedLevels, FormatError> {
     let mut assets = Assets::new(path, &options.allowed, options.limits);
-    levels_of(bytes, path, &mut assets, options)
+    read_levels(bytes, path, &mut assets, options)
 }
 
-fn levels_of(
+fn read_levels(
     bytes: Vec<u8>,
     path: &Path,
     assets: &mut Assets,
@@ -86,12 +87,12 @@ fn levels_of(
     }
     let stated = stated_in_text(&bytes);
     let levels = vec![read(bytes, path, assets, options)?];
-    let missing = || {
+    let states_none = || {
         let problem = "states no level: only what extract and chain wrote does";
         FormatError::new(Fault::Malformed, "line 1", problem).in_file(&name)
     };
     Ok(ShippedLevels {
-        stated: stated.ok_or_else(missing)?,
+        stated: stated.ok_or_else(states_none)?,
         levels,
         difference: None,
         glides: Vec::new(),
@@ -123,8 +124,8 @@ pub fn states_levels(path: &Path, options: &ImportOptions) -> bool {
     })
 }
 
-/// Compares what a level has besides its geometry with what its source has; none between formats,
-/// and if there is no difference.
+/// Compares what a level has besides its geometry with what its source has; returns the first
+/// difference. Documents of different formats are not compared.
 ///
 /// # Errors
 /// If a stored document is damaged.
@@ -144,7 +145,7 @@ fn is_gltf(bytes: &[u8], path: &Path) -> bool {
 }
 
 fn stated_in_text(bytes: &[u8]) -> Option<Provenance> {
-    // The first line of an OBJ; the third one of a PLY, behind its mark and its format.
+    // The first line of an OBJ, or the third of a PLY, after `ply` and the format.
     let mut lines = bytes.split(|&b| b == b'\n').take(3);
     lines.find_map(|line| {
         let line = std::str::from_utf8(line).ok()?;

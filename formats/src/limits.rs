@@ -20,7 +20,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits unless options raise them.
+    /// The limits unless options raise them. All are chosen by hand: far above the largest models
+    /// in use, and low enough for one machine.
     pub const DEFAULT: Self = Self {
         file_bytes: 4 << 30,
         total_bytes: 8 << 30,

@@ -36,13 +36,13 @@ pub struct ExportObject<'a> {
 #[cfg(feature = "export")]
 #[derive(Clone, Debug, Default)]
 pub struct Additions {
-    /// The places of image files.
+    /// Image files in or beside the export.
     pub textures: PlacedTextures,
     /// True to compress geometry by EXT_meshopt_compression.
     pub compress: bool,
     /// Bits that numbers keep (KHR_mesh_quantization); the default keeps all.
     pub precision: Precision,
-    /// The origin to state.
+    /// The metadata to state: source, levels and errors.
     pub provenance: Option<Provenance>,
 }
 

@@ -18,24 +18,24 @@ pub struct LevelFacts {
     pub glide: Option<GlideFacts>,
 }
 
-/// Where a level of a chain that glides is shown, as far from the eye as stated, in the units of
+/// The distances from the eye at which a level of a chain is shown and glides, in the units of
 /// errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GlideFacts {
     /// The distance from which the level suits.
     pub distance: Option<f64>,
-    /// The distance from which it moves towards the next level, whose distance is the end of the
-    /// way; none of the last level.
+    /// The distance from which it moves towards the next level. It arrives at the next level's
+    /// distance. None of the last level.
     pub morph_from: Option<f64>,
-    /// How far, in the poses that errors are over, it is from the next level at the end of the way;
-    /// none without skins and morph targets.
+    /// How far from the next level its vertices are when they have arrived, at most, in the poses
+    /// that errors are over; none without skins and morph targets.
     pub pose_error: Option<f64>,
 }
 
 /// The screen that distances of levels are for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenFacts {
-    /// Pixels that an error takes up at most.
+    /// The largest error on the screen, in pixels.
     pub pixels: f64,
     /// Lines of the screen.
     pub height: f64,

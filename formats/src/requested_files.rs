@@ -1,5 +1,5 @@
-//! The list of files that an import looked for, each with the hash of its content or as absent:
-//! from it a later build sees whether anything has changed.
+//! The list of files that an import looked for, each with the hash of its content or as absent. A
+//! later build compares it to see whether anything has changed.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,6 +11,7 @@ pub struct RequestedFiles {
     files: Vec<File>,
     /// The number of each file: a document may name any number of files that are not there.
     numbers: BTreeMap<PathBuf, usize>,
+    /// True if a file had another content when it was read again.
     has_changed: bool,
 }
 
@@ -19,7 +20,7 @@ struct File {
     path: PathBuf,
     /// XXH3-128 of the bytes that were read; none if there were none to read.
     content: Option<u128>,
-    /// Another file did as well.
+    /// True if another file was read instead.
     has_substitute: bool,
 }
 
@@ -39,20 +40,19 @@ impl RequestedFiles {
         read.map(|f| f.path.clone()).collect()
     }
 
-    /// Every file that was not there, or could not be read, and in whose place no other was.
+    /// Every file that was not there or could not be read, unless another was read instead.
     #[must_use]
     pub fn absent(&self) -> Vec<PathBuf> {
         let absent = self.files.iter().filter(|f| f.content.is_none() && !f.has_substitute);
         absent.map(|f| f.path.clone()).collect()
     }
 
-    /// Every file with a hash of the content that it was read with; none if one of them was found
-    /// to be something else at another time.
+    /// Every file with a hash of its content; none if one of them changed between two reads.
     pub(crate) fn contents(&self) -> Option<impl Iterator<Item = (&Path, Option<u128>)>> {
         (!self.has_changed).then(|| self.files.iter().map(|f| (f.path.as_path(), f.content)))
     }
 
-    /// Adds what others have looked for.
+    /// Adds the files of another list.
     pub fn extend(&mut self, others: &Self) {
         self.has_changed |= others.has_changed;
         for file in &others.files {
@@ -71,7 +71,7 @@ impl RequestedFiles {
         self.add(path, None);
     }
 
-    /// Notes that another file was found in the place of one that is not there.
+    /// Notes that another file was read instead of one that is not there.
     pub(crate) fn substitute(&mut self, path: &Path) {
         if let Some(&number) = self.numbers.get(path) {
             self.files[number].has_substitute = true;

@@ -47,13 +47,13 @@ pub struct Scene {
     pub objects: Vec<SceneObject>,
     /// Repairs, and what was dropped or left alone: one line each, with counts.
     pub warnings: Vec<String>,
-    /// Every file that was looked for.
+    /// Every file that the import looked for.
     pub files: RequestedFiles,
     /// True if its geometry was compressed by EXT_meshopt_compression or its successor.
     pub compressed: bool,
     /// True if its document says that streams may be short integers (KHR_mesh_quantization).
     pub quantized: bool,
-    /// True if an export put its values on grids of its own, whatever the source's were on.
+    /// True if it is an export of lodc that quantised values anew.
     pub requantized: bool,
 }
 

@@ -7,39 +7,40 @@ use crate::provenance::Provenance;
 /// A file of one level or of several, as `extract` and `chain` write them.
 #[derive(Clone, Debug)]
 pub struct ShippedLevels {
-    /// What it says of itself.
+    /// The metadata that the file states.
     pub stated: Provenance,
-    /// Each level as a scene of its own, as many as are stated.
+    /// Each stated level as a scene of its own.
     pub levels: Vec<Scene>,
-    /// What the levels of one file do not share although they should, and where.
+    /// The first thing that the levels of one file should share and do not, with its location.
     pub difference: Option<String>,
-    /// The way from levels to the next ones, where they glide.
+    /// How levels glide to the next ones.
     pub glides: Vec<Glide>,
 }
 
-/// The way from one level of a mesh to the next, as its morph target says it.
+/// How one level of a mesh moves to the next, as its morph target says it.
 #[derive(Clone, Debug)]
 pub struct Glide {
-    /// The level that moves.
+    /// The number of the level that moves.
     pub level: usize,
-    /// The mesh.
+    /// The location of its mesh in the document.
     pub location: String,
-    /// Its primitives.
+    /// The primitives of its mesh.
     pub from: Vec<GlidePart>,
-    /// Those of the next level.
+    /// The primitives of the next level's mesh.
     pub to: Vec<GlidePart>,
 }
 
 /// A primitive that glides, or that another one glides to.
 #[derive(Clone, Debug, Default)]
 pub struct GlidePart {
-    /// Its material, and the names of what moves.
+    /// Its material and the names of the attributes that move: parts of one kind can glide into
+    /// each other.
     pub kind: String,
-    /// Numbers of a vertex, of which the first three are its position.
+    /// Values of a vertex, of which the first three are its position.
     pub width: usize,
-    /// The numbers of all vertices.
+    /// The values of all vertices.
     pub values: Vec<f32>,
-    /// The same at the end of the way.
+    /// The values of all vertices when they have moved.
     pub moved: Vec<f32>,
     /// Its triangles.
     pub triangles: Vec<[u32; 3]>,

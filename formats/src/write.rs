@@ -1,9 +1,9 @@
-//! Output files appear whole or not at all.
+//! Writes output files, which appear whole or not at all.
 //!
 //! Each is written to a temporary file beside its target, synced, and renamed when all are
-//! complete. The files of several results are synced together.
-//! A temporary file is locked for as long as its writer lives, so a later run can tell
-//! what a killed one has left behind (and removes it) from what another is still writing.
+//! complete. The files of several results are synced together. A temporary file is locked for as
+//! long as its writer lives, so a later run can tell files that a killed run has left behind (and
+//! removes them) from those that another run is still writing.
 
 use crate::{Fault, FormatError};
 use std::collections::{BTreeMap, BTreeSet};
@@ -52,20 +52,20 @@ pub fn write_each(results: &[&[OutputFile]]) -> Vec<Result<(), FormatError>> {
     };
     let placed = written.into_iter().map(place).collect();
     for folder in folders {
-        // What is there is complete either way: this only makes the new name survive a power
-        // failure.
+        // The file is complete either way: this only makes its new name survive a power failure.
         let _ = File::open(folder).and_then(|f| f.sync_all());
     }
     placed
 }
 
-/// Threads that wait for the system to sync.
-const SYNCING: usize = 16;
+/// Threads that sync files at one time. Chosen by hand: they wait, and take no processor time.
+const SYNC_THREADS: usize = 16;
 
-/// Syncs the files of all results, many at one time. A result of which one fails is that failure.
+/// Syncs the files of all results, several at one time. A result becomes the failure of one of its
+/// files.
 fn sync(written: &mut [Result<Vec<Pending>, FormatError>]) {
     let all = || written.iter().flatten().flatten();
-    // Asked here, so that a test's faults are those of its own thread.
+    // On this thread, because a test plans faults for its own thread.
     let answers = all().map(|_| Mutex::new(system())).collect::<Vec<_>>();
     let files: Vec<Option<&File>> =
         all().map(|pending| pending.temporary.as_ref().map(|t| &t.file)).collect();
@@ -82,8 +82,8 @@ fn sync(written: &mut [Result<Vec<Pending>, FormatError>]) {
         }
     };
     thread::scope(|scope| {
-        for _ in 1..files.len().min(SYNCING) {
-            // Where the system has no thread to give the others do its part.
+        for _ in 1..files.len().min(SYNC_THREADS) {
+            // If the system refuses a thread, the others do its part.
             let _ = thread::Builder::new().spawn_scoped(scope, work);
         }
         work();
@@ -92,8 +92,9 @@ fn sync(written: &mut [Result<Vec<Pending>, FormatError>]) {
         answers.into_iter().map(|a| a.into_inner().unwrap_or_else(PoisonError::into_inner));
     for result in written {
         let Ok(pending) = result else { continue };
-        let own: Vec<_> = answers.by_ref().take(pending.len()).collect();
-        let failed = own.into_iter().zip(&*pending).find_map(|(a, p)| Some((a.err()?, p)));
+        let result_answers: Vec<_> = answers.by_ref().take(pending.len()).collect();
+        let mut synced = result_answers.into_iter().zip(&*pending);
+        let failed = synced.find_map(|(answer, file)| Some((answer.err()?, file)));
         if let Some((e, pending)) = failed {
             *result = Err(not_written(&pending.target, &e));
         }
@@ -116,7 +117,7 @@ fn renamed(pending: Vec<Pending>) -> Result<Vec<Pending>, FormatError> {
     Ok(done)
 }
 
-/// Asked before each call of the system that can fail; a test can make the n-th one fail.
+/// Called before each call of the system that can fail; in tests it can make the n-th one fail.
 #[cfg(not(test))]
 fn system() -> io::Result<()> {
     Ok(())
@@ -129,15 +130,15 @@ fn not_written(path: &Path, error: &io::Error) -> FormatError {
         .in_file(&path.display().to_string())
 }
 
-/// A complete temporary file that waits for its rename. Dropping it removes the temporary files
-/// that are left.
+/// A complete temporary file that waits for its rename. Dropping it removes the temporary file,
+/// unless it was renamed, and the backup.
 #[derive(Debug)]
 struct Pending {
     target: PathBuf,
-    /// Renamed once all are complete; emptied by that.
     temporary: Option<Temporary>,
-    /// Content of the target before.
+    /// A second name of the file that was at the target before.
     backup: Option<PathBuf>,
+    /// True if there was no file at the target.
     replaced_nothing: bool,
 }
 
@@ -227,8 +228,8 @@ impl Temporary {
                 .and_then(|()| OpenOptions::new().write(true).create_new(true).open(&path))
             {
                 Ok(file) => {
-                    // Taken already: another run saw the file before it was locked and is about to
-                    // remove it. Where locks are not supported, nothing is removed either.
+                    // Another run has the lock: it saw the file before it was locked and is about
+                    // to remove it. Where locks are not supported, nothing is removed either.
                     if matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
                         continue;
                     }
@@ -254,15 +255,14 @@ impl Drop for Temporary {
     }
 }
 
-/// Removes what killed runs left for the same target: files of our naming whose writer no longer
-/// holds the lock.
+/// Removes what killed runs left for the same target: temporary files and backups whose writer no
+/// longer holds the lock.
 fn remove_stale(folder: &Path, prefix: &str) {
-    for path in left_behind(folder, prefix) {
-        // Held while the file goes, so that its writer, should it live, cannot take it for its own
-        // meanwhile. An old file kept for undoing has no lock itself; its writer's temporary file
-        // has.
-        let is_old = path.extension().is_some_and(|e| e == "old");
-        let lock = if is_old { path.with_extension("tmp") } else { path.clone() };
+    for path in leftovers(folder, prefix) {
+        // The lock is held while the file is removed, so that its writer, should it live, cannot
+        // lock it meanwhile. A backup has no lock itself; its writer's temporary file has.
+        let is_backup = path.extension().is_some_and(|e| e == "old");
+        let lock = if is_backup { path.with_extension("tmp") } else { path.clone() };
         match File::open(lock) {
             Ok(file) if file.try_lock().is_ok() => drop(fs::remove_file(path)),
             Err(e) if e.kind() == io::ErrorKind::NotFound => drop(fs::remove_file(path)),
@@ -271,20 +271,20 @@ fn remove_stale(folder: &Path, prefix: &str) {
     }
 }
 
-/// Files of our naming by the beginnings of their names, which stand for targets.
+/// Temporary files and backups by the beginnings of their names, one for each target.
 type Leftovers = BTreeMap<String, Vec<PathBuf>>;
 
-/// The files of our naming that were in a folder when this process first wrote there, of one
-/// target. Each folder is listed once: listing it for each file would take quadratic time.
-fn left_behind(folder: &Path, prefix: &str) -> Vec<PathBuf> {
-    static SEEN: Mutex<BTreeMap<PathBuf, Leftovers>> = Mutex::new(BTreeMap::new());
-    let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
+/// The temporary files and backups of a target that were in the folder when this process first
+/// wrote there. Each folder is listed once: listing it for each file would take quadratic time.
+fn leftovers(folder: &Path, prefix: &str) -> Vec<PathBuf> {
+    static BY_FOLDER: Mutex<BTreeMap<PathBuf, Leftovers>> = Mutex::new(BTreeMap::new());
+    let mut by_folder = BY_FOLDER.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-    let found = seen.entry(folder).or_insert_with_key(|folder| listed(folder));
-    found.remove(prefix).unwrap_or_default()
+    let leftovers = by_folder.entry(folder).or_insert_with_key(|folder| listed(folder));
+    leftovers.remove(prefix).unwrap_or_default()
 }
 
-/// All files of our naming in a folder.
+/// All files in a folder that are named as temporary files and backups are.
 fn listed(folder: &Path) -> Leftovers {
     let mut found = Leftovers::new();
     let Ok(entries) = fs::read_dir(folder) else { return found };
@@ -292,19 +292,19 @@ fn listed(folder: &Path) -> Leftovers {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         // `.lodc-`, sixteen digits, `-`, then numbers.
-        let Some((prefix, rest)) = name.split_at_checked(PREFIX) else { continue };
+        let Some((prefix, rest)) = name.split_at_checked(PREFIX_BYTES) else { continue };
         let id = rest.strip_suffix(".tmp").or_else(|| rest.strip_suffix(".old"));
-        let ours = prefix.starts_with(".lodc-")
+        let is_leftover = prefix.starts_with(".lodc-")
             && id.is_some_and(|id| id.bytes().all(|b| b.is_ascii_digit() || b == b'-'));
-        if ours && entry.file_type().is_ok_and(|t| t.is_file()) {
+        if is_leftover && entry.file_type().is_ok_and(|t| t.is_file()) {
             found.entry(prefix.to_owned()).or_default().push(entry.path());
         }
     }
     found
 }
 
-/// Length of the beginning of a temporary file's name.
-const PREFIX: usize = ".lodc-".len() + 16 + 1;
+/// Bytes of the beginning of a temporary file's name, which is the same for all of a target.
+const PREFIX_BYTES: usize = ".lodc-".len() + 16 + 1;
 
 #[cfg(test)]
 mod tests;

@@ -9,7 +9,7 @@ use crate::SubmeshInfo;
 use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
 use std::collections::BTreeSet;
 
-/// Mesh and notes made of the faces.
+/// The mesh made of the faces, and counts of repairs.
 #[derive(Debug, Default)]
 pub(crate) struct Assembled {
     pub(crate) parts: MeshParts,
@@ -31,27 +31,33 @@ pub(crate) struct Assembled {
 /// Builds the mesh. `seed` is any number that the file's maker cannot choose.
 pub(crate) fn assemble(faces: &Faces, seed: u64) -> Assembled {
     let mut builder = Builder::new(faces, seed);
-    let (runs_of, materials) = runs_by_material(faces);
-    for (material, runs) in materials.iter().zip(&runs_of) {
-        builder.submesh(*material, runs);
+    for MaterialRuns { material, runs } in runs_by_material(faces) {
+        builder.submesh(material, &runs);
     }
     builder.finish()
 }
 
+/// The runs of faces that have a material.
+struct MaterialRuns {
+    /// Index into the materials, or [`NONE`].
+    material: u32,
+    /// Indices into the runs.
+    runs: Vec<u32>,
+}
+
 /// Lists the runs of each material that has faces, materials in order of first use.
-fn runs_by_material(faces: &Faces) -> (Vec<Vec<u32>>, Vec<u32>) {
+fn runs_by_material(faces: &Faces) -> Vec<MaterialRuns> {
     let mut submesh_of = vec![NONE; faces.materials.len() + 1];
-    let (mut runs_of, mut materials): (Vec<Vec<u32>>, Vec<u32>) = Default::default();
+    let mut submeshes: Vec<MaterialRuns> = Vec::new();
     for (i, run) in faces.runs.iter().enumerate() {
         let slot = if run.material == NONE { faces.materials.len() } else { run.material as usize };
         if submesh_of[slot] == NONE {
-            submesh_of[slot] = materials.len() as u32;
-            materials.push(run.material);
-            runs_of.push(Vec::new());
+            submesh_of[slot] = submeshes.len() as u32;
+            submeshes.push(MaterialRuns { material: run.material, runs: Vec::new() });
         }
-        runs_of[submesh_of[slot] as usize].push(i as u32);
+        submeshes[submesh_of[slot] as usize].runs.push(i as u32);
     }
-    (runs_of, materials)
+    submeshes
 }
 
 struct Builder<'a> {
@@ -71,6 +77,7 @@ struct Builder<'a> {
     /// The submesh's further vertices at positions that have one already: few, on most meshes none.
     unique: Unique,
     triangulator: Triangulator,
+    /// Whether any submesh has texture coordinates, and normals.
     uses: [bool; 2],
 }
 
@@ -102,6 +109,7 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// The numbers of a run's faces.
     fn faces(&self, run: u32) -> std::ops::Range<usize> {
         let runs = &self.faces.runs;
         let end = runs
@@ -110,12 +118,14 @@ impl<'a> Builder<'a> {
         runs[run as usize].first_face as usize..end
     }
 
+    /// The numbers of a face's corners.
     fn corners(&self, face: usize) -> std::ops::Range<usize> {
         let ends = &self.faces.face_ends;
         let start = if face == 0 { 0 } else { ends[face - 1] as usize };
         start..ends[face] as usize
     }
 
+    /// Adds the submesh of a material.
     fn submesh(&mut self, material: u32, runs: &[u32]) {
         let first_triangle = self.out.parts.triangles.len() as u32;
         let has = |list: &[u32]| {
@@ -139,7 +149,7 @@ impl<'a> Builder<'a> {
         self.out.parts.submeshes.push(Submesh {
             first_triangle,
             triangle_count: self.out.parts.triangles.len() as u32 - first_triangle,
-            // Which streams, until they are numbered at the end.
+            // 1 for streams that it has, until `finish` puts their numbers here.
             attributes: [has_texcoords, has_normals].map(u32::from).to_vec(),
         });
         let name = self.label(runs);
@@ -147,16 +157,17 @@ impl<'a> Builder<'a> {
         self.out.submeshes.push(SubmeshInfo { name, material, document_primitive: submesh });
     }
 
+    /// Adds the triangles of a face. `polygon` and `vertices` are memory that faces share.
     fn face(
         &mut self,
         face: usize,
-        has: [bool; 2],
+        [has_texcoords, has_normals]: [bool; 2],
         polygon: &mut Vec<[f32; 3]>,
         vertices: &mut Vec<u32>,
     ) {
         let faces = self.faces;
         let corners = self.corners(face);
-        let lacks_normal = has[1] && faces.corner_n[corners.clone()].contains(&NONE);
+        let lacks_normal = has_normals && faces.corner_n[corners.clone()].contains(&NONE);
         polygon.clear();
         if corners.len() > 3 || lacks_normal {
             polygon.extend(
@@ -170,9 +181,9 @@ impl<'a> Builder<'a> {
         }
         vertices.clear();
         for corner in corners {
-            let texcoord = if has[0] { faces.corner_t[corner] } else { NONE };
-            let normal = if has[1] { faces.corner_n[corner] } else { NONE };
-            self.out.filled_texcoords += u64::from(has[0] && texcoord == NONE);
+            let texcoord = if has_texcoords { faces.corner_t[corner] } else { NONE };
+            let normal = if has_normals { faces.corner_n[corner] } else { NONE };
+            self.out.filled_texcoords += u64::from(has_texcoords && texcoord == NONE);
             let key = [
                 faces.corner_v[corner],
                 if texcoord == NONE { NONE } else { self.texcoord[texcoord as usize] },
@@ -216,12 +227,13 @@ impl<'a> Builder<'a> {
     /// The names of the groups with this material; several are joined as an OBJ's `g` would list
     /// them.
     fn label(&mut self, runs: &[u32]) -> String {
-        const MOST_BYTES: usize = 1000;
+        // Chosen by hand: enough for people, and a bound for files with a group per face.
+        const MAX_BYTES: usize = 1000;
         let mut seen = BTreeSet::new();
         let mut name = String::new();
         for &run in runs {
             let label = self.faces.runs[run as usize].label;
-            // The name of the only object is the name of the whole.
+            // The name of the only object is that of the scene's object.
             let text = self
                 .faces
                 .labels
@@ -233,7 +245,7 @@ impl<'a> Builder<'a> {
             let Some(text) = text else { continue };
             if name.is_empty() {
                 name.clone_from(text);
-            } else if name.len() + text.len() < MOST_BYTES {
+            } else if name.len() + text.len() < MAX_BYTES {
                 name = format!("{name} {text}");
             }
         }
@@ -310,7 +322,7 @@ fn stream<const N: usize>(values: impl ExactSizeIterator<Item = [f32; N]>) -> Ve
     bytes
 }
 
-/// A vector of length one; up, where there is no direction.
+/// A vector of length one; along z if it has no direction.
 fn unit(v: [f64; 3]) -> [f32; 3] {
     // Scaled first, so that the squares neither vanish nor overflow.
     let largest = v.iter().fold(0.0f64, |m, c| m.max(c.abs()));

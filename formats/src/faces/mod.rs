@@ -1,4 +1,4 @@
-//! Faces with any number of corners, as OBJ, PLY and STL have them, and the scene made of them.
+//! Makes a scene of faces with any number of corners, as OBJ, PLY and STL have them.
 
 mod assemble;
 mod triangulate;
@@ -25,13 +25,13 @@ pub(crate) struct Faces {
     /// Empty, or the third components.
     pub(crate) texcoords_w: Vec<f32>,
     pub(crate) normals: Vec<[f32; 3]>,
-    /// Of each corner: its position.
+    /// The index of each corner's position.
     pub(crate) corner_v: Vec<u32>,
-    /// Of each corner: its texture coordinates or [`NONE`]; empty if no corner has any.
+    /// The index of each corner's texture coordinates or [`NONE`]; empty if no corner has any.
     pub(crate) corner_t: Vec<u32>,
-    /// Of each corner: its normal or [`NONE`]; empty if no corner has any.
+    /// The index of each corner's normal or [`NONE`]; empty if no corner has any.
     pub(crate) corner_n: Vec<u32>,
-    /// End of the corners of each face.
+    /// For each face the number of corners up to its last.
     pub(crate) face_ends: Vec<u32>,
     /// Runs of faces with the same material and label.
     pub(crate) runs: Vec<Run>,
@@ -39,8 +39,8 @@ pub(crate) struct Faces {
     pub(crate) materials: Vec<String>,
     /// Names of parts in order of appearance.
     pub(crate) labels: Vec<String>,
-    /// Names of the objects in the file: none, one, or several. That of the only one is the name of
-    /// the whole, and of no part.
+    /// Names of the objects in the file. That of an only one becomes the name of the scene's
+    /// object, and of none of its submeshes.
     pub(crate) objects: Vec<String>,
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn scene(
 ) -> Result<Scene, FormatError> {
     let mut parts = std::mem::take(&mut assembled.parts);
     let source_positions =
-        tidy_numbered(&mut parts, assembled.source_positions, options.weld, &mut warnings);
+        clean_numbered(&mut parts, assembled.source_positions, options.weld, &mut warnings);
     let mesh =
         Mesh::try_from(parts).map_err(|e| FormatError::new(Fault::Limit, "", e.to_string()))?;
     let name = if name.is_empty() { "mesh0".to_owned() } else { name };
@@ -102,14 +102,14 @@ pub(crate) fn scene(
     })
 }
 
-/// [`tidy`], with a number for each vertex; returns those of the vertices that stay.
-fn tidy_numbered(
+/// Cleans a mesh with a number for each vertex; returns those of the vertices that stay.
+fn clean_numbered(
     parts: &mut MeshParts,
     numbers: Vec<u32>,
     weld: f64,
     warnings: &mut Vec<String>,
 ) -> Vec<u32> {
-    // As a stream of no submesh, the numbers go wherever their vertices go.
+    // Cleaning moves a stream with its vertices, even one that no submesh has.
     parts.attributes.push(Attribute {
         semantic: Semantic::Custom(String::new()),
         morph_target: None,
@@ -118,13 +118,13 @@ fn tidy_numbered(
         normalized: false,
         bytes: numbers.into_iter().flat_map(u32::to_le_bytes).collect(),
     });
-    tidy(parts, weld, warnings);
+    clean(parts, weld, warnings);
     let bytes = parts.attributes.pop().map(|a| a.bytes).unwrap_or_default();
     bytes.as_chunks().0.iter().copied().map(u32::from_le_bytes).collect()
 }
 
-/// Welds if asked to, and drops what takes no part.
-fn tidy(parts: &mut MeshParts, weld: f64, warnings: &mut Vec<String>) {
+/// Welds if asked to, and drops degenerate triangles and unused vertices.
+fn clean(parts: &mut MeshParts, weld: f64, warnings: &mut Vec<String>) {
     if weld > 0.0 {
         let moved = lodc_mesh::weld_positions(parts, weld * diagonal(&parts.positions));
         if moved > 0 {

@@ -4,13 +4,21 @@
 //! Ear clipping after G. H. Meisters, "Polygons have ears" (1975). A polygon of n corners always
 //! gives n − 2 triangles, whatever it looks like, and always the same ones.
 
+/// Tests of a point against a triangle that any polygon may take. With those per corner, chosen by
+/// hand: real polygons stay far below, and a crafted one of n corners takes no time of n².
+const BASE_TESTS: u64 = 4_000_000;
+/// Tests that it may take for each of its corners.
+const TESTS_PER_CORNER: u64 = 200;
+
 /// The corners of each triangle, as indices into the polygon.
 type Triangles = Vec<[u32; 3]>;
 
-/// Keeps its memory between polygons.
+/// Triangulates polygons; keeps its memory between them.
 #[derive(Debug, Default)]
 pub(super) struct Triangulator {
+    /// The corners of the polygon in its plane.
     points: Vec<[f64; 2]>,
+    /// The corners after and before each, of those that have not been clipped.
     next: Vec<u32>,
     previous: Vec<u32>,
     /// Corners that are not strictly convex: only they can lie in an ear.
@@ -18,8 +26,8 @@ pub(super) struct Triangulator {
     is_reflex: Vec<bool>,
     /// True if a corner is listed in `reflex`, whether it still is reflex or not.
     is_listed: Vec<bool>,
-    /// Tests of a point against a triangle that are left. A polygon that needs more is finished as
-    /// a fan.
+    /// Remaining tests of a point against a triangle. A polygon that needs more is finished as a
+    /// fan.
     budget: u64,
     /// The result.
     triangles: Triangles,
@@ -27,7 +35,7 @@ pub(super) struct Triangulator {
     pub(super) imperfect: u64,
 }
 
-/// Offences of an ear that is still taken; tried from the first.
+/// What is accepted as an ear; tried in this order.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Tolerance {
     /// Positive area, no other corner in it or on its edges.
@@ -78,6 +86,7 @@ impl Triangulator {
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     }
 
+    /// Cuts ears off until one triangle is left.
     fn clip(&mut self, n: u32) {
         self.next.clear();
         self.next.extend((1..n).chain([0]));
@@ -91,29 +100,29 @@ impl Triangulator {
         for i in 0..n {
             self.classify(i);
         }
-        self.budget = 4_000_000 + 200 * u64::from(n);
+        self.budget = BASE_TESTS + TESTS_PER_CORNER * u64::from(n);
 
-        let (mut left, mut at, mut unchanged, mut tolerance) = (n, 0, 0, Tolerance::Strict);
-        let mut imperfect = false;
-        while left > 3 {
+        let (mut corners_left, mut corner, mut rejected) = (n, 0, 0);
+        let (mut tolerance, mut imperfect) = (Tolerance::Strict, false);
+        while corners_left > 3 {
             if self.budget == 0 {
                 tolerance = Tolerance::Any;
             }
-            let (p, q) = (self.previous[at as usize], self.next[at as usize]);
-            if self.is_ear(p, at, q, tolerance) {
+            let (p, q) = (self.previous[corner as usize], self.next[corner as usize]);
+            if self.is_ear([p, corner, q], tolerance) {
                 imperfect |= tolerance > Tolerance::Flat;
-                self.triangles.push([p, at, q]);
+                self.triangles.push([p, corner, q]);
                 (self.next[p as usize], self.previous[q as usize]) = (q, p);
-                self.is_reflex[at as usize] = false;
+                self.is_reflex[corner as usize] = false;
                 self.classify(p);
                 self.classify(q);
-                (left, unchanged, tolerance) = (left - 1, 0, Tolerance::Strict);
+                (corners_left, rejected, tolerance) = (corners_left - 1, 0, Tolerance::Strict);
                 // Not the corner right after: taking every other one gives rounder triangles.
-                at = self.next[q as usize];
+                corner = self.next[q as usize];
             } else {
-                (at, unchanged) = (q, unchanged + 1);
-                if unchanged > left {
-                    unchanged = 0;
+                (corner, rejected) = (q, rejected + 1);
+                if rejected > corners_left {
+                    rejected = 0;
                     tolerance = match tolerance {
                         Tolerance::Strict => Tolerance::Touching,
                         Tolerance::Touching => Tolerance::Flat,
@@ -122,12 +131,13 @@ impl Triangulator {
                 }
             }
         }
-        let last = [self.previous[at as usize], at, self.next[at as usize]];
+        let last = [self.previous[corner as usize], corner, self.next[corner as usize]];
         imperfect |= self.area(last[0], last[1], last[2]) < 0.0;
         self.triangles.push(last);
         self.imperfect += u64::from(imperfect);
     }
 
+    /// Decides whether a corner is reflex.
     fn classify(&mut self, i: u32) {
         let reflex = self.area(self.previous[i as usize], i, self.next[i as usize]) <= 0.0;
         if reflex && !self.is_listed[i as usize] {
@@ -137,8 +147,9 @@ impl Triangulator {
         self.is_reflex[i as usize] = reflex;
     }
 
-    fn is_ear(&mut self, p: u32, at: u32, q: u32, tolerance: Tolerance) -> bool {
-        let area = self.area(p, at, q);
+    /// Returns whether a corner can be cut off: the middle one of the triangle `t`.
+    fn is_ear(&mut self, t: [u32; 3], tolerance: Tolerance) -> bool {
+        let area = self.area(t[0], t[1], t[2]);
         match tolerance {
             Tolerance::Any => return true,
             Tolerance::Flat => return area == 0.0,
@@ -147,15 +158,14 @@ impl Triangulator {
         }
         let mut i = 0;
         while let Some(&r) = self.reflex.get(i) {
-            // Corners that were clipped or became convex are struck from the list when they are
-            // met.
+            // Corners that were clipped or became convex are taken off the list when they are met.
             if !self.is_reflex[r as usize] {
                 self.is_listed[r as usize] = false;
                 self.reflex.swap_remove(i);
                 continue;
             }
             self.budget = self.budget.saturating_sub(1);
-            if r != p && r != at && r != q && self.blocks(r, [p, at, q], tolerance) {
+            if !t.contains(&r) && self.blocks(r, t, tolerance) {
                 return false;
             }
             i += 1;
@@ -178,7 +188,7 @@ impl Triangulator {
     }
 }
 
-/// The normal of a polygon that need not be flat, twice its area long (Newell's method).
+/// The normal of a polygon that need not be flat; its length is twice the area (Newell's method).
 pub(super) fn newell(corners: &[[f32; 3]]) -> [f64; 3] {
     let mut normal = [0.0; 3];
     let Some(&origin) = corners.first() else { return normal };

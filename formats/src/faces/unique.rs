@@ -5,7 +5,9 @@
 /// content, so that no file can be made to collide; the numbering does not depend on it.
 #[derive(Debug)]
 pub(super) struct Unique {
+    /// Numbers of keys, or [`EMPTY`]; its length is a power of two.
     table: Vec<u32>,
+    /// Slots that are not empty.
     used: usize,
     seed: u64,
 }
@@ -25,8 +27,8 @@ impl Unique {
         self.used = 0;
     }
 
-    /// The number of `key`, given to it before or now: then it is `next`. `key_of` tells the key of
-    /// an earlier number.
+    /// The number of `key`; a new key gets the number `next`. `key_of` returns the key of an
+    /// earlier number.
     pub(super) fn number(
         &mut self,
         key: [u32; 3],
@@ -49,7 +51,7 @@ impl Unique {
         self.table[slot]
     }
 
-    /// The slot where `key` is, as `same` tells, or may be put.
+    /// The slot that has `key` (whose number satisfies `same`), or an empty one for it.
     fn slot(&self, key: [u32; 3], same: impl Fn(u32) -> bool) -> usize {
         let mask = self.table.len() - 1;
         let mut slot = self.hash(key) & mask;
@@ -59,6 +61,7 @@ impl Unique {
         slot
     }
 
+    /// Mixes a key as SplitMix64 mixes its state.
     fn hash(&self, key: [u32; 3]) -> usize {
         let mix = |x: u64| {
             let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

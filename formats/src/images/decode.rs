@@ -9,13 +9,13 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// A longer side than this is refused.
+/// Largest number of pixels of a side: what most graphics devices take. Chosen by hand.
 const MAX_SIDE: usize = 1 << 14;
-/// More pixels than this are refused.
+/// Largest number of pixels: 256 MiB when decoded. Chosen by hand.
 const MAX_PIXELS: u64 = 1 << 26;
 
-/// Decodes a PNG or JPEG, recognised by their first bytes. Colour profiles and orientation are not
-/// looked at, as glTF demands; values of 16 bits lose the lower half.
+/// Decodes a PNG or JPEG, recognised by their first bytes. Colour profiles and orientation are
+/// ignored, as glTF demands; values of 16 bits lose the lower half.
 ///
 /// # Errors
 /// If it is neither, damaged, or larger than 16384 pixels on a side or 64 million in all.
@@ -23,10 +23,10 @@ pub fn decode(bytes: &[u8]) -> Result<Image, FormatError> {
     decode_if(bytes, |_| Ok(()))
 }
 
-/// Decodes a PNG or JPEG as [`decode`] does, once `allowed` has seen how many pixels it has.
+/// Decodes a PNG or JPEG as [`decode`] does, if `allowed` accepts its number of pixels.
 ///
 /// # Errors
-/// As [`decode`], and what `allowed` refuses.
+/// As [`decode`], and the error of `allowed`.
 pub(crate) fn decode_if(
     bytes: &[u8],
     allowed: impl FnOnce(u64) -> Result<(), FormatError>,
@@ -36,22 +36,17 @@ pub(crate) fn decode_if(
     } else if bytes.starts_with(b"\xff\xd8\xff") {
         decode_jpeg(bytes, allowed)
     } else {
-        let known = [
+        let other_kinds = [
             (&b"\xabKTX 2"[..], "a KTX2 texture"),
             (b"RIFF", "a WebP picture"),
             (b"DDS ", "a DDS texture"),
+            (b"GIF8", "a GIF picture"),
+            (b"BM", "a BMP picture"),
         ];
-        let known =
-            known.into_iter().chain([(&b"GIF8"[..], "a GIF picture"), (b"BM", "a BMP picture")]);
-        let problem = known
-            .into_iter()
-            .find(|(magic, _)| bytes.starts_with(magic))
-            .map_or("of no known kind", |k| k.1);
-        Err(FormatError::new(
-            Fault::Unsupported,
-            "",
-            format!("is {problem}; PNG and JPEG can be read"),
-        ))
+        let kind = other_kinds.iter().find(|(magic, _)| bytes.starts_with(magic));
+        let kind = kind.map_or("of no known kind", |(_, kind)| kind);
+        let problem = format!("is {kind}; PNG and JPEG can be read");
+        Err(FormatError::new(Fault::Unsupported, "", problem))
     }
 }
 

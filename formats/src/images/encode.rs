@@ -1,4 +1,4 @@
-//! PNG out: without opacity where everything is opaque.
+//! Encodes PNG images, without opacity if all pixels are opaque.
 
 use lodc_scene::Image;
 

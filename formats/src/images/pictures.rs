@@ -7,23 +7,27 @@ use lodc_scene::Image;
 use std::collections::BTreeMap;
 use xxhash_rust::xxh3::xxh3_128;
 
-/// Longest side that is kept.
-const SIDE: u32 = 4096;
-/// Pixels kept in all; each picture may take a quarter of what is left, so that none gets nothing.
-const PIXELS: u64 = 1 << 28;
+/// Largest side of a picture in memory, in pixels; larger ones are scaled down. Chosen by hand: the
+/// pictures that are drawn are smaller.
+const MAX_SIDE: u32 = 4096;
+/// Pixels of all pictures in memory together: 1 GiB. Each may take a quarter of those that remain,
+/// so that none gets nothing. Chosen by hand.
+const MAX_PIXELS: u64 = 1 << 28;
 
 /// The pictures of one scene.
 #[derive(Debug)]
 pub(crate) struct Pictures {
-    /// By the key they were asked for with: where they are, or nowhere.
-    known: BTreeMap<String, Option<usize>>,
-    /// By a hash of their files: many images of a document may be one.
-    decoded: BTreeMap<u128, Result<usize, FormatError>>,
+    /// For each key that was asked for the index in `list`; none if the picture cannot be had.
+    by_key: BTreeMap<String, Option<usize>>,
+    /// The same by a hash of the file: many images of a document may be one.
+    by_content: BTreeMap<u128, Result<usize, FormatError>>,
     pub(crate) list: Vec<Image>,
     pub(crate) warnings: Vec<String>,
+    /// Pixels of `list`.
     pixels_kept: u64,
-    /// Pixels that may be decoded, and those of them that are left.
+    /// Pixels that may be decoded.
     limit: u64,
+    /// Pixels that may still be decoded.
     pixels_left: u64,
 }
 
@@ -31,8 +35,8 @@ impl Pictures {
     /// No pictures yet, of an input with these limits.
     pub(crate) fn new(limits: &Limits) -> Self {
         Self {
-            known: BTreeMap::new(),
-            decoded: BTreeMap::new(),
+            by_key: BTreeMap::new(),
+            by_content: BTreeMap::new(),
             list: Vec::new(),
             warnings: Vec::new(),
             pixels_kept: 0,
@@ -52,21 +56,21 @@ impl Pictures {
         name: &str,
         read: impl FnOnce() -> Result<Vec<u8>, FormatError>,
     ) -> Result<Option<usize>, FormatError> {
-        if let Some(known) = self.known.get(key) {
-            return Ok(*known);
+        if let Some(index) = self.by_key.get(key) {
+            return Ok(*index);
         }
-        let decoded_image = match read() {
+        let index = match read() {
             Ok(bytes) => self.picture(&bytes, name)?,
             Err(e) => Err(e),
         };
-        let decoded_image = decoded_image.map_err(|e| {
+        let index = index.map_err(|e| {
             self.warnings.push(format!("drawn without a texture: {}", e.in_file(name)));
         });
-        self.known.insert(key.to_owned(), decoded_image.ok());
-        Ok(decoded_image.ok())
+        self.by_key.insert(key.to_owned(), index.ok());
+        Ok(index.ok())
     }
 
-    /// The picture in a file, or why there is none.
+    /// The index of the picture in a file, or why there is none.
     ///
     /// # Errors
     /// As [`Pictures::get`].
@@ -76,29 +80,29 @@ impl Pictures {
         name: &str,
     ) -> Result<Result<usize, FormatError>, FormatError> {
         let hash = xxh3_128(bytes);
-        if let Some(known) = self.decoded.get(&hash) {
-            return Ok(known.clone());
+        if let Some(index) = self.by_content.get(&hash) {
+            return Ok(index.clone());
         }
         let (pixels_left, mut too_many) = (&mut self.pixels_left, false);
         let decoded = decode_if(bytes, |pixels| {
-            let after_this = pixels_left.checked_sub(pixels).ok_or_else(|| {
+            let remaining = pixels_left.checked_sub(pixels).ok_or_else(|| {
                 too_many = true;
                 let problem = format!("more than {} pixels of images to decode", self.limit);
                 FormatError::new(Fault::Limit, name, problem)
             });
-            after_this.map(|after_this| *pixels_left = after_this)
+            remaining.map(|remaining| *pixels_left = remaining)
         });
-        let decoded_image = match decoded {
+        let index = match decoded {
             Err(e) if too_many => return Err(e),
             Err(e) => Err(e),
             Ok(mut picture) => {
-                picture.shrink(SIDE, (PIXELS - self.pixels_kept.min(PIXELS)) / 4);
+                picture.shrink(MAX_SIDE, (MAX_PIXELS - self.pixels_kept.min(MAX_PIXELS)) / 4);
                 self.pixels_kept += u64::from(picture.width) * u64::from(picture.height);
                 self.list.push(picture);
                 Ok(self.list.len() - 1)
             }
         };
-        self.decoded.insert(hash, decoded_image.clone());
-        Ok(decoded_image)
+        self.by_content.insert(hash, index.clone());
+        Ok(index)
     }
 }

@@ -14,14 +14,14 @@ pub struct Textures {
     pub(crate) files: BTreeMap<String, Vec<u8>>,
     /// One line for each that could not be read.
     pub warnings: Vec<String>,
-    /// The paths of those.
+    /// The paths of the files that could not be read.
     missing: BTreeSet<String>,
 }
 
-/// Places for the image files that a document names.
+/// What becomes of the image files that a document names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TextureMode {
-    /// They go into the glTF itself.
+    /// They are put into the glTF itself.
     Embed,
     /// They are copied beside the output.
     Copy,
@@ -66,14 +66,14 @@ impl Textures {
         }
     }
 
-    /// Gives every file its place in or beside `output`. A copy whose name another file has already
-    /// takes a name with a hash of its bytes; a file with the same bytes is left as it is.
+    /// Puts every file into or beside `output`. A copy whose name another file has gets a name with
+    /// a hash of its bytes; a file that is there with the same bytes is not written again.
     #[must_use]
     pub fn placed(self, mode: TextureMode, output: &Path) -> PlacedTextures {
         let mut placed = PlacedTextures::default();
-        // Names that the export itself takes.
+        // Files that the export itself writes.
         let export_names = ["bin", "mtl"].map(|extension| output.with_extension(extension));
-        let mut taken: BTreeMap<PathBuf, u64> =
+        let mut hashes: BTreeMap<PathBuf, u64> =
             export_names.into_iter().chain([output.to_owned()]).map(|path| (path, 0)).collect();
         for (name, bytes) in self.files {
             let place = match (mode, kind(&bytes).map(|(mime, _)| mime)) {
@@ -83,7 +83,7 @@ impl Textures {
                     placed.warnings.push(problem);
                     continue;
                 }
-                (TextureMode::Copy, _) => placed.beside(&name, bytes, output, &mut taken),
+                (TextureMode::Copy, _) => placed.beside(&name, bytes, output, &mut hashes),
             };
             placed.places.insert(name, place);
         }
@@ -97,18 +97,18 @@ impl PlacedTextures {
         self.places.get(name)
     }
 
-    /// A file beside `output`; `taken` has the hashes of those that this run puts there.
+    /// Copies a file beside `output`; `hashes` has those of the files that this run writes.
     fn beside(
         &mut self,
         name: &str,
         bytes: Vec<u8>,
         output: &Path,
-        taken: &mut BTreeMap<PathBuf, u64>,
+        hashes: &mut BTreeMap<PathBuf, u64>,
     ) -> ImagePlace {
         let folder = output.parent().unwrap_or(Path::new(""));
         let hash = xxh3_64(&bytes);
         let mut relative = relative(name, &bytes, output);
-        let differs = |path: &PathBuf| match taken.get(path) {
+        let differs = |path: &PathBuf| match hashes.get(path) {
             Some(&other_hash) => other_hash != hash,
             None => path.symlink_metadata().is_ok() && fs::read(path).ok().as_ref() != Some(&bytes),
         };
@@ -120,10 +120,10 @@ impl PlacedTextures {
             relative = other_name;
         }
         let path = folder.join(&relative);
-        if !path.exists() && !taken.contains_key(&path) {
+        if !path.exists() && !hashes.contains_key(&path) {
             self.copies.push(OutputFile { path: path.clone(), bytes });
         }
-        taken.insert(path, hash);
+        hashes.insert(path, hash);
         ImagePlace::Beside(relative)
     }
 }

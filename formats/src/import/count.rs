@@ -18,8 +18,11 @@ pub fn count(path: &Path, options: &ImportOptions) -> Result<Counted, FormatErro
         Sniffed::Glb | Sniffed::Gltf => gltf::read::counted(&bytes, options),
         Sniffed::Obj => Ok(obj(&bytes)),
         Sniffed::Ply => Ok(ply(&bytes)),
-        Sniffed::Stl => Ok(of_stl(&bytes)),
-        // Refused as an import refuses it.
+        Sniffed::Stl => {
+            let triangles = stl::counted(&bytes);
+            Ok(Counted { triangles, vertices: triangles, bytes: 0 })
+        }
+        // The import says why it is refused.
         Sniffed::Other(_) => {
             super::read(bytes, path, &mut assets, options).map(|_| Counted::default())
         }
@@ -29,6 +32,8 @@ pub fn count(path: &Path, options: &ImportOptions) -> Result<Counted, FormatErro
     Ok(counted)
 }
 
+/// Counts faces, and as vertices the largest of the numbers of positions, texture coordinates and
+/// normals.
 fn obj(bytes: &[u8]) -> Counted {
     let (mut triangles, mut counts) = (0, [0; 3]);
     for line in bytes.split(|&b| b == b'\n') {
@@ -64,15 +69,10 @@ fn ply(bytes: &[u8]) -> Counted {
         match name {
             Some("vertex") => counted.vertices = number,
             Some("face") => counted.triangles = number,
-            // The length of strips is in the data: as many triangles as vertices, twice.
+            // The lengths of strips are in the data: a mesh has about two triangles per vertex.
             Some("tristrips") => counted.triangles = 2 * counted.vertices,
             _ => {}
         }
     }
     counted
-}
-
-fn of_stl(bytes: &[u8]) -> Counted {
-    let triangles = stl::counted(bytes);
-    Counted { triangles, vertices: triangles, bytes: 0 }
 }

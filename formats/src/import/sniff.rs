@@ -1,4 +1,4 @@
-//! Telling a file's format by its first bytes.
+//! Recognises a file's format by its first bytes.
 
 use crate::stl;
 use std::path::Path;
@@ -10,7 +10,7 @@ pub(super) enum Sniffed {
     Glb,
     /// glTF, JSON.
     Gltf,
-    /// OBJ, or any other text: that has no mark of its own.
+    /// OBJ, or any other text: an OBJ has no magic bytes.
     Obj,
     /// Stanford PLY.
     Ply,
@@ -20,6 +20,7 @@ pub(super) enum Sniffed {
     Other(&'static str),
 }
 
+/// First bytes of formats.
 const MAGIC: [(&[u8], Sniffed); 26] = [
     (b"glTF", Sniffed::Glb),
     (b"\x1f\x8b", Sniffed::Other("a gzip file")),
@@ -50,7 +51,7 @@ const MAGIC: [(&[u8], Sniffed); 26] = [
 ];
 
 /// Returns the kind that `bytes` seem to be; the extension of `path` decides only for formats
-/// without a mark.
+/// without magic bytes.
 pub(super) fn format(bytes: &[u8], path: &Path) -> Sniffed {
     if let Some((_, sniffed)) = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return *sniffed;

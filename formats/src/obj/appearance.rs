@@ -1,16 +1,16 @@
 //! Base colours and textures of an OBJ's materials: `Kd`, `d`, `Tr` and `map_Kd`; with `map_d`, the
 //! texture's own opacity is used as a cutout.
 
-use super::mtl::{Meaning, TextureMap, UNSAID, numbers};
+use super::mtl::{DEFAULT_GREY, Meaning, TextureMap, numbers};
 use crate::images::Pictures;
 use crate::{Assets, FormatError, ObjDocument, ObjMaterial, ObjectInfo, SubmeshInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 use std::collections::BTreeSet;
 
-/// Without a `.mtl`: a light grey, seen from both sides. The texture coordinate 0 is an image's
-/// bottom, its first row is the top.
+/// The material of an OBJ without a `.mtl`: a light grey, seen from both sides. Texture coordinates
+/// begin at the bottom of an image, its rows at the top.
 const PLAIN: Material = Material {
-    colour: [UNSAID, UNSAID, UNSAID, 1.0],
+    colour: [DEFAULT_GREY, DEFAULT_GREY, DEFAULT_GREY, 1.0],
     texture: None,
     coordinates: Coordinates { set: 0, transform: [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]] },
     double_sided: true,
@@ -18,7 +18,7 @@ const PLAIN: Material = Material {
     unlit: false,
 };
 
-/// The looks of an OBJ.
+/// Reads the materials of an OBJ and their pictures.
 ///
 /// # Errors
 /// If its pictures are beyond the limits.
@@ -28,39 +28,39 @@ pub(crate) fn appearance(
     assets: &mut Assets,
 ) -> Result<Appearance, FormatError> {
     let mut pictures = Pictures::new(assets.limits());
-    let shown = objects.iter().flat_map(|o| &o.submeshes).filter_map(|s| s.material.as_deref());
-    let used: BTreeSet<&str> = shown.collect();
+    let submeshes = objects.iter().flat_map(|o| &o.submeshes);
+    let used: BTreeSet<&str> = submeshes.filter_map(|s| s.material.as_deref()).collect();
     let mut materials = vec![PLAIN];
-    // What nothing uses need not have its pictures read.
+    // Pictures of materials that nothing uses are not read.
     for m in &obj.materials {
-        let used = used.contains(m.name.as_str());
-        materials.push(if used { material(m, &mut pictures, assets)? } else { PLAIN });
+        let is_used = used.contains(m.name.as_str());
+        materials.push(if is_used { material(m, &mut pictures, assets)? } else { PLAIN });
     }
     let numbers = numbers(&obj.materials);
     let number = |name: &str| numbers.get(name).map_or(0, |number| 1 + number);
-    let of_submesh = |s: &SubmeshInfo| s.material.as_deref().map_or(0, number);
+    let material_of = |s: &SubmeshInfo| s.material.as_deref().map_or(0, number);
     Ok(Appearance {
         materials,
-        of_submesh: objects.iter().map(|o| o.submeshes.iter().map(of_submesh).collect()).collect(),
+        of_submesh: objects.iter().map(|o| o.submeshes.iter().map(material_of).collect()).collect(),
         images: pictures.list,
         warnings: pictures.warnings,
     })
 }
 
-/// The texture coordinates that submeshes of an OBJ show.
+/// The texture coordinates that the textures of submeshes read, by object.
 pub(crate) fn coordinates(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Vec<Vec<Coordinates>> {
-    let of_material: Vec<Coordinates> =
-        obj.materials.iter().map(|m| shown(Meaning::of(m).map().as_ref())).collect();
+    let material_coordinates: Vec<Coordinates> =
+        obj.materials.iter().map(|m| read_by(Meaning::of(m).map().as_ref())).collect();
     let numbers = numbers(&obj.materials);
-    let of_submesh = |s: &SubmeshInfo| {
+    let submesh_coordinates = |s: &SubmeshInfo| {
         let number = s.material.as_deref().and_then(|name| numbers.get(name));
-        number.map_or(PLAIN.coordinates, |&number| of_material[number])
+        number.map_or(PLAIN.coordinates, |&number| material_coordinates[number])
     };
-    objects.iter().map(|o| o.submeshes.iter().map(of_submesh).collect()).collect()
+    objects.iter().map(|o| o.submeshes.iter().map(submesh_coordinates).collect()).collect()
 }
 
-/// The texture coordinates that a texture reads, whether its picture can be had or not.
-fn shown(map: Option<&TextureMap<'_>>) -> Coordinates {
+/// The texture coordinates that a texture reads, whether its picture can be read or not.
+fn read_by(map: Option<&TextureMap<'_>>) -> Coordinates {
     let Some(&TextureMap { scale: [su, sv], offset: [u, v], .. }) = map else {
         return PLAIN.coordinates;
     };
@@ -75,7 +75,7 @@ fn material(
 ) -> Result<Material, FormatError> {
     let meaning = Meaning::of(source);
     let map = meaning.map();
-    let coordinates = shown(map.as_ref());
+    let coordinates = read_by(map.as_ref());
     let texture = match &map {
         Some(map) => texture(map, coordinates, pictures, assets)?,
         None => None,
@@ -84,15 +84,15 @@ fn material(
     Ok(Material { colour, alpha, texture, coordinates, ..PLAIN })
 }
 
-/// The picture of a texture; none if it cannot be had.
+/// The picture of a texture; none if it cannot be read.
 fn texture(
     map: &TextureMap<'_>,
     Coordinates { set, transform }: Coordinates,
     pictures: &mut Pictures,
     assets: &mut Assets,
 ) -> Result<Option<Texture>, FormatError> {
-    let turned = map.file.replace('\\', "/");
-    let image = pictures.get(&turned, map.file, || assets.read_reference(&turned))?;
+    let path = map.file.replace('\\', "/");
+    let image = pictures.get(&path, map.file, || assets.read_reference(&path))?;
     let wrap = [if map.clamped { Wrap::Clamp } else { Wrap::Repeat }; 2];
     Ok(image.map(|image| Texture { image, set, transform, wrap, nearest: false }))
 }

@@ -27,7 +27,7 @@ fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
     let mut options = Vec::new();
     while words.starts_with('-') {
         let (option, after) = words.split_once(char::is_whitespace)?;
-        let most = match option {
+        let max_arguments = match option {
             "-o" | "-s" | "-t" => 3,
             "-mm" => 2,
             "-blendu" | "-blendv" | "-boost" | "-texres" | "-clamp" | "-bm" | "-imfchan"
@@ -36,11 +36,11 @@ fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
         };
         words = after.trim_start();
         let mut arguments = Vec::new();
-        while arguments.len() < most {
+        while arguments.len() < max_arguments {
             // The last word is the file.
             let Some((word, after)) = words.split_once(char::is_whitespace) else { break };
             // -o, -s and -t take one to three numbers.
-            if most > 1 && word.parse::<f64>().is_err() {
+            if max_arguments > 1 && word.parse::<f64>().is_err() {
                 break;
             }
             arguments.push(word);
@@ -51,7 +51,7 @@ fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
     (!words.is_empty()).then_some((options, words))
 }
 
-/// A texture as `map_Kd [-option value...]... FILE` says it.
+/// A texture as a statement `map_Kd [-option value...]... FILE` describes it.
 pub(crate) struct TextureMap<'a> {
     /// As written.
     pub(crate) file: &'a str,
@@ -84,7 +84,7 @@ impl<'a> TextureMap<'a> {
     }
 }
 
-/// The line with another file in its place.
+/// A line of a material that names another file instead of its own.
 pub(crate) fn with_file(line: &str, file: &str) -> String {
     let line = line.trim_end();
     match self::file(line) {
@@ -93,42 +93,43 @@ pub(crate) fn with_file(line: &str, file: &str) -> String {
     }
 }
 
-/// The numbers of materials by their names. Of several with one name the first counts.
+/// The numbers of materials by their names; that of the first where several have one name.
 pub(crate) fn numbers(materials: &[ObjMaterial]) -> BTreeMap<&str, usize> {
     materials.iter().enumerate().rev().map(|(number, m)| (&*m.name, number)).collect()
 }
 
-/// Red, green and blue, linear, where neither `Kd` nor a texture says a colour: a light grey.
-pub(crate) const UNSAID: f32 = 0.6;
+/// Linear red, green and blue of a material without `Kd` and texture: a light grey. Chosen by hand:
+/// the same as of a glTF without a material.
+pub(crate) const DEFAULT_GREY: f32 = 0.6;
 
-/// What is read of a material; the last of several statements holds.
+/// The statements of a material that are read; the last of several of one kind holds.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Meaning {
     /// `Kd`, as written.
     pub(crate) diffuse: Option<[f64; 3]>,
     /// `Ke`, as written.
     pub(crate) emissive: Option<[f64; 3]>,
-    /// `d`, or what `Tr` leaves, as written.
+    /// Opacity: `d` as written, or 1 − `Tr`.
     pub(crate) dissolve: Option<f64>,
     /// What follows `map_Kd`.
     pub(crate) texture: Option<String>,
-    /// True if there is a `map_d`.
-    pub(crate) cut: bool,
+    /// True if there is a `map_d`: the texture's own opacity cuts holes.
+    pub(crate) is_cutout: bool,
 }
 
 impl Meaning {
-    /// Reads the lines of a material; those with too few numbers say nothing.
+    /// Reads the lines of a material; those with too few numbers are ignored.
     pub(crate) fn of(material: &ObjMaterial) -> Self {
         let finite = |color: &[f64; 3]| color.iter().all(|c| c.is_finite());
         let mut meaning = Self::default();
-        for said in material.lines.iter().filter_map(|line| statement(line)) {
-            meaning.diffuse = said.diffuse.filter(finite).or(meaning.diffuse);
-            meaning.emissive = said.emissive.filter(finite).or(meaning.emissive);
-            let through = said.unknown_param.get("Tr").and_then(|t| first_number(t));
-            let opaque = through.map(|t| 1.0 - t.clamp(0.0, 1.0)).or(said.dissolve);
-            meaning.dissolve = opaque.filter(|d| d.is_finite()).or(meaning.dissolve);
-            meaning.texture = said.diffuse_texture.or(meaning.texture);
-            meaning.cut |= said.dissolve_texture.is_some();
+        for line in material.lines.iter().filter_map(|line| statement(line)) {
+            meaning.diffuse = line.diffuse.filter(finite).or(meaning.diffuse);
+            meaning.emissive = line.emissive.filter(finite).or(meaning.emissive);
+            let transparency = line.unknown_param.get("Tr").and_then(|t| first_number(t));
+            let opacity = transparency.map(|t| 1.0 - t.clamp(0.0, 1.0)).or(line.dissolve);
+            meaning.dissolve = opacity.filter(|d| d.is_finite()).or(meaning.dissolve);
+            meaning.texture = line.diffuse_texture.or(meaning.texture);
+            meaning.is_cutout |= line.dissolve_texture.is_some();
         }
         meaning
     }
@@ -143,27 +144,28 @@ impl Meaning {
     /// `Kd` has no colour space of its own; programs show it as they show texels, hence as sRGB.
     pub(crate) fn base_colour(&self, textured: bool) -> [f32; 4] {
         let unit = |v: f64| (v as f32).clamp(0.0, 1.0);
-        // Many writers leave `Kd` black or out where a texture says the colour.
-        let said = self.diffuse.filter(|kd| !textured || *kd != [0.0; 3]);
-        let unsaid = [if textured { 1.0 } else { UNSAID }; 3];
-        let [r, g, b] = said.map_or(unsaid, |kd| kd.map(|v| to_linear(unit(v))));
-        // Exporters that mean nothing by `d` write 0, and a thing that cannot be seen is no
-        // material.
+        // Many writers leave `Kd` black, or leave it out, if a texture has the colour.
+        let stated = self.diffuse.filter(|kd| !textured || *kd != [0.0; 3]);
+        let default = [if textured { 1.0 } else { DEFAULT_GREY }; 3];
+        let [r, g, b] = stated.map_or(default, |kd| kd.map(|v| to_linear(unit(v))));
+        // Some exporters write 0 for `d` and mean nothing by it: a material that cannot be seen
+        // makes no sense.
         let opacity = self.dissolve.map(unit).filter(|&d| d > 0.0).unwrap_or(1.0);
         [r, g, b, opacity]
     }
 
-    /// How opacity is shown: by blending where `d` says so; by cutting where there is a `map_d`.
+    /// How opacity is shown: by blending if `d` is below 1; by cutting if there is a `map_d`.
     pub(crate) fn alpha_mode(&self) -> AlphaMode {
         match self.base_colour(false)[3] {
             d if d < 1.0 => AlphaMode::Blend,
-            _ if self.cut && self.dissolve != Some(0.0) => AlphaMode::Mask(0.5),
+            _ if self.is_cutout && self.dissolve != Some(0.0) => AlphaMode::Mask(0.5),
             _ => AlphaMode::Opaque,
         }
     }
 }
 
-/// A statement as a material of its own: to tobj one that it cannot read spoils all others.
+/// A statement as a material of its own: tobj refuses a whole material for one statement that it
+/// cannot read.
 fn statement(line: &str) -> Option<tobj::Material> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let line = match words[..] {

@@ -1,4 +1,4 @@
-//! Wavefront OBJ and MTL: numbers are written so that reading them gives the same bits.
+//! Writes Wavefront OBJ and MTL. Reading a number back gives the same bits.
 
 use super::mtl;
 use crate::flatten::{Placed, Vertices, component};
@@ -23,10 +23,10 @@ pub(crate) fn export(
 ) -> Vec<OutputFile> {
     let origin = provenance.map(Provenance::line);
     let mut text = format!("# {}\n", origin.as_deref().unwrap_or("lodc")).into_bytes();
-    let beside = path.with_extension("mtl");
+    let library_path = path.with_extension("mtl");
     let has_library = !library.text.is_empty() && path.as_os_str() != "-";
     if has_library {
-        let name = beside.file_name().map(|n| n.to_string_lossy().into_owned());
+        let name = library_path.file_name().map(|n| n.to_string_lossy().into_owned());
         line(&mut text, "mtllib", &name.unwrap_or_default());
     }
     let mut writer = Writer {
@@ -42,22 +42,25 @@ pub(crate) fn export(
     }
     let mut files = vec![OutputFile { path: path.to_owned(), bytes: writer.text }];
     if has_library {
-        files.push(OutputFile { path: beside, bytes: library.text.clone() });
+        files.push(OutputFile { path: library_path, bytes: library.text.clone() });
     }
     files
 }
 
-/// The numbers of values already written, from 1.
+/// The numbers of values already written, from 1, by their bits.
 type Table<K> = HashMap<K, usize>;
 
 struct Writer {
     text: Vec<u8>,
-    /// Position and colour.
+    /// Positions with colours.
     v: Table<([u32; 3], [u32; 4])>,
+    /// Texture coordinates.
     vt: Table<[u32; 3]>,
+    /// Normals.
     vn: Table<[u32; 3]>,
-    /// Of each vertex of the object: the numbers of its v, vt and vn; zeros before it is written.
+    /// For each vertex of the object the numbers of its v, vt and vn; zeros before it is written.
     numbers: Vec<[usize; 3]>,
+    /// The material of the last `usemtl`.
     material: String,
 }
 
@@ -82,7 +85,7 @@ impl Writer {
             }
             let material = match &submesh_info.material {
                 Some(name) => clean(name),
-                None => library.of_primitive(info.document_mesh, submesh_info.document_primitive),
+                None => library.material_name(info.document_mesh, submesh_info.document_primitive),
             };
             if material != self.material {
                 line(&mut self.text, "usemtl", &material);
@@ -208,13 +211,13 @@ fn line(text: &mut Vec<u8>, word: &str, name: &str) {
     text.push(b'\n');
 }
 
-/// A name as one line that reads back as itself: no line ends, no `#` by itself, no backslash at
-/// the end.
+/// A name on one line that reads back as itself: without line ends, a `#` between spaces and a
+/// backslash at the end.
 fn clean(name: &str) -> String {
     let one_line: String = name.chars().map(|c| if c.is_control() { '_' } else { c }).collect();
     let mut out = one_line.trim().to_owned();
-    while let Some(at) = out.find(" # ").or_else(|| out.ends_with(" #").then(|| out.len() - 2)) {
-        out.replace_range(at + 1..at + 2, "_");
+    while let Some(space) = out.find(" # ").or_else(|| out.ends_with(" #").then(|| out.len() - 2)) {
+        out.replace_range(space + 1..space + 2, "_");
     }
     if out.ends_with('\\') {
         out.push('_');
@@ -227,9 +230,9 @@ fn clean(name: &str) -> String {
 pub(crate) struct Library {
     text: Vec<u8>,
     names: Vec<String>,
-    taken: BTreeSet<String>,
-    /// By mesh and primitive, glTF only: one of the names.
-    of_primitive: BTreeMap<(usize, usize), usize>,
+    taken_names: BTreeSet<String>,
+    /// Indices into the names by mesh and primitive, of a glTF only.
+    by_primitive: BTreeMap<(usize, usize), usize>,
 }
 
 /// Name, colour, opacity and texture: what an MTL and other formats have in common.
@@ -254,10 +257,10 @@ impl Library {
         Self { text, ..Self::default() }
     }
 
-    /// Adds a material. A name that another has, and none, get a number.
+    /// Adds a material. One without a name, or with that of another, gets a name with a number.
     pub(crate) fn add(&mut self, material: &SimpleMaterial<'_>) {
         let mut name = clean(material.name);
-        if name.is_empty() || self.taken.contains(&name) {
+        if name.is_empty() || self.taken_names.contains(&name) {
             name =
                 format!("{name}_material{}", self.names.len()).trim_start_matches('_').to_owned();
         }
@@ -271,24 +274,25 @@ impl Library {
         if let Some(file) = &material.texture {
             line(text, "map_Kd", &clean(file));
         }
-        self.taken.insert(name.clone());
+        self.taken_names.insert(name.clone());
         self.names.push(name);
     }
 
     /// Gives a primitive the material of this number, if there is one.
     pub(crate) fn assign(&mut self, mesh: usize, primitive: usize, material: usize) {
         if material < self.names.len() {
-            self.of_primitive.insert((mesh, primitive), material);
+            self.by_primitive.insert((mesh, primitive), material);
         }
     }
 
-    fn of_primitive(&self, mesh: u32, primitive: u32) -> String {
-        let material = self.of_primitive.get(&(mesh as usize, primitive as usize));
+    /// The name of a primitive's material; empty without one.
+    fn material_name(&self, mesh: u32, primitive: u32) -> String {
+        let material = self.by_primitive.get(&(mesh as usize, primitive as usize));
         material.map(|&m| self.names[m].clone()).unwrap_or_default()
     }
 }
 
-/// The line of a material with the name that the copy of its image has.
+/// A line of a material in which the copy of an image replaces the image.
 fn renamed(source: &str, textures: &PlacedTextures) -> String {
     let file = mtl::file(source).map(|name| name.replace('\\', "/"));
     match file.as_deref().and_then(|name| Some((name, textures.of(name)?))) {

@@ -1,7 +1,7 @@
-//! Reading Stanford PLY, ASCII and binary.
+//! Reads Stanford PLY, ASCII and binary.
 //!
-//! `serde-ply` reads headers and values. Which property means what is decided here; a property that
-//! means nothing to a mesh is left out, with a warning.
+//! `serde-ply` reads headers and values. Which property means what is decided here; properties that
+//! a mesh has no use for are ignored, with a warning.
 
 mod columns;
 
@@ -16,7 +16,7 @@ use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyReader};
 use std::io::{BufRead, ErrorKind, Read};
 use xxhash_rust::xxh3::xxh3_128;
 
-/// Place of what is wrong before the first element.
+/// Location of errors before the first element.
 const HEADER: &str = "header";
 
 /// Reads a PLY; `bytes` is the main file.
@@ -41,11 +41,11 @@ pub(crate) fn import(
     let materials = textures(&header);
     let mut warnings = content.warnings;
     let mut faces = content.faces;
-    finish(&mut faces, &content.numbers, &materials, &mut warnings)?;
+    finish(&mut faces, &content.texture_numbers, &materials, &mut warnings)?;
 
     let assembled = faces::assemble(&faces, content_hash as u64);
     for (count, kind) in [
-        (content.small, "faces with fewer than three corners were dropped"),
+        (content.small_faces, "faces with fewer than three corners were dropped"),
         (assembled.polygons, "polygons were triangulated"),
         (
             assembled.imperfect_polygons,
@@ -69,10 +69,10 @@ pub(crate) fn import(
 #[derive(Debug, Default)]
 struct Content {
     faces: Faces,
-    /// Of each face: the number of its texture; empty if none says one.
-    numbers: Vec<u32>,
+    /// For each face the number of its texture; empty if faces have none.
+    texture_numbers: Vec<u32>,
     /// Faces with fewer than three corners.
-    small: u64,
+    small_faces: u64,
     warnings: Vec<String>,
 }
 
@@ -95,8 +95,8 @@ impl Content {
             "face" | "tristrips" => {
                 let strips = name == "tristrips";
                 let columns = FaceColumn::of(element, &mut unused);
-                let most = limits.triangles.saturating_mul(3).min(u64::from(NONE) - 1);
-                let sink = columns::faces(self, &columns, strips, most);
+                let max_corners = limits.triangles.saturating_mul(3).min(u64::from(NONE) - 1);
+                let sink = columns::faces(self, &columns, strips, max_corners);
                 value(reader, Rows { element, count: &count, sink })
             }
             _ => {
@@ -113,7 +113,7 @@ impl Content {
         }
         read.map_err(|e| {
             let location = format!("{name} {}", count.rows());
-            let (fault, problem) = said(&e);
+            let (fault, problem) = fault_and_problem(&e);
             FormatError::new(fault, location, problem)
         })
     }
@@ -131,8 +131,8 @@ fn value<R: BufRead>(
 fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), FormatError> {
     for (number, element) in header.elem_defs.iter().enumerate() {
         let name = &element.name;
-        let later = &header.elem_defs[number..];
-        if name == "face" && later.iter().any(|e| e.name == "vertex") {
+        let this_and_later = &header.elem_defs[number..];
+        if name == "face" && this_and_later.iter().any(|e| e.name == "vertex") {
             let problem = "element `face` comes before element `vertex`";
             return Err(FormatError::new(Fault::Unsupported, HEADER, problem));
         }
@@ -142,17 +142,18 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
             let problem = format!("there are two elements `{name}`");
             return Err(FormatError::new(Fault::Malformed, HEADER, problem));
         }
-        let least: u64 = match header.format {
+        let min_bytes: u64 = match header.format {
             // A digit and white space.
             PlyFormat::Ascii => 2 * element.properties.len() as u64,
-            _ => element.properties.iter().map(|p| columns::least_bytes(&p.property_type)).sum(),
+            _ => element.properties.iter().map(|p| columns::min_bytes(&p.property_type)).sum(),
         };
         let count = element.count as u64;
-        if count > 0 && least == 0 {
+        if count > 0 && min_bytes == 0 {
             let problem = format!("element `{name}` has no properties");
             return Err(FormatError::new(Fault::Malformed, HEADER, problem));
         }
-        if count.saturating_mul(least) > bytes as u64 + 1 {
+        // One byte more is the line end that may be missing.
+        if count.saturating_mul(min_bytes) > bytes as u64 + 1 {
             let problem = format!("{count} elements `{name}` do not fit into the file");
             return Err(FormatError::new(Fault::Malformed, HEADER, problem));
         }
@@ -169,10 +170,11 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
     Ok(())
 }
 
-/// Checks indices, and sorts faces by texture.
+/// Checks indices, gives corners the attributes of their vertices, and makes a run of faces for
+/// each change of texture.
 fn finish(
     faces: &mut Faces,
-    numbers: &[u32],
+    texture_numbers: &[u32],
     materials: &[ObjMaterial],
     warnings: &mut Vec<String>,
 ) -> Result<(), FormatError> {
@@ -194,10 +196,10 @@ fn finish(
     faces.materials = materials.iter().map(|m| m.name.clone()).collect();
     let mut missing = 0u64;
     for face in 0..faces.face_ends.len() {
-        let number = numbers.get(face).copied().unwrap_or(0);
-        let there = (number as usize) < materials.len();
-        missing += u64::from(!there && !numbers.is_empty());
-        let material = if there { number } else { NONE };
+        let number = texture_numbers.get(face).copied().unwrap_or(0);
+        let exists = (number as usize) < materials.len();
+        missing += u64::from(!exists && !texture_numbers.is_empty());
+        let material = if exists { number } else { NONE };
         if faces.runs.last().is_none_or(|run| run.material != material) {
             faces.runs.push(Run { first_face: face as u32, material, label: NONE });
         }
@@ -222,12 +224,12 @@ fn textures(header: &PlyHeader) -> Vec<ObjMaterial> {
 }
 
 fn header_error(error: &DeserializeError) -> FormatError {
-    let (fault, problem) = said(error);
+    let (fault, problem) = fault_and_problem(error);
     FormatError::new(fault, HEADER, problem)
 }
 
-/// Whose fault an error is, and its words.
-fn said(error: &DeserializeError) -> (Fault, String) {
+/// Whose fault an error of `serde-ply` or a sink is, and its message.
+fn fault_and_problem(error: &DeserializeError) -> (Fault, String) {
     if error.0.kind() == ErrorKind::UnexpectedEof {
         return (Fault::Malformed, "the file ends before it".to_owned());
     }

@@ -1,4 +1,4 @@
-//! Stanford PLY, binary little-endian: one list of vertices, one list of triangles.
+//! Writes Stanford PLY, binary little-endian: one list of vertices, one list of triangles.
 
 use crate::flatten::{Placed, Vertices, component};
 use crate::provenance::Provenance;
@@ -8,7 +8,7 @@ use lodc_scene::stream;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The one file. Streams that only some submeshes have are zero (colours: white) for the others.
+/// Makes the file. Streams that only some submeshes have are zero (colours: white) for the others.
 /// `top_left` says that texture coordinates begin at the top.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Reading STL, ASCII and binary: loose triangles, whose corners are joined where they are equal.
+//! Reads STL, ASCII and binary: separate triangles, whose corners are joined where they are equal.
 //!
 //! `stl_io` reads facets. Their normals follow from their corners and are left out.
 
@@ -9,19 +9,20 @@ use std::io::{Cursor, ErrorKind};
 use xxhash_rust::xxh3::xxh3_128;
 
 /// Bytes before the first facet of a binary file, the number of facets included.
-const HEADER: usize = 84;
+const HEADER_BYTES: usize = 84;
 /// Bytes of a facet of a binary file.
-const FACET: usize = 50;
+const FACET_BYTES: usize = 50;
 
-/// Returns whether `bytes` are as long as a binary file says of itself. Its header may be any text,
-/// `solid` too.
+/// Returns whether `bytes` are as long as the number of facets in a binary file's header demands.
+/// The rest of its header may be any text, even `solid`.
 pub(crate) fn is_binary(bytes: &[u8]) -> bool {
-    facets(bytes).is_some_and(|count| count > 0 && bytes.len() == HEADER + FACET * count)
+    facets(bytes)
+        .is_some_and(|count| count > 0 && bytes.len() == HEADER_BYTES + FACET_BYTES * count)
 }
 
 /// The number of facets that a binary file announces.
 fn facets(bytes: &[u8]) -> Option<usize> {
-    let count = bytes.get(HEADER - 4..HEADER)?.first_chunk::<4>()?;
+    let count = bytes.get(HEADER_BYTES - 4..HEADER_BYTES)?.first_chunk::<4>()?;
     Some(u32::from_le_bytes(*count) as usize)
 }
 
@@ -33,7 +34,7 @@ pub(crate) fn counted(bytes: &[u8]) -> u64 {
     }
     let is_facet = |line: &&[u8]| line.trim_ascii_start().starts_with(b"facet");
     let lines = bytes.split(|&b| b == b'\n').filter(is_facet).count();
-    lines.max(facets(bytes).unwrap_or(0).min(bytes.len() / FACET)) as u64
+    lines.max(facets(bytes).unwrap_or(0).min(bytes.len() / FACET_BYTES)) as u64
 }
 
 /// Reads an STL; `bytes` is the main file.
@@ -74,15 +75,15 @@ pub(crate) fn import(
 /// Reads the facets of a binary file.
 fn binary(bytes: &mut [u8], faces: &mut Faces, limits: &Limits) -> Result<(), FormatError> {
     let count = facets(bytes).ok_or_else(|| malformed("", "the file ends within its header"))?;
-    let capacity = (bytes.len() - HEADER) / FACET;
+    let capacity = (bytes.len() - HEADER_BYTES) / FACET_BYTES;
     if capacity < count {
         let problem =
             format!("{count} facets do not fit into the file, which has room for {capacity}");
         return Err(malformed("header", &problem));
     }
     faces.runs.push(Run { first_face: 0, material: NONE, label: NONE });
-    // `stl_io` takes every file for text that begins like one.
-    bytes[..HEADER - 4].fill(0);
+    // `stl_io` takes a file that begins like a text for one.
+    bytes[..HEADER_BYTES - 4].fill(0);
     read(bytes, faces, limits, "")
 }
 
@@ -95,14 +96,14 @@ fn text(bytes: &[u8], faces: &mut Faces, limits: &Limits) -> Result<(), FormatEr
         let word = lower.split_ascii_whitespace().next().unwrap_or_default();
         if word == "solid" {
             part(solid.take(), faces, limits)?;
-            // The name may have been left out, and `stl_io` wants the space in front of it.
+            // The name may be missing, but `stl_io` demands the space in front of it.
             solid = Some((line[word.len()..].trim().to_owned(), b"solid \n".to_vec()));
             continue;
         }
         let Some((_, plain)) = &mut solid else {
             continue;
         };
-        // Normals are often no numbers where a facet has no area.
+        // The normals of facets without an area are often no numbers.
         plain.extend_from_slice(match word {
             "facet" => b"facet normal 0 0 0",
             _ => lower.as_bytes(),

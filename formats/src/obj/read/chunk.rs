@@ -17,22 +17,23 @@ pub(super) struct Chunk {
     /// Empty, or the third components.
     pub(super) texcoords_w: Vec<f32>,
     pub(super) normals: Vec<[f32; 3]>,
-    /// Of each corner: its position, texture coordinates and normal. The latter two are [`NONE`]
-    /// where there are none, or the list is empty if no corner has any.
+    /// For each corner the indices of its position, texture coordinates and normal. The latter two
+    /// are [`NONE`] where there are none, or the list is empty if no corner has any.
     pub(super) corners: [Vec<u32>; 3],
-    /// The corners whose index was negative: it counts from the first vertex of the chunk and may
-    /// lie before that, all others count from the first of the file.
+    /// The corners whose indices were negative, by the same three kinds. Such an index counts from
+    /// the first vertex of the chunk, and may be before it (it wraps around); all other indices
+    /// count from the first vertex of the file.
     pub(super) relative: [Vec<u32>; 3],
-    /// Of each kind: the highest index, from 1, and the farthest back from the chunk's start.
-    pub(super) reach: [Reach; 3],
-    /// End of the corners of each face.
+    /// The span of the indices of each kind.
+    pub(super) spans: [IndexSpan; 3],
+    /// For each face the number of corners up to its last.
     pub(super) face_ends: Vec<u32>,
     /// Names in order, each with the number of faces before it.
     pub(super) names: Vec<(u32, Name)>,
     /// Names of libraries, each with its line.
     pub(super) libraries: Vec<(u32, String)>,
-    /// True if any statement is one of OBJ.
-    pub(super) known: bool,
+    /// True if it has a statement of the OBJ format.
+    pub(super) has_statement: bool,
     pub(super) notes: Notes,
     /// Number of line ends.
     pub(super) lines: u32,
@@ -46,11 +47,13 @@ pub(super) enum Name {
     Object(String),
 }
 
-/// The vertices that a chunk's corners ask for.
+/// The outermost vertices of one kind that a chunk's corners refer to.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Reach {
+pub(super) struct IndexSpan {
+    /// The largest positive index, counted from 1; 0 without any.
     pub(super) highest: i64,
-    pub(super) back: i64,
+    /// How many vertices before the chunk's first the negative indices refer to, at most.
+    pub(super) before: i64,
 }
 
 impl Chunk {
@@ -68,7 +71,7 @@ impl Chunk {
     /// # Errors
     /// As [`Self::read`], and if an index is beyond the file's vertices.
     pub(super) fn read_file(bytes: &[u8], limits: &Limits) -> Result<Self, FormatError> {
-        // Vertices behind a line that cannot be read are unknown: that line is the fault then.
+        // If a line cannot be read, that is the fault, and vertices after it are not known.
         let totals = vertices(bytes, limits).unwrap_or([u64::MAX; 3]);
         Self::read_within(bytes, limits, Some(totals))
     }
@@ -96,7 +99,7 @@ impl Chunk {
         [self.positions.len(), self.texcoords.len(), self.normals.len()].map(|n| n as u64)
     }
 
-    /// Makes lists as long as they should be that have been filled to their last entry.
+    /// Fills optional lists up to their full length: so far they end with their last given entry.
     fn fill(&mut self) {
         let corners = self.corners[0].len();
         for list in &mut self.corners[1..] {
@@ -124,6 +127,7 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
+    /// Reads the statement that begins with this word.
     fn statement(&mut self, word: &[u8]) -> Result<(), FormatError> {
         let (line, notes) = (self.lines.number(), &mut self.chunk.notes);
         match word {
@@ -153,7 +157,7 @@ impl<'a> Reader<'a> {
                 return Ok(());
             }
         }
-        self.chunk.known = true;
+        self.chunk.has_statement = true;
         self.lines.skip();
         Ok(())
     }
@@ -175,8 +179,9 @@ impl<'a> Reader<'a> {
         let (mut numbers, mut count) = ([0.0; N], 0);
         while let Some(token) = self.lines.token() {
             if let Some(value) = numbers.get_mut(count) {
-                *value = number(token)
-                    .ok_or_else(|| self.malformed(format!("`{}` is not a number", shown(token))))?;
+                *value = number(token).ok_or_else(|| {
+                    self.malformed(format!("`{}` is not a number", quoted(token)))
+                })?;
             }
             count += 1;
         }
@@ -186,9 +191,9 @@ impl<'a> Reader<'a> {
         Ok((numbers, count))
     }
 
-    /// Refuses one vertex of a kind too many.
+    /// Refuses more vertices of a kind than limits allow.
     fn check_count(&self, count: usize) -> Result<(), FormatError> {
-        if count as u64 > most_vertices(self.limits) {
+        if count as u64 > max_vertices(self.limits) {
             return Err(self.limit(format!("more than {} vertices", self.limits.vertices)));
         }
         Ok(())
@@ -246,7 +251,7 @@ impl<'a> Reader<'a> {
     fn face(&mut self) -> Result<(), FormatError> {
         self.face.clear();
         while let Some(token) = self.lines.token() {
-            if (self.chunk.corners[0].len() + self.face.len()) as u64 >= most_corners(self.limits) {
+            if (self.chunk.corners[0].len() + self.face.len()) as u64 >= max_corners(self.limits) {
                 return Err(self.limit(format!("more than {} triangles", self.limits.triangles)));
             }
             let corner = self.corner(token)?;
@@ -258,18 +263,18 @@ impl<'a> Reader<'a> {
         }
         let counts = self.chunk.counts();
         for corner in &self.face {
-            let at = self.chunk.corners[0].len();
+            let number_of_corner = self.chunk.corners[0].len();
             for (kind, &number) in corner.iter().enumerate() {
                 if number == 0 {
                     continue;
                 }
                 let list = &mut self.chunk.corners[kind];
-                list.resize(at, NONE);
+                list.resize(number_of_corner, NONE);
                 if number > 0 {
-                    // Numbers that do not fit are more than there are vertices: see `reach`.
+                    // Numbers that do not fit are refused later: `spans` has the highest.
                     list.push((number - 1) as u32);
                 } else {
-                    self.chunk.relative[kind].push(at as u32);
+                    self.chunk.relative[kind].push(number_of_corner as u32);
                     list.push((counts[kind] as i64 + number) as u32);
                 }
             }
@@ -291,26 +296,27 @@ impl<'a> Reader<'a> {
         Ok(corner)
     }
 
+    /// An index of a corner as written; compared with the file's vertices if these are known.
     fn index(&mut self, token: &[u8], part: &[u8], kind: usize) -> Result<i64, FormatError> {
         let Some(number) = integer(part) else {
-            return Err(self.malformed(format!("`{}` is not a corner of a face", shown(token))));
+            return Err(self.malformed(format!("`{}` is not a corner of a face", quoted(token))));
         };
         if number == 0 {
-            return Err(self.malformed(format!("`{}`: indices start at 1", shown(token))));
+            return Err(self.malformed(format!("`{}`: indices start at 1", quoted(token))));
         }
-        let here = self.chunk.counts()[kind];
+        let count_so_far = self.chunk.counts()[kind];
         let Some(totals) = self.totals else {
-            let reach = &mut self.chunk.reach[kind];
-            reach.highest = reach.highest.max(number);
-            reach.back = reach.back.max(-number - here as i64);
+            let span = &mut self.chunk.spans[kind];
+            span.highest = span.highest.max(number);
+            span.before = span.before.max(-number - count_so_far as i64);
             return Ok(number);
         };
-        let there = if number < 0 { here } else { totals[kind] };
-        if number.unsigned_abs() > there {
+        let available = if number < 0 { count_so_far } else { totals[kind] };
+        if number.unsigned_abs() > available {
             let element = ["position", "texture coordinates", "normal"][kind];
-            let token = shown(token);
+            let token = quoted(token);
             let problem =
-                format!("`{token}`: there is no {element} {number}, only {there} of them");
+                format!("`{token}`: there is no {element} {number}, only {available} of them");
             return Err(self.malformed(problem));
         }
         Ok(number)
@@ -333,18 +339,18 @@ fn vertices(bytes: &[u8], limits: &Limits) -> Result<[u64; 3], FormatError> {
     Ok(counts)
 }
 
-/// The most positions, texture coordinates or normals that indices and limits allow.
-pub(super) fn most_vertices(limits: &Limits) -> u64 {
+/// The largest number of positions, texture coordinates or normals that indices and limits allow.
+pub(super) fn max_vertices(limits: &Limits) -> u64 {
     limits.vertices.min(u64::from(NONE) - 1)
 }
 
-/// The most corners that indices and the limit on triangles allow.
-pub(super) fn most_corners(limits: &Limits) -> u64 {
+/// The largest number of corners that indices and the limit on triangles allow.
+pub(super) fn max_corners(limits: &Limits) -> u64 {
     limits.triangles.saturating_mul(3).min(u64::from(NONE) - 1)
 }
 
 /// A word for a message: short and without control characters.
-fn shown(token: &[u8]) -> String {
+fn quoted(token: &[u8]) -> String {
     let short = text(&token[..token.len().min(40)]);
     short.escape_debug().to_string()
 }

@@ -5,10 +5,10 @@ use super::lines::text;
 use crate::{Assets, Fault, FormatError, ObjMaterial};
 use std::collections::BTreeSet;
 
-/// A library larger than this is not one: real ones have a few kilobytes.
+/// Largest number of bytes of a library. Chosen by hand: real ones have a few kilobytes.
 const MAX_BYTES: usize = 64 << 20;
 
-/// The materials of some libraries and what to tell about them.
+/// The materials of some libraries, and warnings about them.
 #[derive(Debug, Default)]
 pub(super) struct Materials {
     pub(super) list: Vec<ObjMaterial>,
@@ -85,29 +85,29 @@ impl Materials {
 /// Finds a library: under the name as written, with its backslashes as slashes, or else as a list
 /// of names.
 fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError> {
-    let turned = library.replace('\\', "/");
+    let with_slashes = library.replace('\\', "/");
     let mut read = |name: &str| match assets.read_reference(name) {
         Err(e) if e.fault == Fault::Unreadable && name.contains('\\') => {
-            let turned = assets.read_reference(&name.replace('\\', "/"));
-            if turned.is_ok() {
+            let substitute = assets.read_reference(&name.replace('\\', "/"));
+            if substitute.is_ok() {
                 assets.substitute(name);
             }
-            turned
+            substitute
         }
         other => other,
     };
     let whole = read(library);
     let missing = matches!(&whole, Err(e) if e.fault == Fault::Unreadable);
-    let names: Vec<&str> = turned.split_whitespace().collect();
+    let names: Vec<&str> = with_slashes.split_whitespace().collect();
     if !missing || names.len() < 2 {
         return whole.map(|bytes| vec![bytes]);
     }
-    // `mtllib a.mtl b.mtl`. If any of them is missing, the message about the whole is as good.
+    // `mtllib a.mtl b.mtl`. If one of them is missing, the message is that about the whole.
     match names.into_iter().map(read).collect() {
         Ok(all) => {
             // Both spellings of the whole were looked for in vain.
             assets.substitute(library);
-            assets.substitute(&turned);
+            assets.substitute(&with_slashes);
             Ok(all)
         }
         Err(_) => whole.map(|bytes| vec![bytes]),

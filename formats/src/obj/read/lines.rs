@@ -7,11 +7,15 @@ use crate::{Fault, FormatError};
 #[derive(Debug)]
 pub(super) struct Lines<'a> {
     bytes: &'a [u8],
-    at: usize,
+    /// Offset of the next byte to read.
+    offset: usize,
+    /// The line of that byte, from 1.
     line: u32,
-    /// Start of the current statement.
+    /// Offset of the current statement.
     start: usize,
+    /// The line on which it starts.
     statement_line: u32,
+    /// Largest number of bytes of a statement.
     limit: usize,
 }
 
@@ -20,7 +24,7 @@ impl<'a> Lines<'a> {
     pub(super) fn new(bytes: &'a [u8], limit: u64) -> Self {
         Self {
             bytes,
-            at: 0,
+            offset: 0,
             line: 1,
             start: 0,
             statement_line: 1,
@@ -28,12 +32,12 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The line on which the current statement starts, counted from 1.
+    /// The location of the current statement, for messages.
     pub(super) fn location(&self) -> String {
         format!("line {}", self.statement_line)
     }
 
-    /// The same as a number.
+    /// The line on which the current statement starts, counted from 1.
     pub(super) fn number(&self) -> u32 {
         self.statement_line
     }
@@ -49,18 +53,18 @@ impl<'a> Lines<'a> {
             while self.token().is_some() {}
             self.skip_comment();
             self.check_length()?;
-            if self.at >= self.bytes.len() {
+            if self.offset >= self.bytes.len() {
                 return Ok(None);
             }
             self.end_line();
-            (self.start, self.statement_line) = (self.at, self.line);
+            (self.start, self.statement_line) = (self.offset, self.line);
             if let Some(word) = self.token() {
                 return Ok(Some(word));
             }
         }
     }
 
-    /// The first word of all.
+    /// The first word of the first statement.
     pub(super) fn first_statement(&mut self) -> Result<Option<&'a [u8]>, FormatError> {
         match self.token() {
             Some(word) => Ok(Some(word)),
@@ -71,56 +75,57 @@ impl<'a> Lines<'a> {
     /// The next word of the current statement.
     pub(super) fn token(&mut self) -> Option<&'a [u8]> {
         self.skip_spaces();
-        let first = self.at;
+        let first = self.offset;
         if self.bytes.get(first) == Some(&b'#') || first - self.start > self.limit {
             return None;
         }
-        let goes_on = |b: u8| b > b' ' && b != b'\\' || !b.is_ascii_whitespace();
-        while self.bytes.get(self.at).is_some_and(|&b| goes_on(b)) && !self.continued() {
-            self.at += 1;
+        // The first comparison decides nearly all bytes.
+        let in_word = |b: u8| b > b' ' && b != b'\\' || !b.is_ascii_whitespace();
+        while self.bytes.get(self.offset).is_some_and(|&b| in_word(b)) && !self.continued() {
+            self.offset += 1;
         }
-        (self.at > first).then(|| &self.bytes[first..self.at])
+        (self.offset > first).then(|| &self.bytes[first..self.offset])
     }
 
     /// The rest of the current statement as text. A `#` is part of it unless it is alone
     /// between spaces: names like `Object #2` are common.
     pub(super) fn rest(&mut self) -> String {
-        let mut words: Vec<u8> = Vec::new();
+        let mut text_bytes: Vec<u8> = Vec::new();
         self.skip_spaces();
-        while let Some(&b) = self.bytes.get(self.at) {
-            if b == b'\n' || b == b'\r' || self.at - self.start > self.limit {
+        while let Some(&b) = self.bytes.get(self.offset) {
+            if b == b'\n' || b == b'\r' || self.offset - self.start > self.limit {
                 break;
             }
-            let alone = b == b'#'
-                && self.bytes[self.at - 1].is_ascii_whitespace()
-                && self.bytes.get(self.at + 1).is_none_or(u8::is_ascii_whitespace);
-            if alone {
+            let begins_comment = b == b'#'
+                && self.bytes[self.offset - 1].is_ascii_whitespace()
+                && self.bytes.get(self.offset + 1).is_none_or(u8::is_ascii_whitespace);
+            if begins_comment {
                 self.skip_comment();
                 break;
             }
             if self.continued() {
                 self.skip_spaces();
-                words.push(b' ');
+                text_bytes.push(b' ');
                 continue;
             }
-            words.push(b);
-            self.at += 1;
+            text_bytes.push(b);
+            self.offset += 1;
         }
-        text(words.trim_ascii())
+        text(text_bytes.trim_ascii())
     }
 
-    /// Passes over the rest of the current statement.
+    /// Skips the rest of the current statement.
     pub(super) fn skip(&mut self) {
-        let rest = &self.bytes[self.at..];
+        let rest = &self.bytes[self.offset..];
         let end = rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
-        // A line that may be continued is left to the next statement's search.
+        // A line that may be continued is left to `next_statement`.
         if !rest[..end].ends_with(b"\\") {
-            self.at += end;
+            self.offset += end;
         }
     }
 
     fn check_length(&self) -> Result<(), FormatError> {
-        if self.at - self.start > self.limit {
+        if self.offset - self.start > self.limit {
             return Err(FormatError::new(
                 Fault::Limit,
                 self.location(),
@@ -132,15 +137,16 @@ impl<'a> Lines<'a> {
 
     /// Returns whether a backslash here joins the next line to this one.
     fn continued(&self) -> bool {
-        self.bytes[self.at] == b'\\' && matches!(self.bytes.get(self.at + 1), Some(b'\n' | b'\r'))
+        self.bytes[self.offset] == b'\\'
+            && matches!(self.bytes.get(self.offset + 1), Some(b'\n' | b'\r'))
     }
 
     fn skip_spaces(&mut self) {
-        while let Some(&b) = self.bytes.get(self.at) {
+        while let Some(&b) = self.bytes.get(self.offset) {
             match b {
-                b' ' | b'\t' | b'\x0c' => self.at += 1,
+                b' ' | b'\t' | b'\x0c' => self.offset += 1,
                 b'\\' if self.continued() => {
-                    self.at += 1;
+                    self.offset += 1;
                     self.end_line();
                 }
                 _ => break,
@@ -149,19 +155,18 @@ impl<'a> Lines<'a> {
     }
 
     fn skip_comment(&mut self) {
-        let rest = &self.bytes[self.at..];
-        self.at += rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
+        let rest = &self.bytes[self.offset..];
+        self.offset += rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
     }
 
     fn end_line(&mut self) {
-        let two = self.bytes[self.at..].starts_with(b"\r\n");
-        self.at += if two { 2 } else { 1 };
+        let is_crlf = self.bytes[self.offset..].starts_with(b"\r\n");
+        self.offset += if is_crlf { 2 } else { 1 };
         self.line = self.line.saturating_add(1);
     }
 }
 
-/// Bytes as text: UTF-8, or Latin-1 where they are not that, so that different names stay
-/// different.
+/// Bytes as text: UTF-8, or else Latin-1, so that different names stay different.
 pub(super) fn text(bytes: &[u8]) -> String {
     std::str::from_utf8(bytes)
         .map_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect(), str::to_owned)

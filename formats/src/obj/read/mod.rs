@@ -33,7 +33,7 @@ pub(crate) fn import(
     }
     let content_hash = xxh3_128(&bytes);
     let mut parsed = parse::parse(&bytes, assets.limits())?;
-    // The text is the largest thing in memory and has said what it had to say.
+    // The text is the largest thing in memory, and is not needed any more.
     drop(bytes);
     let libraries = std::mem::take(&mut parsed.libraries);
     let materials = libraries::Materials::read(&libraries, assets)?;

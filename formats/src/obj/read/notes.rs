@@ -1,57 +1,57 @@
-//! Warnings of what was repaired, dropped or left alone in an OBJ.
+//! Warnings about what was repaired, dropped or ignored in an OBJ.
 
 use super::parsed::{Count, Parsed};
 use crate::ObjMaterial;
 use crate::faces::Assembled;
 use std::collections::BTreeSet;
 
-/// Notes about what was repaired, dropped or left alone: one line each.
+/// Adds a line for each kind of repair, and of what was dropped or ignored.
 pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<String>) {
     let notes = &parsed.notes;
-    let mut tell = |count: Count, problem: &str| {
+    let mut warn_lines = |count: Count, problem: &str| {
         if count.times > 0 {
             warnings.push(format!("{} {problem} (first on line {})", count.times, count.line));
         }
     };
-    tell(notes.small_faces, "faces with fewer than three corners were dropped");
-    tell(notes.lines, "line elements were left out");
-    tell(notes.points, "point elements were left out");
-    tell(notes.free_form, "free-form curves and surfaces were left out");
-    tell(
+    warn_lines(notes.small_faces, "faces with fewer than three corners were dropped");
+    warn_lines(notes.lines, "line elements were left out");
+    warn_lines(notes.points, "point elements were left out");
+    warn_lines(notes.free_form, "free-form curves and surfaces were left out");
+    warn_lines(
         notes.extra_values,
         "lines have more numbers than their meaning needs, the last ones were left out",
     );
-    tell(notes.weights, "positions have a weight, which was left out");
+    warn_lines(notes.weights, "positions have a weight, which was left out");
     if !parsed.faces.colors.is_empty() {
-        tell(
+        warn_lines(
             notes.uncolored,
             "positions without a colour beside others that have one were made white",
         );
     }
-    tell(
+    warn_lines(
         notes.unknown,
         &format!("lines are no OBJ statements and were left out, like `{}`", notes.unknown_first),
     );
 
-    let mut tell = |count: u64, problem: &str| {
+    let mut warn_count = |count: u64, problem: &str| {
         if count > 0 {
             warnings.push(format!("{count} {problem}"));
         }
     };
-    tell(assembled.polygons, "polygons were triangulated");
-    tell(
+    warn_count(assembled.polygons, "polygons were triangulated");
+    warn_count(
         assembled.imperfect_polygons,
         "of these cross themselves or turn back: their triangles may overlap",
     );
-    tell(
+    warn_count(
         assembled.filled_texcoords,
         "corners without texture coordinates beside others that have them were given (0, 0)",
     );
-    tell(
+    warn_count(
         assembled.filled_normals,
         "faces without normals beside others that have them were given their own",
     );
-    tell(
+    warn_count(
         assembled.joined_labels,
         "groups share a material with others: they are kept as one submesh with all their names",
     );

@@ -1,12 +1,12 @@
-//! Numbers in text, correctly rounded.
+//! Parses numbers in text, correctly rounded.
 
-/// The number that a word is, correctly rounded; `nan` and `inf` in any case are numbers too.
+/// The number that a word spells, correctly rounded, or NaN or infinity; none if it spells none.
 pub(super) fn number(token: &[u8]) -> Option<f32> {
     let standard = std::str::from_utf8(token).ok()?.parse();
     standard.ok().or_else(|| unusual(token))
 }
 
-/// The value of a spelling that is in no standard but in files.
+/// The value of a spelling that is in no standard, but found in files.
 fn unusual(token: &[u8]) -> Option<f32> {
     let text = std::str::from_utf8(token).ok()?;
     // A sign before the exponent's letter, `3.1+e2`.
@@ -14,8 +14,8 @@ fn unusual(token: &[u8]) -> Option<f32> {
         text.find(['e', 'E']).filter(|&at| at >= 2 && matches!(token[at - 1], b'+' | b'-'))
     {
         let (mantissa, sign, power) = (&text[..at - 1], &text[at - 1..at], &text[at + 1..]);
-        let plain = !mantissa.is_empty() && power.bytes().all(|b| b.is_ascii_digit());
-        return if plain { format!("{mantissa}e{sign}{power}").parse().ok() } else { None };
+        let is_number = !mantissa.is_empty() && power.bytes().all(|b| b.is_ascii_digit());
+        return if is_number { format!("{mantissa}e{sign}{power}").parse().ok() } else { None };
     }
     // What some run-time libraries print instead of NaN and infinity: `-nan(ind)`, `1.#QNAN`,
     // `-1.#IND00`, `1.#INF`.

@@ -1,16 +1,17 @@
 //! Parses an OBJ into arrays: chunks of lines in parallel, then relative indices and states
 //! (material, group) resolved in order.
 
-use super::chunk::{Chunk, Name, most_corners, most_vertices};
+use super::chunk::{Chunk, Name, max_corners, max_vertices};
 use super::parsed::{NONE, Parsed, Run};
 use crate::{Fault, FormatError, Limits};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Bytes of a chunk, roughly: some thousand lines, a fraction of a millisecond.
-const CHUNK: usize = 256 << 10;
+/// Bytes of a chunk, roughly. Chosen by hand: some thousand lines are worth a task, and most files
+/// have more chunks than a machine has threads.
+const CHUNK_BYTES: usize = 256 << 10;
 
-/// Upper bound on the material libraries of a file: each is a file to be opened.
+/// Largest number of material libraries of a file: each is a file to be opened. Chosen by hand.
 const MAX_LIBRARIES: usize = 1000;
 
 /// Reads all statements.
@@ -18,34 +19,35 @@ const MAX_LIBRARIES: usize = 1000;
 /// # Errors
 /// If a statement breaks the rules or a limit is reached: the first line that does.
 pub(super) fn parse(bytes: &[u8], limits: &Limits) -> Result<Parsed, FormatError> {
-    parse_chunks(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), CHUNK, limits)
+    parse_chunks(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), CHUNK_BYTES, limits)
 }
 
 fn parse_chunks(bytes: &[u8], size: usize, limits: &Limits) -> Result<Parsed, FormatError> {
     let texts = chunks(bytes, size);
     let read: Result<Vec<Chunk>, FormatError> =
         texts.par_iter().map(|text| Chunk::read(text, limits)).collect();
-    // Which line of the file has the first fault only a walk over all of it tells.
-    let fault = || {
-        let again = Chunk::read_file(bytes, limits);
-        again.expect_err("what is wrong in a chunk is wrong in the file")
+    // The file is read again as a whole to find the first line with a fault: a chunk may come after
+    // it.
+    let first_fault = || {
+        let whole = Chunk::read_file(bytes, limits);
+        whole.expect_err("what is wrong in a chunk is wrong in the file")
     };
-    let Ok(read) = read else { return Err(fault()) };
+    let Ok(read) = read else { return Err(first_fault()) };
     let (mut joined, mut highest) = (Joined::default(), [0; 3]);
     for chunk in read {
-        if !joined.base.takes(&chunk, limits) {
-            return Err(fault());
+        if !joined.base.allows(&chunk, limits) {
+            return Err(first_fault());
         }
-        highest = std::array::from_fn(|kind| chunk.reach[kind].highest.max(highest[kind]));
+        highest = std::array::from_fn(|kind| chunk.spans[kind].highest.max(highest[kind]));
         joined.add(chunk)?;
     }
     if highest.iter().zip(joined.base.counts).any(|(&highest, count)| highest > count as i64) {
-        return Err(fault());
+        return Err(first_fault());
     }
     joined.finish()
 }
 
-/// What precedes a chunk.
+/// Counts of what precedes a chunk in the file.
 #[derive(Clone, Copy, Default)]
 struct Base {
     /// Line ends.
@@ -57,23 +59,23 @@ struct Base {
 }
 
 impl Base {
-    /// Returns whether limits allow a chunk here, and no index goes back beyond the first vertex.
-    fn takes(&self, chunk: &Chunk, limits: &Limits) -> bool {
+    /// Returns whether the chunk stays within the limits, and its negative indices within the file.
+    fn allows(&self, chunk: &Chunk, limits: &Limits) -> bool {
         let counts = chunk.counts();
-        let fits = |kind: usize| self.counts[kind] + counts[kind] <= most_vertices(limits);
-        let goes_back = |kind: usize| chunk.reach[kind].back > self.counts[kind] as i64;
-        self.corners + chunk.corners[0].len() as u64 <= most_corners(limits)
-            && (0..3).all(|kind| fits(kind) && !goes_back(kind))
+        let fits = |kind: usize| self.counts[kind] + counts[kind] <= max_vertices(limits);
+        let in_file = |kind: usize| chunk.spans[kind].before <= self.counts[kind] as i64;
+        self.corners + chunk.corners[0].len() as u64 <= max_corners(limits)
+            && (0..3).all(|kind| fits(kind) && in_file(kind))
     }
 }
 
-/// Cuts a text behind line ends that end a statement.
+/// Cuts a text into chunks of at least `size` bytes, after line ends that end a statement.
 fn chunks(bytes: &[u8], size: usize) -> Vec<&[u8]> {
     let mut chunks = Vec::with_capacity(bytes.len() / size + 1);
     let mut rest = bytes;
     while rest.len() > size {
-        let ends = (size..rest.len()).find(|&at| ends_statement(rest, at));
-        let (chunk, after) = rest.split_at(ends.map_or(rest.len(), |at| at + 1));
+        let line_end = (size..rest.len()).find(|&offset| ends_statement(rest, offset));
+        let (chunk, after) = rest.split_at(line_end.map_or(rest.len(), |offset| offset + 1));
         chunks.push(chunk);
         rest = after;
     }
@@ -81,22 +83,23 @@ fn chunks(bytes: &[u8], size: usize) -> Vec<&[u8]> {
     chunks
 }
 
-/// Returns whether the byte at a place is the last of a line end without a backslash before it.
-fn ends_statement(bytes: &[u8], at: usize) -> bool {
-    let before = match bytes[at] {
-        b'\n' => bytes[..at].strip_suffix(b"\r").unwrap_or(&bytes[..at]),
-        b'\r' if bytes.get(at + 1) != Some(&b'\n') => &bytes[..at],
+/// Returns whether the byte at an offset is the last of a line end without a backslash before it.
+fn ends_statement(bytes: &[u8], offset: usize) -> bool {
+    let before = match bytes[offset] {
+        b'\n' => bytes[..offset].strip_suffix(b"\r").unwrap_or(&bytes[..offset]),
+        b'\r' if bytes.get(offset + 1) != Some(&b'\n') => &bytes[..offset],
         _ => return false,
     };
     !before.ends_with(b"\\")
 }
 
-/// Chunks one behind the other.
+/// The chunks so far, joined.
 #[derive(Default)]
 struct Joined {
     parsed: Parsed,
     base: Base,
-    known: bool,
+    /// True if a chunk has a statement of the OBJ format.
+    has_statement: bool,
     names: Names,
 }
 
@@ -140,7 +143,7 @@ impl Joined {
         self.names.add(parsed, &chunk);
         parsed.faces.face_ends.extend(chunk.face_ends.iter().map(|end| corners as u32 + end));
         parsed.notes.add(&chunk.notes, base.lines);
-        self.known |= chunk.known;
+        self.has_statement |= chunk.has_statement;
         self.base.lines += chunk.lines;
         self.base.corners = parsed.faces.corner_v.len() as u64;
         self.base.counts = [
@@ -154,7 +157,7 @@ impl Joined {
 
     fn finish(self) -> Result<Parsed, FormatError> {
         let notes = &self.parsed.notes;
-        if notes.unknown.times > 0 && !self.known {
+        if notes.unknown.times > 0 && !self.has_statement {
             let problem = format!(
                 "not an OBJ file: no line of it is an OBJ statement (the first is `{}`)",
                 notes.unknown_first
@@ -165,18 +168,19 @@ impl Joined {
     }
 }
 
-/// Appends `count` values to a list that is empty or has `before`: it stays empty while no chunk
-/// has any.
-fn append_filled<T: Copy>(all: &mut Vec<T>, more: &[T], before: usize, count: usize, filling: T) {
+/// Appends the values of a chunk with `count` elements to those of `before` elements. Both lists
+/// may be empty instead, which stands for `default` values; `all` stays empty while no chunk has
+/// any.
+fn append_filled<T: Copy>(all: &mut Vec<T>, more: &[T], before: usize, count: usize, default: T) {
     if all.is_empty() && more.is_empty() {
         return;
     }
-    all.resize(before, filling);
+    all.resize(before, default);
     all.extend_from_slice(more);
-    all.resize(before + count, filling);
+    all.resize(before + count, default);
 }
 
-/// The names that hold for the next face.
+/// Numbers of materials and labels by their names, and those that hold for the next face.
 struct Names {
     material_index: BTreeMap<String, u32>,
     label_index: BTreeMap<String, u32>,
@@ -198,15 +202,15 @@ impl Default for Names {
 }
 
 impl Names {
-    /// Adds the runs of a chunk whose faces are to follow.
+    /// Adds the runs of a chunk whose faces have not been added yet.
     fn add(&mut self, parsed: &mut Parsed, chunk: &Chunk) {
-        let (first, mut done) = (parsed.faces.face_ends.len() as u32, 0);
-        for (faces, name) in &chunk.names {
-            self.begin_run(parsed, first + done, faces - done);
-            done = *faces;
+        let (first, mut run_start) = (parsed.faces.face_ends.len() as u32, 0);
+        for (face, name) in &chunk.names {
+            self.begin_run(parsed, first + run_start, face - run_start);
+            run_start = *face;
             self.set(parsed, name);
         }
-        self.begin_run(parsed, first + done, chunk.face_ends.len() as u32 - done);
+        self.begin_run(parsed, first + run_start, chunk.face_ends.len() as u32 - run_start);
     }
 
     fn begin_run(&self, parsed: &mut Parsed, first_face: u32, faces: u32) {

@@ -1,4 +1,4 @@
-//! The content of an OBJ as arrays, with counts of what was left out.
+//! The content of an OBJ as arrays, with counts of what was ignored or changed.
 
 pub(super) use crate::faces::{Faces, NONE, Run};
 
@@ -11,22 +11,31 @@ pub(super) struct Parsed {
     pub(super) notes: Notes,
 }
 
-/// Counts of what was not taken as written, each with the first line where it happened.
+/// Counts of what was ignored or changed, each with the first line where it happened.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
+    /// Line elements (`l`).
     pub(super) lines: Count,
+    /// Point elements (`p`).
     pub(super) points: Count,
+    /// Faces with fewer than three corners.
     pub(super) small_faces: Count,
+    /// Statements that are none of OBJ.
     pub(super) unknown: Count,
+    /// The first word of the first of these.
     pub(super) unknown_first: String,
+    /// Free-form curves and surfaces.
     pub(super) free_form: Count,
+    /// Statements with more numbers than they need.
     pub(super) extra_values: Count,
+    /// Positions with a weight other than 1.
     pub(super) weights: Count,
+    /// Positions without a colour.
     pub(super) uncolored: Count,
 }
 
 impl Notes {
-    /// Adds those of lines that follow `lines` line ends.
+    /// Adds the notes of a chunk that follows `lines` line ends.
     pub(super) fn add(&mut self, more: &Self, lines: u32) {
         if self.unknown.times == 0 {
             self.unknown_first.clone_from(&more.unknown_first);
@@ -50,7 +59,7 @@ pub(super) struct Count {
 }
 
 impl Count {
-    /// Once more, on this line.
+    /// Counts an occurrence on this line.
     pub(super) fn add(&mut self, line: u32) {
         if self.times == 0 {
             self.line = line;
@@ -58,7 +67,7 @@ impl Count {
         self.times += 1;
     }
 
-    /// Adds those of lines that follow `lines` line ends.
+    /// Adds the count of a chunk that follows `lines` line ends.
     fn append(&mut self, more: Self, lines: u32) {
         if self.times == 0 && more.times > 0 {
             self.line = lines.saturating_add(more.line);

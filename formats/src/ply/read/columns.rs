@@ -1,5 +1,5 @@
-//! Columns of a PLY's vertex rows: which property is which coordinate or colour, and its values
-//! converted.
+//! Reads the rows of a PLY's elements: which property of a vertex or face is which coordinate,
+//! colour or index, and its values converted.
 
 use super::Content;
 use crate::faces::{Faces, NONE};
@@ -9,10 +9,10 @@ use serde_ply::{ElementDef, PropertyType, ScalarType};
 use std::cell::Cell;
 use std::fmt;
 
-/// First characters of what a sink says when a limit is reached.
+/// Beginning of a sink's message when a limit is reached.
 pub(super) const LIMIT: &str = "limit: ";
 
-/// Number of the row that is read, from 1.
+/// Number of the row that is being read, from 1.
 #[derive(Debug, Default)]
 pub(super) struct Count(Cell<u64>);
 
@@ -78,7 +78,7 @@ impl<'de, F: FnMut(usize, &[f64]) -> Result<(), String>> Visitor<'de> for Row<'_
 
     fn visit_map<A: MapAccess<'de>>(self, mut row: A) -> Result<(), A::Error> {
         let mut column = 0;
-        // Properties come in the order of the header: their names need not be looked at.
+        // Properties come in the order of the header, so their names do not matter.
         while row.next_key::<IgnoredAny>()?.is_some() {
             self.values.clear();
             row.next_value_seed(Numbers(self.values))?;
@@ -124,14 +124,14 @@ impl<'de> Visitor<'de> for Numbers<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
-        // No memory for a length that is only claimed.
+        // No memory is reserved for a length that is only claimed.
         while list.next_element_seed(Numbers(self.0))?.is_some() {}
         Ok(())
     }
 }
 
-/// Fewest bytes that a property takes in a binary file.
-pub(super) const fn least_bytes(kind: &PropertyType) -> u64 {
+/// Smallest number of bytes that a property takes in a binary file.
+pub(super) const fn min_bytes(kind: &PropertyType) -> u64 {
     let (PropertyType::Scalar(number) | PropertyType::List { count_type: number, .. }) = kind;
     match number {
         ScalarType::I8 | ScalarType::U8 => 1,
@@ -141,13 +141,13 @@ pub(super) const fn least_bytes(kind: &PropertyType) -> u64 {
     }
 }
 
-/// What a property of a vertex means.
+/// The meaning of a property of a vertex, with the component that it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum VertexColumn {
     Position(usize),
     Normal(usize),
     Texcoord(usize),
-    /// Channel, and the value that is full intensity.
+    /// Channel, and the value of full_intensity intensity.
     Color(usize, f64),
     Unused,
 }
@@ -167,10 +167,10 @@ impl VertexColumn {
             "nz" if normals => Self::Normal(2),
             "s" | "u" | "texture_u" | "s0" => Self::Texcoord(0),
             "t" | "v" | "texture_v" | "t0" => Self::Texcoord(1),
-            "red" | "diffuse_red" => Self::Color(0, full(number)),
-            "green" | "diffuse_green" => Self::Color(1, full(number)),
-            "blue" | "diffuse_blue" => Self::Color(2, full(number)),
-            "alpha" if colors => Self::Color(3, full(number)),
+            "red" | "diffuse_red" => Self::Color(0, full_intensity(number)),
+            "green" | "diffuse_green" => Self::Color(1, full_intensity(number)),
+            "blue" | "diffuse_blue" => Self::Color(2, full_intensity(number)),
+            "alpha" if colors => Self::Color(3, full_intensity(number)),
             _ => Self::Unused,
         };
         let mut seen = Vec::new();
@@ -191,8 +191,8 @@ impl VertexColumn {
     }
 }
 
-/// The value of a colour's channel that is full intensity.
-const fn full(number: ScalarType) -> f64 {
+/// The value of full_intensity intensity of a colour channel.
+const fn full_intensity(number: ScalarType) -> f64 {
     match number {
         ScalarType::I8 => i8::MAX as f64,
         ScalarType::U8 => u8::MAX as f64,
@@ -209,7 +209,7 @@ const fn single(v: f64) -> f32 {
     v as f32
 }
 
-/// Takes the vertices; each value of a row in its turn.
+/// Returns a sink that adds vertices to `faces`, value by value.
 pub(super) fn vertices<'a>(
     faces: &'a mut Faces,
     columns: &'a [VertexColumn],
@@ -221,12 +221,12 @@ pub(super) fn vertices<'a>(
     let colors = has(|c| matches!(c, VertexColumn::Color(..)));
     faces.color_has_alpha = has(|c| matches!(c, VertexColumn::Color(3, _)));
     move |column, values| {
-        let at = count.rows() as usize - 1;
-        if faces.positions.len() <= at {
+        let vertex = count.rows() as usize - 1;
+        if faces.positions.len() <= vertex {
             faces.positions.push([0.0; 3]);
-            faces.normals.resize(if normals { at + 1 } else { 0 }, [0.0; 3]);
-            faces.texcoords.resize(if texcoords { at + 1 } else { 0 }, [0.0; 2]);
-            faces.colors.resize(if colors { at + 1 } else { 0 }, [1.0; 4]);
+            faces.normals.resize(if normals { vertex + 1 } else { 0 }, [0.0; 3]);
+            faces.texcoords.resize(if texcoords { vertex + 1 } else { 0 }, [0.0; 2]);
+            faces.colors.resize(if colors { vertex + 1 } else { 0 }, [1.0; 4]);
         }
         match columns[column] {
             VertexColumn::Position(axis) => {
@@ -234,12 +234,12 @@ pub(super) fn vertices<'a>(
                 if !value.is_finite() {
                     return Err(format!("the coordinate {} is not finite", values[0]));
                 }
-                faces.positions[at][axis] = value;
+                faces.positions[vertex][axis] = value;
             }
-            VertexColumn::Normal(axis) => faces.normals[at][axis] = single(values[0]),
-            VertexColumn::Texcoord(axis) => faces.texcoords[at][axis] = single(values[0]),
-            VertexColumn::Color(channel, full) => {
-                faces.colors[at][channel] = single(values[0] / full);
+            VertexColumn::Normal(axis) => faces.normals[vertex][axis] = single(values[0]),
+            VertexColumn::Texcoord(axis) => faces.texcoords[vertex][axis] = single(values[0]),
+            VertexColumn::Color(channel, full_intensity) => {
+                faces.colors[vertex][channel] = single(values[0] / full_intensity);
             }
             VertexColumn::Unused => {}
         }
@@ -247,7 +247,7 @@ pub(super) fn vertices<'a>(
     }
 }
 
-/// What a property of a face means.
+/// The meaning of a property of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FaceColumn {
     Corners,
@@ -280,12 +280,13 @@ impl FaceColumn {
     }
 }
 
-/// Takes faces, or strips of triangles that -1 divides; `most` corners together.
+/// Returns a sink that adds faces, or strips of triangles separated by -1, to `content`; at most
+/// `max_corners` corners together.
 pub(super) fn faces<'a>(
     content: &'a mut Content,
     columns: &'a [FaceColumn],
     strips: bool,
-    most: u64,
+    max_corners: u64,
 ) -> impl FnMut(usize, &[f64]) -> Result<(), String> + 'a {
     let textures = columns.contains(&FaceColumn::Texture);
     let (mut corners, mut texcoords, mut texture) = (Vec::new(), Vec::new(), 0.0);
@@ -300,27 +301,27 @@ pub(super) fn faces<'a>(
             return Ok(());
         }
         if strips {
-            triangles_of(&corners, &mut content.faces)?;
+            strip_triangles(&corners, &mut content.faces)?;
         } else if corners.len() < 3 {
-            content.small += 1;
+            content.small_faces += 1;
         } else {
             face(&corners, &texcoords, &mut content.faces)?;
             if textures {
-                content.numbers.push(index(texture).unwrap_or(NONE));
+                content.texture_numbers.push(index(texture).unwrap_or(NONE));
             }
         }
         corners.clear();
         texcoords.clear();
-        if content.faces.corner_v.len() as u64 > most {
+        if content.faces.corner_v.len() as u64 > max_corners {
             return Err(format!(
-                "{LIMIT}more than {most} corners of faces: the limit on triangles"
+                "{LIMIT}more than {max_corners} corners of faces: the limit on triangles"
             ));
         }
         Ok(())
     }
 }
 
-/// Adds a face. Its own texture coordinates come before those of its vertices.
+/// Adds a face. If it has texture coordinates, they are used instead of those of its vertices.
 fn face(corners: &[f64], texcoords: &[f64], faces: &mut Faces) -> Result<(), String> {
     for &corner in corners {
         faces.corner_v.push(vertex(corner)?);
@@ -339,8 +340,8 @@ fn face(corners: &[f64], texcoords: &[f64], faces: &mut Faces) -> Result<(), Str
     Ok(())
 }
 
-/// Adds the triangles of strips, every second one turned.
-fn triangles_of(strips: &[f64], faces: &mut Faces) -> Result<(), String> {
+/// Adds the triangles of strips, of which every second one is turned over.
+fn strip_triangles(strips: &[f64], faces: &mut Faces) -> Result<(), String> {
     for strip in strips.split(|&corner| corner == -1.0) {
         for (number, triangle) in strip.windows(3).enumerate() {
             let [a, b, c] = [triangle[0], triangle[1], triangle[2]];
@@ -355,7 +356,7 @@ fn vertex(corner: f64) -> Result<u32, String> {
     index(corner).ok_or_else(|| format!("vertex {corner} is no index"))
 }
 
-/// A whole number that an index can be.
+/// A number as an index; none if it cannot be one.
 fn index(value: f64) -> Option<u32> {
     let whole = value.fract() == 0.0 && (0.0..f64::from(NONE)).contains(&value);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is one")]
