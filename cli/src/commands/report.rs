@@ -6,7 +6,7 @@ use crate::exit::{Failure, Outcome, Status};
 use lodc::scene_levels;
 use lodc_formats::appearance;
 use lodc_formats::{ObjectInfo, scene_graph};
-use lodc_report::{Facts, PartInventory, check_models, curve, levels, page};
+use lodc_report::{PageContent, PartInventory, check_models, error_curve, page, page_levels};
 use lodc_scene::Arrangement;
 use lodc_select::scene_diagonal;
 
@@ -22,9 +22,9 @@ Examples:
 /// As [`view::write`].
 pub(crate) fn run(args: &PageArgs) -> Outcome<Status> {
     view::write(args, |shown| {
-        let (facts, warnings) = facts(args, shown)?;
-        let text = page(&facts);
-        let (status, what) = match facts.checks.iter().filter(|c| c.ok == Some(false)).count() {
+        let (content, warnings) = content(args, shown)?;
+        let text = page(&content);
+        let (status, what) = match content.checks.iter().filter(|c| c.ok == Some(false)).count() {
             0 => (Status::Done, String::new()),
             failed => (Status::Difference, format!(", {failed} checks failed")),
         };
@@ -32,8 +32,8 @@ pub(crate) fn run(args: &PageArgs) -> Outcome<Status> {
     })
 }
 
-/// The facts, and warnings about textures.
-fn facts<'a>(args: &PageArgs, shown: PageInput<'a>) -> Outcome<(Facts<'a>, Vec<String>)> {
+/// The content of the page, and warnings about textures.
+fn content<'a>(args: &PageArgs, shown: PageInput<'a>) -> Outcome<(PageContent<'a>, Vec<String>)> {
     let PageInput { asset, assets, title, stages } = shown;
     let name = args.input.display().to_string();
     let options = args.import.options();
@@ -44,23 +44,24 @@ fn facts<'a>(args: &PageArgs, shown: PageInput<'a>) -> Outcome<(Facts<'a>, Vec<S
     let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let scene = scene_levels(&asset.objects, &asset.document, &options.limits)?;
     let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
-    let levels = stages
-        .run("pictures", || levels(&asset.objects, &scene, &inventory, &arrangement, &looks))?;
+    let levels = stages.run("pictures", || {
+        page_levels(&asset.objects, &scene, &inventory, &arrangement, &looks)
+    })?;
     if levels[0].triangles == 0 {
         let message = format!("{name}: has no triangles: there is nothing to report");
         return Err(Failure::new(Status::Input, message));
     }
     let check = || check_models(&asset.objects, &asset.document, 1, &options.limits);
     let checks = stages.run("check", check)?;
-    let facts = Facts {
+    let content = PageContent {
         title,
         objects: &asset.objects,
-        curve: curve(&scene, levels[0].triangles)?,
+        curve: error_curve(&scene, levels[0].triangles)?,
         diagonal: scene_diagonal(&scene.candidates()),
         levels,
         checks,
         warnings: [&asset.warnings[..], &looks.warnings].concat(),
         bytes: std::fs::metadata(&args.input).ok().map(|m| m.len()),
     };
-    Ok((facts, looks.warnings))
+    Ok((content, looks.warnings))
 }

@@ -4,18 +4,24 @@
 use crate::text::grouped;
 use std::fmt::Write;
 
+// Lengths are in the units of the SVG, pixels at its natural size; all are chosen by hand.
+
+/// Width of a chart without its legend.
 const WIDTH: f64 = 460.0;
+/// Height of a chart.
 const HEIGHT: f64 = 260.0;
 /// Room for the labels: left, right, top, bottom.
 const MARGINS: [f64; 4] = [58.0, 16.0, 12.0, 40.0];
-/// More room at the left for the upright label that files have.
-const UPRIGHT: f64 = 16.0;
-/// Room for the names of several curves, and for one of them.
-const LEGEND: [f64; 2] = [168.0, 17.0];
+/// Further room at the left for the upright label of the y axis, which only files have.
+const UPRIGHT_LABEL: f64 = 16.0;
+/// Width of the legend with the names of several curves.
+const LEGEND_WIDTH: f64 = 168.0;
+/// Height of a line of the legend.
+const LEGEND_LINE: f64 = 17.0;
 /// Colours of curves that most people can tell apart (Okabe and Ito 2008).
 const COLOURS: [&str; 7] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#555555"];
-/// The part of a page's style sheet that a chart needs.
+/// The style sheet of a chart that is a file of its own: the same as in `page.css`.
 const STYLE: &str = "text{font:11px sans-serif;fill:#333;text-anchor:middle}\
     .left{text-anchor:end}.name{text-anchor:start}.grid{stroke:#ddd}\
     .curve{fill:none;stroke-width:1.6}.dashed{stroke-dasharray:5 3}";
@@ -24,7 +30,7 @@ const STYLE: &str = "text{font:11px sans-serif;fill:#333;text-anchor:middle}\
 const COLOURED: [&str; 6] =
     ["speed", "masking", "interactive", "progressive_mesh", "lodstrips", "discrete"];
 
-/// The number of a structure's colour, the same in all charts.
+/// The number of the colour of a structure, the same in all charts; one for all unknown ones.
 pub fn colour_of(structure: &str) -> usize {
     COLOURED.iter().position(|&name| name == structure).unwrap_or(COLOURED.len())
 }
@@ -34,7 +40,7 @@ pub fn colour_of(structure: &str) -> usize {
 pub enum Scale {
     /// From 0 on.
     Linear,
-    /// Powers of ten; values that are not above 0 are left out.
+    /// Powers of ten. Values that are not above 0 are left out.
     Log,
 }
 
@@ -54,9 +60,9 @@ pub struct Curve {
 /// A chart of one or more curves.
 #[derive(Clone, Debug)]
 pub struct Chart<'a> {
-    /// Of x and y.
+    /// Labels of x and y.
     pub labels: [&'a str; 2],
-    /// Of x and y.
+    /// Scales of x and y.
     pub scales: [Scale; 2],
     /// One or more.
     pub curves: Vec<Curve>,
@@ -70,7 +76,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// Round numbers around all values.
+    /// An axis between round numbers around all values.
     fn around(scale: Scale, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
         if scale == Scale::Linear {
@@ -81,7 +87,7 @@ impl Axis {
         Self { scale, low, high: 10_f64.powf(high.log10().ceil()).max(low * 10.0) }
     }
 
-    /// The share of a value between the ends.
+    /// The position of a value between the ends, from 0 to 1.
     fn share(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => value / self.high,
@@ -106,8 +112,8 @@ impl Axis {
 }
 
 impl Chart<'_> {
-    /// The chart as a part of a page, which says what `curve`, `grid` and `left` look like. Empty
-    /// if fewer than two points can be drawn.
+    /// The chart as a part of a page, whose style sheet has the classes `curve`, `grid` and `left`.
+    /// Empty if fewer than two points can be drawn.
     #[must_use]
     pub fn svg(&self) -> String {
         self.draw(MARGINS, "", "")
@@ -120,37 +126,37 @@ impl Chart<'_> {
             "<style>{STYLE}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"
         );
         let [left, right, top, bottom] = MARGINS;
-        let margins = [left + UPRIGHT, right, top, bottom];
+        let margins = [left + UPRIGHT_LABEL, right, top, bottom];
         self.draw(margins, " xmlns=\"http://www.w3.org/2000/svg\"", &style)
     }
 
     fn draw(&self, margins: [f64; 4], attributes: &str, style: &str) -> String {
-        let [along_x, along_y] = self.scales;
+        let [x_scale, y_scale] = self.scales;
         let fits = |v: f64, scale| v.is_finite() && (v > 0.0 || scale == Scale::Linear && v == 0.0);
-        let usable = |p: &&[f64; 2]| fits(p[0], along_x) && fits(p[1], along_y);
+        let usable = |p: &&[f64; 2]| fits(p[0], x_scale) && fits(p[1], y_scale);
         let all = || self.curves.iter().flat_map(|c| &c.points).filter(usable);
         if all().count() < 2 {
             return String::new();
         }
-        let x = Axis::around(along_x, all().map(|p| p[0]));
-        let y = Axis::around(along_y, all().map(|p| p[1]));
+        let x = Axis::around(x_scale, all().map(|p| p[0]));
+        let y = Axis::around(y_scale, all().map(|p| p[1]));
         let [left, right, top, bottom] = margins;
-        let at = |p: &[f64; 2]| {
+        let to_svg = |p: &[f64; 2]| {
             let across = left + x.share(p[0]) * (WIDTH - left - right);
             (across, HEIGHT - bottom - y.share(p[1]) * (HEIGHT - top - bottom))
         };
-        let width = WIDTH + if self.curves.len() > 1 { LEGEND[0] } else { 0.0 };
-        let height = HEIGHT.max(top + LEGEND[1] * (self.curves.len() + 1) as f64);
+        let width = WIDTH + if self.curves.len() > 1 { LEGEND_WIDTH } else { 0.0 };
+        let height = HEIGHT.max(top + LEGEND_LINE * (self.curves.len() + 1) as f64);
         let mut svg = format!("<svg{attributes} viewBox=\"0 0 {width} {height}\" role=\"img\">\n");
         // Writing to a string cannot fail.
         let _ = writeln!(svg, "<title>{} against {}</title>", self.labels[1], self.labels[0]);
         svg.push_str(style);
-        self.grid(&mut svg, margins, [&x, &y], &at);
+        self.grid(&mut svg, margins, [&x, &y], &to_svg);
         for (row, curve) in self.curves.iter().enumerate() {
             let mut path = String::new();
             for p in curve.points.iter().filter(usable) {
                 let letter = if path.is_empty() { 'M' } else { 'L' };
-                let (x, y) = at(p);
+                let (x, y) = to_svg(p);
                 let _ = write!(path, "{letter}{x:.1} {y:.1}");
             }
             let dashed = if curve.dashed { " dashed" } else { "" };
@@ -162,7 +168,7 @@ impl Chart<'_> {
             };
             let _ = writeln!(svg, "<path class=\"curve{dashed}\"{colour} d=\"{path}\"/>");
             if self.curves.len() > 1 {
-                let (x, y) = (WIDTH + 6.0, top + LEGEND[1] * (row as f64 + 0.5));
+                let (x, y) = (WIDTH + 6.0, top + LEGEND_LINE * (row as f64 + 0.5));
                 let end = x + 22.0;
                 let _ = writeln!(
                     svg,
@@ -185,20 +191,21 @@ impl Chart<'_> {
         svg: &mut String,
         margins: [f64; 4],
         [x, y]: [&Axis; 2],
-        at: &dyn Fn(&[f64; 2]) -> (f64, f64),
+        to_svg: &dyn Fn(&[f64; 2]) -> (f64, f64),
     ) {
         let [left, right, top, bottom] = margins;
         let (end, base) = (WIDTH - right, HEIGHT - bottom);
         // Writing to a string cannot fail.
         for (v, label) in x.ticks() {
-            let (at, _) = at(&[v, y.low]);
-            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{at:.1} {top}V{base}\"/>");
-            let _ = writeln!(svg, "<text x=\"{at:.1}\" y=\"{:.1}\">{label}</text>", base + 16.0);
+            let (across, _) = to_svg(&[v, y.low]);
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{across:.1} {top}V{base}\"/>");
+            let y = base + 16.0;
+            let _ = writeln!(svg, "<text x=\"{across:.1}\" y=\"{y:.1}\">{label}</text>");
         }
         for (v, label) in y.ticks() {
-            let (_, at) = at(&[x.low, v]);
-            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{left} {at:.1}H{end}\"/>");
-            let (x, y) = (left - 7.0, at + 4.0);
+            let (_, down) = to_svg(&[x.low, v]);
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{left} {down:.1}H{end}\"/>");
+            let (x, y) = (left - 7.0, down + 4.0);
             let _ = writeln!(svg, "<text class=\"left\" x=\"{x}\" y=\"{y:.1}\">{label}</text>");
         }
         let ([across, up], middle) = (self.labels, f64::midpoint(left, end));
@@ -210,7 +217,7 @@ impl Chart<'_> {
     }
 }
 
-/// 1, 2 or 5 times a power of ten, of which a value is three to six.
+/// The distance of grid lines: 1, 2 or 5 times a power of ten, three to six of which reach `high`.
 fn step(high: f64) -> f64 {
     if high <= 0.0 {
         return 1.0;

@@ -17,11 +17,11 @@ impl ErrorsOver {
     /// The rest pose alone.
     pub const REST: Self = Self { rest: true, poses: 0 };
 
-    /// What the errors of objects of a file hold in.
+    /// The poses that the errors of a file's objects hold in.
     #[must_use]
     pub fn of<'a>(objects: impl IntoIterator<Item = &'a ObjectInfo>) -> Self {
-        let most = objects.into_iter().map(|info| info.poses.len()).max();
-        Self { poses: most.unwrap_or(0), ..Self::REST }
+        let max_poses = objects.into_iter().map(|info| info.poses.len()).max();
+        Self { poses: max_poses.unwrap_or(0), ..Self::REST }
     }
 }
 

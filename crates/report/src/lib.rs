@@ -1,6 +1,7 @@
 //! Results as people, browsers and CI systems read them: numbers in text, charts, the page that a
-//! reviewer opens, the JSON documents of commands, checks with JUnit files, comparisons with what
-//! they exceed. It writes nothing: results are structs to be serialised, text, XML and HTML.
+//! reviewer opens, the JSON documents of commands, checks with JUnit files, comparisons with the
+//! limits that they exceed. It writes no file: results are structs to be serialised, text, XML and
+//! HTML.
 //!
 //! ```
 //! use lodc_report::{Case, CheckReport, Suite, Verdict, junit, text};
@@ -19,8 +20,8 @@ mod ci;
 mod compare;
 pub mod documents;
 mod errors_over;
-mod gone;
 pub mod html;
+mod missing_parts;
 mod page;
 pub mod text;
 
@@ -35,8 +36,8 @@ pub use compare::{
     PairReport, TriangleCounts,
 };
 pub use errors_over::ErrorsOver;
-pub use gone::{MissingPart, PartInventory};
-pub use page::{Facts, Level, curve, levels, page};
+pub use missing_parts::{MissingPart, PartInventory};
+pub use page::{PageContent, PageLevel, error_curve, page, page_levels};
 
 /// Version of all documents; rises only if a key changes its meaning or goes away.
 pub const SCHEMA_VERSION: u32 = 1;

@@ -75,8 +75,8 @@ impl<'a> PartInventory<'a> {
         self.gone_at(lods, self.objects.iter().zip(lods).map(error))
     }
 
-    /// As [`Self::gone`], with other bounds of the levels' errors than the stored ones: one for each
-    /// object, in mesh units.
+    /// As [`Self::gone`], with other bounds of the levels' errors than the stored ones: one for
+    /// each object, in mesh units.
     #[must_use]
     pub fn gone_at(&self, lods: &[Lod], errors: impl IntoIterator<Item = f64>) -> Vec<MissingPart> {
         if lods.iter().all(|lod| lod.0 == 0) {

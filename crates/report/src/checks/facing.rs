@@ -1,36 +1,38 @@
 //! Checks that no triangle of a shipped level is turned over, compared with its source.
 //!
-//! Edges of triangles, each in its direction, add up to the border of a surface: two faces that
-//! face the same way cancel out at the edge between them. A level is its source with vertices
-//! moved, so its border is the source's with vertices moved: nothing where the source has none. A
-//! face that is turned over leaves its edges twice.
+//! The directed edges of triangles add up to the border of a surface: two faces that face the same
+//! way cancel out at the edge between them. A level is its source with vertices moved, so its
+//! border is the source's with vertices moved: nothing if the source is closed. A face that is
+//! turned over adds its edges twice.
 
 use glam::{DVec3, Vec3};
 use lodc_measure::{Surface, TriangleTree};
 use lodc_mesh::{Mesh, NONE, PositionIds, position_key};
 
-/// A position, bit for bit; the sign of a zero has no part in it.
+/// The bits of a position; the same for both signs of zero.
 type Key = [u32; 3];
 
 /// How the triangles of an object face.
 pub(super) struct Facing {
     /// The positions on its border, rising; none if the object is closed.
     border: Vec<Key>,
-    /// How often an edge is there more in one direction than in the other, at most; at least once.
+    /// The largest number of times that an edge is there more often in one direction than in the
+    /// other; at least 1.
     max_surplus: u32,
-    /// Every triangle: its positions, rising, and whether an even permutation gives its own order.
+    /// Every triangle: its positions, rising, and whether an even permutation gives their order in
+    /// the triangle.
     triangles: Vec<([Key; 3], bool)>,
     tree: TriangleTree,
 }
 
-/// How the vertices of a level came out of its source's.
+/// Where the vertices of a level may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moved {
-    /// To positions that the source has.
+    /// At positions of the source's vertices.
     ToPositions,
     /// Anywhere near the source.
     Freely,
-    /// Into units of their own.
+    /// Anywhere: positions are in units of their own.
     IntoOtherUnits,
 }
 
@@ -61,9 +63,10 @@ impl Facing {
         self.border.is_empty()
     }
 
-    /// Returns a triangle of a level that is turned over. A closed source decides it; of others,
-    /// edges inside of the source and edges that are there more often in one direction than any of
-    /// the source are doubted, and a face there has to look away from the source next to it.
+    /// Returns a triangle of a level that is turned over: one with a doubtful edge. If the source
+    /// is closed, each edge of the level's border is doubtful. Otherwise those are that have an end
+    /// inside of the source, or a larger surplus than any of the source; and the triangle has to
+    /// face away from the source next to it.
     pub(super) fn turned_over(&self, level: &Mesh, moved: Moved) -> Option<usize> {
         if !self.is_closed() && moved == Moved::IntoOtherUnits {
             return None;
@@ -87,26 +90,28 @@ impl Facing {
                 .count()
         };
         let is_turned = |&(t, doubtful_edges): &(usize, usize)| {
-            doubtful_edges > 0 && (self.is_closed() || self.looks_away(level, t))
+            doubtful_edges > 0 && (self.is_closed() || self.faces_away(level, t))
         };
         let triangles = level.triangles().iter().map(doubtful_edges).enumerate();
         let turned_over = triangles
             .filter(is_turned)
             .max_by_key(|&(t, doubtful_edges)| (doubtful_edges, usize::MAX - t));
-        let of_source = || {
+        // A triangle that the source has the other way round alone.
+        let source_triangle = || {
             let is_turned = |t: &[u32; 3]| {
                 let (positions, is_even) = sorted(t.map(|v| key(level, v)));
-                let has = |way| self.triangles.binary_search(&(positions, way)).is_ok();
+                let has = |is_even| self.triangles.binary_search(&(positions, is_even)).is_ok();
                 has(!is_even) && !has(is_even)
             };
             level.triangles().iter().position(is_turned)
         };
         let keeps_positions = moved == Moved::ToPositions && !self.is_closed();
-        turned_over.map(|(t, _)| t).or_else(|| if keeps_positions { of_source() } else { None })
+        let source_triangle = || if keeps_positions { source_triangle() } else { None };
+        turned_over.map(|(t, _)| t).or_else(source_triangle)
     }
 
-    /// Returns whether a triangle looks another way than the source next to its middle.
-    fn looks_away(&self, level: &Mesh, triangle: usize) -> bool {
+    /// Returns whether a triangle faces away from where the source next to its middle faces.
+    fn faces_away(&self, level: &Mesh, triangle: usize) -> bool {
         let position = |v: u32| Vec3::from(level.positions()[v as usize]).as_dvec3();
         let corners = level.triangles()[triangle].map(position);
         let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
@@ -120,6 +125,7 @@ impl Facing {
 struct Edge {
     /// Numbers of positions, rising.
     ends: [u32; 2],
+    /// Times that it leads from the lower to the higher number minus times that it leads back.
     net: i32,
 }
 
@@ -132,8 +138,8 @@ fn edges([a, b, c]: [u32; 3]) -> [Edge; 3] {
 
 /// The edges of a mesh that do not cancel out, by their ends.
 fn border(mesh: &Mesh, ids: &PositionIds) -> Vec<Edge> {
-    let of = |t: &[u32; 3]| edges(t.map(|v| ids.of_vertex[v as usize]));
-    let mut all: Vec<Edge> = mesh.triangles().iter().flat_map(of).collect();
+    let position_edges = |t: &[u32; 3]| edges(t.map(|v| ids.of_vertex[v as usize]));
+    let mut all: Vec<Edge> = mesh.triangles().iter().flat_map(position_edges).collect();
     all.retain(|edge| edge.ends[0] != edge.ends[1]);
     all.sort_unstable_by_key(|edge| edge.ends);
     all.dedup_by(|next, edge| {
@@ -167,11 +173,11 @@ mod tests {
     use lodc_mesh::{Lod, Simplified};
     use lodc_simplify::{Options, simplify};
 
-    /// Triangles of meshes whose every triangle is turned.
-    const MOST: usize = 700;
+    /// Largest number of triangles of a mesh, each of which is turned over in its turn.
+    const MAX_TRIANGLES: usize = 700;
 
-    /// Where as few triangles were turned in all, most levels have but one or two.
-    const FEW: usize = 20;
+    /// If no more triangles than this were turned in all, most levels have only one or two.
+    const MIN_TURNED: usize = 20;
 
     fn level(simplified: &Simplified, lod: Lod) -> Mesh {
         let mut parts = simplified.mesh().clone().into_parts();
@@ -190,7 +196,7 @@ mod tests {
     #[test]
     fn each_triangle_that_is_turned_over_is_found() {
         let shapes = lodc_fixtures::ALL.iter().map(|(name, make)| (name, make()));
-        for (name, mesh) in shapes.filter(|(_, mesh)| mesh.triangles().len() <= MOST) {
+        for (name, mesh) in shapes.filter(|(_, mesh)| mesh.triangles().len() <= MAX_TRIANGLES) {
             let simplified = simplify(&mesh, &Options::DEFAULT, &|_, _| {});
             let facing = Facing::of(&mesh);
             let (mut all, mut missed) = (0, 0);
@@ -208,7 +214,7 @@ mod tests {
             }
             // Elsewhere edges tell nothing: one face is left, or the source itself is turned over
             // in places.
-            if facing.is_closed() || facing.max_surplus == 1 && all > FEW {
+            if facing.is_closed() || facing.max_surplus == 1 && all > MIN_TURNED {
                 assert_eq!(missed, 0, "{name}: of {all}");
             }
         }

@@ -12,17 +12,21 @@ use lodc_measure::{Original, Sampling, Surface};
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
 use lodc_scene::{Arrangement, Motion, Placement, posed, representative};
 
-/// Measured distances may be this many times what a level states.
-const TOLERANCE: f64 = 1.05;
+/// A measured distance may be at most this many times the error that a level states. Chosen by
+/// hand: stated errors are made from samples.
+const MAX_MEASURED: f64 = 1.05;
 
-/// What a level states may be this many times the largest distance that it can have.
-const OVERSTATED: f64 = 1.5;
+/// The error that a level states may be at most this many times its largest distance. Chosen by
+/// hand: errors never fall from level to level, so that some are above their distance.
+const MAX_STATED: f64 = 1.5;
 
-/// Fewer samples than by default: where they are farthest triangles are searched.
+/// Fewer samples than by default: around the farthest of them triangles are searched. Chosen by
+/// hand.
 const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x1e7e1 };
 
-/// Distances that are rounding errors, or too small to be refused, as a share of the diagonal.
-const TINY_SHARE: f64 = 1e-6;
+/// Distances below this share of the diagonal are rounding errors, or not worth a refusal. Chosen
+/// by hand.
+const NEGLIGIBLE_SHARE: f64 = 1e-6;
 
 /// Checks levels against the mesh that they were made from: that it is this one, that each errs no
 /// more than it states, that vertices are the mesh's, that nothing but geometry changed, and that
@@ -50,9 +54,9 @@ pub fn check_levels(
     };
     checks.push(report("errors hold").of(count, first(shipped, error)?));
 
-    let is_kept =
+    let has_source_values =
         !stated.refitted && shipped.levels.iter().all(|level| keeps_values(level, source));
-    checks.push(if is_kept {
+    checks.push(if has_source_values {
         let vertices = Vertices::of(source);
         report("vertices are the input's")
             .of(count, first(shipped, |_, level| Ok(vertices.difference(level)))?)
@@ -65,15 +69,16 @@ pub fn check_levels(
     let turned = |_, level: &Scene| Ok(turned(level, source, &facings, stated.refitted));
     checks.push(report("triangles face as the input's").of(count, first(shipped, turned)?));
 
-    let rest = |_, level: &Scene| document_difference(&source.document, &level.document, limits);
-    checks.push(report("nothing else changed").of(count, first(shipped, rest)?));
+    let document =
+        |_, level: &Scene| document_difference(&source.document, &level.document, limits);
+    checks.push(report("nothing else changed").of(count, first(shipped, document)?));
     if count > 1 {
         checks.push(report("levels share vertices").of(count, shipped.difference.clone()));
     }
     Ok(checks)
 }
 
-/// What is wrong with the first level that has something.
+/// The first difference that `check` finds in a level.
 fn first(
     shipped: &ShippedLevels,
     check: impl Fn(usize, &Scene) -> Result<Option<String>, FormatError>,
@@ -86,7 +91,7 @@ fn first(
     Ok(None)
 }
 
-/// The source, ready for levels to be measured.
+/// The source, prepared for measuring levels.
 struct Measure<'a> {
     source: &'a Scene,
     motion: Motion,
@@ -122,11 +127,11 @@ impl<'a> Measure<'a> {
         let origin =
             first_placement.and_then(|positions| positions.first().copied()).unwrap_or_default();
         let units = Units { origin, world };
-        let diagonal = whole(source, motion.rest(), units).diagonal();
+        let diagonal = scene_surface(source, motion.rest(), units).diagonal();
         Ok(Self { source, motion, poses, units, diagonal })
     }
 
-    /// Returns how a level errs more than it states, or far less.
+    /// Returns a difference if a level has a larger error than it states, or a far smaller one.
     fn difference(
         &self,
         level: &Scene,
@@ -134,7 +139,7 @@ impl<'a> Measure<'a> {
         limits: &Limits,
     ) -> Result<Option<String>, FormatError> {
         if !stated.is_finite() {
-            // What is gone altogether is infinitely far.
+            // A level without triangles: every distance is within its error.
             return Ok(None);
         }
         let shown = motion(level, limits)?;
@@ -145,37 +150,40 @@ impl<'a> Measure<'a> {
             original.distances(to).hausdorff.into_iter().fold(0.0, f64::max)
         };
         let largest = pairs.iter().map(measured).fold(0.0, f64::max);
-        let tiny = TINY_SHARE * self.diagonal;
-        if largest > TOLERANCE * stated + tiny {
+        let negligible = NEGLIGIBLE_SHARE * self.diagonal;
+        if largest > MAX_MEASURED * stated + negligible {
             return Ok(Some(format!("the error is {stated}, measured are {largest}")));
         }
-        let allowed = |distance| OVERSTATED * distance + self.rounding(level, shown.rest()) + tiny;
+        let allowed =
+            |distance| MAX_STATED * distance + self.rounding(level, shown.rest()) + negligible;
         // Errors may be the largest over poses that are not known, as in an OBJ.
         let bends = self.source.objects.iter().any(|o| bends(&o.mesh));
-        let is_known = !bends || self.poses.is_some() && !self.is_flattened(level);
-        if !is_known || stated <= allowed(largest) || pairs.len() < self.source.objects.len() {
+        let poses_known = !bends || self.poses.is_some() && !self.is_flattened(level);
+        if !poses_known || stated <= allowed(largest) || pairs.len() < self.source.objects.len() {
             return Ok(None);
         }
-        // Samples may miss a small part: only a bound tells that there is none.
+        // Samples may miss a small part, so only an upper bound shows that the error is too large.
         let bound = pairs.iter().map(|(original, to)| original.bound_and_rms(to).0);
         let bound = bound.fold(0.0, f64::max);
         let what = || format!("the error is {stated}, no point is farther than {bound}");
         Ok((stated > allowed(bound)).then(what))
     }
 
-    /// Half the diagonal of a cell of the coarsest grid that a level's vertices are on: what is
-    /// stated allows for it.
+    /// Half the diagonal of a cell of the coarsest grid that a level's vertices are on, which
+    /// stated errors include.
     fn rounding(&self, level: &Scene, shown: &Arrangement) -> f64 {
         if !has_own_grids(level, self.source) {
             return 0.0;
         }
-        // Whole numbers are scaled to be what they were.
+        // Coordinates are whole numbers, so the scale of an object's placement is the step of its
+        // grid.
         let step = |(o, object): (usize, &SceneObject)| representative(&object.mesh, o, shown).1;
         let largest = level.objects.iter().enumerate().map(step).fold(0.0, f64::max);
         0.5 * 3f64.sqrt() * largest / self.units.world
     }
 
-    /// Returns whether a level has not the objects of the source, each by itself.
+    /// Returns whether a level does not have the source's objects one by one: it is one mesh, or
+    /// some of them are gone.
     fn is_flattened(&self, level: &Scene) -> bool {
         let is_one = !level.source.format.is_gltf();
         is_one || level.objects.len() != self.source.objects.len()
@@ -186,14 +194,18 @@ impl<'a> Measure<'a> {
     fn pairs(&self, level: &Scene, shown: &Motion) -> Vec<[Surface; 2]> {
         if self.is_flattened(level) {
             let [source, level] = [(self.source, &self.motion), (level, shown)];
-            return vec![[source, level].map(|(s, motion)| whole(s, motion.rest(), self.units))];
+            let surface = |(scene, motion): (&Scene, &Motion)| {
+                scene_surface(scene, motion.rest(), self.units)
+            };
+            return vec![[source, level].map(surface)];
         }
-        let of_object = |object: usize| {
+        let object_pairs = |object: usize| {
             let meshes = [&self.source.objects[object].mesh, &level.objects[object].mesh];
             let as_modelled = Placement::as_modelled(object);
-            let (at, _) = representative(meshes[0], object, self.motion.rest());
-            let at = at.unwrap_or(&as_modelled);
-            let level_at = same_place(at, self.motion.rest(), shown.rest()).unwrap_or(&as_modelled);
+            let (source_at, _) = representative(meshes[0], object, self.motion.rest());
+            let source_at = source_at.unwrap_or(&as_modelled);
+            let level_at = same_placement(source_at, self.motion.rest(), shown.rest());
+            let level_at = level_at.unwrap_or(&as_modelled);
             let pair = |placements: [&Placement; 2]| {
                 [0, 1].map(|side| {
                     let mut surface = Surface::default();
@@ -202,22 +214,23 @@ impl<'a> Measure<'a> {
                 })
             };
             let in_pose = |&pose: &Posture| {
-                let placements = [self.motion.placed(at, pose)?, shown.placed(level_at, pose)?];
+                let placements =
+                    [self.motion.placed(source_at, pose)?, shown.placed(level_at, pose)?];
                 Some(pair(placements.each_ref()))
             };
             let poses =
                 self.poses.and_then(|poses| poses.get(object)).map_or(&[][..], Vec::as_slice);
-            std::iter::once(pair([at, level_at]))
+            std::iter::once(pair([source_at, level_at]))
                 .chain(poses.iter().filter_map(in_pose))
                 .collect::<Vec<_>>()
         };
-        (0..level.objects.len()).flat_map(of_object).collect()
+        (0..level.objects.len()).flat_map(object_pairs).collect()
     }
 }
 
-/// The placement of a level that is where one of the source is. Their nodes come in the same
-/// order: an object on a grid has been moved to a child of its node.
-fn same_place<'a>(
+/// The placement of a level's object that corresponds to one of the source. Their nodes come in the
+/// same order: an object on a grid has been moved to a child of its node.
+fn same_placement<'a>(
     at: &Placement,
     source: &Arrangement,
     level: &'a Arrangement,
@@ -238,8 +251,8 @@ fn bends(mesh: &Mesh) -> bool {
     mesh.attributes().iter().any(moves)
 }
 
-/// Everything that a scene shows.
-fn whole(scene: &Scene, arrangement: &Arrangement, units: Units) -> Surface {
+/// The surface of everything that a scene shows.
+fn scene_surface(scene: &Scene, arrangement: &Arrangement, units: Units) -> Surface {
     let mut all = Surface::default();
     for placement in arrangement.placements() {
         add(&mut all, &scene.objects[placement.object].mesh, placement, units);
@@ -271,15 +284,16 @@ fn keeps_values(level: &Scene, source: &Scene) -> bool {
     same_kind && (!level.compressed || source.compressed)
 }
 
-/// Returns which triangle of a level is turned over. An object that is not the source's of that
-/// number or name is held to nothing unless all of the source is closed.
+/// Returns which triangle of a level is turned over. Objects correspond by their numbers or, where
+/// some are gone, by their names; one that corresponds to none is only checked if all objects of
+/// the source are closed.
 fn turned(level: &Scene, source: &Scene, facings: &[Facing], is_refitted: bool) -> Option<String> {
     let moved = match has_own_grids(level, source) {
         true => Moved::IntoOtherUnits,
         false if is_refitted || !keeps_values(level, source) => Moved::Freely,
         false => Moved::ToPositions,
     };
-    let of_name = |object: &SceneObject| {
+    let object_of_name = |object: &SceneObject| {
         let mut same =
             (0..source.objects.len()).filter(|&o| source.objects[o].info.name == object.info.name);
         same.next().filter(|_| same.next().is_none())
@@ -287,19 +301,19 @@ fn turned(level: &Scene, source: &Scene, facings: &[Facing], is_refitted: bool) 
     let all_closed = facings.iter().all(Facing::is_closed);
     let all_there = level.objects.len() == source.objects.len();
     level.objects.iter().enumerate().find_map(|(o, object)| {
-        let own = if all_there { Some(o) } else { of_name(object) };
-        let facing = &facings[own.or(all_closed.then_some(0))?];
+        let source_object = if all_there { Some(o) } else { object_of_name(object) };
+        let facing = &facings[source_object.or(all_closed.then_some(0))?];
         let triangle = facing.turned_over(&object.mesh, moved)?;
         Some(format!("{}: triangle {triangle} is turned over", object.info.name))
     })
 }
 
-/// Every vertex of the source, object by object: the bytes of its position, and those of its
-/// other values. Where vertices at one position differ, one may go to a position where none has its
-/// values: it takes them along.
+/// The vertices of the source, object by object: the bytes of their positions, and apart from these
+/// the bytes of their other values. A vertex may move to a position at which none has its values,
+/// so that pairs of both would refuse too much.
 struct Vertices {
-    /// Sorted.
-    of_object: Vec<[Vec<Vec<u8>>; 2]>,
+    /// For each object the positions and the other values, sorted.
+    by_object: Vec<[Vec<Vec<u8>>; 2]>,
 }
 
 impl Vertices {
@@ -312,21 +326,21 @@ impl Vertices {
                 all
             })
         };
-        Self { of_object: source.objects.iter().map(sets).collect() }
+        Self { by_object: source.objects.iter().map(sets).collect() }
     }
 
-    /// Looks for the vertices of each object among those of the source's; where objects are gone,
-    /// among those of all.
+    /// Searches for the vertices of each object among those of the source's object; where objects
+    /// are gone, among those of all.
     fn difference(&self, level: &Scene) -> Option<String> {
-        let all_there = level.objects.len() == self.of_object.len();
+        let all_there = level.objects.len() == self.by_object.len();
         level.objects.iter().enumerate().find_map(|(o, object)| {
-            let known_vertices =
-                if all_there { &self.of_object[o..=o] } else { &self.of_object[..] };
-            let is_in_source = |(kind, own): (usize, &Vec<u8>)| {
-                known_vertices.iter().any(|sets| sets[kind].binary_search(own).is_ok())
+            let source_vertices =
+                if all_there { &self.by_object[o..=o] } else { &self.by_object[..] };
+            let is_in_source = |(kind, bytes): (usize, &Vec<u8>)| {
+                source_vertices.iter().any(|sets| sets[kind].binary_search(bytes).is_ok())
             };
             vertices(&object.mesh).enumerate().find_map(|(v, vertex)| {
-                let kind = vertex.iter().enumerate().position(|own| !is_in_source(own))?;
+                let kind = vertex.iter().enumerate().position(|bytes| !is_in_source(bytes))?;
                 let what = ["position", "values"][kind];
                 let name = &object.info.name;
                 Some(format!("{name}: the source has no vertex with the {what} of vertex {v}"))
@@ -335,8 +349,8 @@ impl Vertices {
     }
 }
 
-/// The bytes of each vertex: its position and what belongs to it, as joints and offsets of morph
-/// targets do; its other attributes. Each with its meaning.
+/// The bytes of each vertex: first its position with what belongs to it, as joints and offsets of
+/// morph targets do, then its other attributes, each after its meaning.
 fn vertices(mesh: &Mesh) -> impl Iterator<Item = [Vec<u8>; 2]> {
     let meaning = |a: &Attribute| format!("{:?}{:?}", a.semantic, a.morph_target).into_bytes();
     let meanings: Vec<Vec<u8>> = mesh.attributes().iter().map(meaning).collect();

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Stored facts and models of every object, several objects at once.
+/// Checks the sequence and the models of every object, several objects at once.
 ///
 /// # Errors
 /// If the stored document is damaged, or an object is more than can be verified.
@@ -28,19 +28,19 @@ pub fn check_models(
 ) -> Result<Vec<CheckReport>, FormatError> {
     let options = VerifyOptions { stride, ..VerifyOptions::default() };
     let shapes = stated_shapes(objects, document, limits)?;
-    let one = |(o, shapes): (&LodObject, &Vec<Shape>)| {
+    let check = |(o, shapes): (&LodObject, &Vec<Shape>)| {
         let shapes: Vec<_> = shapes.iter().map(|shape| shape.of(o.simplified.mesh())).collect();
-        object(o, &shapes, &options)
+        check_object(o, &shapes, &options)
     };
     let animations = animation_names(document, limits)?.len();
-    let checked: Result<Vec<_>, FormatError> = objects.par_iter().zip(&shapes).map(one).collect();
+    let checked: Result<Vec<_>, FormatError> = objects.par_iter().zip(&shapes).map(check).collect();
     let mut checks = checked?.concat();
-    checks.extend(objects.iter().filter_map(|object| poses(object, animations)));
+    checks.extend(objects.iter().filter_map(|object| check_poses(object, animations)));
     Ok(checks)
 }
 
-/// Whether the poses that errors are the largest over are of this file; none without any.
-fn poses(object: &LodObject, animations: usize) -> Option<CheckReport> {
+/// Checks that the poses that errors are the largest over are of this file; none without any.
+fn check_poses(object: &LodObject, animations: usize) -> Option<CheckReport> {
     let (poses, mesh) = (&object.info.poses, object.simplified.mesh());
     let targets = mesh.attributes().iter().filter_map(|a| a.morph_target).max();
     let unknown = poses.iter().enumerate().find_map(|(number, pose)| {
@@ -55,14 +55,14 @@ fn poses(object: &LodObject, animations: usize) -> Option<CheckReport> {
     (!poses.is_empty()).then(|| report.of(poses.len() as u64, unknown))
 }
 
-fn object(
+fn check_object(
     object: &LodObject,
     shapes: &[Cow<'_, [[f32; 3]]>],
     options: &VerifyOptions,
 ) -> Result<Vec<CheckReport>, FormatError> {
     let name = &object.info.name;
     let (reference, errors) =
-        rayon::join(|| Reference::new(&object.simplified), || errors(object, shapes));
+        rayon::join(|| Reference::new(&object.simplified), || check_stored_errors(object, shapes));
     let reference = reference.map_err(|e| {
         let what = format!("{name}: {e}; nothing more was verified");
         FormatError::new(Fault::Limit, "", what)
@@ -86,8 +86,8 @@ fn object(
     Ok(checks)
 }
 
-/// Stored errors against measured ones; those that are estimates are skipped.
-fn errors(object: &LodObject, shapes: &[Cow<'_, [[f32; 3]]>]) -> CheckReport {
+/// Compares stored errors with measured ones; skipped if they are estimates.
+fn check_stored_errors(object: &LodObject, shapes: &[Cow<'_, [[f32; 3]]>]) -> CheckReport {
     let report = CheckReport::new(Some(&object.info.name), "sequence", "errors hold");
     if !is_measured(object) {
         let what = "the errors are estimates";
@@ -97,8 +97,8 @@ fn errors(object: &LodObject, shapes: &[Cow<'_, [[f32; 3]]>]) -> CheckReport {
     report.of(lods as u64, difference)
 }
 
-/// Stored errors against what measuring them again gives: of a file that this version made the
-/// same numbers, of others nothing is known.
+/// Measures stored errors again as the build does, which gives the same numbers for a file that
+/// this version made. Files of other versions are not checked.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -147,7 +147,7 @@ fn report(object: &str, check: &Check) -> CheckReport {
     CheckReport { full: check.full, ..report.of(check.lods, difference) }
 }
 
-/// LOD 0 and everything around the meshes against what they were made from.
+/// Compares LOD 0 and everything around the meshes with the source.
 ///
 /// # Errors
 /// If the mesh cannot be read, or the stored document is damaged.
@@ -183,7 +183,8 @@ pub fn check_source(
     Ok(vec![CheckReport::new(None, "source", "LOD 0 is the input").of(1, difference), surroundings])
 }
 
-/// What a file says otherwise than its source of documents and of objects besides their meshes.
+/// The first difference between a file and its source in the document and in the descriptions of
+/// objects.
 fn surroundings_difference(
     scene: &Scene,
     file: &LodFile,
@@ -209,7 +210,7 @@ fn info_difference(source: &ObjectInfo, stored: &ObjectInfo) -> Option<String> {
     if (source.document_mesh, &source.submeshes) != (stored.document_mesh, &stored.submeshes) {
         return Some(format!("{name}: other names, materials or places in the document"));
     }
-    // Another version may have summed up in another order.
+    // Another version may have added in another order.
     let difference_of_scales = (source.world_scale - stored.world_scale).abs();
     (difference_of_scales > 1e-6 * source.world_scale.abs()).then(|| {
         format!(

@@ -54,7 +54,7 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// A check about which nothing is known yet.
+    /// A check without a result yet.
     #[must_use]
     pub fn new(object: Option<&str>, model: &'static str, check: &'static str) -> Self {
         Self {
@@ -71,7 +71,8 @@ impl CheckReport {
         }
     }
 
-    /// The same of some LODs, all compared in full, with what differs first.
+    /// The check with its result: over this number of LODs, all compared in full, and the first
+    /// difference.
     #[must_use]
     pub fn of(self, lods: u64, first_difference: Option<String>) -> Self {
         Self { lods, full: lods, ok: Some(first_difference.is_none()), first_difference, ..self }

@@ -5,7 +5,7 @@ use super::{Suite, Verdict};
 /// A workflow command of GitHub Actions, `::error file=…,title=…::…`, for every check that failed
 /// or could not be made.
 pub fn github(title: &str, suites: &[Suite]) -> impl Iterator<Item = String> {
-    let of_suite = move |suite: &Suite| {
+    let commands = move |suite: &Suite| {
         let lines = suite.cases.iter().filter_map(|case| match &case.verdict {
             Verdict::Failed(what) | Verdict::Error(what) => {
                 Some(command(title, &suite.name, &format!("{}: {what}", case.name)))
@@ -14,7 +14,7 @@ pub fn github(title: &str, suites: &[Suite]) -> impl Iterator<Item = String> {
         });
         lines.collect::<Vec<_>>()
     };
-    suites.iter().flat_map(of_suite)
+    suites.iter().flat_map(commands)
 }
 
 fn command(title: &str, file: &str, what: &str) -> String {

@@ -20,7 +20,7 @@ pub struct Suite {
 pub struct Case {
     /// What is checked.
     pub name: String,
-    /// What came of it.
+    /// Its result.
     pub verdict: Verdict,
 }
 

@@ -1,5 +1,5 @@
-//! Comparisons of two meshes, or of levels of one: what they differ by, and which limits that
-//! exceeds.
+//! Comparisons of two meshes, or of levels of one: their differences, and the limits that these
+//! exceed.
 
 mod report;
 mod suites;

@@ -1,4 +1,4 @@
-//! Results of `compare`: numbers for scripts and for people, and which limits they exceed.
+//! Results of `compare`: numbers for scripts and for people, and the limits that they exceed.
 
 use crate::SCHEMA_VERSION;
 use crate::text::{count, distance};
@@ -12,13 +12,13 @@ pub struct PairReport {
     pub schema_version: u32,
     /// No limit is exceeded.
     pub ok: bool,
-    /// The input; named as those of other commands.
+    /// B again, under the key that reports of other commands have.
     pub input: String,
     /// The mesh that was compared with.
     pub a: String,
     /// The mesh that was judged.
     pub b: String,
-    /// Of A's bounding box.
+    /// The diagonal of A's bounding box.
     pub diagonal: f64,
     /// One comparison or several.
     #[serde(flatten)]
@@ -29,13 +29,13 @@ pub struct PairReport {
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 pub enum Content {
-    /// Of the only level.
+    /// The comparison of the only level.
     Single(Comparison),
-    /// Of several levels.
+    /// The comparisons of several levels.
     Levels {
-        /// Each by its name.
+        /// One for each level.
         levels: Vec<LevelComparison>,
-        /// Those of all levels.
+        /// The lines of all levels about exceeded limits.
         exceeded: Vec<String>,
     },
 }
@@ -45,7 +45,7 @@ pub enum Content {
 pub struct LevelComparison {
     /// As it was asked for.
     pub level: String,
-    /// What it differs by.
+    /// Its differences.
     #[serde(flatten)]
     pub comparison: Comparison,
 }
@@ -53,15 +53,15 @@ pub struct LevelComparison {
 /// Differences between A and a level of B.
 #[derive(Debug, Serialize)]
 pub struct Comparison {
-    /// Of both meshes.
+    /// Triangles of both meshes.
     pub triangles: TriangleCounts,
     /// Largest distances.
     pub hausdorff: BothWays,
     /// Root mean square distances.
     pub rms: BothWays,
-    /// Null with `--views 0`.
+    /// Differences of pictures; null with `--views 0`.
     pub image: Option<ImageReport>,
-    /// The numbers of the last time; only with `--baseline`, null if there are none.
+    /// The recorded numbers; only with `--baseline`, null if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub baseline: Option<Option<Numbers>>,
     /// One line for each limit that is exceeded.
@@ -71,9 +71,9 @@ pub struct Comparison {
 /// Triangles of two meshes.
 #[derive(Debug, Serialize)]
 pub struct TriangleCounts {
-    /// Of A.
+    /// Triangles of A.
     pub a: usize,
-    /// Of B.
+    /// Triangles of B.
     pub b: usize,
 }
 
@@ -82,7 +82,7 @@ pub struct TriangleCounts {
 pub struct BothWays {
     /// From A to B.
     pub a_to_b: f64,
-    /// Back.
+    /// From B to A.
     pub b_to_a: f64,
     /// The greater of both.
     pub max: f64,
@@ -104,7 +104,8 @@ pub struct ImageReport {
     pub views: u32,
     /// Pixels across each.
     pub size: u32,
-    /// Of red, green and blue (0 to 255), over the pixels that either mesh covers.
+    /// Root mean square difference of red, green and blue (0 to 255), over the pixels that either
+    /// mesh covers.
     pub rmse: f64,
     /// The share of those pixels that only one covers.
     pub silhouette: f64,
@@ -117,7 +118,7 @@ pub struct ImageReport {
 }
 
 impl ImageReport {
-    /// The difference of pictures that were taken so.
+    /// The difference of pictures, and how they were taken.
     #[must_use]
     pub fn new(viewing: Viewing, looks: ShadingOptions, error: ImageError) -> Self {
         Self {
@@ -137,7 +138,7 @@ impl ImageReport {
 pub struct Length {
     /// In A's unit, or percent.
     pub value: f64,
-    /// It is percent.
+    /// True if it is a share of the diagonal in percent.
     pub of_diagonal: bool,
 }
 
@@ -147,7 +148,7 @@ impl Length {
     }
 }
 
-/// Limits; none where anything is allowed.
+/// Limits of a comparison; none where anything is allowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ComparisonLimits {
     /// Root mean square distance, either way.
@@ -159,20 +160,20 @@ pub struct ComparisonLimits {
 }
 
 impl Comparison {
-    /// Distances of two meshes, given their numbers of triangles, with no limit exceeded yet.
+    /// The comparison of two meshes with these numbers of triangles; limits are checked later.
     #[must_use]
-    pub fn new([a, b]: [usize; 2], space: Distances, image: Option<ImageReport>) -> Self {
+    pub fn new([a, b]: [usize; 2], distances: Distances, image: Option<ImageReport>) -> Self {
         Self {
             triangles: TriangleCounts { a, b },
-            hausdorff: BothWays::new(space.hausdorff),
-            rms: BothWays::new(space.rms),
+            hausdorff: BothWays::new(distances.hausdorff),
+            rms: BothWays::new(distances.rms),
             image,
             baseline: None,
             exceeded: Vec::new(),
         }
     }
 
-    /// The greater of both ways.
+    /// The numbers to record: distances are the greater of both ways.
     #[must_use]
     pub fn numbers(&self) -> Numbers {
         Numbers {
@@ -184,43 +185,40 @@ impl Comparison {
     }
 
     /// Adds a line for each limit that is exceeded.
-    pub fn check(&mut self, most: &ComparisonLimits, diagonal: f64) {
-        let lengths =
-            [("rms", self.rms.max, most.rms), ("hausdorff", self.hausdorff.max, most.hausdorff)];
-        for (name, found, limit) in lengths {
+    pub fn check(&mut self, limits: &ComparisonLimits, diagonal: f64) {
+        let lengths = [
+            ("rms", self.rms.max, limits.rms),
+            ("hausdorff", self.hausdorff.max, limits.hausdorff),
+        ];
+        for (name, measured, limit) in lengths {
             if let Some(limit) = limit.map(|l| l.resolve(diagonal))
-                && found > limit
+                && measured > limit
             {
                 self.exceeded.push(format!(
                     "{name} distance {} is more than {}",
-                    distance(found),
+                    distance(measured),
                     distance(limit)
                 ));
             }
         }
-        if let (Some(image), Some(limit)) = (&self.image, most.image_rmse)
+        if let (Some(image), Some(limit)) = (&self.image, limits.image_rmse)
             && image.rmse > limit
         {
             self.exceeded.push(format!("image RMSE {:.3} is more than {limit}", image.rmse));
         }
     }
 
-    /// Adds the numbers of the last time, if there are any, and a line for each that is worse now
-    /// by more than the share `tolerance`.
-    pub fn check_baseline(&mut self, then: Option<&Numbers>, tolerance: f64, diagonal: f64) {
-        let now = self.numbers();
-        let worse = then.map(|then| worse(&now, then, tolerance, diagonal));
-        self.exceeded.extend(worse.unwrap_or_default());
-        self.baseline = Some(then.copied());
+    /// Adds the recorded numbers, if there are any, and a line for each that is worse now by more
+    /// than the share `tolerance`.
+    pub fn check_baseline(&mut self, recorded: Option<&Numbers>, tolerance: f64, diagonal: f64) {
+        let worse =
+            recorded.map(|recorded| self.numbers().worse_than(recorded, tolerance, diagonal));
+        let line = |Regression { name, now, then }| {
+            format!("{name} {} is worse than {} of the baseline", distance(now), distance(then))
+        };
+        self.exceeded.extend(worse.into_iter().flatten().map(line));
+        self.baseline = Some(recorded.copied());
     }
-}
-
-/// A line for each number that is worse than that of the last time by more than a share.
-fn worse(now: &Numbers, then: &Numbers, tolerance: f64, diagonal: f64) -> Vec<String> {
-    let line = |Regression { name, now, then }| {
-        format!("{name} {} is worse than {} of the baseline", distance(now), distance(then))
-    };
-    now.worse_than(then, tolerance, diagonal).into_iter().map(line).collect()
 }
 
 impl PairReport {
@@ -284,7 +282,7 @@ impl PairReport {
         }
     }
 
-    /// `x` in percent of the diagonal.
+    /// A distance in percent of the diagonal.
     fn share(&self, x: f64) -> f64 {
         if self.diagonal > 0.0 { 100.0 * x / self.diagonal } else { 0.0 }
     }

@@ -1,6 +1,6 @@
 //! The levels that the report page shows: counts, distances, and pictures from four sides.
 
-use crate::gone::{MissingPart, PartInventory};
+use crate::missing_parts::{MissingPart, PartInventory};
 use lodc::{Error, LodObject, SceneLevels, level_mesh};
 use lodc_formats::images::png;
 use lodc_measure::{
@@ -12,22 +12,22 @@ use lodc_scene::{Appearance, Arrangement};
 use lodc_select::{Selection, Target};
 use rayon::prelude::*;
 
-/// Shares of the input's triangles.
+/// The levels on the page, by their shares of the input's triangles. Chosen by hand.
 const SHARES: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.01];
-/// Pictures of a level, and twice the pixels across each: they are smoothed by halving.
+/// The pictures of a level, twice as large as they are shown: they are smoothed by halving.
 const VIEWING: Viewing = Viewing { views: 4, size: 480 };
 
-/// Distances up to this share of the diagonal come of rounded coordinates.
+/// Distances up to this share of the diagonal are rounding errors of coordinates. Chosen by hand.
 const ROUNDING: f64 = 1e-6;
 
-/// A level of the whole scene.
+/// A level of the whole scene, as the page shows it.
 #[derive(Debug)]
-pub struct Level {
-    /// Of all objects.
+pub struct PageLevel {
+    /// Triangles of all objects.
     pub triangles: u64,
     /// Share of the input's triangles.
     pub share: f64,
-    /// In world units.
+    /// The error, in world units; of a single object in its own.
     pub error: f64,
     /// Root mean square of the distances; none if they are not measured.
     pub rms: Option<f64>,
@@ -36,41 +36,41 @@ pub struct Level {
     /// One PNG for each side.
     pub pictures: Vec<Vec<u8>>,
     /// The same with colours by the distance from the input; none for the input.
-    pub heat: Vec<Vec<u8>>,
-    /// Pictures of the input with colours by the distance from the level: what it has lost; none
-    /// for the input.
-    pub lost: Vec<Vec<u8>>,
-    /// The distance of the reddest colour: the error, in the units of the scene.
+    pub distance_pictures: Vec<Vec<u8>>,
+    /// Pictures of the input with colours by the distance from the level, which show what the level
+    /// has lost; none for the input.
+    pub loss_pictures: Vec<Vec<u8>>,
+    /// The distance of the reddest colour: the error, in world units.
     pub hottest: f64,
-    /// What it no longer shows.
+    /// The parts that it no longer shows.
     pub gone: Vec<MissingPart>,
 }
 
-/// The input and its levels, the finest first, each once.
+/// Makes the input and its levels with their pictures, the finest first, each once.
 ///
 /// # Errors
 /// If a level is no mesh, which is a bug.
-pub fn levels(
+pub fn page_levels(
     objects: &[LodObject],
     scene: &SceneLevels<'_>,
     inventory: &PartInventory<'_>,
     arrangement: &Arrangement,
     appearance: &Appearance,
-) -> Result<Vec<Level>, Error> {
-    let whole: Vec<&Mesh> = objects.iter().map(|o| o.simplified.mesh()).collect();
-    let all: usize = whole.iter().map(|m| m.triangles().len()).sum();
-    let input = SceneSurface::new(&whole, arrangement, appearance);
+) -> Result<Vec<PageLevel>, Error> {
+    let input: Vec<&Mesh> = objects.iter().map(|o| o.simplified.mesh()).collect();
+    let input_triangles: usize = input.iter().map(|m| m.triangles().len()).sum();
+    let input = SceneSurface::new(&input, arrangement, appearance);
     let looks = ShadingOptions { checkerboard: false, ..input.common_looks(&input) };
     let reference = ReferencePictures::new(&input.surface, VIEWING, looks);
     let tree = input.surface.tree();
     let rounding = ROUNDING * input.surface.diagonal();
-    let whole = reference.pictures_of(&input.surface);
+    let input_pictures = reference.pictures_of(&input.surface);
     // The error of a single object is in its own units.
     let unit = match objects {
         [one] if one.info.world_scale.is_finite() => one.info.world_scale.abs(),
         _ => 1.0,
     };
-    let mut levels: Vec<Level> = Vec::new();
+    let mut levels: Vec<PageLevel> = Vec::new();
     for share in SHARES {
         let Selection { lods, error, rms, .. } = scene.select(Target::Ratio(share), false)?;
         let meshes = level_mesh::plain(objects, &lods)?;
@@ -80,24 +80,27 @@ pub fn levels(
         }
         let refs: Vec<&Mesh> = meshes.iter().collect();
         let surface = SceneSurface::new(&refs, arrangement, appearance).surface;
-        let drawn = reference.pictures_of(&surface);
+        let level_pictures = reference.pictures_of(&surface);
         let hottest = unit * error;
-        let heated = |pictures: &[Picture], from: &TriangleTree| -> Vec<Vec<u8>> {
-            pictures.par_iter().map(|p| heated(p, &p.distances(from), hottest, rounding)).collect()
+        let by_distance = |pictures: &[Picture], from: &TriangleTree| -> Vec<Vec<u8>> {
+            let png = |p: &Picture| distance_png(p, &p.distances(from), hottest, rounding);
+            pictures.par_iter().map(png).collect()
         };
-        let (heat, lost) = match levels.is_empty() {
+        let (distance_pictures, loss_pictures) = match levels.is_empty() {
             true => Default::default(),
-            false => (heated(&drawn, &tree), heated(&whole, &surface.tree())),
+            false => {
+                (by_distance(&level_pictures, &tree), by_distance(&input_pictures, &surface.tree()))
+            }
         };
-        levels.push(Level {
+        levels.push(PageLevel {
             triangles,
-            share: triangles as f64 / all.max(1) as f64,
+            share: triangles as f64 / input_triangles.max(1) as f64,
             error,
             rms,
-            image: reference.compare_pictures(&drawn),
-            pictures: drawn.iter().map(plain).collect(),
-            heat,
-            lost,
+            image: reference.compare_pictures(&level_pictures),
+            pictures: level_pictures.iter().map(plain_png).collect(),
+            distance_pictures,
+            loss_pictures,
             hottest,
             gone: inventory.gone(&lods),
         });
@@ -105,12 +108,15 @@ pub fn levels(
     Ok(levels)
 }
 
-fn plain(picture: &Picture) -> Vec<u8> {
+fn plain_png(picture: &Picture) -> Vec<u8> {
     png(&picture.image([0; 4], |_, colour| colour.map(|v| v as u8)).halved())
 }
 
-/// Colours by distance; places no farther than rounding makes them are not apart.
-fn heated(picture: &Picture, far: &[f64], hottest: f64, rounding: f64) -> Vec<u8> {
-    let share = |pixel: usize| if far[pixel] > rounding { far[pixel] / hottest } else { 0.0 };
+/// The picture with colours by the distances of its pixels; those up to `rounding` count as 0.
+fn distance_png(picture: &Picture, distances: &[f64], hottest: f64, rounding: f64) -> Vec<u8> {
+    let share = |pixel: usize| match distances[pixel] {
+        distance if distance > rounding => distance / hottest,
+        _ => 0.0,
+    };
     png(&picture.image([0; 4], |pixel, _| heat(share(pixel))).halved())
 }

@@ -3,42 +3,47 @@
 mod levels;
 mod text;
 
-pub use levels::{Level, levels};
+pub use levels::{PageLevel, page_levels};
 pub use text::page;
 
 use crate::CheckReport;
 use lodc::{LodObject, SceneLevels};
 use lodc_select::{SelectError, Target};
 
-/// All that a page is made of.
+/// Largest number of points of a curve. Chosen by hand: enough for any mesh down to three
+/// triangles.
+const MAX_POINTS: usize = 200;
+
+/// The content of a page.
 #[derive(Debug)]
-pub struct Facts<'a> {
+pub struct PageContent<'a> {
     /// Name of the asset.
     pub title: String,
     /// The objects of the asset.
     pub objects: &'a [LodObject],
     /// The input and its levels, the finest first.
-    pub levels: Vec<Level>,
-    /// Triangles and error in world units of many levels, fine to coarse: [`curve`].
+    pub levels: Vec<PageLevel>,
+    /// Triangles and error of many levels, fine to coarse: [`error_curve`].
     pub curve: Vec<[f64; 2]>,
-    /// Of the largest object as the scene shows it.
+    /// The diagonal of the largest object as the scene shows it.
     pub diagonal: f64,
-    /// What was checked, of all objects.
+    /// The checks of all objects.
     pub checks: Vec<CheckReport>,
-    /// A line each.
+    /// Warnings, one line each.
     pub warnings: Vec<String>,
     /// Bytes of the input file.
     pub bytes: Option<u64>,
 }
 
-/// Triangles and error of levels that each have nine tenths of the triangles of the one before.
+/// Returns triangles and error, in the units of [`Selection::error`](lodc_select::Selection), of
+/// levels that each have nine tenths of the triangles of the one before.
 ///
 /// # Errors
-/// If a level is none, which is a bug.
-pub fn curve(scene: &SceneLevels<'_>, triangles: u64) -> Result<Vec<[f64; 2]>, SelectError> {
+/// If a level cannot be chosen, which is a bug.
+pub fn error_curve(scene: &SceneLevels<'_>, triangles: u64) -> Result<Vec<[f64; 2]>, SelectError> {
     let mut points = Vec::new();
     let mut wanted = triangles;
-    while wanted > 3 && points.len() < 200 {
+    while wanted > 3 && points.len() < MAX_POINTS {
         let chosen = scene.select(Target::Triangles(wanted), false)?;
         let candidates = scene.candidates();
         let remaining: u32 = candidates

@@ -1,7 +1,7 @@
 //! Writes the HTML of the report page, part by part.
 
-use super::Facts;
-use super::levels::Level;
+use super::PageContent;
+use super::levels::PageLevel;
 use crate::chart::{Chart, Curve, Scale};
 use crate::html::{base64, escaped};
 use crate::text::{count, distance, grouped, size};
@@ -11,14 +11,15 @@ use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
 
-/// Pixels of a screen, and degrees that they cover, for which distances are stated.
+/// Height in pixels of the screen for which distances are stated.
 const HEIGHT: f64 = 1080.0;
+/// Vertical field of view in degrees of that screen.
 const FOVY: f64 = 60.0;
 
 /// The page, one file that needs no other: its parts in their order.
 #[must_use]
-pub fn page(facts: &Facts<'_>) -> String {
-    let title = escaped(&facts.title);
+pub fn page(content: &PageContent<'_>) -> String {
+    let title = escaped(&content.title);
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -30,41 +31,41 @@ pub fn page(facts: &Facts<'_>) -> String {
     let _ = writeln!(
         out,
         "<header>\n<h1>{title}</h1>\n<p>{}</p>\n{}</header>",
-        summary(facts),
-        verdict(facts)
+        summary(content),
+        verdict(content)
     );
     out.push_str("<h2>Levels</h2>\n");
-    facts.levels.iter().for_each(|level| put_level(&mut out, level, facts));
-    put_charts(&mut out, facts);
-    put_storage(&mut out, facts);
-    put_warnings(&mut out, &facts.warnings);
-    put_checks(&mut out, &facts.checks);
+    content.levels.iter().for_each(|level| put_level(&mut out, level, content));
+    put_charts(&mut out, content);
+    put_storage(&mut out, content);
+    put_warnings(&mut out, &content.warnings);
+    put_checks(&mut out, &content.checks);
     out.push_str("</body>\n</html>\n");
     out
 }
 
-fn summary(facts: &Facts<'_>) -> String {
-    let objects = facts.objects;
+fn summary(content: &PageContent<'_>) -> String {
+    let objects = content.objects;
     let vertices: u64 = objects.iter().map(|o| o.simplified.mesh().vertex_count() as u64).sum();
     let steps: u64 = objects.iter().map(|o| o.simplified.collapses().steps() as u64).sum();
     let mut parts = vec![
-        count(facts.levels[0].triangles, "triangle"),
+        count(content.levels[0].triangles, "triangle"),
         count(vertices, "vertex"),
         count(objects.len() as u64, "object"),
         count(steps + objects.len() as u64, "level"),
-        format!("diagonal {}", distance(facts.diagonal)),
+        format!("diagonal {}", distance(content.diagonal)),
     ];
     let over = ErrorsOver::of(objects.iter().map(|o| &o.info));
     parts.extend((over != ErrorsOver::REST).then(|| over.to_string()));
-    parts.extend(facts.bytes.map(size));
+    parts.extend(content.bytes.map(size));
     parts.join(" · ")
 }
 
 /// One line that says whether anything is wrong.
-fn verdict(facts: &Facts<'_>) -> String {
-    let failed = facts.checks.iter().filter(|c| c.ok == Some(false)).count();
-    let passed = facts.checks.iter().filter(|c| c.ok == Some(true)).count();
-    let warnings = match facts.warnings.len() {
+fn verdict(content: &PageContent<'_>) -> String {
+    let failed = content.checks.iter().filter(|c| c.ok == Some(false)).count();
+    let passed = content.checks.iter().filter(|c| c.ok == Some(true)).count();
+    let warnings = match content.warnings.len() {
         0 => "no warning".to_owned(),
         n => count(n as u64, "warning"),
     };
@@ -76,20 +77,19 @@ fn verdict(facts: &Facts<'_>) -> String {
     format!("<p class=\"verdict {class}\"><b>{checks}</b> · {warnings}</p>\n")
 }
 
-fn put_level(out: &mut String, level: &Level, facts: &Facts<'_>) {
-    let input = level.heat.is_empty();
-    let name = if input { "Input".to_owned() } else { share(level.share) };
+fn put_level(out: &mut String, level: &PageLevel, content: &PageContent<'_>) {
+    let is_input = level.distance_pictures.is_empty();
+    let name = if is_input { "Input".to_owned() } else { share(level.share) };
     let _ = writeln!(out, "<section class=\"level\">\n<div class=\"numbers\">\n<h3>{name}</h3>");
     let _ = writeln!(out, "<p>{}</p>", count(level.triangles, "triangle"));
-    if !input {
-        let of_diagonal = 100.0 * level.error / facts.diagonal;
-        let far = one_pixel_distance(level.error);
+    if !is_input {
+        let percent = 100.0 * level.error / content.diagonal;
         let rows = [
-            ("Error", format!("{} ({of_diagonal:.3} %)", distance(level.error))),
+            ("Error", format!("{} ({percent:.3} %)", distance(level.error))),
             ("Root mean square", level.rms.map_or_else(|| "–".to_owned(), distance)),
             ("Pictures differ by", format!("{:.1} of 255", level.image.rmse)),
             ("Outlines differ by", format!("{:.2} %", 100.0 * level.image.silhouette)),
-            ("One pixel from", distance(far)),
+            ("One pixel from", distance(one_pixel_distance(level.error))),
         ];
         out.push_str("<dl>\n");
         for (name, value) in rows {
@@ -104,10 +104,11 @@ fn put_level(out: &mut String, level: &Level, facts: &Facts<'_>) {
     for (side, png) in (1..).zip(&level.pictures) {
         put_picture(out, png, &format!("{name} from side {side}"));
     }
-    if !input {
+    if !is_input {
+        let (losses, distances) = (&level.loss_pictures, &level.distance_pictures);
         for (pictures, a, b, what) in [
-            (&level.lost, "the input", &*name, "The input by its distance from the level"),
-            (&level.heat, &*name, "the input", "The level by its distance from the input"),
+            (losses, "the input", &*name, "The input by its distance from the level"),
+            (distances, &*name, "the input", "The level by its distance from the input"),
         ] {
             for (side, png) in (1..).zip(pictures) {
                 put_picture(out, png, &format!("distance of {a} from {b}, side {side}"));
@@ -127,7 +128,7 @@ fn put_picture(out: &mut String, png: &[u8], alt: &str) {
     let _ = writeln!(out, "<img alt=\"{alt}\" src=\"data:image/png;base64,{data}\">");
 }
 
-/// The distance from which an error is one pixel high.
+/// The distance from the eye at which an error is one pixel high.
 fn one_pixel_distance(error: f64) -> f64 {
     error * HEIGHT / (2.0 * (FOVY / 2.0).to_radians().tan())
 }
@@ -137,13 +138,13 @@ fn share(share: f64) -> String {
     if percent >= 9.95 { format!("{percent:.0} %") } else { format!("{percent:.1} %") }
 }
 
-fn put_charts(out: &mut String, facts: &Facts<'_>) {
+fn put_charts(out: &mut String, content: &PageContent<'_>) {
     let chart = |points: &[[f64; 2]], labels| {
         let (name, points) = (String::new(), points.to_vec());
         let curves = vec![Curve { name, colour: 0, dashed: false, points }];
         Chart { labels, scales: [Scale::Log; 2], curves }.svg()
     };
-    let by_error: Vec<[f64; 2]> = facts.curve.iter().map(|&[t, e]| [e, t]).collect();
+    let by_error: Vec<[f64; 2]> = content.curve.iter().map(|&[t, e]| [e, t]).collect();
     let by_distance: Vec<[f64; 2]> =
         by_error.iter().map(|&[e, t]| [one_pixel_distance(e), t]).collect();
     let charts = [
@@ -164,8 +165,8 @@ fn put_charts(out: &mut String, facts: &Facts<'_>) {
     out.push_str("</div>\n");
 }
 
-fn put_storage(out: &mut String, facts: &Facts<'_>) {
-    let objects = facts.objects;
+fn put_storage(out: &mut String, content: &PageContent<'_>) {
+    let objects = content.objects;
     let mut models: Vec<(&str, u64)> = Vec::new();
     for model in objects.iter().flat_map(|o| &o.models) {
         let bytes: u64 = model.arrays(Layout::Packed).iter().map(|a| a.bytes.len() as u64).sum();
@@ -206,22 +207,22 @@ fn put_warnings(out: &mut String, warnings: &[String]) {
 
 /// One row for each kind of check, over all objects.
 fn put_checks(out: &mut String, checks: &[CheckReport]) {
-    let mut rows: Vec<(&str, &str, u64, Vec<&CheckReport>)> = Vec::new();
+    let mut rows: Vec<Vec<&CheckReport>> = Vec::new();
     for check in checks {
-        let found = rows.iter_mut().find(|r| (r.0, r.1) == (check.model, check.check));
-        match found {
-            Some(row) => {
-                row.2 += check.lods;
-                row.3.push(check);
-            }
-            None => rows.push((check.model, check.check, check.lods, vec![check])),
+        let is_kind = |row: &&mut Vec<&CheckReport>| {
+            (row[0].model, row[0].check) == (check.model, check.check)
+        };
+        match rows.iter_mut().find(is_kind) {
+            Some(row) => row.push(check),
+            None => rows.push(vec![check]),
         }
     }
     out.push_str("<h2>Checks</h2>\n<table>\n");
     out.push_str("<tr><th>Of</th><th>Check</th><th>Levels</th><th>Result</th></tr>\n");
-    for (model, name, lods, all) in rows {
-        let failed = all.iter().find(|c| c.ok == Some(false));
-        let skipped = all.iter().find_map(|c| c.skipped.as_deref());
+    for row in rows {
+        let (model, name) = (row[0].model, row[0].check);
+        let failed = row.iter().find(|c| c.ok == Some(false));
+        let skipped = row.iter().find_map(|c| c.skipped.as_deref());
         let result = match (failed, skipped) {
             (Some(check), _) => {
                 let what = check.first_difference.as_deref().unwrap_or_default();
@@ -230,7 +231,7 @@ fn put_checks(out: &mut String, checks: &[CheckReport]) {
             (None, Some(why)) => format!("skipped: {}", escaped(why)),
             _ => "<b class=\"good\">✓</b>".to_owned(),
         };
-        let lods = grouped(lods);
+        let lods = grouped(row.iter().map(|c| c.lods).sum());
         let _ = writeln!(
             out,
             "<tr><td>{model}</td><td>{name}</td><td>{lods}</td><td>{result}</td></tr>"
