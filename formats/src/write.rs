@@ -277,8 +277,8 @@ type Leftovers = BTreeMap<String, Vec<PathBuf>>;
 /// The temporary files and backups of a target that were in the folder when this process first
 /// wrote there. Each folder is listed once: listing it for each file would take quadratic time.
 fn leftovers(folder: &Path, prefix: &str) -> Vec<PathBuf> {
-    static BY_FOLDER: Mutex<BTreeMap<PathBuf, Leftovers>> = Mutex::new(BTreeMap::new());
-    let mut by_folder = BY_FOLDER.lock().unwrap_or_else(PoisonError::into_inner);
+    static LEFTOVERS: Mutex<BTreeMap<PathBuf, Leftovers>> = Mutex::new(BTreeMap::new());
+    let mut by_folder = LEFTOVERS.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
     let leftovers = by_folder.entry(folder).or_insert_with_key(|folder| listed(folder));
     leftovers.remove(prefix).unwrap_or_default()

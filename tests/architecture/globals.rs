@@ -11,7 +11,7 @@ const STATICS: &[&str] = &[
     "SHARES",
     "START",
     "NEXT",
-    "SEEN",
+    "LEFTOVERS",
     "SESSIONS",
     "DECODER",
     "EMPTY",
