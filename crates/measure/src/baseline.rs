@@ -4,9 +4,10 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Differences that count as rounding: of distances as a share of the diagonal, of pixels in grey
-/// levels. Chosen by hand.
-const ROUNDING: [f64; 2] = [1e-6, 0.01];
+/// Differences of distances, as a share of the diagonal, that count as rounding. Chosen by hand.
+const DISTANCE_ROUNDING: f64 = 1e-6;
+/// Differences of pixels, of 255, that count as rounding. Chosen by hand.
+const PIXEL_ROUNDING: f64 = 0.01;
 
 /// The numbers of a comparison that tell whether a level is worse than another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,11 +39,11 @@ impl Numbers {
     #[must_use]
     pub fn worse_than(&self, then: &Self, tolerance: f64, diagonal: f64) -> Vec<Regression> {
         let images = then.image_rmse.zip(self.image_rmse);
-        let slack = ROUNDING[0] * diagonal;
+        let slack = DISTANCE_ROUNDING * diagonal;
         let pairs = [
             Some(("rms distance", then.rms, self.rms, slack)),
             Some(("hausdorff distance", then.hausdorff, self.hausdorff, slack)),
-            images.map(|(then, now)| ("image RMSE", then, now, ROUNDING[1])),
+            images.map(|(then, now)| ("image RMSE", then, now, PIXEL_ROUNDING)),
         ];
         let worse = |(name, then, now, slack): (&'static str, f64, f64, f64)| {
             (now > then * (1.0 + tolerance) + slack).then_some(Regression { name, now, then })

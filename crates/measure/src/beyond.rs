@@ -6,12 +6,12 @@ use lodc_mesh::NONE;
 use lodc_nearest::TriangleTree;
 use rayon::prelude::*;
 
-/// Sampled points: by them a share is known to about a hundredth.
+/// Sampled points. Chosen by hand: a share is then known to about a hundredth.
 const SAMPLES: usize = 4096;
 /// The seed of the points: any number ("gone" in ASCII).
 const SEED: u64 = 0x676f_6e65;
-/// Points that one thread looks up one after the other. Not measured; results do not depend on it.
-const RUN: usize = 256;
+/// Points of one parallel task. Chosen by hand; results do not depend on it.
+const TASK_POINTS: usize = 256;
 
 /// The share of a surface that is farther than `distance` from another one; triangles count by
 /// their weights. 0 if nothing has weight, all if the other surface has no triangle.
@@ -30,7 +30,7 @@ pub fn share_beyond(
             |&&(point, _): &&(_, u32)| !other.may_be_within(point, distance * distance, &mut hint);
         run.iter().filter(is_far).count()
     };
-    points.par_chunks(RUN).map(count_far).sum::<usize>() as f64 / points.len().max(1) as f64
+    points.par_chunks(TASK_POINTS).map(count_far).sum::<usize>() as f64 / points.len().max(1) as f64
 }
 
 #[cfg(test)]

@@ -12,8 +12,8 @@ pub fn heat(share: f64) -> [u8; 3] {
 /// A colour for every number, neighbours far apart, in sRGB. Grey and black never occur.
 #[must_use]
 pub fn distinct(number: u32) -> [u8; 3] {
-    // Steps of the golden section visit all hues evenly, however many there are; palettes of
-    // libraries end after a dozen colours.
+    // Steps of the golden ratio visit all hues evenly, however many numbers there are; palettes of
+    // libraries have about a dozen colours. Saturations and values are chosen by hand.
     let hue = (f64::from(number) * 0.618_033_988_749_895).fract() * 6.0;
     let saturation = [0.62, 0.8, 0.5][number as usize % 3];
     let value = [0.95, 0.8][number as usize / 3 % 2];

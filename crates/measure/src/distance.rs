@@ -10,19 +10,19 @@ use lodc_nearest::{FarthestSearch, TriangleTree, morton_order};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Points that one thread looks up one after the other. Not measured; results do not depend on it.
-const RUN: usize = 256;
+/// Points of one parallel task. Chosen by hand; results do not depend on it.
+const TASK_POINTS: usize = 256;
 
-/// The farthest samples whose triangles are searched for points that are farther still. Chosen by
-/// hand.
+/// Number of the farthest samples whose triangles are searched for points that are farther still.
+/// Chosen by hand.
 const WORST_SAMPLES: usize = 256;
 
-/// Boxes of the tree that the search may open for each of these triangles, and besides. Chosen by
-/// hand.
+/// Boxes of the tree that the search may open for each of these triangles, and further ones for all
+/// together. Chosen by hand.
 const BOX_BUDGET: [u32; 2] = [500, 30_000];
 
-/// A sample this share of a bound away is searched around, too: its triangle may reach beyond the
-/// bound. Chosen by hand.
+/// Samples farther than this share of a bound are searched around: their triangles may reach beyond
+/// the bound. Chosen by hand.
 const NEAR_SHARE: f64 = 0.8;
 
 /// Density of samples on surfaces.
@@ -58,7 +58,7 @@ pub fn distances(a: &Surface, b: &Surface, sampling: &Sampling) -> Distances {
     Original::new(a, sampling).distances(b)
 }
 
-/// A surface, ready for others to be measured from it: its samples and its tree are made once.
+/// A surface from which others are measured: its samples and its tree are made once.
 #[derive(Clone, Debug)]
 pub struct Original {
     samples: Samples,
@@ -73,7 +73,7 @@ impl Original {
         Self::with_tree(surface, Arc::new(surface.tree()), sampling)
     }
 
-    /// The same where the [tree](Surface::tree) of the surface is known.
+    /// As [`Self::new`], with the [tree](Surface::tree) of the surface.
     #[must_use]
     pub fn with_tree(surface: &Surface, tree: Arc<TriangleTree>, sampling: &Sampling) -> Self {
         Self { samples: Samples::new(surface, sampling), tree, sampling: *sampling }
@@ -96,21 +96,26 @@ impl Original {
     /// no triangles.
     #[must_use]
     pub fn bound_and_rms(&self, other: &Surface) -> (f64, f64) {
-        let own: Vec<_> =
+        let original_triangles: Vec<_> =
             (0..self.tree.spatial_order().len() as u32).map(|t| self.tree.corners_of(t)).collect();
-        let others: Vec<_> = (0..other.triangles.len()).map(|t| other.corners(t)).collect();
-        let (low, high) = own
+        let other_triangles: Vec<_> =
+            (0..other.triangles.len()).map(|t| other.corners(t)).collect();
+        let (low, high) = original_triangles
             .as_flattened()
             .iter()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| {
                 (low.min(p), high.max(p))
             });
         let search = FarthestSearch::for_size((high - low).max(DVec3::ZERO).length());
-        let tree = TriangleTree::new(&others);
-        let forward = || (search.farthest(&own, &tree).upper, self.samples.area.mean_square(&tree));
+        let tree = TriangleTree::new(&other_triangles);
+        let forward = || {
+            let farthest = search.farthest(&original_triangles, &tree);
+            (farthest.upper, self.samples.area.mean_square(&tree))
+        };
         let backward = || {
+            let farthest = search.farthest(&other_triangles, &*self.tree);
             let area = over_area(other, self.sampling.samples, self.sampling.seed);
-            (search.farthest(&others, &*self.tree).upper, Points::new(area).mean_square(&self.tree))
+            (farthest.upper, Points::new(area).mean_square(&self.tree))
         };
         let (forward, backward) = rayon::join(forward, backward);
         let bound = forward.0.max(backward.0);
@@ -123,7 +128,9 @@ impl Original {
 /// Points of a surface.
 #[derive(Clone, Debug)]
 struct Samples {
+    /// One in each slice of equal area.
     area: Points,
+    /// Lattices over the triangles.
     lattice: Points,
 }
 
@@ -223,7 +230,7 @@ fn squares(points: &Points, to: &TriangleTree) -> Vec<f64> {
         };
         run.iter().map(measure).collect::<Vec<f64>>()
     };
-    let measured: Vec<Vec<f64>> = order.par_chunks(RUN).map(measure_run).collect();
+    let measured: Vec<Vec<f64>> = order.par_chunks(TASK_POINTS).map(measure_run).collect();
     let mut squares = vec![0.0; positions.len()];
     for (&i, squared) in order.iter().zip(measured.into_iter().flatten()) {
         squares[i as usize] = squared;
@@ -232,8 +239,8 @@ fn squares(points: &Points, to: &TriangleTree) -> Vec<f64> {
 }
 
 /// Returns the largest distance found from one surface to another, if it is more than `bound`.
-/// Samples the points that [`distances`] does, asks of each first whether it is about that far
-/// away, and searches the triangles of those that are.
+/// Samples the same points as [`distances`], but measures only those that are not clearly within
+/// the bound, and searches their triangles.
 #[must_use]
 pub fn farther_than(
     from: &Surface,
@@ -256,7 +263,7 @@ pub fn farther_than(
                 .map(|i| (squared(i), points.triangles[i as usize]))
                 .collect::<Vec<_>>()
         };
-        points.order.par_chunks(RUN).flat_map_iter(far_of_run).collect::<Vec<_>>()
+        points.order.par_chunks(TASK_POINTS).flat_map_iter(far_of_run).collect::<Vec<_>>()
     };
     let mut far_points = far_samples(&area);
     far_points.extend(far_samples(&lattice));

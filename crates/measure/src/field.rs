@@ -5,13 +5,13 @@ use glam::DVec3;
 use lodc_nearest::TriangleTree;
 use rayon::prelude::*;
 
-/// Most parts of an edge. Chosen by hand.
+/// Largest number of parts of an edge. Chosen by hand.
 const MAX_PARTS: usize = 48;
-/// Most points that are measured in one field, about. Chosen by hand: 16 MB.
+/// Largest number of points in one field, about. Chosen by hand: 16 MB.
 const MAX_POINTS: usize = 4 << 20;
 
 /// Distances from points of some triangles to a surface. The vertices of a level of detail are
-/// vertices of its input, so that only what lies between them shows how far off it is.
+/// vertices of its input, so only points between them have distances.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DistanceField {
     /// For each triangle, the number of parts of its edges.

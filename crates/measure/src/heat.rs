@@ -8,7 +8,7 @@ use lodc_nearest::TriangleTree;
 use lodc_scene::Image;
 use rayon::prelude::*;
 
-/// Four pictures side by side, 320 pixels across each.
+/// Four pictures side by side, 320 pixels across each. Chosen by hand.
 const VIEWING: Viewing = Viewing { views: 4, size: 320 };
 
 impl Picture {
@@ -23,15 +23,15 @@ impl Picture {
         self.colours.iter().zip(&self.points).map(distance_of).collect()
     }
 
-    /// The picture in colours by the number and the own colour of each pixel, row by row from the
-    /// top; `nothing` where nothing is.
+    /// An image of the picture: `colour` gets the number and the colour of each pixel, row by row
+    /// from the top; pixels that show nothing are `background`.
     #[must_use]
-    pub fn image(&self, nothing: [u8; 4], colour: impl Fn(usize, [f32; 3]) -> [u8; 3]) -> Image {
-        let pixel = |(i, &own): (usize, &[f32; 3])| {
-            if own[0] < 0.0 {
-                return nothing;
+    pub fn image(&self, background: [u8; 4], colour: impl Fn(usize, [f32; 3]) -> [u8; 3]) -> Image {
+        let pixel = |(i, &shaded): (usize, &[f32; 3])| {
+            if shaded[0] < 0.0 {
+                return background;
             }
-            let [r, g, b] = colour(i, own);
+            let [r, g, b] = colour(i, shaded);
             [r, g, b, 255]
         };
         let bytes = self.colours.iter().enumerate().flat_map(pixel).collect();
@@ -39,30 +39,30 @@ impl Picture {
     }
 }
 
-/// A sheet of pictures from four sides: `a`, `b`, and how far each point of `a` is from `b`.
-/// `hottest` is the distance that is drawn reddest.
+/// A sheet of pictures from four sides: `a`, `b`, and `a` coloured by the distance of each point
+/// from `b`. `hottest` is the distance of the reddest colour.
 #[must_use]
 pub fn heat_sheet(a: &Surface, b: &Surface, looks: ShadingOptions, hottest: f64) -> Image {
     const BLACK: [u8; 4] = [0, 0, 0, 255];
     let cameras = VIEWING.cameras(a);
-    let (of_a, of_b) = (pictures(a, &cameras, looks), pictures(b, &cameras, looks));
+    let [pictures_a, pictures_b] = [a, b].map(|surface| pictures(surface, &cameras, looks));
     let tree = b.tree();
     let heat_map = |picture: &Picture| {
         let distances = picture.distances(&tree);
-        // The root shows small differences, too.
+        // The root makes small differences visible.
         let share = |i: usize| if hottest > 0.0 { (distances[i] / hottest).sqrt() } else { 0.0 };
         picture.image(BLACK, |i, _| heat(share(i)))
     };
     let plain = |p: &Picture| p.image(BLACK, |_, colour| colour.map(|v| v as u8));
     let rows: [Vec<Image>; 3] = [
-        of_a.iter().map(plain).collect(),
-        of_b.iter().map(plain).collect(),
-        of_a.par_iter().map(heat_map).collect(),
+        pictures_a.iter().map(plain).collect(),
+        pictures_b.iter().map(plain).collect(),
+        pictures_a.par_iter().map(heat_map).collect(),
     ];
-    let line = 4 * VIEWING.size as usize;
+    let stride = 4 * VIEWING.size as usize;
     let lines = rows.iter().flat_map(|row| {
         (0..VIEWING.size as usize)
-            .flat_map(move |y| row.iter().map(move |image| &image.bytes[y * line..(y + 1) * line]))
+            .flat_map(move |y| row.iter().map(move |image| &image.bytes[y * stride..][..stride]))
     });
     Image {
         width: VIEWING.size * VIEWING.views,

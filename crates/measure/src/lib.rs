@@ -1,6 +1,5 @@
-//! The distance of two surfaces: in space, by points spread over both and how far they are from the
-//! other, and in pictures taken from all sides. The instrument that simplifications are judged by;
-//! it knows none of them.
+//! Measures how two surfaces differ: in space, by distances of points on either from the other, and
+//! in pictures taken from all sides. Simplifications are judged by it; it knows none of them.
 //!
 //! ```
 //! use lodc_measure::{

@@ -8,15 +8,16 @@ use lodc_raster::{Camera, Fragment, Point, SUBPIXELS, Window, scan, spread_camer
 use lodc_scene::smooth_normals;
 use rayon::prelude::*;
 
-/// Ambient light, and what the lamp at the camera adds at most, as shares of white. Chosen by hand.
+/// Ambient light as a share of white. Chosen by hand, as are the following.
 const AMBIENT: f32 = 0.15;
+/// The most that the lamp at the camera adds, as a share of white.
 const LAMP: f32 = 0.85;
-/// Squares of the checkerboard in a unit of texture coordinates, both ways, and how dark the dark
-/// ones are.
+/// Squares of the checkerboard in a unit of texture coordinates, both ways.
 const SQUARES: f32 = 16.0;
+/// Brightness of the dark squares as a share of white.
 const DARK: f32 = 0.5;
 
-/// The looks that pictures show besides shape.
+/// How pictures are shaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadingOptions {
     /// Shade with the surface's own normals, not with those of its triangles.
@@ -28,7 +29,7 @@ pub struct ShadingOptions {
     pub materials: bool,
 }
 
-/// From where pictures are taken.
+/// The number and size of pictures, taken from all sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Viewing {
     /// Number of cameras, spread evenly.
@@ -58,7 +59,7 @@ impl Viewing {
 pub struct Picture {
     /// Pixels across and down.
     pub size: u32,
-    /// Red, green and blue, 0 to 255, row by row from the top; negative where nothing is.
+    /// Red, green and blue, 0 to 255, row by row from the top; negative where nothing is shown.
     pub colours: Vec<[f32; 3]>,
     /// The point that each pixel shows, where there is one; empty if they were not asked for.
     pub points: Vec<DVec3>,
@@ -84,15 +85,15 @@ pub fn pictures(surface: &Surface, cameras: &[Camera], looks: ShadingOptions) ->
 /// A surface with the normals that it is shaded by.
 pub(crate) struct ShadedSurface<'a> {
     surface: &'a Surface,
-    /// Of the corners of each triangle.
+    /// The normals at the corners of each triangle.
     normals: Vec<[Vec3; 3]>,
     looks: ShadingOptions,
 }
 
 impl<'a> ShadedSurface<'a> {
     pub(crate) fn new(surface: &'a Surface, looks: ShadingOptions) -> Self {
-        let own = looks.own_normals && !surface.normals.is_empty();
-        let normals = if own {
+        let has_own_normals = looks.own_normals && !surface.normals.is_empty();
+        let normals = if has_own_normals {
             surface.triangles.iter().map(|t| t.map(|v| surface.normals[v as usize])).collect()
         } else {
             smoothed_normals(surface)
@@ -112,7 +113,7 @@ impl<'a> ShadedSurface<'a> {
     }
 }
 
-/// Smooth normals of all corners. Vertices at one position are one.
+/// Smooth normals of all corners. Vertices at one position count as one.
 fn smoothed_normals(surface: &Surface) -> Vec<[Vec3; 3]> {
     let single: Vec<[f32; 3]> = surface.positions.iter().map(|p| p.to_array()).collect();
     let positions: Vec<DVec3> = surface.positions.iter().map(|p| p.as_dvec3()).collect();
@@ -128,9 +129,10 @@ pub fn compare_pictures(a: &[Picture], b: &[Picture]) -> ImageError {
 /// The difference of two pictures by the same camera.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Difference {
-    /// Pixels that either shows, and those that only one does.
+    /// Pixels that either picture covers.
     pixels: u64,
-    differ: u64,
+    /// Pixels that only one of them covers.
+    covered_once: u64,
     /// Sum over pixels of the mean squared difference of their channels.
     squared: f64,
 }
@@ -139,11 +141,11 @@ impl Difference {
     pub(crate) fn new(a: &Picture, b: &Picture) -> Self {
         let mut all = Self::default();
         for (x, y) in a.colours.iter().zip(&b.colours) {
-            let shown = [x, y].map(|colour| colour[0] >= 0.0);
-            if shown[0] || shown[1] {
+            let is_covered = [x, y].map(|colour| colour[0] >= 0.0);
+            if is_covered[0] || is_covered[1] {
                 all.pixels += 1;
-                all.differ += u64::from(shown[0] != shown[1]);
-                // What is not covered counts as black.
+                all.covered_once += u64::from(is_covered[0] != is_covered[1]);
+                // Pixels that are not covered count as black.
                 let square = |c: usize| f64::from(x[c].max(0.0) - y[c].max(0.0)).powi(2);
                 all.squared += (square(0) + square(1) + square(2)) / 3.0;
             }
@@ -156,14 +158,14 @@ impl Difference {
 pub(crate) fn image_error(pictures: impl Iterator<Item = Difference>) -> ImageError {
     let all = pictures.fold(Difference::default(), |all, one| Difference {
         pixels: all.pixels + one.pixels,
-        differ: all.differ + one.differ,
+        covered_once: all.covered_once + one.covered_once,
         squared: all.squared + one.squared,
     });
     if all.pixels == 0 {
         return ImageError { rmse: 0.0, silhouette: 0.0 };
     }
     let pixels = all.pixels as f64;
-    ImageError { rmse: (all.squared / pixels).sqrt(), silhouette: all.differ as f64 / pixels }
+    ImageError { rmse: (all.squared / pixels).sqrt(), silhouette: all.covered_once as f64 / pixels }
 }
 
 fn picture(
@@ -184,7 +186,7 @@ fn picture(
         });
     }
     let mut colours = vec![[-1.0; 3]; nearest_fragments.len()];
-    let mut shown = vec![DVec3::ZERO; if with_points { nearest_fragments.len() } else { 0 }];
+    let mut shown_points = vec![DVec3::ZERO; if with_points { nearest_fragments.len() } else { 0 }];
     for (i, fragment) in
         nearest_fragments.into_iter().enumerate().filter(|(_, f)| *f != Fragment::NOTHING)
     {
@@ -196,8 +198,8 @@ fn picture(
             values[0] * shares[0] + values[1] * shares[1] + values[2] * shares[2]
         };
         let normal = mix(normals[fragment.item() as usize]).normalize_or_zero();
-        // What is seen from behind is lit from behind. Rows run downwards, so counter-clockwise in
-        // space is clockwise here.
+        // Back faces are lit from behind. Rows run downwards, so triangles that are
+        // counter-clockwise in space are clockwise here.
         let cosine = normal.dot(camera.toward.as_vec3()) * if area < 0.0 { 1.0 } else { -1.0 };
         let light = (AMBIENT + LAMP * cosine.max(0.0)).min(1.0);
         let colour = if looks.materials {
@@ -210,11 +212,11 @@ fn picture(
             Vec3::ONE
         };
         colours[i] = (colour * light * 255.0).into();
-        if let Some(shown) = shown.get_mut(i) {
-            *shown = mix(triangle.map(|v| surface.positions[v as usize])).as_dvec3();
+        if let Some(point) = shown_points.get_mut(i) {
+            *point = mix(triangle.map(|v| surface.positions[v as usize])).as_dvec3();
         }
     }
-    Picture { size, colours, points: shown }
+    Picture { size, colours, points: shown_points }
 }
 
 /// Texture coordinates at shares of a triangle's corners.
@@ -228,8 +230,8 @@ fn texture_coordinates(surface: &Surface, triangle: [u32; 3], shares: [f32; 3]) 
 fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
     let material = &surface.materials[surface.material_of[t] as usize];
     let [r, g, b, _] = material.colour;
-    // Colours are linear, texels are not: a root is near enough to sRGB, and the same on every
-    // machine.
+    // Colours are linear, texels are sRGB. A square root is close to sRGB's curve, and the same on
+    // every machine.
     let colour = Vec3::new(r, g, b).max(Vec3::ZERO).map(f32::sqrt);
     let Some(texture) = material.texture else { return colour };
     let image = &surface.images[texture.image];
@@ -247,9 +249,10 @@ fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
         )
 }
 
-fn is_dark(at: Vec2) -> bool {
-    let parity = |x: f32| floor(x).rem_euclid(2.0) >= 1.0;
-    parity(at.x) != parity(at.y)
+/// Returns whether a point, in squares of the checkerboard, is in a dark one.
+fn is_dark(point: Vec2) -> bool {
+    let is_odd = |x: f32| floor(x).rem_euclid(2.0) >= 1.0;
+    is_odd(point.x) != is_odd(point.y)
 }
 
 /// A pixel centre's shares of a triangle's corners (barycentric coordinates), and twice the
@@ -259,7 +262,7 @@ fn shares(corners: [Point; 3], column: u32, row: u32) -> ([f32; 3], f64) {
     let (x, y) = (center(column), center(row));
     let [a, b, c] = corners.map(|p| (f64::from(p.x), f64::from(p.y)));
     let area = (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0);
-    let of_b = ((x - a.0) * (c.1 - a.1) - (y - a.1) * (c.0 - a.0)) / area;
-    let of_c = ((b.0 - a.0) * (y - a.1) - (b.1 - a.1) * (x - a.0)) / area;
-    ([(1.0 - of_b - of_c) as f32, of_b as f32, of_c as f32], area)
+    let share_b = ((x - a.0) * (c.1 - a.1) - (y - a.1) * (c.0 - a.0)) / area;
+    let share_c = ((b.0 - a.0) * (y - a.1) - (b.1 - a.1) * (x - a.0)) / area;
+    ([(1.0 - share_b - share_c) as f32, share_b as f32, share_c as f32], area)
 }

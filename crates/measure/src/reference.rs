@@ -27,7 +27,7 @@ impl ReferencePictures {
         Self { cameras, looks, pictures }
     }
 
-    /// What the pictures show besides shape.
+    /// How the pictures are shaded.
     #[must_use]
     pub fn looks(&self) -> ShadingOptions {
         self.looks
@@ -43,10 +43,10 @@ impl ReferencePictures {
     #[must_use]
     pub fn compare(&self, other: &Surface) -> ImageError {
         let shaded = ShadedSurface::new(other, self.looks);
-        let own = self.cameras.par_iter().zip(&self.pictures);
+        let references = self.cameras.par_iter().zip(&self.pictures);
         let difference =
             |(camera, picture)| Difference::new(picture, &shaded.picture(camera, false));
-        image_error(own.map(difference).collect::<Vec<_>>().into_iter())
+        image_error(references.map(difference).collect::<Vec<_>>().into_iter())
     }
 
     /// Compares the pictures of another surface, taken by [`Self::pictures_of`].

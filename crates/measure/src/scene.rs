@@ -18,18 +18,17 @@ pub struct SceneSurface {
 }
 
 impl SceneSurface {
-    /// Puts the objects of a scene where it shows them, at some level of detail or at full detail.
-    /// `meshes` are the objects. The surface has normals if every submesh has them, and materials
-    /// if one has a texture; texture coordinates are those of the submesh's texture, and in its
-    /// image.
+    /// Places the objects of a scene, whose meshes at some level of detail are `meshes`. The
+    /// surface has normals if every submesh has them, and materials if one has a texture; texture
+    /// coordinates are those that the submesh's texture reads, moved as it moves them.
     #[must_use]
     pub fn new(meshes: &[&Mesh], scene: &Arrangement, looks: &Appearance) -> Self {
         let images = looks.images.iter().map(Pyramid::new);
         Self::with_images(meshes, scene, looks, || images.collect())
     }
 
-    /// The same with the images of `looks` as they were prepared before; they are asked for only if
-    /// they are shown.
+    /// As [`Self::new`], with the prepared images of `looks`; `images` is called only if they are
+    /// needed.
     #[must_use]
     pub fn with_images(
         meshes: &[&Mesh],
@@ -42,22 +41,22 @@ impl SceneSurface {
             material(o, s).map_or(Coordinates::PLAIN, |m| looks.materials[m].coordinates)
         };
         let submeshes = || {
-            let of = |p: &Placement| {
+            let placed = |p: &Placement| {
                 let object = p.object;
                 (0..meshes[object].submeshes().len()).map(move |s| (object, s))
             };
-            scene.placements().iter().flat_map(of)
+            scene.placements().iter().flat_map(placed)
         };
         let has = |o: usize, s: usize, semantic| stream(meshes[o], s, &semantic).is_some();
-        let textured = |(o, s)| has(o, s, Semantic::TexCoord(coordinates(o, s).set));
-        let normals = submeshes().all(|(o, s)| has(o, s, Semantic::Normal));
-        let texture = submeshes().any(textured);
+        let is_textured = |(o, s)| has(o, s, Semantic::TexCoord(coordinates(o, s).set));
+        let with_normals = submeshes().all(|(o, s)| has(o, s, Semantic::Normal));
+        let with_texture = submeshes().any(is_textured);
         let mut surface = Surface::default();
         for placement in scene.placements() {
             let object = placement.object;
             let mesh = meshes[object];
-            add(&mut surface, mesh, placement, normals);
-            if texture {
+            add(&mut surface, mesh, placement, with_normals);
+            if with_texture {
                 for (v, &s) in (0..).zip(mesh.vertex_submesh()) {
                     let read = coordinates(object, s as usize);
                     let set = stream(mesh, s as usize, &Semantic::TexCoord(read.set));
@@ -70,7 +69,7 @@ impl SceneSurface {
                 surface.material_of.extend(submesh.triangles().map(|_| material));
             }
         }
-        if texture && looks.materials.iter().any(|m| m.texture.is_some()) {
+        if with_texture && looks.materials.iter().any(|m| m.texture.is_some()) {
             surface.materials.clone_from(&looks.materials);
             for texture in surface.materials.iter_mut().filter_map(|m| m.texture.as_mut()) {
                 texture.transform = Texture::UNTRANSFORMED;
@@ -79,7 +78,7 @@ impl SceneSurface {
         } else {
             surface.material_of.clear();
         }
-        Self { surface, all_textured: texture && submeshes().all(textured) }
+        Self { surface, all_textured: with_texture && submeshes().all(is_textured) }
     }
 
     /// Everything that this surface and another can be shown with: materials, or else a
@@ -97,11 +96,11 @@ impl SceneSurface {
 }
 
 /// Adds the triangles, positions and normals of a placement.
-fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, normals: bool) {
+fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, with_normals: bool) {
     let first = surface.positions.len() as u32;
     let posed = posed(mesh, placement);
     surface.positions.extend(posed.positions.iter().map(|p| p.as_vec3()));
-    if normals {
+    if with_normals {
         let unit = posed.normals.iter().map(|n| n.normalize_or_zero().as_vec3());
         surface.normals.extend(unit);
     }

@@ -6,10 +6,10 @@ use glam::DVec3;
 use lodc_mesh::SplitMix64;
 use rayon::prelude::*;
 
-/// Most intervals into which a triangle's edge is cut by a lattice.
+/// Largest number of intervals into which a lattice cuts a triangle's edge. Chosen by hand.
 const MAX_INTERVALS: usize = 7;
 
-/// `count` points, one in each of as many slices of equal area, with their triangles.
+/// `count` points with their triangles, one in each of `count` slices of equal area.
 pub(crate) fn over_area(surface: &Surface, count: usize, seed: u64) -> Vec<(DVec3, u32)> {
     let area = |t| {
         let [a, b, c] = surface.corners(t);
@@ -19,7 +19,7 @@ pub(crate) fn over_area(surface: &Surface, count: usize, seed: u64) -> Vec<(DVec
     over_weights(surface, &areas, count, seed)
 }
 
-/// The same with slices of equal weight; the weight of a triangle lies evenly on it.
+/// As [`over_area`], in slices of equal weight; the weight of a triangle is spread evenly over it.
 pub(crate) fn over_weights(
     surface: &Surface,
     weights: &[f64],
@@ -48,9 +48,9 @@ pub(crate) fn over_weights(
         .collect()
 }
 
-/// A regular lattice on every triangle, corners and edges included, as fine as `max_points` points
-/// in all allow: it finds what area samples miss on slivers. With more triangles than that, the
-/// corners of some. With their triangles.
+/// The points, with their triangles, of a regular lattice on every triangle, corners and edges
+/// included, as fine as `max_points` points in all allow: it finds what area samples miss on
+/// slivers. With too many triangles for that, the corners of some.
 pub(crate) fn over_triangles(surface: &Surface, max_points: usize) -> Vec<(DVec3, u32)> {
     let triangles = surface.triangles.len();
     let points = |k: usize| (k + 1) * (k + 2) / 2;

@@ -23,36 +23,37 @@ fn sampling(triangles: usize) -> Sampling {
     }
 }
 
-/// Measured distances may be this many times the stored ones, which are made from samples.
-const TOLERANCE: f64 = 1.05;
+// The following factors are chosen by hand.
 
-/// Stored distances may be this many times the measured ones.
-const OVERSTATED: f64 = 3.0;
+/// A measured distance may be at most this many times the stored error, which is made from samples.
+const MAX_MEASURED: f64 = 1.05;
 
-/// Measured root mean square distances may be this many times the stored ones. Both are means of
-/// samples.
-const RMS_TOLERANCE: f64 = 1.9;
+/// A stored error may be at most this many times the largest distance.
+const MAX_STORED: f64 = 3.0;
 
-/// Means below this share of the error are those of a hundredth of the surface, which the writer's
-/// samples may have missed: they are not refused for being stated too small.
-const RMS_OF_PARTS: f64 = 0.125;
+/// A measured root mean square distance may be at most this many times the stored one. Both are
+/// means of samples.
+const MAX_MEASURED_RMS: f64 = 1.9;
 
-/// Stored ones may be this many times the measured ones: samples that travel stop where they are
-/// near enough.
-const RMS_OVERSTATED: f64 = 8.0;
+/// Root mean square distances below this share of the error are not refused for being stored too
+/// small: a hundredth of the surface can cause them, which the writer's samples may have missed.
+const MIN_REFUSED_RMS: f64 = 0.125;
+
+/// A stored root mean square distance may be at most this many times the measured one: samples
+/// that follow the surface from level to level stop when they are near enough.
+const MAX_STORED_RMS: f64 = 8.0;
 
 /// Samples of a root mean square distance: at first, and before it is refused.
 const RMS_SAMPLES: [u32; 2] = [2_000, 20_000];
 
-/// Number of neighbouring slices of equal area that may have been sampled where they are unusually
-/// near, or far: 3 of `n` that all miss a part have a chance of 5 % if that part is 3/n of the
-/// area.
+/// Number of slices of equal area by which a mean is corrected, for parts that samples may have
+/// missed: all `n` samples miss a part of 3/n of the area with a chance of 5 %.
 const MISSED_SLICES: f64 = 3.0;
 
-/// Compares the errors and root mean square distances of a sequence with measured ones: returns how
-/// many levels were measured, and what is wrong with the first whose error does not hold. `shapes`
-/// are the surfaces that the errors are the maximum over, each with a position for every vertex:
-/// the one at rest first.
+/// Compares the errors and root mean square distances of a sequence with measured ones. Returns the
+/// number of levels that were measured, and the problem of the first level whose errors do not
+/// hold. `shapes` are the surfaces that the errors are the maximum over, each with a position for
+/// every vertex: the one at rest first.
 #[must_use]
 pub fn check_errors<S: AsRef<[[f32; 3]]> + Sync>(
     simplified: &Simplified,
@@ -63,7 +64,7 @@ pub fn check_errors<S: AsRef<[[f32; 3]]> + Sync>(
     (lods.len(), first_difference(simplified, &shapes, &lods))
 }
 
-/// Returns levels with triangles, one by chance from each of some ranges of triangle counts.
+/// Returns levels with triangles, a random one from each of [`LEVELS`] ranges of triangle counts.
 fn levels(collapses: &CollapseSequence) -> Vec<Lod> {
     let mut random = SplitMix64::new(SEED);
     let mut upper = f64::from(collapses.parts().triangles);
@@ -80,7 +81,7 @@ fn levels(collapses: &CollapseSequence) -> Vec<Lod> {
     lods
 }
 
-/// Returns what is wrong with the first level whose errors do not hold.
+/// Returns the problem of the first level whose errors do not hold.
 fn first_difference(
     simplified: &Simplified,
     shapes: &[&[[f32; 3]]],
@@ -88,15 +89,15 @@ fn first_difference(
 ) -> Option<String> {
     let levels = Levels::new(simplified, shapes);
     let check = |&lod: &Lod| Some(format!("LOD {}: {}", lod.0, levels.check(lod)?));
-    let wrong: Vec<Option<String>> = lods.par_iter().with_max_len(1).map(check).collect();
-    wrong.into_iter().flatten().next()
+    let problems: Vec<Option<String>> = lods.par_iter().with_max_len(1).map(check).collect();
+    problems.into_iter().flatten().next()
 }
 
-/// The levels of a sequence, ready to be measured.
+/// The levels of a sequence, prepared for measuring.
 struct Levels<'a> {
     simplified: &'a Simplified,
     positions: PositionIds,
-    /// The first of the triangles that lie on each other, at every level.
+    /// The triangles of LOD 0 without those that lie on an earlier one, as they do at every level.
     distinct: Vec<[u32; 3]>,
     shapes: Vec<Shape<'a>>,
 }
@@ -104,9 +105,10 @@ struct Levels<'a> {
 /// The input in one shape.
 struct Shape<'a> {
     positions: &'a [[f32; 3]],
-    /// Vertices at one position at rest are at one position in this shape, so that coincident
-    /// triangles stay so.
+    /// True if vertices at one position at rest are at one position in this shape, so that
+    /// triangles that lie on each other still do.
     is_whole: bool,
+    /// The triangles of LOD 0.
     input: TriangleTree,
     diagonal: f64,
     /// Twice the area.
@@ -114,13 +116,14 @@ struct Shape<'a> {
 }
 
 impl Shape<'_> {
-    /// Distances that are none: singles as long as the diagonal are rounded to about as much.
-    fn slack(&self) -> f64 {
+    /// Distances up to this are rounding errors: single precision rounds numbers as large as the
+    /// diagonal by about as much.
+    fn rounding(&self) -> f64 {
         1e-7 * self.diagonal
     }
 
-    /// Errors that are not worth a refusal if they are too large.
-    fn tiny(&self) -> f64 {
+    /// Errors up to this are not refused for being too large. Chosen by hand.
+    fn negligible(&self) -> f64 {
         1e-6 * self.diagonal
     }
 }
@@ -162,23 +165,24 @@ impl<'a> Levels<'a> {
         let collapses = self.simplified.collapses();
         let stored = collapses.rms_at(lod)?;
         let (rms, error) = (f64::from(stored), f64::from(collapses.error_at(lod)));
-        let slack = self.shapes.iter().map(Shape::slack).fold(0.0, f64::max);
-        let tiny = self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
+        let rounding = self.shapes.iter().map(Shape::rounding).fold(0.0, f64::max);
+        let negligible = self.shapes.iter().map(Shape::negligible).fold(0.0, f64::max);
         let mut measured = 0.0;
         for samples in RMS_SAMPLES {
-            // No point is farther than the error, so what samples miss cannot matter more.
+            // No point is farther than the error, so missed parts change the mean by no more.
             let missed = MISSED_SLICES / f64::from(samples) * error * error;
             let square = mean_square_of(changes, samples);
             let lower_bound = (square - missed).max(0.0).sqrt();
-            let too_small = lower_bound > (RMS_TOLERANCE * rms).max(RMS_OF_PARTS * error) + slack;
+            let refused_above = (MAX_MEASURED_RMS * rms).max(MIN_REFUSED_RMS * error) + rounding;
+            let is_too_small = lower_bound > refused_above;
             let upper_bound = || {
-                // It never falls: a finer level may be the one that is that far.
+                // Stored ones never fall: a finer level may be the one with that distance.
                 let first_step = collapses.parts().step_rms.partition_point(|&r| r < stored);
                 let finer = self.changes(collapses.step(first_step).lod);
                 (square.max(mean_square_of(&finer, samples)) + missed).sqrt()
             };
-            let is_tiny = rms <= tiny || rms <= RMS_OVERSTATED * (square + missed).sqrt();
-            if !too_small && (is_tiny || rms <= RMS_OVERSTATED * upper_bound()) {
+            let is_reached = rms <= negligible || rms <= MAX_STORED_RMS * (square + missed).sqrt();
+            if !is_too_small && (is_reached || rms <= MAX_STORED_RMS * upper_bound()) {
                 return None;
             }
             measured = square.sqrt();
@@ -186,18 +190,18 @@ impl<'a> Levels<'a> {
         Some(format!("the root mean square distance is {stored}, measured are {measured}"))
     }
 
-    /// Returns what is wrong with the errors that a level states. One shape that is far enough says
-    /// that they are not too large; of the others, only what is too far is looked for.
+    /// Returns the problem of a level's stored error. One shape with a distance close to it shows
+    /// that it is not too large; the other shapes are only searched for larger distances.
     fn check_error(&self, lod: Lod, changes: &[Changes<'_>]) -> Option<String> {
         let collapses = self.simplified.collapses();
         let stored = collapses.error_at(lod);
         let error = f64::from(stored);
-        let too_large_below = error / OVERSTATED;
-        let mut is_reached = error <= self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
+        let min_distance = error / MAX_STORED;
+        let mut is_reached = error <= self.shapes.iter().map(Shape::negligible).fold(0.0, f64::max);
         for (number, shape) in self.shapes.iter().enumerate() {
-            let allowed = TOLERANCE * error + shape.slack();
+            let allowed = MAX_MEASURED * error + shape.rounding();
             let farther =
-                changes[number].farther_than(if is_reached { allowed } else { too_large_below });
+                changes[number].farther_than(if is_reached { allowed } else { min_distance });
             match farther {
                 Some(largest) if largest > allowed => {
                     let pose =
@@ -211,19 +215,19 @@ impl<'a> Levels<'a> {
         if is_reached {
             return None;
         }
-        // Errors never fall: a finer level may be the one that is that far. Samples may miss a
-        // small part, so only a bound tells that there is none.
+        // Errors never fall: a finer level may be the one with that distance. Samples may miss a
+        // small part, so only an upper bound shows that the error is too large.
         let first_step = collapses.parts().step_errors.partition_point(|&e| e < stored);
         let finer = self.changes(collapses.step(first_step).lod);
         let search = |shape: &Shape| FarthestSearch::for_size(shape.diagonal);
         let bounds = finer.iter().zip(&self.shapes).map(|(c, shape)| c.bound(search(shape)));
         let bound = bounds.fold(0.0, f64::max);
-        (bound < too_large_below)
+        (bound < min_distance)
             .then(|| format!("the error is {stored}, no point is farther than {bound}"))
     }
 
-    /// What a level changes in each shape. Triangles that it has in common with the input are
-    /// nowhere apart, so only the others are measured.
+    /// The changes of a level in each shape. Triangles that it has in common with the input have no
+    /// distance, so only the others are measured.
     fn changes(&self, lod: Lod) -> Vec<Changes<'_>> {
         let Self { simplified, positions, .. } = self;
         let is_changed = |t: &[u32; 3]| t.iter().any(|&v| v < lod.0);
@@ -260,13 +264,15 @@ fn mean_square_of(changes: &[Changes<'_>], samples: u32) -> f64 {
     changes.iter().map(|change| change.mean_square(samples as usize)).fold(0.0, f64::max)
 }
 
-/// What a level changes.
+/// The changes of a level in one shape.
 struct Changes<'a> {
-    /// All triangles of the input, and of the level.
+    /// All triangles of the input.
     input: &'a TriangleTree,
+    /// All triangles of the level.
     level: TriangleTree,
-    /// Those of the input that the level has not, and those of the level that the input has not.
+    /// Triangles of the input that the level does not have.
     input_changed: Surface,
+    /// Triangles of the level that the input does not have.
     level_changed: Surface,
     /// Twice the areas of the whole input and of the whole level; faces on each other count once.
     areas: [f64; 2],
@@ -285,8 +291,8 @@ impl Changes<'_> {
         forward.into_iter().chain(backward).max_by(f64::total_cmp)
     }
 
-    /// The mean squared distance over the whole area, the larger of both ways. What is the same on
-    /// both sides adds area alone.
+    /// The mean squared distance over the whole area, the larger of both ways. Common triangles add
+    /// area alone.
     fn mean_square(&self, samples: usize) -> f64 {
         let one_way = |changed: &Surface, to: &TriangleTree, all: f64| {
             let share = area(changed) / all;

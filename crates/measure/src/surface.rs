@@ -6,8 +6,8 @@ use lodc_nearest::TriangleTree;
 use lodc_scene::Material;
 use std::sync::Arc;
 
-/// Triangles in one space, with what is needed to look at them. Every index is in range, or
-/// measuring panics.
+/// Triangles in one space, and what pictures of them need. Every index is in range, or measuring
+/// panics.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Finite positions.
@@ -22,7 +22,7 @@ pub struct Surface {
     pub material_of: Vec<u32>,
     /// Materials.
     pub materials: Vec<Material>,
-    /// Images that materials' textures show.
+    /// The images of materials' textures.
     pub images: Arc<[Pyramid]>,
 }
 

@@ -28,16 +28,16 @@ impl Pyramid {
     }
 
     /// Returns the colour at texture coordinates, sRGB values from 0 to 1, for a pixel of a picture
-    /// as large as `texels` of the image. Linear between texels and between sizes.
+    /// that covers an area of `texels` texels. Linear between texels and between sizes.
     #[must_use]
     pub fn at(&self, uv: Vec2, texels: f32, wrap: [Wrap; 2]) -> Vec3 {
-        let (mut level, mut texels_left) = (0, texels);
-        while texels_left > 4.0 && level + 2 < self.levels.len() {
-            texels_left *= 0.25;
+        let (mut level, mut level_texels) = (0, texels);
+        while level_texels > 4.0 && level + 2 < self.levels.len() {
+            level_texels *= 0.25;
             level += 1;
         }
         let finer = bilinear(&self.levels[level], uv, wrap);
-        let share = ((texels_left - 1.0) / 3.0).clamp(0.0, 1.0);
+        let share = ((level_texels - 1.0) / 3.0).clamp(0.0, 1.0);
         match self.levels.get(level + 1) {
             Some(next) if share > 0.0 => finer.lerp(bilinear(next, uv, wrap), share),
             _ => finer,
@@ -58,7 +58,7 @@ fn bilinear(image: &Image, uv: Vec2, wrap: [Wrap; 2]) -> Vec3 {
     row(0).lerp(row(1), y.1)
 }
 
-/// All values of a channel, from 0 to 1: millions of texels are read.
+/// The values of a channel as shares of 255: a table, since millions of texels are read.
 const SHARES: [f32; 256] = {
     let mut shares = [0.0; 256];
     let mut i = 0;

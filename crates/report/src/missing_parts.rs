@@ -101,7 +101,7 @@ impl<'a> PartInventory<'a> {
             gone.push(MissingPart { kind: "material", name: Some(name), share: 1.0 });
         }
         if shares.iter().any(|&share| share > 0.0) {
-            let areas = || self.scene.seen().iter().map(|areas| areas.iter().sum::<f64>());
+            let areas = || self.scene.visible_areas().iter().map(|areas| areas.iter().sum::<f64>());
             let lost: f64 = areas().zip(&shares).map(|(area, share)| area * share).sum();
             let share = lost / areas().sum::<f64>();
             if share > MIN_SCENE_SHARE {
@@ -134,7 +134,7 @@ impl<'a> PartInventory<'a> {
             t.corners.map(|v| mesh.positions()[v as usize].map(f64::from).into())
         };
         let level = TriangleTree::new(&live.iter().map(corners).collect::<Vec<_>>());
-        share_beyond(&surface, &self.scene.seen()[number], &level, gone_distance)
+        share_beyond(&surface, &self.scene.visible_areas()[number], &level, gone_distance)
     }
 
     /// Materials of which the input has triangles and the level none.

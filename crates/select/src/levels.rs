@@ -1,5 +1,5 @@
-//! The levels of a scene's objects: one error for all, one number of triangles for all, or each
-//! object by itself.
+//! Chooses the levels of a scene's objects by one error for all, one number of triangles for all,
+//! or for each object by itself.
 
 use crate::loss::Visibility;
 use crate::selection::{Candidate, RecordOfScene, Selection, Target, select};
@@ -18,10 +18,10 @@ pub enum SelectError {
         /// Its name.
         object: String,
     },
-    /// Instances have more vertices in all than can be looked at.
+    /// Instances have too many vertices in all for views.
     TooManyVertices {
-        /// That many.
-        most: usize,
+        /// The largest number of vertices.
+        limit: usize,
     },
     /// A view is no mesh: a bug.
     NoMesh {
@@ -40,8 +40,8 @@ impl fmt::Display for SelectError {
                 f,
                 "{object}: has errors that are estimates, and no root mean square distances"
             ),
-            Self::TooManyVertices { most } => {
-                write!(f, "instances have more than {most} vertices in all")
+            Self::TooManyVertices { limit } => {
+                write!(f, "instances have more than {limit} vertices in all")
             }
             Self::NoMesh { object, what } => write!(f, "{object}: a view is no mesh: {what}"),
         }
@@ -72,18 +72,21 @@ pub struct ObjectLevels<'a> {
 pub struct SceneLevels<'a> {
     objects: Vec<ObjectLevels<'a>>,
     scene: Arrangement,
+    /// Made when it is first asked for, as are the next two.
     visibility: OnceLock<Visibility>,
+    /// For each object the loss after each step.
     losses: OnceLock<Vec<Vec<f64>>>,
-    seen: OnceLock<Vec<Vec<f64>>>,
+    /// For each object the visible area of each triangle.
+    visible_areas: OnceLock<Vec<Vec<f64>>>,
 }
 
 impl<'a> SceneLevels<'a> {
-    /// Objects, and the scene in its rest pose. What a single object loses does not depend on the
-    /// scene: any will do.
+    /// Objects, and the scene in its rest pose. For a single object any scene will do: its losses
+    /// do not depend on it.
     #[must_use]
     pub fn new(objects: Vec<ObjectLevels<'a>>, scene: Arrangement) -> Self {
-        let (visibility, losses, seen) = Default::default();
-        Self { objects, scene, visibility, losses, seen }
+        let (visibility, losses, visible_areas) = Default::default();
+        Self { objects, scene, visibility, losses, visible_areas }
     }
 
     /// The objects.
@@ -92,7 +95,7 @@ impl<'a> SceneLevels<'a> {
         &self.objects
     }
 
-    /// Objects as they are selected from.
+    /// The objects as [`select`] takes them.
     #[must_use]
     pub fn candidates(&self) -> Vec<Candidate<'a>> {
         let candidate = |o: &ObjectLevels<'a>| Candidate {
@@ -104,14 +107,14 @@ impl<'a> SceneLevels<'a> {
         self.objects.iter().map(candidate).collect()
     }
 
-    /// For each object the area of each triangle that is seen in pictures of the whole scene from
-    /// all sides, in world units, instances together. An object that the scene does not show, and
-    /// all of a scene too large for pictures, counts with its whole area.
-    pub fn seen(&self) -> &[Vec<f64>] {
-        self.seen.get_or_init(|| self.visibility().areas(&self.simplified()))
+    /// For each object the visible area of each triangle, by pictures of the whole scene from all
+    /// sides, in world units, instances together. An object that the scene does not show, and all
+    /// of a scene too large for pictures, counts with its whole area.
+    pub fn visible_areas(&self) -> &[Vec<f64>] {
+        self.visible_areas.get_or_init(|| self.visibility().areas(&self.simplified()))
     }
 
-    /// What is seen of all objects: of losses and of [`Self::seen`].
+    /// The visible areas from which losses and [`Self::visible_areas`] follow.
     fn visibility(&self) -> &Visibility {
         self.visibility.get_or_init(|| Visibility::new(&self.simplified(), &self.scene))
     }
@@ -141,11 +144,11 @@ impl<'a> SceneLevels<'a> {
         }
         // Stable: the steps of one object keep their order.
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let later = steps.into_iter().scan(total, |remaining, (error, removed)| {
+        let after_steps = steps.into_iter().scan(total, |remaining, (error, removed)| {
             *remaining -= removed;
             Some((error, *remaining))
         });
-        std::iter::once((0.0, total)).chain(later).collect()
+        std::iter::once((0.0, total)).chain(after_steps).collect()
     }
 
     /// Chooses one level of detail per object.
@@ -160,22 +163,23 @@ impl<'a> SceneLevels<'a> {
     }
 
     /// Chooses as [`Self::select`] does, but no level coarser than `cap`, an error, allows. Objects
-    /// for which `own` has a target by their name have their level by themselves.
+    /// for whose names `own_target` returns a target get the level that meets it.
     ///
     /// # Errors
     /// As [`Self::select`].
     pub fn select_capped(
         &self,
         target: Target,
-        own: impl Fn(&str) -> Option<Target>,
+        own_target: impl Fn(&str) -> Option<Target>,
         cap: Option<Target>,
         per_object: bool,
     ) -> Result<Selection, SelectError> {
         let mut chosen = self.select(target, per_object)?;
         let objects = self.objects.iter().enumerate();
-        let own: Vec<_> = objects.filter_map(|(i, o)| Some((i, own(o.name)?))).collect();
-        if !own.is_empty() {
-            chosen.put(&self.candidates(), own.into_iter());
+        let own_targets: Vec<_> =
+            objects.filter_map(|(i, o)| Some((i, own_target(o.name)?))).collect();
+        if !own_targets.is_empty() {
+            chosen.put(&self.candidates(), own_targets.into_iter());
         }
         if let Some(cap) = cap {
             chosen.cap(&self.candidates(), &self.select(cap, per_object)?);
@@ -186,8 +190,8 @@ impl<'a> SceneLevels<'a> {
     /// Refuses to choose by a distance that was not measured.
     fn check_measured(&self, target: Target) -> Result<(), SelectError> {
         let by_rms = matches!(target, Target::Rms(_) | Target::RmsShare(_));
-        let estimate = |o: &&ObjectLevels<'_>| !o.simplified.collapses().is_measured();
-        match self.objects.iter().find(|o| by_rms && estimate(o)) {
+        let is_estimate = |o: &&ObjectLevels<'_>| !o.simplified.collapses().is_measured();
+        match self.objects.iter().find(|o| by_rms && is_estimate(o)) {
             Some(o) => Err(SelectError::NotMeasured { object: o.name.to_owned() }),
             None => Ok(()),
         }

@@ -1,11 +1,11 @@
-//! Levels of detail for all objects of a scene by a wish: an error, a share of the triangles, a
-//! number of them.
+//! Chooses levels of detail for all objects of a scene by a target: an error, a share of the
+//! triangles, a number of them.
 //!
-//! [`select`] answers. Errors are met by each object for itself. Numbers of triangles are shared
-//! out: [`losses`] says what the scene loses with every step of every object, and triangles are
-//! given up where least is lost for each. [`SceneLevels`] does both for the objects of a scene,
-//! [`SceneViews`] chooses a level for every part of their surfaces, and [`SceneManager`] levels for
-//! many instances, frame by frame.
+//! [`select`] does it. Each object keeps an error by itself. A number of triangles is shared out
+//! among the objects: [`losses`] returns what the scene loses with every step of every object, and
+//! triangles are removed where the loss for each is least. [`SceneLevels`] does both for the
+//! objects of a scene, [`SceneViews`] chooses a level for every part of their surfaces, and
+//! [`SceneManager`] levels for many instances, frame by frame.
 //!
 //! ```
 //! use lodc_scene::{Arrangement, Graph};

@@ -1,8 +1,7 @@
-//! Errors in decimal, as reports print them and people type them, converted so that a printed error
-//! selects its own level.
+//! Converts errors to and from the decimals that reports print and people type, so that a printed
+//! error selects its own level.
 
-/// An error as the number that its shortest decimal form stands for: what reports print and people
-/// type.
+/// The number that the shortest decimal form of an error stands for, as reports print it.
 #[must_use]
 pub fn decimal(error: f32) -> f64 {
     error.to_string().parse().unwrap_or_else(|_| f64::from(error))

@@ -10,18 +10,18 @@ use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use lodc_scene::Arrangement;
 
 /// The last triangles of every object are removed after all others, so that none vanishes while
-/// others have triangles to spare. Four are the fewest that enclose something.
+/// others have many. Four are the fewest that enclose a volume.
 const LAST_TRIANGLES: u32 = 4;
 
 /// A run of steps of one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Segment {
     /// True if it leaves fewer than [`LAST_TRIANGLES`].
-    last: bool,
+    is_last: bool,
     /// Loss per triangle removed.
     slope: f64,
     object: usize,
-    /// Steps that are complete at its end.
+    /// Number of steps that are complete at its end.
     end: usize,
     /// Number of triangles that it removes.
     removed: u64,
@@ -32,7 +32,7 @@ struct Segment {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Turn {
     /// Its rank, from 0 on, among the turns of all objects.
-    pub place: u32,
+    pub rank: u32,
     /// The level that the object has after it.
     pub lod: Lod,
 }
@@ -47,7 +47,7 @@ pub fn turns(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<Turn>> {
     let mut turns = vec![Vec::new(); objects.len()];
     for (rank, segment) in (0..).zip(order(&collapses, &losses(objects, scene))) {
         let lod = Lod(collapses[segment.object].parts().step_ends[segment.end - 1]);
-        turns[segment.object].push(Turn { place: rank, lod });
+        turns[segment.object].push(Turn { rank, lod });
     }
     turns
 }
@@ -59,7 +59,7 @@ fn order(objects: &[&CollapseSequence], losses: &[Vec<f64>]) -> Vec<Segment> {
         segments.extend(hull(number, collapses, loss));
     }
     // Stable: segments of one slope keep the order of the objects.
-    segments.sort_by(|a, b| a.last.cmp(&b.last).then(a.slope.total_cmp(&b.slope)));
+    segments.sort_by(|a, b| a.is_last.cmp(&b.is_last).then(a.slope.total_cmp(&b.slope)));
     segments
 }
 
@@ -85,8 +85,8 @@ pub(crate) fn within_triangles(
             continue;
         }
         // Steps within a segment are taken one by one.
-        let has = u64::from(collapses.triangles_at(*lod));
-        let wanted = u32::try_from(has - (total - budget)).unwrap_or(u32::MAX);
+        let triangles = u64::from(collapses.triangles_at(*lod));
+        let wanted = u32::try_from(triangles - (total - budget)).unwrap_or(u32::MAX);
         *lod = collapses.lod_for_triangles(wanted);
         break;
     }
@@ -108,7 +108,7 @@ fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segmen
     // The first step that leaves too few.
     let split = parts.step_triangles[..steps].partition_point(|&n| n >= LAST_TRIANGLES);
     let mut segments = Vec::new();
-    for (range, last) in [(0..split, false), (split..steps, true)] {
+    for (range, is_last) in [(0..split, false), (split..steps, true)] {
         let mut corners = vec![range.start];
         for end in range.start + 1..=range.end {
             let newest = *corners.last().expect("never empty");
@@ -124,7 +124,7 @@ fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segmen
             corners.push(end);
         }
         segments.extend(corners.windows(2).map(|w| Segment {
-            last,
+            is_last,
             slope: slope(w[0], w[1]),
             object,
             end: w[1],

@@ -1,4 +1,4 @@
-//! Parses targets as options and configurations have them: shares and counts of triangles,
+//! Parses targets as options and configurations state them: shares and counts of triangles,
 //! distances.
 
 use crate::selection::Target;

@@ -34,6 +34,7 @@ impl Quadric {
         self.constant += other.constant;
     }
 
+    /// The sum at a point.
     fn at(&self, p: DVec3) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.quadratic;
         let rows = DVec3::new(
@@ -46,10 +47,10 @@ impl Quadric {
 }
 
 /// Returns the accumulated error after each step, never falling: the sum over the faces of LOD 0
-/// and their corners of a third of the face's weight times the squared distance of the corner, as
-/// it is now, from the face's plane; and the same for planes through border edges, perpendicular to
-/// their faces, so that open surfaces do not shrink for nothing. `weights` has the weight of each
-/// face, in units of area.
+/// and their corners of a third of the face's weight times the squared distance of the corner's
+/// present position from the face's plane; and the same for planes through border edges,
+/// perpendicular to their faces, so that shrinking open surfaces has a cost. `weights` has the
+/// weight of each face, in units of area.
 #[must_use]
 pub fn accumulated_error(
     triangles: &[[u32; 3]],
@@ -58,7 +59,7 @@ pub fn accumulated_error(
     weights: &[f64],
     collapses: &CollapseSequence,
 ) -> Vec<f64> {
-    // Relative to the middle, so that large coordinates do not drown small distances.
+    // Relative to the middle, so that large coordinates do not round small distances away.
     let middle = positions.iter().sum::<DVec3>() / positions.len().max(1) as f64;
     let at = |v: u32| positions[v as usize] - middle;
     let mut quadrics = vec![Quadric::default(); positions.len()];
@@ -96,27 +97,26 @@ pub fn accumulated_error(
     collapses.parts().step_ends.iter().map(after_step).collect()
 }
 
-/// The edges with one triangle, each with it, in the order of the triangles.
+/// The edges with one triangle, each with the number of that, in the order of the triangles.
 fn border_edges(triangles: &[[u32; 3]], ids: &PositionIds) -> Vec<(usize, [u32; 2])> {
     let point = |v: u32| ids.of_vertex[v as usize];
     let edges = || {
-        let of = |(t, tri): (usize, &[u32; 3])| {
-            let [a, b, c] = *tri;
+        let triangle_edges = |(t, triangle): (usize, &[u32; 3])| {
+            let [a, b, c] = *triangle;
             [(t, [a, b]), (t, [b, c]), (t, [c, a])]
         };
-        triangles.iter().enumerate().flat_map(of)
+        triangles.iter().enumerate().flat_map(triangle_edges)
     };
-    // Edges by their smaller end.
     let ends = |[a, b]: [u32; 2]| (point(a).min(point(b)), point(a).max(point(b)));
-    let by_end = Csr::new(ids.first_vertex.len(), edges().map(|(_, e)| ends(e)));
-    let mut sorted = by_end;
-    for row in 0..sorted.rows() as u32 {
-        let range = sorted.range(row);
-        sorted.values[range].sort_unstable();
+    // For each position the larger ends of the edges whose smaller end it is, rising.
+    let mut larger_ends = Csr::new(ids.first_vertex.len(), edges().map(|(_, e)| ends(e)));
+    for row in 0..larger_ends.rows() as u32 {
+        let range = larger_ends.range(row);
+        larger_ends.values[range].sort_unstable();
     }
     let is_border = |edge: [u32; 2]| {
         let (low, high) = ends(edge);
-        let row = sorted.row(low);
+        let row = larger_ends.row(low);
         let first = row.partition_point(|&v| v < high);
         row.get(first + 1) != Some(&high)
     };

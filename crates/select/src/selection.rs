@@ -1,4 +1,4 @@
-//! From a target (a record, a share, a count, an error) to one level of detail per object.
+//! Chooses one level of detail per object for a target: a record, a share, a count, an error.
 
 use crate::number::{decimal, threshold};
 use crate::order::within_triangles;
@@ -103,8 +103,12 @@ impl Selection {
     }
 
     /// Gives some objects, by their numbers, levels that meet targets of their own.
-    pub fn put(&mut self, objects: &[Candidate<'_>], own: impl Iterator<Item = (usize, Target)>) {
-        for (number, target) in own {
+    pub fn put(
+        &mut self,
+        objects: &[Candidate<'_>],
+        own_targets: impl Iterator<Item = (usize, Target)>,
+    ) {
+        for (number, target) in own_targets {
             self.lods[number] = level_of_object(&objects[number], target, &mut self.warnings);
         }
         self.measure(objects);
@@ -165,19 +169,19 @@ fn levels_of_scene<L: AsRef<[Vec<f64>]>>(
     let budget = match target {
         Target::Lod(_) => return Err(RecordOfScene { objects: objects.len() }),
         Target::Error(e) => {
-            within(objects, e, by_error, chosen);
+            choose_within(objects, e, by_error, chosen);
             return Ok(());
         }
         Target::ErrorShare(s) => {
-            within(objects, s * scene_diagonal(objects), by_error, chosen);
+            choose_within(objects, s * scene_diagonal(objects), by_error, chosen);
             return Ok(());
         }
         Target::Rms(e) => {
-            within(objects, e, by_rms, chosen);
+            choose_within(objects, e, by_rms, chosen);
             return Ok(());
         }
         Target::RmsShare(s) => {
-            within(objects, s * scene_diagonal(objects), by_rms, chosen);
+            choose_within(objects, s * scene_diagonal(objects), by_rms, chosen);
             return Ok(());
         }
         Target::Ratio(r) => u64::from(share(r, all)),
@@ -198,8 +202,9 @@ fn levels_of_scene<L: AsRef<[Vec<f64>]>>(
         ));
         return Ok(());
     }
-    let ended = |(o, &lod): (&Candidate<'_>, &Lod)| lod == o.collapses.last_visible() && lod.0 > 0;
-    let stopped = objects.iter().zip(&chosen.lods).filter(|&(o, lod)| ended((o, lod)));
+    let is_stopped =
+        |&(o, lod): &(&Candidate<'_>, &Lod)| *lod == o.collapses.last_visible() && lod.0 > 0;
+    let stopped = objects.iter().zip(&chosen.lods).filter(is_stopped);
     let names: Vec<&str> = stopped.map(|(o, _)| o.name).collect();
     warn_of_stopped(&names, objects.len(), chosen);
     Ok(())
@@ -226,8 +231,13 @@ fn by_rms(collapses: &CollapseSequence, rms: f64) -> Lod {
     collapses.lod_for_rms(threshold(rms)).unwrap_or_default()
 }
 
-/// Takes each object's coarsest level within a distance in world units.
-fn within(objects: &[Candidate<'_>], distance: f64, find: ByDistance, chosen: &mut Selection) {
+/// Chooses each object's coarsest level within a distance in world units.
+fn choose_within(
+    objects: &[Candidate<'_>],
+    distance: f64,
+    find: ByDistance,
+    chosen: &mut Selection,
+) {
     let mut stopped = Vec::new();
     for o in objects {
         let lod = find(o.collapses, distance / scale(o));
@@ -240,7 +250,7 @@ fn within(objects: &[Candidate<'_>], distance: f64, find: ByDistance, chosen: &m
     warn_of_stopped(&stopped, objects.len(), chosen);
 }
 
-/// Names that a warning lists before it only counts.
+/// Largest number of names that a warning lists. Chosen by hand.
 const MAX_NAMES: usize = 8;
 
 fn warn_of_stopped(names: &[&str], of: usize, chosen: &mut Selection) {
@@ -262,8 +272,7 @@ fn scale(o: &Candidate<'_>) -> f64 {
 }
 
 fn share(ratio: f64, triangles: u64) -> u32 {
-    // Counts stay below 2^53, where f64 is exact; the cast truncates, which is the floor of the
-    // contract.
+    // Counts are below 2^53, where f64 is exact. The cast truncates: "at most this share".
     (ratio * triangles as f64) as u32
 }
 

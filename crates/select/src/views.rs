@@ -10,14 +10,15 @@ use lodc_mesh::{Lod, Mesh, OrientedTriangle, PositionIds};
 use lodc_scene::{Arrangement, Placement, placement_scales, posed_positions};
 use rayon::prelude::*;
 
-/// More vertices than this, instances counted, are not looked at.
+/// Largest number of vertices, instances counted, for which views are made. Chosen by hand.
 const MAX_VERTICES: usize = 1 << 27;
 
 /// Share of the triangles where no detail is wanted. Chosen by hand.
-const COARSE: f64 = 0.01;
-/// Share of the triangles asked for that lies beside outlines: with fewer, facets beside them stand
-/// out, with more, outlines lack them (on the bunny at 25, 10 and 5 %, in pixels of its outline).
-const BESIDE_OUTLINES: f64 = 0.4;
+const COARSE_SHARE: f64 = 0.01;
+/// Share of the wanted triangles that is used beside outlines. With fewer, facets beside outlines
+/// become visible; with more, outlines get too few (measured on the bunny at 25, 10 and 5 %, by
+/// the pixels of its outline).
+const SHARE_BESIDE_OUTLINES: f64 = 0.4;
 
 /// The rule by which every part of a surface gets a level of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,8 +73,8 @@ impl ViewOptions {
     /// all that is asked for.
     fn coarse_share(&self, wanted: Option<f64>) -> f64 {
         let beside_outlines = wanted.filter(|_| self.criterion == Criterion::Silhouette);
-        let usual = beside_outlines.map_or(COARSE, |share| share * BESIDE_OUTLINES);
-        self.coarse.unwrap_or(usual).min(self.fine)
+        let default = beside_outlines.map_or(COARSE_SHARE, |share| share * SHARE_BESIDE_OUTLINES);
+        self.coarse.unwrap_or(default).min(self.fine)
     }
 
     /// The criteria of a scene of this extent for objects whose mesh unit is `scale` world units.
@@ -117,32 +118,32 @@ impl Extent {
     }
 }
 
-/// An object where the scene shows it.
+/// An object in one of its placements.
 struct Surface<'a> {
     selector: Selector<'a>,
     family: Family,
 }
 
-/// The surfaces of a scene, and what may be shown of them.
+/// The surfaces of a scene, for which it makes views.
 pub struct SceneViews<'a> {
     options: ViewOptions,
     levels: &'a SceneLevels<'a>,
     ids: Vec<PositionIds>,
-    /// Of each object where it is shown, at least one.
+    /// For each object its placements, at least one.
     surfaces: Vec<Vec<Surface<'a>>>,
 }
 
 /// A scene as a view shows it.
 #[derive(Debug)]
 pub struct ShownScene {
-    /// Of each object the state of every vertex.
+    /// For each object the state of every vertex.
     states: Vec<Vec<State>>,
-    /// Wishes that could not be met in full: one line each.
+    /// Targets that could not be met in full: one line each.
     pub warnings: Vec<String>,
 }
 
 impl<'a> SceneViews<'a> {
-    /// Looks at objects where a scene shows them; one that it does not show is as modelled.
+    /// Prepares objects where a scene shows them; one that it does not show is as modelled.
     ///
     /// # Errors
     /// If instances have too many vertices.
@@ -161,7 +162,7 @@ impl<'a> SceneViews<'a> {
             .collect();
         let vertices = |o: usize| objects[o].simplified.mesh().vertex_count() * placements[o].len();
         if (0..objects.len()).map(vertices).sum::<usize>() > MAX_VERTICES {
-            return Err(SelectError::TooManyVertices { most: MAX_VERTICES });
+            return Err(SelectError::TooManyVertices { limit: MAX_VERTICES });
         }
         let shapes = shapes(objects, &placements);
         let extent = extent(&shapes);
@@ -192,8 +193,8 @@ impl<'a> SceneViews<'a> {
         let setting = max_triangles.map_or_else(
             || family.given_setting(),
             |max_triangles| {
-                finest_within(max_triangles, family.coarsest(), |at| {
-                    self.count(&self.states(at, &ranges))
+                finest_within(max_triangles, family.coarsest(), |setting| {
+                    self.count(&self.states(setting, &ranges))
                 })
             },
         );
@@ -206,17 +207,17 @@ impl<'a> SceneViews<'a> {
         Ok(ShownScene { states, warnings: too_many.map(warning).into_iter().collect() })
     }
 
-    /// Returns the number of triangles that a wish for triangles means.
+    /// Returns the largest number of triangles that a target allows; none if it limits errors.
     #[must_use]
-    pub fn most(&self, wish: Option<Target>) -> Option<u64> {
-        match wish? {
-            Target::Triangles(most) => Some(most),
+    pub fn max_triangles(&self, target: Option<Target>) -> Option<u64> {
+        match target? {
+            Target::Triangles(count) => Some(count),
             Target::Ratio(share) => Some((share * self.all() as f64) as u64),
             _ => None,
         }
     }
 
-    /// Returns the triangles of LOD 0.
+    /// Returns the number of triangles at LOD 0.
     #[must_use]
     pub fn all(&self) -> u64 {
         let objects = self.levels.objects().iter();
@@ -252,28 +253,29 @@ impl<'a> SceneViews<'a> {
         Ok(self.levels.objects().iter().zip(&fine.lods).zip(&coarse.lods).map(range).collect())
     }
 
+    /// The number of triangles that are drawn.
     fn count(&self, states: &[Vec<State>]) -> u64 {
         let objects = self.levels.objects();
-        let of = |o: usize| drawn_triangles(objects[o].simplified, &self.ids[o], &states[o]);
-        (0..objects.len()).into_par_iter().map(of).sum()
+        let drawn = |o: usize| drawn_triangles(objects[o].simplified, &self.ids[o], &states[o]);
+        (0..objects.len()).into_par_iter().map(drawn).sum()
     }
 
     /// Returns the triangles of each object, corners as they are shown without morphing.
     #[must_use]
     pub fn triangles(&self, shown: &ShownScene) -> Vec<Vec<OrientedTriangle>> {
-        let of = |(o, states): (usize, &Vec<State>)| {
+        let live = |(o, states): (usize, &Vec<State>)| {
             live_triangles(self.levels.objects()[o].simplified, &self.ids[o], states)
         };
-        shown.states.par_iter().enumerate().map(of).collect()
+        shown.states.par_iter().enumerate().map(live).collect()
     }
 
-    /// Returns a mesh of each object that only this view has; with morphing its vertices are
+    /// Returns a mesh of each object as the view shows it; with morphing its vertices are
     /// interpolated between levels.
     ///
     /// # Errors
     /// If one is no mesh: a bug.
     pub fn meshes(&self, shown: &ShownScene) -> Result<Vec<Mesh>, SelectError> {
-        let of = |(o, states): (usize, &Vec<State>)| {
+        let mesh = |(o, states): (usize, &Vec<State>)| {
             let ObjectLevels { name, simplified, .. } = self.levels.objects()[o];
             let mesh = if self.options.morph {
                 morphed_mesh(simplified, states)
@@ -283,7 +285,7 @@ impl<'a> SceneViews<'a> {
             let failed = |what| SelectError::NoMesh { object: name.to_owned(), what };
             mesh.map_err(|e| failed(e.to_string()))
         };
-        shown.states.par_iter().enumerate().map(of).collect()
+        shown.states.par_iter().enumerate().map(mesh).collect()
     }
 }
 
@@ -292,14 +294,14 @@ fn shapes(
     objects: &[ObjectLevels<'_>],
     placements: &[Vec<(&Placement, f64)>],
 ) -> Vec<Vec<Vec<[f32; 3]>>> {
-    let shape = |o: usize, placement: &Placement| {
+    let posed = |o: usize, placement: &Placement| {
         let posed = posed_positions(objects[o].simplified.mesh(), placement);
         posed.iter().map(|p| p.as_vec3().to_array()).collect()
     };
-    let of = |(o, placements): (usize, &Vec<(&Placement, f64)>)| {
-        placements.iter().map(|(placement, _)| shape(o, placement)).collect()
+    let shapes = |(o, placements): (usize, &Vec<(&Placement, f64)>)| {
+        placements.iter().map(|(placement, _)| posed(o, placement)).collect()
     };
-    placements.par_iter().enumerate().map(of).collect()
+    placements.par_iter().enumerate().map(shapes).collect()
 }
 
 /// The box around all positions that are finite.

@@ -1,13 +1,15 @@
-//! The area of every triangle of a scene that is visible, by pictures from cameras all around.
+//! The visible area of every triangle of a scene, by pictures from cameras all around.
 
 use glam::DVec3;
 use lodc_raster::{Camera, Fragment, Point, Window, scan, spread_cameras};
 use rayon::prelude::*;
 
-/// Cameras around the scene.
+/// Cameras around the scene. Chosen by hand, as is the size of their pictures.
 const VIEWS: u32 = 24;
-/// Pixels across and down.
+/// Pixels of a picture, across and down.
 const SIZE: u32 = 512;
+/// Pictures that are drawn at one time, each with a depth buffer. Chosen by hand, to bound memory.
+const PICTURES_AT_ONCE: usize = 4;
 
 /// A surface that may hide others.
 #[derive(Clone, Copy, Debug)]
@@ -25,9 +27,9 @@ impl Part<'_> {
     }
 }
 
-/// Returns four times the mean area that each triangle of each part shows in pictures from all
-/// sides: its own area if nothing hides it and it is seen from one side.
-pub(crate) fn seen_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
+/// Returns for each triangle of each part four times the mean area that it takes in pictures from
+/// all sides: that is its own area if nothing hides it and it is visible from one side.
+pub(crate) fn visible_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
     let corners = || parts.iter().flat_map(|p| p.corners());
     let lo = corners().fold(DVec3::INFINITY, DVec3::min);
     let hi = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -40,32 +42,33 @@ pub(crate) fn seen_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
     if radius > 0.0 && radius.is_finite() {
         let cameras = spread_cameras(VIEWS, center, radius, SIZE);
         pixel = 1.0 / cameras[0].scale;
-        // A few pictures at a time: each has a depth for every pixel.
-        let mut depth_buffers = vec![vec![Fragment::NOTHING; (SIZE * SIZE) as usize]; 4];
+        let empty = vec![Fragment::NOTHING; (SIZE * SIZE) as usize];
+        let mut depth_buffers = vec![empty; PICTURES_AT_ONCE];
         for views in cameras.chunks(depth_buffers.len()) {
             let draw = |(camera, depth_buffer): (&Camera, &mut Vec<Fragment>)| {
                 draw(parts, camera, depth_buffer);
             };
             views.par_iter().zip(&mut depth_buffers).for_each(draw);
             for fragment in depth_buffers[..views.len()].iter_mut().flatten() {
-                let seen = std::mem::replace(fragment, Fragment::NOTHING);
-                if seen != Fragment::NOTHING {
-                    pixels[seen.item() as usize] += 1;
+                let nearest = std::mem::replace(fragment, Fragment::NOTHING);
+                if nearest != Fragment::NOTHING {
+                    pixels[nearest.item() as usize] += 1;
                 }
             }
         }
     }
     let area = 4.0 * pixel * pixel / f64::from(VIEWS);
     let mut first = 0;
-    let mut of_part = |part: &Part<'_>| -> Vec<f64> {
+    let mut part_areas = |part: &Part<'_>| -> Vec<f64> {
         let range = first..first + part.triangles.len();
         first = range.end;
         pixels[range].iter().map(|&n| f64::from(n) * area).collect()
     };
-    parts.iter().map(&mut of_part).collect()
+    parts.iter().map(&mut part_areas).collect()
 }
 
-/// Draws a picture that is empty.
+/// Draws all parts into an empty depth buffer: for each pixel the nearest triangle, by its number
+/// over all parts.
 fn draw(parts: &[Part<'_>], camera: &Camera, depth_buffer: &mut [Fragment]) {
     let mut number = 0;
     for part in parts {
@@ -100,10 +103,10 @@ mod tests {
         let mesh = lodc_fixtures::named("cube").expect("a shape");
         let cubes = [1.0, 0.5].map(|half| cube(&mesh, half));
         let part = |positions| Part { positions, triangles: mesh.triangles() };
-        let seen = seen_areas(&[part(&cubes[0]), part(&cubes[1])]);
+        let seen = visible_areas(&[part(&cubes[0]), part(&cubes[1])]);
         let total: f64 = seen[0].iter().sum();
         assert!((total - 24.0).abs() < 1.5, "{total}");
         assert_eq!(seen[1].iter().sum::<f64>(), 0.0);
-        assert!(seen_areas(&[]).is_empty());
+        assert!(visible_areas(&[]).is_empty());
     }
 }

@@ -10,9 +10,9 @@ use lodc_mesh::{Mesh, PositionIds};
 /// An edge from one position to another.
 type Edge = [u32; 2];
 
-/// Linear functional over formal sums of edges with values drawn at random: a sum that is zero has
-/// value zero, any other misses it with probability 2⁻⁶⁴. So a running sum needs one number, not a
-/// table.
+/// The value of an edge, a pseudo-random number, of which the reversed edge has the negative. The
+/// values of a sum of edges add up to zero if the sum is zero, and otherwise by chance with
+/// probability 2⁻⁶⁴. So a running sum needs one number, not a table.
 pub(super) fn edge_value([a, b]: Edge) -> u64 {
     let mut x = u64::from(a.min(b)) << 32 | u64::from(a.max(b));
     x = (x ^ (x >> 30) ^ 0x5851_f42d_4c95_7f2d).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -31,8 +31,8 @@ pub(super) fn edges([a, b, c]: [u32; 3]) -> [Edge; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// The boundary of a mesh: pairs of vertices, one for each position-edge that does not cancel out,
-/// repeated if it is used several times too often.
+/// The boundary of a mesh: a pair of vertices for each position-edge that does not cancel out,
+/// repeated as often as it is used more in this direction than in the other.
 pub(super) fn boundary(mesh: &Mesh, positions: &PositionIds) -> Vec<[u32; 2]> {
     // Position-edge with its smaller end first, its direction, the vertices.
     let mut all: Vec<(Edge, bool, [u32; 2])> = Vec::with_capacity(3 * mesh.triangles().len());
@@ -45,8 +45,7 @@ pub(super) fn boundary(mesh: &Mesh, positions: &PositionIds) -> Vec<[u32; 2]> {
     all.sort_unstable();
     let mut boundary_edges = Vec::new();
     for edge in all.chunk_by(|a, b| a.0 == b.0) {
-        // Backwards ones come first. What is left over of the more frequent direction is the
-        // boundary.
+        // Backward edges come first. The surplus of the more frequent direction is the boundary.
         let backwards = edge.partition_point(|e| !e.1);
         let forwards = edge.len() - backwards;
         let surplus = if forwards > backwards {

@@ -2,24 +2,24 @@
 
 use crate::difference::Failure;
 
-/// One check that was made, and what came out.
+/// One check that was made, and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
     /// The model, or `sequence` for facts that are stored with the collapse sequence.
     pub model: &'static str,
     /// The name of the check.
     pub name: &'static str,
-    /// At how many LODs.
+    /// Number of LODs that were compared.
     pub lods: u64,
-    /// At how many of them whole meshes were compared, triangle by triangle. At the others sums of
-    /// hashes were.
+    /// Number of LODs at which whole meshes were compared, triangle by triangle; at the others sums
+    /// of hashes were.
     pub full: u64,
-    /// The first thing that is wrong.
+    /// The first failure; none if there is none.
     pub failure: Option<Failure>,
 }
 
 impl Check {
-    /// Returns whether nothing was wrong.
+    /// Returns whether there is no failure.
     #[must_use]
     pub fn ok(&self) -> bool {
         self.failure.is_none()

@@ -63,7 +63,7 @@ pub enum Failure {
     Apart {
         /// The LOD after the step.
         lod: Lod,
-        /// A record of it that does not go with the first one.
+        /// A record of the step that leaves or reaches another position than the first one.
         record: u32,
     },
     /// A corner of a live triangle has become a vertex of another submesh.
@@ -142,21 +142,21 @@ impl fmt::Display for Failure {
     }
 }
 
-/// The first triangle in which what is shown differs from the truth, both taken as multisets.
+/// The first triangle in which the shown triangles differ from the reference's, as multisets.
 #[must_use]
 pub fn first_difference(
     lod: Lod,
-    mut truth: Vec<OrientedTriangle>,
+    mut reference: Vec<OrientedTriangle>,
     mut shown: Vec<OrientedTriangle>,
 ) -> Option<Failure> {
     // A model that keeps the order of the reference is compared without sorting.
-    if truth == shown {
+    if reference == shown {
         return None;
     }
-    truth.sort_unstable();
+    reference.sort_unstable();
     shown.sort_unstable();
-    let i = (0..truth.len().max(shown.len())).find(|&i| truth.get(i) != shown.get(i))?;
-    Some(match (truth.get(i), shown.get(i)) {
+    let i = (0..reference.len().max(shown.len())).find(|&i| reference.get(i) != shown.get(i))?;
+    Some(match (reference.get(i), shown.get(i)) {
         (Some(&t), Some(&s)) if t.cmp(&s) == Ordering::Greater => {
             Failure::Extra { lod, triangle: s }
         }

@@ -13,13 +13,13 @@ use lodc_mesh::{Lod, PositionIds, Simplified};
 /// as a target beside a vertex that was in use at its position.
 pub(super) fn check(simplified: &Simplified, positions: &PositionIds) -> [Check; 2] {
     let sequence = simplified.collapses();
-    let mut moves_several = None;
+    let mut apart = None;
     let mut fakes = Fakes::new(simplified);
     let mut start = 0;
     for &end in &sequence.parts().step_ends {
         let position = |v: u32| positions.of_vertex[v as usize];
-        // A target may disappear within the same step; then what becomes of it counts. Later
-        // records are resolved first, as targets come after what becomes them.
+        // A target may disappear within the same step; then its own target counts. Later records
+        // are resolved first, as targets come after the vertices that become them.
         let mut final_targets = sequence.targets()[start as usize..end as usize].to_vec();
         for i in (0..final_targets.len()).rev() {
             if final_targets[i] < end {
@@ -28,21 +28,28 @@ pub(super) fn check(simplified: &Simplified, positions: &PositionIds) -> [Check;
         }
         let moves = |k: u32| (position(k), position(final_targets[(k - start) as usize]));
         if let Some(record) = (start..end).find(|&k| moves(k) != moves(start)) {
-            moves_several.get_or_insert(Failure::Apart { lod: Lod(end), record });
+            apart.get_or_insert(Failure::Apart { lod: Lod(end), record });
         }
         fakes.check_step(start, end);
         start = end;
     }
     let lods = sequence.steps() as u64;
     let check = |name, failure| Check { model: "sequence", name, lods, full: 0, failure };
-    [check("steps move one position", moves_several), check("fakes", fakes.failure)]
+    [check("steps move one position", apart), check("fakes", fakes.failure)]
 }
 
+/// Largest number of pairs of a new and an old target of one step that are compared. Chosen by
+/// hand, to bound the time that crafted files take: steps of real meshes have a handful of fakes.
+/// Beyond it positions of fakes are not compared; models are replayed in any case.
+const MAX_PAIRS: usize = 1_000_000;
+
+/// Checks fakes, step by step.
 struct Fakes<'a> {
     simplified: &'a Simplified,
     /// Vertices that LOD 0 uses, or that a step before this one leads to.
     in_use: Vec<bool>,
-    /// The streams of each submesh that place its vertices, rising.
+    /// For each submesh the streams that place its vertices (joints, weights, morph displacements),
+    /// rising.
     spatial: Vec<Vec<u32>>,
     failure: Option<Failure>,
 }
@@ -64,19 +71,17 @@ impl<'a> Fakes<'a> {
 
     fn check_step(&mut self, start: u32, end: u32) {
         let targets = &self.simplified.collapses().targets()[start as usize..end as usize];
-        // What disappears without ever having been used.
+        // A vertex that disappears without ever having been used.
         let unused = (start..end).find(|&k| !self.in_use[k as usize]);
-        let targets_in_use = |in_use: bool| {
-            let mut some: Vec<u32> =
+        let distinct_targets = |in_use: bool| {
+            let mut distinct: Vec<u32> =
                 targets.iter().copied().filter(|&t| self.in_use[t as usize] == in_use).collect();
-            some.sort_unstable();
-            some.dedup();
-            some
+            distinct.sort_unstable();
+            distinct.dedup();
+            distinct
         };
-        let (new, old) = (targets_in_use(false), targets_in_use(true));
-        // A bound on the time that hostile files take: steps of real meshes have a handful of
-        // fakes. Beyond it their positions are not compared; models are replayed in any case.
-        let affordable = new.len().saturating_mul(old.len()) <= 1_000_000;
+        let (new, old) = (distinct_targets(false), distinct_targets(true));
+        let affordable = new.len().saturating_mul(old.len()) <= MAX_PAIRS;
         let misplaced = new
             .into_iter()
             .find(|&f| affordable && !old.iter().any(|&t| self.same_spatial_data(f, t)));
@@ -92,9 +97,9 @@ impl<'a> Fakes<'a> {
     /// joints, weights and morph displacements.
     fn same_spatial_data(&self, a: u32, b: u32) -> bool {
         let mesh = self.simplified.mesh();
-        let [of_a, of_b] =
+        let [streams_a, streams_b] =
             [a, b].map(|v| &self.spatial[mesh.vertex_submesh()[v as usize] as usize]);
-        let both = of_a.iter().filter(|i| of_b.binary_search(i).is_ok());
-        both.map(|&i| &mesh.attributes()[i as usize]).all(|s| s.at(a) == s.at(b))
+        let common = streams_a.iter().filter(|i| streams_b.binary_search(i).is_ok());
+        common.map(|&i| &mesh.attributes()[i as usize]).all(|s| s.at(a) == s.at(b))
     }
 }

@@ -1,12 +1,12 @@
 //! Verification of any model against the reference, at every step and in near-linear time.
 //!
-//! Comparing whole meshes at every step is quadratic. So every step is compared by an
-//! order-independent hash, kept incrementally on both sides: by what the model says changed, and by
-//! [`Reference`], which follows the triangles by itself. At some stops (both ends and a grid
-//! between) the model lists all that it shows, going down, going up and after seeded jumps, and so
-//! does [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), once for all models and
-//! walks: both lists must have the hash that was followed. That also catches a model that
-//! misreports its changes, and a reference that followed wrongly.
+//! Comparing whole meshes at every step would take quadratic time. So every step is compared by an
+//! order-independent hash, kept incrementally on both sides: by the changes that the model reports,
+//! and by [`Reference`], which follows the triangles by itself. At some stops (both ends and a grid
+//! between) the model lists all triangles that it shows, going coarser, going finer and after
+//! seeded jumps, and so does [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at),
+//! once for all models and walks: both lists must have the hash that was followed. That also
+//! catches a model that misreports its changes, and a reference that followed wrongly.
 //!
 //! A difference is missed where two multisets of triangles have the same [`TriangleHash`], a sum of
 //! 128-bit hashes: for two that differ by chance with probability 2⁻¹²⁸, so in all comparisons of a
@@ -56,28 +56,35 @@ use lodc_model::{Changes, Model};
 pub struct VerifyOptions {
     /// Compare at every `stride`-th step (0 means 1). The last step is always compared.
     pub stride: u32,
-    /// Full comparisons on the way down, and as many on the way up, if the mesh is too large for
-    /// one at every step. Fewer, but at least [`Self::FEWEST`], on meshes of more than some hundred
-    /// thousand triangles.
+    /// Full comparisons on the way to coarser levels, and as many on the way to finer ones, if the
+    /// mesh is too large for one at every step. Fewer, but at least [`Self::MIN_FULL`], on meshes
+    /// of more than some hundred thousand triangles.
     pub full_stops: u32,
-    /// Random jumps to where the others compare in full, each followed by a full comparison. Fewer
-    /// where there are fewer full stops.
+    /// Random jumps to the full stops, each followed by a full comparison. Fewer where there are
+    /// fewer full stops.
     pub jumps: u32,
     /// The seed of the jumps' order.
     pub seed: u64,
 }
 
 impl VerifyOptions {
-    /// Full comparisons that no size of a mesh makes fewer.
-    pub const FEWEST: u32 = 16;
+    /// The smallest number of full comparisons, however large a mesh is. Chosen by hand.
+    pub const MIN_FULL: u32 = 16;
 
-    /// Returns the number of `wanted` full comparisons that a mesh of `triangles` triangles gets:
-    /// all together go over some fifty million triangles, which takes a few seconds.
+    /// Returns the number of full comparisons that a mesh of `triangles` triangles gets, if
+    /// `wanted` are asked for.
     fn affordable(wanted: u32, triangles: usize) -> u32 {
-        let affordable = u32::try_from(50_000_000 / triangles.max(1)).unwrap_or(u32::MAX);
-        wanted.min(affordable.max(Self::FEWEST))
+        let affordable = u32::try_from(MAX_LISTED / triangles.max(1)).unwrap_or(u32::MAX);
+        wanted.min(affordable.max(Self::MIN_FULL))
     }
 }
+
+/// Triangles that all full comparisons of one walk go over: a few seconds of work. Chosen by hand.
+const MAX_LISTED: usize = 50_000_000;
+
+/// If steps times triangles are at most this, each step is compared in full, which takes about a
+/// second. Chosen by hand.
+const MAX_EXHAUSTIVE: usize = 8_000_000;
 
 impl Default for VerifyOptions {
     fn default() -> Self {
@@ -94,7 +101,7 @@ pub fn verify<M: Model + Sync>(
     reference: &Reference<'_>,
     options: &VerifyOptions,
 ) -> Vec<Check> {
-    let compared = Comparison { model, reference };
+    let comparison = Comparison { model, reference };
     let steps = reference.steps();
     let stride = options.stride.max(1) as usize;
     let mut stops: Vec<usize> = (0..=steps).step_by(stride).collect();
@@ -102,26 +109,26 @@ pub fn verify<M: Model + Sync>(
         stops.push(steps);
     }
     let triangles = model.simplified().mesh().triangles().len();
-    let full = match (steps + 1).saturating_mul(triangles) {
-        // Up to here a full comparison everywhere takes about a second.
-        0..=8_000_000 => 1,
+    let full_stride = match (steps + 1).saturating_mul(triangles) {
+        0..=MAX_EXHAUSTIVE => 1,
         _ => stops
             .len()
             .div_ceil(VerifyOptions::affordable(options.full_stops, triangles).max(1) as usize),
     };
     // All walks compare in full at the same steps: the naive list of each is made once.
     let last = stops.len() - 1;
-    let full_at = |number: usize| number.is_multiple_of(full) || number == last;
-    let down = stops.iter().enumerate().map(|(number, &step)| (step, full_at(number)));
-    let listed: Vec<usize> = down.clone().filter_map(|(step, full)| full.then_some(step)).collect();
+    let is_full = |number: usize| number.is_multiple_of(full_stride) || number == last;
+    let coarser = stops.iter().enumerate().map(|(number, &step)| (step, is_full(number)));
+    let full_steps: Vec<usize> =
+        coarser.clone().filter_map(|(step, is_full)| is_full.then_some(step)).collect();
     let (sweeps, jumps) = rayon::join(
         || {
             rayon::join(
-                || compared.sweep("fine to coarse", down.clone()),
-                || compared.sweep("coarse to fine", down.clone().rev()),
+                || comparison.sweep("fine to coarse", coarser.clone()),
+                || comparison.sweep("coarse to fine", coarser.clone().rev()),
             )
         },
-        || compared.jumps(listed, options),
+        || comparison.jumps(full_steps, options),
     );
     vec![sweeps.0, sweeps.1, jumps]
 }
@@ -144,17 +151,17 @@ impl Changes for HashFollower<'_> {
 }
 
 impl<M: Model> Comparison<'_, M> {
-    /// Visits steps in order, from LOD 0 with one jump to the first of them. Each says whether all
-    /// that is shown there is compared.
+    /// Visits steps in order, from LOD 0 with one jump to the first of them. Each comes with
+    /// whether it is compared in full.
     fn sweep(&self, name: &'static str, stops: impl Iterator<Item = (usize, bool)>) -> Check {
         let mut cursor = self.model.cursor();
-        let mut shown = self.listed(&cursor);
+        let mut hash = self.listed_hash(&cursor);
         let mut check = Check { model: self.model.name(), name, lods: 0, full: 0, failure: None };
-        for (step, full) in stops {
+        for (step, is_full) in stops {
             let lod = self.reference.lod(step);
-            self.model.seek(&mut cursor, lod, &mut HashFollower(&mut shown));
-            let agrees = shown == self.reference.hash(step);
-            if !agrees || full {
+            self.model.seek(&mut cursor, lod, &mut HashFollower(&mut hash));
+            let agrees = hash == self.reference.hash(step);
+            if !agrees || is_full {
                 check.full += 1;
                 check.failure =
                     self.compare(&cursor, step).or((!agrees).then_some(Failure::Changes { lod }));
@@ -204,24 +211,24 @@ impl<M: Model> Comparison<'_, M> {
         check
     }
 
-    /// The full comparison: all that is shown, with nothing carried over from other LODs.
+    /// The full comparison: of all triangles that are shown, listed anew.
     fn compare(&self, cursor: &M::Cursor, step: usize) -> Option<Failure> {
         let wanted = self.reference.lod(step);
         let shown = self.model.lod(cursor);
         if shown != wanted {
             return Some(Failure::Stopped { wanted, shown });
         }
-        if !self.reference.is_listed(step) {
+        if !self.reference.list_agrees(step) {
             return Some(Failure::Reference { lod: wanted });
         }
-        if self.listed(cursor) == self.reference.hash(step) {
+        if self.listed_hash(cursor) == self.reference.hash(step) {
             return None;
         }
         first_difference(wanted, self.reference.list(step), self.model.triangles(cursor))
     }
 
-    /// The hash of all that is shown, listed anew.
-    fn listed(&self, cursor: &M::Cursor) -> TriangleHash {
+    /// The hash of all triangles that are shown, listed anew.
+    fn listed_hash(&self, cursor: &M::Cursor) -> TriangleHash {
         let mut hash = TriangleHash::default();
         self.model.for_each_triangle(cursor, |triangle| hash.add(triangle));
         hash

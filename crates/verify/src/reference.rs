@@ -8,15 +8,15 @@ use crate::track::{TooMuchWork, Tracker};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified, TriangleHash};
 use std::sync::OnceLock;
 
-/// The hash of the reference at every step, and whatever is wrong with the sequence itself.
+/// The hash of the reference at every step, and the checks of the sequence itself.
 #[derive(Clone, Debug)]
 pub struct Reference<'a> {
     simplified: &'a Simplified,
     positions: PositionIds,
-    /// At LOD 0 and after each step.
+    /// The hashes at LOD 0 and after each step.
     hashes: Vec<TriangleHash>,
-    /// Whether the naive list has that hash, where it was asked for.
-    listed: Vec<OnceLock<bool>>,
+    /// Whether the naive list has that hash, for steps for which it was asked.
+    list_agrees: Vec<OnceLock<bool>>,
     checks: Vec<Check>,
 }
 
@@ -25,7 +25,7 @@ impl<'a> Reference<'a> {
     /// live triangles move.
     ///
     /// # Errors
-    /// If that is more than some hundred times per corner.
+    /// If they move more than some hundred times per corner.
     pub fn new(simplified: &'a Simplified) -> Result<Self, TooMuchWork> {
         let mut tracker = Tracker::new(simplified);
         let mut hashes = Vec::with_capacity(simplified.collapses().steps() + 1);
@@ -37,8 +37,8 @@ impl<'a> Reference<'a> {
         let positions = tracker.positions().clone();
         let mut checks = tracker.finish();
         checks.extend(facts::check(simplified, &positions));
-        let listed = vec![OnceLock::new(); hashes.len()];
-        Ok(Self { simplified, positions, hashes, listed, checks })
+        let list_agrees = vec![OnceLock::new(); hashes.len()];
+        Ok(Self { simplified, positions, hashes, list_agrees, checks })
     }
 
     /// Returns the checks of the sequence itself: stored triangle counts, order of triangles,
@@ -67,12 +67,12 @@ impl<'a> Reference<'a> {
         self.hashes[steps]
     }
 
-    /// Returns whether the naive function lists what was followed. It is asked once for each step,
-    /// however many models and walks come there, on the thread of the first of them.
-    pub(super) fn is_listed(&self, steps: usize) -> bool {
+    /// Returns whether the naive function lists the triangles that were followed. It is called once
+    /// for each step, however many models and walks stop there.
+    pub(super) fn list_agrees(&self, steps: usize) -> bool {
         let agrees =
             || self.list(steps).into_iter().collect::<TriangleHash>() == self.hashes[steps];
-        *self.listed[steps].get_or_init(agrees)
+        *self.list_agrees[steps].get_or_init(agrees)
     }
 
     /// The triangles after `steps` steps by the naive function.

@@ -1,5 +1,5 @@
-//! Proof that LOD 0 of a file is the mesh that it was made from: multisets of triangles compared by
-//! their attribute bytes.
+//! Compares LOD 0 of a file with the mesh that it was made from, as multisets of triangles of
+//! attribute bytes.
 
 use lodc_mesh::{Attribute, Mesh, OrientedTriangle};
 

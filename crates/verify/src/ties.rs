@@ -1,9 +1,9 @@
 //! Sets of vertices that have to stay at one position, because a triangle is removed as long as
 //! they do: union-find.
 //!
-//! A triangle with two corners at one position is dead for as long as those two corners stay
-//! together, wherever they go. So nothing that is dead needs to be moved: it is enough to know that
-//! no set of vertices tied that way ever comes apart. Sets only grow, which makes this union-find.
+//! A triangle with two corners at one position is dead for as long as these two corners stay
+//! together, wherever they go. So dead triangles need not be moved: it is enough to know that no
+//! set of vertices tied that way ever comes apart. Sets only grow, which makes this union-find.
 
 use lodc_mesh::PositionIds;
 use std::ops::Range;
@@ -12,15 +12,15 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub(super) struct Ties {
     parent: Vec<u32>,
-    /// By root: how many vertices of the set have not disappeared.
+    /// For each root the number of vertices of its set that have not disappeared.
     remaining: Vec<u32>,
-    /// By root: their position.
+    /// For each root the position of these.
     position: Vec<u32>,
 }
 
 impl Ties {
-    /// The sets after the records before `lod`, with nothing tied yet: every vertex with all that
-    /// have become it.
+    /// The sets after the records before `lod`, with nothing tied yet: each vertex with all those
+    /// that have become it.
     pub(super) fn new(targets: &[u32], lod: u32, positions: &PositionIds) -> Self {
         let vertices = positions.of_vertex.len() as u32;
         let mut ties = Self {
@@ -35,7 +35,7 @@ impl Ties {
         ties
     }
 
-    /// The name of a vertex's set.
+    /// The root of a vertex's set.
     pub(super) fn set(&mut self, mut v: u32) -> u32 {
         while self.parent[v as usize] != v {
             let grandparent = self.parent[self.parent[v as usize] as usize];
@@ -45,16 +45,16 @@ impl Ties {
         v
     }
 
-    /// Two vertices at one position have to stay together from now on. Says whether they can:
-    /// whether the sets that they belong to are at one position.
+    /// Joins the sets of two vertices, which have to stay together from now on. Returns whether
+    /// they can: whether their sets are at one position.
     pub(super) fn tie(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.set(a), self.set(b));
         if a == b {
             return true;
         }
         let (root, child) = (a.max(b) as usize, a.min(b) as usize);
-        let both = self.remaining[root] > 0 && self.remaining[child] > 0;
-        let same_position = !both || self.position[root] == self.position[child];
+        let both_remain = self.remaining[root] > 0 && self.remaining[child] > 0;
+        let same_position = !both_remain || self.position[root] == self.position[child];
         if self.remaining[root] == 0 {
             self.position[root] = self.position[child];
         }
@@ -71,7 +71,7 @@ impl Ties {
             self.remaining[set] -= 1;
         }
         let mut same_position = true;
-        // The last first: a target that disappears in the same step has then gone on already.
+        // The last first: a target that disappears in the same step has then been moved already.
         for record in records.clone().rev() {
             same_position &= self.tie(record, targets[record as usize]);
         }

@@ -16,8 +16,8 @@ use lodc_mesh::{
 };
 use std::fmt;
 
-/// A sequence moves the corners of live triangles far more often than any of a real mesh, which
-/// moves each about ten times: following it would take very long.
+/// A sequence moves the corners of live triangles far more often than that of a real mesh, which
+/// moves each about ten times. To follow it would take very long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooMuchWork {
     /// The LOD at which it became too much.
@@ -32,23 +32,27 @@ impl fmt::Display for TooMuchWork {
 
 impl std::error::Error for TooMuchWork {}
 
+/// Largest number of moves per corner, and corners that are added to those of small meshes. Chosen
+/// by hand: real meshes move each corner about ten times.
+const MAX_MOVES: u64 = 200;
+const ADDED_CORNERS: u64 = 10_000;
+
 /// The live triangles and the border as they are after some steps.
 pub(super) struct Tracker<'a> {
     simplified: &'a Simplified,
     positions: PositionIds,
     ties: Ties,
-    /// True if all vertices of a step can still be taken for one group. Until something comes
-    /// apart.
+    /// True until something comes apart: so long the vertices of a step are taken for one group.
     one_group: bool,
-    /// The corners of each triangle, as they were when it died if it did.
+    /// The corners of each triangle; of a dead one those that it had when it died.
     corners: Vec<[u32; 3]>,
-    /// Number of steps that were done when each triangle died.
-    removal_lod: Vec<u32>,
-    border_of_input: Vec<[u32; 2]>,
+    /// The step in which each triangle died; `NONE` of live ones.
+    removal_step: Vec<u32>,
+    /// The boundary of LOD 0.
+    input_border: Vec<[u32; 2]>,
     /// The image of the boundary of LOD 0.
     border: Vec<[u32; 2]>,
-    /// The multiplicity of each boundary edge. 0 once it has no length any more or was added to
-    /// another one.
+    /// How often each boundary edge counts: 0 once it has no length or was added to another one.
     weight: Vec<i64>,
     /// The step in which each triangle, then each boundary edge, was last touched.
     touched_in: Vec<u32>,
@@ -57,9 +61,12 @@ pub(super) struct Tracker<'a> {
     first: Vec<u32>,
     last: Vec<u32>,
     next: Vec<u32>,
+    /// The hash of the live triangles.
     hash: TriangleHash,
+    /// Number of live triangles.
     live: u32,
-    /// Value of the boundary of the live triangles minus the image of LOD 0's boundary.
+    /// The value (`edge_value`) of the boundary of the live triangles minus the image of LOD 0's
+    /// boundary.
     tear: u64,
     /// Number of corners that were moved.
     moves: u64,
@@ -68,10 +75,10 @@ pub(super) struct Tracker<'a> {
     border_touched: Vec<u32>,
     /// For sorting touched boundary edges: empty in between, kept to save allocating.
     edges_between: Vec<([u32; 2], usize)>,
-    found: Failures,
+    failures: Failures,
 }
 
-/// The first of every kind of failure.
+/// The first failure of each kind.
 #[derive(Default)]
 struct Failures {
     count: Option<Failure>,
@@ -90,7 +97,7 @@ impl<'a> Tracker<'a> {
             ties: Ties::new(&[], 0, &positions),
             one_group: true,
             corners: simplified.mesh().triangles().to_vec(),
-            removal_lod: vec![NONE; triangles],
+            removal_step: vec![NONE; triangles],
             weight: vec![1; border.len()],
             touched_in: vec![NONE; triangles + border.len()],
             first: vec![NONE; vertices],
@@ -103,11 +110,11 @@ impl<'a> Tracker<'a> {
             triangles_touched: Vec::new(),
             border_touched: Vec::new(),
             edges_between: Vec::new(),
-            found: Failures::default(),
+            failures: Failures::default(),
             simplified,
             positions,
             border: border.clone(),
-            border_of_input: border,
+            input_border: border,
         };
         tracker.list_corners();
         tracker
@@ -134,22 +141,22 @@ impl<'a> Tracker<'a> {
         } else {
             self.restart(step as u32, Lod(end));
         }
-        if self.moves > 200 * (self.next.len() as u64 + 10_000) {
+        if self.moves > MAX_MOVES * (self.next.len() as u64 + ADDED_CORNERS) {
             return Err(TooMuchWork { lod: Lod(end) });
         }
         let stored = self.simplified.collapses().step(step).triangles;
-        if stored != self.live && self.found.count.is_none() {
-            self.found.count =
+        if stored != self.live && self.failures.count.is_none() {
+            self.failures.count =
                 Some(Failure::TriangleCount { lod: Lod(end), stored, counted: self.live });
         }
-        if self.tear != 0 && self.found.torn.is_none() {
-            self.found.torn = self.find_tear(Lod(end));
+        if self.tear != 0 && self.failures.torn.is_none() {
+            self.failures.torn = self.find_tear(Lod(end));
         }
         Ok(())
     }
 
-    /// Hands the corners of a record's vertex on to its target. Those of what is dead are left
-    /// behind.
+    /// Hands the corners of a record's vertex on to its target, but for those of dead triangles and
+    /// edges.
     fn record(&mut self, record: u32, target: u32, step: u32) {
         let triangles = self.corners.len();
         let mut corner = self.first[record as usize];
@@ -163,14 +170,14 @@ impl<'a> Tracker<'a> {
                     if self.touched_in[triangles + edge] != step {
                         self.touched_in[triangles + edge] = step;
                         self.border_touched.push(edge as u32);
-                        self.tear = self.tear.wrapping_add(self.share(edge));
+                        self.tear = self.tear.wrapping_add(self.border_value(edge));
                     }
                     self.border[edge][corner_index] = target;
                     self.append(target, corner);
                 }
             } else {
                 let (triangle, corner_index) = (corner as usize / 3, corner as usize % 3);
-                if self.removal_lod[triangle] == NONE {
+                if self.removal_step[triangle] == NONE {
                     if self.touched_in[triangle] != step {
                         self.touched_in[triangle] = step;
                         self.triangles_touched.push(triangle as u32);
@@ -194,13 +201,13 @@ impl<'a> Tracker<'a> {
         self.next[corner as usize] = NONE;
     }
 
-    /// Lists the corners of everything that is live.
+    /// Lists the corners of all live triangles and boundary edges.
     fn list_corners(&mut self) {
         self.first.fill(NONE);
         self.last.fill(NONE);
         let triangles = self.corners.len();
         for triangle in 0..triangles {
-            if self.removal_lod[triangle] == NONE {
+            if self.removal_step[triangle] == NONE {
                 (0..3).for_each(|corner_index| {
                     self.append(
                         self.corners[triangle][corner_index],
@@ -219,7 +226,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// Puts what was touched back into the sums, or buries it.
+    /// Adds the triangles and edges that were touched to the sums again, unless they have died.
     fn settle(&mut self, step: u32, lod: Lod) {
         let mut touched = std::mem::take(&mut self.triangles_touched);
         for triangle in touched.drain(..) {
@@ -239,10 +246,10 @@ impl<'a> Tracker<'a> {
         let [p, q, r] = self.positions_of(corners);
         if is_degenerate([p, q, r]) {
             self.live -= 1;
-            self.removal_lod[triangle] = step;
-            // The tie of one vertex with itself never parts.
-            let forever = is_degenerate(corners);
-            if !forever {
+            self.removal_step[triangle] = step;
+            // Two corners that are one vertex never come apart.
+            let stays_degenerate = is_degenerate(corners);
+            if !stays_degenerate {
                 let (a, b) = if p == q {
                     (a, b)
                 } else if q == r {
@@ -255,17 +262,19 @@ impl<'a> Tracker<'a> {
             return;
         }
         let submesh = self.simplified.mesh().vertex_submesh();
-        let own = self.submesh(triangle);
-        if corners.iter().any(|&v| submesh[v as usize] != own) {
-            self.found.submesh.get_or_insert(Failure::Submesh { lod, triangle: triangle as u32 });
+        let expected = self.submesh(triangle);
+        if corners.iter().any(|&v| submesh[v as usize] != expected) {
+            self.failures
+                .submesh
+                .get_or_insert(Failure::Submesh { lod, triangle: triangle as u32 });
         }
         self.hash.add(self.oriented(triangle));
         self.tear = self.tear.wrapping_add(self.edge_sum(triangle));
     }
 
-    /// Boundary edges that have become the same, up to direction, are added to one of them: dead
-    /// pieces then have no boundary left that would have to be moved. `touched` are in none of the
-    /// sums.
+    /// Adds boundary edges that have become the same, up to direction, to one of them: dead pieces
+    /// then have no boundary left that would have to be moved. The `touched` edges are in none of
+    /// the sums.
     fn settle_border(&mut self, touched: &mut Vec<u32>) {
         touched.retain(|&edge| {
             let [a, b] = self.border[edge as usize];
@@ -290,19 +299,19 @@ impl<'a> Tracker<'a> {
                 let same_direction = self.ties.set(self.border[merged][0]) == head;
                 self.weight[representative] += if same_direction { weight } else { -weight };
             }
-            self.tear = self.tear.wrapping_sub(self.share(representative));
+            self.tear = self.tear.wrapping_sub(self.border_value(representative));
         }
         edges.clear();
         self.edges_between = edges;
     }
 
-    /// Works everything out from LOD 0, without what was taken for granted before something came
-    /// apart.
+    /// Computes everything anew from LOD 0, without assuming that steps move one group: something
+    /// has come apart.
     fn restart(&mut self, step: u32, lod: Lod) {
         let collapses = self.simplified.collapses();
         let map = collapses.resolve_all(lod);
-        // Sequences with thousands of wrong records come here a few times. One made to come here
-        // often is given up.
+        // Sequences with thousands of wrong records come here a few times; on one that is crafted
+        // to come here often, verification gives up.
         self.moves += 4 * (self.next.len() as u64 + map.len() as u64);
         self.one_group = false;
         self.ties = Ties::new(collapses.targets(), lod.0, &self.positions);
@@ -310,20 +319,20 @@ impl<'a> Tracker<'a> {
         for triangle in 0..self.corners.len() {
             self.corners[triangle] =
                 self.simplified.mesh().triangles()[triangle].map(|v| map[v as usize]);
-            let removed_at = std::mem::replace(&mut self.removal_lod[triangle], NONE);
+            let removed_at = std::mem::replace(&mut self.removal_step[triangle], NONE);
             self.settle_triangle(triangle, step, lod);
             if removed_at == NONE {
                 continue;
             }
-            if self.removal_lod[triangle] == NONE {
-                self.found
+            if self.removal_step[triangle] == NONE {
+                self.failures
                     .returned
                     .get_or_insert(Failure::Returned { lod, triangle: triangle as u32 });
             } else {
-                self.removal_lod[triangle] = removed_at;
+                self.removal_step[triangle] = removed_at;
             }
         }
-        self.border = self.border_of_input.iter().map(|e| e.map(|v| map[v as usize])).collect();
+        self.border = self.input_border.iter().map(|e| e.map(|v| map[v as usize])).collect();
         self.weight.fill(1);
         self.settle_border(&mut (0..self.border.len() as u32).collect());
         self.list_corners();
@@ -342,6 +351,7 @@ impl<'a> Tracker<'a> {
         OrientedTriangle::new(self.submesh(triangle), self.corners[triangle])
     }
 
+    /// The value of a triangle's edges.
     fn edge_sum(&self, triangle: usize) -> u64 {
         edges(self.positions_of(self.corners[triangle]))
             .into_iter()
@@ -349,20 +359,18 @@ impl<'a> Tracker<'a> {
             .fold(0, u64::wrapping_add)
     }
 
-    /// Returns the share of a boundary edge in the value of the boundary's image.
-    fn share(&self, edge: usize) -> u64 {
+    /// The part of a boundary edge in the value of the boundary's image.
+    fn border_value(&self, edge: usize) -> u64 {
         edge_value(self.positions_of(self.border[edge])).wrapping_mul(self.weight[edge] as u64)
     }
 
-    /// Works the sum out in full to name an edge.
+    /// Computes the boundary in full to name an edge.
     fn find_tear(&self, lod: Lod) -> Option<Failure> {
-        let live = (0..self.corners.len()).filter(|&t| self.removal_lod[t] == NONE);
+        let live = (0..self.corners.len()).filter(|&t| self.removal_step[t] == NONE);
         let shown = live.flat_map(|t| edges(self.positions_of(self.corners[t]))).map(|e| (e, 1));
         let map = self.simplified.collapses().resolve_all(lod);
-        let image = self
-            .border_of_input
-            .iter()
-            .map(|e| (self.positions_of(e.map(|v| map[v as usize])), -1));
+        let image =
+            self.input_border.iter().map(|e| (self.positions_of(e.map(|v| map[v as usize])), -1));
         let (edge, surplus) = first_nonzero(shown.chain(image))?;
         let point = |p: u32| {
             self.simplified.mesh().positions()[self.positions.first_vertex[p as usize] as usize]
@@ -370,11 +378,11 @@ impl<'a> Tracker<'a> {
         Some(Failure::Torn { lod, edge: edge.map(point), surplus })
     }
 
-    /// Within a submesh, triangles must be in reverse order of their removal_lod.
+    /// The first triangle that comes after one of its submesh that died before it.
     fn out_of_order(&self) -> Option<Failure> {
         self.simplified.mesh().submeshes().iter().find_map(|s| {
             let i =
-                self.removal_lod[s.triangles()].windows(2).position(|pair| pair[0] < pair[1])?;
+                self.removal_step[s.triangles()].windows(2).position(|pair| pair[0] < pair[1])?;
             Some(Failure::TriangleOrder { triangle: s.first_triangle + i as u32 + 1 })
         })
     }
@@ -385,10 +393,10 @@ impl<'a> Tracker<'a> {
         let order = self.out_of_order();
         let check = |name, failure| Check { model: "sequence", name, lods, full: 0, failure };
         vec![
-            check("stored triangle counts", self.found.count),
-            check("no tear", self.found.torn),
-            check("no triangle returns", self.found.returned),
-            check("corners stay in their submesh", self.found.submesh),
+            check("stored triangle counts", self.failures.count),
+            check("no tear", self.failures.torn),
+            check("no triangle returns", self.failures.returned),
+            check("corners stay in their submesh", self.failures.submesh),
             check("order of triangles", order),
         ]
     }

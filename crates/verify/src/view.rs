@@ -17,8 +17,7 @@ pub struct ShownView<'a> {
     pub positions: &'a [[f32; 3]],
     /// The triangles that are drawn, three vertices of LOD 0 each.
     pub indices: &'a [u32],
-    /// True if vertices are drawn between two positions. What they are shown as is not compared
-    /// then.
+    /// True if vertices are drawn between two positions. Then only tears are looked for.
     pub morphs: bool,
 }
 
@@ -32,7 +31,7 @@ pub struct ViewReference<'a> {
 }
 
 impl<'a> ViewReference<'a> {
-    /// Finds positions and the border of LOD 0.
+    /// Prepares the positions and the border of LOD 0.
     #[must_use]
     pub fn new(simplified: &'a Simplified) -> Self {
         let positions = PositionIds::new(simplified.mesh().positions());
@@ -40,13 +39,13 @@ impl<'a> ViewReference<'a> {
         Self { simplified, positions, border }
     }
 
-    /// Returns the first thing that is wrong with a view, in near-linear time if nothing is.
+    /// Returns the first failure of a view, in near-linear time if there is none.
     ///
     /// Without morphing each triangle of LOD 0 is compared with every corner resolved at its own
     /// LOD by the plain sequence (and, where all corners are at one LOD, with the reference
-    /// itself). Whatever the view, no edge may lie open that the border of LOD 0 does not explain.
+    /// itself). In any view, only the border of LOD 0 may have open edges.
     #[must_use]
-    pub fn first_wrong(&self, view: &ShownView<'_>) -> Option<Failure> {
+    pub fn first_failure(&self, view: &ShownView<'_>) -> Option<Failure> {
         let corners = self.simplified.mesh().triangles().as_flattened();
         let lod = |v: u32| self.simplified.collapses().floor(view.lods[v as usize]);
         let coarsest = corners.iter().map(|&v| lod(v)).max().unwrap_or(Lod(0));
@@ -54,14 +53,14 @@ impl<'a> ViewReference<'a> {
         let compared = || {
             let drawn = drawn(self.simplified, view);
             let reference = uniform().then(|| {
-                let truth = self.simplified.triangles_at_with(coarsest, &self.positions);
-                first_difference(coarsest, truth, drawn.clone())
+                let reference = self.simplified.triangles_at_with(coarsest, &self.positions);
+                first_difference(coarsest, reference, drawn.clone())
             });
             let resolved = || resolved(self.simplified, &self.positions, view.lods);
             reference.flatten().or_else(|| first_difference(coarsest, resolved(), drawn))
         };
-        let wrong = if view.morphs { None } else { compared() };
-        wrong.or_else(|| self.torn(view, coarsest))
+        let failure = if view.morphs { None } else { compared() };
+        failure.or_else(|| self.torn(view, coarsest))
     }
 
     /// An edge that is drawn more often in one direction than in the other, and not because the
@@ -85,7 +84,7 @@ impl<'a> ViewReference<'a> {
     }
 }
 
-/// The triangles of LOD 0 with every corner at its own LOD: those with an area.
+/// The triangles of LOD 0 with every corner resolved at its own LOD, without degenerate ones.
 fn resolved(
     simplified: &Simplified,
     positions: &PositionIds,
@@ -105,8 +104,9 @@ fn resolved(
     live
 }
 
-/// The vertex that each has become at a LOD of its own, in near-linear time however long chains of
-/// collapses are: records are applied in order, and all that has become one vertex is a set.
+/// The vertex that each vertex has become at its own LOD, in near-linear time however long chains
+/// of collapses are: records are applied in order, and vertices that have become one are a set
+/// (union-find).
 fn images(collapses: &CollapseSequence, lods: &[Lod]) -> Vec<u32> {
     let ends: Vec<u32> = lods.iter().map(|&lod| collapses.floor(lod).0).collect();
     let mut order: Vec<u32> = (0..ends.len() as u32).collect();
@@ -121,7 +121,7 @@ fn images(collapses: &CollapseSequence, lods: &[Lod]) -> Vec<u32> {
         }
         let mut current = v;
         while becomes[current as usize] != current {
-            // Halves the path for those who come later.
+            // Path halving.
             becomes[current as usize] = becomes[becomes[current as usize] as usize];
             current = becomes[current as usize];
         }

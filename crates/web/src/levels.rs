@@ -52,7 +52,7 @@ fn order<M>(
     let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
     let simplified: Vec<_> = objects.iter().map(|o| &*o.simplified).collect();
     let of_object = |turns: Vec<lodc_select::Turn>| {
-        turns.into_iter().map(|turn| (turn.place, turn.lod.0)).collect()
+        turns.into_iter().map(|turn| (turn.rank, turn.lod.0)).collect()
     };
     Ok(turns(&simplified, &scene).into_iter().map(of_object).collect())
 }

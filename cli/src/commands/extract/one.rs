@@ -164,7 +164,8 @@ fn view(
     let views = stages
         .run("select", || args.view.of_scene(name, &args.selector, &levels, &scene))
         .map_err(|f| Failure { message: format!("{}: {f}", input.display()), ..f })?;
-    let shown = stages.run("extract", || views.show(views.most(args.selector.target())))?;
+    let shown =
+        stages.run("extract", || views.show(views.max_triangles(args.selector.target())))?;
     let meshes = views.meshes(&shown)?.into_iter().map(|m| level_mesh::ordered(m, order));
     let meshes = meshes.collect();
     Ok(Level {

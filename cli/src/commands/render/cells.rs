@@ -132,7 +132,7 @@ fn seen(
     let wanted: Vec<Option<Target>> =
         if sheet.len() > 0 { sheet.collect() } else { vec![args.selector.target()] };
     let cell = |wish: Option<Target>| {
-        let view = views.show(views.most(wish))?;
+        let view = views.show(views.max_triangles(wish))?;
         let meshes = if args.views.morph { views.meshes(&view)? } else { Vec::new() };
         let objects: Vec<_> = match meshes[..] {
             [] => views.triangles(&view),

@@ -1,7 +1,8 @@
 //! The levels of one model as a table by the error that they may have, 128 entries per octave, so
 //! that a level is found without a search.
 
-/// Bits of an error's float that are dropped: the others number 128 steps in each octave.
+/// Bits of an error's float that are dropped: the others number 128 steps in each octave. Chosen by
+/// hand: steps of 0.8 % at most are not seen, and tables stay small.
 const DROPPED_BITS: u32 = 16;
 
 /// Number of the step that a positive error is in; equal on every machine, and monotone.
@@ -32,8 +33,11 @@ pub struct CurveLevel {
 /// of the error, from the first level that errs to the last.
 #[derive(Clone, Debug)]
 pub struct LevelCurve {
+    /// The step of the first entry.
     first: u32,
+    /// The level of each step from there on.
     levels: Vec<CurveLevel>,
+    /// The radius of a sphere around the model.
     radius: f32,
 }
 
@@ -51,7 +55,7 @@ impl LevelCurve {
             .map(|(index, &(error, triangles))| CurveLevel {
                 index,
                 triangles,
-                // Rounded up, so that what is stated still holds.
+                // Rounded up, so that it stays a bound.
                 error: if f64::from(error as f32) < error {
                     (error as f32).next_up()
                 } else {
@@ -61,8 +65,8 @@ impl LevelCurve {
             .take_while(|level| level.error.is_finite())
             .collect();
         let (Some(first), Some(last)) = (all.iter().find(|l| l.error > 0.0), all.last()) else {
-            let flat = *all.last().expect("a curve has a level");
-            return Self { first: 0, levels: vec![flat], radius };
+            let coarsest = *all.last().expect("a curve has a level");
+            return Self { first: 0, levels: vec![coarsest], radius };
         };
         let first = step_of(first.error);
         let mut table = Vec::new();
@@ -81,7 +85,7 @@ impl LevelCurve {
         &self.levels[(self.clamped(step) - self.first) as usize]
     }
 
-    /// The step among those of the table with the same level.
+    /// The nearest step that the table has, which has the same level.
     pub(super) fn clamped(&self, step: u32) -> u32 {
         step.clamp(self.first, self.first + self.levels.len() as u32 - 1)
     }

@@ -33,8 +33,9 @@ pub use curve::{CurveLevel, LevelCurve};
 
 use curve::{LAST_STEP, error_of, step_of};
 
-/// Error steps, 128 to an octave, by which an instance may stay finer than it has to: while the
-/// camera moves a little, its level stays. An eighth of an octave, 9 %: chosen by hand.
+/// Error steps, 128 to an octave, by which an instance may stay finer than it has to, so that its
+/// level does not change while the camera moves a little. Chosen by hand: an eighth of an octave,
+/// 9 %.
 const HYSTERESIS: u32 = 16;
 
 /// One instance of a model.
@@ -53,14 +54,14 @@ pub struct Instance {
 pub struct View {
     /// Its position in the world.
     pub eye: [f32; 3],
-    /// The focal length in pixels: what a unit of length takes at distance 1.
+    /// The focal length in pixels: the size of a unit of length at distance 1.
     pub screen: f32,
     /// Point that it looks at. If given, instances wholly behind the eye get their coarsest level.
     pub target: Option<[f32; 3]>,
 }
 
 impl View {
-    /// A camera with a vertical field of view in degrees and a screen that many pixels high.
+    /// A camera with a vertical field of view in degrees and a screen of a height in pixels.
     #[must_use]
     pub fn new(eye: [f32; 3], fovy: f32, height: f32) -> Self {
         let screen = height / (2.0 * (fovy.to_radians() / 2.0).tan());
@@ -86,7 +87,7 @@ impl View {
 /// Limit on a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// The most triangles of all instances together.
+    /// The largest number of triangles of all instances together.
     Triangles(u64),
     /// The largest error of any instance, in pixels.
     Pixels(f32),
@@ -103,6 +104,7 @@ pub struct SceneManager {
     current: Vec<u32>,
     /// The step of the bound, in pixels, of the last frame.
     bound: u32,
+    /// Number of sums of triangles over all instances so far.
     sums: u64,
 }
 
@@ -154,8 +156,8 @@ impl SceneManager {
                 *per_pixel = f32::MAX;
                 continue;
             }
-            // To the nearest point of the sphere; from inside it to a small share of the radius, so
-            // that errors stay finite.
+            // The distance to the nearest point of the sphere. From inside the sphere it is a small
+            // share of the radius, so that errors stay finite; the share is chosen by hand.
             let distance = ((x * x + y * y + z * z).sqrt() - radius).max(radius / 64.0);
             *per_pixel = distance / (view.screen * instance.scale);
         }
@@ -189,12 +191,12 @@ impl SceneManager {
     }
 
     /// Triangles of all instances under a bound: never more under a larger one. Hysteresis does not
-    /// change that, as an instance that stays finer under a bound stays so under all bounds up to
-    /// where it lets go, and then gets coarser.
+    /// change that: an instance that stays finer under a bound does so under all bounds up to the
+    /// one at which it changes, and then gets coarser.
     fn triangles(&mut self, bound: u32) -> u64 {
         self.sums += 1;
-        let one = |i| u64::from(self.curve(i).at(self.step(i, bound)).triangles);
-        (0..self.instances.len()).map(one).sum()
+        let triangles = |i| u64::from(self.curve(i).at(self.step(i, bound)).triangles);
+        (0..self.instances.len()).map(triangles).sum()
     }
 
     /// The smallest bound under which the triangles fit; the search starts from the last frame's.

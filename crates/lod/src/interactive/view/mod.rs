@@ -73,7 +73,7 @@ impl ViewContent {
             indices,
             morphs: view.morph,
         };
-        reference.first_wrong(&shown)
+        reference.first_failure(&shown)
     }
 }
 
