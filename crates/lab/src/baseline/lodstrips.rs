@@ -6,7 +6,7 @@
 //! strip, and entries are applied one by one, record by record, to strips that grow and shrink by
 //! themselves.
 
-use lodc_lod::trace::{self, History, Kind, Removal};
+use lodc_lod::trace::{self, History, Removal, RemovalKind};
 use lodc_lod::{LONGEST_TRACED, check_submeshes, cut_long};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::Difference;
@@ -246,9 +246,10 @@ fn by_record(histories: &[History], records: usize) -> (Vec<u32>, Vec<Entry>) {
             let mut of_event: Vec<Entry> =
                 change.map(|&place| Entry { strip, place, repetitions: 0 }).collect();
             let gone = removals.by_ref().take(event.removals as usize);
-            let repetitions =
-                |r: &Removal| if r.kind == Kind::Edge { -(r.count as i32) } else { r.count as i32 };
-            let gone = gone.map(|r| Entry { strip, place: r.at, repetitions: repetitions(r) });
+            let repetitions = |r: &Removal| {
+                if r.kind == RemovalKind::Edge { -(r.count as i32) } else { r.count as i32 }
+            };
+            let gone = gone.map(|r| Entry { strip, place: r.offset, repetitions: repetitions(r) });
             let gone: Vec<Entry> = gone.collect();
             of_event.extend(gone.into_iter().rev());
             let slot = &mut place[event.record as usize];

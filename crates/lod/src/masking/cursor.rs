@@ -14,10 +14,10 @@ use std::ops::Range;
 
 const LONGEST: usize = Masking::LONGEST_STRIP;
 /// Words in a cache line of most machines.
-const LINE_WORDS: usize = 16;
+const CACHE_LINE_WORDS: usize = 16;
 /// Number of copies whose cache lines are prefetched together, about as many misses as a core has
 /// under way at a time. Moves on meshes beyond the cache take a third less with it.
-const PREFETCHED: usize = 16;
+const PREFETCHED_COPIES: usize = 16;
 
 /// The moving part of [`Masking`] strips.
 #[derive(Clone, Debug)]
@@ -28,24 +28,24 @@ pub struct Cursor {
     /// words.
     buffer: Vec<u32>,
     padding: usize,
-    /// Number of indices each filtered copy has; 0 if no triangle is left.
+    /// Number of indices that each filtered copy has; 0 if no triangle is left.
     counts: Vec<u8>,
-    /// The strips whose full strip is that of another LOD, since a jump made the filtered copy
-    /// without it; how many.
-    stale: Vec<bool>,
+    /// For each strip whether its full strip is that of another LOD, since a jump made the filtered
+    /// copy without it; and how many are.
+    is_full_stale: Vec<bool>,
     stale_count: usize,
-    /// The vertex that each removed one has become at the LOD of the cursor; filled for far jumps
-    /// only.
-    shown: Vec<u32>,
-    /// Kept to save allocating.
+    /// A buffer for far jumps: the vertex that each removed one has become.
+    vertices_at_lod: Vec<u32>,
+    /// A buffer.
     difference: Difference,
 }
 
 impl Cursor {
     pub(super) fn new(model: &Masking) -> Self {
         let strips = model.strips.len();
-        let mut buffer = vec![0; SLOT_WORDS * strips + LINE_WORDS];
-        let padding = buffer.as_ptr().align_offset(size_of::<u32>() * LINE_WORDS).min(LINE_WORDS);
+        let mut buffer = vec![0; SLOT_WORDS * strips + CACHE_LINE_WORDS];
+        let padding =
+            buffer.as_ptr().align_offset(size_of::<u32>() * CACHE_LINE_WORDS).min(CACHE_LINE_WORDS);
         for (slot, strip) in buffer[padding..].chunks_exact_mut(SLOT_WORDS).zip(model.strips.iter())
         {
             slot[..strip.len()].copy_from_slice(strip);
@@ -57,9 +57,9 @@ impl Cursor {
             buffer,
             padding,
             counts,
-            stale: vec![false; strips],
+            is_full_stale: vec![false; strips],
             stale_count: 0,
-            shown: Vec::new(),
+            vertices_at_lod: Vec::new(),
             difference: Difference::default(),
         }
     }
@@ -123,7 +123,7 @@ impl Cursor {
         let run = model.updates.of(records);
         // Far: with more updates than strips it costs less to make each strip once.
         if run.strips.len() > self.counts.len() {
-            model.simplified.collapses().resolve_gone(Lod(to), &mut self.shown);
+            model.simplified.collapses().resolve_gone(Lod(to), &mut self.vertices_at_lod);
             self.lod = to;
             return (0..self.counts.len())
                 .map(|strip| self.remake_copy(model, strip, to, records))
@@ -146,8 +146,8 @@ impl Cursor {
             }
         }
         let mut rewritten = run.offsets.len() as u64;
-        for block in run.copies.chunks(PREFETCHED) {
-            if block.len() == PREFETCHED {
+        for block in run.copies.chunks(PREFETCHED_COPIES) {
+            if block.len() == PREFETCHED_COPIES {
                 self.prefetch(block);
             }
             for copy in block {
@@ -192,7 +192,7 @@ impl Cursor {
 
     /// Brings a stale full strip to the LOD of the cursor.
     fn refresh(&mut self, model: &Masking, strip: usize) {
-        if !std::mem::take(&mut self.stale[strip]) {
+        if !std::mem::take(&mut self.is_full_stale[strip]) {
             return;
         }
         self.stale_count -= 1;
@@ -206,8 +206,8 @@ impl Cursor {
         }
     }
 
-    /// Makes the filtered copy of a strip at a LOD by `shown`, if any of the records passed
-    /// has changed it. Returns how many indices were written.
+    /// Makes the filtered copy of a strip at a LOD by `vertices_at_lod`, if any of the records
+    /// passed has changed it. Returns how many indices were written.
     fn remake_copy(&mut self, model: &Masking, strip: usize, to: u32, records: &Range<u32>) -> u64 {
         if model.removal_lods[strip] <= to {
             // A strip that is dead at the finer LOD, too, has been emptied already.
@@ -227,17 +227,21 @@ impl Cursor {
         let mut drawn = self.buffer[self.padding + SLOT_WORDS * strip + LONGEST..].iter_mut();
         for_each_bit(filter, |index| {
             if let Some(drawn) = drawn.next() {
-                *drawn = self.shown.get(input[index] as usize).copied().unwrap_or(input[index]);
+                *drawn = self
+                    .vertices_at_lod
+                    .get(input[index] as usize)
+                    .copied()
+                    .unwrap_or(input[index]);
             }
         });
         self.mark_stale(strip, filter.count_ones() as u8);
         u64::from(filter.count_ones())
     }
 
-    /// Notes that a strip's filtered copy is new, its full strip stale.
+    /// Marks the full strip as stale after its filtered copy, of `count` indices, was made without.
     fn mark_stale(&mut self, strip: usize, count: u8) {
         self.counts[strip] = count;
-        self.stale_count += usize::from(!std::mem::replace(&mut self.stale[strip], true));
+        self.stale_count += usize::from(!std::mem::replace(&mut self.is_full_stale[strip], true));
     }
 }
 

@@ -1,7 +1,7 @@
 //! The filter of a strip in any state: the shortest one if a bounded search finds it, else a
 //! trimmed one. Results are cached by pattern.
 
-use super::pattern::Pattern;
+use super::pattern::{Pattern, PatternKey};
 use super::shortest::Search;
 use super::trim::trimmed;
 
@@ -13,20 +13,20 @@ const CACHE_ENTRIES: usize = 1 << 14;
 /// pattern alone.
 pub(super) struct Filters {
     search: Search,
-    cache: Vec<((u64, u64, usize), u16)>,
+    /// Patterns, by their keys, and their filters.
+    cache: Vec<(PatternKey, u16)>,
 }
 
 impl Filters {
     pub(super) fn new() -> Self {
-        // No pattern has the length 0.
-        Self { search: Search::new(), cache: vec![((0, 0, 0), 0); CACHE_ENTRIES] }
+        Self { search: Search::new(), cache: vec![(PatternKey::NONE, 0); CACHE_ENTRIES] }
     }
 
-    /// The positions that are drawn: those of the shortest filter, if a bounded search finds it. 0
-    /// without live triangles.
+    /// Returns the positions that are drawn: those of the shortest filter, if a bounded search
+    /// finds it; 0 without live triangles.
     pub(super) fn filter(&mut self, pattern: &Pattern) -> u16 {
         let key = pattern.key();
-        let entry = hash(key) % CACHE_ENTRIES;
+        let entry = key.hash() % CACHE_ENTRIES;
         if self.cache[entry].0 != key {
             let mask =
                 self.search.shortest(pattern, Search::LIMIT).unwrap_or_else(|| trimmed(pattern));
@@ -34,10 +34,4 @@ impl Filters {
         }
         self.cache[entry].1
     }
-}
-
-fn hash((labels, points, length): (u64, u64, usize)) -> usize {
-    let mixed =
-        (labels ^ points.rotate_left(11) ^ length as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    (mixed >> 40) as usize
 }

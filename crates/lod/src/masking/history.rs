@@ -27,7 +27,13 @@ pub(super) struct Histories {
     pub(super) entries: Vec<Entry>,
 }
 
-/// Strips worked on at a time by one thread, with patterns remembered from one to the next. Chosen
+/// The most entries that all strips may have: for each index of a strip and each record, and
+/// besides. Sequences of real meshes make about two for each index; one in which a vertex of
+/// thousands of triangles moves on and on makes far more. Chosen by hand.
+const MAX_ENTRIES_PER_INDEX: u64 = 32;
+const MAX_ENTRIES_BESIDES: u64 = 1_000_000;
+
+/// Strips that one thread works on at a time, with patterns remembered from one to the next. Chosen
 /// by hand.
 const STRIPS_PER_BLOCK: usize = 1024;
 
@@ -40,24 +46,23 @@ pub(super) fn histories(
     strips: &StripSet,
     positions: &PositionIds,
 ) -> Option<Histories> {
-    let end_of = ends(simplified);
+    let step_end_of = step_ends(simplified);
     let targets = simplified.collapses().targets();
-    // Sequences of real meshes make about two entries for each index. One in which a vertex of
-    // thousands of triangles moves on and on makes far more.
-    let limit = 32 * (strips.indices().len() + targets.len()) as u64 + 1_000_000;
+    let max_entries = MAX_ENTRIES_PER_INDEX * (strips.indices().len() + targets.len()) as u64
+        + MAX_ENTRIES_BESIDES;
     let entries = AtomicU64::new(0);
     let blocks: Vec<_> = (0..strips.len().div_ceil(STRIPS_PER_BLOCK)).collect();
     let blocks = blocks.into_par_iter().map_init(Filters::new, |filters, block| {
         let mut tracer =
-            Tracer { targets, end_of: &end_of, positions, filters, entries: Vec::new() };
+            Tracer { targets, step_end_of: &step_end_of, positions, filters, entries: Vec::new() };
         let mut counts = Vec::with_capacity(STRIPS_PER_BLOCK);
         for strip in block * STRIPS_PER_BLOCK..strips.len().min((block + 1) * STRIPS_PER_BLOCK) {
             let before = tracer.entries.len();
-            tracer.trace(strips.strip(strip), (limit + 1) as usize);
+            tracer.trace(strips.strip(strip), (max_entries + 1) as usize);
             counts.push(tracer.entries.len() - before);
             let added = counts[counts.len() - 1] as u64;
             // Whether the sum of all blocks exceeds the limit does not depend on their order.
-            if entries.fetch_add(added, Ordering::Relaxed) + added > limit {
+            if entries.fetch_add(added, Ordering::Relaxed) + added > max_entries {
                 return None;
             }
         }
@@ -78,18 +83,18 @@ pub(super) fn histories(
     Some(Histories { firsts, entries: all })
 }
 
-/// For each record the end of its step.
-fn ends(simplified: &Simplified) -> Vec<u32> {
-    let mut end_of = Vec::with_capacity(simplified.collapses().targets().len());
+/// Returns for each record the end of its step.
+fn step_ends(simplified: &Simplified) -> Vec<u32> {
+    let mut step_end_of = Vec::with_capacity(simplified.collapses().targets().len());
     for &end in &simplified.collapses().parts().step_ends {
-        end_of.resize(end as usize, end);
+        step_end_of.resize(end as usize, end);
     }
-    end_of
+    step_end_of
 }
 
 struct Tracer<'a> {
     targets: &'a [u32],
-    end_of: &'a [u32],
+    step_end_of: &'a [u32],
     positions: &'a PositionIds,
     filters: &'a mut Filters,
     entries: Vec<Entry>,
@@ -107,7 +112,7 @@ impl Tracer<'_> {
         }
         // Vertex k goes in record k: the next record of a strip is the least vertex in it.
         while let Some(&next) = state.iter().min()
-            && let Some(&end) = self.end_of.get(next as usize)
+            && let Some(&end) = self.step_end_of.get(next as usize)
             && self.entries.len() - first <= limit
         {
             let step = self.entries.len();
@@ -143,7 +148,7 @@ impl Tracer<'_> {
         let (mut written, mut filter) = (first, u16::MAX >> (16 - len));
         for index in first..self.entries.len() {
             let entry = self.entries[index];
-            let end = |entry: &Entry| self.end_of[entry.record as usize];
+            let end = |entry: &Entry| self.step_end_of[entry.record as usize];
             let closes = self.entries.get(index + 1).is_none_or(|next| end(next) != end(&entry));
             if entry.positions != 0 || (closes && entry.filter != filter) {
                 filter = entry.filter;

@@ -60,7 +60,7 @@ impl Pattern {
         self.points[label as usize]
     }
 
-    /// The whole strip.
+    /// Returns the mask of the whole strip.
     pub(super) fn all(&self) -> u64 {
         u64::MAX >> (64 - self.len)
     }
@@ -98,14 +98,34 @@ impl Pattern {
         corners.enumerate().filter_map(|(k, corners)| self.triangle(corners, k % 2 == 1))
     }
 
-    /// The pattern as numbers, 4 bits a label: the labels, the places (0 if every label has its
-    /// own) and the length.
-    pub(super) fn key(&self) -> (u64, u64, usize) {
+    /// Returns the pattern in two words and a length.
+    pub(super) fn key(&self) -> PatternKey {
         let pack = |numbers: &[u8]| numbers.iter().fold(0, |key, &n| key << 4 | u64::from(n));
-        (
-            pack(self.labels()),
-            if self.distinct { 0 } else { pack(&self.points[..self.count]) },
-            self.len,
-        )
+        PatternKey {
+            labels: pack(self.labels()),
+            points: if self.distinct { 0 } else { pack(&self.points[..self.count]) },
+            len: self.len,
+        }
+    }
+}
+
+/// A pattern, packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PatternKey {
+    /// 4 bits for each position of the strip.
+    labels: u64,
+    /// 4 bits for each label; 0 if no two labels are at one point.
+    points: u64,
+    len: usize,
+}
+
+impl PatternKey {
+    /// That of no pattern.
+    pub(super) const NONE: Self = Self { labels: 0, points: 0, len: 0 };
+
+    pub(super) fn hash(self) -> usize {
+        let mixed = (self.labels ^ self.points.rotate_left(11) ^ self.len as u64)
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (mixed >> 40) as usize
     }
 }

@@ -19,13 +19,14 @@ const SLOTS: usize = 1 << 14;
 pub(super) struct Search {
     /// The live triangles, equal ones side by side.
     triangles: Vec<[u8; 3]>,
-    /// For each label, the triangles that have it as a corner.
-    has: [u64; LONGEST],
-    /// For each label, its positions.
+    /// For each label the triangles that have it as a corner; here and below, a bit for each
+    /// triangle or position.
+    triangles_with: [u64; LONGEST],
+    /// For each label its positions.
     positions: [u64; LONGEST],
-    /// For each point in space, the positions of the labels that are there.
-    at_point: [u64; LONGEST],
-    /// For each position, the triangles with a corner that does not come again after it.
+    /// For each point in space the positions of the labels that are there.
+    positions_at: [u64; LONGEST],
+    /// For each position the triangles with a corner that does not come again after it.
     unreachable: [u64; LONGEST],
     /// All states that were reached.
     nodes: Vec<Node>,
@@ -61,9 +62,9 @@ impl Search {
     pub(super) fn new() -> Self {
         Self {
             triangles: Vec::new(),
-            has: [0; LONGEST],
+            triangles_with: [0; LONGEST],
             positions: [0; LONGEST],
-            at_point: [0; LONGEST],
+            positions_at: [0; LONGEST],
             unreachable: [0; LONGEST],
             nodes: Vec::new(),
             slots: vec![NONE; SLOTS],
@@ -91,22 +92,22 @@ impl Search {
     }
 
     fn fill_tables(&mut self, pattern: &Pattern) {
-        for table in [&mut self.has, &mut self.positions, &mut self.at_point] {
+        for table in [&mut self.triangles_with, &mut self.positions, &mut self.positions_at] {
             table[..pattern.count()].fill(0);
         }
         for (bit, triangle) in self.triangles.iter().enumerate() {
             for &corner in triangle {
-                self.has[corner as usize] |= 1 << bit;
+                self.triangles_with[corner as usize] |= 1 << bit;
             }
         }
         for (at, &label) in pattern.labels().iter().enumerate() {
             self.positions[label as usize] |= 1 << at;
-            self.at_point[pattern.point_of(label) as usize] |= 1 << at;
+            self.positions_at[pattern.point_of(label) as usize] |= 1 << at;
         }
         let mut unreachable = 0;
         for (at, &label) in pattern.labels().iter().enumerate() {
             if after(self.positions[label as usize], at as u8) == 0 {
-                unreachable |= self.has[label as usize];
+                unreachable |= self.triangles_with[label as usize];
             }
             self.unreachable[at] = unreachable;
         }
@@ -155,8 +156,8 @@ impl Search {
                 let mut parent = NONE;
                 if odd {
                     // Any vertex at the point of either makes the first triangle degenerate.
-                    let at_point = self.at_point[pattern.point_of(p) as usize]
-                        | self.at_point[pattern.point_of(q) as usize];
+                    let at_point = self.positions_at[pattern.point_of(p) as usize]
+                        | self.positions_at[pattern.point_of(q) as usize];
                     let at = at_point.trailing_zeros() as u8;
                     let label = pattern.labels()[at as usize];
                     parent = self.nodes.len() as u32;
@@ -184,7 +185,8 @@ impl Search {
     /// Adds what follows by drawing a triangle. Returns the node that draws the last one.
     fn expand_drawing(&mut self, pattern: &Pattern, parent: u32) -> Option<u32> {
         let Node { remaining, p, q, at, odd, .. } = self.nodes[parent as usize];
-        let mut candidates = remaining & self.has[p as usize] & self.has[q as usize];
+        let mut candidates =
+            remaining & self.triangles_with[p as usize] & self.triangles_with[q as usize];
         let mut last_drawn = None;
         while candidates != 0 {
             let bit = candidates.trailing_zeros();
@@ -228,7 +230,7 @@ impl Search {
         let choices = if points.0 == points.1 {
             pattern.all()
         } else {
-            self.at_point[points.0 as usize] | self.at_point[points.1 as usize]
+            self.positions_at[points.0 as usize] | self.positions_at[points.1 as usize]
         };
         let mut choices = after(choices, at);
         while choices != 0 {

@@ -60,18 +60,29 @@ pub(super) struct Run<'a> {
     pub(super) copies: &'a [Refiltered],
 }
 
+/// The filter of a strip while its entries are sorted.
+#[derive(Clone, Copy)]
+struct LatestFilter {
+    filter: u16,
+    /// The LOD from which on it holds.
+    since: u32,
+    /// The index in [`Updates::copies`] of the copy that it is of; none at first.
+    copy: usize,
+}
+
 impl Updates {
     /// Sorts the entries of strips by record. `lengths` are those of the strips.
     pub(super) fn new(histories: &Histories, lengths: &[usize], targets: &[u32]) -> Self {
         let mut updates = Self { starts: Vec::with_capacity(targets.len() + 1), ..Self::default() };
         updates.strips.reserve_exact(histories.entries.len());
-        // The filter of each strip, since when, and which of the copies made it so.
-        let mut latest: Vec<_> =
-            lengths.iter().map(|&length| (whole_strip(length), 0, usize::MAX)).collect();
+        let mut latest: Vec<LatestFilter> = lengths
+            .iter()
+            .map(|&length| LatestFilter { filter: whole_strip(length), since: 0, copy: usize::MAX })
+            .collect();
         for (strip, entry) in by_record(histories, targets.len()) {
             updates.start_records(entry.record as usize + 1);
             updates.strips.push(strip);
-            let (previous_filter, since, copy) = latest[strip as usize];
+            let LatestFilter { filter: previous_filter, since, copy } = latest[strip as usize];
             let kept_filter = if previous_filter == entry.filter { previous_filter } else { 0 };
             updates.write(strip, entry, kept_filter, targets[entry.record as usize]);
             if previous_filter != entry.filter {
@@ -79,7 +90,8 @@ impl Updates {
                 if let Some(copy) = updates.copies.get_mut(copy) {
                     copy.next = entry.record;
                 }
-                latest[strip as usize] = (filter, entry.record + 1, updates.copies.len());
+                let (since_next, copy) = (entry.record + 1, updates.copies.len());
+                latest[strip as usize] = LatestFilter { filter, since: since_next, copy };
                 updates.copies.push(Refiltered {
                     strip,
                     next: NONE,
@@ -130,7 +142,7 @@ impl Updates {
     }
 }
 
-/// The filter that draws a whole strip of a length.
+/// Returns the filter that draws a whole strip of a length.
 pub(super) fn whole_strip(length: usize) -> u16 {
     u16::MAX >> (LONGEST - length)
 }

@@ -1,6 +1,6 @@
 //! Removes elements of a strip in the buffer of all strips, and puts them back (thesis 3.4).
 
-use crate::trace::{Kind, Removal};
+use crate::trace::{Removal, RemovalKind};
 
 /// The part of the buffer of all strips that a strip fills.
 #[derive(Clone, Copy, Debug)]
@@ -13,8 +13,8 @@ pub(super) struct Span {
 
 /// Removes elements. Returns how many others move.
 pub(super) fn remove(indices: &mut [u32], span: &mut Span, removal: Removal) -> u64 {
-    let offset = span.room + removal.at;
-    if removal.kind == Kind::Front {
+    let offset = span.room + removal.offset;
+    if removal.kind == RemovalKind::Front {
         span.start += removal.count;
         return 0;
     }
@@ -26,14 +26,14 @@ pub(super) fn remove(indices: &mut [u32], span: &mut Span, removal: Removal) -> 
 /// Puts elements back: copies of what precedes them, or what was left at the ends. Returns how
 /// many elements are written.
 pub(super) fn restore(indices: &mut [u32], span: &mut Span, removal: Removal) -> u64 {
-    if removal.kind == Kind::Front {
+    if removal.kind == RemovalKind::Front {
         span.start -= removal.count;
         return 0;
     }
-    let offset = (span.room + removal.at) as usize;
+    let offset = (span.room + removal.offset) as usize;
     let (period, behind) = (removal.kind.period() as usize, offset + removal.count as usize);
     indices.copy_within(offset..span.end as usize, behind);
-    if removal.kind != Kind::Back {
+    if removal.kind != RemovalKind::Back {
         for i in offset..behind {
             indices[i] = indices[i - period];
         }

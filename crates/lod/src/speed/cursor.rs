@@ -14,27 +14,26 @@
 use super::Speed;
 use super::apply::{Span, remove, restore};
 use super::edits::Edits;
-use crate::trace::Kind;
+use crate::trace::RemovalKind;
 use lodc_mesh::{Lod, NONE, OrientedTriangle};
 use lodc_model::Difference;
 use lodc_model::{Changes, Model, Traffic};
 use lodc_strip::live_triangles;
 use std::ops::Range;
 
-/// Elements of LOD 0 that can be made anew in the time that one record's changes of one strip take
-/// (measured on bunny and cow: 10 ns beside 1.5 to 5 ns).
-const STRIP_COST: u64 = 4;
+/// Elements of LOD 0 that a far move makes anew in the time in which a near one makes one record's
+/// changes of one strip (measured on bunny and cow: 10 ns for those, 1.5 to 5 ns for an element).
+const ELEMENTS_PER_VISIT: u64 = 4;
 
 /// The state of a strip.
 #[derive(Clone, Copy, Debug)]
 struct StripState {
-    /// Its span, or that when it died.
+    /// Its span; of a dead one that when it died.
     span: Span,
-    /// True if it draws anything.
     live: bool,
-    /// True if it was rebuilt by a far move, which does not write the elements that were removed at
-    /// its ends, or those of a dead strip.
-    stale: bool,
+    /// True if a far move rebuilt it: that does not write the elements that were removed at its
+    /// ends, or those of a dead strip.
+    lacks_removed: bool,
 }
 
 /// The moving part of [`Speed`] Strips.
@@ -42,27 +41,28 @@ struct StripState {
 pub struct Cursor {
     lod: u32,
     indices: Vec<u32>,
-    heads: Vec<StripState>,
-    /// For far moves, what each vertex has become.
-    shown: Vec<u32>,
-    /// Kept to save allocating.
+    /// The state of each strip.
+    states: Vec<StripState>,
+    /// A buffer for far moves: what each vertex has become.
+    vertices_at_lod: Vec<u32>,
+    /// A buffer.
     difference: Difference,
 }
 
 impl Cursor {
     pub(super) fn new(model: &Speed) -> Self {
         let strips = model.strips();
-        let head = |s: usize| {
+        let state = |s: usize| {
             let room = strips.range(s);
             let span =
                 Span { room: room.start as u32, start: room.start as u32, end: room.end as u32 };
-            StripState { span, live: model.edits().removal_lods[s] > 0, stale: false }
+            StripState { span, live: model.edits().removal_lods[s] > 0, lacks_removed: false }
         };
         Self {
             lod: 0,
             indices: strips.indices().to_vec(),
-            heads: (0..strips.len()).map(head).collect(),
-            shown: Vec::new(),
+            states: (0..strips.len()).map(state).collect(),
+            vertices_at_lod: Vec::new(),
             difference: Difference::default(),
         }
     }
@@ -76,13 +76,13 @@ impl Cursor {
     /// A strip as it is drawn: nothing, once it is dead.
     #[must_use]
     pub fn strip(&self, strip: usize) -> &[u32] {
-        let StripState { span, live, .. } = self.heads[strip];
+        let StripState { span, live, .. } = self.states[strip];
         if live { &self.indices[span.start as usize..span.end as usize] } else { &[] }
     }
 
     /// Returns the number of indices that are drawn.
     pub(super) fn drawn(&self) -> u64 {
-        self.heads.iter().filter(|h| h.live).map(|h| u64::from(h.span.end - h.span.start)).sum()
+        self.states.iter().filter(|s| s.live).map(|s| u64::from(s.span.end - s.span.start)).sum()
     }
 
     pub(super) fn drawn_by<'a>(
@@ -122,8 +122,8 @@ impl Cursor {
 
     fn move_to(&mut self, model: &Speed, to: u32, records: &Range<u32>, traffic: &mut Traffic) {
         let (edits, all) = (model.edits(), self.indices.len() as u64);
-        let max_written = STRIP_COST * all;
-        let near = if u64::from(edits.visits(records)) * STRIP_COST > all {
+        let max_written = ELEMENTS_PER_VISIT * all;
+        let near = if u64::from(edits.visits(records)) * ELEMENTS_PER_VISIT > all {
             None
         } else if to == records.end {
             self.coarsen(edits, records, max_written)
@@ -145,7 +145,7 @@ impl Cursor {
             done = next;
             written += remove(
                 &mut self.indices,
-                &mut self.heads[removed.strip as usize].span,
+                &mut self.states[removed.strip as usize].span,
                 removed.removal,
             );
             if written > max_written {
@@ -153,7 +153,7 @@ impl Cursor {
             }
         }
         self.write_targets(&run.offsets[done..], &run.targets[done..]);
-        run.dying.iter().for_each(|&strip| self.heads[strip as usize].live = false);
+        run.dying.iter().for_each(|&strip| self.states[strip as usize].live = false);
         Some(written)
     }
 
@@ -162,8 +162,8 @@ impl Cursor {
         let run = model.edits().of(records);
         let (mut end, mut written) = (run.offsets.len(), run.offsets.len() as u64);
         for &strip in run.dying {
-            self.heads[strip as usize].live = true;
-            if self.heads[strip as usize].stale {
+            self.states[strip as usize].live = true;
+            if self.states[strip as usize].lacks_removed {
                 let lod = model.edits().removal_lods[strip as usize] - 1;
                 written += self.rebuild_strip(model, strip as usize, lod, |v| {
                     model.simplified().collapses().resolve(v, Lod(lod))
@@ -175,13 +175,13 @@ impl Cursor {
             let next = (removed.changes - run.first_change) as usize;
             self.write_vertices(&run.offsets[next..end], &run.vertices[next..end]);
             end = next;
-            let at_end = matches!(removed.removal.kind, Kind::Front | Kind::Back);
-            if at_end && self.heads[removed.strip as usize].stale {
+            let at_end = matches!(removed.removal.kind, RemovalKind::Front | RemovalKind::Back);
+            if at_end && self.states[removed.strip as usize].lacks_removed {
                 written += self.restore_ends(model, removed.strip as usize, removed.record + 1);
             }
             written += restore(
                 &mut self.indices,
-                &mut self.heads[removed.strip as usize].span,
+                &mut self.states[removed.strip as usize].span,
                 removed.removal,
             );
             if written > max_written {
@@ -205,14 +205,14 @@ impl Cursor {
         }
     }
 
-    /// Writes the elements that were removed at the ends of a stale strip up to a LOD, each as it
-    /// was when it was removed. Returns how many they are.
+    /// Writes the elements that were removed at the ends of a strip that lacks them, up to a LOD,
+    /// each as it was when it was removed. Returns how many they are.
     fn restore_ends(&mut self, model: &Speed, strip: usize, lod: u32) -> u64 {
         let (edits, room) = (model.edits(), model.strips().range(strip));
         let mut written = 0;
         for index in room.clone() {
             let (at, index_removal_lods) =
-                (edits.removed_at[index], edits.index_removal_lods[index]);
+                (edits.end_offsets[index], edits.index_removal_lods[index]);
             if at != NONE && index_removal_lods <= lod {
                 let vertex = model.strips().indices()[index];
                 self.indices[room.start + at as usize] =
@@ -220,18 +220,19 @@ impl Cursor {
                 written += 1;
             }
         }
-        self.heads[strip].stale = false;
+        self.states[strip].lacks_removed = false;
         written
     }
 
     /// Rebuilds all strips: the far move. Returns how many elements they have.
     fn rebuild(&mut self, model: &Speed, to: u32) -> u64 {
-        let mut shown = std::mem::take(&mut self.shown);
-        model.simplified().collapses().resolve_gone(Lod(to), &mut shown);
-        let resolved = |v: u32| shown.get(v as usize).copied().unwrap_or(v);
-        let written =
-            (0..self.heads.len()).map(|strip| self.rebuild_strip(model, strip, to, resolved)).sum();
-        self.shown = shown;
+        let mut vertices_at_lod = std::mem::take(&mut self.vertices_at_lod);
+        model.simplified().collapses().resolve_gone(Lod(to), &mut vertices_at_lod);
+        let resolved = |v: u32| vertices_at_lod.get(v as usize).copied().unwrap_or(v);
+        let written = (0..self.states.len())
+            .map(|strip| self.rebuild_strip(model, strip, to, resolved))
+            .sum();
+        self.vertices_at_lod = vertices_at_lod;
         written
     }
 
@@ -241,25 +242,25 @@ impl Cursor {
         model: &Speed,
         strip: usize,
         lod: u32,
-        shown: impl Fn(u32) -> u32,
+        vertex_at_lod: impl Fn(u32) -> u32,
     ) -> u64 {
-        let (edits, head) = (model.edits(), &mut self.heads[strip]);
-        (head.live, head.stale) = (edits.removal_lods[strip] > lod, true);
-        if !head.live {
+        let (edits, state) = (model.edits(), &mut self.states[strip]);
+        (state.live, state.lacks_removed) = (edits.removal_lods[strip] > lod, true);
+        if !state.live {
             return 0;
         }
         let room = model.strips().range(strip);
-        let start = room.start + edits.gone_at_front(room.clone(), lod);
+        let start = room.start + edits.removed_at_front(room.clone(), lod);
         let mut end = start;
         for (&vertex, &index_removal_lods) in
             model.strips().indices()[room.clone()].iter().zip(&edits.index_removal_lods[room])
         {
             if index_removal_lods > lod {
-                self.indices[end] = shown(vertex);
+                self.indices[end] = vertex_at_lod(vertex);
                 end += 1;
             }
         }
-        (head.span.start, head.span.end) = (start as u32, end as u32);
+        (state.span.start, state.span.end) = (start as u32, end as u32);
         (end - start) as u64
     }
 }

@@ -61,10 +61,10 @@ pub(super) struct Edits {
     /// For each index of the strips the first LOD without it.
     pub(super) index_removal_lods: Vec<u32>,
     /// For each index whether it is removed at the front of its strip.
-    at_front: Vec<bool>,
+    is_removed_at_front: Vec<bool>,
     /// For each index that is removed at an end of its strip its offset in the strip then; for
     /// others [`NONE`].
-    pub(super) removed_at: Vec<u32>,
+    pub(super) end_offsets: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
     pub(super) removal_lods: Vec<u32>,
 }
@@ -181,8 +181,9 @@ impl Edits {
         edits.start_records(targets.len() + 1);
         edits.index_removal_lods =
             histories.iter().flat_map(|h| &h.index_removal_lods).copied().collect();
-        edits.at_front = histories.iter().flat_map(|h| &h.at_front).copied().collect();
-        edits.removed_at = histories.iter().flat_map(|h| &h.removed_at).copied().collect();
+        edits.is_removed_at_front =
+            histories.iter().flat_map(|h| &h.is_removed_at_front).copied().collect();
+        edits.end_offsets = histories.iter().flat_map(|h| &h.end_offsets).copied().collect();
         edits.removal_lods = histories.iter().flat_map(|h| &h.removal_lods).copied().collect();
         edits
     }
@@ -253,14 +254,15 @@ impl Edits {
     }
 
     /// Returns the number of elements removed at the front of a strip, given its room, at a LOD.
-    pub(super) fn gone_at_front(&self, room: Range<usize>, lod: u32) -> usize {
-        let removed = self.index_removal_lods[room.clone()].iter().zip(&self.at_front[room]);
+    pub(super) fn removed_at_front(&self, room: Range<usize>, lod: u32) -> usize {
+        let removed =
+            self.index_removal_lods[room.clone()].iter().zip(&self.is_removed_at_front[room]);
         removed.take_while(|(at, _)| **at <= lod).filter(|(_, front)| **front).count()
     }
 
     /// Returns whether an index is removed at the front of its strip.
-    pub(super) fn at_front(&self, index: usize) -> bool {
-        self.at_front[index]
+    pub(super) fn is_removed_at_front(&self, index: usize) -> bool {
+        self.is_removed_at_front[index]
     }
 
     fn entries(&self, records: &Range<u32>) -> Range<u32> {

@@ -14,21 +14,21 @@ mod stored;
 #[cfg(test)]
 mod tests;
 
-pub use crate::trace::{Kind, Removal};
+pub use crate::trace::{Removal, RemovalKind};
 pub use cursor::Cursor;
 pub use replay::SHADERS;
 pub use run_time::{AT_END, LodInfo, Operation, RunTime, StripInfo};
 
 use crate::cut::{LONGEST_TRACED, cut_long};
 use crate::stored_strips::{self, STRIPS, check_submeshes};
-use crate::trace::{self, History, Source};
+use crate::trace::{self, History, TraceInput};
 use edits::Edits;
 use lodc_mesh::removal_lods;
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use lodc_strip::{Strips, restart_list};
 use std::sync::Arc;
-use stored::{REMOVALS, Replay, Stored};
+use stored::{CheckedRemovals, REMOVALS, Stored};
 
 /// Speed Strips.
 #[derive(Clone, Debug)]
@@ -72,13 +72,13 @@ impl Speed {
         let stored = Stored::read(removals, strips.len())?;
         let positions = PositionIds::new(simplified.mesh().positions());
         let targets = simplified.collapses().targets();
-        let source = Source { targets, strips: &strips, positions: &positions };
-        let histories = trace::in_parallel(&source, |tracer, range| {
+        let input = TraceInput { targets, strips: &strips, positions: &positions };
+        let histories = trace::in_parallel(&input, |tracer, range| {
             let mut all = History::default();
             for strip in range {
-                let mut replay = Replay::new(stored.of(strip));
-                let history = tracer.trace(&source, strip..strip + 1, &mut replay)?;
-                replay.finish()?;
+                let mut checked = CheckedRemovals::new(stored.of(strip));
+                let history = tracer.trace(&input, strip..strip + 1, &mut checked)?;
+                checked.finish()?;
                 all.append(history);
             }
             Ok(all)

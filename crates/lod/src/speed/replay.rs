@@ -1,7 +1,7 @@
 //! Speed Strips on a graphics device as a [`Plan`], the variant *direct* of the thesis: compute
 //! passes apply the edits to the strips in the device's memory.
 
-use super::{Cursor, Kind, Speed};
+use super::{Cursor, RemovalKind, Speed};
 use crate::twin::move_and_compare;
 use lodc_mesh::{Lod, NONE};
 use lodc_model::Model;
@@ -20,11 +20,11 @@ const PACK: Shader = Shader { name: "pack", wgsl: include_str!("pack.wgsl") };
 pub const SHADERS: [Shader; 8] =
     [EDITS, VALUES, REWRITE, LENGTHS, SCAN, SCAN_ADD, PACK, STRIP_DRAWS];
 
-/// Indices that can be made anew in the time that passing an entry takes. An estimate from the CPU;
-/// not measured on devices.
-const ENTRY_COST: u64 = 6;
+/// Indices that can be made anew in the time that applying an entry takes. An estimate from the
+/// CPU; not measured on devices.
+const INDICES_PER_ENTRY: u64 = 6;
 
-/// Buffers and kernels; the first four buffers are those of [`by_strip`].
+/// Buffers and kernels; the first four buffers are those of [`EditsByStrip`].
 #[derive(Clone, Debug)]
 pub(super) struct Device {
     starts: BufferId,
@@ -42,8 +42,8 @@ pub(super) struct Device {
     heads: BufferId,
     packed: Packed,
     kernels: [KernelId; 5],
-    /// Numbers of strips and of indices.
-    counts: [u32; 2],
+    strip_count: u32,
+    index_count: u32,
 }
 
 impl Device {
@@ -58,7 +58,7 @@ impl Device {
         if longest > LONGEST_LOOP {
             return Err(PlanError::TooDeep { length: longest });
         }
-        let (starts, entries, changes, removals) = by_strip(model);
+        let EditsByStrip { starts, entries, changes, removals } = EditsByStrip::new(model);
         let heads = starts
             .chunks_exact(2)
             .zip(set.iter())
@@ -81,15 +81,16 @@ impl Device {
             heads: program.words("heads", heads),
             packed: Packed::new(program, set),
             kernels: [EDITS, VALUES, REWRITE, LENGTHS, PACK].map(|shader| program.kernel(shader)),
-            counts: [set.len() as u32, set.indices().len() as u32],
+            strip_count: set.len() as u32,
+            index_count: set.indices().len() as u32,
         })
     }
 
     /// Takes the strips from one LOD to another: in place if that is less work, and no strip
     /// changes so often that a kernel may not loop that long; else anew.
     pub(super) fn passes(&self, model: &Speed, from: Lod, to: Lod) -> Vec<Pass> {
-        let ([edits, values, rewrite, lengths, pack], [strips, indices]) =
-            (self.kernels, self.counts);
+        let [edits, values, rewrite, lengths, pack] = self.kernels;
+        let (strips, indices) = (self.strip_count, self.index_count);
         let pass =
             |kernel, threads, buffers, parameters| Pass { kernel, buffers, threads, parameters };
         let mut passes = if model.is_near(from, to) {
@@ -138,74 +139,93 @@ impl Device {
     }
 }
 
-/// The changes strip by strip, as kernels read them: where each strip's indices and entries start,
-/// four words for each entry, offsets that change, followed by the vertices that are put back at
-/// ends, two words for each removal.
-fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
-    let (set, records) = (&model.strips.set, model.edits().records());
-    // How many entries, changes and removals each strip has; then where the next ones go.
-    let mut next = vec![[0u32; 3]; set.len() + 1];
-    for event in (0..records).flat_map(|record| model.events(record)) {
-        let [entries, changes, removals] = &mut next[event.strip as usize + 1];
-        *entries += 1;
-        *changes += event.changes.len() as u32;
-        *removals += event.removals.len() as u32;
-    }
-    for strip in 0..set.len() {
-        let previous = next[strip];
-        next[strip + 1].iter_mut().zip(previous).for_each(|(n, previous)| *n += previous);
-    }
-    let end = next[set.len()];
-    let first_offsets =
-        (0..set.len()).map(|strip| set.range(strip).start).chain([set.indices().len()]);
-    let starts = first_offsets
-        .zip(&next)
-        .flat_map(|(offset, [first, ..])| [offset as u32, *first])
-        .collect();
-    let mut entries = vec![0; 4 * end[0] as usize];
-    let (mut changes, mut removals) = (vec![0; end[1] as usize], vec![0; 2 * end[2] as usize]);
-    // Kernels leave no gap at the front: offsets count from where a strip starts at the time.
-    let mut fronts: Vec<u32> = (0..set.len()).map(|strip| set.range(strip).start as u32).collect();
-    for record in 0..records {
-        for event in model.events(record) {
-            let strip = event.strip as usize;
-            let ([entry, change, removal], first) =
-                (&mut next[strip], set.range(strip).start as u32);
-            // What is put back at ends follows all offsets.
-            let ends_start = changes.len() as u32;
-            entries[4 * *entry as usize..][..4]
-                .copy_from_slice(&[record, *change, *removal, ends_start]);
-            *entry += 1;
-            for offset in event.changes {
-                changes[*change as usize] = offset - fronts[strip];
-                *change += 1;
-            }
-            let mut gone_at_front = 0;
-            for removed in event.removals.iter().rev() {
-                let at = removed.removal.at - (fronts[strip] - first);
-                removals[2 * *removal as usize..][..2]
-                    .copy_from_slice(&[at, removed.removal.word().cast_unsigned()]);
-                *removal += 1;
-                if removed.removal.kind == Kind::Front {
-                    gone_at_front = removed.removal.count;
+/// The edits strip by strip, in words as kernels read them.
+struct EditsByStrip {
+    /// Two for each strip, and two more: where its indices start, and its entries.
+    starts: Vec<u32>,
+    /// Four for each entry (a record that changes the strip), and four more: the record, where its
+    /// changes start, where its removals start, and where what it puts back at ends starts in
+    /// `changes`.
+    entries: Vec<u32>,
+    /// The offsets that change; behind all of them, the vertices that are put back at ends.
+    changes: Vec<u32>,
+    /// Two for each removal: its offset, and [`Removal::word`](super::Removal::word).
+    removals: Vec<u32>,
+}
+
+impl EditsByStrip {
+    fn new(model: &Speed) -> Self {
+        let (set, records) = (&model.strips.set, model.edits().records());
+        // How many entries, changes and removals each strip has; then where the next ones go.
+        let mut next = vec![[0u32; 3]; set.len() + 1];
+        for event in (0..records).flat_map(|record| model.events(record)) {
+            let [entries, changes, removals] = &mut next[event.strip as usize + 1];
+            *entries += 1;
+            *changes += event.changes.len() as u32;
+            *removals += event.removals.len() as u32;
+        }
+        for strip in 0..set.len() {
+            let previous = next[strip];
+            next[strip + 1].iter_mut().zip(previous).for_each(|(n, previous)| *n += previous);
+        }
+        let end = next[set.len()];
+        let first_offsets =
+            (0..set.len()).map(|strip| set.range(strip).start).chain([set.indices().len()]);
+        let starts = first_offsets
+            .zip(&next)
+            .flat_map(|(offset, [first, ..])| [offset as u32, *first])
+            .collect();
+        let mut entries = vec![0; 4 * end[0] as usize];
+        let (mut changes, mut removals) = (vec![0; end[1] as usize], vec![0; 2 * end[2] as usize]);
+        // Kernels leave no gap at the front: offsets count from where a strip starts at the time.
+        let mut fronts: Vec<u32> =
+            (0..set.len()).map(|strip| set.range(strip).start as u32).collect();
+        for record in 0..records {
+            for event in model.events(record) {
+                let strip = event.strip as usize;
+                let ([entry, change, removal], first) =
+                    (&mut next[strip], set.range(strip).start as u32);
+                // What is put back at ends follows all offsets.
+                let ends_start = changes.len() as u32;
+                entries[4 * *entry as usize..][..4]
+                    .copy_from_slice(&[record, *change, *removal, ends_start]);
+                *entry += 1;
+                for offset in event.changes {
+                    changes[*change as usize] = offset - fronts[strip];
+                    *change += 1;
                 }
-            }
-            fronts[strip] += gone_at_front;
-            for kind in event.removals.iter().rev().map(|removed| removed.removal.kind) {
-                if kind == Kind::Front || kind == Kind::Back {
-                    changes.extend(end_of(model, strip, record, kind));
+                let mut removed_at_front = 0;
+                for removed in event.removals.iter().rev() {
+                    let at = removed.removal.offset - (fronts[strip] - first);
+                    removals[2 * *removal as usize..][..2]
+                        .copy_from_slice(&[at, removed.removal.word().cast_unsigned()]);
+                    *removal += 1;
+                    if removed.removal.kind == RemovalKind::Front {
+                        removed_at_front = removed.removal.count;
+                    }
+                }
+                fronts[strip] += removed_at_front;
+                for kind in event.removals.iter().rev().map(|removed| removed.removal.kind) {
+                    if kind == RemovalKind::Front || kind == RemovalKind::Back {
+                        changes.extend(removed_end(model, strip, record, kind));
+                    }
                 }
             }
         }
+        // Where the last strip's entries end, with their changes and removals.
+        entries.extend([NONE, end[1], end[2], 0]);
+        Self { starts, entries, changes, removals }
     }
-    // Where the last strip's entries end, with their changes and removals.
-    entries.extend([NONE, end[1], end[2], 0]);
-    (starts, entries, changes, removals)
 }
 
-/// Returns the vertices that the elements that a record takes off the front or the back of a strip
-/// have become by then, in order.
-fn end_of(model: &Speed, strip: usize, record: u32, kind: Kind) -> impl Iterator<Item = u32> {
+/// Returns what the elements that a record removes at the front or the back of a strip have become
+/// by then, in order.
+fn removed_end(
+    model: &Speed,
+    strip: usize,
+    record: u32,
+    kind: RemovalKind,
+) -> impl Iterator<Item = u32> {
     let (range, lod) = (model.strips.range(strip), record + 1);
     let index_removal_lods = &model.index_removal_lods()[range.clone()];
     // Only what is removed at the back is behind the last remaining element.
@@ -213,13 +233,16 @@ fn end_of(model: &Speed, strip: usize, record: u32, kind: Kind) -> impl Iterator
         .iter()
         .rposition(|&at| at > lod)
         .map_or(range.start, |i| range.start + i);
-    let goes = move |&i: &usize| {
-        let is_at_end =
-            if kind == Kind::Front { model.edits().at_front(i) } else { i > last_remaining };
+    let is_removed = move |&i: &usize| {
+        let is_at_end = if kind == RemovalKind::Front {
+            model.edits().is_removed_at_front(i)
+        } else {
+            i > last_remaining
+        };
         is_at_end && model.index_removal_lods()[i] == lod
     };
     range
-        .filter(goes)
+        .filter(is_removed)
         .map(move |i| model.simplified.collapses().resolve(model.strips.indices()[i], Lod(lod)))
 }
 
@@ -228,7 +251,9 @@ impl Speed {
     /// strips anew, and no thread loops longer than it may.
     fn is_near(&self, from: Lod, to: Lod) -> bool {
         let records = from.min(to).0..from.max(to).0;
-        if u64::from(self.edits().visits(&records)) * ENTRY_COST > self.strips.separate_indices() {
+        if u64::from(self.edits().visits(&records)) * INDICES_PER_ENTRY
+            > self.strips.separate_indices()
+        {
             return false;
         }
         let mut loops = vec![0u64; self.strips.len()];

@@ -2,7 +2,7 @@
 
 use super::Speed;
 use super::edits::Removed;
-use crate::trace::{Kind, Removal};
+use crate::trace::{Removal, RemovalKind};
 use lodc_mesh::Lod;
 
 /// The byte that says "this or more: the number follows".
@@ -86,7 +86,7 @@ impl RunTime {
         match operation {
             Operation::Change(offset) => self.updates.push(offset as i32),
             Operation::Remove(removal) => {
-                self.updates.extend([!(removal.at as i32), removal.word()]);
+                self.updates.extend([!(removal.offset as i32), removal.word()]);
             }
         }
     }
@@ -109,12 +109,12 @@ impl RunTime {
                     p => {
                         let word = next_word();
                         let (kind, count) = match (word > 0, word.abs() > AT_END) {
-                            (true, false) => (Kind::Vertex, word.abs()),
-                            (false, false) => (Kind::Edge, word.abs()),
-                            (false, true) => (Kind::Front, word.abs() - AT_END),
-                            (true, true) => (Kind::Back, word.abs() - AT_END),
+                            (true, false) => (RemovalKind::Vertex, word.abs()),
+                            (false, false) => (RemovalKind::Edge, word.abs()),
+                            (false, true) => (RemovalKind::Front, word.abs() - AT_END),
+                            (true, true) => (RemovalKind::Back, word.abs() - AT_END),
                         };
-                        Operation::Remove(Removal { at: !p as u32, count: count as u32, kind })
+                        Operation::Remove(Removal { offset: !p as u32, count: count as u32, kind })
                     }
                 };
                 (strip, (0..count).map(|_| operation()).collect())
@@ -139,10 +139,10 @@ impl Removal {
     pub(super) fn word(self) -> i32 {
         let count = self.count as i32;
         match self.kind {
-            Kind::Vertex => count,
-            Kind::Edge => -count,
-            Kind::Front => -count - AT_END,
-            Kind::Back => count + AT_END,
+            RemovalKind::Vertex => count,
+            RemovalKind::Edge => -count,
+            RemovalKind::Front => -count - AT_END,
+            RemovalKind::Back => count + AT_END,
         }
     }
 }
@@ -184,7 +184,7 @@ impl Speed {
             // Stable: a removal comes before a change at the same offset.
             operations.sort_by_key(|operation| match operation {
                 Operation::Change(offset) => *offset,
-                Operation::Remove(removal) => removal.at,
+                Operation::Remove(removal) => removal.offset,
             });
             operations
         };

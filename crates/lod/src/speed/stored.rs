@@ -4,9 +4,9 @@
 //! For each strip in turn the number of its removals (varint), then for each removal three varints:
 //! how many of the strip's events (records that change it while it is live) lie between it and the
 //! event of the one before, or the start; its offset before that event ([`Removal::at`]); and four
-//! times how many elements are removed, plus the number of their [`Kind`].
+//! times how many elements are removed, plus the number of their [`RemovalKind`].
 
-use crate::trace::{Kind, Leaving, Removal, Removals, WorkingStrip};
+use crate::trace::{Removal, RemovalKind, RemovalSource, RemovedRun, WorkingStrip};
 use lodc_mesh::put_leb128;
 use lodc_model::bytes::Reader;
 use lodc_model::{Array, BuildError};
@@ -22,7 +22,7 @@ pub(super) fn to_array(by_strip: &[Vec<(u32, Removal)>]) -> Array {
         let mut latest = 0;
         for &(event, removal) in removals {
             put_leb128(&mut bytes, u64::from(event - latest));
-            put_leb128(&mut bytes, u64::from(removal.at));
+            put_leb128(&mut bytes, u64::from(removal.offset));
             put_leb128(&mut bytes, u64::from(4 * removal.count + removal.kind as u32));
             latest = event;
         }
@@ -38,8 +38,8 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    /// Reads the array of a number of strips. Whether removals fit their strips is for [`Replay`]
-    /// to find.
+    /// Reads the array of a number of strips. Whether removals fit their strips is for
+    /// [`CheckedRemovals`] to find.
     pub(super) fn read(array: &Array, strips: usize) -> Result<Self, BuildError> {
         if array.wide {
             return Err(wrong("is never written wide"));
@@ -57,11 +57,11 @@ impl Stored {
                 event = reader.varint().and_then(|n| event.checked_add(n)).ok_or_else(short)?;
                 let at = reader.varint().ok_or_else(short)?;
                 let code = reader.varint().ok_or_else(short)?;
-                let (count, kind) = (code / 4, Kind::ALL[code as usize % 4]);
+                let (count, kind) = (code / 4, RemovalKind::ALL[code as usize % 4]);
                 if count == 0 {
                     return Err(wrong("has a removal of no element"));
                 }
-                stored.removals.push((event, Removal { at, count, kind }));
+                stored.removals.push((event, Removal { offset: at, count, kind }));
             }
         }
         stored.first.push(stored.removals.len() as u32);
@@ -79,15 +79,15 @@ impl Stored {
 }
 
 /// Applies the stored removals of one strip.
-pub(super) struct Replay<'a> {
+pub(super) struct CheckedRemovals<'a> {
     pending: &'a [(u32, Removal)],
     event: u32,
-    leaving_runs: Vec<Leaving>,
+    removed_runs: Vec<RemovedRun>,
 }
 
-impl<'a> Replay<'a> {
+impl<'a> CheckedRemovals<'a> {
     pub(super) fn new(removals: &'a [(u32, Removal)]) -> Self {
-        Self { pending: removals, event: 0, leaving_runs: Vec::new() }
+        Self { pending: removals, event: 0, removed_runs: Vec::new() }
     }
     /// Fails if removals are left over.
     pub(super) fn finish(self) -> Result<(), BuildError> {
@@ -99,22 +99,27 @@ impl<'a> Replay<'a> {
     }
 }
 
-impl Removals for Replay<'_> {
-    const LOOKS_AHEAD: bool = false;
+impl RemovalSource for CheckedRemovals<'_> {
+    const NEEDS_LAST_RECORD: bool = false;
 
-    fn next(&mut self, strip: &mut WorkingStrip, _: &[u32]) -> Result<&[Leaving], BuildError> {
+    fn next_removals(
+        &mut self,
+        strip: &mut WorkingStrip,
+        _: &[u32],
+    ) -> Result<&[RemovedRun], BuildError> {
         let count = self.pending.iter().take_while(|(event, _)| *event == self.event).count();
         let (due, pending) = self.pending.split_at(count);
         (self.pending, self.event) = (pending, self.event + 1);
-        self.leaving_runs.clear();
+        self.removed_runs.clear();
         let mut free_from = 0;
         for (_, removal) in due {
             let (kind, period) = (removal.kind, removal.kind.period());
-            if removal.at.checked_sub(period).is_none_or(|start| start < free_from) {
+            if removal.offset.checked_sub(period).is_none_or(|start| start < free_from) {
                 return Err(wrong("has removals out of order or resting on one another"));
             }
-            let first =
-                strip.element_at(removal.at).ok_or_else(|| wrong("removes what is not there"))?;
+            let first = strip
+                .element_at(removal.offset)
+                .ok_or_else(|| wrong("removes what is not there"))?;
             let (mut last, mut element) = (first, first);
             for _ in 0..removal.count {
                 if !strip.is_inside(element) || period > 0 && !strip.repeats(element, period) {
@@ -123,23 +128,25 @@ impl Removals for Replay<'_> {
                 (last, element) = (element, strip.next(element));
             }
             let dead = match kind {
-                Kind::Vertex | Kind::Edge => true,
-                Kind::Front => first == strip.front() && last < strip.first_drawn(),
-                Kind::Back => last == strip.back() && first > strip.last_corner(),
+                RemovalKind::Vertex | RemovalKind::Edge => true,
+                RemovalKind::Front => first == strip.front() && last < strip.first_drawn(),
+                RemovalKind::Back => last == strip.back() && first > strip.last_corner(),
             };
             if !dead {
                 return Err(wrong("removes a drawn triangle, or from the middle as from an end"));
             }
-            free_from = removal.at + removal.count;
-            self.leaving_runs.push(Leaving { first, last, count: removal.count, kind });
+            free_from = removal.offset + removal.count;
+            self.removed_runs.push(RemovedRun { first, last, count: removal.count, kind });
         }
-        for leaving in &self.leaving_runs {
-            match leaving.kind {
-                Kind::Vertex | Kind::Edge => strip.unlink_repetition(leaving.first, leaving.last),
-                Kind::Front | Kind::Back => strip.unlink(leaving.first, leaving.last),
+        for run in &self.removed_runs {
+            match run.kind {
+                RemovalKind::Vertex | RemovalKind::Edge => {
+                    strip.unlink_repetition(run.first, run.last)
+                }
+                RemovalKind::Front | RemovalKind::Back => strip.unlink(run.first, run.last),
             }
         }
-        Ok(&self.leaving_runs)
+        Ok(&self.removed_runs)
     }
 }
 

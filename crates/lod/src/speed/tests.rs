@@ -83,13 +83,13 @@ fn a_strip_and_its_operations_worked_out_by_hand() {
         &[],
     ];
     assert_eq!(shown, expected);
-    let remove = |at, count, kind| Operation::Remove(Removal { at, count, kind });
+    let remove = |at, count, kind| Operation::Remove(Removal { offset: at, count, kind });
     let change = Operation::Change;
     let strip = |operations: &[Operation]| vec![(0, operations.to_vec())];
     let arrays = model.run_time(Lod(7));
     let operations = [
         strip(&[change(2)]),
-        strip(&[change(3), remove(4, 2, Kind::Edge)]),
+        strip(&[change(3), remove(4, 2, RemovalKind::Edge)]),
         strip(&[change(2)]),
         strip(&[change(3)]),
         strip(&[change(0), change(2)]),

@@ -12,50 +12,49 @@
 //! its first drawn triangle (an even number, again for the winding) and after its last. They stay
 //! in the buffer and come back by moving the ends (bunny: 497 bits per vertex without, 463 with).
 
-use super::history::Kind;
-use super::tracer::Removals;
-use super::working::{Leaving, WorkingStrip};
+use super::history::RemovalKind;
+use super::tracer::RemovalSource;
+use super::working::{RemovedRun, WorkingStrip};
 use lodc_mesh::{NONE, is_degenerate};
 use lodc_model::BuildError;
 
-/// The distance from a change within which partners of a single element are looked for. Between the
-/// two no triangle is drawn, so in real strips partners are next to each other; the bound keeps a
-/// strip of nothing but repetitions from taking quadratic time. Chosen by hand.
-const REACH: usize = 12;
+/// Elements on either side of a change among which a single element and its partner are looked for.
+/// Between the two no triangle is drawn, so in real strips partners are next to each other; the
+/// limit keeps a strip of nothing but repetitions from taking quadratic time. Chosen by hand.
+const MAX_DISTANCE: usize = 12;
 
-/// Number of changes a removal must spare. It takes two words itself and a change one, so this is
-/// the least number that saves storage (bunny and cow: 2 to 4 give the same size within one
-/// percent; it is removals that take time, changes hardly do).
-const MIN_SPARED: u32 = 3;
+/// The least number of later changes that a removal must spare. It takes two words itself and a
+/// change one, so this saves storage (bunny and cow: 2 to 4 give the same size within one percent;
+/// it is removals that take time, changes hardly do).
+const MIN_SPARED_CHANGES: u32 = 3;
 
 /// The choice of what one record removes from one strip.
 #[derive(Debug)]
 pub(crate) struct Filter<'a> {
-    pub(crate) removed: Vec<Leaving>,
+    pub(crate) removed: Vec<RemovedRun>,
     targets: &'a [u32],
-    /// True if dead ends are removed.
-    ends: bool,
+    with_dead_ends: bool,
     /// The record with which the strip dies.
-    pub(crate) end: u32,
+    pub(crate) last_record: u32,
 }
 
 impl<'a> Filter<'a> {
     /// For strips of a mesh with these collapse targets.
-    pub(crate) fn new(targets: &'a [u32], ends: bool) -> Self {
-        Self { removed: Vec::new(), targets, ends, end: NONE }
+    pub(crate) fn new(targets: &'a [u32], with_dead_ends: bool) -> Self {
+        Self { removed: Vec::new(), targets, with_dead_ends, last_record: NONE }
     }
 
     /// Returns the number of changes of a strip that are spared if some elements are removed, up to
-    /// [`MIN_SPARED`].
+    /// [`MIN_SPARED_CHANGES`].
     fn spared_changes(&self, strip: &WorkingStrip, first: u32, last: u32) -> u32 {
         let (mut e, mut spared_changes) = (first, 0);
         loop {
             let mut v = strip.value(e);
             // Record v collapses vertex v.
-            while v < self.end && spared_changes < MIN_SPARED {
+            while v < self.last_record && spared_changes < MIN_SPARED_CHANGES {
                 (v, spared_changes) = (self.targets[v as usize], spared_changes + 1);
             }
-            if e == last || spared_changes >= MIN_SPARED {
+            if e == last || spared_changes >= MIN_SPARED_CHANGES {
                 return spared_changes;
             }
             e = strip.next(e);
@@ -63,18 +62,18 @@ impl<'a> Filter<'a> {
     }
 
     /// Removes repetitions around changed elements from a strip. Afterwards `removed` has them in
-    /// order; they neither touch nor rest on one another.
+    /// order; none touches another or repeats its elements.
     pub(crate) fn apply(&mut self, strip: &mut WorkingStrip, changed: &[u32]) {
         self.removed.clear();
-        if self.ends {
-            self.remove_ends(strip);
+        if self.with_dead_ends {
+            self.remove_dead_ends(strip);
         }
         for &element in changed {
             // It may repeat the element two before it, or the one two after may repeat it.
-            for second in [false, true] {
+            for is_second_after in [false, true] {
                 if strip.remains(element) {
-                    let e = if second { strip.next(strip.next(element)) } else { element };
-                    self.remove_pairs(strip, e);
+                    let second_after = strip.next(strip.next(element));
+                    self.remove_pairs(strip, if is_second_after { second_after } else { element });
                 }
             }
         }
@@ -120,7 +119,7 @@ impl<'a> Filter<'a> {
         if strip.draws(e) {
             return;
         }
-        for _ in 0..REACH {
+        for _ in 0..MAX_DISTANCE {
             let previous = strip.previous(e);
             if !strip.is_inside(previous) || strip.draws(previous) {
                 break;
@@ -128,18 +127,18 @@ impl<'a> Filter<'a> {
             e = previous;
         }
         let mut first_single = None;
-        for _ in 0..2 * REACH {
+        for _ in 0..2 * MAX_DISTANCE {
             if !strip.is_inside(e) {
                 break;
             }
             if strip.repeats(e, 1)
                 && is_harmless(strip, e)
-                && self.is_free(strip, e, e)
-                && self.spared_changes(strip, e, e) >= MIN_SPARED
+                && self.is_apart(strip, e, e)
+                && self.spared_changes(strip, e, e) >= MIN_SPARED_CHANGES
             {
                 if let Some(partner) = first_single {
                     if strip.previous(strip.previous(e)) > partner
-                        && self.is_free(strip, partner, partner)
+                        && self.is_apart(strip, partner, partner)
                     {
                         self.remove(strip, partner, partner, 1);
                         self.remove(strip, e, e, 1);
@@ -156,7 +155,7 @@ impl<'a> Filter<'a> {
     }
 
     /// Removes all that comes before the first drawn triangle and after the last.
-    fn remove_ends(&mut self, strip: &mut WorkingStrip) {
+    fn remove_dead_ends(&mut self, strip: &mut WorkingStrip) {
         let (front, mut e, mut count) = (strip.front(), strip.first_drawn(), 0);
         while e != front {
             (e, count) = (strip.previous(e), count + 1);
@@ -165,30 +164,31 @@ impl<'a> Filter<'a> {
         if count % 2 == 1 {
             (last, count) = (strip.previous(last), count - 1);
         }
-        if count > 0 && self.spared_changes(strip, front, last) >= MIN_SPARED {
-            self.removed.push(Leaving { first: front, last, count, kind: Kind::Front });
+        if count > 0 && self.spared_changes(strip, front, last) >= MIN_SPARED_CHANGES {
+            self.removed.push(RemovedRun { first: front, last, count, kind: RemovalKind::Front });
             strip.unlink(front, last);
         }
         let (first, back) = (strip.next(strip.last_corner()), strip.back());
-        if strip.is_inside(first) && self.spared_changes(strip, first, back) >= MIN_SPARED {
+        if strip.is_inside(first) && self.spared_changes(strip, first, back) >= MIN_SPARED_CHANGES {
             let (mut e, mut count) = (first, 1);
             while e != back {
                 (e, count) = (strip.next(e), count + 1);
             }
-            self.removed.push(Leaving { first, last: back, count, kind: Kind::Back });
+            self.removed.push(RemovedRun { first, last: back, count, kind: RemovalKind::Back });
             strip.unlink(first, back);
         }
     }
 
-    /// Returns whether these elements, with the two before them, touch nothing that this record
-    /// removes, with the two before that.
-    fn is_free(&self, strip: &WorkingStrip, first: u32, last: u32) -> bool {
+    /// Returns whether some elements and the two before them are apart from all that this record
+    /// removes and the two before that.
+    fn is_apart(&self, strip: &WorkingStrip, first: u32, last: u32) -> bool {
         let start = |first| strip.previous(strip.previous(first));
         self.removed.iter().all(|r| r.last < start(first) || last < start(r.first))
     }
 
     fn remove(&mut self, strip: &mut WorkingStrip, first: u32, last: u32, count: u32) {
-        if !self.is_free(strip, first, last) || self.spared_changes(strip, first, last) < MIN_SPARED
+        if !self.is_apart(strip, first, last)
+            || self.spared_changes(strip, first, last) < MIN_SPARED_CHANGES
         {
             return;
         }
@@ -197,28 +197,28 @@ impl<'a> Filter<'a> {
             e = strip.next(e);
             is_vertex_repetition &= strip.repeats(e, 1);
         }
-        self.removed.push(Leaving {
+        self.removed.push(RemovedRun {
             first,
             last,
             count,
-            kind: if is_vertex_repetition { Kind::Vertex } else { Kind::Edge },
+            kind: if is_vertex_repetition { RemovalKind::Vertex } else { RemovalKind::Edge },
         });
         strip.unlink_repetition(first, last);
     }
 }
 
-impl Removals for Filter<'_> {
-    const LOOKS_AHEAD: bool = true;
+impl RemovalSource for Filter<'_> {
+    const NEEDS_LAST_RECORD: bool = true;
 
-    fn begin(&mut self, end: u32) {
-        self.end = end;
+    fn begin_strip(&mut self, last_record: u32) {
+        self.last_record = last_record;
     }
 
-    fn next(
+    fn next_removals(
         &mut self,
         strip: &mut WorkingStrip,
         changed: &[u32],
-    ) -> Result<&[Leaving], BuildError> {
+    ) -> Result<&[RemovedRun], BuildError> {
         self.apply(strip, changed);
         Ok(&self.removed)
     }

@@ -3,20 +3,20 @@
 
 use lodc_mesh::NONE;
 
-/// The way in which removed elements come back.
+/// What removed elements are, and so how they come back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum RemovalKind {
     /// A vertex repetition: each element is the one before it.
     Vertex,
     /// An edge repetition: each element is the one two before it.
     Edge,
-    /// A dead front: all before the first triangle that is drawn. It stays in the buffer.
+    /// A dead front: all before the first triangle that is drawn. It stays in the buffer of strips.
     Front,
-    /// A dead back: all after the last triangle that is drawn. It stays in the buffer.
+    /// A dead back: all after the last triangle that is drawn. It stays in the buffer of strips.
     Back,
 }
 
-impl Kind {
+impl RemovalKind {
     /// All kinds, each at the number by which files name it.
     pub const ALL: [Self; 4] = [Self::Vertex, Self::Edge, Self::Front, Self::Back];
 
@@ -37,15 +37,15 @@ impl Kind {
 pub struct Removal {
     /// The offset of the first of them before the record, counted from where the strip starts at
     /// LOD 0, whatever was removed at the front.
-    pub at: u32,
+    pub offset: u32,
     /// Number of elements.
     pub count: u32,
-    /// The way in which they come back.
-    pub kind: Kind,
+    /// What they are.
+    pub kind: RemovalKind,
 }
 
-/// The number of changes that one record makes to one strip. The changes themselves follow one
-/// another in [`History`].
+/// A record that changes a strip, and how many of the changes and removals in [`History`] are its.
+/// They follow one another in the order of events.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
     /// The strip.
@@ -71,21 +71,21 @@ pub struct History {
     /// For each index of the strips the first LOD without it, [`NONE`] if it is never removed.
     pub index_removal_lods: Vec<u32>,
     /// For each index whether it is removed at the front of its strip.
-    pub at_front: Vec<bool>,
+    pub is_removed_at_front: Vec<bool>,
     /// For each index that is removed at the front or back of its strip its offset then, where it
     /// stays in the buffer; for others [`NONE`].
-    pub removed_at: Vec<u32>,
+    pub end_offsets: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
     pub removal_lods: Vec<u32>,
 }
 
 impl History {
-    /// Adds a strip of `indices` indices. Returns where they start.
-    pub(crate) fn begin_strip(&mut self, indices: usize) -> usize {
+    /// Adds a strip. Returns where its indices start.
+    pub(crate) fn begin_strip(&mut self, index_count: usize) -> usize {
         let first = self.index_removal_lods.len();
-        self.index_removal_lods.resize(first + indices, NONE);
-        self.at_front.resize(first + indices, false);
-        self.removed_at.resize(first + indices, NONE);
+        self.index_removal_lods.resize(first + index_count, NONE);
+        self.is_removed_at_front.resize(first + index_count, false);
+        self.end_offsets.resize(first + index_count, NONE);
         first
     }
 
@@ -95,8 +95,8 @@ impl History {
         self.changes.extend(more.changes);
         self.removals.extend(more.removals);
         self.index_removal_lods.extend(more.index_removal_lods);
-        self.at_front.extend(more.at_front);
-        self.removed_at.extend(more.removed_at);
+        self.is_removed_at_front.extend(more.is_removed_at_front);
+        self.end_offsets.extend(more.end_offsets);
         self.removal_lods.extend(more.removal_lods);
     }
 }

@@ -11,17 +11,17 @@ mod ranks;
 mod tracer;
 mod working;
 
-pub use history::{Event, History, Kind, Removal};
-pub(crate) use tracer::{Removals, Source, in_parallel};
-pub(crate) use working::{Leaving, WorkingStrip};
+pub use history::{Event, History, Removal, RemovalKind};
+pub(crate) use tracer::{RemovalSource, TraceInput, in_parallel};
+pub(crate) use working::{RemovedRun, WorkingStrip};
 
 use filter::Filter;
 use lodc_mesh::{PositionIds, Simplified};
 use lodc_model::BuildError;
 use lodc_strip::StripSet;
 
-/// Traces all strips, removing repetitions and, if `ends`, dead ends. Parallel over runs of
-/// strips; the result does not depend on the threads.
+/// Traces all strips, removing repetitions and, if `with_dead_ends`, dead ends. Parallel over runs
+/// of strips; the result does not depend on the threads.
 ///
 /// # Errors
 /// If strips change more often than those of any real mesh.
@@ -29,11 +29,11 @@ pub fn histories(
     simplified: &Simplified,
     strips: &StripSet,
     positions: &PositionIds,
-    ends: bool,
+    with_dead_ends: bool,
 ) -> Result<Vec<History>, BuildError> {
     let targets = simplified.collapses().targets();
-    let source = Source { targets, strips, positions };
-    in_parallel(&source, |tracer, range| {
-        tracer.trace(&source, range, &mut Filter::new(targets, ends))
+    let input = TraceInput { targets, strips, positions };
+    in_parallel(&input, |tracer, range| {
+        tracer.trace(&input, range, &mut Filter::new(targets, with_dead_ends))
     })
 }

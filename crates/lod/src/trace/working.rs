@@ -1,7 +1,7 @@
 //! A strip while its history is traced: a doubly linked list, so that removing an element costs the
 //! same anywhere, with a count of the triangles that are drawn.
 
-use super::history::Kind;
+use super::history::RemovalKind;
 use super::ranks::Ranks;
 use lodc_mesh::{NONE, PositionIds, is_degenerate};
 
@@ -11,16 +11,17 @@ const SENTINELS: u32 = 2;
 
 /// Consecutive elements that a record removes from a strip.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leaving {
+pub(crate) struct RemovedRun {
     pub(crate) first: u32,
     pub(crate) last: u32,
     pub(crate) count: u32,
-    pub(crate) kind: Kind,
+    pub(crate) kind: RemovalKind,
 }
 
 /// A strip at some LOD. Elements are numbered as in the strip of LOD 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkingStrip {
+    /// The vertex of each element, and the elements before and after it.
     value: Vec<u32>,
     previous: Vec<u32>,
     next: Vec<u32>,
@@ -29,14 +30,11 @@ pub(crate) struct WorkingStrip {
     /// True if the triangle that starts at each element is drawn. Once it is not, it never is
     /// again.
     draws: Vec<bool>,
-    /// Number of drawn triangles.
-    drawn: u32,
-    /// No triangle that starts behind this element is drawn.
+    drawn_count: u32,
+    /// The last and the first element with which a drawn triangle starts.
     last_drawn: u32,
-    /// No triangle that starts before this element is drawn.
     first_drawn: u32,
-    /// Number of elements removed at the front.
-    room: u32,
+    removed_at_front: u32,
     ranks: Ranks,
 }
 
@@ -57,13 +55,14 @@ impl WorkingStrip {
         self.ranks.fill(count as usize);
         self.draws.clear();
         self.draws.resize(count as usize, false);
-        (self.drawn, self.first_drawn, self.last_drawn, self.room) = (0, count, 0, 0);
+        (self.drawn_count, self.first_drawn, self.last_drawn, self.removed_at_front) =
+            (0, count, 0, 0);
         for (i, window) in strip.windows(3).enumerate() {
             let corners =
                 [window[0], window[1], window[2]].map(|v| positions.of_vertex[v as usize]);
             if !is_degenerate(corners) {
                 self.draws[i + SENTINELS as usize] = true;
-                self.drawn += 1;
+                self.drawn_count += 1;
                 self.first_drawn = self.first_drawn.min(i as u32 + SENTINELS);
                 self.last_drawn = i as u32 + SENTINELS;
             }
@@ -83,7 +82,7 @@ impl WorkingStrip {
     }
     /// Returns whether any triangle is drawn.
     pub(crate) fn is_live(&self) -> bool {
-        self.drawn > 0
+        self.drawn_count > 0
     }
     pub(crate) fn value(&self, element: u32) -> u32 {
         self.value[element as usize]
@@ -114,12 +113,12 @@ impl WorkingStrip {
     /// Returns the offset of an element now, counted from where the strip started; removals count
     /// once [`Self::remove_rank`] has been called.
     pub(crate) fn offset(&self, element: u32) -> u32 {
-        self.ranks.rank(element) - SENTINELS + self.room
+        self.ranks.rank(element) - SENTINELS + self.removed_at_front
     }
-    /// The element at an offset. None if there is none.
+    /// The element at an offset; `None` if there is none.
     pub(crate) fn element_at(&self, offset: u32) -> Option<u32> {
         let end = self.ranks.rank(self.value.len() as u32 - SENTINELS);
-        let rank = offset.checked_sub(self.room)?.checked_add(SENTINELS)?;
+        let rank = offset.checked_sub(self.removed_at_front)?.checked_add(SENTINELS)?;
         (rank < end).then(|| self.ranks.select(rank))
     }
     /// The first element of all.
@@ -131,12 +130,13 @@ impl WorkingStrip {
         self.previous(self.value.len() as u32 - SENTINELS)
     }
 
-    /// An element becomes another vertex; triangles that lose their area by it die.
-    pub(crate) fn change(&mut self, element: u32, target: u32) {
+    /// Makes an element another vertex. [`Self::update_drawn`] must follow, once all elements of a
+    /// record have changed.
+    pub(crate) fn set_value(&mut self, element: u32, target: u32) {
         self.value[element as usize] = target;
     }
-    /// Finds out which triangles with this element have died.
-    pub(crate) fn settle(&mut self, element: u32, positions: &PositionIds) {
+    /// Updates which triangles with an element are drawn, after it has changed.
+    pub(crate) fn update_drawn(&mut self, element: u32, positions: &PositionIds) {
         let previous = self.previous(element);
         for start in [self.previous(previous), previous, element] {
             if !self.draws(start) {
@@ -145,13 +145,13 @@ impl WorkingStrip {
             let corners = [start, self.next(start), self.next(self.next(start))];
             if is_degenerate(corners.map(|e| positions.of_vertex[self.value(e) as usize])) {
                 self.draws[start as usize] = false;
-                self.drawn -= 1;
+                self.drawn_count -= 1;
             }
         }
         while self.last_drawn > 0 && !self.draws(self.last_drawn) {
             self.last_drawn = self.previous(self.last_drawn);
         }
-        while self.drawn > 0 && !self.draws(self.first_drawn) {
+        while self.drawn_count > 0 && !self.draws(self.first_drawn) {
             self.first_drawn = self.next(self.first_drawn);
         }
     }
@@ -164,8 +164,9 @@ impl WorkingStrip {
         self.next(self.next(self.last_drawn))
     }
 
-    /// Removes elements `first..=last`, which must repeat the ones before them. Their triangles,
-    /// the later ones of which are drawn, belong to the elements before from now on.
+    /// Removes elements `first..=last`, which must repeat the ones before them. The triangles that
+    /// start at `last` and at the element before it, which may be drawn, start at the two elements
+    /// before `first` from now on.
     pub(crate) fn unlink_repetition(&mut self, first: u32, last: u32) {
         let previous = self.previous(first);
         for (to, from) in [(self.previous(previous), self.previous(last)), (previous, last)] {
@@ -192,11 +193,11 @@ impl WorkingStrip {
         self.next[previous as usize] = end;
         self.previous[end as usize] = previous;
     }
-    /// Notes that `count` elements were removed at the front; the offsets of others stay.
+    /// Keeps the offsets of others after `count` elements were removed at the front.
     pub(crate) fn shift_front(&mut self, count: u32) {
-        self.room += count;
+        self.removed_at_front += count;
     }
-    /// A removed element stops counting in [`Self::offset`].
+    /// Lets a removed element no longer count in [`Self::offset`].
     pub(crate) fn remove_rank(&mut self, element: u32) {
         self.ranks.remove(element);
     }
