@@ -110,7 +110,7 @@ impl Command {
         match self {
             Self::Render(_) => true,
             Self::Verify(args) => args.gpu.gpu.is_some(),
-            Self::Bench(args) => args.gpu.gpu.is_some() || args.draws(),
+            Self::Bench(args) => args.gpu.gpu.is_some() || args.draws_picture(),
             _ => false,
         }
     }

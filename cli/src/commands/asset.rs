@@ -1,5 +1,5 @@
-//! The input of commands that need levels: a `.lodc` file read, or a mesh file imported and
-//! simplified in memory.
+//! The input of commands that need levels: a `.lodc` file that is read, or a mesh file that is
+//! imported and simplified in memory.
 
 use crate::commands::build::{importance, object_options};
 use crate::exit::Outcome;
@@ -30,38 +30,39 @@ pub(crate) struct Asset {
     pub(crate) source: Source,
     pub(crate) objects: Vec<LodObject>,
     pub(crate) document: Document,
-    /// True if the geometry was compressed.
+    /// Whether the geometry of the input was compressed.
     pub(crate) compressed: bool,
     /// Every file that was looked for.
     pub(crate) files: RequestedFiles,
     /// Messages about what was repaired, dropped or left out while reading.
     pub(crate) warnings: Vec<String>,
-    /// The errors that its sequences state.
+    /// The levels whose errors its sequences state.
     errors: Errors,
     /// The looks of the scene, if the metric saw them.
     paints: Option<Arc<Paints>>,
 }
 
-/// The levels whose errors are measured: all of them take longer than simplifying does.
+/// The levels whose errors are measured: measuring all takes longer than simplifying does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Errors {
-    /// Those of every level.
+    /// Every level.
     Curve,
-    /// Those of levels that are written, once they are chosen: [`Asset::distances`].
+    /// Only the levels that are written, once they are chosen: by [`Asset::distances`].
     OfResult,
 }
 
 impl Errors {
-    /// The errors that a choice of levels takes.
+    /// The errors that are needed to choose levels by these targets.
     pub(crate) fn to_choose(targets: impl IntoIterator<Item = Target>) -> Self {
-        let counts = |t| matches!(t, Target::Lod(_) | Target::Ratio(_) | Target::Triangles(_));
-        if targets.into_iter().all(counts) { Self::OfResult } else { Self::Curve }
+        let needs_no_error =
+            |t| matches!(t, Target::Lod(_) | Target::Ratio(_) | Target::Triangles(_));
+        if targets.into_iter().all(needs_no_error) { Self::OfResult } else { Self::Curve }
     }
 }
 
 impl Asset {
-    /// The distances of levels, fine to coarse, each with a LOD for every object: those that the
-    /// sequences state, or measured where they state none.
+    /// The distances of `levels`, fine to coarse, each with a LOD for every object; by level and
+    /// object. Those that the sequences state, or measured if they state none.
     ///
     /// # Errors
     /// If the document is damaged.
@@ -80,7 +81,7 @@ impl Asset {
         Ok(levels.iter().map(of_level).collect())
     }
 
-    /// Returns whether it came from a mesh, which the quadric simplified.
+    /// Returns whether it was a mesh, simplified by the quadric and with errors of results only.
     pub(crate) fn is_by_quadric(&self, simplify_args: &SimplifyArgs) -> bool {
         self.errors == Errors::OfResult && simplify_args.metric.metric == MetricKind::Quadric
     }

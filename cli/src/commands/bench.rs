@@ -99,7 +99,7 @@ impl BenchArgs {
     }
 
     /// Returns whether a picture is wanted.
-    pub(crate) fn draws(&self) -> bool {
+    pub(crate) fn draws_picture(&self) -> bool {
         self.crowd.picture.is_some()
     }
 }
@@ -189,7 +189,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         crowd: None,
     };
     if args.crowd.crowd {
-        return crowd_of(args, device, report);
+        return run_crowd(args, device, report);
     }
     clock::expect_several(args.inputs.len() > 1);
     let mut worst = Status::Done;
@@ -210,7 +210,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     Ok(worst)
 }
 
-/// Opens the device that was asked for; none if none was, or none is there that need not be.
+/// Opens the device that was asked for; none if none was, or if it is optional and there is none.
 fn open(args: &GpuArgs) -> Outcome<Option<Device>> {
     match (args.gpu, args.gpu.map(|_| gpu::open(args.adapter.as_deref()))) {
         (_, None) => Ok(None),
@@ -222,24 +222,24 @@ fn open(args: &GpuArgs) -> Outcome<Option<Device>> {
     }
 }
 
-/// A crowd of all inputs, and nothing else.
-fn crowd_of(args: &BenchArgs, device: Option<Device>, mut report: BenchReport) -> Outcome<Status> {
+/// Measures a crowd of all inputs, and nothing else.
+fn run_crowd(args: &BenchArgs, device: Option<Device>, mut report: BenchReport) -> Outcome<Status> {
     let open = |out: &PathBuf| {
         gpu::open(None).map_err(|failure| {
             let message = format!("{}: {failure}; nothing was drawn", out.display());
             Failure { message, ..failure }
         })
     };
-    // A device that only the picture asks for times nothing.
-    let painting = args.crowd.picture.as_ref().filter(|_| device.is_none());
-    let painting = painting.map(open).transpose()?;
+    // A device that is opened only for the picture is not measured.
+    let picture_device = args.crowd.picture.as_ref().filter(|_| device.is_none());
+    let picture_device = picture_device.map(open).transpose()?;
     let inputs: Vec<Input> =
         args.inputs.iter().map(|input| read(args, input)).collect::<Outcome<_>>()?;
     let CrowdArgs { instances, seconds, seed, .. } = args.crowd;
     let limits = args.import.options().limits;
     let settings = CrowdSettings { instances, seconds, seed, rounds: args.rounds(), limits };
     let figures = crowd(&inputs, &settings, device.as_ref())?;
-    if let (Some(out), Some(device)) = (&args.crowd.picture, painting.or(device)) {
+    if let (Some(out), Some(device)) = (&args.crowd.picture, picture_device.or(device)) {
         let drawn = crowd_picture(&inputs, &settings, &device)?;
         output::write(&Target::File(out.clone()), images::png(&drawn))?;
     }
@@ -255,16 +255,16 @@ fn crowd_of(args: &BenchArgs, device: Option<Device>, mut report: BenchReport) -
     Ok(Status::Done)
 }
 
-/// One input. Whatever happens, there is a report, and the other inputs have their turn.
+/// Measures one input. A failure is in its report and does not stop the other inputs.
 fn bench_one(args: &BenchArgs, device: Option<&Device>, input: &Path) -> (BenchFile, Status) {
     let name = input.display().to_string();
     let settings = Settings { steps: args.steps, rounds: args.rounds(), streams: args.streams };
-    let one = |prepared: &Prepared| {
+    let measured = |prepared: &Prepared| {
         let object = prepared.object();
         let counts = counts(&object.info, &object.simplified);
         Ok(ObjectFigures { counts, figures: measure(prepared, &settings, device)? })
     };
-    let work = || read(args, input)?.objects.iter().map(one).collect::<Outcome<Vec<_>>>();
+    let work = || read(args, input)?.objects.iter().map(measured).collect::<Outcome<Vec<_>>>();
     let failure = match each::guarded(input, work) {
         Ok(objects) => return (BenchFile { file: name, error: None, objects }, Status::Done),
         Err(failure) => failure,
@@ -296,7 +296,7 @@ fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
     Ok(Input { name, objects, document })
 }
 
-/// Everything measured on one input.
+/// Everything measured on one input, for people.
 fn text(file: &BenchFile, share: f64) -> String {
     let object = |ObjectFigures { counts: c, figures }: &ObjectFigures| {
         format!(
@@ -314,20 +314,21 @@ fn text(file: &BenchFile, share: f64) -> String {
     file.objects.iter().map(object).collect()
 }
 
-/// Names of charts and what is in them, of all objects of all inputs. Objects after the first of a
+/// The charts of all objects of all inputs: file names and SVG texts. Objects after the first of a
 /// name have a number.
 fn plots(files: &[BenchFile]) -> Vec<(String, String)> {
     let mut plots: Vec<(String, String)> = Vec::new();
     for file in files {
         let stem = Path::new(&file.file).file_stem().unwrap_or_default().to_string_lossy();
         for object in &file.objects {
-            let taken = |name: &str| plots.iter().any(|(other, _)| other.starts_with(name));
+            let is_taken = |name: &str| plots.iter().any(|(other, _)| other.starts_with(name));
             let numbered = (2..).map(|i| format!("{stem}-{i}"));
             let mut names = std::iter::once(stem.to_string()).chain(numbered);
-            let name = names.find(|name| !taken(&format!("{name}-indices"))).expect("some number");
-            let of = |(kind, svg): (&str, String)| (format!("{name}-{kind}.svg"), svg);
+            let name =
+                names.find(|name| !is_taken(&format!("{name}-indices"))).expect("some number");
+            let with_name = |(kind, svg): (&str, String)| (format!("{name}-{kind}.svg"), svg);
             let drawn = charts(&object.figures).into_iter().filter(|(_, svg)| !svg.is_empty());
-            plots.extend(drawn.map(of));
+            plots.extend(drawn.map(with_name));
         }
     }
     plots

@@ -28,7 +28,7 @@ enum Annotate {
 }
 
 impl CiArgs {
-    /// Makes sure that the JUnit file could be written.
+    /// Makes sure that the JUnit file can be written.
     ///
     /// # Errors
     /// If not, or if it is one of the inputs or standard output.
@@ -40,7 +40,8 @@ impl CiArgs {
         Ok(output::prepare_targets(&[Target::File(junit.clone())], false)?)
     }
 
-    /// Writes and prints what was asked for. `title` is the command.
+    /// Writes the JUnit file and prints annotations, as far as they were asked for. `title` is the
+    /// command.
     ///
     /// # Errors
     /// If the JUnit file cannot be written.

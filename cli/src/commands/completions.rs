@@ -1,4 +1,4 @@
-//! `lodc completions`: a script that teaches a shell the options.
+//! `lodc completions`: a completion script for a shell.
 
 use crate::console;
 use crate::exit::Outcome;

@@ -1,4 +1,4 @@
-//! `lodc config`: what configuration files say of an asset.
+//! `lodc config`: the options that configuration files give to an asset.
 
 use crate::config::ConfigArgs;
 use crate::console;

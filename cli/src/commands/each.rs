@@ -18,33 +18,34 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-/// Bytes of memory that may be kept although they are free: those of a file of half a megabyte.
-const SMALL: u64 = 8_000_000;
+/// Work that is expected to need no more bytes of memory than this, those of a file of half a
+/// megabyte, need not give freed memory back before it ends. Chosen by hand.
+const MAX_SMALL_BYTES: u64 = 8_000_000;
 
-/// Options of a command by asset, parsed once for every set of them.
+/// The arguments of a command for each asset, parsed once for every set of options.
 #[derive(Debug)]
 pub(crate) struct AssetOptions<A>(BTreeMap<OptionValues, Result<A, String>>);
 
 impl<A: FromArgMatches> AssetOptions<A> {
-    /// Reads the command line anew for every set of options that assets have. `finished` also gets
-    /// all options as text.
+    /// Reads the command line anew for every set of options that assets have. `with_text` gets the
+    /// arguments and all options as text.
     pub(crate) fn new(
         program: &Program,
         command: &str,
         assets: &[Asset],
-        finished: impl Fn(A, String) -> A,
+        with_text: impl Fn(A, String) -> A,
     ) -> Self {
         let mut parsed = BTreeMap::new();
         for asset in assets {
             parsed.entry(asset.options.clone()).or_insert_with(|| {
                 let read = program.arguments::<A>(command, &asset.options);
-                read.map(|(args, resolved)| finished(args, resolved))
+                read.map(|(args, text)| with_text(args, text))
             });
         }
         Self(parsed)
     }
 
-    /// Returns an asset's options.
+    /// Returns the arguments for an asset.
     ///
     /// # Errors
     /// If one is wrong.
@@ -53,10 +54,11 @@ impl<A: FromArgMatches> AssetOptions<A> {
         args.map_err(|what| Failure::usage(asset.with_line(what)))
     }
 
-    /// Returns an asset's options and its target, once its result could be written.
+    /// Returns the arguments for an asset and its target, and makes sure that its result can be
+    /// written.
     ///
     /// # Errors
-    /// If an option is wrong, the asset has no target, or there is no place for the result.
+    /// If an option is wrong, the asset has no target, or its result cannot be written.
     pub(crate) fn ready<'a>(&'a self, asset: &'a Asset) -> Outcome<(&'a A, &'a Target)> {
         let target = asset.target.as_ref().map_err(|e| Failure::from(e.clone()))?;
         let args = self.of(asset)?;
@@ -65,9 +67,9 @@ impl<A: FromArgMatches> AssetOptions<A> {
     }
 }
 
-/// Does the work on every asset, several at a time, those first that need most, within a budget.
-/// `need` says how many bytes that is, if it is known. Work is given the asset's number. The
-/// results are in the order of the assets.
+/// Does the work on every asset, several at a time within a budget, first those that need most
+/// memory. `need` says how many bytes an asset needs, if that is known. `work` also gets the
+/// asset's number. The results are in the order of the assets.
 pub(crate) fn all<R: Send>(
     assets: &[Asset],
     budget: Budget,
@@ -76,7 +78,7 @@ pub(crate) fn all<R: Send>(
 ) -> Vec<R> {
     let expected = |asset: &Asset| expected_bytes(&asset.input);
     let needs: Vec<u64> = match assets {
-        // One is in nobody's way.
+        // A single asset shares memory with no other, so a rough number will do.
         [asset] => vec![expected(asset)],
         _ => assets.iter().map(|a| need(a).unwrap_or_else(|| expected(a))).collect(),
     };
@@ -87,19 +89,19 @@ pub(crate) fn all<R: Send>(
     let bar = BatchProgress::new(assets.len());
     batch::run_queue(&needs, budget, |number| {
         let asset = &assets[number];
-        // Inside the pool: else every piece of work in parallel waits for another thread to wake.
+        // Inside the pool: else each parallel step waits until another thread wakes.
         let result = rayon::scope(|_| work(number, asset, &bar));
         bar.done(&asset.name);
         result
     })
 }
 
-/// Bytes that a byte of an input comes to: itself, what it decodes to, the document that the result
-/// holds, and the result.
-const OF_BYTE: u64 = 4;
+/// Bytes of memory for each byte of an input, besides the stages': the byte itself, what it decodes
+/// to, the document that the result holds, and the result.
+const MEMORY_PER_INPUT_BYTE: u64 = 4;
 
 /// Counts what a mesh holds, and estimates the bytes of memory that work on it needs beside the
-/// program's own. `needs` says what the stages do.
+/// program's own. `needs` says what the stages need.
 ///
 /// # Errors
 /// If it cannot be read, or cannot be read twice.
@@ -113,39 +115,38 @@ pub(crate) fn estimate<const N: usize>(
         return Err(Failure::usage(what));
     }
     let counted = import::count(input, &import.options())?;
-    let of = Size { triangles: counted.triangles, vertices: counted.vertices };
-    let most = needs(of).iter().map(|need| need.bytes).max().unwrap_or(0);
-    Ok((counted, most.saturating_add(counted.bytes.saturating_mul(OF_BYTE))))
+    let size = Size { triangles: counted.triangles, vertices: counted.vertices };
+    let largest = needs(size).iter().map(|need| need.bytes).max().unwrap_or(0);
+    Ok((counted, largest.saturating_add(counted.bytes.saturating_mul(MEMORY_PER_INPUT_BYTE))))
 }
 
-/// Returns whether an input is a file whose work is done before memory has to come back.
+/// Returns whether an input is a file so small that its work need not give freed memory back.
 pub(crate) fn is_small(input: &Path) -> bool {
-    (1..=SMALL).contains(&expected_bytes(input))
+    (1..=MAX_SMALL_BYTES).contains(&expected_bytes(input))
 }
 
-/// The message of a panic. The panic hook has said what and where.
-const PANIC: &str = "internal error";
+/// The message of a panic's failure. The panic hook has already printed what happened and where.
+const PANIC_MESSAGE: &str = "internal error";
 
-/// Does the work on one input. A panic is a failure of this input alone, as is work that its clock
-/// ends, and a failure names it.
+/// Does the work on one input. A panic, or a clock that ends the work, is a failure of this input
+/// alone. Its failures name it.
 ///
 /// # Errors
 /// If the work fails.
 pub(crate) fn guarded<T>(input: &Path, work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
-    let _turn = AtWork::new();
+    let _at_work = AtWork::new();
     let done = catch_unwind(AssertUnwindSafe(work));
-    let panic = || Failure::new(Status::Bug, PANIC);
+    let panic = || Failure::new(Status::Bug, PANIC_MESSAGE);
     let done = done
         .unwrap_or_else(|payload| Err(clock::time_limit_failure(&*payload).unwrap_or_else(panic)));
-    done.map_err(|failure| naming(input, failure))
+    done.map_err(|failure| with_input_name(input, failure))
 }
 
-/// An error in a file that the input refers to names that file; with several inputs both are
-/// needed.
-fn naming(input: &Path, failure: Failure) -> Failure {
+/// Puts the input's name in front of a failure that names only a file that the input refers to.
+fn with_input_name(input: &Path, failure: Failure) -> Failure {
     let name = input.display().to_string();
-    let of_input = matches!(failure.status, Status::Input | Status::Usage);
-    if !of_input || failure.message.contains(&name) || output::is_standard_stream(input) {
+    let is_about_input = matches!(failure.status, Status::Input | Status::Usage);
+    if !is_about_input || failure.message.contains(&name) || output::is_standard_stream(input) {
         return failure;
     }
     Failure::new(failure.status, format!("{name}: {}", failure.message))
@@ -153,7 +154,7 @@ fn naming(input: &Path, failure: Failure) -> Failure {
 
 /// Prints a failure, unless it is a panic, which has been reported.
 pub(crate) fn print(failure: &Failure) {
-    if failure.message != PANIC {
+    if failure.message != PANIC_MESSAGE {
         console::error(failure);
     }
 }

@@ -1,4 +1,5 @@
-//! Options and final messages shared by the commands that write mesh files (extract, chain).
+//! Options, checks and final messages shared by the commands that write levels as mesh files
+//! (extract, chain).
 
 use super::asset::SimplifyArgs;
 use super::each;
@@ -41,7 +42,7 @@ pub(crate) struct ExportArgs {
     pub(crate) import: ImportArgs,
 }
 
-/// What exporting one asset has led to.
+/// The result of exporting one asset.
 pub(crate) struct ExportResult<R> {
     /// Its part of the JSON document.
     pub(crate) report: R,
@@ -103,8 +104,8 @@ impl ExportArgs {
         Budget { workers: rayon::current_num_threads(), bytes }
     }
 
-    /// Ends a run: writes the dependency file and the JSON document, and prints how many assets are
-    /// done and have failed. Returns the highest status.
+    /// Finishes a run: writes the dependency file and the JSON document, and prints how many assets
+    /// are done and have failed. Returns the highest status.
     ///
     /// # Errors
     /// If the dependency file or standard output cannot be written.

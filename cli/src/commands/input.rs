@@ -1,4 +1,4 @@
-//! What an input shows: meshes as they are, or objects with levels of detail.
+//! The objects of an input: meshes as they are, or objects with levels of detail.
 
 use lodc::LodObject;
 use lodc_formats::{ObjectInfo, SceneObject};
@@ -19,7 +19,7 @@ impl Objects {
         }
     }
 
-    /// The mesh of an object, of one with levels the finest. Only pictures ask for it.
+    /// The mesh of an object; with levels, LOD 0. Only `render` needs it.
     #[cfg(feature = "gpu")]
     pub(super) fn mesh(&self, object: usize) -> &Mesh {
         match self {

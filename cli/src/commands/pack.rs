@@ -1,4 +1,4 @@
-//! `lodc pack`: a progressive stream.
+//! `lodc pack`: turns a `.lodc` file into a progressive stream.
 
 use super::build::counts;
 use super::read::read_lodc;
@@ -84,9 +84,9 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
 /// Unpacks what was packed, so that no wrong output is written.
 fn check(packed: &Packed) -> Outcome<()> {
     let bug = |what: &str| Failure::new(Status::Bug, format!("the stream does not unpack: {what}"));
-    let most =
+    let unlimited =
         Limits { file_bytes: u64::MAX, vertices: u64::MAX, triangles: u64::MAX, ..Limits::DEFAULT };
-    let mut unpacker = Unpacker::new(most);
+    let mut unpacker = Unpacker::new(unlimited);
     unpacker.feed(&packed.bytes).map_err(|e| bug(&e.to_string()))?;
     if unpacker.is_complete() { Ok(()) } else { Err(bug("something is missing")) }
 }
@@ -100,7 +100,7 @@ fn report(args: &PackArgs, file: &LodFile, packed: &Packed, target: &Target) -> 
     };
     let object = |(o, p): (&LodObject, &PackedObject)| {
         let counts = counts(&o.info, &o.simplified);
-        let per_vertex = |bytes: u64| {
+        let bits_of = |bytes: u64| {
             if counts.referenced_vertices == 0 {
                 0.0
             } else {
@@ -108,9 +108,9 @@ fn report(args: &PackArgs, file: &LodFile, packed: &Packed, target: &Target) -> 
             }
         };
         let bits_per_vertex = StreamBits {
-            stream: per_vertex(p.bytes),
-            packages: per_vertex(p.package_bytes),
-            packages_normals: per_vertex(p.package_bytes_with_normals),
+            stream: bits_of(p.bytes),
+            packages: bits_of(p.package_bytes),
+            packages_normals: bits_of(p.package_bytes_with_normals),
         };
         let bounds = p.bounds.iter().map(bound).collect();
         PackedReport {

@@ -6,8 +6,8 @@ use lodc::{LodFile, read};
 use lodc_formats::{Assets, Limits};
 use std::path::Path;
 
-/// Reads a container from a file, or from standard input if that is `-`. Warns of what this version
-/// does not know.
+/// Reads a container from a file, or from standard input if that is `-`. Warns of parts that this
+/// version does not know. Also returns the bytes.
 ///
 /// # Errors
 /// If it cannot be read or is damaged.
@@ -18,8 +18,8 @@ pub(crate) fn read_lodc(path: &Path, limits: Limits) -> Outcome<(LodFile, Vec<u8
     Ok((file, bytes))
 }
 
-/// Reads a container that is in memory; `name` is its file's. Warns of what this version does not
-/// know.
+/// Reads a container that is in memory; `name` is its file's. Warns of parts that this version
+/// does not know.
 ///
 /// # Errors
 /// If it is damaged.

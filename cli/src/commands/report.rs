@@ -21,31 +21,32 @@ Examples:
 /// # Errors
 /// As [`view::write`].
 pub(crate) fn run(args: &PageArgs) -> Outcome<Status> {
-    view::write(args, |shown| {
-        let (content, warnings) = content(args, shown)?;
+    view::write(args, |input| {
+        let (content, warnings) = content(args, input)?;
         let text = page(&content);
-        let (status, what) = match content.checks.iter().filter(|c| c.ok == Some(false)).count() {
-            0 => (Status::Done, String::new()),
-            failed => (Status::Difference, format!(", {failed} checks failed")),
-        };
-        Ok((Page { text, warnings, facts: [String::new(), what] }, status))
+        let (status, after_size) =
+            match content.checks.iter().filter(|c| c.ok == Some(false)).count() {
+                0 => (Status::Done, String::new()),
+                failed => (Status::Difference, format!(", {failed} checks failed")),
+            };
+        Ok((Page { text, warnings, before_size: String::new(), after_size }, status))
     })
 }
 
 /// The content of the page, and warnings about textures.
-fn content<'a>(args: &PageArgs, shown: PageInput<'a>) -> Outcome<(PageContent<'a>, Vec<String>)> {
-    let PageInput { asset, assets, title, stages } = shown;
+fn content<'a>(args: &PageArgs, input: PageInput<'a>) -> Outcome<(PageContent<'a>, Vec<String>)> {
+    let PageInput { asset, assets, title, stages } = input;
     let name = args.input.display().to_string();
     let options = args.import.options();
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
-    let looks = appearance(&asset.document, &infos, assets).map_err(|e| e.in_file(&name))?;
+    let appearance = appearance(&asset.document, &infos, assets).map_err(|e| e.in_file(&name))?;
     let graph =
         scene_graph(&asset.document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
     let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let scene = scene_levels(&asset.objects, &asset.document, &options.limits)?;
     let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let levels = stages.run("pictures", || {
-        page_levels(&asset.objects, &scene, &inventory, &arrangement, &looks)
+        page_levels(&asset.objects, &scene, &inventory, &arrangement, &appearance)
     })?;
     if levels[0].triangles == 0 {
         let message = format!("{name}: has no triangles: there is nothing to report");
@@ -60,8 +61,8 @@ fn content<'a>(args: &PageArgs, shown: PageInput<'a>) -> Outcome<(PageContent<'a
         diagonal: scene_diagonal(&scene.candidates()),
         levels,
         checks,
-        warnings: [&asset.warnings[..], &looks.warnings].concat(),
+        warnings: [&asset.warnings[..], &appearance.warnings].concat(),
         bytes: std::fs::metadata(&args.input).ok().map(|m| m.len()),
     };
-    Ok((content, looks.warnings))
+    Ok((content, appearance.warnings))
 }

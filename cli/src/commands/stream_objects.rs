@@ -6,7 +6,7 @@ use lodc_report::ErrorsOver;
 use lodc_report::documents::UnpackedReport;
 use lodc_select::decimal;
 
-/// Returns what has come of each object, of how much. `infos` has their names.
+/// Returns how much of each object has been received, and of how much. `infos` has their names.
 pub(super) fn reports(unpacker: &Unpacker, infos: &[ObjectInfo]) -> Vec<UnpackedReport> {
     let object = |(i, info): (usize, &ObjectInfo)| {
         let progress = unpacker.progress(i);

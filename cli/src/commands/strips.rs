@@ -1,4 +1,4 @@
-//! `lodc strips`: the strip generators by themselves, for study and comparison.
+//! `lodc strips`: writes the strips of a generator as text, for study and comparison.
 
 use crate::console::{note, warning};
 use crate::exit::Outcome;
@@ -56,7 +56,7 @@ Examples:
   lodc strips chair.obj -o chair.strips
   lodc strips chair.obj -o - --strips list --cache-size 32";
 
-/// The names of all that can make the output.
+/// Reads the name of a generator, or `list`.
 fn generators() -> impl TypedValueParser<Value = Choice<StripKind>> {
     parser_with("list", "No strips: a triangle list that reuses a vertex cache")
 }
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
         stages.run("strips", || made.add(object, args.strips.kind(), &options));
     }
     let per_triangle = |n: u64| n as f64 / size.triangles.max(1) as f64;
-    let sums = format!(
+    let summary = format!(
         "{name}: {}, {}, {:.3} indices and {:.3} cache misses per triangle",
         count(size.triangles, "triangle"),
         count(made.strips, "strip"),
@@ -97,6 +97,6 @@ pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
         per_triangle(made.misses)
     );
     stages.run("write", || output::write(&target, made.text.into_bytes()))?;
-    note(&sums);
+    note(&summary);
     Ok(())
 }

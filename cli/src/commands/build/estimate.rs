@@ -12,9 +12,9 @@ use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::{EstimateReport, InputEstimate};
 use lodc_report::text::{count, size};
 
-/// Bytes that the program takes whatever it builds, with one thread: itself, its allocator's
-/// reserve, stacks (measured: 26 MB; the rest is margin).
-const PROGRAM: u64 = 48 << 20;
+/// Bytes of memory that the program takes whatever it builds, with one thread: its code, the
+/// allocator's reserve, stacks. Measured: 26 MB; the rest is margin.
+const PROGRAM_BYTES: u64 = 48 << 20;
 
 /// Counts what an asset holds, and estimates the bytes of memory that it needs beside the program's
 /// own.
@@ -32,15 +32,19 @@ pub(super) fn memory(
     })
 }
 
-/// Estimates all assets, and says what was found.
+/// Estimates all assets and prints what was found.
 ///
 /// # Errors
-/// If that cannot be said.
-pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outcome<Status> {
+/// If standard output cannot be written.
+pub(super) fn estimate_all(
+    args: &BuildArgs,
+    program: &Program,
+    assets: &[Asset],
+) -> Outcome<Status> {
     let options = AssetOptions::new(program, "build", assets, |args, _| args);
-    // Nothing is built, so nothing waits for memory.
+    // Nothing is built, so no asset has to wait for memory.
     let budget = Budget { workers: rayon::current_num_threads(), bytes: u64::MAX };
-    let inputs = each::all(assets, budget, |_| None, |_, asset, _| one(asset, &options));
+    let inputs = each::all(assets, budget, |_| None, |_, asset, _| estimate_asset(asset, &options));
     let worst = inputs.iter().map(|(status, _)| *status).max().unwrap_or_default();
     for (_, input) in &inputs {
         match args.report {
@@ -60,12 +64,12 @@ pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outc
     Ok(worst)
 }
 
-/// One asset.
-fn one(asset: &Asset, options: &AssetOptions<BuildArgs>) -> (Status, InputEstimate) {
+/// The status and the estimate of one asset. Prints its failure.
+fn estimate_asset(asset: &Asset, options: &AssetOptions<BuildArgs>) -> (Status, InputEstimate) {
     let name = asset.input.display().to_string();
     let estimate = each::guarded(&asset.input, || {
         let (counted, memory) = memory(asset, options)?;
-        Ok((counted, memory.saturating_add(PROGRAM)))
+        Ok((counted, memory.saturating_add(PROGRAM_BYTES)))
     });
     match estimate {
         Ok((counted, memory)) => (
@@ -93,12 +97,12 @@ fn one(asset: &Asset, options: &AssetOptions<BuildArgs>) -> (Status, InputEstima
 }
 
 fn text(input: &InputEstimate) -> String {
-    let of = |n: Option<u64>| n.unwrap_or(0);
+    let known = |number: Option<u64>| number.unwrap_or(0);
     format!(
         "{}: {}, {}, {} of memory",
         input.input,
-        count(of(input.triangles), "triangle"),
-        count(of(input.vertices), "vertex"),
-        size(of(input.memory))
+        count(known(input.triangles), "triangle"),
+        count(known(input.vertices), "vertex"),
+        size(known(input.memory))
     )
 }

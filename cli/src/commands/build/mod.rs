@@ -1,14 +1,14 @@
-//! `lodc build`: meshes to `.lodc`.
+//! `lodc build`: turns meshes into `.lodc` files.
 
 mod counts;
 mod estimate;
-mod known;
+mod importance;
 mod pipeline;
 mod summary;
 mod work;
 
 pub(crate) use counts::counts;
-pub(crate) use known::importance;
+pub(crate) use importance::importance;
 pub(crate) use pipeline::object_options;
 
 use crate::batch::{self, BatchArgs, CommandPaths, MESH_EXTENSIONS};
@@ -93,7 +93,7 @@ pub(crate) struct BuildArgs {
     import: ImportArgs,
     /// Every option that can change the result, as text.
     #[arg(skip)]
-    resolved: String,
+    options_text: String,
 }
 
 const EXAMPLES: &str = "\
@@ -140,9 +140,9 @@ pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
     let mut assets = batch::assets(paths, &args.batch)?;
     args.configuration.apply(program, "build", &mut assets)?;
     if args.estimate {
-        return estimate::all(args, program, &assets);
+        return estimate::estimate_all(args, program, &assets);
     }
     args.ci.check(assets.iter().map(|asset| &asset.input))?;
     batch::check_standard_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
-    work::all(args, program, &assets)
+    work::build_all(args, program, &assets)
 }

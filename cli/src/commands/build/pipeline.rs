@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The result of a build.
+/// What a build made.
 pub(super) struct BuildOutput {
     pub(super) file: LodFile,
     /// Bytes of the file.
@@ -34,16 +34,25 @@ pub(super) struct BuildOutput {
     pub(super) unwritten: Option<OutputFile>,
 }
 
-/// Makes one file, and writes it unless it is one of many. `report` is filled in as far as the
-/// work gets.
+/// One build.
+#[derive(Clone, Copy)]
+pub(super) struct Job<'a> {
+    pub(super) args: &'a BuildArgs,
+    pub(super) input: &'a Path,
+    pub(super) target: &'a Target,
+    /// Whether it comes from a folder or a list: its file is written later, together with others.
+    pub(super) is_listed: bool,
+}
+
+/// Makes one file, and writes it unless it is listed. `report` is filled in as far as the work
+/// gets.
 pub(super) fn make(
-    args: &BuildArgs,
-    (input, is_one_of_many): (&Path, bool),
-    target: &Target,
+    job: Job<'_>,
     stages: &mut Stages,
     progress: &Progress,
     report: &mut InputReport,
 ) -> Outcome<BuildOutput> {
+    let Job { args, input, target, is_listed } = job;
     progress.stage("import");
     let scene = stages.run("import", || import::import(input, &args.import.options()))?;
     report.warnings.clone_from(&scene.warnings);
@@ -57,10 +66,14 @@ pub(super) fn make(
     let importance = importance(&scene, &options, &args.importance, args.parts.all())?;
     let Scene { source, document, objects, mut files, .. } = scene;
     let limits = args.import.options().limits;
-    let seen = paints.shown();
-    let known = SceneContext { paints: seen, importance: &importance, document: &document, limits };
+    let context = SceneContext {
+        paints: paints.shown(),
+        importance: &importance,
+        document: &document,
+        limits,
+    };
     let watch = stages.watched(progress);
-    let simplified = simplify_all(objects, &options, known, &watch)?;
+    let simplified = simplify_all(objects, &options, context, &watch)?;
     let simplified = match args.sequence.sequence {
         StepOrder::Metric => simplified,
         StepOrder::Stream => streamed(simplified)?,
@@ -76,14 +89,14 @@ pub(super) fn make(
     report.models = kinds.iter().map(|kind| kind.name()).collect();
     let strips = args.strips.options();
     let objects = build_models(simplified, &kinds, strips, &watch).map_err(bug)?;
-    fill_in(report, &objects);
+    fill_in_counts(report, &objects);
 
     check_models(&objects, &watch).map_err(bug)?;
 
     progress.stage("write");
-    // A stream does not say what its file was made from, so such a file does not either.
+    // A stream does not hold what its file was made from, and `unpack` gives this file again.
     let made_from = (args.sequence.sequence == StepOrder::Metric)
-        .then(|| MadeFrom::of(input, &files, &args.resolved, &report.warnings))
+        .then(|| MadeFrom::of(input, &files, &args.options_text, &report.warnings))
         .flatten();
     let layout = args.models.layout();
     let file = LodFile { source, document, objects, layout, made_from, left_out: vec![] };
@@ -91,7 +104,7 @@ pub(super) fn make(
         let bytes = write(&file);
         let length = bytes.len();
         match target {
-            Target::File(path) if is_one_of_many => {
+            Target::File(path) if is_listed => {
                 Ok((length, Some(OutputFile { path: path.clone(), bytes })))
             }
             _ => output::write(target, bytes).map(|()| (length, None)),
@@ -101,7 +114,7 @@ pub(super) fn make(
     Ok(BuildOutput { file, bytes, files, unwritten })
 }
 
-/// Returns the objects as streams give them.
+/// Returns the objects with their steps in the order of streams.
 fn streamed(objects: SimplifiedObjects) -> Outcome<SimplifiedObjects> {
     let object = |(info, simplified): (ObjectInfo, Arc<Simplified>)| {
         Ok((info, Arc::new(as_streamed(&simplified)?)))
@@ -109,8 +122,7 @@ fn streamed(objects: SimplifiedObjects) -> Outcome<SimplifiedObjects> {
     objects.into_par_iter().map(object).collect()
 }
 
-/// Looks for the image files that a document names: a file is up to date only with those that its
-/// levels are shown with.
+/// The image files that a document names: a file is up to date only if these are unchanged, too.
 fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<RequestedFiles> {
     let mut assets = args.import.assets(input, None);
     Textures::read(document, &mut assets).map_err(|e| e.in_file(&input.display().to_string()))?;
@@ -138,12 +150,13 @@ fn check_memory(
     args.import.limits().check_memory(&input.display().to_string(), size, &needs)
 }
 
-/// The options of every object: those of the asset, or its own.
+/// The options of every object: those of the asset, with those of its parts in their place.
 pub(crate) fn object_options(scene: &Scene, options: Options, parts: Parts<'_>) -> Vec<Options> {
     scene.objects.iter().map(|o| parts.object_options(&o.info.name, options)).collect()
 }
 
-fn fill_in(report: &mut InputReport, objects: &[LodObject]) {
+/// Fills in the counts of every object, and their sums.
+fn fill_in_counts(report: &mut InputReport, objects: &[LodObject]) {
     report.objects = objects.iter().map(|o| counts(&o.info, &o.simplified)).collect();
     let sum = |of: fn(&lodc_report::documents::ObjectCounts) -> u64| {
         Some(report.objects.iter().map(of).sum())

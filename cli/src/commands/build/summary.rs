@@ -64,17 +64,18 @@ fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {
     if let Output::File(path) = output
         && triangles > 0
     {
-        let half = path.with_extension("10percent.glb");
+        let example = path.with_extension("10percent.glb");
         let _ = writeln!(
             text,
             "  next: lodc extract {} --ratio 0.1 -o {}",
             quoted(path),
-            quoted(&half)
+            quoted(&example)
         );
     }
     text
 }
 
+/// Adds a table of levels: triangles and errors by share of the triangles.
 fn table(text: &mut String, made: &BuildOutput) {
     let objects = &made.file.objects;
     let Ok(levels) = scene_levels(objects, &made.file.document, &Limits::DEFAULT) else {
@@ -92,7 +93,7 @@ fn table(text: &mut String, made: &BuildOutput) {
         else {
             continue;
         };
-        let left: u64 = candidates
+        let remaining: u64 = candidates
             .iter()
             .zip(&lods)
             .map(|(c, &l)| u64::from(c.collapses.triangles_at(l)))
@@ -101,7 +102,7 @@ fn table(text: &mut String, made: &BuildOutput) {
             text,
             "    {:4.0} %{:>12}{:>12}{:16.3} %{:>12}",
             share * 100.0,
-            grouped(left),
+            grouped(remaining),
             distance(error),
             if diagonal > 0.0 { error / diagonal * 100.0 } else { 0.0 },
             rms.map_or("-".to_owned(), distance)

@@ -1,7 +1,8 @@
 //! Builds several assets: each gets a report of its own, and one that fails or panics does not stop
 //! the others.
 
-use super::{BuildArgs, ReportFormat, estimate, pipeline, summary};
+use super::pipeline::{self, Job};
+use super::{BuildArgs, ReportFormat, estimate, summary};
 use crate::batch::{Asset, Budget};
 use crate::commands::each::{self, AssetOptions};
 use crate::console::{self, error};
@@ -17,13 +18,13 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// Result of one asset.
+/// The result of one asset.
 struct AssetResult {
     report: InputReport,
     /// Its rule in the dependency file.
     rule: Option<DependencyRule>,
     status: Status,
-    /// A line about it.
+    /// A line about it, to be printed once its file is written.
     line: Option<String>,
 }
 
@@ -31,9 +32,9 @@ struct AssetResult {
 ///
 /// # Errors
 /// If a report or the dependency file cannot be written.
-pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outcome<Status> {
-    let resolving = |args, resolved| BuildArgs { resolved, ..args };
-    let options = AssetOptions::new(program, "build", assets, resolving);
+pub(super) fn build_all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outcome<Status> {
+    let with_text = |args, options_text| BuildArgs { options_text, ..args };
+    let options = AssetOptions::new(program, "build", assets, with_text);
     let bytes = args.import.limits().memory().unwrap_or(u64::MAX);
     let budget = Budget { workers: rayon::current_num_threads(), bytes };
     let results: Vec<OnceLock<Outcome<AssetResult>>> =
@@ -54,7 +55,7 @@ pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outc
     report(args, done.collect::<Outcome<_>>()?)
 }
 
-/// Says what became of an asset.
+/// Takes down and prints whether an asset's file was written.
 fn report_written(
     args: &BuildArgs,
     mut done: AssetResult,
@@ -124,13 +125,14 @@ fn build_asset(
     let result = each::guarded(input, || {
         let (args, target) = options.ready(asset)?;
         report.output = target.name();
-        if let Some((rule, warnings)) = fresh(args, input, target) {
+        if let Some((rule, warnings)) = up_to_date(args, input, target) {
             (report.up_to_date, report.warnings) = (true, warnings);
             warn(&report);
             return Ok(Built { rule: Some(rule), ..Built::default() });
         }
         let progress = bar.of_asset(&report.input);
-        build(args, input, target, asset.is_listed(), &progress, &mut report)
+        let job = Job { args, input, target, is_listed: asset.is_listed() };
+        build(job, &progress, &mut report)
     });
     report.seconds = start.elapsed().as_secs_f64();
     let (status, built) = match result {
@@ -146,7 +148,7 @@ fn build_asset(
     (AssetResult { report, rule, status, line }, unwritten)
 }
 
-/// What is left to do with the result of an asset.
+/// What is still to be done for an asset that was built or is up to date.
 #[derive(Default)]
 struct Built {
     rule: Option<DependencyRule>,
@@ -156,36 +158,34 @@ struct Built {
 
 /// With `--if-changed`, the rule of a result that is up to date, and the warnings of the run that
 /// made it; else none.
-fn fresh(args: &BuildArgs, input: &Path, target: &Target) -> Option<(DependencyRule, Vec<String>)> {
+fn up_to_date(
+    args: &BuildArgs,
+    input: &Path,
+    target: &Target,
+) -> Option<(DependencyRule, Vec<String>)> {
     let Target::File(path) = target else { return None };
     if !args.if_changed {
         return None;
     }
     // A damaged result, or one without a record of its inputs, is made again.
     let made = lodc::made_from(&std::fs::read(path).ok()?).ok()??;
-    let files = made.unchanged(input, &args.import.assets(input, None), &args.resolved)?;
+    let files = made.unchanged(input, &args.import.assets(input, None), &args.options_text)?;
     Some((DependencyRule::new(path, &files), made.warnings))
 }
 
-fn build(
-    args: &BuildArgs,
-    input: &Path,
-    target: &Target,
-    brief: bool,
-    progress: &Progress,
-    report: &mut InputReport,
-) -> Outcome<Built> {
+fn build(job: Job<'_>, progress: &Progress, report: &mut InputReport) -> Outcome<Built> {
+    let Job { args, input, target, is_listed } = job;
     let mut stages = Stages::new(args.import.clock(input));
     crate::memory::reset_peak();
-    let made = pipeline::make(args, (input, brief), target, &mut stages, progress, report);
+    let made = pipeline::make(job, &mut stages, progress, report);
     report.peak_bytes = crate::memory::peak_bytes();
     warn(report);
     let seconds = stages.seconds();
     report.stages = stages.into_reports();
     let made = made?;
     progress.clear();
-    let line = brief.then(|| summary::line(&made, target, seconds));
-    if !brief {
+    let line = is_listed.then(|| summary::line(&made, target, seconds));
+    if !is_listed {
         summary::print(&made, target, seconds);
     }
     let rule = match target {

@@ -7,13 +7,13 @@ use crate::output::{self, Target};
 use lodc_measure::Recorded;
 use lodc_report::SCHEMA_VERSION;
 
-/// The numbers of the last time.
+/// The numbers that an earlier run recorded, by asset and level.
 pub(super) type Baseline = lodc_assets::Baseline<Recorded>;
 
 /// Reads the baseline, if one is wanted.
 ///
 /// # Errors
-/// If it cannot be read, or is not there and not to be recorded.
+/// If it cannot be read, or does not exist and is not to be recorded.
 pub(super) fn open(args: &CompareArgs) -> Outcome<Option<Baseline>> {
     let Some(path) = &args.baseline else { return Ok(None) };
     if output::is_standard_stream(path)
@@ -28,11 +28,15 @@ pub(super) fn open(args: &CompareArgs) -> Outcome<Option<Baseline>> {
     Ok(Some(Baseline::open(path)?))
 }
 
-/// Returns an asset as it was; none if it was not recorded, or is to be recorded anew.
+/// Returns what was recorded of an asset; none if nothing was, or if it is to be recorded anew.
 ///
 /// # Errors
 /// If its file cannot be read, or it was recorded with other options.
-pub(super) fn of(baseline: &Baseline, name: &str, args: &CompareArgs) -> Outcome<Option<Recorded>> {
+pub(super) fn recorded(
+    baseline: &Baseline,
+    name: &str,
+    args: &CompareArgs,
+) -> Outcome<Option<Recorded>> {
     let recorded = if args.record { None } else { baseline.record(name)? };
     match recorded {
         Some(recorded) if recorded.options != options(args) => {
@@ -44,7 +48,7 @@ pub(super) fn of(baseline: &Baseline, name: &str, args: &CompareArgs) -> Outcome
     }
 }
 
-/// Writes what was measured; assets that were not measured stay.
+/// Records what was measured; the records of other assets stay.
 ///
 /// # Errors
 /// If it cannot be written.
@@ -58,7 +62,7 @@ pub(super) fn write(baseline: Baseline, measured: Vec<(String, Recorded)>) -> Ou
     Ok(())
 }
 
-/// Options that the numbers depend on, as text.
+/// The options that the numbers depend on, as text.
 pub(super) fn options(args: &CompareArgs) -> String {
     let CompareArgs { samples, seed, views, size, .. } = args;
     let attributes = if args.no_attributes { " --no-attributes" } else { "" };

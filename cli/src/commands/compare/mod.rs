@@ -1,5 +1,5 @@
 //! `lodc compare`: how far apart two meshes, or those of two folders, are, in space and in
-//! pictures; with limits or numbers of the last time, a gate for pipelines.
+//! pictures; with limits or the numbers of an earlier run, a check for pipelines.
 
 mod baseline;
 mod measure;
@@ -30,8 +30,9 @@ use measure::Measured;
 use std::path::{Path, PathBuf};
 use surface::LevelChoice;
 
-/// Distances below this share of the diagonal are rounding: the heatmap shows none.
-const ROUNDING: f64 = 1e-6;
+/// Distances below this share of the diagonal are rounding errors: the heatmap does not show them.
+/// Chosen by hand.
+const ROUNDING_SHARE: f64 = 1e-6;
 
 /// Options of `compare`.
 #[derive(Args, Clone, Debug)]
@@ -148,9 +149,10 @@ Examples:
   lodc compare chair.glb chair.glb --levels 50%,25%,10% --max-rms 0.5%
   lodc compare models levels --baseline numbers/ --junit results.xml";
 
-/// A level, as it was asked for.
+/// A level of `--levels`.
 #[derive(Clone, Debug)]
 struct Level {
+    /// As it was typed.
     name: String,
     target: Target,
 }
@@ -175,8 +177,8 @@ impl CompareArgs {
         self.named().is_none_or(|[a, _]| a.is_dir())
     }
 
-    /// The limits given.
-    fn most_allowed(&self) -> ComparisonLimits {
+    /// The limits that were given.
+    fn limits_on_differences(&self) -> ComparisonLimits {
         let Self { max_rms: rms, max_hausdorff: hausdorff, max_image_rmse: image_rmse, .. } = *self;
         ComparisonLimits { rms, hausdorff, image_rmse }
     }
@@ -206,11 +208,11 @@ fn grey(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &CompareArgs, program: &Program) -> Outcome<Status> {
-    reported(args.json, checked(args, program))
+    reported(args.json, compare_all(args, program))
 }
 
-/// Compares, once options are known to fit together.
-fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
+/// Checks that options fit together, and compares all pairs.
+fn compare_all(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     check(args)?;
     let baseline = baseline::open(args)?;
     let pairs = batch::pairs(args.named(), &args.batch)?;
@@ -220,20 +222,20 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     let options = AssetOptions::new(program, "compare", &assets, |args: CompareArgs, _| args);
     let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
     clock::expect_several(assets.len() > 1);
-    // One after the other: each takes all threads, and much memory for its pictures.
-    let one = |(asset, other): (&Asset, Result<PathBuf, AssetError>)| {
+    // One pair after the other: each uses all threads, and much memory for its pictures.
+    let compare_pair = |(asset, other): (&Asset, Result<PathBuf, AssetError>)| {
         let done = each::guarded(&asset.input, || {
             let (other, (args, _)) = (other?, options.ready(asset)?);
             let progress = bar.of_asset(&asset.name);
             let (paths, baseline) = ([&*other, &*asset.input], baseline.as_ref());
             let measured = measure::compare(args, paths, &asset.name, baseline, &progress)?;
-            say(args, &measured, several)?;
+            print_measured(args, &measured, several)?;
             Ok(measured)
         });
         bar.done(&asset.name);
         done.inspect_err(each::print)
     };
-    let done = assets.iter().zip(others).map(one).collect();
+    let done = assets.iter().zip(others).map(compare_pair).collect();
     drop(bar);
     finish(args, &assets, baseline, done)
 }
@@ -256,11 +258,11 @@ fn check(args: &CompareArgs) -> Outcome<()> {
     Ok(output::prepare_targets(&[Output::File(path.clone())], false)?)
 }
 
-/// Prints what was measured; of several with `-q` only what exceeds a limit.
-fn say(args: &CompareArgs, measured: &Measured, several: bool) -> Outcome<()> {
+/// Prints what was measured; with `-q` and several pairs only what exceeds a limit.
+fn print_measured(args: &CompareArgs, measured: &Measured, several: bool) -> Outcome<()> {
     let report = &measured.report;
-    let wanted = !several || !report.ok || wants(Loudness::Normal);
-    if !args.json && wanted {
+    let is_shown = !several || !report.ok || wants(Loudness::Normal);
+    if !args.json && is_shown {
         console::result(report.text(several).trim_end())?;
     }
     for what in report.exceeded() {
@@ -283,7 +285,7 @@ fn suites(assets: &[Asset], done: &[Outcome<Measured>]) -> Vec<Suite> {
     assets.iter().zip(done).map(suite).collect()
 }
 
-/// Ends a run: reports, baseline, documents. Returns the highest status.
+/// Finishes a run: reports, baseline, documents. Returns the highest status.
 fn finish(
     args: &CompareArgs,
     assets: &[Asset],

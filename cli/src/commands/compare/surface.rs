@@ -18,28 +18,29 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
-/// More triangles than this, instances counted, are not compared.
+/// Triangles of a scene, with all instances, that are compared at most. Chosen by hand: bounds the
+/// memory.
 const MAX_TRIANGLES: usize = 1 << 28;
 
 /// The level of a scene that is compared.
 #[derive(Clone, Copy)]
 pub(super) struct LevelChoice {
-    /// None: all of it.
+    /// None for the whole scene.
     pub(super) target: Option<Target>,
     pub(super) per_object: bool,
 }
 
-/// A scene that was read, of which levels can be compared.
-pub(super) struct Subject {
+/// A scene that was read, to be compared as a whole or by its levels.
+pub(super) struct ComparedScene {
     name: String,
     document: Document,
     objects: Objects,
     paints: Arc<Paints>,
 }
 
-impl Subject {
-    /// Reads a scene. A mesh is simplified only if `levels` of it are wanted, chosen by such
-    /// errors.
+impl ComparedScene {
+    /// Reads a scene. A mesh is simplified only if levels of it are asked for: `levels` are the
+    /// errors that choosing them needs.
     ///
     /// # Errors
     /// If it cannot be read.

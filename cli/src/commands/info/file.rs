@@ -52,12 +52,12 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
         objects: file
             .objects
             .iter()
-            .map(|o| object(o, file.layout, baselines))
+            .map(|o| object_report(o, file.layout, baselines))
             .collect::<Outcome<_>>()?,
     })
 }
 
-fn object(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectReport> {
+fn object_report(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectReport> {
     let collapses = o.simplified.collapses();
     let lods = levels::table(collapses).into_iter().map(|lod| LodReport {
         lod: lod.0,
@@ -66,14 +66,14 @@ fn object(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectRepor
         rms: collapses.rms_at(lod).map(decimal),
     });
     let mut models: IndexMap<_, _> =
-        o.models.iter().map(|m| (m.name(), stored(m, layout))).collect();
+        o.models.iter().map(|m| (m.name(), stored_model(m, layout))).collect();
     if baselines {
         let strips = Arc::new(plain_strips(o));
         for baseline in lodc_lab::baselines(o, &strips)? {
-            models.insert(baseline.name(), bits(&baseline.storage(), None));
+            models.insert(baseline.name(), storage_bits(&baseline.storage(), None));
         }
         for (name, cost) in lodc_lab::plain(&o.simplified, &strips) {
-            models.insert(name, bits(&cost, None));
+            models.insert(name, storage_bits(&cost, None));
         }
     }
     Ok(ObjectReport {
@@ -82,15 +82,15 @@ fn object(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectRepor
         diagonal: o.simplified.mesh().diagonal(),
         errors_over: ErrorsOver::of([&o.info]),
         errors: if collapses.is_measured() { "measured" } else { "estimate" },
-        collapse_lists: lists(collapses),
+        collapse_lists: collapse_lists_report(collapses),
         lods: lods.collect(),
         strips: strips(o),
         models,
     })
 }
 
-/// Lengths of the collapse lists, down to the last level and to shares of the LODs.
-fn lists(collapses: &CollapseSequence) -> ListsReport {
+/// Lengths of the collapse lists: to the last level, and to shares of the LODs.
+fn collapse_lists_report(collapses: &CollapseSequence) -> ListsReport {
     let to = |percent: u32| {
         let share = u64::from(collapses.records()) * u64::from(percent) / 100;
         let lod = collapses.floor(Lod(share as u32));
@@ -132,11 +132,11 @@ fn strips(o: &LodObject) -> IndexMap<&'static str, StripsReport> {
     all
 }
 
-fn stored(model: &AnyModel, layout: Layout) -> ModelReport {
-    bits(&model.storage(), Some(lodc::stored_bytes(model, layout)))
+fn stored_model(model: &AnyModel, layout: Layout) -> ModelReport {
+    storage_bits(&model.storage(), Some(lodc::stored_bytes(model, layout)))
 }
 
-fn bits(cost: &StorageCost, file: Option<u64>) -> ModelReport {
+fn storage_bits(cost: &StorageCost, file: Option<u64>) -> ModelReport {
     ModelReport {
         bits_per_vertex: BitsPerVertex {
             thesis: cost.thesis(),
@@ -162,14 +162,14 @@ pub(super) fn text(name: &str, report: &InfoReport) -> String {
     let _ = writeln!(text, "  key {}, source {}", report.key, report.source.content_hash);
     for o in &report.objects {
         let _ = writeln!(text, "\n{}", crate::exit::one_line(&o.counts.name));
-        describe(&mut text, &o.counts);
+        write_counts(&mut text, &o.counts);
         let _ = writeln!(
             text,
             "  collapse lists: {:.1} entries on average, {} at most",
             o.collapse_lists.mean,
             grouped(u64::from(o.collapse_lists.longest))
         );
-        table(&mut text, o);
+        write_levels(&mut text, o);
         if o.models.is_empty() {
             let _ = writeln!(text, "  no models, only the collapse sequence");
         }
@@ -187,7 +187,7 @@ pub(super) fn text(name: &str, report: &InfoReport) -> String {
     text
 }
 
-fn table(text: &mut String, o: &ObjectReport) {
+fn write_levels(text: &mut String, o: &ObjectReport) {
     let _ = writeln!(text, "         LOD   triangles       error   of the diagonal         rms");
     for lod in &o.lods {
         let share = if o.diagonal > 0.0 { lod.error / o.diagonal * 100.0 } else { 0.0 };
@@ -208,7 +208,7 @@ fn table(text: &mut String, o: &ObjectReport) {
     }
 }
 
-fn describe(text: &mut String, c: &ObjectCounts) {
+fn write_counts(text: &mut String, c: &ObjectCounts) {
     let _ = writeln!(
         text,
         "  {}, {}, {}, {} more made for seams",

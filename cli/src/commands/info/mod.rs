@@ -62,7 +62,7 @@ struct InputInfo {
     content: Content,
 }
 
-/// The inside of an input.
+/// What is inside an input.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum Content {
@@ -105,7 +105,8 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome<Status> {
     Ok(worst)
 }
 
-/// Returns the inside of an input, with the failure of a stream's part that cannot be used.
+/// Returns what is inside an input, and for a stream the failure of the first part that cannot be
+/// used.
 fn content(args: &InfoArgs, input: &Path) -> Outcome<(Content, Option<Failure>)> {
     let (limits, clock) = (args.limits.limits(), args.limits.clock(input));
     let mut assets = Assets::new(input, &[], limits);
@@ -121,7 +122,7 @@ fn content(args: &InfoArgs, input: &Path) -> Outcome<(Content, Option<Failure>)>
     Ok((Content::File(report), None))
 }
 
-/// Prints the inside of an input, with a blank line between it and the one before.
+/// Prints what is inside an input; `follows` says that a blank line comes before it.
 fn print(input: &Path, content: &Content, follows: bool) -> Outcome<()> {
     let name = input.display().to_string();
     let text = match content {

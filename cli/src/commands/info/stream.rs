@@ -10,7 +10,7 @@ use lodc_report::documents::StreamInfoReport;
 use lodc_report::text::{count, distance, grouped, size};
 use std::fmt::Write;
 
-/// Returns what has come of a stream, with the failure of the first part that cannot be used.
+/// Returns how much of a stream there is, and the failure of the first part that cannot be used.
 ///
 /// # Errors
 /// If nothing of it can be used.

@@ -1,4 +1,4 @@
-//! The levels that `render` draws: one picture (cell) for each.
+//! The levels that `render` draws: a cell of the contact sheet for each, or one.
 
 use super::RenderArgs;
 use super::options::Colouring;
@@ -14,12 +14,15 @@ use lodc_select::Target;
 use lodc_strip::{Effort, StripKind, Strips};
 use rayon::prelude::*;
 
-/// One picture: the triangles of every object.
+/// What one picture shows.
 pub(super) struct Cell {
+    /// The triangles of every object.
     pub(super) objects: Vec<Vec<OrientedTriangle>>,
-    /// Meshes of these triangles where vertices have moved; empty for those of the input.
+    /// The meshes that these triangles belong to, if vertices have moved; else empty, and they
+    /// belong to those of the input.
     meshes: Vec<Mesh>,
-    /// The strip of every triangle, counted over all objects, where strips are what colours mean.
+    /// By object and triangle, the number of its strip, counted over all objects; empty unless
+    /// colours show strips.
     pub(super) strips: Vec<Vec<u32>>,
     /// Triangles of all objects.
     pub(super) triangles: u64,
@@ -31,8 +34,8 @@ pub(super) struct Cell {
 
 impl Cell {
     /// Returns the mesh of an object's triangles.
-    pub(super) fn mesh<'a>(&'a self, shown: &'a DrawableScene, object: usize) -> &'a Mesh {
-        self.meshes.get(object).unwrap_or_else(|| shown.objects.mesh(object))
+    pub(super) fn mesh<'a>(&'a self, drawable: &'a DrawableScene, object: usize) -> &'a Mesh {
+        self.meshes.get(object).unwrap_or_else(|| drawable.objects.mesh(object))
     }
     /// `1,000 triangles (10.0 %)`.
     pub(super) fn sentence(&self) -> String {
@@ -47,7 +50,7 @@ impl Cell {
     }
 }
 
-/// With three digits that count at least.
+/// At least three significant digits.
 fn percent(share: f64) -> String {
     let percent = share * 100.0;
     match percent {
@@ -58,15 +61,15 @@ fn percent(share: f64) -> String {
     }
 }
 
-/// The pictures that are asked for: one, or those of a contact sheet.
+/// The cells that are asked for: one, or those of a contact sheet.
 ///
 /// # Errors
-/// If the selection makes no sense.
-pub(super) fn chosen(args: &RenderArgs, shown: &DrawableScene) -> Outcome<Vec<Cell>> {
-    let objects = match &shown.objects {
+/// If there is no such level or view.
+pub(super) fn choose(args: &RenderArgs, drawable: &DrawableScene) -> Outcome<Vec<Cell>> {
+    let objects = match &drawable.objects {
         Objects::Levels(objects) => objects,
         Objects::Meshes(meshes) => {
-            let objects: Vec<_> = meshes.iter().map(|object| whole(&object.mesh)).collect();
+            let objects: Vec<_> = meshes.iter().map(|object| all_triangles(&object.mesh)).collect();
             let triangles = objects.iter().map(|o| o.len() as u64).sum();
             let warnings = Vec::new();
             return Ok(vec![Cell {
@@ -80,10 +83,10 @@ pub(super) fn chosen(args: &RenderArgs, shown: &DrawableScene) -> Outcome<Vec<Ce
             }]);
         }
     };
-    let levels = scene_levels(objects, &shown.document, &args.import.options().limits)?;
+    let levels = scene_levels(objects, &drawable.document, &args.import.options().limits)?;
     if let Some(name) = args.views.criterion {
         args.views.check_models(&args.input, objects)?;
-        return seen(args, name, shown, &levels);
+        return view_cells(args, name, drawable, &levels);
     }
     let wanted: Vec<Target> = if args.contact_sheet.is_empty() {
         vec![args.selector.target().unwrap_or(Target::Ratio(1.0))]
@@ -92,15 +95,17 @@ pub(super) fn chosen(args: &RenderArgs, shown: &DrawableScene) -> Outcome<Vec<Ce
     };
     let strips: Option<Vec<Strips>> =
         (args.color == Colouring::Strips).then(|| objects.par_iter().map(strips).collect());
-    let all: u64 = objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64).sum();
+    let input_triangles: u64 =
+        objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64).sum();
     let cell = |&target: &Target| {
         let selection = levels.select(target, args.selector.per_object())?;
         let (triangles, ids): (Vec<_>, Vec<_>) = match &strips {
-            Some(strips) => of_strips(objects, strips, &selection.lods),
+            Some(strips) => remains_of_strips(objects, strips, &selection.lods),
             None => {
                 let model = |o: &LodObject| o.models.first().map(AnyModel::kind);
-                let at = |(o, &lod): (&LodObject, &Lod)| levels::triangles(o, model(o), lod);
-                (objects.par_iter().zip(&selection.lods).map(at).collect(), Vec::new())
+                let triangles_of =
+                    |(o, &lod): (&LodObject, &Lod)| levels::triangles(o, model(o), lod);
+                (objects.par_iter().zip(&selection.lods).map(triangles_of).collect(), Vec::new())
             }
         };
         let live = triangles.iter().map(|t: &Vec<_>| t.len() as u64).sum();
@@ -109,7 +114,7 @@ pub(super) fn chosen(args: &RenderArgs, shown: &DrawableScene) -> Outcome<Vec<Ce
             meshes: Vec::new(),
             strips: ids,
             triangles: live,
-            share: if all == 0 { 1.0 } else { live as f64 / all as f64 },
+            share: if input_triangles == 0 { 1.0 } else { live as f64 / input_triangles as f64 },
             error: Some(selection.error),
             warnings: selection.warnings,
         })
@@ -117,26 +122,26 @@ pub(super) fn chosen(args: &RenderArgs, shown: &DrawableScene) -> Outcome<Vec<Ce
     wanted.iter().map(cell).collect()
 }
 
-/// The pictures of a view: as the criterion says, or with the numbers of triangles that are asked
-/// for.
-fn seen(
+/// The cells of a view: with the levels that the criterion gives, or with the numbers of triangles
+/// that are asked for.
+fn view_cells(
     args: &RenderArgs,
     name: CriterionName,
-    shown: &DrawableScene,
+    drawable: &DrawableScene,
     levels: &SceneLevels<'_>,
 ) -> Outcome<Vec<Cell>> {
-    let views = args.views.of_scene(name, &args.selector, levels, &shown.arrangement);
+    let views = args.views.of_scene(name, &args.selector, levels, &drawable.arrangement);
     let views =
         views.map_err(|f| Failure { message: format!("{}: {f}", args.input.display()), ..f })?;
     let sheet = args.contact_sheet.iter().map(|&share| Some(Target::Ratio(share)));
     let wanted: Vec<Option<Target>> =
         if sheet.len() > 0 { sheet.collect() } else { vec![args.selector.target()] };
-    let cell = |wish: Option<Target>| {
-        let view = views.show(views.max_triangles(wish))?;
+    let cell = |target: Option<Target>| {
+        let view = views.show(views.max_triangles(target))?;
         let meshes = if args.views.morph { views.meshes(&view)? } else { Vec::new() };
         let objects: Vec<_> = match meshes[..] {
             [] => views.triangles(&view),
-            _ => meshes.iter().map(whole).collect(),
+            _ => meshes.iter().map(all_triangles).collect(),
         };
         let triangles = objects.iter().map(|o| o.len() as u64).sum();
         Ok(Cell {
@@ -153,7 +158,7 @@ fn seen(
 }
 
 /// All triangles of a mesh.
-pub(super) fn whole(mesh: &Mesh) -> Vec<OrientedTriangle> {
+pub(super) fn all_triangles(mesh: &Mesh) -> Vec<OrientedTriangle> {
     let submeshes = (0..).zip(mesh.submeshes());
     submeshes
         .flat_map(|(i, s)| {
@@ -171,8 +176,9 @@ fn strips(object: &LodObject) -> Strips {
     })
 }
 
-/// Remains of strips at a LOD, and the strip of each triangle, counted over all objects.
-fn of_strips(
+/// By object, the triangles of strips that remain at a LOD, and the strip of each, counted over all
+/// objects.
+fn remains_of_strips(
     objects: &[LodObject],
     strips: &[Strips],
     lods: &[Lod],

@@ -13,29 +13,29 @@ use lodc_gpu::picture::{
     BackFaces, Camera, Colours, Division, Frame, Framing, Legend, Lens, Level, Scene, Sheet, Style,
     Up, Viewpoint,
 };
-use lodc_measure::{distinct, heat as colour_of_heat};
+use lodc_measure::{distinct, heat as heat_colour};
 use lodc_report::text::distance;
 use lodc_scene::{Image, posed, to_linear};
 
-/// Linear grey of what has no colour of its own.
-const PLAIN: [f32; 3] = [0.52, 0.51, 0.49];
-/// More pixels than this do not become one picture.
+/// The linear colour of surfaces without a colour of their own.
+const PLAIN_GREY: [f32; 3] = [0.52, 0.51, 0.49];
+/// Pixels of a contact sheet at most. Chosen by hand: bounds the memory.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// One picture for every cell, all by the same camera.
+/// Draws one picture of every cell, all from the same camera.
 ///
 /// # Errors
 /// If the device allows less than is needed, or fails.
 pub(super) fn pictures(
     args: &RenderArgs,
-    shown: &DrawableScene,
+    drawable: &DrawableScene,
     cells: &[Cell],
     heat: Option<&Heat>,
     device: &Device,
 ) -> Outcome<Vec<Image>> {
     let size =
         args.size.unwrap_or(if args.contact_sheet.is_empty() { [1024, 768] } else { [480, 360] });
-    let camera = camera(args, shown, f64::from(size[0]) / f64::from(size[1]));
+    let camera = camera(args, drawable, f64::from(size[0]) / f64::from(size[1]));
     let style = Style {
         size,
         background: args.background.map(|c| f32::from(c) / 255.0),
@@ -47,54 +47,55 @@ pub(super) fn pictures(
         },
         wire: if args.wireframe { 1.0 } else { 0.0 },
     };
-    let objects = shown.objects.len();
-    let submeshes = |o: usize| shown.objects.mesh(o).submeshes().len();
+    let objects = drawable.objects.len();
+    let submeshes = |o: usize| drawable.objects.mesh(o).submeshes().len();
     let of_submesh = |object: usize, submesh: usize| match args.color {
         Colouring::Submesh => {
             colour_of(((0..object).map(submeshes).sum::<usize>() + submesh) as u32)
         }
-        _ => PLAIN,
+        _ => PLAIN_GREY,
     };
     let scene = Scene {
-        arrangement: &shown.arrangement,
+        arrangement: &drawable.arrangement,
         colours: match args.color {
-            Colouring::Material => Colours::Materials(&shown.appearance),
+            Colouring::Material => Colours::Materials(&drawable.appearance),
             _ => Colours::Submeshes(&of_submesh),
         },
         smooth: args.shading == Shading::Smooth,
     };
     let level = |cell: usize, object: usize| Level {
-        mesh: cells[cell].mesh(shown, object),
+        mesh: cells[cell].mesh(drawable, object),
         triangles: &cells[cell].objects[object],
         colours: cells[cell]
             .strips
             .get(object)
             .map_or_else(Vec::new, |strips| strips.iter().map(|&strip| colour_of(strip)).collect()),
         division: heat.map(|heat| -> Box<Division<'_>> {
-            Box::new(move |t, corners| heat.parts(cell, object, t, corners))
+            Box::new(move |t, corners| heat.divide(cell, object, t, corners))
         }),
     };
     let draw = || -> Result<Vec<Image>, GpuError> {
         let painter = scene.painter(device)?;
-        let one = |cell| {
+        let draw_cell = |cell| {
             let mut frame = Frame::new(&painter, &camera, &style)?;
             let levels: Vec<Level<'_>> = (0..objects).map(|o| level(cell, o)).collect();
             scene.draw(&mut frame, &camera, &levels)?;
             frame.finish()
         };
-        (0..cells.len()).map(one).collect()
+        (0..cells.len()).map(draw_cell).collect()
     };
     draw().map_err(|e| failure(&e))
 }
 
-/// Degrees between the upper and the lower edge of a picture from a side.
-const FROM_A_SIDE: f64 = 30.0;
+/// Vertical field of view, in degrees, of a picture from a side: narrow, so that shapes look little
+/// distorted.
+const SIDE_FIELD_OF_VIEW: f64 = 30.0;
 
-/// The camera that frames the input, whatever level of detail is shown.
-fn camera(args: &RenderArgs, shown: &DrawableScene, aspect: f64) -> Camera {
+/// The camera that frames the input: the same for all levels.
+fn camera(args: &RenderArgs, drawable: &DrawableScene, aspect: f64) -> Camera {
     let mut points: Vec<[f64; 3]> = Vec::new();
-    for placement in shown.arrangement.placements() {
-        let posed = posed(shown.objects.mesh(placement.object), placement);
+    for placement in drawable.arrangement.placements() {
+        let posed = posed(drawable.objects.mesh(placement.object), placement);
         points.extend(posed.positions.iter().map(|p| p.to_array()));
     }
     let up = match args.up {
@@ -109,22 +110,22 @@ fn camera(args: &RenderArgs, shown: &DrawableScene, aspect: f64) -> Camera {
         return Camera::at(&points, &view, aspect);
     }
     let (azimuth, elevation) = args.view.unwrap_or(View::ThreeQuarter).angles();
-    let any = args.azimuth.is_some() || args.elevation.is_some();
+    let is_turned = args.azimuth.is_some() || args.elevation.is_some();
     let framing = Framing {
         up,
-        azimuth: args.azimuth.unwrap_or(if any { 0.0 } else { azimuth }),
-        elevation: args.elevation.unwrap_or(if any { 0.0 } else { elevation }),
+        azimuth: args.azimuth.unwrap_or(if is_turned { 0.0 } else { azimuth }),
+        elevation: args.elevation.unwrap_or(if is_turned { 0.0 } else { elevation }),
         lens: if args.orthographic {
             Lens::Orthographic
         } else {
-            Lens::Perspective(args.selector.field_of_view().unwrap_or(FROM_A_SIDE))
+            Lens::Perspective(args.selector.field_of_view().unwrap_or(SIDE_FIELD_OF_VIEW))
         },
         zoom: args.zoom,
     };
     Camera::around(&points, &framing, aspect)
 }
 
-/// The linear colour that stands for a number.
+/// The linear colour of a submesh or strip, by its number.
 fn colour_of(number: u32) -> [f32; 3] {
     distinct(number).map(|v| to_linear(f32::from(v) / 255.0))
 }
@@ -157,5 +158,5 @@ pub(super) fn sheet(
         let share = if heat.diagonal > 0.0 { heat.largest / heat.diagonal * 100.0 } else { 0.0 };
         format!("distance 0 to {} ({share:.3} % of the diagonal)", distance(heat.largest))
     });
-    Ok(sheet.compose(text.as_deref().map(|text| Legend { colour: colour_of_heat, text })))
+    Ok(sheet.compose(text.as_deref().map(|text| Legend { colour: heat_colour, text })))
 }

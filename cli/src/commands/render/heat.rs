@@ -1,6 +1,6 @@
 //! Colours by the distance of a level of detail from the input, all over its surface.
 
-use super::cells::{Cell, whole};
+use super::cells::{Cell, all_triangles};
 use super::scene::DrawableScene;
 use lodc_formats::ObjectInfo;
 use lodc_gpu::picture::Corner;
@@ -9,35 +9,40 @@ use lodc_mesh::{Mesh, OrientedTriangle};
 use lodc_scene::to_linear;
 use rayon::prelude::*;
 
-/// An edge is measured at steps of this share of the object's diagonal.
-const STEP: f64 = 1.0 / 160.0;
+/// Spacing of the points of an edge whose distance is measured, as a share of the object's
+/// diagonal. Chosen by hand: finer shows no more in a picture, and takes longer.
+const SAMPLE_SPACING: f64 = 1.0 / 160.0;
 
-/// Distances all over the pictures of one sheet.
+/// The distances of the surfaces that one sheet shows.
 pub(super) struct Heat {
-    /// For each cell and object.
+    /// By cell and object.
     fields: Vec<Vec<DistanceField>>,
     /// World units per mesh unit of each object; 1 if there is one object only.
     scales: Vec<f64>,
-    /// Where colours end, in mesh units for one object, in world units for several: at the largest
-    /// stated error; of what states none, at the largest distance.
+    /// The distance of the last colour, in mesh units for one object, in world units for several:
+    /// the largest stated error; if none is stated, the largest distance.
     pub(super) largest: f64,
-    /// Of the input: of the largest object as the scene shows it.
+    /// The diagonal of the input's largest object as the scene shows it, in the same units.
     pub(super) diagonal: f64,
 }
 
-/// Measures every cell.
-pub(super) fn measure(shown: &DrawableScene, cells: &[Cell]) -> Heat {
-    let objects = shown.objects.len();
-    let scale = |o: usize| if objects > 1 { world_scale(shown.objects.info(o)) } else { 1.0 };
+/// Measures the distances of every cell from the input.
+pub(super) fn measure(drawable: &DrawableScene, cells: &[Cell]) -> Heat {
+    let objects = drawable.objects.len();
+    let scale = |o: usize| if objects > 1 { world_scale(drawable.objects.info(o)) } else { 1.0 };
     let scales: Vec<f64> = (0..objects).map(scale).collect();
     let tree = |o: usize| {
-        let mesh = shown.objects.mesh(o);
-        TriangleTree::new(&corners(mesh, &whole(mesh)))
+        let mesh = drawable.objects.mesh(o);
+        TriangleTree::new(&corners(mesh, &all_triangles(mesh)))
     };
     let trees: Vec<TriangleTree> = (0..objects).into_par_iter().map(tree).collect();
     let field = |cell: &Cell, o: usize| {
-        let corners = corners(cell.mesh(shown, o), &cell.objects[o]);
-        DistanceField::new(&corners, &trees[o], shown.objects.mesh(o).diagonal() * STEP)
+        let corners = corners(cell.mesh(drawable, o), &cell.objects[o]);
+        DistanceField::new(
+            &corners,
+            &trees[o],
+            drawable.objects.mesh(o).diagonal() * SAMPLE_SPACING,
+        )
     };
     let fields: Vec<Vec<DistanceField>> = cells
         .iter()
@@ -47,7 +52,7 @@ pub(super) fn measure(shown: &DrawableScene, cells: &[Cell]) -> Heat {
     let largest = fields.iter().flat_map(|cell| cell.iter().zip(&scales)).map(in_scene);
     let stated = cells.iter().filter_map(|cell| cell.error).filter(|e| e.is_finite());
     let largest = stated.reduce(f64::max).unwrap_or_else(|| largest.fold(0.0, f64::max));
-    let diagonals = (0..objects).map(|o| shown.objects.mesh(o).diagonal() * scales[o]);
+    let diagonals = (0..objects).map(|o| drawable.objects.mesh(o).diagonal() * scales[o]);
     let diagonal = diagonals.fold(0.0, f64::max);
     Heat { fields, scales, largest, diagonal }
 }
@@ -62,8 +67,8 @@ fn corners<P: From<[f64; 3]>>(mesh: &Mesh, triangles: &[OrientedTriangle]) -> Ve
 }
 
 impl Heat {
-    /// A triangle of a cell in parts, each corner with the colour of its distance.
-    pub(super) fn parts(
+    /// Divides triangle `t` of a cell's object; each corner has the colour of its distance.
+    pub(super) fn divide(
         &self,
         cell: usize,
         object: usize,

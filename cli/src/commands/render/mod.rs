@@ -25,7 +25,7 @@ use std::path::PathBuf;
 
 /// Options of `render`.
 #[derive(Args, Debug)]
-#[command(after_help = MORE, after_long_help = EXAMPLES, mut_arg("fovy", of_the_picture))]
+#[command(after_help = MORE, after_long_help = EXAMPLES, mut_arg("fovy", with_help_for_pictures))]
 pub(crate) struct RenderArgs {
     /// A mesh or a .lodc file; - for standard input
     input: PathBuf,
@@ -115,8 +115,8 @@ pub(crate) struct RenderArgs {
     import: ImportArgs,
 }
 
-/// The field of view is that of an eye, and also of the picture.
-fn of_the_picture(fovy: Arg) -> Arg {
+/// Replaces the help of `--fovy`: here it is that of an eye, and that of a picture from a side.
+fn with_help_for_pictures(fovy: Arg) -> Arg {
     fovy.help("Vertical field of view in degrees, below 180 [default: 60 of an eye, 30 of a side]")
 }
 
@@ -148,8 +148,8 @@ fn check_view(args: &RenderArgs) -> Outcome<()> {
             "--color strips shows one level of each object, no --criterion",
         ));
     }
-    let for_a_level = args.selector.pixels().is_some();
-    if args.orthographic && args.selector.field_of_view().is_some() && !for_a_level {
+    let is_for_a_level = args.selector.pixels().is_some();
+    if args.orthographic && args.selector.field_of_view().is_some() && !is_for_a_level {
         return Err(Failure::usage("--fovy is of a perspective: leave --orthographic out"));
     }
     if args.orthographic && args.eye_of_picture().is_some() {
@@ -161,7 +161,7 @@ fn check_view(args: &RenderArgs) -> Outcome<()> {
 }
 
 impl RenderArgs {
-    /// Returns the eye that the picture is seen from, if it is not seen from a side.
+    /// Returns the eye that the picture is seen from; none if it is seen from a side.
     fn eye_of_picture(&self) -> Option<[f32; 3]> {
         let side = self.view.is_some() || self.azimuth.is_some() || self.elevation.is_some();
         self.views.at.eye.filter(|_| !side)
@@ -180,32 +180,32 @@ fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
 
     let name = args.input.display().to_string();
     let mut stages = Stages::new(args.import.clock(&args.input));
-    let shown = scene::read(args, &mut stages)?;
-    let chosen = cells::chosen(args, &shown)?;
-    for what in shown
+    let drawable = scene::read(args, &mut stages)?;
+    let cells_to_draw = cells::choose(args, &drawable)?;
+    for what in drawable
         .appearance
         .warnings
         .iter()
-        .chain(&shown.warnings)
-        .chain(chosen.iter().flat_map(|c| &c.warnings))
+        .chain(&drawable.warnings)
+        .chain(cells_to_draw.iter().flat_map(|c| &c.warnings))
     {
         warning(&name, what);
     }
     let heat = (args.color == Colouring::Error)
-        .then(|| stages.run("measure", || heat::measure(&shown, &chosen)));
-    let pictures =
-        stages.run("draw", || draw::pictures(args, &shown, &chosen, heat.as_ref(), device))?;
+        .then(|| stages.run("measure", || heat::measure(&drawable, &cells_to_draw)));
+    let pictures = stages
+        .run("draw", || draw::pictures(args, &drawable, &cells_to_draw, heat.as_ref(), device))?;
     let picture = if args.contact_sheet.is_empty() && heat.is_none() {
         pictures.into_iter().next().expect("there is always one")
     } else {
-        draw::sheet(args, &chosen, heat.as_ref(), &pictures)?
+        draw::sheet(args, &cells_to_draw, heat.as_ref(), &pictures)?
     };
     let size = format!("{} x {} pixels", picture.width, picture.height);
     let bytes = stages.run("encode", || lodc_formats::images::png(&picture));
     stages.run("write", || output::write(target, bytes))?;
-    let where_to =
+    let destination =
         if *target == Target::Stdout { "standard output".to_owned() } else { target.name() };
-    let lods: Vec<String> = chosen.iter().map(cells::Cell::sentence).collect();
-    note(&format!("{where_to}: {size}, {}; {}", lods.join(", "), device.adapter()));
+    let lods: Vec<String> = cells_to_draw.iter().map(cells::Cell::sentence).collect();
+    note(&format!("{destination}: {size}, {}; {}", lods.join(", "), device.adapter()));
     Ok(())
 }

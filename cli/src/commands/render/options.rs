@@ -61,18 +61,19 @@ pub(super) enum Backs {
     Mark,
 }
 
-/// The longest side of a picture.
+/// Pixels of a side of a picture at most. Chosen by hand: usual devices draw into
+/// pictures of this size.
 const MAX_SIDE: u32 = 8192;
 
-/// `1024x768`.
+/// Reads `1024x768`.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
-    let wrong = || format!("a width and a height such as 1024x768, each from 1 to {MAX_SIDE}");
-    let (w, h) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
-    let side = |s: &str| s.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n)).ok_or_else(wrong);
+    let expected = || format!("a width and a height such as 1024x768, each from 1 to {MAX_SIDE}");
+    let (w, h) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let side = |s: &str| s.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n)).ok_or_else(expected);
     Ok([side(w)?, side(h)?])
 }
 
-fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
+fn number_between(text: &str, low: f64, high: f64) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
     if (low..=high).contains(&value) {
         Ok(value)
@@ -82,18 +83,18 @@ fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
 }
 
 pub(super) fn degrees(text: &str) -> Result<f64, String> {
-    between(text, -360.0, 360.0)
+    number_between(text, -360.0, 360.0)
 }
 
 pub(super) fn elevation(text: &str) -> Result<f64, String> {
-    between(text, -90.0, 90.0)
+    number_between(text, -90.0, 90.0)
 }
 
 pub(super) fn zoom(text: &str) -> Result<f64, String> {
-    between(text, 0.01, 1000.0)
+    number_between(text, 0.01, 1000.0)
 }
 
-/// `#rrggbb`, `#rrggbbaa` or a name.
+/// Reads `#rrggbb`, `#rrggbbaa` or a name.
 pub(super) fn colour(text: &str) -> Result<[u8; 4], String> {
     match text {
         "white" => return Ok([255; 4]),
@@ -102,17 +103,17 @@ pub(super) fn colour(text: &str) -> Result<[u8; 4], String> {
         "transparent" => return Ok([0; 4]),
         _ => {}
     }
-    let wrong =
+    let expected =
         || "a colour as #rrggbb or #rrggbbaa, or white, black, grey, transparent".to_owned();
     let digits = text
         .strip_prefix('#')
         .filter(|d| d.bytes().all(|b| b.is_ascii_hexdigit()))
-        .ok_or_else(wrong)?;
-    let value = u32::from_str_radix(digits, 16).map_err(|_| wrong())?;
+        .ok_or_else(expected)?;
+    let value = u32::from_str_radix(digits, 16).map_err(|_| expected())?;
     match digits.len() {
         6 => Ok((value << 8 | 0xff).to_be_bytes()),
         8 => Ok(value.to_be_bytes()),
-        _ => Err(wrong()),
+        _ => Err(expected()),
     }
 }
 

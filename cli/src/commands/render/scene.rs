@@ -7,13 +7,13 @@ use crate::commands::input::Objects;
 use crate::exit::{Failure, Outcome, Status};
 use crate::stages::Stages;
 use lodc::{Input, read_input};
-use lodc_formats::appearance;
-use lodc_formats::{Document, Scene, scene_graph};
+use lodc_formats::{Document, Scene, appearance as read_appearance, scene_graph};
 use lodc_scene::{Appearance, Arrangement};
 
-/// More triangles than this, instances counted, are not drawn in one picture.
+/// Triangles, with all instances, that one picture shows at most. Chosen by hand, as is the next:
+/// both bound the memory.
 const MAX_TRIANGLES: u64 = 1 << 26;
-/// More placements than this are not drawn in one picture.
+/// Placements that one picture shows at most.
 const MAX_PLACEMENTS: usize = 1 << 20;
 
 /// An asset that can be drawn.
@@ -23,7 +23,7 @@ pub(super) struct DrawableScene {
     pub(super) appearance: Appearance,
     /// The placements of objects.
     pub(super) arrangement: Arrangement,
-    /// Repairs, drops and omissions while reading.
+    /// What was repaired, dropped or left out while reading.
     pub(super) warnings: Vec<String>,
 }
 
@@ -36,13 +36,13 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<DrawableSc
     let read = stages.run("read", || read_input(&args.input, &options))?;
     let (objects, document, warnings) = match read {
         Input::Levels(file) => (Objects::Levels(file.objects), file.document, file.left_out),
-        Input::Scene(scene) => of_scene(args, scene, stages)?,
+        Input::Scene(scene) => objects_of_scene(args, scene, stages)?,
     };
     let infos = objects.infos();
     let name = args.input.display().to_string();
     let mut assets = args.import.assets(&args.input, args.textures.as_ref());
-    let looks = stages
-        .run("textures", || appearance(&document, &infos, &mut assets))
+    let appearance = stages
+        .run("textures", || read_appearance(&document, &infos, &mut assets))
         .map_err(|e| e.in_file(&name))?;
     let graph = scene_graph(&document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
     if graph.placement_count() > MAX_PLACEMENTS {
@@ -61,18 +61,19 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<DrawableSc
             format!("{name}: {triangles} triangles with all instances, more than {MAX_TRIANGLES}");
         return Err(Failure::new(Status::Limit, message));
     }
-    Ok(DrawableScene { objects, document, appearance: looks, arrangement, warnings })
+    Ok(DrawableScene { objects, document, appearance, arrangement, warnings })
 }
 
-fn of_scene(
+/// The objects of a scene: meshes, or simplified if levels or strips are asked for.
+fn objects_of_scene(
     args: &RenderArgs,
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<(Objects, Document, Vec<String>)> {
-    let levels = args.selector.target().is_some()
+    let needs_levels = args.selector.target().is_some()
         || args.views.criterion.is_some()
         || !args.contact_sheet.is_empty();
-    if !levels && args.color != Colouring::Strips {
+    if !needs_levels && args.color != Colouring::Strips {
         return Ok((Objects::Meshes(scene.objects), scene.document, scene.warnings));
     }
     let simplify_args = SimplifyArgs::default();

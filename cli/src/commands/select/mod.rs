@@ -99,23 +99,23 @@ struct LevelReport {
 
 pub(crate) fn run(args: &SelectArgs) -> Outcome<()> {
     match (&args.file, &args.scene) {
-        (Some(file), _) => one(args, file),
-        (None, Some(list)) => many(args, list),
+        (Some(file), _) => select_for_file(args, file),
+        (None, Some(list)) => select_for_scene(args, list),
         (None, None) => Err(Failure::usage("name a file, or a scene with --scene")),
     }
 }
 
-fn one(args: &SelectArgs, file: &std::path::Path) -> Outcome<()> {
+fn select_for_file(args: &SelectArgs, file: &std::path::Path) -> Outcome<()> {
     let model = Model::read(file, &args.limits)?;
-    let away = args.distance.expect("clap demands it beside a file");
-    let pixels = args.pixels.expect("clap demands it beside a file");
-    // The distance is that of the surface: a point without a sphere.
-    let instance = Instance { curve: 0, position: [0.0, 0.0, away], scale: 1.0 };
+    let eye_distance = args.distance.expect("clap requires it with a file");
+    let pixels = args.pixels.expect("clap requires it with a file");
+    // The distance is to the nearest point of the surface, so the model's sphere has no radius.
+    let instance = Instance { curve: 0, position: [0.0, 0.0, eye_distance], scale: 1.0 };
     let mut manager = SceneManager::new(vec![model.curve(0.0)], vec![instance]);
     let view = args.screen.view([0.0; 3]);
     manager.frame(&view, Goal::Pixels(pixels));
     let level = level(&model, &manager, 0);
-    let projected_pixels = level.error * f64::from(view.screen) / f64::from(away);
+    let projected_pixels = level.error * f64::from(view.screen) / f64::from(eye_distance);
     if args.json {
         let schema_version = SCHEMA_VERSION;
         return console::json(&FileReport { schema_version, level, projected_pixels });
@@ -123,27 +123,27 @@ fn one(args: &SelectArgs, file: &std::path::Path) -> Outcome<()> {
     console::result(&format!(
         "{}, {projected_pixels:.2} pixels at {}",
         text(&level),
-        distance(f64::from(away))
+        distance(f64::from(eye_distance))
     ))
 }
 
-fn many(args: &SelectArgs, list: &std::path::Path) -> Outcome<()> {
+fn select_for_scene(args: &SelectArgs, list: &std::path::Path) -> Outcome<()> {
     let scene = scene::read(list, &args.limits)?;
     let curves = scene.models.iter().map(|model| model.curve(model.radius)).collect();
     let mut manager = SceneManager::new(curves, scene.instances.clone());
-    let view = args.screen.view(args.eye.expect("clap demands it"));
+    let view = args.screen.view(args.eye.expect("clap requires it"));
     let view = args.target.map_or(view, |target| view.towards(target));
     let goal = match (args.budget, args.pixels) {
         (Some(budget), _) => Goal::Triangles(budget),
-        (None, pixels) => Goal::Pixels(pixels.expect("clap demands one of them")),
+        (None, pixels) => Goal::Pixels(pixels.expect("clap requires one of them")),
     };
     let triangles = manager.frame(&view, goal);
     if args.budget.is_some_and(|budget| triangles > budget) {
         let what = format!("the coarsest levels have {} triangles", grouped(triangles));
         console::warning(&list.display().to_string(), &what);
     }
-    let of = |i: usize| &scene.models[scene.instances[i].curve as usize];
-    let instances = (0..scene.instances.len()).map(|i| level(of(i), &manager, i));
+    let model_of = |i: usize| &scene.models[scene.instances[i].curve as usize];
+    let instances = (0..scene.instances.len()).map(|i| level(model_of(i), &manager, i));
     let instances: Vec<LevelReport> = instances.collect();
     if args.json {
         let (schema_version, pixels) = (SCHEMA_VERSION, decimal(manager.pixels()));

@@ -11,20 +11,22 @@ use lodc_scene::{Arrangement, posed_positions};
 use lodc_select::LevelCurve;
 use std::path::Path;
 
-/// Levels of a file and its size.
+/// The levels of a file and its size.
 #[derive(Debug)]
 pub(super) struct Model {
     /// World error and triangles of each level, the finest first.
     levels: Vec<(f64, u32)>,
     /// The LOD of each level, if there is a single object.
     lods: Option<Vec<u32>>,
-    /// What its errors are the largest over.
+    /// The poses that its errors are the largest over.
     pub(super) errors_over: ErrorsOver,
     /// Radius of a sphere around the origin that holds everything that the scene shows.
     pub(super) radius: f32,
 }
 
 impl Model {
+    /// Reads a file.
+    ///
     /// # Errors
     /// If the file cannot be read or has no triangles.
     pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Self> {
@@ -37,8 +39,8 @@ impl Model {
             return Err(Failure::new(Status::Input, what));
         }
         let lods = match &file.objects[..] {
-            [one] => {
-                let collapses = one.simplified.collapses();
+            [object] => {
+                let collapses = object.simplified.collapses();
                 let steps = (0..collapses.steps()).map(|i| collapses.step(i).lod.0);
                 Some(std::iter::once(0).chain(steps).collect())
             }

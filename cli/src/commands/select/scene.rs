@@ -8,17 +8,17 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// One line.
+/// One instance.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Line {
     file: PathBuf,
     position: [f32; 3],
-    #[serde(default = "one")]
+    #[serde(default = "default_scale")]
     scale: f32,
 }
 
-fn one() -> f32 {
+fn default_scale() -> f32 {
     1.0
 }
 
@@ -29,10 +29,10 @@ pub(super) struct Scene {
     pub(super) instances: Vec<Instance>,
 }
 
-/// Reads a scene; blank lines are passed over. Paths are relative to the current folder.
+/// Reads a scene; blank lines are skipped. Paths are relative to the current folder.
 ///
 /// # Errors
-/// If a line is not such a document, or a file cannot be read.
+/// If a line is no valid document, or a file cannot be read.
 pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
     let failure = |what: String| Failure::new(Status::Input, format!("{}: {what}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|e| failure(e.to_string()))?;
@@ -55,7 +55,7 @@ pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
                 model
             }
         };
-        // Each model has one curve.
+        // Curves have the numbers of their models.
         scene.instances.push(Instance { curve: model, position: line.position, scale: line.scale });
     }
     Ok(scene)

@@ -1,4 +1,5 @@
-//! `lodc unpack`: the mesh of a stream, or of as much of it as there is; the file of a whole one.
+//! `lodc unpack`: writes the mesh of a stream or of a prefix of one, or the `.lodc` file of a
+//! complete one.
 
 mod mesh;
 mod rebuilt;
@@ -68,7 +69,7 @@ struct Stream {
     /// For messages.
     name: String,
     unpacker: Unpacker,
-    /// Fault of the first part that cannot be used.
+    /// What is wrong with the first part that cannot be used.
     damaged: Option<FormatError>,
 }
 
@@ -81,7 +82,7 @@ fn read(args: &UnpackArgs, mut unpacker: Unpacker, stages: &mut Stages) -> Outco
     Ok(Stream { name, unpacker, damaged })
 }
 
-/// The warning of an object of which quantising has flattened triangles.
+/// The warning about an object of which quantising has flattened triangles, if it has.
 fn flattened(object: &str, triangles: usize) -> Option<String> {
     let triangles = (triangles > 0).then(|| count(triangles as u64, "triangle"))?;
     Some(format!("{object}: {triangles} without area after quantising left out"))

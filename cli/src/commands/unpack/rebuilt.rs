@@ -1,5 +1,5 @@
-//! A `.lodc` file out of a complete stream: meshes, sequences and strips as they came, distances
-//! measured and models made anew (thesis 4.3.3).
+//! Makes a `.lodc` file out of a complete stream: meshes and sequences are those of the stream,
+//! distances are measured and models made anew (thesis 4.3.3).
 
 use super::{Stream, UnpackArgs, read, summary};
 use crate::exit::{Failure, Outcome, Status};
@@ -41,8 +41,8 @@ pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
         let what = "the stream is not complete, and a .lodc file needs all of it: a mesh does not";
         return Err(Failure::new(Status::Input, format!("{name}: {what}")));
     }
-    let (simplified, warnings) = stages.run("rebuild", || rebuilt(unpacker, name))?;
-    let file = file(args, unpacker, simplified, name, &mut stages)?;
+    let (simplified, warnings) = stages.run("rebuild", || rebuild_objects(unpacker, name))?;
+    let file = measure_and_build(args, unpacker, simplified, name, &mut stages)?;
     stages.run("write", || output::write(&target, lodc::write(&file)))?;
     let arrived = unpacker.arrived().map_err(|e| e.in_file(name))?;
     let arrived = arrived.expect("a complete stream has a head");
@@ -50,8 +50,8 @@ pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
     Ok(Status::Done)
 }
 
-/// The objects, and a warning for each that lost triangles.
-fn rebuilt(unpacker: &Unpacker, name: &str) -> Outcome<(SimplifiedObjects, Vec<String>)> {
+/// The objects with their sequences, and a warning for each that lost triangles.
+fn rebuild_objects(unpacker: &Unpacker, name: &str) -> Outcome<(SimplifiedObjects, Vec<String>)> {
     let all: Vec<_> = (0..unpacker.objects())
         .into_par_iter()
         .map(|i| unpacker.rebuilt(i).map_err(|e| Failure::from(e.in_file(name))))
@@ -66,7 +66,7 @@ fn rebuilt(unpacker: &Unpacker, name: &str) -> Outcome<(SimplifiedObjects, Vec<S
 }
 
 /// Measures distances and makes models, as `build` does.
-fn file(
+fn measure_and_build(
     args: &UnpackArgs,
     unpacker: &Unpacker,
     simplified: SimplifiedObjects,

@@ -5,7 +5,7 @@ use crate::gpu::{self, Device, GpuUse};
 use lodc::LodFile;
 use lodc_report::CheckReport;
 
-/// A graphics device that takes part, or why none does.
+/// The graphics device to replay models on, or why there is none.
 pub(super) enum Gpu {
     Device(Box<Device>),
     Skipped(String),
@@ -67,9 +67,8 @@ fn on_device(file: &LodFile, device: &Device, gpu_use: GpuUse) -> Outcome<Vec<Ch
                 adapter: adapter.clone(),
                 ..CheckReport::new(Some(name), model.name(), check)
             };
-            // Where a device was only asked for if there is one, what it is too small for is left
-            // out, aloud.
-            let too_much = |failure: Failure, check| match gpu_use {
+            // With --gpu=auto, a check that the device is too small for is reported as skipped.
+            let skipped_or_failed = |failure: Failure, check| match gpu_use {
                 GpuUse::Auto if failure.status == Status::Limit => {
                     Ok(CheckReport { skipped: Some(failure.message), ..report(check) })
                 }
@@ -78,7 +77,10 @@ fn on_device(file: &LodFile, device: &Device, gpu_use: GpuUse) -> Outcome<Vec<Ch
             let plans = match model.replays(&stops) {
                 Ok(plans) => plans,
                 Err(e) => {
-                    reports.push(too_much(Failure::new(Status::Limit, e.to_string()), "replay")?);
+                    reports.push(skipped_or_failed(
+                        Failure::new(Status::Limit, e.to_string()),
+                        "replay",
+                    )?);
                     continue;
                 }
             };
@@ -89,7 +91,7 @@ fn on_device(file: &LodFile, device: &Device, gpu_use: GpuUse) -> Outcome<Vec<Ch
                         let differs = |d| format!("{}, {check}: {d}", model.name());
                         report(check).of(done.lods, done.difference.map(differs))
                     }
-                    Err(e) => too_much(gpu::failure(&e), check)?,
+                    Err(e) => skipped_or_failed(gpu::failure(&e), check)?,
                 });
             }
         }

@@ -75,11 +75,12 @@ Examples:
 
 /// Extensions of files that are verified: those with all levels, then those with exported levels,
 /// which take a source.
-const LEVELS: [&str; 5] = ["lodc", "glb", "gltf", "obj", "ply"];
+const VERIFIED_EXTENSIONS: [&str; 5] = ["lodc", "glb", "gltf", "obj", "ply"];
 
 pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
-    let streams = args.inputs.iter().chain(&args.source).filter(|path| is_standard_stream(path));
-    if streams.count() > 1 {
+    let standard_inputs =
+        args.inputs.iter().chain(&args.source).filter(|path| is_standard_stream(path));
+    if standard_inputs.count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
     args.ci.check(args.inputs.iter().chain(&args.source))?;
@@ -87,20 +88,22 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     let mut report = VerifyReport { schema_version: SCHEMA_VERSION, ok: true, files: vec![] };
     let mut worst = Status::Done;
     let options = args.import.options();
-    let kinds: &[&str] = if args.source.is_some() { &LEVELS } else { &LEVELS[..1] };
+    let kinds: &[&str] =
+        if args.source.is_some() { &VERIFIED_EXTENSIONS } else { &VERIFIED_EXTENSIONS[..1] };
     let mut inputs = batch::expand_folders(&args.inputs, kinds, &args.include, &args.exclude)?;
     // In folders, meshes that are not levels by lodc are skipped; named ones are checked anyway.
     inputs.retain(|path| {
-        let is_named = args.inputs.contains(path) || path.extension() == Some(LEVELS[0].as_ref());
+        let is_named =
+            args.inputs.contains(path) || path.extension() == Some(VERIFIED_EXTENSIONS[0].as_ref());
         is_named || states_levels(path, &options)
     });
     clock::expect_several(inputs.len() > 1);
     let sources = Sources::new(args.source.as_deref(), &options)?;
     let one = |input: &PathBuf| verify_one(args, &sources, gpu.as_ref(), input);
-    // On a device one file at a time: they would share its memory.
-    // Two files a thread, so that none waits at the end of a run.
-    let at_once = if gpu.is_some() { 1 } else { 2 * rayon::current_num_threads() };
-    for group in groups(&inputs, at_once) {
+    // On a device one file at a time: several would share its memory. Else two files for each
+    // thread, so that few threads are idle while the last files of a group are verified.
+    let max_group_files = if gpu.is_some() { 1 } else { 2 * rayon::current_num_threads() };
+    for group in groups(&inputs, max_group_files) {
         let done: Vec<(FileReport, Status)> = group.par_iter().with_max_len(1).map(one).collect();
         for (file, status) in done {
             report.ok &= file.ok;
@@ -118,16 +121,17 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     Ok(worst)
 }
 
-/// Most bytes of the files that are verified at a time; a larger file is verified alone. Enough for
-/// all threads to have work on small files, and little memory. Chosen by hand.
-const TOGETHER: u64 = 16 << 20;
+/// Bytes, at most, of the files that are verified at a time; a larger file is verified alone.
+/// Chosen by hand: small files give work to all threads, and groups take little memory.
+const MAX_GROUP_BYTES: u64 = 16 << 20;
 
-/// Divides inputs into runs that are verified at a time, each of at most `at_once` files.
-fn groups(inputs: &[PathBuf], at_once: usize) -> Vec<&[PathBuf]> {
+/// Divides inputs, in order, into groups that are verified at a time, each of at most
+/// `max_group_files` files.
+fn groups(inputs: &[PathBuf], max_group_files: usize) -> Vec<&[PathBuf]> {
     let bytes = |path: &PathBuf| path.metadata().map_or(0, |m| m.len());
     let (mut groups, mut first, mut sum) = (Vec::new(), 0, 0);
     for (i, size) in inputs.iter().map(bytes).enumerate() {
-        if i > first && (i - first == at_once || sum + size > TOGETHER) {
+        if i > first && (i - first == max_group_files || sum + size > MAX_GROUP_BYTES) {
             groups.push(&inputs[first..i]);
             (first, sum) = (i, 0);
         }
@@ -137,7 +141,7 @@ fn groups(inputs: &[PathBuf], at_once: usize) -> Vec<&[PathBuf]> {
     groups
 }
 
-/// One file. Whatever happens, there is a report, and the other files have their turn.
+/// Verifies one file. A failure is in its report and does not stop the other files.
 fn verify_one(
     args: &VerifyArgs,
     sources: &Sources,
@@ -205,7 +209,7 @@ fn check_exported(
     clock.check();
     let glide = check_glide(&levels);
     let Some(source) = sources.of(levels.stated.source, input)? else {
-        // Whether each level, moved, is the next one can be told without the mesh.
+        // Whether each level, moved, is the next one can be checked without the mesh.
         if let Some(glide) = glide {
             return Ok(vec![glide]);
         }
@@ -235,7 +239,7 @@ fn print(file: &FileReport) -> Outcome<()> {
         let object = check.object.as_deref().map(|o| format!(" {o}")).unwrap_or_default();
         let reason = check.first_difference.as_ref().or(check.skipped.as_ref());
         let reason = reason.map(|r| format!(": {r}")).unwrap_or_default();
-        // Said only where some levels were compared in full, not where none or all were.
+        // Printed only if some levels were compared in full, but not all.
         let full = if (1..check.lods).contains(&check.full) {
             format!(" ({} in full)", grouped(check.full))
         } else {
@@ -267,7 +271,7 @@ mod tests {
         std::fs::create_dir_all(&folder).expect("a folder");
         let large = folder.join("large");
         let file = File::create(&large).expect("a file");
-        file.set_len(TOGETHER + 1).expect("a sparse file");
+        file.set_len(MAX_GROUP_BYTES + 1).expect("a sparse file");
         let small = folder.join("small");
         let inputs = [&small, &small, &small, &large, &small].map(Clone::clone);
         let sizes: Vec<usize> = groups(&inputs, 2).into_iter().map(<[PathBuf]>::len).collect();

@@ -19,7 +19,7 @@ pub(super) enum Sources {
 }
 
 impl Sources {
-    /// Reads the content of every mesh below a folder; a mesh that cannot be read has no hash.
+    /// Reads the content of every mesh below a folder; one that cannot be read is left out.
     ///
     /// # Errors
     /// If there is no mesh in the folder.
@@ -48,7 +48,7 @@ impl Sources {
             Self::One(path) => Ok(Some(path)),
             Self::Folder(folder, meshes) => match meshes.get(&hash) {
                 Some(paths) => {
-                    // The last one of equals is the first by name.
+                    // `max_by_key` returns the last of equals: in reverse order the first by name.
                     let closest = paths.iter().rev().max_by_key(|path| likeness(path, input));
                     Ok(closest.map(PathBuf::as_path))
                 }
@@ -65,15 +65,15 @@ impl Sources {
     }
 }
 
-/// How much the path of a mesh is like that of levels made of it: how many characters of its name
-/// theirs begins with, then how many folders, from the last one on, are called the same.
+/// How much the path of a mesh is like the path of levels made of it: the bytes of its name that
+/// theirs begins with, then the number of folders, from the last one up, of the same names.
 fn likeness(mesh: &Path, levels: &Path) -> (usize, usize) {
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stem = mesh.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let begins = |with: &str| if name(levels).starts_with(with) { with.len() } else { 0 };
+    let common_start = |start: &str| if name(levels).starts_with(start) { start.len() } else { 0 };
     let folders = |path: &Path| -> Vec<_> {
         path.parent().into_iter().flat_map(|p| p.iter().rev().map(ToOwned::to_owned)).collect()
     };
     let same = folders(mesh).iter().zip(&folders(levels)).take_while(|(a, b)| a == b).count();
-    (begins(&name(mesh)).max(begins(&stem)), same)
+    (common_start(&name(mesh)).max(common_start(&stem)), same)
 }

@@ -70,8 +70,9 @@ pub(super) struct Page {
     pub(super) text: String,
     /// A line each, besides those of the asset.
     pub(super) warnings: Vec<String>,
-    /// Words about it that stand before its size and after it.
-    pub(super) facts: [String; 2],
+    /// What the final message says of it before its size, and after it.
+    pub(super) before_size: String,
+    pub(super) after_size: String,
 }
 
 /// An asset for a page, and the files that it refers to.
@@ -87,21 +88,21 @@ pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
     let options = args.import.options();
     if !output::is_standard_stream(&args.input) && states_levels(&args.input, &options) {
         let ShippedLevels { levels, glides, .. } = import_levels(&args.input, &options)?;
-        // A level alone is a mesh like another.
+        // A single level is shown like any mesh.
         if levels.len() > 1 || !glides.is_empty() {
             return run_shipped(args, *up, levels.len());
         }
     }
     write(args, |PageInput { asset, assets, title, stages }| {
-        let (glb, warnings) = stages.run("export", || model(args, asset, assets))?;
+        let (glb, warnings) = stages.run("export", || glb_with_levels(args, asset, assets))?;
         let text = stages.run("page", || page::page(&title, *up, &glb));
         let triangles = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
-        let shown = format!("{}, ", count(triangles.sum(), "triangle"));
-        Ok((Page { text, warnings, facts: [shown, String::new()] }, ()))
+        let before_size = format!("{}, ", count(triangles.sum(), "triangle"));
+        Ok((Page { text, warnings, before_size, after_size: String::new() }, ()))
     })
 }
 
-/// Reads the input, makes its page, writes it and says so. `make` also returns a result.
+/// Reads the input, makes its page, writes it and prints a message. `make` also returns a result.
 ///
 /// # Errors
 /// If the input cannot be read or shown, or the page not be written.
@@ -114,16 +115,16 @@ pub(super) fn write<R>(
     let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
     let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
-    let shown = PageInput { asset: &asset, assets: &mut assets, title, stages: &mut stages };
-    let (mut page, result) = make(shown)?;
+    let page_input = PageInput { asset: &asset, assets: &mut assets, title, stages: &mut stages };
+    let (mut page, result) = make(page_input)?;
     page.warnings.splice(0..0, asset.warnings);
     let mut files = asset.files;
     files.extend(assets.files());
-    put(args, &target, page, &files, &mut stages)?;
+    write_page(args, &target, page, &files, &mut stages)?;
     Ok(result)
 }
 
-/// Makes the page of levels as a glTF holds them.
+/// Makes the page of levels that `chain` or `extract` wrote into a glTF.
 fn run_shipped(args: &PageArgs, up: UpAxis, levels: usize) -> Outcome<()> {
     let target = target(args)?;
     let mut stages = Stages::new(args.import.clock(&args.input));
@@ -132,19 +133,20 @@ fn run_shipped(args: &PageArgs, up: UpAxis, levels: usize) -> Outcome<()> {
     let (glb, warnings) = stages.run("export", || as_plain_glb(&mut assets, &options))?;
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
     let text = stages.run("page", || page::page(&title, up, &glb));
-    let facts = [format!("{} as shipped, ", count(levels as u64, "level")), String::new()];
-    put(args, &target, Page { text, warnings, facts }, assets.files(), &mut stages)
+    let before_size = format!("{} as shipped, ", count(levels as u64, "level"));
+    let page = Page { text, warnings, before_size, after_size: String::new() };
+    write_page(args, &target, page, assets.files(), &mut stages)
 }
 
-/// Writes a page and its dependency file, and says so.
-fn put(
+/// Writes a page and its dependency file, and prints a message.
+fn write_page(
     args: &PageArgs,
     target: &Target,
     page: Page,
     files: &RequestedFiles,
     stages: &mut Stages,
 ) -> Outcome<()> {
-    let Page { text, warnings, facts: [before, after] } = page;
+    let Page { text, warnings, before_size, after_size } = page;
     let (length, path) = (text.len() as u64, PathBuf::from(target.name()));
     let file = OutputFile { path: path.clone(), bytes: text.into_bytes() };
     stages.run("write", || mesh_output::write(target, vec![file]))?;
@@ -156,13 +158,13 @@ fn put(
         console::warning(&name, warning);
     }
     if wants(Loudness::Normal) {
-        let page = format!("{before}{}{after}", size(length));
+        let page = format!("{before_size}{}{after_size}", size(length));
         note(&format!("{}: {page}; open it in a browser", target.name()));
     }
     Ok(())
 }
 
-/// The page's target, ready to be written, as is the dependency file.
+/// Where the page is written. Makes sure that it and the dependency file can be.
 fn target(args: &PageArgs) -> Outcome<Target> {
     if output::is_standard_stream(&args.output) && args.depfile.is_some() {
         return Err(Failure::usage("a dependency file needs an output file, not standard output"));
@@ -182,7 +184,11 @@ fn title(input: &Path) -> String {
 }
 
 /// The asset as a GLB with all levels, and warnings about its textures.
-fn model(args: &PageArgs, asset: &Asset, assets: &mut Assets) -> Outcome<(Vec<u8>, Vec<String>)> {
+fn glb_with_levels(
+    args: &PageArgs,
+    asset: &Asset,
+    assets: &mut Assets,
+) -> Outcome<(Vec<u8>, Vec<String>)> {
     let textures = Textures::read(&asset.document, assets)?;
     let limits = args.import.limits().limits();
     let (path, objects) = (&args.output, &asset.objects);

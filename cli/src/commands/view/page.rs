@@ -8,7 +8,7 @@ use lodc_report::html::{base64, escaped};
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 
-/// The page's own modules, behind those that the npm package has as well.
+/// The page's own modules; those of the npm package come before them.
 const MODULES: [(&str, &str); 4] = [
     ("viewer.js", include_str!("viewer.js")),
     ("controls.js", include_str!("controls.js")),
@@ -19,12 +19,13 @@ const MODULES: [(&str, &str); 4] = [
 /// The page of a model, a GLB with all levels.
 pub(super) fn page(title: &str, up: UpAxis, glb: &[u8]) -> String {
     let modules = lodc_web::MODULES.iter().chain(&MODULES);
-    let script: String = modules.map(|(name, text)| joined(name, text)).collect();
+    let script: String = modules.map(|(name, text)| without_modules(name, text)).collect();
     let model = base64(glb);
     let mut page = String::with_capacity(model.len() + script.len() + TEMPLATE.len() + STYLE.len());
     let mut rest = TEMPLATE;
     while let Some((before, after)) = rest.split_once("{{") {
-        let (key, behind) = after.split_once("}}").expect("markers of the template are closed");
+        let (key, after_marker) =
+            after.split_once("}}").expect("markers of the template are closed");
         page.push_str(before);
         match key {
             "title" => page.push_str(&escaped(title)),
@@ -36,7 +37,7 @@ pub(super) fn page(title: &str, up: UpAxis, glb: &[u8]) -> String {
             "version" => page.push_str(env!("CARGO_PKG_VERSION")),
             other => unreachable!("the template has no marker {other}"),
         }
-        rest = behind;
+        rest = after_marker;
     }
     page.push_str(rest);
     page
@@ -48,17 +49,17 @@ fn view_shader() -> String {
     shader.expect("views have a kernel").text()
 }
 
-/// A module as a part of one script: without its imports and the word `export`.
-fn joined(name: &str, text: &str) -> String {
+/// A module's text for a script of all modules: without its imports and the word `export`.
+fn without_modules(name: &str, text: &str) -> String {
     let mut out = format!("// ---- {name}\n");
-    let mut importing = false;
+    let mut in_import = false;
     for line in text.lines() {
-        importing |= line.starts_with("import ");
-        if !importing {
+        in_import |= line.starts_with("import ");
+        if !in_import {
             out.push_str(line.strip_prefix("export ").unwrap_or(line));
             out.push('\n');
         }
-        importing &= !line.ends_with(';');
+        in_import &= !line.ends_with(';');
     }
     out
 }

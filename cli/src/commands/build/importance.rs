@@ -8,7 +8,7 @@ use lodc_assets::Parts;
 use lodc_formats::Scene;
 use lodc_simplify::Options;
 
-/// Finds the parts. `options` are those of the objects.
+/// The locked vertices and the weights of a scene. `options` are those of the objects.
 ///
 /// # Errors
 /// If a lock or a part names nothing in the scene, or the stored document is damaged.
