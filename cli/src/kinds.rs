@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::help::{SIMPLIFIED, STORED};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use lodc::build::POSES;
+use lodc::build::DEFAULT_POSES;
 use lodc_formats::lodc::{Layout, MAX_POSES};
 use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
@@ -144,7 +144,7 @@ pub(crate) struct PosesArgs {
 impl PosesArgs {
     /// How many poses errors hold in at most, besides rest.
     pub(crate) fn max_poses(self) -> usize {
-        self.poses.map_or(POSES, usize::from)
+        self.poses.map_or(DEFAULT_POSES, usize::from)
     }
 }
 

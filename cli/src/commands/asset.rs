@@ -13,7 +13,7 @@ use clap::Args;
 use lodc::{
     Input, LodObject,
     build::{
-        LevelDistance, Need, Paints, SceneContext, ScenePaints, Size, Tick, choose_poses,
+        LevelDistance, MetricColours, Need, SceneColours, SceneContext, Size, Tick, choose_poses,
         measure_all, measure_levels, simplify_all,
     },
     read_input,
@@ -38,8 +38,8 @@ pub(crate) struct Asset {
     pub(crate) warnings: Vec<String>,
     /// The levels whose errors its sequences state.
     errors: Errors,
-    /// The looks of the scene, if the metric saw them.
-    paints: Option<Arc<Paints>>,
+    /// The colours of the scene, if the metric used them.
+    colours: Option<Arc<SceneColours>>,
 }
 
 /// The levels whose errors are measured: measuring all takes longer than simplifying does.
@@ -86,33 +86,35 @@ impl Asset {
         self.errors == Errors::OfResult && simplify_args.metric.metric == MetricKind::Quadric
     }
 
-    /// The looks of the scene, read unless the metric saw them. Images that cannot be had are left
-    /// out, with a line among the warnings of the looks.
+    /// The colours of the scene, read now unless the metric used them. Images that cannot be read
+    /// are left out, with a line among the warnings of the appearance.
     ///
     /// # Errors
     /// If the document is damaged.
-    pub(crate) fn paints(&self, input: &Path, import: &ImportArgs) -> Outcome<Arc<Paints>> {
-        if let Some(paints) = &self.paints {
-            return Ok(Arc::clone(paints));
+    pub(crate) fn colours(&self, input: &Path, import: &ImportArgs) -> Outcome<Arc<SceneColours>> {
+        if let Some(colours) = &self.colours {
+            return Ok(Arc::clone(colours));
         }
         let infos: Vec<&ObjectInfo> = self.objects.iter().map(|o| &o.info).collect();
-        read_paints(input, import, &self.document, &infos)
+        read_colours(input, import, &self.document, &infos)
     }
 }
 
-/// Reads the looks of a scene.
+/// Reads the colours of a scene.
 ///
 /// # Errors
 /// If the document is damaged.
-pub(crate) fn read_paints(
+pub(crate) fn read_colours(
     input: &Path,
     import: &ImportArgs,
     document: &Document,
     infos: &[&ObjectInfo],
-) -> Outcome<Arc<Paints>> {
+) -> Outcome<Arc<SceneColours>> {
     let mut assets = import.assets(input, None);
-    let looks = appearance(document, infos, &mut assets);
-    Ok(Arc::new(Paints::new(looks.map_err(|e| e.in_file(&input.display().to_string()))?)))
+    let appearance = appearance(document, infos, &mut assets);
+    Ok(Arc::new(SceneColours::new(
+        appearance.map_err(|e| e.in_file(&input.display().to_string()))?,
+    )))
 }
 
 /// Options of simplifying a mesh in memory.
@@ -181,7 +183,7 @@ pub(crate) fn read_showing(
             files: RequestedFiles::only(input),
             warnings: file.left_out,
             errors: Errors::Curve,
-            paints: None,
+            colours: None,
         }),
         Input::Scene(scene) => {
             simplified_showing(progress, (input, import), simplify_args, errors, scene, stages)
@@ -220,20 +222,20 @@ fn simplified_showing(
     let options = object_options(&scene, options, simplify_args.parts.all());
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&name, size, &needs)?;
-    let paints = ScenePaints::read(input, &import.options(), &scene, &options)?;
+    let colours = MetricColours::read(input, &import.options(), &scene, &options)?;
     let importance =
         importance(&scene, &options, &simplify_args.importance, simplify_args.parts.all())?;
     let Scene { source, document, objects, mut warnings, mut files, compressed, .. } = scene;
-    let known = SceneContext {
-        paints: paints.shown(),
+    let context = SceneContext {
+        colours: colours.scene_colours(),
         importance: &importance,
         document: &document,
         limits,
     };
     let watch = stages.watched(progress);
-    let mut simplified = simplify_all(objects, &options, known, &watch)?;
-    warnings.extend(paints.warnings);
-    files.extend(&paints.files);
+    let mut simplified = simplify_all(objects, &options, context, &watch)?;
+    warnings.extend(colours.warnings);
+    files.extend(&colours.files);
     let poses = simplify_args.poses.max_poses();
     match errors {
         Errors::OfResult => drop(choose_poses(&mut simplified, &document, &limits, poses)?),
@@ -243,6 +245,6 @@ fn simplified_showing(
     }
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();
-    let paints = paints.paints;
-    Ok(Asset { source, objects, document, compressed, files, warnings, errors, paints })
+    let colours = colours.colours;
+    Ok(Asset { source, objects, document, compressed, files, warnings, errors, colours })
 }

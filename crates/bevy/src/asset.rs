@@ -9,7 +9,7 @@ use bevy_mesh::Mesh;
 use bevy_reflect::TypePath;
 use bevy_transform::components::Transform;
 use lodc::formats::{Document, Limits, ObjectInfo, scene_graph};
-use lodc::level_mesh::{Shape, meshes};
+use lodc::level_mesh::{MeshOptions, meshes};
 use lodc::scene::{Arrangement, Placement};
 use lodc::{LodFile, Select, scene_levels};
 use serde::{Deserialize, Serialize};
@@ -147,7 +147,7 @@ fn add_level(
     let scene = scene_levels(&file.objects, &file.document, &Limits::DEFAULT)?;
     let lods = scene.select(select, false)?.lods;
     let upright = matches!(file.document, Document::Obj(_));
-    let levels = meshes(&file.objects, &lods, Shape::default())?;
+    let levels = meshes(&file.objects, &lods, MeshOptions::default())?;
     for (at, (object, level)) in objects.iter_mut().zip(levels).enumerate() {
         let mesh = &level.mesh;
         let mut handle = |submesh: usize| match mesh.submeshes()[submesh].triangle_count {

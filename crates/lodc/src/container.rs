@@ -12,7 +12,7 @@ pub type LodFile = lodc::LodFile<AnyModel>;
 /// One object of a `.lodc` file: its mesh in collapse order, the sequence, and its models.
 pub type LodObject = lodc::LodObject<AnyModel>;
 
-/// Reads a file. Models that this version does not have are left out, with a line in
+/// Reads a file. Models that this version does not know are left out, with a line in
 /// [`left_out`](lodc::LodFile::left_out).
 ///
 /// # Errors
@@ -20,26 +20,26 @@ pub type LodObject = lodc::LodObject<AnyModel>;
 pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
     lodc::read(bytes, &ModelKind::ALL.map(ModelKind::name))?.with_models(
         |simplified: &Arc<Simplified>, stored: StoredModel| {
-            let kind = stored.name.parse().expect("only kinds that are known are read");
+            let kind = stored.name.parse().expect("only known kinds are read");
             AnyModel::load(kind, simplified, &stored.arrays).map_err(|e| e.to_string())
         },
     )
 }
 
-/// Lays a file out. Equal contents give equal bytes.
+/// Returns the bytes of a file. Equal contents give equal bytes.
 #[must_use]
 pub fn write(file: &LodFile) -> Vec<u8> {
     lodc::write(file, store)
 }
 
-/// Number of bytes of a file of some layout that a model needs: what every model of the object
-/// needs ([`lodc::geometry_bytes`]) and its own arrays.
+/// Returns how many bytes of a file a model needs in a layout: those that every model of the object
+/// needs ([`lodc::geometry_bytes`]), and its own arrays.
 #[must_use]
 pub fn stored_bytes(model: &AnyModel, layout: Layout) -> u64 {
     lodc::geometry_bytes(model.simplified(), layout) + store(model, layout).bytes()
 }
 
-/// A model as it is stored.
+/// The name and the arrays of a model, as a file stores them.
 fn store(model: &AnyModel, layout: Layout) -> StoredModel {
     StoredModel { name: model.name().to_owned(), arrays: model.arrays(layout) }
 }

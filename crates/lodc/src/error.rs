@@ -4,7 +4,7 @@ use lodc_formats::FormatError;
 use lodc_select::SelectError;
 use std::fmt;
 
-/// Why something came to nothing. Displays as one line.
+/// Why something failed. Displays as one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Error {
@@ -12,7 +12,7 @@ pub enum Error {
     Format(FormatError),
     /// A level that the scene does not have was asked for.
     Select(SelectError),
-    /// A graphics device does not do what it is asked.
+    /// A graphics device is missing, too small or failed.
     #[cfg(feature = "gpu")]
     Device(lodc_gpu::GpuError),
     /// What was asked for does not fit the file.

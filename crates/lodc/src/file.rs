@@ -1,6 +1,6 @@
 //! A file with every level of its objects, and levels taken out of it.
 
-use crate::level_mesh::{self, LevelMesh, Order, Shape};
+use crate::level_mesh::{self, LevelMesh, MeshOptions, Order};
 use crate::{Error, LodFile, LodObject, scene_levels};
 use lodc_formats::{Fault, FormatError, Limits};
 use lodc_mesh::{Attribute, Lod, Mesh};
@@ -64,7 +64,7 @@ impl File {
         self.objects().iter().map(|o| o.simplified.mesh().triangles().len()).sum()
     }
 
-    /// Takes out one level for the whole scene, where detail goes where it is needed.
+    /// Takes out one level of the whole scene; several objects share its triangles or error.
     ///
     /// # Errors
     /// If a record number is asked of several objects, or a root mean square distance where none
@@ -72,9 +72,9 @@ impl File {
     pub fn level(&self, select: Target) -> Result<Level<'_>, Error> {
         let scene = scene_levels(self.objects(), &self.content.document, &Limits::DEFAULT)?;
         let chosen = scene.select(select, false)?;
-        let shape = Shape { model: None, order: Order::Cache };
+        let shape = MeshOptions { model: None, order: Order::Cache };
         let meshes = level_mesh::meshes(self.objects(), &chosen.lods, shape)?;
-        let (error, rms) = level_mesh::distance(self.objects(), &meshes);
+        let (error, rms) = level_mesh::largest_of_meshes(self.objects(), &meshes);
         Ok(Level { file: self, lods: chosen.lods, meshes, error, rms, warnings: chosen.warnings })
     }
 
@@ -132,7 +132,7 @@ impl<'a> Level<'a> {
         objects.map(|((object, level), &lod)| LevelObject { object, level, lod })
     }
 
-    /// Wishes that could not be met in full: one line each.
+    /// One line for each request that could not be met in full.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
@@ -175,7 +175,7 @@ impl<'a> Level<'a> {
             warnings.extend_from_slice(&additions.textures.warnings);
         }
         let lod = match self.lods[..] {
-            [one] => Some(one.0),
+            [lod] => Some(lod.0),
             _ => None,
         };
         let levels = vec![LevelFacts { lod, error: self.error, rms: self.rms, glide: None }];
@@ -183,7 +183,7 @@ impl<'a> Level<'a> {
         let poses = Some(content.objects.iter().map(|o| o.info.poses.clone()).collect());
         let (screen, next, refitted) = (None, None, false);
         additions.provenance = Some(Provenance { source, levels, refitted, screen, next, poses });
-        let objects = level_mesh::exported(&content.objects, &self.meshes);
+        let objects = level_mesh::export_objects(&content.objects, &self.meshes);
         let files = export_with(path, format, &content.document, &objects, &additions)?;
         lodc_formats::write_all(&files)?;
         Ok(warnings)

@@ -8,20 +8,22 @@ use lodc_mesh::{
 use lodc_scene::Shape;
 use std::ops::Range;
 
-/// A level as a mesh of its own, and where its vertices go.
+/// A level as a mesh of its own, and where its vertices move as the next level takes over.
 #[derive(Clone, Debug)]
 pub struct GlidingLevel {
-    /// The level, vertices that disappear last first.
+    /// The level; the vertices that disappear last come first.
     pub mesh: Mesh,
-    /// The same vertices where the next level has them, without triangles.
+    /// The same vertices with the values that they have in the next level, without triangles.
     pub next: Mesh,
-    /// The vertices that move.
+    /// The range of vertices that move.
     pub moving: Range<u32>,
 }
 
 impl GlidingLevel {
-    /// Returns the level `now` of an object on its way to the level `next`. Both are meshes of
-    /// their own with the vertices in the order of the object's mesh, moved or not.
+    /// Returns the level `now` of an object and its way to the level `next`. Both meshes have
+    /// exactly the vertices that their triangles need, in the order of the object's mesh; refitted
+    /// ones may have moved. `moves_all` says that every vertex may move, not only those that
+    /// disappear.
     ///
     /// # Errors
     /// If a level has other vertices than its triangles need: a bug.
@@ -31,22 +33,23 @@ impl GlidingLevel {
         (next_lod, next): (Lod, &Mesh),
         moves_all: bool,
     ) -> Result<Self, Error> {
-        let [own, others] = [lod, next_lod].map(|lod| used(simplified, lod));
-        if own.len() != now.vertex_count() || others.len() != next.vertex_count() {
+        let [vertices, next_vertices] = [lod, next_lod].map(|lod| used_vertices(simplified, lod));
+        if vertices.len() != now.vertex_count() || next_vertices.len() != next.vertex_count() {
             return Err(Error::Bug("a level has other vertices than its triangles".to_owned()));
         }
         let becomes = simplified.collapses().resolve_all(simplified.collapses().floor(next_lod));
         let input = simplified.mesh();
-        // The values of each vertex, the last to disappear first, at the next level; of one that
-        // nothing of it uses, in the input.
-        let goal = |&v: &u32| match others.binary_search(&becomes[v as usize]) {
-            Ok(place) => (next, place as u32),
+        // For each vertex, the last to disappear first, where its values at the next level are: a
+        // mesh and a vertex of it. If the next level does not use what it becomes, that is the
+        // input.
+        let goal = |&v: &u32| match next_vertices.binary_search(&becomes[v as usize]) {
+            Ok(index) => (next, index as u32),
             Err(_) => (input, becomes[v as usize]),
         };
-        let goals: Vec<(&Mesh, u32)> = own.iter().rev().map(goal).collect();
+        let goals: Vec<(&Mesh, u32)> = vertices.iter().rev().map(goal).collect();
         let last = now.vertex_count() as u32;
         let order: Vec<u32> = (0..last).rev().collect();
-        let gathered = |triangles: Vec<[u32; 3]>, submeshes: Vec<Submesh>| MeshParts {
+        let reversed = |triangles: Vec<[u32; 3]>, submeshes: Vec<Submesh>| MeshParts {
             positions: order.iter().map(|&v| now.positions()[v as usize]).collect(),
             vertex_submesh: order.iter().map(|&v| now.vertex_submesh()[v as usize]).collect(),
             attributes: now
@@ -57,106 +60,108 @@ impl GlidingLevel {
             triangles,
             submeshes,
         };
-        let turned = now.triangles().iter().map(|t| t.map(|v| last - 1 - v)).collect();
-        let mesh = gathered(turned, now.submeshes().to_vec());
-        let none = |s: &Submesh| Submesh {
+        let renumbered = now.triangles().iter().map(|t| t.map(|v| last - 1 - v)).collect();
+        let mesh = reversed(renumbered, now.submeshes().to_vec());
+        let empty = |s: &Submesh| Submesh {
             first_triangle: 0,
             triangle_count: 0,
             attributes: s.attributes.clone(),
         };
-        let mut moved = gathered(Vec::new(), now.submeshes().iter().map(none).collect());
-        // A vertex that no triangle of the next level uses may share its place with one that is
-        // used, and has moved: triangles between the two have no area.
+        let mut moved = reversed(Vec::new(), now.submeshes().iter().map(empty).collect());
+        // What a vertex becomes may be unused by the next level, but share its position in the
+        // input with a vertex that is used and has been moved. It then goes where that one is, so
+        // that triangles between the two have no area.
         let ids = PositionIds::new(input.positions());
-        let mut shown = vec![NONE; ids.len()];
-        for (&v, place) in others.iter().zip(0..) {
-            shown[ids.of_vertex[v as usize] as usize] = place;
+        let mut next_vertex_at = vec![NONE; ids.len()];
+        for (&v, index) in next_vertices.iter().zip(0..) {
+            next_vertex_at[ids.of_vertex[v as usize] as usize] = index;
         }
-        let place = |&(from, v): &(&Mesh, u32)| {
-            let there = if std::ptr::eq(from, next) {
+        let position = |&(from, v): &(&Mesh, u32)| {
+            let at_position = if std::ptr::eq(from, next) {
                 NONE
             } else {
-                shown[ids.of_vertex[v as usize] as usize]
+                next_vertex_at[ids.of_vertex[v as usize] as usize]
             };
-            let (from, v) = if there == NONE { (from, v) } else { (next, there) };
+            let (from, v) = if at_position == NONE { (from, v) } else { (next, at_position) };
             from.positions()[v as usize]
         };
-        moved.positions = goals.iter().map(place).collect();
+        moved.positions = goals.iter().map(position).collect();
         for stream in &mut moved.attributes {
             let same = |a: &&Attribute| a.described() == stream.described();
             let sources = [next, input].map(|mesh| mesh.attributes().iter().find(same).cloned());
             let stride = stream.stride();
             for (v, &(from, goal)) in goals.iter().enumerate() {
                 let source = if std::ptr::eq(from, next) { &sources[0] } else { &sources[1] };
-                let is_own = from.vertex_submesh()[goal as usize] == moved.vertex_submesh[v];
-                if let Some(source) = source.as_ref().filter(|a| a.is_spatial() || is_own) {
+                let same_submesh = from.vertex_submesh()[goal as usize] == moved.vertex_submesh[v];
+                if let Some(source) = source.as_ref().filter(|a| a.is_spatial() || same_submesh) {
                     stream.bytes[v * stride..][..stride].copy_from_slice(source.at(goal));
                 }
             }
         }
-        let gone = simplified.collapses().floor(next_lod).0;
-        let first = own.len() - own.partition_point(|&v| v < gone);
+        let first_remaining = simplified.collapses().floor(next_lod).0;
+        let first = vertices.len() - vertices.partition_point(|&v| v < first_remaining);
         let moving = if moves_all { 0 } else { first as u32 }..last;
-        let of = |parts| {
+        let mesh_of = |parts| {
             Mesh::try_from(parts).map_err(|e| Error::Bug(format!("a level on its way: {e}")))
         };
-        Ok(Self { mesh: of(mesh)?, next: of(moved)?, moving })
+        Ok(Self { mesh: mesh_of(mesh)?, next: mesh_of(moved)?, moving })
     }
 }
 
-/// The vertices that a level uses, rising.
-fn used(simplified: &Simplified, lod: Lod) -> Vec<u32> {
+/// The vertices that a level uses, in ascending order.
+fn used_vertices(simplified: &Simplified, lod: Lod) -> Vec<u32> {
     let triangles = simplified.triangles_at(simplified.collapses().floor(lod));
-    let mut used: Vec<u32> = triangles.iter().flat_map(|t| t.corners).collect();
-    used.sort_unstable();
-    used.dedup();
-    used
+    let mut vertices: Vec<u32> = triangles.iter().flat_map(|t| t.corners).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
 }
 
-/// Returns how far, in some shapes, vertices that have moved to where `next` has them are from
-/// those of the next level: morph targets move what joints and other targets move afterwards, each
-/// vertex by its own, or with `joints` by the joints of the one that it becomes. Above it no point
-/// of the surface is off. 0 where nothing bends.
+/// Returns how far at most, in any of the shapes, vertices that a morph target has moved to `next`
+/// are from those of the next level. They differ because joints and other morph targets move a
+/// vertex after that: by its own joints and targets, or with `takes_joints` by the joints of the
+/// vertex that it becomes. No point of the surface is farther off. 0 if nothing bends the mesh.
 #[must_use]
 pub fn pose_error(
     shapes: &[Shape],
     now: &Mesh,
     next: &Mesh,
     moving: &Range<u32>,
-    joints: bool,
+    takes_joints: bool,
 ) -> f64 {
     if !bends(now) {
         return 0.0;
     }
     let is_kept = |a: &Attribute| match a.semantic {
-        Semantic::Joints(_) | Semantic::Weights(_) => !joints,
+        Semantic::Joints(_) | Semantic::Weights(_) => !takes_joints,
         Semantic::Position => a.morph_target.is_some(),
         _ => false,
     };
     let mut parts = next.clone().into_parts();
-    for (own, before) in parts.attributes.iter_mut().zip(now.attributes()) {
-        if is_kept(own) && own.described() == before.described() {
-            own.bytes.clone_from(&before.bytes);
+    for (attribute, before) in parts.attributes.iter_mut().zip(now.attributes()) {
+        if is_kept(attribute) && attribute.described() == before.described() {
+            attribute.bytes.clone_from(&before.bytes);
         }
     }
-    farthest(shapes, &Mesh::try_from(parts).expect("other values of a mesh"), next, moving)
+    farthest_vertex(shapes, &Mesh::try_from(parts).expect("other values of a mesh"), next, moving)
 }
 
-/// Returns how far, in some shapes, vertices with the joints of what they become are from where
-/// they belong.
+/// Returns how far at most, in any of the shapes, vertices with the joints of what they become are
+/// from where their own joints have them.
 #[must_use]
 pub fn joints_error(shapes: &[Shape], now: &Mesh, next: &Mesh, moving: &Range<u32>) -> f64 {
     let mut parts = now.clone().into_parts();
-    for (own, after) in parts.attributes.iter_mut().zip(next.attributes()) {
-        let is_taken = matches!(own.semantic, Semantic::Joints(_) | Semantic::Weights(_));
-        if is_taken && own.described() == after.described() {
-            own.bytes.clone_from(&after.bytes);
+    for (attribute, after) in parts.attributes.iter_mut().zip(next.attributes()) {
+        let of_skin = matches!(attribute.semantic, Semantic::Joints(_) | Semantic::Weights(_));
+        if of_skin && attribute.described() == after.described() {
+            attribute.bytes.clone_from(&after.bytes);
         }
     }
-    farthest(shapes, &Mesh::try_from(parts).expect("other values of a mesh"), now, moving)
+    farthest_vertex(shapes, &Mesh::try_from(parts).expect("other values of a mesh"), now, moving)
 }
 
-fn farthest(shapes: &[Shape], a: &Mesh, b: &Mesh, moving: &Range<u32>) -> f64 {
+/// The largest distance between the same vertices of two meshes, over all shapes.
+fn farthest_vertex(shapes: &[Shape], a: &Mesh, b: &Mesh, moving: &Range<u32>) -> f64 {
     let in_shape = |shape: &Shape| {
         let (a, b) = (shape.of(a), shape.of(b));
         let between = |v: u32| {
@@ -176,8 +181,8 @@ pub fn bends(mesh: &Mesh) -> bool {
     mesh.attributes().iter().any(moves)
 }
 
-/// Returns the levels of an object, each as [`GlidingLevel`] has it, of meshes in the order of the
-/// object's; the last moves nowhere.
+/// Returns the [`GlidingLevel`] of each level of an object. The meshes have their vertices in the
+/// order of the object's; the vertices of the last level do not move.
 ///
 /// # Errors
 /// As [`GlidingLevel::new`].

@@ -19,7 +19,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Every file will do, whatever models it holds: a device needs the collapse sequence alone.
+//! Files without models will do: a device needs the collapse sequence alone.
 
 use crate::{Error, LodObject};
 use lodc_lod::interactive::{Resident, ResidentView};
@@ -29,7 +29,7 @@ use std::sync::Arc;
 pub use lodc_gpu::{Adapter, CommandEncoder, Device, GpuError, LimitOverrides, RenderPass, wgpu};
 pub use lodc_lod::interactive::view::{Criterion, ViewQuery};
 
-/// An object on a device that has one level everywhere.
+/// An object on a device, shown at one level.
 pub struct Levels {
     resident: Arc<Resident>,
     simplified: Arc<Simplified>,
@@ -50,8 +50,8 @@ impl Levels {
         Ok(Self { resident: Arc::new(resident), simplified, session, lod: Lod(0) })
     }
 
-    /// Another instance of the object, which has a level of its own, at first the same. What never
-    /// changes is on the device once for all of them.
+    /// Another instance of the object, which has a level of its own, at first the same. All
+    /// instances share the buffers that never change.
     ///
     /// # Errors
     /// If the device has no room.
@@ -84,16 +84,17 @@ impl Levels {
         self.lod
     }
 
-    /// The coarsest LOD with triangles whose error, in the mesh's units, is at most that.
+    /// The coarsest LOD with triangles whose error is at most `error`, in the mesh's units.
     #[must_use]
     pub fn within(&self, error: f32) -> Lod {
         self.collapses().lod_for_error(error).min(self.collapses().last_visible())
     }
 
-    /// The finest LOD with at most `most` triangles; the last one with any if none has so few.
+    /// The finest LOD with at most `max_triangles` triangles; the last one with any if none has so
+    /// few.
     #[must_use]
-    pub fn with_triangles(&self, most: u32) -> Lod {
-        self.collapses().lod_for_triangles(most).min(self.collapses().last_visible())
+    pub fn with_triangles(&self, max_triangles: u32) -> Lod {
+        self.collapses().lod_for_triangles(max_triangles).min(self.collapses().last_visible())
     }
 
     /// Draws the level with the pipeline that is set: sets vertex buffer 0, the index buffer, and
@@ -116,7 +117,7 @@ impl Levels {
     }
 }
 
-/// An object on a device of which every part has a level of its own, by view.
+/// An object on a device, each part of whose surface has a level of its own, by view.
 pub struct ViewLevels<'a> {
     resident: Arc<ResidentView<'a>>,
     session: lodc_gpu::Session,

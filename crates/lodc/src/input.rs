@@ -1,4 +1,4 @@
-//! Inputs that are meshes or files of levels.
+//! Reads an input that is a mesh file or a `.lodc` file.
 
 use lodc_formats::FormatError;
 use lodc_formats::import::{self, ImportOptions};

@@ -1,4 +1,5 @@
-//! Levels of detail as meshes of their own, in the order of the file or in one for vertex caches.
+//! Levels of detail as meshes of their own, with triangles and vertices in a chosen order; their
+//! distances from the input.
 
 use crate::{Error, LodObject, levels};
 #[cfg(feature = "export")]
@@ -12,8 +13,8 @@ use lodc_select::decimal;
 use lodc_strip::{codec_order, order};
 use rayon::prelude::*;
 
-/// Vertices in the cache that triangles are ordered for.
-pub const CACHE: u32 = 16;
+/// Vertices in the cache that triangles are ordered for: what ACMR is stated for.
+pub const CACHE_VERTICES: u32 = 16;
 
 /// Orders of triangles and vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,12 +28,12 @@ pub enum Order {
     File,
 }
 
-/// The way in which levels become meshes.
+/// How levels become meshes.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Shape {
-    /// The model to replay; the reference if none.
+pub struct MeshOptions {
+    /// The model whose triangles are taken; the reference if none.
     pub model: Option<ModelKind>,
-    /// The order of its triangles and vertices.
+    /// The order of triangles and vertices.
     pub order: Order,
 }
 
@@ -41,47 +42,53 @@ pub struct Shape {
 pub struct LevelMesh {
     /// The triangles of the level and the vertices that they use.
     pub mesh: Mesh,
-    /// Of a refitted mesh measured, else as the object states it.
+    /// Upper bound of the Hausdorff distance from the input: measured for a refitted mesh, else as
+    /// the object states it.
     pub error: f64,
-    /// Likewise; none if it was not measured.
+    /// Root mean square distance, likewise; none if it was not measured.
     pub rms: Option<f64>,
 }
 
 /// Makes the meshes of the objects at `lods`, one each.
 ///
 /// # Errors
-/// If a model shows what is no mesh: a bug.
-pub fn meshes(objects: &[LodObject], lods: &[Lod], shape: Shape) -> Result<Vec<LevelMesh>, Error> {
+/// If a model gives triangles that are no mesh: a bug.
+pub fn meshes(
+    objects: &[LodObject],
+    lods: &[Lod],
+    options: MeshOptions,
+) -> Result<Vec<LevelMesh>, Error> {
     let one = |(object, &lod)| {
-        let level = stored(object, lod, shape)?;
-        Ok(LevelMesh { mesh: ordered(level.mesh, shape.order), ..level })
+        let level = extracted(object, lod, options)?;
+        Ok(LevelMesh { mesh: ordered(level.mesh, options.order), ..level })
     };
     objects.par_iter().zip(lods).map(one).collect()
 }
 
-/// Makes the meshes of the objects at `lods` as the reference shows them, in the input's order.
+/// Makes the meshes of the objects at `lods` by the reference, in the input's order.
 ///
 /// # Errors
 /// If one is no mesh: a bug.
-pub fn plain(objects: &[LodObject], lods: &[Lod]) -> Result<Vec<Mesh>, Error> {
-    let shape = Shape { order: Order::File, ..Shape::default() };
-    let one = |(object, &lod)| stored(object, lod, shape).map(|level| level.mesh);
+pub fn reference_meshes(objects: &[LodObject], lods: &[Lod]) -> Result<Vec<Mesh>, Error> {
+    let options = MeshOptions { order: Order::File, ..MeshOptions::default() };
+    let one = |(object, &lod)| extracted(object, lod, options).map(|level| level.mesh);
     objects.par_iter().zip(lods).map(one).collect()
 }
 
 /// Puts triangles and vertices into an order.
 pub fn ordered(mesh: Mesh, wanted: Order) -> Mesh {
     match wanted {
-        Order::Cache => mesh.arranged(|mesh| order(mesh, CACHE)),
+        Order::Cache => mesh.arranged(|mesh| order(mesh, CACHE_VERTICES)),
         Order::Size => mesh.arranged(codec_order),
         Order::File => mesh,
     }
 }
 
-fn stored(object: &LodObject, lod: Lod, shape: Shape) -> Result<LevelMesh, Error> {
-    let mut live = levels::triangles(object, shape.model, lod);
-    if shape.order != Order::File {
-        // Every model shows them in an order of its own; what is written is to be the same.
+/// The mesh of an object at a LOD before its triangles are ordered, with its stated distances.
+fn extracted(object: &LodObject, lod: Lod, options: MeshOptions) -> Result<LevelMesh, Error> {
+    let mut live = levels::triangles(object, options.model, lod);
+    if options.order != Order::File {
+        // Every model has an order of its own; what is written must not depend on the model.
         live.sort_unstable();
     }
     let mesh =
@@ -93,32 +100,33 @@ fn stored(object: &LodObject, lod: Lod, shape: Shape) -> Result<LevelMesh, Error
     Ok(LevelMesh { mesh, error: decimal(error), rms: rms.map(decimal) })
 }
 
-/// The largest error and root mean square distance of an object: in mesh units for one object, in
+/// The largest error and root mean square distance of all meshes: in mesh units for one object, in
 /// world units for several.
-pub fn distance(objects: &[LodObject], meshes: &[LevelMesh]) -> (f64, Option<f64>) {
-    largest(objects, meshes.iter().map(|m| (m.error, m.rms)))
+pub fn largest_of_meshes(objects: &[LodObject], meshes: &[LevelMesh]) -> (f64, Option<f64>) {
+    largest_distance(objects, meshes.iter().map(|m| (m.error, m.rms)))
 }
 
-/// The largest of errors and root mean square distances, those of each object in mesh units: in
-/// mesh units for one object, in world units for several.
-pub fn largest(
+/// The largest of errors and root mean square distances, given by object in mesh units: in mesh
+/// units for one object, in world units for several.
+pub fn largest_distance(
     objects: &[LodObject],
     distances: impl Iterator<Item = (f64, Option<f64>)>,
 ) -> (f64, Option<f64>) {
     let larger = |(error, rms): (f64, Option<f64>),
                   (o, (e, r)): (&LodObject, (f64, Option<f64>))| {
-        let unit = unit(objects, o);
+        let unit = object_unit(objects, o);
         (error.max(unit * e), rms.zip(r).map(|(rms, r)| rms.max(unit * r)))
     };
     objects.iter().zip(distances).fold((0.0, Some(0.0)), larger)
 }
 
-fn unit(objects: &[LodObject], object: &LodObject) -> f64 {
+/// Units of scene distances for each mesh unit of an object.
+fn object_unit(objects: &[LodObject], object: &LodObject) -> f64 {
     if objects.len() > 1 { object.info.world_scale } else { 1.0 }
 }
 
-/// Returns how far quantising moves the vertices of exported meshes, the farthest one of each, in
-/// mesh units: a level errs no more than it did and that.
+/// Returns how far quantising moves vertices of exported meshes at most. A level's error grows by
+/// no more than that.
 ///
 /// # Errors
 /// If the document is damaged.
@@ -131,50 +139,55 @@ pub fn rounding<'a>(
 ) -> Result<Rounding, FormatError> {
     let one = |(o, mesh): (&'a LodObject, &'a Mesh)| ExportObject { info: &o.info, mesh };
     let exported: Vec<ExportObject<'_>> = objects.iter().zip(meshes).map(one).collect();
-    let of_object = lodc_formats::export::rounding(document, &exported, precision)?;
-    let scaled = |(o, moved): (&LodObject, &f64)| unit(objects, o) * moved;
-    let largest = objects.iter().zip(&of_object).map(scaled).fold(0.0, f64::max);
-    Ok(Rounding { of_object, largest })
+    let by_object = lodc_formats::export::rounding(document, &exported, precision)?;
+    let scaled = |(o, moved): (&LodObject, &f64)| object_unit(objects, o) * moved;
+    let largest = objects.iter().zip(&by_object).map(scaled).fold(0.0, f64::max);
+    Ok(Rounding { by_object, largest })
 }
 
 /// The farthest that quantising moves vertices.
 #[cfg(feature = "export")]
 #[derive(Clone, Debug)]
 pub struct Rounding {
-    /// Of each object, in mesh units.
-    pub of_object: Vec<f64>,
-    /// Of all, in the units of [`distance`].
+    /// By object, in mesh units.
+    pub by_object: Vec<f64>,
+    /// Of all objects, in the units of [`largest_of_meshes`].
     pub largest: f64,
 }
 
-/// Adds to what levels state how far quantising will move their vertices.
+/// Adds to the distances of levels how far quantising will move their vertices.
 ///
 /// # Errors
 /// If the document is damaged.
 #[cfg(feature = "export")]
-pub fn round(
+pub fn add_rounding_to_all(
     objects: &[LodObject],
     document: &Document,
     meshes: &mut [LevelMesh],
     precision: Precision,
 ) -> Result<(), FormatError> {
     let rounding = rounding(objects, document, meshes.iter().map(|m| &m.mesh), precision)?;
-    for (mesh, moved) in meshes.iter_mut().zip(rounding.of_object) {
+    for (mesh, moved) in meshes.iter_mut().zip(rounding.by_object) {
         add_rounding(&mut mesh.error, &mut mesh.rms, moved);
     }
     Ok(())
 }
 
-/// Adds what quantising moves to the error and the root mean square distance of a level.
+/// Adds how far quantising moves vertices to the error and the root mean square distance of a
+/// level.
 pub fn add_rounding(error: &mut f64, rms: &mut Option<f64>, moved: f64) {
     *error += moved;
-    // Three coordinates, each uniform over a cell, have a mean square of a quarter of a step.
+    // `moved` is half the diagonal of a cell of the grid, √3/2 steps. Three coordinates, each off
+    // by a uniformly distributed part of a step, have a mean square of a quarter of a step squared.
     *rms = rms.map(|rms| rms.hypot(moved / 3f64.sqrt()));
 }
 
-/// The objects as they are exported.
+/// The objects with their meshes, to be exported.
 #[cfg(feature = "export")]
-pub fn exported<'a>(objects: &'a [LodObject], meshes: &'a [LevelMesh]) -> Vec<ExportObject<'a>> {
+pub fn export_objects<'a>(
+    objects: &'a [LodObject],
+    meshes: &'a [LevelMesh],
+) -> Vec<ExportObject<'a>> {
     let one = |(o, level): (&'a LodObject, &'a LevelMesh)| ExportObject {
         info: &o.info,
         mesh: &level.mesh,

@@ -1,4 +1,4 @@
-//! The triangles that an object shows at a LOD, and the LODs that tables show.
+//! The triangles of an object at a LOD, and the LODs that tables list.
 
 use crate::LodObject;
 use lodc_lod::ModelKind;
@@ -12,13 +12,15 @@ pub fn triangles(object: &LodObject, model: Option<ModelKind>, lod: Lod) -> Vec<
     }
 }
 
-/// Shares of the triangles at which tables show a LOD.
-pub const TABLE: [f64; 5] = [0.5, 0.25, 0.1, 0.05, 0.01];
+/// Shares of the triangles for which tables list a LOD.
+pub const TABLE_SHARES: [f64; 5] = [0.5, 0.25, 0.1, 0.05, 0.01];
 
-/// Fine to coarse: the input, the shares of [`TABLE`], the last LOD that has a triangle. Each once.
-pub fn table(collapses: &CollapseSequence) -> Vec<Lod> {
+/// The LODs that a table lists, fine to coarse: the input, the shares of [`TABLE_SHARES`], the last
+/// LOD that has a triangle; each once.
+pub fn table_lods(collapses: &CollapseSequence) -> Vec<Lod> {
     let triangles = f64::from(collapses.parts().triangles);
-    let wanted = TABLE.iter().map(|share| collapses.lod_for_triangles((share * triangles) as u32));
+    let wanted =
+        TABLE_SHARES.iter().map(|share| collapses.lod_for_triangles((share * triangles) as u32));
     let visible = collapses.last_visible();
     let mut lods: Vec<Lod> =
         std::iter::once(Lod(0)).chain(wanted.map(|l| l.min(visible))).chain([visible]).collect();

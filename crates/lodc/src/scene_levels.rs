@@ -17,7 +17,7 @@ pub fn scene_levels<'a>(
 ) -> Result<SceneLevels<'a>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
     let graph = match objects {
-        // Only what several objects lose depends on where they are.
+        // Where objects are matters only for choosing among several.
         [] | [_] => Graph::of_objects(objects.len() as u32),
         _ => scene_graph(document, &infos, limits)?,
     };

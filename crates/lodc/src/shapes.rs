@@ -5,9 +5,9 @@ use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
 use lodc_scene::Shape;
 
 /// Returns for each object of a file the shapes that its errors are the largest over: at rest, then
-/// in the poses of its description. Each gives the places of the vertices of the object's mesh, or
-/// of any other mesh with its attributes, in the object's units: an error of such a mesh is the
-/// largest distance between both in one of these shapes.
+/// in the poses of its description. Each gives the positions of the vertices of the object's mesh,
+/// or of any other mesh with its attributes, in the object's units. The error of such a mesh is the
+/// largest distance between both in any of these shapes.
 ///
 /// # Errors
 /// If the stored document is damaged.

@@ -7,7 +7,7 @@ use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc::build::{
-    Need, SceneContext, ScenePaints, SimplifiedObjects, Size, build_models, check_models,
+    MetricColours, Need, SceneContext, SimplifiedObjects, Size, build_models, check_models,
     measure_all, simplify_all,
 };
 use lodc::{LodFile, LodObject, write};
@@ -62,12 +62,12 @@ pub(super) fn make(
     let options = object_options(&scene, args.simplify_options(), args.parts.all());
     let kinds = args.models.kinds()?;
     check_memory(args, input, size, &options, &kinds)?;
-    let paints = ScenePaints::read(input, &args.import.options(), &scene, &options)?;
+    let colours = MetricColours::read(input, &args.import.options(), &scene, &options)?;
     let importance = importance(&scene, &options, &args.importance, args.parts.all())?;
     let Scene { source, document, objects, mut files, .. } = scene;
     let limits = args.import.options().limits;
     let context = SceneContext {
-        paints: paints.shown(),
+        colours: colours.scene_colours(),
         importance: &importance,
         document: &document,
         limits,
@@ -78,8 +78,8 @@ pub(super) fn make(
         StepOrder::Metric => simplified,
         StepOrder::Stream => streamed(simplified)?,
     };
-    report.warnings.extend(paints.warnings);
-    files.extend(&paints.files);
+    report.warnings.extend(colours.warnings);
+    files.extend(&colours.files);
     files.extend(&images(args, input, &document)?);
     let simplified = measure_all(simplified, &document, &limits, args.poses.max_poses(), &watch)?;
 

@@ -3,7 +3,7 @@
 use super::pipeline::BuildOutput;
 use crate::console::{Loudness, note, wants};
 use crate::output::Target as Output;
-use lodc::{levels::TABLE, scene_levels};
+use lodc::{levels::TABLE_SHARES, scene_levels};
 use lodc_formats::Limits;
 use lodc_report::text::{count, distance, grouped, percent, quoted, size};
 use lodc_select::{Selection, Target, scene_diagonal};
@@ -88,7 +88,7 @@ fn table(text: &mut String, made: &BuildOutput) {
     }
     let diagonal = scene_diagonal(&candidates);
     let _ = writeln!(text, "     share   triangles       error   of the diagonal         rms");
-    for share in TABLE {
+    for share in TABLE_SHARES {
         let Ok(Selection { lods, error, rms, .. }) = levels.select(Target::Ratio(share), false)
         else {
             continue;

@@ -204,7 +204,8 @@ pub(super) fn described(
         warnings.extend(unmet);
         warnings.dedup();
         warnings.extend(lost_parts.iter().map(|part| format!("level {number}: {part}")));
-        let (error, rms) = level_mesh::largest(objects, distances.iter().map(|d| (d.error, d.rms)));
+        let (error, rms) =
+            level_mesh::largest_distance(objects, distances.iter().map(|d| (d.error, d.rms)));
         levels.push(Level {
             lods,
             triangles,

@@ -9,7 +9,7 @@ use crate::exit::Outcome;
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
 use lodc::glide::{GlidingLevel, gliding_levels};
-use lodc::level_mesh::{self, LevelMesh, Order, Shape};
+use lodc::level_mesh::{self, LevelMesh, MeshOptions, Order};
 use lodc_formats::export::Additions;
 use lodc_formats::gltf::{ChainObject, ChainShape, Glide, export_chain};
 use lodc_mesh::{LevelTriangles, Mesh, Submesh};
@@ -29,10 +29,10 @@ pub(super) fn files(
     for (number, level) in levels.iter_mut().enumerate() {
         let (objects, document) = (&asset.objects, &asset.document);
         let mut meshes = meshes(asset, level, order)?;
-        level_mesh::round(objects, document, &mut meshes, additions.precision)?;
-        (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
+        level_mesh::add_rounding_to_all(objects, document, &mut meshes, additions.precision)?;
+        (level.error, level.rms) = level_mesh::largest_of_meshes(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
-        let objects = level_mesh::exported(&asset.objects, &meshes);
+        let objects = level_mesh::export_objects(&asset.objects, &meshes);
         let path = numbered(out, number);
         let target = Target::File(path.clone());
         additions.provenance = Some(provenance(args, asset, std::slice::from_ref(level)));
@@ -49,7 +49,7 @@ fn meshes(asset: &Asset, level: &mut Level, order: Order) -> Outcome<Vec<LevelMe
     if let Some(refitted) = level.refitted.take() {
         return Ok(refitted);
     }
-    let shape = Shape { model: None, order };
+    let shape = MeshOptions { model: None, order };
     let mut meshes = level_mesh::meshes(&asset.objects, &level.lods, shape)?;
     for (mesh, distance) in meshes.iter_mut().zip(&level.distances) {
         (mesh.error, mesh.rms) = (distance.error, distance.rms);
@@ -133,7 +133,7 @@ fn in_order(mesh: &Mesh, compress: bool) -> LevelTriangles {
         let triangles = &mesh.triangles()[submesh.triangles()];
         match compress {
             true => codec_order_list(triangles, mesh.vertex_count()),
-            false => order_list(triangles, mesh.vertex_count(), level_mesh::CACHE),
+            false => order_list(triangles, mesh.vertex_count(), level_mesh::CACHE_VERTICES),
         }
     };
     mesh.submeshes().iter().map(of_submesh).collect()

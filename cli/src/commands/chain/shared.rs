@@ -8,7 +8,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::FormatName;
 use lodc::{
     LodObject,
-    level_mesh::{self, CACHE},
+    level_mesh::{self, CACHE_VERTICES},
 };
 use lodc_formats::export::Additions;
 use lodc_formats::gltf::{ChainObject, ChainShape, Glide, MovedStreams, export_chain};
@@ -100,7 +100,7 @@ fn chain(object: &LodObject, lods: &[Lod], glides: bool, compress: bool) -> Outc
         for triangles in level {
             *triangles = match compress {
                 true => codec_order_list(triangles, prefix as usize),
-                false => order_list(triangles, prefix as usize, CACHE),
+                false => order_list(triangles, prefix as usize, CACHE_VERTICES),
             };
         }
     }

@@ -8,7 +8,7 @@ use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc::{Input, build::Paints, level_mesh, read_input, scene_levels};
+use lodc::{Input, build::SceneColours, level_mesh, read_input, scene_levels};
 use lodc_formats::{Document, scene_graph};
 use lodc_measure::SceneSurface;
 use lodc_mesh::{Lod, Mesh};
@@ -35,7 +35,7 @@ pub(super) struct ComparedScene {
     name: String,
     document: Document,
     objects: Objects,
-    paints: Arc<Paints>,
+    colours: Arc<SceneColours>,
 }
 
 impl ComparedScene {
@@ -53,12 +53,12 @@ impl ComparedScene {
     ) -> Outcome<Self> {
         let options = args.import.options();
         let name = path.display().to_string();
-        let needs_paints = !args.no_attributes && args.views > 0;
-        let mut paints = None;
+        let needs_colours = !args.no_attributes && args.views > 0;
+        let mut colours = None;
         let (document, objects, warnings) = if let Some(errors) = levels {
             let (import, simplify) = (&args.import, &args.simplify);
             let asset = asset::read_showing(progress, path, import, simplify, errors, stages)?;
-            paints = needs_paints.then(|| asset.paints(path, import)).transpose()?;
+            colours = needs_colours.then(|| asset.colours(path, import)).transpose()?;
             (asset.document, Objects::Levels(asset.objects), asset.warnings)
         } else {
             match stages.run("import", || read_input(path, &options))? {
@@ -70,17 +70,17 @@ impl ComparedScene {
                 }
             }
         };
-        let paints = match paints {
-            Some(paints) => paints,
-            None if needs_paints => {
-                asset::read_paints(path, &args.import, &document, &objects.infos())?
+        let colours = match colours {
+            Some(colours) => colours,
+            None if needs_colours => {
+                asset::read_colours(path, &args.import, &document, &objects.infos())?
             }
             None => Arc::default(),
         };
-        for warning in warnings.iter().chain(&paints.looks().warnings) {
+        for warning in warnings.iter().chain(&colours.appearance().warnings) {
             console::warning(&name, warning);
         }
-        Ok(Self { name, document, objects, paints })
+        Ok(Self { name, document, objects, colours })
     }
 
     /// Returns the surface of the scene, or of a level of it.
@@ -105,8 +105,10 @@ impl ComparedScene {
             let message = format!("{name}: its instances have more than {MAX_TRIANGLES} triangles");
             return Err(Failure::new(Status::Limit, message));
         }
-        let paints = &self.paints;
-        Ok(SceneSurface::with_images(&meshes, &arrangement, paints.looks(), || paints.images()))
+        let colours = &self.colours;
+        Ok(SceneSurface::with_images(&meshes, &arrangement, colours.appearance(), || {
+            colours.images()
+        }))
     }
 
     /// The meshes of the scene, or of a level of it.
@@ -129,7 +131,7 @@ impl ComparedScene {
             }
             None => vec![Lod(0); objects.len()],
         };
-        let meshes = level_mesh::plain(objects, &lods)?;
+        let meshes = level_mesh::reference_meshes(objects, &lods)?;
         Ok(meshes.into_iter().map(Cow::Owned).collect())
     }
 }

@@ -12,7 +12,7 @@ use crate::views::CriterionName;
 use lodc::{
     LodObject,
     build::{measured, refitted_meshes},
-    level_mesh::{self, LevelMesh, Order, Shape},
+    level_mesh::{self, LevelMesh, MeshOptions, Order},
     scene_levels,
 };
 use lodc_formats::export::{LevelFacts, Provenance};
@@ -46,7 +46,12 @@ pub(super) fn extract(
         Some(name) => view(args, name, order, input, &asset, &mut stages)?,
         None => uniform(args, order, input, &asset, &mut stages)?,
     };
-    level_mesh::round(&asset.objects, &asset.document, &mut level.meshes, packing.precision)?;
+    level_mesh::add_rounding_to_all(
+        &asset.objects,
+        &asset.document,
+        &mut level.meshes,
+        packing.precision,
+    )?;
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
     });
@@ -58,7 +63,7 @@ pub(super) fn extract(
     let provenance = Some(provenance(&asset, &report));
     let additions = packing.additions(textures, provenance);
     let files = stages.run("export", || {
-        let objects = level_mesh::exported(&asset.objects, &level.meshes);
+        let objects = level_mesh::export_objects(&asset.objects, &level.meshes);
         mesh_output::files(target, format, &asset.document, &objects, &additions)
     })?;
     stages.run("write", || mesh_output::write(target, files))?;
@@ -105,7 +110,7 @@ fn uniform(
     asset: &Asset,
     stages: &mut Stages,
 ) -> Outcome<Level> {
-    let shape = Shape { model: model(args, input, asset)?, order };
+    let shape = MeshOptions { model: model(args, input, asset)?, order };
     let limits = args.export.import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let wish = args.selector.target().expect("there is a level or a criterion");
@@ -228,7 +233,7 @@ fn report(
         };
     let objects: Vec<_> =
         asset.objects.iter().zip(&level.lods).zip(&level.meshes).map(object).collect();
-    let (error, rms) = level_mesh::distance(&asset.objects, &level.meshes);
+    let (error, rms) = level_mesh::largest_of_meshes(&asset.objects, &level.meshes);
     let triangles = objects.iter().map(|o| o.triangles).sum();
     let all: usize = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len()).sum();
     ExtractReport {

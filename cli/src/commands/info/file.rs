@@ -59,7 +59,7 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
 
 fn object_report(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectReport> {
     let collapses = o.simplified.collapses();
-    let lods = levels::table(collapses).into_iter().map(|lod| LodReport {
+    let lods = levels::table_lods(collapses).into_iter().map(|lod| LodReport {
         lod: lod.0,
         triangles: collapses.triangles_at(lod),
         error: decimal(collapses.error_at(lod)),

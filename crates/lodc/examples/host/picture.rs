@@ -7,11 +7,11 @@ use lodc::scene::Image;
 use std::error::Error;
 
 /// Pixels across and down. Rows of 4 × 512 bytes are what a copy to a buffer allows.
-const SIZE: u32 = 512;
-/// Tangent of half the field of view.
-const TANGENT: f32 = 0.4;
-const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+const PICTURE_SIZE: u32 = 512;
+/// Tangent of half the field of view, across and down.
+const HALF_VIEW_TANGENT: f32 = 0.4;
+const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// An eye that looks along −z at the whole object.
 pub(crate) struct Camera {
@@ -27,25 +27,25 @@ impl Camera {
             points.fold([from; 3], |b, p| std::array::from_fn(|i| pick(b[i], p[i])))
         };
         let (low, high) = (bound(f32::min, f32::MAX), bound(f32::max, f32::MIN));
-        let middle: [f32; 3] = std::array::from_fn(|i| f32::midpoint(low[i], high[i]));
+        let centre: [f32; 3] = std::array::from_fn(|i| f32::midpoint(low[i], high[i]));
         let radius = (mesh.diagonal() / 2.0).max(1e-30) as f32;
-        let distance = 1.1 * radius / TANGENT;
-        let [x, y, z] = middle;
+        let distance = 1.1 * radius / HALF_VIEW_TANGENT;
+        let [x, y, z] = centre;
         Self { eye: [x, y, z + distance], near: distance - radius, far: distance + radius }
     }
 
     /// Error per distance that covers `pixels` pixels.
     pub(crate) fn slope(&self, pixels: f32) -> f32 {
-        pixels * 2.0 * TANGENT / SIZE as f32
+        pixels * 2.0 * HALF_VIEW_TANGENT / PICTURE_SIZE as f32
     }
 
     /// From positions to clip space, column by column.
     fn matrix(&self) -> [f32; 16] {
-        let ([x, y, z], s) = (self.eye, 1.0 / TANGENT);
-        let deep = self.far / (self.far - self.near);
+        let ([x, y, z], s) = (self.eye, 1.0 / HALF_VIEW_TANGENT);
+        let depth_scale = self.far / (self.far - self.near);
         let mut matrix = [0.0; 16];
-        (matrix[0], matrix[5], matrix[10], matrix[11]) = (s, s, -deep, -1.0);
-        matrix[12..].copy_from_slice(&[-s * x, -s * y, deep * (z - self.near), z]);
+        (matrix[0], matrix[5], matrix[10], matrix[11]) = (s, s, -depth_scale, -1.0);
+        matrix[12..].copy_from_slice(&[-s * x, -s * y, depth_scale * (z - self.near), z]);
         matrix
     }
 }
@@ -74,7 +74,12 @@ impl Picture {
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: matrix.as_entire_binding() }],
         });
-        Self { pipeline, group, colour: target(gpu, COLOUR), depth: target(gpu, DEPTH) }
+        Self {
+            pipeline,
+            group,
+            colour: target(gpu, COLOUR_FORMAT),
+            depth: target(gpu, DEPTH_FORMAT),
+        }
     }
 
     /// Begins to draw, black around everything.
@@ -109,13 +114,13 @@ impl Picture {
         let (gpu, _) = device.host();
         let pixels = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: None,
-            size: u64::from(4 * SIZE * SIZE),
+            size: u64::from(4 * PICTURE_SIZE * PICTURE_SIZE),
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: Some(4 * SIZE),
+            bytes_per_row: Some(4 * PICTURE_SIZE),
             rows_per_image: None,
         };
         let mut encoder = device.encoder();
@@ -126,13 +131,13 @@ impl Picture {
         gpu.poll(wgpu::PollType::wait_indefinitely())?;
         let bytes = pixels.slice(..).get_mapped_range()?.to_vec();
         let covered = bytes.chunks(4).filter(|pixel| pixel[..3] != [0; 3]).count();
-        std::fs::write(path, png(&Image { width: SIZE, height: SIZE, bytes }))?;
+        std::fs::write(path, png(&Image { width: PICTURE_SIZE, height: PICTURE_SIZE, bytes }))?;
         Ok(covered)
     }
 }
 
 fn extent() -> wgpu::Extent3d {
-    wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 }
+    wgpu::Extent3d { width: PICTURE_SIZE, height: PICTURE_SIZE, depth_or_array_layers: 1 }
 }
 
 fn target(gpu: &wgpu::Device, format: wgpu::TextureFormat) -> wgpu::Texture {
@@ -173,7 +178,7 @@ fn pipeline(gpu: &wgpu::Device, stride: u64) -> wgpu::RenderPipeline {
         },
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH,
+            format: DEPTH_FORMAT,
             depth_write_enabled: Some(true),
             depth_compare: Some(wgpu::CompareFunction::Less),
             stencil: wgpu::StencilState::default(),
@@ -184,7 +189,7 @@ fn pipeline(gpu: &wgpu::Device, stride: u64) -> wgpu::RenderPipeline {
             module: &module,
             entry_point: Some("fragment"),
             compilation_options: Default::default(),
-            targets: &[Some(COLOUR.into())],
+            targets: &[Some(COLOUR_FORMAT.into())],
         }),
         multiview_mask: None,
         cache: None,

@@ -5,8 +5,8 @@ use lodc::gpu::GpuError;
 use lodc::mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc::models::interactive::view::{Selector, live_triangles};
 
-/// None, said aloud, if there is no graphics device; where all tests are asked for there must be
-/// one.
+/// The graphics device; none, with a line that says so, if there is none. Where all tests are asked
+/// for there must be one.
 #[expect(clippy::print_stderr, reason = "a test that is left out says so")]
 fn device() -> Option<Device> {
     match Device::open(None) {
@@ -27,7 +27,7 @@ fn fixture(name: &str) -> lodc::File {
 
 type Corners = Vec<[[u32; 3]; 3]>;
 
-/// The corners of triangles by the bits of their places, the smallest first, sorted.
+/// The corners of triangles by the bits of their positions, the smallest corner first; sorted.
 fn sorted(triangles: impl Iterator<Item = [[f32; 3]; 3]>) -> Corners {
     let turned = |t: [[f32; 3]; 3]| {
         let mut corners = t.map(|p| p.map(f32::to_bits));
@@ -40,7 +40,7 @@ fn sorted(triangles: impl Iterator<Item = [[f32; 3]; 3]>) -> Corners {
     all
 }
 
-fn places(simplified: &Simplified, triangles: &[OrientedTriangle]) -> Corners {
+fn reference_corners(simplified: &Simplified, triangles: &[OrientedTriangle]) -> Corners {
     let positions = simplified.mesh().positions();
     sorted(triangles.iter().map(|t| t.corners.map(|v| positions[v as usize])))
 }
@@ -62,7 +62,7 @@ fn levels_are_those_of_the_reference_for_every_instance() {
             }
             device.submit(encoder).expect("it runs");
             for levels in [&mut one, &mut other] {
-                let truth = places(simplified, &simplified.triangles_at(levels.lod()));
+                let truth = reference_corners(simplified, &simplified.triangles_at(levels.lod()));
                 let drawn = sorted(levels.triangles().expect("it is read").into_iter());
                 assert!(drawn == truth, "{name}: LOD {}", levels.lod().0);
             }
@@ -96,7 +96,8 @@ fn views_are_those_of_the_processor_for_every_instance() {
         device.submit(encoder).expect("it runs");
         for (levels, criterion) in [&mut one, &mut other].into_iter().zip(pair) {
             let states = selector.states(&selector.lods(criterion), false);
-            let truth = places(simplified, &live_triangles(simplified, &positions, &states));
+            let truth =
+                reference_corners(simplified, &live_triangles(simplified, &positions, &states));
             let drawn = sorted(levels.triangles().expect("it is read").into_iter());
             assert!(drawn == truth && !drawn.is_empty(), "{criterion:?}");
         }

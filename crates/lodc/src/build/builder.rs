@@ -1,8 +1,8 @@
-//! The whole way from a mesh file to a file with every level of it.
+//! All stages from a mesh file to a file with every level of it.
 
 use super::{
-    Importance, POSES, SceneContext, ScenePaints, build_models, check_models, measure_all,
-    simplify_all,
+    DEFAULT_POSES, Importance, MetricColours, SceneContext, build_models, check_models,
+    measure_all, simplify_all,
 };
 use crate::{Error, File, LodFile};
 use lodc_formats::Scene;
@@ -32,11 +32,11 @@ impl Builder {
             import: ImportOptions::default(),
             kinds: Vec::new(),
             layout: Layout::default(),
-            poses: POSES,
+            poses: DEFAULT_POSES,
         }
     }
 
-    /// What decides the order of collapses; the quadric unless something else is asked for.
+    /// The metric that decides the order of collapses; the quadric by default.
     #[must_use]
     pub fn metric(mut self, metric: MetricKind) -> Self {
         self.options.metric = metric;
@@ -57,8 +57,8 @@ impl Builder {
         self
     }
 
-    /// The structures to make besides the collapse sequence, which is enough for levels: none
-    /// unless asked for.
+    /// The structures to make besides the collapse sequence, which is enough to take levels out;
+    /// none by default.
     #[must_use]
     pub fn models(mut self, kinds: &[ModelKind]) -> Self {
         self.kinds = ModelKind::ALL.into_iter().filter(|kind| kinds.contains(kind)).collect();
@@ -72,11 +72,10 @@ impl Builder {
         self
     }
 
-    /// The poses that errors hold in besides the one at rest, at most: 8 unless another number is
-    /// asked for.
+    /// How many poses errors hold in at most besides the one at rest; 8 by default.
     #[must_use]
-    pub fn poses(mut self, most: usize) -> Self {
-        self.poses = most;
+    pub fn poses(mut self, count: usize) -> Self {
+        self.poses = count;
         self
     }
 
@@ -87,17 +86,17 @@ impl Builder {
     pub fn run(self) -> Result<File, Error> {
         let scene = import(&self.path, &self.import)?;
         let options = vec![self.options; scene.objects.len()];
-        let paints = ScenePaints::read(&self.path, &self.import, &scene, &options)?;
+        let colours = MetricColours::read(&self.path, &self.import, &scene, &options)?;
         let Scene { source, document, objects, mut warnings, .. } = scene;
         let limits = self.import.limits;
-        let known = SceneContext {
-            paints: paints.shown(),
+        let context = SceneContext {
+            colours: colours.scene_colours(),
             importance: &Importance::default(),
             document: &document,
             limits,
         };
-        let simplified = simplify_all(objects, &options, known, &())?;
-        warnings.extend(paints.warnings);
+        let simplified = simplify_all(objects, &options, context, &())?;
+        warnings.extend(colours.warnings);
         let simplified = measure_all(simplified, &document, &limits, self.poses, &())?;
         let strips = StripOptions::default();
         let objects = build_models(simplified, &self.kinds, strips, &())?;

@@ -1,6 +1,6 @@
 //! The stage that measures how far every level is from the input.
 
-use super::watch::staged;
+use super::watch::run_stage;
 use super::{SimplifiedObjects, Watch};
 use crate::{LodObject, stated_shapes};
 use lodc_errors::{LevelError, Tick, at_levels};
@@ -12,13 +12,13 @@ use rayon::prelude::*;
 use std::mem::take;
 use std::sync::Arc;
 
-/// Poses that the errors of an object hold in besides the one at rest, unless another number is
-/// asked for.
-pub const POSES: usize = 8;
+/// How many poses the errors of an object hold in at most besides the one at rest, by default.
+/// Chosen by hand: each pose measures every level once more.
+pub const DEFAULT_POSES: usize = 8;
 
-/// Puts measured distances in the place of what the simplifier was guided by, several objects at
-/// once. Distances are the largest over the shape that the document's default scene gives an object
-/// and up to `poses` others, of its animations and morph targets; which ones, its description says.
+/// Replaces the simplifier's estimates of errors by measured distances, several objects at once.
+/// Distances are the largest over the shape that the document's default scene gives an object and
+/// up to `poses` others, of its animations and morph targets; the object's description names these.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -30,8 +30,8 @@ pub fn measure_all(
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, FormatError> {
     let triangles = |s: &Simplified| s.mesh().triangles().len() as u64;
-    let counted = objects.len() > 1;
-    let units = counted.then(|| objects.iter().map(|(_, s)| triangles(s)).sum());
+    let counts_triangles = objects.len() > 1;
+    let units = counts_triangles.then(|| objects.iter().map(|(_, s)| triangles(s)).sum());
     let motion = choose_poses(&mut objects, document, limits, poses)?;
     let one = |(number, (mut info, simplified)): (usize, (ObjectInfo, Arc<Simplified>))| {
         let mesh = simplified.mesh();
@@ -45,11 +45,11 @@ pub fn measure_all(
         watch.add(triangles(&measured));
         (info, Arc::new(measured))
     };
-    Ok(staged(watch, "errors", units, || objects.into_par_iter().enumerate().map(one).collect()))
+    Ok(run_stage(watch, "errors", units, || objects.into_par_iter().enumerate().map(one).collect()))
 }
 
-/// Puts into the descriptions of objects the poses that their levels are to be measured over, of
-/// those that have other shapes than at rest: up to `poses`.
+/// Puts into the descriptions of objects the poses that their levels are to be measured over: up to
+/// `poses` of those in which they have other shapes than at rest.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -77,7 +77,7 @@ pub struct LevelDistance {
 }
 
 impl LevelDistance {
-    /// What an object's sequence states of a level.
+    /// The distances that an object's sequence states of a level.
     #[must_use]
     pub fn stated(object: &LodObject, lod: Lod) -> Self {
         let collapses = object.simplified.collapses();
@@ -85,7 +85,7 @@ impl LevelDistance {
     }
 }
 
-/// Measures a few levels by themselves, where the whole sequence would take too long. `levels` are
+/// Measures only some levels, where the whole sequence would take too long. `levels` are
 /// fine to coarse, each with a LOD for every object. Returns the distances of every level and
 /// object, the largest over the shape at rest and the poses of the object's description, none below
 /// that of a finer level.
@@ -104,16 +104,17 @@ pub fn measure_levels(
         let lods: Vec<Lod> = levels.iter().map(|lods| lods[number]).collect();
         let mesh = object.simplified.mesh();
         let shapes = shapes[number].iter().map(|shape| shape.of(mesh));
-        let coarser = |before: &mut LevelError, level: LevelError| {
+        let not_below = |before: &mut LevelError, level: LevelError| {
             before.error = before.error.max(level.error);
             before.rms = before.rms.max(level.rms);
             Some(LevelDistance { error: decimal(before.error), rms: Some(decimal(before.rms)) })
         };
         let measured = at_levels(&object.simplified, shapes, &lods, tick);
         let none = LevelError { error: 0.0, rms: 0.0 };
-        measured.into_iter().scan(none, coarser).collect()
+        measured.into_iter().scan(none, not_below).collect()
     };
-    let columns: Vec<Vec<LevelDistance>> = objects.par_iter().enumerate().map(of_object).collect();
-    let row = |level: usize| columns.iter().map(|column| column[level]).collect();
-    Ok((0..levels.len()).map(row).collect())
+    let by_object: Vec<Vec<LevelDistance>> =
+        objects.par_iter().enumerate().map(of_object).collect();
+    let of_level = |level: usize| by_object.iter().map(|levels| levels[level]).collect();
+    Ok((0..levels.len()).map(of_level).collect())
 }

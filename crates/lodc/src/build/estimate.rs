@@ -1,7 +1,8 @@
 //! Memory that the stages of a build need, from the size of a mesh.
 //!
-//! Measured on a closed scan, a mesh with seams and loose triangles (docs/BENCHMARKS.md), with room
-//! above: vertices count beside triangles, since loose triangles have three each.
+//! The bytes for each triangle and vertex were measured on a closed scan, a mesh with seams and
+//! loose triangles (docs/BENCHMARKS.md), and rounded up. Vertices count beside triangles, since
+//! loose triangles have three each.
 
 use lodc_formats::SceneObject;
 use lodc_lod::ModelKind;
@@ -19,9 +20,9 @@ pub struct Size {
 /// Bytes that a stage may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Need {
-    /// Bytes at its peak.
+    /// Bytes at the stage's peak.
     pub bytes: u64,
-    /// Its name in reports.
+    /// The stage's name in reports.
     pub stage: &'static str,
 }
 
@@ -39,13 +40,13 @@ impl Size {
         Self::of(objects.iter().map(|o| (o.mesh.triangles().len(), o.mesh.vertex_count())))
     }
 
-    /// The need of simplification. Metrics that look at the surface take the mesh as a whole.
+    /// The need of simplification. Metrics other than the quadric simplify the mesh as a whole.
     pub fn simplify(self, metrics: impl Iterator<Item = MetricKind>) -> Need {
-        let looks = |metric| metric != MetricKind::Quadric;
+        let is_visual = |metric| metric != MetricKind::Quadric;
         let loose = self.bytes(0, 490).saturating_sub(self.bytes(60, 0));
         let plain = self.bytes(205, 0).max(loose);
-        let least = if { metrics }.any(looks) { self.bytes(500, 0) } else { 0 };
-        Need { bytes: plain.max(least), stage: "simplify" }
+        let visual = if { metrics }.any(is_visual) { self.bytes(500, 0) } else { 0 };
+        Need { bytes: plain.max(visual), stage: "simplify" }
     }
 
     /// The need of measuring errors.
@@ -67,9 +68,9 @@ impl Size {
         Need { bytes: self.bytes(60, 160), stage: "strips" }
     }
 
-    fn bytes(self, of_triangle: u64, of_vertex: u64) -> u64 {
-        let triangles = self.triangles.saturating_mul(of_triangle);
-        triangles.saturating_add(self.vertices.saturating_mul(of_vertex))
+    fn bytes(self, per_triangle: u64, per_vertex: u64) -> u64 {
+        let triangles = self.triangles.saturating_mul(per_triangle);
+        triangles.saturating_add(self.vertices.saturating_mul(per_vertex))
     }
 }
 
@@ -79,9 +80,9 @@ mod tests {
 
     #[test]
     fn estimates_lie_above_what_was_measured() {
-        let size = |triangles, of_triangle: f64| Size {
+        let size = |triangles, vertices_per_triangle: f64| Size {
             triangles,
-            vertices: (triangles as f64 * of_triangle) as u64,
+            vertices: (triangles as f64 * vertices_per_triangle) as u64,
         };
         let quadric = || std::iter::once(MetricKind::Quadric);
         // Bytes a triangle: a grid of 2,000,000 triangles, then 300,000 loose ones.

@@ -12,17 +12,18 @@ use lodc_select::Target;
 use std::sync::Arc;
 
 /// The levels that are compared, as shares of the scene's triangles. Chosen by hand.
-const LEVELS: [f64; 6] = [0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
+const LEVELS: [f64; LEVEL_COUNT] = [0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
+const LEVEL_COUNT: usize = 6;
 /// The image error at each of them: root mean square difference of pixels, 0 to 255.
-pub(super) type ImageErrors = [f64; LEVELS.len()];
+pub(super) type ImageErrors = [f64; LEVEL_COUNT];
 /// An image error up to this many times another's counts as equal: fewer pixels than that differ by
 /// chance of where edges fall. Chosen by hand.
 const TOLERANCE: f64 = 1.01;
-/// Levels of fewer triangles resemble nothing, and are not compared: six triangles of a model once
-/// kept `hybrid` from all finer levels.
+/// Triangles of a scene's level below which it resembles nothing and is not compared: on one model
+/// a level of six triangles gave all finer levels to the quadric. Chosen by hand.
 const MIN_TRIANGLES: f64 = 16.0;
-/// The pictures: fewer and smaller than those of `compare`, and from other sides, so that levels
-/// are not chosen by the very pictures that measure them.
+/// The pictures: fewer and smaller than those of `compare`, to save time, and from other sides, so
+/// that levels are not chosen by the pictures that measure them. Chosen by hand.
 const VIEWING: Viewing = Viewing { views: 12, size: 160 };
 /// Scenes with more triangles than this, instances counted, are simplified without comparing: a
 /// bound on time, chosen by hand.
@@ -31,16 +32,15 @@ const MAX_TRIANGLES: usize = 1 << 23;
 /// The levels on the way to which `hybrid` chooses collapses; on the way to the others the quadric
 /// does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct HybridLevels([bool; LEVELS.len()]);
+pub(super) struct HybridLevels([bool; LEVEL_COUNT]);
 
 impl HybridLevels {
     /// `hybrid` chooses everywhere.
-    pub(super) const ALL: Self = Self([true; LEVELS.len()]);
+    pub(super) const ALL: Self = Self([true; LEVEL_COUNT]);
 
-    /// Leaves the way to a level that looks worse to the quadric, or, if it has it already, the
-    /// way to the nearest finer level that `hybrid` still has: the quadric cannot mend what
-    /// `hybrid` did before. Returns the first level that changes by it; none if the quadric has all
-    /// of them.
+    /// Gives the way to a level that looks worse to the quadric, or, if the quadric has it already,
+    /// the way to the nearest finer level that `hybrid` still has: the quadric cannot repair what
+    /// `hybrid` did before. Returns the level whose way was given; none if the quadric has all.
     pub(super) fn leave_to_quadric(&mut self, level: usize) -> Option<usize> {
         let last = (0..=level).rev().find(|&i| self.0[i])?;
         self.0[last] = false;
@@ -56,17 +56,18 @@ impl HybridLevels {
     pub(super) fn ranges(self) -> Vec<[f32; 2]> {
         let mut ranges: Vec<[f32; 2]> = Vec::new();
         for level in (0..LEVELS.len()).filter(|&i| self.0[i]) {
-            let (most, least) = (share_at_start(level), share_at_start(level + 1));
+            let (start, end) = (share_at_start(level), share_at_start(level + 1));
             match ranges.last_mut() {
-                Some(before) if before[1] == most => before[1] = least,
-                _ => ranges.push([most, least]),
+                Some(before) if before[1] == start => before[1] = end,
+                _ => ranges.push([start, end]),
             }
         }
         ranges
     }
 }
 
-/// The share of the triangles at which the way to a level begins.
+/// The share of the triangles at which the way to a level begins: the geometric mean of its own and
+/// that of the level before.
 pub(super) fn share_at_start(level: usize) -> f32 {
     match level {
         0 => 1.0,
@@ -75,15 +76,14 @@ pub(super) fn share_at_start(level: usize) -> f32 {
     }
 }
 
-const LEVEL_COUNT: usize = LEVELS.len();
-
 /// A scene, and reference pictures of it.
 pub(super) struct Judge<'a> {
     context: SceneContext<'a>,
     scene: Arrangement,
     reference: ReferencePictures,
-    /// Those of the scene, instances counted.
+    /// Triangles of the scene, instances counted.
     triangles: usize,
+    /// By object.
     areas: Vec<f64>,
 }
 
@@ -106,12 +106,13 @@ impl<'a> Judge<'a> {
             return Ok(None);
         }
         let meshes: Vec<&Mesh> = objects.iter().map(|o| &o.mesh).collect();
-        let shown = surface(&meshes, &scene, context);
-        // Shapes alone where the metric sees no more.
-        let looks =
-            context.paints.map_or(ShadingOptions::default(), |_| shown.common_looks(&shown));
-        let reference = ReferencePictures::new(&shown.surface, VIEWING, looks);
-        let areas = areas(&shown.surface, &scene, objects);
+        let scene_surface = surface(&meshes, &scene, context);
+        // Without colours for the metric the pictures show shapes alone.
+        let shading = context
+            .colours
+            .map_or(ShadingOptions::default(), |_| scene_surface.common_looks(&scene_surface));
+        let reference = ReferencePictures::new(&scene_surface.surface, VIEWING, shading);
+        let areas = areas(&scene_surface.surface, &scene, objects);
         Ok(Some(Self { context, scene, reference, triangles, areas }))
     }
 
@@ -172,9 +173,10 @@ impl<'a> Judge<'a> {
                 break;
             }
             let lods = levels.select(Target::Ratio(share), false)?.lods;
-            let meshes = level_mesh::plain(&objects, &lods)?;
-            let shown = surface(&meshes.iter().collect::<Vec<_>>(), &self.scene, self.context);
-            if !visit(level, self.reference.compare(&shown.surface).rmse) {
+            let meshes = level_mesh::reference_meshes(&objects, &lods)?;
+            let scene_surface =
+                surface(&meshes.iter().collect::<Vec<_>>(), &self.scene, self.context);
+            if !visit(level, self.reference.compare(&scene_surface.surface).rmse) {
                 break;
             }
         }
@@ -183,13 +185,13 @@ impl<'a> Judge<'a> {
 }
 
 /// The area of each object on the surface of a scene.
-fn areas(shown: &Surface, scene: &Arrangement, objects: &[SceneObject]) -> Vec<f64> {
+fn areas(scene_surface: &Surface, scene: &Arrangement, objects: &[SceneObject]) -> Vec<f64> {
     let mut areas = vec![0.0; objects.len()];
     let mut first = 0;
     for placement in scene.placements() {
         let end = first + objects[placement.object].mesh.triangles().len();
         let area = |t: usize| {
-            let [a, b, c] = shown.corners(t);
+            let [a, b, c] = scene_surface.corners(t);
             0.5 * (b - a).cross(c - a).length()
         };
         areas[placement.object] += (first..end).map(area).sum::<f64>();
@@ -198,12 +200,12 @@ fn areas(shown: &Surface, scene: &Arrangement, objects: &[SceneObject]) -> Vec<f
     areas
 }
 
-/// A scene as it is shown.
+/// The surface of a scene, with its images if the metric uses colours.
 fn surface(meshes: &[&Mesh], scene: &Arrangement, context: SceneContext<'_>) -> SceneSurface {
-    match context.paints {
+    match context.colours {
         None => SceneSurface::new(meshes, scene, &Appearance::default()),
-        Some(paints) => {
-            SceneSurface::with_images(meshes, scene, paints.looks(), || paints.images())
+        Some(colours) => {
+            SceneSurface::with_images(meshes, scene, colours.appearance(), || colours.images())
         }
     }
 }
@@ -218,7 +220,7 @@ mod tests {
         assert_eq!(levels.ranges(), [[1.0, 0.0]]);
         assert_eq!(levels.leave_to_quadric(3), Some(3));
         assert_eq!(levels.ranges(), [[1.0, share_at_start(3)], [share_at_start(4), 0.0]]);
-        // It does not mend what came before.
+        // It cannot repair what came before.
         assert_eq!(levels.leave_to_quadric(3), Some(2));
         assert_eq!(levels.leave_to_quadric(0), Some(0));
         assert_eq!(levels.leave_to_quadric(0), None);

@@ -4,22 +4,22 @@
 //! scene calls the stages one after the other, as the program `lodc` does.
 
 mod builder;
+mod colours;
 mod errors;
 mod estimate;
 mod judge;
 mod models;
 mod object_pictures;
-mod paints;
 mod refitted;
 mod scene_context;
 mod simplify;
 mod watch;
 
 pub use builder::Builder;
-pub use errors::{LevelDistance, POSES, choose_poses, measure_all, measure_levels};
+pub use colours::{MetricColours, ObjectColours, SceneColours};
+pub use errors::{DEFAULT_POSES, LevelDistance, choose_poses, measure_all, measure_levels};
 pub use estimate::{Need, Size};
 pub use models::{build_models, check_models, models};
-pub use paints::{ObjectColours, Paints, ScenePaints};
 pub use refitted::{measured, refitted_meshes};
 pub use scene_context::{Importance, SceneContext};
 pub use simplify::simplify_all;

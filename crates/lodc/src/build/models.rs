@@ -1,8 +1,8 @@
-//! The stages that make and check models: strips, models, check. Without models there is none.
+//! The stages that make and check models: strips, models, check.
 
-use super::watch::staged;
+use super::watch::run_stage;
 use super::{SimplifiedObjects, Watch};
-use crate::levels::table;
+use crate::levels::table_lods;
 use crate::{Error, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, PositionIds, Simplified, TriangleHash};
@@ -10,7 +10,7 @@ use lodc_model::Model;
 use lodc_strip::{Report, StripKind, StripOptions, StripPool};
 use rayon::prelude::*;
 
-/// Makes models of some kinds of every object, and before them the strips that they need.
+/// Makes the models of some kinds for every object, and before them the strips that they need.
 ///
 /// # Errors
 /// If a model cannot be made of its sequence: a bug.
@@ -28,14 +28,14 @@ pub fn build_models(
     if !generators.is_empty() {
         let passes = pools.iter().map(|pool| pool.missing(&generators).len()).max().unwrap_or(0);
         let make = |pool: &mut StripPool<'_>| pool.make(&generators, report);
-        staged(watch, "strips", Some(triangles * passes as u64), || {
+        run_stage(watch, "strips", Some(triangles * passes as u64), || {
             pools.par_iter_mut().for_each(make);
         });
     }
     let mut made = vec![vec![]; simplified.len()];
     if !kinds.is_empty() {
         let build = |pool: &mut StripPool<'_>| models(pool, kinds, report);
-        made = staged(watch, "models", Some(triangles * kinds.len() as u64), || {
+        made = run_stage(watch, "models", Some(triangles * kinds.len() as u64), || {
             pools.par_iter_mut().map(build).collect::<Result<_, _>>()
         })?;
     }
@@ -55,7 +55,7 @@ pub fn check_models(objects: &[LodObject], watch: &dyn Watch) -> Result<(), Erro
     }
     let triangles = triangles(objects.iter().map(|o| &*o.simplified));
     let check = |object: &LodObject| self_check(object, &|done| watch.add(done));
-    staged(watch, "check", Some(triangles * models), || objects.par_iter().try_for_each(check))
+    run_stage(watch, "check", Some(triangles * models), || objects.par_iter().try_for_each(check))
 }
 
 /// Triangles of all objects.
@@ -63,8 +63,8 @@ fn triangles<'a>(objects: impl Iterator<Item = &'a Simplified>) -> u64 {
     objects.map(|s| s.mesh().triangles().len() as u64).sum()
 }
 
-/// The models of an object, in the order of `kinds`, built at once. `report` gets the triangles of
-/// each that is ready.
+/// The models of an object, in the order of `kinds`, built at once. `report` is called with the
+/// number of triangles for each model that is ready.
 ///
 /// # Errors
 /// If a model cannot be made of the sequence: a bug, since every sequence that a simplifier makes
@@ -74,8 +74,8 @@ pub fn models(
     kinds: &[ModelKind],
     report: Report<'_>,
 ) -> Result<Vec<AnyModel>, Error> {
-    let made: Vec<StripKind> = kinds.iter().filter_map(|kind| kind.strips()).collect();
-    strips.make(&made, &|_| {});
+    let generators: Vec<StripKind> = kinds.iter().filter_map(|kind| kind.strips()).collect();
+    strips.make(&generators, &|_| {});
     let triangles = strips.simplified().mesh().triangles().len() as u64;
     let build = |&kind: &ModelKind| {
         let model = AnyModel::build(kind, &mut strips.clone());
@@ -86,25 +86,26 @@ pub fn models(
 }
 
 /// Compares every model of an object with the reference at a few LODs, back and forth, several
-/// models at once. `report` gets the triangles of each that is through.
+/// models at once. `report` is called with the number of triangles for each model that is
+/// checked.
 ///
 /// # Errors
 /// If one differs.
 fn self_check(object: &LodObject, report: Report<'_>) -> Result<(), Error> {
     let simplified = &object.simplified;
     let collapses = simplified.collapses();
-    let mut stops = table(collapses);
-    stops.extend([Lod(0), collapses.last()]);
+    let mut lods = table_lods(collapses);
+    lods.extend([Lod(0), collapses.last()]);
     if object.models.is_empty() {
         return Ok(());
     }
     let positions = PositionIds::new(simplified.mesh().positions());
     let reference =
         |&lod: &Lod| simplified.triangles_at_with(lod, &positions).into_iter().collect();
-    let references: Vec<TriangleHash> = stops.par_iter().with_max_len(1).map(reference).collect();
+    let references: Vec<TriangleHash> = lods.par_iter().with_max_len(1).map(reference).collect();
     let check = |model: &AnyModel| {
         let mut cursor = model.cursor();
-        for (&lod, reference) in stops.iter().zip(&references) {
+        for (&lod, reference) in lods.iter().zip(&references) {
             model.seek(&mut cursor, lod, &mut ());
             if model.triangles(&cursor).into_iter().collect::<TriangleHash>() != *reference {
                 let (name, model) = (&object.info.name, model.name());

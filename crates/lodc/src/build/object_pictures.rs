@@ -1,9 +1,8 @@
-//! Pictures that tell whether a level of one object looks more like it: from all sides, by what
-//! the mesh itself knows.
+//! Pictures of one object from all sides, to compare its levels by: by the mesh alone, without its
+//! textures.
 //!
-//! Its textures are not used: a source mesh has them, a file of its levels may not, and both are to
-//! give the same levels. Noise takes their place, with equal detail of every size, as photographs
-//! have.
+//! A source mesh has textures, a file of its levels may not, and both must give the same levels.
+//! Noise takes their place, with as much detail of every size, as photographs have.
 
 use lodc_measure::{Pyramid, ReferencePictures, SceneSurface, ShadingOptions, Viewing};
 use lodc_mesh::{Mesh, SplitMix64};
@@ -12,68 +11,69 @@ use lodc_scene::{
 };
 use std::sync::Arc;
 
-/// The pictures: fewer and smaller than those of `compare`, and from other sides, so that levels
-/// are not chosen by the very pictures that measure them.
+/// The pictures: fewer and smaller than those of `compare`, to save time, and from other sides, so
+/// that levels are not chosen by the pictures that measure them. Chosen by hand.
 const VIEWING: Viewing = Viewing { views: 17, size: 256 };
-/// Pixels of the noise, across and down.
-const NOISE: usize = 256;
-/// Cells across of its coarsest and its finest grain, each twice the one before.
-const GRAINS: [usize; 6] = [2, 4, 8, 16, 32, 64];
-/// Shift of texture coordinates from one submesh to the next, so that each has colours of its own.
-const SHIFT: [f32; 2] = [0.37, 0.61];
+/// Pixels of the noise image, across and down. Chosen by hand, as are the next two.
+const NOISE_SIZE: usize = 256;
+/// Cells across the image of each grain of noise, the coarsest first.
+const GRAIN_CELLS: [usize; 6] = [2, 4, 8, 16, 32, 64];
+/// Shift of texture coordinates from one submesh to the next, so that their colours differ.
+const SUBMESH_SHIFT: [f32; 2] = [0.37, 0.61];
 
-/// The noise, ready to be shown on any object.
+/// The noise image as the texture of any object.
 pub(super) fn noise() -> Arc<[Pyramid]> {
-    [Pyramid::new(&image())].into()
+    [Pyramid::new(&noise_image())].into()
 }
 
 /// An object as it looks from all sides.
 pub(super) struct ObjectPictures {
-    looks: Appearance,
+    appearance: Appearance,
     noise: Arc<[Pyramid]>,
     references: Vec<ReferencePictures>,
 }
 
 impl ObjectPictures {
-    /// Takes the pictures: shaded by its normals, and painted by its texture coordinates where it
-    /// has any. `coordinates` are those that its submeshes show, `noise` is [`noise()`].
+    /// Takes the pictures: shaded by its normals, and, if it has texture coordinates, with noise
+    /// and with a checkerboard. `coordinates` are those that its submeshes use, `noise` is
+    /// [`noise()`].
     pub(super) fn new(mesh: &Mesh, coordinates: &[Coordinates], noise: &Arc<[Pyramid]>) -> Self {
-        let looks = painted(coordinates);
-        let shown = surface(mesh, &looks, noise);
-        let all = shown.common_looks(&shown);
+        let appearance = noise_appearance(coordinates);
+        let scene_surface = surface(mesh, &appearance, noise);
+        let all = scene_surface.common_looks(&scene_surface);
         let shaded = ShadingOptions { materials: false, ..all };
         let mut kinds = vec![shaded];
         if all.materials {
             kinds.push(all);
-            kinds.push(ShadingOptions { checkerboard: shown.all_textured, ..shaded });
+            kinds.push(ShadingOptions { checkerboard: scene_surface.all_textured, ..shaded });
         }
         kinds.dedup();
         let references = kinds
             .into_iter()
-            .map(|looks| ReferencePictures::new(&shown.surface, VIEWING, looks))
+            .map(|shading| ReferencePictures::new(&scene_surface.surface, VIEWING, shading))
             .collect();
-        Self { looks, noise: Arc::clone(noise), references }
+        Self { appearance, noise: Arc::clone(noise), references }
     }
 
-    /// The image errors of a level, one for each kind of picture: 0 to 255.
+    /// The image errors of a level, 0 to 255, one for each kind of picture.
     pub(super) fn errors(&self, level: &Mesh) -> Vec<f64> {
-        let shown = surface(level, &self.looks, &self.noise).surface;
-        self.references.iter().map(|p| p.compare(&shown).rmse).collect()
+        let scene_surface = surface(level, &self.appearance, &self.noise).surface;
+        self.references.iter().map(|p| p.compare(&scene_surface).rmse).collect()
     }
 }
 
-/// An object by itself.
-fn surface(mesh: &Mesh, looks: &Appearance, noise: &Arc<[Pyramid]>) -> SceneSurface {
+/// The surface of an object by itself.
+fn surface(mesh: &Mesh, appearance: &Appearance, noise: &Arc<[Pyramid]>) -> SceneSurface {
     let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
-    SceneSurface::with_images(&[mesh], &scene, looks, || Arc::clone(noise))
+    SceneSurface::with_images(&[mesh], &scene, appearance, || Arc::clone(noise))
 }
 
-/// A material of noise for each submesh.
-fn painted(coordinates: &[Coordinates]) -> Appearance {
-    let material = |(s, read): (usize, &Coordinates)| {
-        let Coordinates { set, mut transform } = *read;
-        for (row, shift) in transform.iter_mut().zip(SHIFT) {
-            row[2] += shift * s as f32;
+/// A material with noise as its texture for each submesh.
+fn noise_appearance(coordinates: &[Coordinates]) -> Appearance {
+    let material = |(submesh, coordinates): (usize, &Coordinates)| {
+        let Coordinates { set, mut transform } = *coordinates;
+        for (row, shift) in transform.iter_mut().zip(SUBMESH_SHIFT) {
+            row[2] += shift * submesh as f32;
         }
         let wrap = [Wrap::Repeat; 2];
         let texture = Texture { image: 0, set, transform, wrap, nearest: false };
@@ -87,20 +87,21 @@ fn painted(coordinates: &[Coordinates]) -> Appearance {
     }
 }
 
-/// Noise that repeats both ways: equal parts of all grains, each red, green and blue of its own.
-fn image() -> Image {
+/// Noise that repeats across and down: the sum of all grains, with independent red, green and blue.
+fn noise_image() -> Image {
     let mut random = SplitMix64::new(0x6e6f_6973);
-    let mut sums = vec![[0.0f32; 3]; NOISE * NOISE];
-    for cells in GRAINS {
+    let mut sums = vec![[0.0f32; 3]; NOISE_SIZE * NOISE_SIZE];
+    for cells in GRAIN_CELLS {
         let values: Vec<[f32; 3]> =
             (0..cells * cells).map(|_| std::array::from_fn(|_| random.unit())).collect();
-        let along = |pixel: usize| {
-            let at = (pixel * cells) as f32 / NOISE as f32;
-            let first = at as usize;
-            ([first, (first + 1) % cells], at - first as f32)
+        // The two cells around a pixel along one axis, and its share of the way between them.
+        let neighbours = |pixel: usize| {
+            let cell = (pixel * cells) as f32 / NOISE_SIZE as f32;
+            let first = cell as usize;
+            ([first, (first + 1) % cells], cell - first as f32)
         };
         for (i, sum) in sums.iter_mut().enumerate() {
-            let (x, y) = (along(i % NOISE), along(i / NOISE));
+            let (x, y) = (neighbours(i % NOISE_SIZE), neighbours(i / NOISE_SIZE));
             for (c, sum) in sum.iter_mut().enumerate() {
                 let value = |column: usize, row: usize| values[y.0[row] * cells + x.0[column]][c];
                 let [top, bottom] =
@@ -109,13 +110,14 @@ fn image() -> Image {
             }
         }
     }
-    // Sums of that many grains are near the middle.
+    // Sums of this many grains are near the middle: 100 spreads them over most of 0 to 255. Chosen
+    // by hand.
     let shade = |sum: f32| {
-        let middle = GRAINS.len() as f32 / 2.0;
+        let middle = GRAIN_CELLS.len() as f32 / 2.0;
         (127.5 + 100.0 * (sum - middle)).clamp(0.0, 255.0) as u8
     };
     let bytes = sums.iter().flat_map(|&[r, g, b]| [shade(r), shade(g), shade(b), 255]).collect();
-    Image { width: NOISE as u32, height: NOISE as u32, bytes }
+    Image { width: NOISE_SIZE as u32, height: NOISE_SIZE as u32, bytes }
 }
 
 #[cfg(test)]
@@ -127,19 +129,19 @@ mod tests {
 
     /// Image errors of levels with about these shares of the triangles, as `compare` shows them.
     fn image_errors(mesh: &Mesh, shares: [f64; 4]) -> [(usize, ImageError); 4] {
-        let shown = |mesh: &Mesh| -> SceneSurface {
+        let scene_surface = |mesh: &Mesh| -> SceneSurface {
             let coordinates = vec![Coordinates::PLAIN; mesh.submeshes().len()];
-            surface(mesh, &painted(&coordinates), &noise())
+            surface(mesh, &noise_appearance(&coordinates), &noise())
         };
         let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
-        let whole = shown(mesh);
+        let whole = scene_surface(mesh);
         let reference = ReferencePictures::new(&whole.surface, VIEWING, whole.common_looks(&whole));
         shares.map(|share| {
             let wanted = (share * mesh.triangles().len() as f64) as u32;
             let lod = simplified.collapses().lod_for_triangles(wanted);
             let triangles = simplified.triangles_at(lod);
             let level = simplified.mesh().extract(&triangles).expect("a level is a mesh");
-            (level.triangles().len(), reference.compare(&shown(&level).surface))
+            (level.triangles().len(), reference.compare(&scene_surface(&level).surface))
         })
     }
 
@@ -148,7 +150,7 @@ mod tests {
         let mut compared = 0;
         for (name, make) in lodc_fixtures::ALL {
             let mesh = make();
-            // The two sides of a Möbius strip are one.
+            // A Möbius strip has only one side.
             if mesh.triangles().len() < 100 || *name == "mobius_strip" {
                 continue;
             }

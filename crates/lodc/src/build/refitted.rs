@@ -1,4 +1,5 @@
-//! Refitted levels: closer in space, and held back where pictures would get worse.
+//! Refitted levels: their vertices are moved closer to the input, as far as pictures do not get
+//! worse.
 
 use super::object_pictures::{ObjectPictures, noise};
 use crate::level_mesh::{LevelMesh, Order, ordered};
@@ -13,19 +14,20 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Shares of the way to the best fit, of which the first that looks plainly better counts, else the
-/// one that looks best. With none of it normals alone are fitted.
-const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// Most that the largest distance may grow.
-const FARTHER: f64 = 1.05;
-/// Share of its image error that a level keeps at most to look plainly better, and better.
-const PLAINLY: f64 = 0.95;
+/// Shares of the way to the best fit that are tried in order: the first that looks clearly better
+/// counts, else the one that looks best. 0 fits normals alone. Chosen by hand.
+const FIT_SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
+/// Factor by which the largest distance may grow at most. Chosen by hand.
+const MAX_BOUND_GROWTH: f64 = 1.05;
+/// A level looks clearly better if it keeps at most this share of its image error. Chosen by hand,
+/// as is the next.
+const CLEARLY_BETTER: f64 = 0.95;
+/// It looks better if it keeps less than this share; else it stays as it was.
 const BETTER: f64 = 0.97;
 
 /// Makes the meshes of the objects at `lods`, one each, with vertices and normals where they fit
 /// the input best. The same objects and document give the same meshes, whether they come from a
-/// mesh or from a file of its levels, with textures at hand or without. `tick` is called now and
-/// then.
+/// mesh or from a file of its levels, with or without textures. `tick` is called now and then.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -43,15 +45,16 @@ pub fn refitted_meshes(
     let noise = noise();
     let one = |((object, &lod), (shown, shapes)): ((&LodObject, &Lod), (&Vec<_>, &Vec<Shape>))| {
         let (mesh, at_rest) = refitted(object, lod, (shown, &noise), tick);
-        let (error, rms) = over(shapes, object.simplified.mesh(), &mesh, Some(at_rest));
+        let (error, rms) =
+            largest_over_shapes(shapes, object.simplified.mesh(), &mesh, Some(at_rest));
         LevelMesh { mesh: ordered(mesh, order), error, rms: Some(rms) }
     };
     Ok(objects.par_iter().zip(lods).zip(shown.par_iter().zip(&shapes)).map(one).collect())
 }
 
-/// Measures meshes against the objects that they are levels of: for each an upper bound of its
-/// distance, and the root mean square distance, the largest over the shapes that the objects'
-/// errors are over. For levels that no sequence has.
+/// Measures meshes that are levels of the objects, but not of their sequences: for each an upper
+/// bound of its distance and the root mean square distance, the largest over the shapes that the
+/// objects' errors are over.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -63,39 +66,41 @@ pub fn measured(
 ) -> Result<Vec<LevelMesh>, Error> {
     let shapes = stated_shapes(objects, document, limits)?;
     let one = |((object, mesh), shapes): ((&LodObject, Mesh), &Vec<Shape>)| {
-        let (error, rms) = over(shapes, object.simplified.mesh(), &mesh, None);
+        let (error, rms) = largest_over_shapes(shapes, object.simplified.mesh(), &mesh, None);
         LevelMesh { mesh, error, rms: Some(rms) }
     };
     Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
 }
 
-/// Points that the mean distance in a pose is of.
-const IN_POSE: Sampling = Sampling { samples: 20_000, ..Sampling::DEFAULT };
+/// The points at which distances are measured in a pose: fewer than at rest, to save time. Chosen
+/// by hand.
+const POSE_SAMPLING: Sampling = Sampling { samples: 20_000, ..Sampling::DEFAULT };
 
-/// The bound and the root mean square distance of a level, the largest over some shapes, the first
-/// of them at rest. `as_modelled` are those of the meshes as they are, if they are known.
-fn over(
+/// The bound and the root mean square distance of a level, the largest over all shapes, of which
+/// the first is at rest. `as_modelled` are those of the meshes as they are, if they are known
+/// already.
+fn largest_over_shapes(
     shapes: &[Shape],
     input: &Mesh,
     level: &Mesh,
     as_modelled: Option<(f64, f64)>,
 ) -> (f64, f64) {
     let in_shape = |(number, shape): (usize, &Shape)| {
-        let [places, own] = [shape.of(input), shape.of(level)];
-        if let (Cow::Borrowed(_), Some(known)) = (&places, as_modelled) {
+        let [input_positions, level_positions] = [shape.of(input), shape.of(level)];
+        // Borrowed: the shape is that of the mesh as it is.
+        if let (Cow::Borrowed(_), Some(known)) = (&input_positions, as_modelled) {
             return known;
         }
-        let sampling = if number == 0 { Sampling::DEFAULT } else { IN_POSE };
-        let original = Original::new(&surface(input, &places), &sampling);
-        original.bound_and_rms(&surface(level, &own))
+        let sampling = if number == 0 { Sampling::DEFAULT } else { POSE_SAMPLING };
+        let original = Original::new(&surface(input, &input_positions), &sampling);
+        original.bound_and_rms(&surface(level, &level_positions))
     };
     let all = shapes.iter().enumerate().map(in_shape);
     all.fold((0.0, 0.0), |(error, rms), (e, r)| (f64::max(error, e), f64::max(rms, r)))
 }
 
-/// A refitted level of an object, with its error and its root mean square distance as the object
-/// was modelled. These are measured: the stored ones are of the vertices where they were. `shown`
-/// are the texture coordinates of its submeshes, and what is painted by them.
+/// A refitted level of an object, with its error and its root mean square distance at rest. These
+/// are measured: the stored ones are those of the vertices before they were moved.
 fn refitted(
     object: &LodObject,
     lod: Lod,
@@ -103,52 +108,52 @@ fn refitted(
     tick: &Tick<'_>,
 ) -> (Mesh, (f64, f64)) {
     let input = object.simplified.mesh();
-    let found = Refit::new(&object.simplified, lod, &Options::DEFAULT, tick);
+    let refit = Refit::new(&object.simplified, lod, &Options::DEFAULT, tick);
     if lod.0 == 0 {
-        return (found.unmoved(), (0.0, 0.0));
+        return (refit.unmoved(), (0.0, 0.0));
     }
-    let unmoved = found.unmoved();
-    let from_input = original(input, found.tree());
-    let before = from_input.bound_and_rms(&bare(&unmoved));
+    let unmoved = refit.unmoved();
+    let from_input = original(input, refit.tree());
+    let before = from_input.bound_and_rms(&surface_of(&unmoved));
     let judge = Judge::new(input, &unmoved, shown);
     let mut best = (BETTER, (unmoved, before));
-    for share in SHARES {
+    for share in FIT_SHARES {
         tick();
-        let mesh = found.mesh(share);
-        let (error, rms) = from_input.bound_and_rms(&bare(&mesh));
-        if error > FARTHER * before.0 {
+        let mesh = refit.mesh(share);
+        let (error, rms) = from_input.bound_and_rms(&surface_of(&mesh));
+        if error > MAX_BOUND_GROWTH * before.0 {
             continue;
         }
-        let kept = judge.as_ref().map_or(0.0, |judge| judge.kept(&mesh));
-        if kept < best.0 {
-            best = (kept, (mesh, (error, rms)));
+        let share_kept = judge.as_ref().map_or(0.0, |judge| judge.kept_share(&mesh));
+        if share_kept < best.0 {
+            best = (share_kept, (mesh, (error, rms)));
         }
-        if kept <= PLAINLY {
+        if share_kept <= CLEARLY_BETTER {
             break;
         }
     }
     best.1
 }
 
-/// A mesh, ready for levels to be measured from it. `tree` is that of its triangles, if there is
-/// one.
+/// A mesh that levels are measured from. `tree` is that of its triangles, if there is one already.
 fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
-    let surface = bare(mesh);
+    let surface = surface_of(mesh);
     let tree = tree.unwrap_or_else(|| Arc::new(surface.tree()));
     Original::with_tree(&surface, tree, &Sampling::DEFAULT)
 }
 
-/// The texture coordinates of an object's submeshes, and the noise that is painted by them.
+/// The texture coordinates of an object's submeshes, and the noise that serves as their texture.
 type TextureNoise<'a> = (&'a [Coordinates], &'a Arc<[Pyramid]>);
 
-/// Tells how much better a refitted level looks than where the simplifier left it.
+/// Compares pictures of a refitted level with pictures of the level as the simplifier left it.
 struct Judge {
     pictures: ObjectPictures,
+    /// The image errors of the level as the simplifier left it.
     before: Vec<f64>,
 }
 
 impl Judge {
-    /// None for meshes without attributes: whatever is closer looks better.
+    /// None for meshes without attributes: for them, closer counts as better.
     fn new(input: &Mesh, unmoved: &Mesh, (shown, noise): TextureNoise<'_>) -> Option<Self> {
         if input.attributes().is_empty() {
             return None;
@@ -158,25 +163,26 @@ impl Judge {
         Some(Self { pictures, before })
     }
 
-    /// The share of its image error that a level keeps, in the kind of picture that gains least.
-    fn kept(&self, level: &Mesh) -> f64 {
-        kept(&self.before, &self.pictures.errors(level))
+    /// The share of its image error that a level keeps, in the kind of picture that gains least;
+    /// may be above 1.
+    fn kept_share(&self, level: &Mesh) -> f64 {
+        kept_share(&self.before, &self.pictures.errors(level))
     }
 }
 
-fn kept(before: &[f64], now: &[f64]) -> f64 {
+fn kept_share(before: &[f64], now: &[f64]) -> f64 {
     let share = |(&before, &now): (&f64, &f64)| if now == 0.0 { 0.0 } else { now / before };
     before.iter().zip(now).map(share).fold(0.0, f64::max)
 }
 
-fn bare(mesh: &Mesh) -> Surface {
+fn surface_of(mesh: &Mesh) -> Surface {
     surface(mesh, mesh.positions())
 }
 
-/// The triangles of a mesh with its vertices at other places.
-fn surface(mesh: &Mesh, places: &[[f32; 3]]) -> Surface {
+/// The triangles of a mesh with its vertices at other positions.
+fn surface(mesh: &Mesh, positions: &[[f32; 3]]) -> Surface {
     Surface {
-        positions: places.iter().map(|&p| p.into()).collect(),
+        positions: positions.iter().map(|&p| p.into()).collect(),
         triangles: mesh.triangles().to_vec(),
         ..Surface::default()
     }
@@ -211,7 +217,7 @@ mod tests {
             let judge = Judge::new(&mesh, &unmoved, (&shown, &noise)).expect("attributes");
             let (level, ..) = refitted(&object, lod, (&shown, &noise), &|| ());
             let is_held = level == unmoved;
-            assert!(is_held || judge.kept(&level) <= BETTER, "{name}");
+            assert!(is_held || judge.kept_share(&level) <= BETTER, "{name}");
             held += u32::from(is_held);
             moved += u32::from(!is_held);
         }
@@ -220,8 +226,8 @@ mod tests {
 
     #[test]
     fn the_kind_of_picture_that_gains_least_decides() {
-        assert_eq!(kept(&[2.0, 4.0], &[1.0, 3.0]), 0.75);
-        assert_eq!(kept(&[2.0, 0.0], &[1.0, 0.0]), 0.5);
-        assert!(kept(&[2.0, 0.0], &[1.0, 0.1]).is_infinite());
+        assert_eq!(kept_share(&[2.0, 4.0], &[1.0, 3.0]), 0.75);
+        assert_eq!(kept_share(&[2.0, 0.0], &[1.0, 0.0]), 0.5);
+        assert!(kept_share(&[2.0, 0.0], &[1.0, 0.1]).is_infinite());
     }
 }

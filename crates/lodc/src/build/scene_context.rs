@@ -1,28 +1,29 @@
-//! Knowledge that simplifying a scene takes.
+//! What the simplifier uses of a scene besides its meshes.
 
-use super::Paints;
+use super::SceneColours;
 use lodc_formats::{Document, Limits};
 use lodc_simplify::Weights;
 
-/// Knowledge of a scene besides its meshes.
+/// What the simplifier uses of a scene besides its meshes.
 #[derive(Clone, Copy)]
 pub struct SceneContext<'a> {
-    /// Its colours, where a metric sees them.
-    pub paints: Option<&'a Paints>,
-    /// Parts that matter more or less than others.
+    /// Its colours, if a metric uses them.
+    pub colours: Option<&'a SceneColours>,
+    /// Vertices that stay, and weights of materials.
     pub importance: &'a Importance,
-    /// Its nodes.
+    /// Its document: nodes and materials.
     pub document: &'a Document,
-    /// Limits on reading them.
+    /// Limits on reading the document.
     pub limits: Limits,
 }
 
-/// Parts of a scene that matter more or less than others.
+/// Vertices that stay, and weights of materials.
 #[derive(Clone, Debug, Default)]
 pub struct Importance {
-    /// By object the vertices that stay. An object without a list has none.
+    /// By object and vertex: whether it stays. The list of an object without such vertices is
+    /// empty.
     pub locked: Vec<Vec<bool>>,
-    /// By object and submesh the weights of materials. An object without a list has those of its
-    /// options.
+    /// By object and submesh: the weights of attributes. An object with an empty list has those of
+    /// its options.
     pub weights: Vec<Vec<Weights>>,
 }

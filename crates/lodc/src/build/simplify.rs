@@ -2,7 +2,7 @@
 //! quadric.
 
 use super::judge::{HybridLevels, Judge, share_at_start};
-use super::watch::staged;
+use super::watch::run_stage;
 use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
 use lodc_formats::SceneObject;
@@ -14,10 +14,10 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer faces (of those that lie on each other one counts) get more samples: there is
-/// time for them, and most models look better by them (design-notes/metrics.md).
-const SMALL_SCENE: u64 = 16_000;
-const SAMPLES_OF_SMALL: u32 = 64_000;
+/// Scenes of fewer faces (those that lie on each other count once) get more samples, this many:
+/// they take little time there, and most models look better (design-notes/metrics.md).
+const SMALL_SCENE_FACES: u64 = 16_000;
+const SMALL_SCENE_SAMPLES: u32 = 64_000;
 
 /// Simplifies every object by its options. Of those with `hybrid`, the quadric chooses the
 /// collapses on the way to levels at which the scene would look worse otherwise, by pictures of
@@ -31,16 +31,16 @@ pub fn simplify_all(
     context: SceneContext<'_>,
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, Error> {
-    staged(watch, "simplify", None, || {
-        let scene = Scene { objects: &objects, context, watch };
-        if let Some(seen) = scene.best(options)? {
-            return Ok(seen);
+    run_stage(watch, "simplify", None, || {
+        let scene = SceneWork { objects: &objects, context, watch };
+        if let Some(chosen) = scene.best_by_pictures(options)? {
+            return Ok(chosen);
         }
         scene.begin_progress();
-        // Every object goes as soon as it is simplified.
+        // Taking over the objects frees each mesh as soon as it is simplified.
         let objects = objects.into_par_iter().enumerate();
         let one = |(number, object): (usize, SceneObject)| {
-            let work = Work { number, options: &options[number], context, watch };
+            let work = ObjectWork { number, options: &options[number], context, watch };
             let (simplified, _) = work.simplified(&object.mesh, None);
             (object.info, simplified)
         };
@@ -50,29 +50,30 @@ pub fn simplify_all(
 
 /// The objects of a scene, to be simplified.
 #[derive(Clone, Copy)]
-struct Scene<'a> {
+struct SceneWork<'a> {
     objects: &'a [SceneObject],
     context: SceneContext<'a>,
     watch: &'a dyn Watch,
 }
 
-/// A simplification of all objects, with the collapses for another one to begin with.
-struct Run {
+/// A simplification of all objects, and its collapses, for another one to repeat from the start.
+struct SceneRun {
     objects: SimplifiedObjects,
     recorded: Vec<RecordedCollapses>,
 }
 
-/// How a run of `hybrid` differs from one that it makes by itself.
+/// How a run differs from one in which `hybrid` chooses all collapses.
 struct Plan<'a> {
-    /// The shares of the triangles between which it chooses collapses.
+    /// The shares of the triangles between which `hybrid` chooses collapses.
     hybrid_ranges: &'a [[f32; 2]],
     /// An earlier run that it repeats down to a share of the triangles.
-    prefix: Option<(&'a Run, f32)>,
+    prefix: Option<(&'a SceneRun, f32)>,
 }
 
-impl Scene<'_> {
-    /// The run that looks best; none if no object is simplified by `hybrid`, or nothing is shown.
-    fn best(self, options: &[Options]) -> Result<Option<SimplifiedObjects>, Error> {
+impl SceneWork<'_> {
+    /// The run that looks best in pictures; none if no object is simplified by `hybrid`, or if
+    /// there are no pictures of the scene.
+    fn best_by_pictures(self, options: &[Options]) -> Result<Option<SimplifiedObjects>, Error> {
         let hybrid = options.iter().any(is_hybrid);
         let judge = if hybrid { Judge::new(self.objects, self.context)? } else { None };
         let Some(judge) = judge else { return Ok(None) };
@@ -96,7 +97,7 @@ impl Scene<'_> {
             let prefix = Some((&run, share_at_start(from)));
             let plan = Plan { hybrid_ranges: &hybrid_levels.ranges(), prefix };
             run = self.run(&options, Some(&plan), Some(&quadric));
-            // Of several objects some go further than others: all levels may have changed.
+            // Several objects reach the share at different levels: all levels may have changed.
             first = if self.objects.len() == 1 { from } else { 0 };
         }
         Ok(Some(run.objects))
@@ -110,7 +111,12 @@ impl Scene<'_> {
 
     /// Simplifies every object by its options, several at once; those that the quadric simplifies
     /// are taken from a run in which it did.
-    fn run(self, options: &[Options], plan: Option<&Plan<'_>>, quadric: Option<&Run>) -> Run {
+    fn run(
+        self,
+        options: &[Options],
+        plan: Option<&Plan<'_>>,
+        quadric: Option<&SceneRun>,
+    ) -> SceneRun {
         self.begin_progress();
         let one = |(number, object): (usize, &SceneObject)| {
             if let Some(run) = quadric.filter(|_| !is_hybrid(&options[number])) {
@@ -118,39 +124,39 @@ impl Scene<'_> {
                 return (run.objects[number].clone(), RecordedCollapses::default());
             }
             let Self { context, watch, .. } = self;
-            let work = Work { number, options: &options[number], context, watch };
+            let work = ObjectWork { number, options: &options[number], context, watch };
             let (simplified, recorded) = work.simplified(&object.mesh, plan);
             ((object.info.clone(), simplified), recorded)
         };
         let (objects, recorded) = self.objects.par_iter().enumerate().map(one).unzip();
-        Run { objects, recorded }
+        SceneRun { objects, recorded }
     }
 }
 
 /// The simplification of one object.
-struct Work<'a> {
+struct ObjectWork<'a> {
     number: usize,
     options: &'a Options,
     context: SceneContext<'a>,
     watch: &'a dyn Watch,
 }
 
-impl Work<'_> {
+impl ObjectWork<'_> {
     fn simplified(
         &self,
         mesh: &Mesh,
         plan: Option<&Plan<'_>>,
     ) -> (Arc<Simplified>, RecordedCollapses) {
         let Self { number, options, context, watch } = *self;
-        // Progress counts triangles; an object knows how many of its groups are gone.
-        let weight = mesh.triangles().len() as u64;
-        let before = AtomicU64::new(0);
+        // `watch` counts triangles, the simplifier counts wedge groups.
+        let triangles = mesh.triangles().len() as u64;
+        let reported = AtomicU64::new(0);
         let report_progress = |gone: u64, groups: u64| {
-            let now = weight * gone / groups.max(1);
-            let last = before.fetch_max(now, Ordering::Relaxed);
+            let now = triangles * gone / groups.max(1);
+            let last = reported.fetch_max(now, Ordering::Relaxed);
             watch.add(now.saturating_sub(last));
         };
-        let textured = context.paints.filter(|p| p.has_textures());
+        let textured = context.colours.filter(|p| p.has_textures());
         let colours = textured.map(|p| p.of_object(number));
         let prefix = plan.and_then(|plan| plan.prefix);
         let guidance = Guidance {
@@ -170,7 +176,8 @@ impl Work<'_> {
 fn with_samples(options: &[Options], objects: &[SceneObject], areas: &[f64]) -> Vec<Options> {
     let faces: u64 = objects.par_iter().map(|o| distinct_faces(&o.mesh)).sum();
     let largest = options.iter().map(|o| o.hybrid_samples).max().unwrap_or(0);
-    let samples = if faces < SMALL_SCENE { largest.max(SAMPLES_OF_SMALL) } else { largest };
+    let samples =
+        if faces < SMALL_SCENE_FACES { largest.max(SMALL_SCENE_SAMPLES) } else { largest };
     let all: f64 = areas.iter().sum();
     let share = |(o, area): (&Options, &f64)| {
         let share = if all > 0.0 { f64::from(samples) * area / all } else { 0.0 };

@@ -1,6 +1,6 @@
-//! What a caller hears of long work.
+//! Progress of long work, as a caller learns of it.
 
-/// Hears which stage of some work runs, and how far it is. `()` does not listen.
+/// Is told which stage of some work runs, and how far it is. `()` ignores it.
 pub trait Watch: Sync {
     /// A stage begins, or the one that runs starts over: `units` of work, if they are counted.
     fn begin(&self, _stage: &'static str, _units: Option<u64>) {}
@@ -12,8 +12,8 @@ pub trait Watch: Sync {
 
 impl Watch for () {}
 
-/// Does some work as a stage.
-pub(crate) fn staged<T>(
+/// Does work as a stage.
+pub(crate) fn run_stage<T>(
     watch: &dyn Watch,
     stage: &'static str,
     units: Option<u64>,

@@ -73,7 +73,7 @@ pub fn page_levels(
     let mut levels: Vec<PageLevel> = Vec::new();
     for share in SHARES {
         let Selection { lods, error, rms, .. } = scene.select(Target::Ratio(share), false)?;
-        let meshes = level_mesh::plain(objects, &lods)?;
+        let meshes = level_mesh::reference_meshes(objects, &lods)?;
         let triangles = meshes.iter().map(|m| m.triangles().len() as u64).sum();
         if levels.last().is_some_and(|l| l.triangles == triangles) {
             continue;
