@@ -26,7 +26,7 @@ ci:
 
 # Benchmarks of every stage and every model (three minutes)
 bench:
-    cargo bench -p lodc-lab --bench pipeline --bench models
+    cargo bench -p lodc-lab --features bench --bench pipeline --bench models
 
 # Four models of the corpus (folder: LODC_CORPUS) at 5 % by two metrics: contact sheets, distances and image errors in target/study
 study: build

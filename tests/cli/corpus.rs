@@ -14,9 +14,14 @@ use std::time::Instant;
 /// test has to end.
 const LARGE: u64 = 200_000;
 
+/// Files of more bytes are left to benchmarks: two scans of a million triangles took a quarter of
+/// the time, and what is large has one of 268,686.
+const MOST_BYTES: u64 = 10_000_000;
+
 /// Does something with every mesh of the corpus, on all cores, largest first.
 fn for_each(corpus: &Path, check: impl Fn(&Folder, &str) -> Result<(), String> + Sync) {
     let mut all = manifest(corpus);
+    all.retain(|(_, facts)| facts["bytes"].as_u64() <= Some(MOST_BYTES));
     all.sort_by_key(|(_, facts)| std::cmp::Reverse(facts["bytes"].as_u64()));
     let queue = Mutex::new(VecDeque::from(all));
     let failures = Mutex::new(Vec::new());
