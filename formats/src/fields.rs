@@ -56,7 +56,7 @@ impl<C, T: Decode<()>> Decode<C> for Record<T> {
     }
 }
 
-// What derives `Decode` asks for this beside it.
+// Derived `Decode` of a type with such a field needs this, too.
 impl<'de, C, T: Decode<()>> BorrowDecode<'de, C> for Record<T> {
     fn borrow_decode<D: BorrowDecoder<'de, Context = C>>(
         decoder: &mut D,

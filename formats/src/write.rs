@@ -36,7 +36,7 @@ pub fn write_all(files: &[OutputFile]) -> Result<(), FormatError> {
 
 /// Writes several results, each as [`write_all`] does, with the files of all synced at one time: a
 /// sync takes as long as a hundred small writes, and many at one time take little more than one.
-/// Returns for each result whether it was written; the others are, whatever happens to one.
+/// Returns for each result whether it was written; a failure does not affect the others.
 pub fn write_each(results: &[&[OutputFile]]) -> Vec<Result<(), FormatError>> {
     let write = |file: &OutputFile| {
         Pending::write(file).map_err(|e| not_written(&file.path, &e)).transpose()
@@ -45,12 +45,12 @@ pub fn write_each(results: &[&[OutputFile]]) -> Vec<Result<(), FormatError>> {
         results.iter().map(|files| files.iter().filter_map(write).collect()).collect();
     sync(&mut written);
     let mut folders = BTreeSet::new();
-    let place = |pending: Result<Vec<Pending>, FormatError>| {
+    let put_in_place = |pending: Result<Vec<Pending>, FormatError>| {
         let done = renamed(pending?)?;
         folders.extend(done.iter().filter_map(|d| d.target.parent().map(Path::to_owned)));
         Ok(())
     };
-    let placed = written.into_iter().map(place).collect();
+    let placed = written.into_iter().map(put_in_place).collect();
     for folder in folders {
         // The file is complete either way: this only makes its new name survive a power failure.
         let _ = File::open(folder).and_then(|f| f.sync_all());

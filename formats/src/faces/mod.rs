@@ -64,19 +64,26 @@ impl Faces {
     }
 }
 
-/// The scene of a file that is one object, whose submeshes are its materials.
+/// What a file that is one object holds, whose submeshes are its materials.
+pub(crate) struct FaceFile {
+    pub(crate) assembled: Assembled,
+    /// The object's name; empty if it has none.
+    pub(crate) name: String,
+    pub(crate) source: Source,
+    pub(crate) document: ObjDocument,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Makes the scene of a file.
 ///
 /// # Errors
 /// If the mesh is too large.
 pub(crate) fn scene(
-    mut assembled: Assembled,
-    name: String,
-    source: Source,
-    document: ObjDocument,
-    mut warnings: Vec<String>,
+    file: FaceFile,
     assets: &Assets,
     options: &ImportOptions,
 ) -> Result<Scene, FormatError> {
+    let FaceFile { mut assembled, name, source, document, mut warnings } = file;
     let mut parts = std::mem::take(&mut assembled.parts);
     let source_positions =
         clean_numbered(&mut parts, assembled.source_positions, options.weld, &mut warnings);

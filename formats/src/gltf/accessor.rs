@@ -48,7 +48,7 @@ impl Shape {
     }
     /// The shape of a type by its name.
     pub(crate) fn named(name: &str) -> Option<Self> {
-        SHAPES.iter().find(|(_, known, _)| *known == name).map(|&(_, _, shape)| shape)
+        SHAPES.iter().find(|(_, other, _)| *other == name).map(|&(_, _, shape)| shape)
     }
     /// Components in all.
     pub(crate) const fn components(self) -> usize {

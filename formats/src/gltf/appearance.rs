@@ -29,7 +29,7 @@ pub(crate) fn appearance(
         let view = |index| stored.view(index);
         let mut reader = Reader { root, pictures: Pictures::new(&limits), assets, view: &view };
         let mut materials = vec![Material { colour: PLAIN, ..Material::default() }];
-        // What nothing uses need not have its pictures read.
+        // Pictures of materials that nothing uses are not read.
         let used: BTreeSet<usize> = submesh_materials.iter().flatten().copied().collect();
         for (number, source) in (1..).zip(root.list("materials")) {
             let used = used.contains(&number);
@@ -92,7 +92,8 @@ impl Reader<'_> {
         let mut colour = colour.numbers([1.0; 4]).map(|v| (v as f32).clamp(0.0, 1.0));
         let image = self.texture(texture)?;
         if image.is_none() && texture.is_object() {
-            // White stands for the texture that could not be had; grey shows the shape.
+            // The factor is meant for the missing texture and is often white, on which highlights
+            // cannot be seen.
             colour[..3].iter_mut().for_each(|c| *c *= 0.6);
         }
         Ok(Material {

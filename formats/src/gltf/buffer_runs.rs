@@ -196,8 +196,8 @@ pub(crate) struct PartialBuffer {
     runs: Vec<(Range<u64>, u64)>,
 }
 
-/// The offset of a run in `PartialBuffer::bytes` is that in the whole buffer modulo so many bytes:
-/// no component is longer, so all stay aligned.
+/// The offset of a run in `PartialBuffer::bytes` is the same as in the whole buffer modulo this
+/// number of bytes: no component is longer, so all stay aligned.
 const ALIGN: u64 = 8;
 
 impl PartialBuffer {

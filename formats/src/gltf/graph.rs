@@ -35,7 +35,7 @@ pub fn scene_graph(
     }
 }
 
-/// Reads the nodes of a glTF document. `meshes` says which of the document's meshes each object is.
+/// Reads the nodes of a glTF document. `meshes` has for each object the number of its mesh.
 pub(crate) fn gltf_graph(
     root: &Object,
     meshes: &[u32],

@@ -17,7 +17,7 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// The pictures of one scene.
 #[derive(Debug)]
 pub(crate) struct Pictures {
-    /// For each key that was asked for the index in `list`; none if the picture cannot be had.
+    /// For each key that was asked for the index in `list`; none if the picture cannot be read.
     by_key: BTreeMap<String, Option<usize>>,
     /// The same by a hash of the file: many images of a document may be one.
     by_content: BTreeMap<u128, Result<usize, FormatError>>,
@@ -46,7 +46,7 @@ impl Pictures {
     }
 
     /// The picture of this key, read if it has not been asked for before; none, with a warning, if
-    /// it cannot be had. `name` is what messages call it.
+    /// it cannot be read. `name` is its name in messages.
     ///
     /// # Errors
     /// If the pictures together have more pixels than the limits allow.

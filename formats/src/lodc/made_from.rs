@@ -89,7 +89,7 @@ impl MadeFrom {
         (now == *self).then_some(files)
     }
 
-    /// Returns whether this version made the file: then whatever it computed comes out again.
+    /// Returns whether this version made the file: then computing again gives the same numbers.
     #[must_use]
     pub fn is_of_this_version(&self) -> bool {
         self.program == GENERATOR

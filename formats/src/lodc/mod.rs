@@ -27,6 +27,7 @@ use lodc_model::Array;
 pub use lodc_model::Layout;
 pub use made_from::MadeFrom;
 use manifest::{DocumentEntry, Manifest};
+use object::ObjectReader;
 pub use overview::{Bounds, MAX_LEVELS, TableLevel, table_of_levels};
 pub use poses::MAX_POSES;
 pub use sections::{Section, sections};
@@ -151,14 +152,12 @@ pub fn read(bytes: &[u8], model_kinds: &[&str]) -> Result<LodFile, FormatError> 
     };
     let made_from = container.take_optional(tag::MADE_FROM, SCENE, 0).map(MadeFrom::read);
     let made_from = made_from.transpose()?;
-    let mut zeros = ZeroBudget::of_file(bytes.len());
-    let mut skipped = SkippedParts::default();
-    let objects = (0..)
-        .zip(manifest.objects)
-        .map(|(number, entry)| {
-            object::read(&mut container, number, entry.0, model_kinds, &mut zeros, &mut skipped)
-        })
-        .collect::<Result<_, _>>()?;
+    let (zeros, skipped) = (ZeroBudget::of_file(bytes.len()), SkippedParts::default());
+    let mut reader = ObjectReader { container, model_kinds, zeros, skipped };
+    let objects = (0..).zip(manifest.objects);
+    let objects =
+        objects.map(|(number, entry)| reader.object(number, entry.0)).collect::<Result<_, _>>()?;
+    let ObjectReader { container, mut skipped, .. } = reader;
     container.finish(&mut skipped)?;
     Ok(LodFile { source, document, objects, layout, made_from, left_out: skipped.into_lines() })
 }

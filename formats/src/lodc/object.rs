@@ -3,7 +3,7 @@
 use super::container::{Container, Writer};
 use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
 use super::skipped::{SkippedParts, shortened};
-use super::streams::{self, Plan, ZeroBudget};
+use super::streams::{self, Plan, StreamVertices, ZeroBudget};
 use super::table::{Tag, location, tag};
 use super::{Bounds, LodObject, StoredModel, arrays, overview, poses, steps};
 use crate::fields::Record;
@@ -97,173 +97,193 @@ pub(super) fn write<'a>(
     }
 }
 
-pub(super) fn read(
-    container: &mut Container<'_>,
-    number: u32,
-    entry: ObjectEntry,
-    model_kinds: &[&str],
-    zeros: &mut ZeroBudget,
-    skipped: &mut SkippedParts,
-) -> Result<LodObject, FormatError> {
-    let wrong =
-        |problem: String| FormatError::new(Fault::Malformed, format!("object {number}"), problem);
-    if !(entry.world_scale.is_finite() && entry.world_scale > 0.0) {
-        return Err(wrong(format!(
-            "is shown at a scale of {}, which is not a number above 0",
-            entry.world_scale
-        )));
-    }
-    let mesh = read_mesh(container, number, &entry, zeros)?;
-    let collapses = read_sequence(container, number, &entry, &mesh)?;
-    let simplified = Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(format!("{e}")))?);
-    if Bounds::of(simplified.mesh().positions()) != entry.bounds {
-        return Err(wrong("has other bounds than its vertices".to_owned()));
-    }
-    if let Some(stored) = container.take_optional(tag::LEVELS, number, 0) {
-        overview::check_levels(stored, number, &simplified)?;
-    }
-
-    let models = read_models(container, number, entry.models, model_kinds, skipped)?;
-    let submeshes = entry.submeshes.into_iter().map(|Record(s)| SubmeshInfo {
-        name: s.name,
-        material: s.material,
-        document_primitive: s.document_primitive,
-    });
-    let poses = container.take_optional(tag::POSES, number, 0).unwrap_or_default();
-    let info = ObjectInfo {
-        name: entry.name,
-        submeshes: submeshes.collect(),
-        world_scale: entry.world_scale,
-        document_mesh: entry.document_mesh,
-        poses: poses::get(poses, number)?,
-    };
-    Ok(LodObject { info, simplified, models })
+/// Reads the objects of a file.
+pub(super) struct ObjectReader<'r, 'a> {
+    pub(super) container: Container<'a>,
+    /// Kinds of models that are read; others are skipped.
+    pub(super) model_kinds: &'r [&'r str],
+    pub(super) zeros: ZeroBudget,
+    pub(super) skipped: SkippedParts,
 }
 
-/// Reads the models of an object; those of other kinds than `model_kinds` are left out.
-fn read_models(
-    container: &mut Container<'_>,
-    number: u32,
-    entries: Vec<Record<ModelEntry>>,
-    model_kinds: &[&str],
-    skipped: &mut SkippedParts,
-) -> Result<Vec<StoredModel>, FormatError> {
-    let mut models: Vec<StoredModel> = Vec::new();
-    let mut index = 0;
-    for Record(ModelEntry { name, arrays }) in entries {
-        let first = index;
-        // Each name takes at least a byte of the manifest, which is far smaller than 2^32.
-        index += arrays.len() as u32;
-        let sections = (first..index).zip(arrays);
-        if !model_kinds.contains(&name.as_str()) {
-            sections.for_each(|(index, _)| container.skip(tag::MODEL_ARRAY, number, index));
-            skipped.add(|| {
+impl ObjectReader<'_, '_> {
+    /// Reads an object by its number and its entry in the manifest.
+    pub(super) fn object(
+        &mut self,
+        number: u32,
+        entry: ObjectEntry,
+    ) -> Result<LodObject, FormatError> {
+        let wrong = |problem: String| {
+            FormatError::new(Fault::Malformed, format!("object {number}"), problem)
+        };
+        if !(entry.world_scale.is_finite() && entry.world_scale > 0.0) {
+            return Err(wrong(format!(
+                "is shown at a scale of {}, which is not a number above 0",
+                entry.world_scale
+            )));
+        }
+        let mesh = self.mesh(number, &entry)?;
+        let collapses = read_sequence(&mut self.container, number, &entry, &mesh)?;
+        let simplified =
+            Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(format!("{e}")))?);
+        if Bounds::of(simplified.mesh().positions()) != entry.bounds {
+            return Err(wrong("has other bounds than its vertices".to_owned()));
+        }
+        if let Some(stored) = self.container.take_optional(tag::LEVELS, number, 0) {
+            overview::check_levels(stored, number, &simplified)?;
+        }
+
+        let models = self.models(number, entry.models)?;
+        let submeshes = entry.submeshes.into_iter().map(|Record(s)| SubmeshInfo {
+            name: s.name,
+            material: s.material,
+            document_primitive: s.document_primitive,
+        });
+        let poses = self.container.take_optional(tag::POSES, number, 0).unwrap_or_default();
+        let info = ObjectInfo {
+            name: entry.name,
+            submeshes: submeshes.collect(),
+            world_scale: entry.world_scale,
+            document_mesh: entry.document_mesh,
+            poses: poses::get(poses, number)?,
+        };
+        Ok(LodObject { info, simplified, models })
+    }
+
+    /// Reads the models of an object.
+    fn models(
+        &mut self,
+        number: u32,
+        entries: Vec<Record<ModelEntry>>,
+    ) -> Result<Vec<StoredModel>, FormatError> {
+        let Self { container, model_kinds, skipped, .. } = self;
+        let mut models: Vec<StoredModel> = Vec::new();
+        let mut index = 0;
+        for Record(ModelEntry { name, arrays }) in entries {
+            let first = index;
+            // Each name takes at least a byte of the manifest, which is far smaller than 2^32.
+            index += arrays.len() as u32;
+            let sections = (first..index).zip(arrays);
+            if !model_kinds.contains(&name.as_str()) {
+                sections.for_each(|(index, _)| container.skip(tag::MODEL_ARRAY, number, index));
+                skipped.add(|| {
                 let name = shortened(&name);
                 format!(
                     "object {number}: the model \"{name}\" is not in this version and was left out"
                 )
             });
-            continue;
+                continue;
+            }
+            if models.iter().any(|m| m.name == name) {
+                let problem = format!("the model {name} is there twice");
+                return Err(FormatError::new(
+                    Fault::Malformed,
+                    format!("object {number}"),
+                    problem,
+                ));
+            }
+            let array = |(index, name)| {
+                let section = container.take_section(tag::MODEL_ARRAY, number, index)?;
+                Ok(Array { name, bytes: section.bytes.to_vec(), wide: section.wide })
+            };
+            models
+                .push(StoredModel { name, arrays: sections.map(array).collect::<Result<_, _>>()? });
         }
-        if models.iter().any(|m| m.name == name) {
-            let problem = format!("the model {name} is there twice");
-            return Err(FormatError::new(Fault::Malformed, format!("object {number}"), problem));
-        }
-        let array = |(index, name)| {
-            let section = container.take_section(tag::MODEL_ARRAY, number, index)?;
-            Ok(Array { name, bytes: section.bytes.to_vec(), wide: section.wide })
-        };
-        models.push(StoredModel { name, arrays: sections.map(array).collect::<Result<_, _>>()? });
+        Ok(models)
     }
-    Ok(models)
-}
 
-fn read_mesh(
-    container: &mut Container<'_>,
-    number: u32,
-    entry: &ObjectEntry,
-    zeros: &mut ZeroBudget,
-) -> Result<Mesh, FormatError> {
-    let at = |tag: Tag| move || location(tag, number, 0);
-    let positions =
-        arrays::f32_triples(container.take(tag::POSITIONS, number, 0)?, at(tag::POSITIONS))?;
-    let vertex_submesh = match submesh_width(entry.submeshes.len()) {
-        0 => vec![0; positions.len()],
-        width => {
-            let stored = container.take(tag::VERTEX_SUBMESH, number, 0)?;
-            arrays::narrow(stored, width, at(tag::VERTEX_SUBMESH))?
-        }
-    };
-    let (stored, width) = take_indices(container, (tag::TRIANGLES, number), positions.len())?;
-    let triangles = arrays::narrow_triples(stored, width, at(tag::TRIANGLES))?;
-    let mut first = 0u32;
-    let mut submeshes = Vec::with_capacity(entry.submeshes.len());
-    for s in &entry.submeshes {
-        let submesh = Submesh {
-            first_triangle: first,
-            triangle_count: s.triangles,
-            attributes: s.attributes.clone(),
+    /// Reads the mesh of an object.
+    fn mesh(&mut self, number: u32, entry: &ObjectEntry) -> Result<Mesh, FormatError> {
+        let container = &mut self.container;
+        let location = |tag: Tag| move || location(tag, number, 0);
+        let positions = arrays::f32_triples(
+            container.take(tag::POSITIONS, number, 0)?,
+            location(tag::POSITIONS),
+        )?;
+        let vertex_submesh = match submesh_width(entry.submeshes.len()) {
+            0 => vec![0; positions.len()],
+            width => {
+                let stored = container.take(tag::VERTEX_SUBMESH, number, 0)?;
+                arrays::narrow(stored, width, location(tag::VERTEX_SUBMESH))?
+            }
         };
-        // A sum that overflows is no run of triangles either, which the mesh finds out.
-        first = first.saturating_add(s.triangles);
-        submeshes.push(submesh);
-    }
-    // For each stream the submeshes that have it: to ask each submesh for each stream would take
-    // time that grows with their product.
-    let mut users = vec![Vec::new(); entry.attributes.len()];
-    for (submesh, s) in submeshes.iter().enumerate() {
-        for &a in &s.attributes {
-            // Streams that are not there are found out with the mesh.
-            if let Some(users) = users.get_mut(a as usize) {
-                users.push(submesh);
+        let (stored, width) = take_indices(container, (tag::TRIANGLES, number), positions.len())?;
+        let triangles = arrays::narrow_triples(stored, width, location(tag::TRIANGLES))?;
+        let mut first = 0u32;
+        let mut submeshes = Vec::with_capacity(entry.submeshes.len());
+        for s in &entry.submeshes {
+            let submesh = Submesh {
+                first_triangle: first,
+                triangle_count: s.triangles,
+                attributes: s.attributes.clone(),
+            };
+            // A sum that overflows is refused with the mesh: its submeshes do not follow each
+            // other.
+            first = first.saturating_add(s.triangles);
+            submeshes.push(submesh);
+        }
+        // For each stream the submeshes that have it: to ask each submesh for each stream would
+        // take time that grows with their product.
+        let mut users = vec![Vec::new(); entry.attributes.len()];
+        for (submesh, s) in submeshes.iter().enumerate() {
+            for &a in &s.attributes {
+                // Streams that are not there are refused with the mesh.
+                if let Some(users) = users.get_mut(a as usize) {
+                    users.push(submesh);
+                }
             }
         }
+        let mut has = vec![false; submeshes.len()];
+        let mut attributes = Vec::new();
+        for ((i, a), users) in (0..).zip(&entry.attributes).zip(&users) {
+            users.iter().for_each(|&s| has[s] = true);
+            let vertices = StreamVertices { has: &has, vertex_submesh: &vertex_submesh };
+            attributes.push(self.stream(number, i, a, &vertices)?);
+            users.iter().for_each(|&s| has[s] = false);
+        }
+        let parts = MeshParts { positions, vertex_submesh, attributes, triangles, submeshes };
+        let wrong = |problem: String| {
+            FormatError::new(Fault::Malformed, format!("object {number}"), problem)
+        };
+        Mesh::try_from(parts).map_err(|e| wrong(format!("{e}")))
     }
-    let mut has = vec![false; submeshes.len()];
-    let mut attributes = Vec::new();
-    for ((i, a), users) in (0..).zip(&entry.attributes).zip(&users) {
-        users.iter().for_each(|&s| has[s] = true);
-        attributes.push(read_stream(container, (number, i), a, &has, &vertex_submesh, zeros)?);
-        users.iter().for_each(|&s| has[s] = false);
-    }
-    let parts = MeshParts { positions, vertex_submesh, attributes, triangles, submeshes };
-    let wrong =
-        |problem: String| FormatError::new(Fault::Malformed, format!("object {number}"), problem);
-    Mesh::try_from(parts).map_err(|e| wrong(format!("{e}")))
-}
 
-fn read_stream(
-    container: &mut Container<'_>,
-    (number, i): (u32, u32),
-    entry: &AttributeEntry,
-    has: &[bool],
-    vertex_submesh: &[u32],
-    zeros: &mut ZeroBudget,
-) -> Result<Attribute, FormatError> {
-    let location = || location(tag::ATTRIBUTE, number, i);
-    let wrong = |problem: &str| FormatError::new(Fault::Malformed, location(), problem);
-    let component = manifest::component(entry.component)
-        .ok_or_else(|| wrong("has components of an unknown type"))?;
-    if !(1..=16).contains(&entry.components) {
-        return Err(wrong("has no, or more than 16, components"));
+    /// Reads stream `i` of an object.
+    fn stream(
+        &mut self,
+        number: u32,
+        i: u32,
+        entry: &AttributeEntry,
+        vertices: &StreamVertices<'_>,
+    ) -> Result<Attribute, FormatError> {
+        let location = || location(tag::ATTRIBUTE, number, i);
+        let wrong = |problem: &str| FormatError::new(Fault::Malformed, location(), problem);
+        let component = manifest::component(entry.component)
+            .ok_or_else(|| wrong("has components of an unknown type"))?;
+        if !(1..=16).contains(&entry.components) {
+            return Err(wrong("has no, or more than 16, components"));
+        }
+        let section = self.container.take_section(tag::ATTRIBUTE, number, i)?;
+        let mut attribute = Attribute {
+            semantic: entry.semantic(),
+            morph_target: entry.morph_target,
+            component,
+            components: entry.components,
+            normalized: entry.normalized,
+            bytes: Vec::new(),
+        };
+        let stride = attribute.stride();
+        let stored = match section.wide {
+            true => &*streams::without_padding(section.bytes, stride, location)?,
+            false => section.bytes,
+        };
+        attribute.bytes = match entry.full {
+            // The length is checked with the mesh.
+            true => stored.to_vec(),
+            false => streams::with_zeros(stored, stride, vertices, &mut self.zeros, location)?,
+        };
+        Ok(attribute)
     }
-    let section = container.take_section(tag::ATTRIBUTE, number, i)?;
-    let mut attribute = Attribute {
-        semantic: entry.semantic(),
-        morph_target: entry.morph_target,
-        component,
-        components: entry.components,
-        normalized: entry.normalized,
-        bytes: Vec::new(),
-    };
-    let stride = attribute.stride();
-    let stored = match section.wide {
-        true => &*streams::without_padding(section.bytes, stride, location)?,
-        false => section.bytes,
-    };
-    attribute.bytes =
-        streams::get(stored, stride, entry.full, has, vertex_submesh, zeros, location)?;
-    Ok(attribute)
 }
 
 fn read_sequence(
@@ -272,12 +292,11 @@ fn read_sequence(
     entry: &ObjectEntry,
     mesh: &Mesh,
 ) -> Result<CollapseSequence, FormatError> {
-    let at = |tag: Tag| move || location(tag, number, 0);
     let wrong = |tag: Tag| {
         move |problem: String| FormatError::new(Fault::Malformed, location(tag, number, 0), problem)
     };
     let (stored, width) = take_indices(container, (tag::TARGETS, number), mesh.vertex_count())?;
-    let targets = arrays::narrow(stored, width, at(tag::TARGETS))?;
+    let targets = arrays::narrow(stored, width, || location(tag::TARGETS, number, 0))?;
     let bits = container.take(tag::JOINED, number, 0)?;
     let step_ends = steps::step_ends(bits, targets.len()).map_err(wrong(tag::JOINED))?;
     let stored = container.take(tag::STEP_ERRORS, number, 0)?;

@@ -126,21 +126,23 @@ pub(super) fn without_padding(
     Ok(vertices.flat_map(|vertex| &vertex[..stride]).copied().collect())
 }
 
-/// A stream for all vertices, from what was stored. `has` says which submeshes have it.
-pub(super) fn get(
+/// The vertices of a mesh, and which of them have a stream.
+pub(super) struct StreamVertices<'a> {
+    /// For each submesh whether it has the stream.
+    pub(super) has: &'a [bool],
+    pub(super) vertex_submesh: &'a [u32],
+}
+
+/// A stream for all vertices: the stored bytes for those that have it, zeros for the others.
+pub(super) fn with_zeros(
     stored: &[u8],
     stride: usize,
-    full: bool,
-    has: &[bool],
-    vertex_submesh: &[u32],
+    vertices: &StreamVertices<'_>,
     budget: &mut ZeroBudget,
     location: impl Fn() -> String,
 ) -> Result<Vec<u8>, FormatError> {
-    if full {
-        // Its length is checked with the mesh.
-        return Ok(stored.to_vec());
-    }
-    // Submeshes that are not there are found out with the mesh.
+    let StreamVertices { has, vertex_submesh } = *vertices;
+    // Submeshes that are not there are refused with the mesh.
     let has = |submesh: u32| has.get(submesh as usize).copied().unwrap_or_default();
     let present = vertex_submesh.iter().filter(|&&s| has(s)).count();
     if stored.len() as u64 != present as u64 * stride as u64 {

@@ -49,8 +49,8 @@ impl<'a> Arrived<'a> {
     }
 }
 
-/// Returns how many morph targets each submesh of an object has: as many as its vertices have
-/// streams for, or none where that is too much.
+/// Returns the number of morph targets of each submesh of an object: that of its vertices' streams,
+/// or 0 if it is above the limit.
 fn morph_targets(object: &ReceivedObject) -> usize {
     let header = object.decoder.header();
     let last = header.attributes.iter().filter_map(|a| a.morph_target).max();

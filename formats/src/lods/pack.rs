@@ -174,7 +174,7 @@ fn next_block_bytes(before: usize) -> usize {
 const NO_TRIANGLE_YET: u64 = u64::MAX;
 /// Bytes of the block that ends a stream.
 const END_BYTES: u64 = 9;
-/// Bytes that a block has beside its payload, at least.
+/// Smallest number of bytes of a block without its payload.
 const BLOCK_FIELDS: usize = 9;
 
 /// The mesh with its steps in the order in which they are packed.

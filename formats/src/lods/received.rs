@@ -109,7 +109,7 @@ impl Received {
         self.document.is_complete(self.head).then_some(&parsed.document)
     }
 
-    /// The JSON of a glTF and what has come of its buffer; none before its text has come.
+    /// The JSON of a glTF and the bytes of its buffer that have arrived; none before its text.
     pub(super) fn partial_gltf(&self) -> Option<(&str, PartialBuffer)> {
         match &self.document.parsed.as_ref()?.document {
             Document::Gltf(gltf) => Some((&gltf.json, self.document.partial_buffer())),

@@ -5,7 +5,7 @@
 
 mod columns;
 
-use crate::faces::{self, Faces, NONE, Run};
+use crate::faces::{self, FaceFile, Faces, NONE, Run};
 use crate::options::ImportOptions;
 use crate::{
     Assets, Fault, FormatError, Limits, ObjDocument, ObjMaterial, Scene, Source, SourceFormat,
@@ -62,7 +62,8 @@ pub(crate) fn import(
     }
     let source = Source { format: SourceFormat::Ply, content_hash };
     let document = ObjDocument { libraries: Vec::new(), materials };
-    faces::scene(assembled, assets.stem(), source, document, warnings, assets, options)
+    let file = FaceFile { assembled, name: assets.stem(), source, document, warnings };
+    faces::scene(file, assets, options)
 }
 
 /// Everything between the header and the end.

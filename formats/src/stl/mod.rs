@@ -2,7 +2,7 @@
 //!
 //! `stl_io` reads facets. Their normals follow from their corners and are left out.
 
-use crate::faces::{self, Faces, NONE, Run, first_equal};
+use crate::faces::{self, FaceFile, Faces, NONE, Run, first_equal};
 use crate::options::ImportOptions;
 use crate::{Assets, Fault, FormatError, Limits, ObjDocument, Scene, Source, SourceFormat};
 use std::io::{Cursor, ErrorKind};
@@ -69,7 +69,8 @@ pub(crate) fn import(
     let source = Source { format: SourceFormat::Stl, content_hash };
     let name = faces.name(assets);
     drop(faces);
-    faces::scene(assembled, name, source, ObjDocument::default(), warnings, assets, options)
+    let document = ObjDocument::default();
+    faces::scene(FaceFile { assembled, name, source, document, warnings }, assets, options)
 }
 
 /// Reads the facets of a binary file.

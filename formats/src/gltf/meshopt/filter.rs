@@ -3,10 +3,10 @@
 
 use super::Filter;
 
-/// Bits of a float's mantissa, without the leading one; also those of a whole number of the
-/// exponential filter besides its sign.
+/// Bits of a float's mantissa, without the leading one; also those of the exponential filter's
+/// whole number without its sign.
 const MANTISSA: u32 = 23;
-/// What a float's exponent is more than the power of its last bit.
+/// A float's stored exponent minus the power of two of its mantissa's last bit.
 const BIAS: i32 = 127 + MANTISSA as i32;
 
 /// Differences of the nearest whole number and of its two neighbours from the nearest.

@@ -167,7 +167,7 @@ pub(super) fn encode(triangles: &[[u32; 3]]) -> Vec<u8> {
 
 #[derive(Default)]
 struct Encoder {
-    /// Bytes that codes need besides.
+    /// The bytes that follow the codes.
     data: Vec<u8>,
     recent: Recent,
     /// The smallest index that has not been seen.

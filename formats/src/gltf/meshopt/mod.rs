@@ -49,7 +49,7 @@ const FILTERS: [(&str, Filter); 5] = [
     ("COLOR", Filter::Color),
 ];
 
-/// A compressed buffer view, its bytes apart.
+/// How a buffer view is compressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Layout {
     /// Its contents.
@@ -80,7 +80,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// What a view's extension says, besides where the bytes are.
+    /// The members of a view's extension, but for those that locate its bytes.
     pub(crate) fn json(&self) -> Json {
         let mode = MODES.iter().find(|(_, mode)| *mode == self.mode).map(|(name, _)| *name);
         let mut json =

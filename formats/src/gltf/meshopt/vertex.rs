@@ -21,7 +21,7 @@ fn block(stride: usize) -> usize {
     (BLOCK_BYTES / stride / GROUP_DELTAS * GROUP_DELTAS).min(BLOCK_VERTICES)
 }
 
-/// The small number that stands for a whole byte, which follows after all of its group.
+/// The small number that marks a delta with more bits, whose byte follows after its group.
 fn sentinel(bits: u8) -> u8 {
     (1 << bits) - 1
 }
@@ -79,7 +79,8 @@ pub(super) fn decode(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8
     Ok(out)
 }
 
-/// Turns deltas into values: 4 bytes of every element. `mode` says what the deltas are deltas of.
+/// Turns deltas into values: 4 bytes of every element. `mode` is the channel's: whether deltas are
+/// of bytes, of 16-bit numbers, or bits that differ.
 fn integrate<'a>(
     mode: u8,
     planes: &[u8],

@@ -47,8 +47,8 @@ pub(super) fn transform(root: &mut Object, blob: &mut [u8], accessor: usize, gri
             let moved = columns[0] * x + columns[1] * y + columns[2] * z + columns[3];
             let [a, b, c] = [0, 1, 2].map(|k| columns[k] * grid.step);
             for (column, value) in [a, b, c, moved].into_iter().enumerate() {
-                let at = 4 * (4 * column + row);
-                matrix[at..at + 4].copy_from_slice(&(value as f32).to_le_bytes());
+                let offset = 4 * (4 * column + row);
+                matrix[offset..offset + 4].copy_from_slice(&(value as f32).to_le_bytes());
             }
         }
     }

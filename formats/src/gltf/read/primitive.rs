@@ -83,7 +83,8 @@ fn streams(primitive: &Object, attributes: &Object) -> Vec<Stream> {
     at_rest.chain(moved).collect()
 }
 
-/// Checks that accessors can be what they are used for, and that all have as many elements.
+/// Checks that accessors can be what they are used for, and that all have the same number of
+/// elements.
 fn check_streams(
     streams: &[Stream],
     location: &str,

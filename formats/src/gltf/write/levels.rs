@@ -25,8 +25,8 @@ pub struct LevelsObject<'a> {
     pub simplified: &'a Simplified,
     /// The strip of each triangle of the mesh, if strips are known.
     pub strips: Option<&'a [u32]>,
-    /// Where it gives up triangles in the order over the objects of the scene: indices into that
-    /// order, rising, and the LOD after each. Empty for the only object.
+    /// When it loses triangles: indices into the order over the objects of the scene, rising, each
+    /// with the LOD after it. Empty for the only object.
     pub turns: &'a [(u32, u32)],
 }
 
@@ -37,9 +37,9 @@ pub struct LevelsObject<'a> {
 /// order: it is there at LOD k if its number is at least k), `targets` (the earlier vertex of the
 /// primitive that it becomes), `removals` (LOD at which each triangle goes) and, if known,
 /// `strips`. Each mesh has `extras.lodc` with `records`, `scale` (world units per unit),
-/// `diagonal`, and the accessors `ends`, `triangles` and `errors` by step (the last finite error
-/// stands where no triangle is left); of several objects also `turns` and `turn_lods`, the places
-/// where the object gives up triangles in the order over all of them, and its LOD after each.
+/// `diagonal`, and the accessors `ends`, `triangles` and `errors` by step (steps that leave no
+/// triangle have the last finite error); of several objects also `turns` and `turn_lods`, the ranks
+/// at which the object loses triangles in the order over all objects, and its LOD after each.
 ///
 /// # Errors
 /// If glTF cannot hold the scene.

@@ -15,6 +15,7 @@ mod parsed;
 #[cfg(test)]
 mod tests;
 
+use crate::faces::FaceFile;
 use crate::options::ImportOptions;
 use crate::{Assets, Fault, FormatError, ObjDocument, Scene, Source, SourceFormat, faces};
 use xxhash_rust::xxh3::xxh3_128;
@@ -47,5 +48,5 @@ pub(crate) fn import(
 
     let source = Source { format: SourceFormat::Obj, content_hash };
     let document = ObjDocument { libraries, materials: materials.list };
-    faces::scene(assembled, name, source, document, warnings, assets, options)
+    faces::scene(FaceFile { assembled, name, source, document, warnings }, assets, options)
 }
