@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Shares of the way to the best fit that are tried in order: the first that looks clearly better
 /// counts, else the one that looks best. 0 fits normals alone. Chosen by hand.
 const FIT_SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// Factor by which the largest distance may grow at most. Chosen by hand.
+/// Factor by which refitting may raise the bound of a level at most. Chosen by hand.
 const MAX_BOUND_GROWTH: f64 = 1.05;
 /// A level looks clearly better if it keeps at most this share of its image error. Chosen by hand,
 /// as is the next.
@@ -40,16 +40,18 @@ pub fn refitted_meshes(
     tick: &Tick<'_>,
 ) -> Result<Vec<LevelMesh>, Error> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
-    let shown = coordinates(document, &infos, limits)?;
+    let coordinates = coordinates(document, &infos, limits)?;
     let shapes = stated_shapes(objects, document, limits)?;
     let noise = noise();
-    let one = |((object, &lod), (shown, shapes)): ((&LodObject, &Lod), (&Vec<_>, &Vec<Shape>))| {
-        let (mesh, at_rest) = refitted(object, lod, (shown, &noise), tick);
-        let (error, rms) =
-            largest_over_shapes(shapes, object.simplified.mesh(), &mesh, Some(at_rest));
-        LevelMesh { mesh: ordered(mesh, order), error, rms: Some(rms) }
-    };
-    Ok(objects.par_iter().zip(lods).zip(shown.par_iter().zip(&shapes)).map(one).collect())
+    let one =
+        |((object, &lod), (coordinates, shapes)): ((&LodObject, &Lod), (&Vec<_>, &Vec<_>))| {
+            let texture = NoiseTexture { coordinates, noise: &noise };
+            let (mesh, at_rest) = refitted(object, lod, texture, tick);
+            let Distances { bound, rms } =
+                largest_over_shapes(shapes, object.simplified.mesh(), &mesh, Some(at_rest));
+            LevelMesh { mesh: ordered(mesh, order), error: bound, rms: Some(rms) }
+        };
+    Ok(objects.par_iter().zip(lods).zip(coordinates.par_iter().zip(&shapes)).map(one).collect())
 }
 
 /// Measures meshes that are levels of the objects, but not of their sequences: for each an upper
@@ -66,8 +68,9 @@ pub fn measured(
 ) -> Result<Vec<LevelMesh>, Error> {
     let shapes = stated_shapes(objects, document, limits)?;
     let one = |((object, mesh), shapes): ((&LodObject, Mesh), &Vec<Shape>)| {
-        let (error, rms) = largest_over_shapes(shapes, object.simplified.mesh(), &mesh, None);
-        LevelMesh { mesh, error, rms: Some(rms) }
+        let Distances { bound, rms } =
+            largest_over_shapes(shapes, object.simplified.mesh(), &mesh, None);
+        LevelMesh { mesh, error: bound, rms: Some(rms) }
     };
     Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
 }
@@ -76,6 +79,22 @@ pub fn measured(
 /// by hand.
 const POSE_SAMPLING: Sampling = Sampling { samples: 20_000, ..Sampling::DEFAULT };
 
+/// Distances of a level from its input, in mesh units.
+#[derive(Clone, Copy)]
+struct Distances {
+    /// Upper bound of the Hausdorff distance.
+    bound: f64,
+    /// Root mean square distance.
+    rms: f64,
+}
+
+impl Distances {
+    fn between(original: &Original, level: &Surface) -> Self {
+        let (bound, rms) = original.bound_and_rms(level);
+        Self { bound, rms }
+    }
+}
+
 /// The bound and the root mean square distance of a level, the largest over all shapes, of which
 /// the first is at rest. `as_modelled` are those of the meshes as they are, if they are known
 /// already.
@@ -83,8 +102,8 @@ fn largest_over_shapes(
     shapes: &[Shape],
     input: &Mesh,
     level: &Mesh,
-    as_modelled: Option<(f64, f64)>,
-) -> (f64, f64) {
+    as_modelled: Option<Distances>,
+) -> Distances {
     let in_shape = |(number, shape): (usize, &Shape)| {
         let [input_positions, level_positions] = [shape.of(input), shape.of(level)];
         // Borrowed: the shape is that of the mesh as it is.
@@ -93,10 +112,14 @@ fn largest_over_shapes(
         }
         let sampling = if number == 0 { Sampling::DEFAULT } else { POSE_SAMPLING };
         let original = Original::new(&surface(input, &input_positions), &sampling);
-        original.bound_and_rms(&surface(level, &level_positions))
+        Distances::between(&original, &surface(level, &level_positions))
     };
     let all = shapes.iter().enumerate().map(in_shape);
-    all.fold((0.0, 0.0), |(error, rms), (e, r)| (f64::max(error, e), f64::max(rms, r)))
+    let larger = |a: Distances, b: Distances| Distances {
+        bound: a.bound.max(b.bound),
+        rms: a.rms.max(b.rms),
+    };
+    all.fold(Distances { bound: 0.0, rms: 0.0 }, larger)
 }
 
 /// A refitted level of an object, with its error and its root mean square distance at rest. These
@@ -104,35 +127,36 @@ fn largest_over_shapes(
 fn refitted(
     object: &LodObject,
     lod: Lod,
-    shown: TextureNoise<'_>,
+    texture: NoiseTexture<'_>,
     tick: &Tick<'_>,
-) -> (Mesh, (f64, f64)) {
+) -> (Mesh, Distances) {
     let input = object.simplified.mesh();
     let refit = Refit::new(&object.simplified, lod, &Options::DEFAULT, tick);
     if lod.0 == 0 {
-        return (refit.unmoved(), (0.0, 0.0));
+        return (refit.unmoved(), Distances { bound: 0.0, rms: 0.0 });
     }
     let unmoved = refit.unmoved();
     let from_input = original(input, refit.tree());
-    let before = from_input.bound_and_rms(&surface_of(&unmoved));
-    let judge = Judge::new(input, &unmoved, shown);
-    let mut best = (BETTER, (unmoved, before));
+    let before = Distances::between(&from_input, &surface_of(&unmoved));
+    let judge = Judge::new(input, &unmoved, texture);
+    // The best level so far, and the share of its image error that a better one has to be below.
+    let (mut best, mut least_kept) = ((unmoved, before), BETTER);
     for share in FIT_SHARES {
         tick();
         let mesh = refit.mesh(share);
-        let (error, rms) = from_input.bound_and_rms(&surface_of(&mesh));
-        if error > MAX_BOUND_GROWTH * before.0 {
+        let distances = Distances::between(&from_input, &surface_of(&mesh));
+        if distances.bound > MAX_BOUND_GROWTH * before.bound {
             continue;
         }
         let share_kept = judge.as_ref().map_or(0.0, |judge| judge.kept_share(&mesh));
-        if share_kept < best.0 {
-            best = (share_kept, (mesh, (error, rms)));
+        if share_kept < least_kept {
+            (best, least_kept) = ((mesh, distances), share_kept);
         }
         if share_kept <= CLEARLY_BETTER {
             break;
         }
     }
-    best.1
+    best
 }
 
 /// A mesh that levels are measured from. `tree` is that of its triangles, if there is one already.
@@ -142,8 +166,13 @@ fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
     Original::with_tree(&surface, tree, &Sampling::DEFAULT)
 }
 
-/// The texture coordinates of an object's submeshes, and the noise that serves as their texture.
-type TextureNoise<'a> = (&'a [Coordinates], &'a Arc<[Pyramid]>);
+/// Noise as the texture of an object.
+#[derive(Clone, Copy)]
+struct NoiseTexture<'a> {
+    /// By submesh, the texture coordinates that it uses.
+    coordinates: &'a [Coordinates],
+    noise: &'a Arc<[Pyramid]>,
+}
 
 /// Compares pictures of a refitted level with pictures of the level as the simplifier left it.
 struct Judge {
@@ -154,11 +183,11 @@ struct Judge {
 
 impl Judge {
     /// None for meshes without attributes: for them, closer counts as better.
-    fn new(input: &Mesh, unmoved: &Mesh, (shown, noise): TextureNoise<'_>) -> Option<Self> {
+    fn new(input: &Mesh, unmoved: &Mesh, texture: NoiseTexture<'_>) -> Option<Self> {
         if input.attributes().is_empty() {
             return None;
         }
-        let pictures = ObjectPictures::new(input, shown, noise);
+        let pictures = ObjectPictures::new(input, texture.coordinates, texture.noise);
         let before = pictures.errors(unmoved);
         Some(Self { pictures, before })
     }
@@ -203,7 +232,8 @@ mod tests {
             let options = lodc_simplify::Options::DEFAULT;
             let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
             let lod = simplified.collapses().lod_for_triangles(mesh.triangles().len() as u32 / 4);
-            let shown = vec![Coordinates::PLAIN; mesh.submeshes().len()];
+            let coordinates = vec![Coordinates::PLAIN; mesh.submeshes().len()];
+            let texture = NoiseTexture { coordinates: &coordinates, noise: &noise };
             let info = ObjectInfo {
                 name: name.to_string(),
                 submeshes: Vec::new(),
@@ -214,8 +244,8 @@ mod tests {
             let simplified = Arc::new(simplified);
             let object = LodObject { info, simplified, models: Vec::new() };
             let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT, &|| ()).unmoved();
-            let judge = Judge::new(&mesh, &unmoved, (&shown, &noise)).expect("attributes");
-            let (level, ..) = refitted(&object, lod, (&shown, &noise), &|| ());
+            let judge = Judge::new(&mesh, &unmoved, texture).expect("attributes");
+            let (level, ..) = refitted(&object, lod, texture, &|| ());
             let is_held = level == unmoved;
             assert!(is_held || judge.kept_share(&level) <= BETTER, "{name}");
             held += u32::from(is_held);
