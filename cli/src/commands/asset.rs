@@ -26,7 +26,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// An asset whose levels can be taken out.
-pub(crate) struct Asset {
+pub(crate) struct AssetWithLevels {
     pub(crate) source: Source,
     pub(crate) objects: Vec<LodObject>,
     pub(crate) document: Document,
@@ -47,7 +47,7 @@ pub(crate) struct Asset {
 pub(crate) enum Errors {
     /// Every level.
     Curve,
-    /// Only the levels that are written, once they are chosen: by [`Asset::distances`].
+    /// Only the levels that are written, once they are chosen: by [`AssetWithLevels::distances`].
     OfResult,
 }
 
@@ -60,7 +60,7 @@ impl Errors {
     }
 }
 
-impl Asset {
+impl AssetWithLevels {
     /// The distances of `levels`, fine to coarse, each with a LOD for every object; by level and
     /// object. Those that the sequences state, or measured if they state none.
     ///
@@ -151,7 +151,7 @@ pub(crate) fn read(
     import: &ImportArgs,
     simplify_args: &SimplifyArgs,
     stages: &mut Stages,
-) -> Outcome<Asset> {
+) -> Outcome<AssetWithLevels> {
     let progress = Progress::new(&input.display().to_string());
     read_showing(&progress, input, import, simplify_args, Errors::Curve, stages)
 }
@@ -167,7 +167,7 @@ pub(crate) fn read_showing(
     simplify_args: &SimplifyArgs,
     errors: Errors,
     stages: &mut Stages,
-) -> Outcome<Asset> {
+) -> Outcome<AssetWithLevels> {
     let read = stages.run("read", || read_input(input, &import.options()))?;
     if matches!(read, Input::Levels(_)) {
         let name = input.display().to_string();
@@ -175,7 +175,7 @@ pub(crate) fn read_showing(
         simplify_args.parts.all().refuse_sequence_options(&name)?;
     }
     match read {
-        Input::Levels(file) => Ok(Asset {
+        Input::Levels(file) => Ok(AssetWithLevels {
             source: file.source,
             objects: file.objects,
             document: file.document,
@@ -201,7 +201,7 @@ pub(crate) fn simplified(
     simplify_args: &SimplifyArgs,
     scene: Scene,
     stages: &mut Stages,
-) -> Outcome<Asset> {
+) -> Outcome<AssetWithLevels> {
     let progress = Progress::new(&input.display().to_string());
     simplified_showing(&progress, (input, import), simplify_args, Errors::Curve, scene, stages)
 }
@@ -213,7 +213,7 @@ fn simplified_showing(
     errors: Errors,
     scene: Scene,
     stages: &mut Stages,
-) -> Outcome<Asset> {
+) -> Outcome<AssetWithLevels> {
     let size = Size::of_objects(&scene.objects);
     let name = input.display().to_string();
     let limits = import.options().limits;
@@ -246,5 +246,5 @@ fn simplified_showing(
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();
     let colours = colours.colours;
-    Ok(Asset { source, objects, document, compressed, files, warnings, errors, colours })
+    Ok(AssetWithLevels { source, objects, document, compressed, files, warnings, errors, colours })
 }

@@ -2,7 +2,7 @@
 //! level, and the distances at which the movement begins and ends.
 
 use super::levels::{Level, LevelArgs};
-use crate::commands::asset::Asset;
+use crate::commands::asset::AssetWithLevels;
 use crate::exit::{Failure, Outcome};
 use crate::help::BECOMES;
 use crate::mesh_output::FormatName;
@@ -112,7 +112,7 @@ pub(super) type MovingMesh<'a> = (&'a Mesh, &'a Mesh, Range<u32>);
 /// # Errors
 /// If the document is damaged.
 pub(super) fn pose_errors(
-    asset: &Asset,
+    asset: &AssetWithLevels,
     ways: &[Vec<MovingMesh<'_>>],
     joints: bool,
     limits: &Limits,

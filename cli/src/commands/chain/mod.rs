@@ -215,7 +215,7 @@ fn chain(
 }
 
 /// The origin of a file with these levels.
-fn provenance(args: &ChainArgs, asset: &asset::Asset, levels: &[Level]) -> Provenance {
+fn provenance(args: &ChainArgs, asset: &asset::AssetWithLevels, levels: &[Level]) -> Provenance {
     let facts = |level: &Level| LevelFacts {
         lod: level.lod(),
         error: level.error,

@@ -3,7 +3,7 @@
 use super::glide::{self, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
-use crate::commands::asset::Asset;
+use crate::commands::asset::AssetWithLevels;
 use crate::compression::Packing;
 use crate::exit::Outcome;
 use crate::mesh_output::{self, FormatName};
@@ -20,7 +20,7 @@ pub(super) fn files(
     args: &ChainArgs,
     out: &Path,
     format: FormatName,
-    asset: &Asset,
+    asset: &AssetWithLevels,
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {
@@ -45,7 +45,7 @@ pub(super) fn files(
 }
 
 /// The meshes of the objects at a level, with its distances.
-fn meshes(asset: &Asset, level: &mut Level, order: Order) -> Outcome<Vec<LevelMesh>> {
+fn meshes(asset: &AssetWithLevels, level: &mut Level, order: Order) -> Outcome<Vec<LevelMesh>> {
     if let Some(refitted) = level.refitted.take() {
         return Ok(refitted);
     }
@@ -63,7 +63,7 @@ pub(super) fn gliding_files(
     args: &ChainArgs,
     out: &Path,
     format: FormatName,
-    asset: &Asset,
+    asset: &AssetWithLevels,
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {

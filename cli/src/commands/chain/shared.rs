@@ -3,7 +3,7 @@
 use super::glide::{self, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
-use crate::commands::asset::Asset;
+use crate::commands::asset::AssetWithLevels;
 use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::FormatName;
 use lodc::{
@@ -22,7 +22,7 @@ pub(super) fn files(
     args: &ChainArgs,
     out: &Path,
     format: FormatName,
-    asset: &Asset,
+    asset: &AssetWithLevels,
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {
@@ -108,7 +108,12 @@ fn chain(object: &LodObject, lods: &[Lod], glides: bool, compress: bool) -> Outc
 }
 
 /// As [`coverage`], where levels state distances: the box's diagonal at that of the next level.
-fn by_distance(args: &ChainArgs, asset: &Asset, number: usize, levels: &[Level]) -> Vec<f64> {
+fn by_distance(
+    args: &ChainArgs,
+    asset: &AssetWithLevels,
+    number: usize,
+    levels: &[Level],
+) -> Vec<f64> {
     let object = &asset.objects[number];
     let unit = if asset.objects.len() > 1 { object.info.world_scale } else { 1.0 };
     let diagonal = unit * object.simplified.mesh().diagonal();

@@ -1,7 +1,7 @@
 //! Extracts one level of one input, and encodes it as a mesh file.
 
 use super::ExtractArgs;
-use crate::commands::asset::{self, Asset, Errors};
+use crate::commands::asset::{self, AssetWithLevels, Errors};
 use crate::commands::export::ExportResult;
 use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
@@ -107,7 +107,7 @@ fn uniform(
     args: &ExtractArgs,
     order: Order,
     input: &Path,
-    asset: &Asset,
+    asset: &AssetWithLevels,
     stages: &mut Stages,
 ) -> Outcome<Level> {
     let shape = MeshOptions { model: model(args, input, asset)?, order };
@@ -156,7 +156,7 @@ fn view(
     name: CriterionName,
     order: Order,
     input: &Path,
-    asset: &Asset,
+    asset: &AssetWithLevels,
     stages: &mut Stages,
 ) -> Outcome<Level> {
     args.view.check_models(input, &asset.objects)?;
@@ -185,7 +185,7 @@ fn view(
 }
 
 /// The model to replay; the reference if none.
-fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<ModelKind>> {
+fn model(args: &ExtractArgs, input: &Path, asset: &AssetWithLevels) -> Outcome<Option<ModelKind>> {
     let stored =
         || asset.objects.first().into_iter().flat_map(|o| o.models.iter().map(AnyModel::kind));
     let Some(name) = args.model else { return Ok(stored().next()) };
@@ -202,7 +202,7 @@ fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<Mode
     )))
 }
 
-fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
+fn provenance(asset: &AssetWithLevels, report: &ExtractReport) -> Provenance {
     let error = report.error.unwrap_or(f64::INFINITY);
     Provenance {
         source: asset.source.content_hash,
@@ -217,7 +217,7 @@ fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
 fn report(
     args: &ExtractArgs,
     input: &Path,
-    asset: &Asset,
+    asset: &AssetWithLevels,
     level: &Level,
     target: &Target,
 ) -> ExtractReport {

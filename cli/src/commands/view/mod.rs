@@ -3,7 +3,7 @@
 
 mod page;
 
-use super::asset::{self, Asset, SimplifyArgs};
+use super::asset::{self, AssetWithLevels, SimplifyArgs};
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome};
 use crate::help::{BECOMES, OUTPUT, SEEN};
@@ -77,7 +77,7 @@ pub(super) struct Page {
 
 /// An asset for a page, and the files that it refers to.
 pub(super) struct PageInput<'a> {
-    pub(super) asset: &'a Asset,
+    pub(super) asset: &'a AssetWithLevels,
     pub(super) assets: &'a mut Assets,
     pub(super) title: String,
     pub(super) stages: &'a mut Stages,
@@ -186,7 +186,7 @@ fn title(input: &Path) -> String {
 /// The asset as a GLB with all levels, and warnings about its textures.
 fn glb_with_levels(
     args: &PageArgs,
-    asset: &Asset,
+    asset: &AssetWithLevels,
     assets: &mut Assets,
 ) -> Outcome<(Vec<u8>, Vec<String>)> {
     let textures = Textures::read(&asset.document, assets)?;
