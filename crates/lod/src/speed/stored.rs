@@ -141,7 +141,7 @@ impl RemovalSource for CheckedRemovals<'_> {
         for run in &self.removed_runs {
             match run.kind {
                 RemovalKind::Vertex | RemovalKind::Edge => {
-                    strip.unlink_repetition(run.first, run.last)
+                    strip.unlink_repetition(run.first, run.last);
                 }
                 RemovalKind::Front | RemovalKind::Back => strip.unlink(run.first, run.last),
             }
