@@ -23,7 +23,10 @@ SEEDS = {
     "verify": ["glb", "gltf", "obj", "ply", "stl"],
     **{name: [name] for name in ["glb", "gltf", "lodc", "lods", "obj", "ply", "stl"]},
 }
-LONGEST = {"verify": 4096}
+# Largest number of bytes of an input, where it is not DEFAULT_MAX_BYTES. Chosen by hand: short
+# inputs run fast.
+MAX_BYTES = {"verify": 4096}
+DEFAULT_MAX_BYTES = 16384
 # What cargo-fuzz passes, but for the address sanitizer: that needs a nightly toolchain, and there
 # is no unsafe code.
 FLAGS = ["passes=sancov-module", "codegen-units=1", "debug-assertions", "overflow-checks"] + [
@@ -38,10 +41,10 @@ def build(targets):
     host = re.search("host: (.*)", host)[1]
     # With a target, build scripts and macros are not instrumented.
     flags = " ".join(f"-C{flag}" for flag in FLAGS) + " --cfg fuzzing"
-    around = os.environ | {"RUSTFLAGS": flags, "CARGO_PROFILE_RELEASE_INCREMENTAL": "false"}
+    environment = os.environ | {"RUSTFLAGS": flags, "CARGO_PROFILE_RELEASE_INCREMENTAL": "false"}
     words = ["cargo", "build", "--release", "--locked", "--target", host]
     words += [word for target in targets for word in ("--bin", target)]
-    subprocess.run(words, cwd=FUZZ, env=around, check=True)
+    subprocess.run(words, cwd=FUZZ, env=environment, check=True)
     folder = os.environ.get("CARGO_TARGET_DIR", FUZZ / "target")
     return pathlib.Path(folder).resolve() / host / "release"
 
@@ -77,8 +80,8 @@ def square(extensions):
         yield "binary.stl", body
 
 
-def seed(target, longest):
-    """Fills the folder of a target's seeds. Returns it."""
+def seed(target, max_bytes):
+    """Fills the folder of a target's seeds with files of at most `max_bytes`. Returns it."""
     folder = FUZZ / "corpus" / target
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in square(SEEDS[target]):
@@ -87,7 +90,7 @@ def seed(target, longest):
     for place in places:
         for path in sorted(place.rglob("*.*")):
             is_seed = path.suffix[1:].lower() in SEEDS[target] and path.is_file()
-            if is_seed and path.stat().st_size <= longest:
+            if is_seed and path.stat().st_size <= max_bytes:
                 name = "-".join(path.relative_to(place).parts)
                 # Of a stream the first byte says in how large pieces it comes.
                 head = b"\x3f" if target == "lods" else b""
@@ -97,18 +100,19 @@ def seed(target, longest):
 
 def fuzz(program, target, asked):
     """Runs a target. Returns how many finds there were."""
-    longest = LONGEST.get(target, 16384)
+    max_bytes = MAX_BYTES.get(target, DEFAULT_MAX_BYTES)
     found = FUZZ / "artifacts" / target
     found.mkdir(parents=True, exist_ok=True)
     before = set(found.iterdir())
-    words = [program, seed(target, longest), f"-max_len={longest}", f"-timeout={asked.timeout}"]
+    words = [program, seed(target, max_bytes), f"-max_len={max_bytes}"]
+    words += [f"-timeout={asked.timeout}"]
     words += [f"-artifact_prefix={found}/", "-rss_limit_mb=2048", "-print_final_stats=1", "-seed=1"]
     words += ["-reload=0", "-report_slow_units=5"]
     words += [f"-max_total_time={60 * asked.minutes}"] if asked.minutes else [f"-runs={asked.runs}"]
     log = FUZZ / "artifacts" / f"{target}.log"
-    around, began = os.environ | {"RAYON_NUM_THREADS": "1"}, time.monotonic()
+    environment, began = os.environ | {"RAYON_NUM_THREADS": "1"}, time.monotonic()
     with log.open("w") as out:
-        subprocess.run(words, stdout=out, stderr=out, env=around)
+        subprocess.run(words, stdout=out, stderr=out, env=environment)
     text = log.read_text(errors="replace")
     figure = lambda pattern: (re.findall(pattern, text) or ["?"])[-1]
     runs, seconds = figure(r"number_of_executed_units: (\d+)"), time.monotonic() - began

@@ -103,12 +103,12 @@ impl Random {
 /// What is empty then becomes the byte `first`.
 pub(crate) fn damage(bytes: &mut Vec<u8>, first: u8, random: &mut Random) {
     for _ in 0..1 + random.below(3) {
-        let at = random.below(bytes.len());
+        let offset = random.below(bytes.len());
         match random.below(4) {
-            0 => bytes.truncate(at),
-            1 => bytes[at] = random.next() as u8,
-            2 => bytes[at] ^= 1 << random.below(8),
-            _ => drop(bytes.splice(at..at, *b" 9 ")),
+            0 => bytes.truncate(offset),
+            1 => bytes[offset] = random.next() as u8,
+            2 => bytes[offset] ^= 1 << random.below(8),
+            _ => drop(bytes.splice(offset..offset, *b" 9 ")),
         }
         if bytes.is_empty() {
             bytes.push(first);

@@ -1,7 +1,7 @@
 //! A verification that cannot fail proves nothing: defects are planted in files whose checksums are
-//! right, and each is found, with the sentence that names it.
+//! right, and each is assert_reported, with the sentence that names it.
 //!
-//! What a file stores and nobody can tell from another one that is right is named in
+//! Changes after which a file is still right, so that no check can find them, are listed in
 //! [`EQUIVALENT`].
 
 use lodc_formats::import::{ImportOptions, import};
@@ -32,7 +32,7 @@ impl Parts {
         Self { file, mesh: mesh.into_parts(), sequence: sequence.into_parts() }
     }
 
-    /// The bytes of the file with everything put back; what the types themselves refuse is why not.
+    /// The bytes of the file with everything put back; an error if the types themselves refuse it.
     fn bytes(self) -> Result<Vec<u8>, String> {
         let Self { mut file, mesh, sequence } = self;
         let mesh = Mesh::try_from(mesh).map_err(|e| e.to_string())?;
@@ -97,7 +97,8 @@ impl Parts {
     }
 }
 
-/// What a defect is, what it does, and a part of the sentences that are to name it.
+/// The name of a defect, the function that plants it, and a part of a sentence that reports it; of
+/// equivalent changes the reason why none can.
 type Defect = (&'static str, fn(&mut Parts), &'static str);
 
 /// In `machine_part.glb` (three submeshes, seams, normals and texture coordinates), without models:
@@ -142,10 +143,10 @@ const SEQUENCE: &[Defect] = &[
         |p| {
             let (mesh, targets) = (&p.mesh, &mut p.sequence.targets);
             let other = |k: usize| {
-                let at = targets[k] as usize;
-                let same = |v: &usize| mesh.positions[*v] == mesh.positions[at];
-                let owner = |v: usize| mesh.vertex_submesh[v];
-                (k + 1..mesh.positions.len()).filter(same).find(|&v| owner(v) != owner(at))
+                let target = targets[k] as usize;
+                let same = |v: &usize| mesh.positions[*v] == mesh.positions[target];
+                let submesh = |v: usize| mesh.vertex_submesh[v];
+                (k + 1..mesh.positions.len()).filter(same).find(|&v| submesh(v) != submesh(target))
             };
             let (k, v) =
                 (0..targets.len()).find_map(|k| Some((k, other(k)?))).expect("submeshes meet");
@@ -303,8 +304,8 @@ const DEFECTS: &[Defect] = &[
         "texture coordinates gone",
         |p| {
             p.mesh.attributes.retain(|a| a.semantic == Semantic::Normal);
-            let left = p.mesh.attributes.len() as u32;
-            p.mesh.submeshes.iter_mut().for_each(|s| s.attributes.retain(|&a| a < left));
+            let count = p.mesh.attributes.len() as u32;
+            p.mesh.submeshes.iter_mut().for_each(|s| s.attributes.retain(|&a| a < count));
         },
         "the source has the streams [Normal, TexCoord(0)], the file [Normal]",
     ),
@@ -421,8 +422,8 @@ const DEFECTS: &[Defect] = &[
     (
         "the strips of another model",
         |p| {
-            let own = p.array("masking", "strips").clone();
-            *p.array("speed", "strips") = own;
+            let strips = p.array("masking", "strips").clone();
+            *p.array("speed", "strips") = strips;
         },
         "the array \"removals\" ends early",
     ),
@@ -551,7 +552,7 @@ const FOREIGN: &[Defect] = &[
     ),
 ];
 
-/// What nobody can tell from a file that is right, and why.
+/// Changes after which a file is still right, and why.
 const EQUIVALENT: &[Defect] = &[
     (
         "estimates in the place of errors",
@@ -587,7 +588,7 @@ const EQUIVALENT: &[Defect] = &[
     (
         "another hash of the source",
         |p| p.file.source.content_hash ^= 1,
-        "the mesh is compared itself; where it is looked for by its hash it is not found",
+        "the mesh is compared itself; where it is looked for by its hash it is not assert_reported",
     ),
     (
         "two triangles that die together exchanged",
@@ -640,7 +641,8 @@ fn sentences(bytes: &[u8], source: &Path) -> Vec<String> {
     }
 }
 
-fn found(defects: &[Defect], fixture: &str, change: fn(&mut Parts)) {
+/// Asserts that each defect, planted in a fixture that `change` has prepared, is reported.
+fn assert_reported(defects: &[Defect], fixture: &str, change: fn(&mut Parts)) {
     let (source, bytes) = built(fixture);
     let mut parts = Parts::of(&bytes);
     change(&mut parts);
@@ -656,7 +658,7 @@ fn found(defects: &[Defect], fixture: &str, change: fn(&mut Parts)) {
             }
             Err(refused) => vec![format!("refused: {refused}")],
         };
-        let is_named = sentences.iter().any(|one| one.contains(sentence));
+        let is_named = sentences.iter().any(|text| text.contains(sentence));
         (!is_named).then(|| format!("{name}: {sentences:#?}"))
     };
     let missed: Vec<String> = defects.iter().filter_map(missed).collect();
@@ -677,23 +679,23 @@ fn what_is_equivalent_passes() {
 
 #[test]
 fn defects_of_sequences_are_named() {
-    found(SEQUENCE, "machine_part.glb", |p| p.file.objects[0].models.clear());
+    assert_reported(SEQUENCE, "machine_part.glb", |p| p.file.objects[0].models.clear());
 }
 
 #[test]
 fn defects_of_files_are_named() {
-    found(DEFECTS, "machine_part.glb", |_| {});
+    assert_reported(DEFECTS, "machine_part.glb", |_| {});
 }
 
 #[test]
 fn defects_of_poses_are_named() {
-    found(POSED, "morphing_sphere.glb", |_| {});
-    found(MOVING, "skinned_tube_u8.glb", |_| {});
+    assert_reported(POSED, "morphing_sphere.glb", |_| {});
+    assert_reported(MOVING, "skinned_tube_u8.glb", |_| {});
 }
 
 #[test]
 fn defects_of_distances_are_named_whoever_made_the_file() {
-    found(FOREIGN, "machine_part.glb", |p| {
+    assert_reported(FOREIGN, "machine_part.glb", |p| {
         p.file.objects[0].models.clear();
         p.file.made_from = None;
     });

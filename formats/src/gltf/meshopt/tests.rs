@@ -113,8 +113,8 @@ fn damaged_streams_never_panic() {
         let mut random = Random(case);
         let (mut stream, layout, _) = pinned().swap_remove((case % 4) as usize);
         for _ in 0..=random.below(4) {
-            let at = 1 + random.below(stream.len() - 1);
-            stream[at] = random.next() as u8;
+            let offset = 1 + random.below(stream.len() - 1);
+            stream[offset] = random.next() as u8;
         }
         if let Ok(out) = decode(&layout, &stream) {
             assert_eq!(out.len(), layout.count * layout.stride);

@@ -90,9 +90,9 @@ fn a_flipped_bit_of_the_header_is_damage() {
 fn other_versions_and_features_say_what_they_need() {
     let (_, bytes) = small();
     let newer = concat!("written by a newer lodc than ", env!("CARGO_PKG_VERSION"));
-    let with = |at: usize, value: u16| {
+    let with = |offset: usize, value: u16| {
         let mut other = bytes.clone();
-        other[at..at + 2].copy_from_slice(&value.to_le_bytes());
+        other[offset..offset + 2].copy_from_slice(&value.to_le_bytes());
         FILE_HEADER.seal(&mut other);
         other
     };
@@ -121,9 +121,9 @@ fn more_than_the_limits_allow_is_refused() {
 /// The stream with a payload changed and its checksums made right again.
 pub(super) fn forged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     let mut out = bytes[..FILE_HEADER.length].to_vec();
-    let mut at = FILE_HEADER.length;
+    let mut offset = FILE_HEADER.length;
     for number in 0.. {
-        let Parsed::Block(found, length) = block::parse(&bytes[at..], number) else { break };
+        let Parsed::Block(found, length) = block::parse(&bytes[offset..], number) else { break };
         let mut payload = found.payload.to_vec();
         let mut steps = found.steps;
         if random.below(12) == 0 {
@@ -135,7 +135,7 @@ pub(super) fn forged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
             }
         }
         block::put(&mut out, number, Block { steps, payload: &payload, ..found });
-        at += length;
+        offset += length;
     }
     out
 }
@@ -178,11 +178,11 @@ fn bytes_that_change_anywhere_do_no_harm() {
         for _ in 0..300 {
             let mut changed = bytes.clone();
             for _ in 0..=random.below(4) {
-                let at = random.below(changed.len());
+                let offset = random.below(changed.len());
                 match random.below(3) {
-                    0 => changed[at] = random.next() as u8,
-                    1 => changed[at] ^= 1 << random.below(8),
-                    _ => drop(changed.drain(at..(at + random.below(9)).min(changed.len()))),
+                    0 => changed[offset] = random.next() as u8,
+                    1 => changed[offset] ^= 1 << random.below(8),
+                    _ => drop(changed.drain(offset..(offset + random.below(9)).min(changed.len()))),
                 }
             }
             let changed = super::super::with_valid_checksums(&changed);

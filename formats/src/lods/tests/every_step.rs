@@ -19,10 +19,10 @@ pub(super) fn check_every_step(file: &LodFile, case: &str) {
 /// Every step of the stream shows its level of the file.
 fn check_steps(file: &LodFile, packed: &Packed, case: &str) {
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
-    let mut at = 0;
+    let mut start = 0;
     for end in ends(&packed.bytes) {
-        unpacker.feed(&packed.bytes[at..end]).expect("a sound stream");
-        at = end;
+        unpacker.feed(&packed.bytes[start..end]).expect("a sound stream");
+        start = end;
         for (i, o) in file.objects.iter().enumerate().take(unpacker.objects()) {
             if unpacker.progress(i).vertices[1] as usize != o.simplified.mesh().vertex_count() {
                 // Its name has come, but not its header.
@@ -185,9 +185,9 @@ fn blocks_of_any_size_and_pieces_of_any_length_are_one_mesh() {
 
 /// The triangles of a level by the positions of their corners.
 fn by_position(simplified: &Simplified, lod: Lod) -> Vec<Option<[[u32; 3]; 3]>> {
-    let at = |v: u32| simplified.mesh().positions()[v as usize].map(f32::to_bits);
+    let bits = |v: u32| simplified.mesh().positions()[v as usize].map(f32::to_bits);
     let turned = |t: OrientedTriangle| {
-        let [a, b, c] = t.corners.map(at);
+        let [a, b, c] = t.corners.map(bits);
         [[a, b, c], [b, c, a], [c, a, b]].into_iter().min()
     };
     let mut all: Vec<_> = simplified.triangles_at(lod).into_iter().map(turned).collect();

@@ -12,10 +12,10 @@ use std::path::Path;
 /// Returns the end of a stream's head, and the bytes after which there are triangles.
 pub(super) fn first_triangles(bytes: &[u8]) -> [usize; 2] {
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
-    let (mut at, mut head) = (0, 0);
+    let (mut start, mut head) = (0, 0);
     for end in ends(bytes) {
-        unpacker.feed(&bytes[at..end]).expect("a sound stream");
-        at = end;
+        unpacker.feed(&bytes[start..end]).expect("a sound stream");
+        start = end;
         if unpacker.progress_of_all(|p| p.vertices[0]) == 0 {
             head = end;
         } else if unpacker.progress_of_all(|p| p.triangles[0]) > 0 {
@@ -54,8 +54,7 @@ fn triangles_come_within_a_few_hundred_bytes_of_a_small_head() {
 
 /// A document whose texture, skin and animations lie one after the other in its buffer.
 fn rigged(mesh: &lodc_mesh::Mesh) -> GltfDocument {
-    let view =
-        |at: usize, length: usize| json!({ "buffer": 0, "byteOffset": at, "byteLength": length });
+    let view = |offset: usize, length: usize| json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });
     let accessor = |view: usize, count: usize, kind: &str| {
         let mut accessor = json!({ "componentType": 5126, "count": count, "type": kind });
         accessor["bufferView"] = view.into();
@@ -125,9 +124,9 @@ fn a_rig_stands_from_its_first_triangles_is_painted_after_a_tenth_and_moves_in_t
         );
         // The matrix is at its place among the bytes that have come.
         let view = &root["bufferViews"][0];
-        let at = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let offset = view["byteOffset"].as_u64().unwrap_or(0) as usize;
         let wanted: Vec<u8> = (0..64u32).map(|i| ((i * i) >> 5) as u8).collect();
-        assert!(gltf.blob[at..at + 64] == wanted, "{end} bytes");
+        assert!(gltf.blob[offset..offset + 64] == wanted, "{end} bytes");
         let triangles = unpacker.progress(0).triangles;
         if painted.is_none() && root["textures"][0]["source"].is_number() {
             painted = Some(triangles);

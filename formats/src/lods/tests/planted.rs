@@ -1,32 +1,32 @@
-//! Defects planted in streams whose checksums are right again: what sees each. (Bits that flip are
-//! seen by the checksums: `damage.rs`.)
+//! Defects planted in streams whose checksums are right again, and how each is detected. (Flipped
+//! bits are detected by the checksums: `damage.rs`.)
 
 use super::*;
 use lodc_fixtures as fixtures;
 
-/// A block of a stream.
-struct Owned {
+/// A block of a stream, with its payload.
+struct OwnedBlock {
     tag: u32,
     steps: u32,
     payload: Vec<u8>,
 }
 
-/// What sees a defect, the first of these.
+/// How a defect is detected: the first of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Seen {
+enum Detection {
     /// The decoder refuses the stream.
     Refused,
     /// The stream does not end.
     Incomplete,
-    /// The mesh is another one: only who knows the mesh can tell.
+    /// The mesh is another one, which only a comparison shows.
     AnotherMesh,
 }
-use Seen::{AnotherMesh, Incomplete, Refused};
+use Detection::{AnotherMesh, Incomplete, Refused};
 
-type Plant = fn(&mut Vec<Owned>);
+type Plant = fn(&mut Vec<OwnedBlock>);
 
 /// Block 0 is the head, the last one the end.
-const DEFECTS: &[(&str, Seen, Plant)] = &[
+const DEFECTS: &[(&str, Detection, Plant)] = &[
     ("no head", Refused, |blocks| drop(blocks.remove(0))),
     ("the head in second place", Refused, |blocks| blocks.swap(0, 1)),
     ("a head that is cut", Refused, |blocks| cut(&mut blocks[0])),
@@ -47,30 +47,30 @@ const DEFECTS: &[(&str, Seen, Plant)] = &[
 ];
 
 /// The number of a block in the middle that has a step, before another one.
-fn step(blocks: &[Owned]) -> usize {
+fn step(blocks: &[OwnedBlock]) -> usize {
     let has_step = |&i: &usize| blocks[i].steps > 0 && blocks[i + 1].steps > 0;
     (blocks.len() / 2..blocks.len() - 1).find(has_step).expect("a block to each step")
 }
 
-fn middle(blocks: &mut [Owned]) -> &mut Owned {
+fn middle(blocks: &mut [OwnedBlock]) -> &mut OwnedBlock {
     let step = step(blocks);
     &mut blocks[step]
 }
 
 /// Takes off the last byte.
-fn cut(block: &mut Owned) {
+fn cut(block: &mut OwnedBlock) {
     let shorter = block.payload.len() - 1;
     block.payload.truncate(shorter);
 }
 
 /// Puts a block at the end, too.
-fn again(blocks: &mut Vec<Owned>, number: usize) {
-    let Owned { tag, steps, ref payload } = blocks[number];
+fn again(blocks: &mut Vec<OwnedBlock>, number: usize) {
+    let OwnedBlock { tag, steps, ref payload } = blocks[number];
     let payload = payload.clone();
-    blocks.push(Owned { tag, steps, payload });
+    blocks.push(OwnedBlock { tag, steps, payload });
 }
 
-fn seen(bytes: &[u8], whole: &Unpacker) -> Option<Seen> {
+fn detected(bytes: &[u8], whole: &Unpacker) -> Option<Detection> {
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
     if unpacker.feed(bytes).is_err() {
         return Some(Refused);
@@ -78,36 +78,36 @@ fn seen(bytes: &[u8], whole: &Unpacker) -> Option<Seen> {
         return Some(Incomplete);
     }
     let mesh = |unpacker: &Unpacker| unpacker.mesh(0).expect("a mesh").0.into_parts();
-    let [own, other] = [mesh(&unpacker), mesh(whole)];
-    let is_same = own.positions == other.positions
-        && own.triangles == other.triangles
-        && own.attributes == other.attributes;
+    let [planted, sound] = [mesh(&unpacker), mesh(whole)];
+    let is_same = planted.positions == sound.positions
+        && planted.triangles == sound.triangles
+        && planted.attributes == sound.attributes;
     (!is_same).then_some(AnotherMesh)
 }
 
 #[test]
-fn planted_defects_are_seen() {
+fn planted_defects_are_detected() {
     let mesh = fixtures::named("machine_part").expect("a shape");
     let file = gltf(vec![object("part", fixtures::random_collapse(&mesh, 3))]);
     let bytes = stepwise(&file).bytes;
     let whole = fed(&bytes);
     let planted = |plant: Plant| {
-        let owned = |(_, b): (usize, Block<'_>)| Owned {
+        let owned = |(_, b): (usize, Block<'_>)| OwnedBlock {
             tag: b.tag,
             steps: b.steps,
             payload: b.payload.to_vec(),
         };
-        let mut blocks: Vec<Owned> = blocks(&bytes).into_iter().map(owned).collect();
+        let mut blocks: Vec<OwnedBlock> = blocks(&bytes).into_iter().map(owned).collect();
         plant(&mut blocks);
         let mut out = bytes[..FILE_HEADER.length].to_vec();
-        for (number, Owned { tag, steps, payload }) in (0..).zip(&blocks) {
+        for (number, OwnedBlock { tag, steps, payload }) in (0..).zip(&blocks) {
             block::put(&mut out, number, Block { tag: *tag, steps: *steps, payload });
         }
         out
     };
-    assert_eq!(seen(&planted(|_| {}), &whole), None, "nothing planted");
+    assert_eq!(detected(&planted(|_| {}), &whole), None, "nothing planted");
     let found: Vec<_> =
-        DEFECTS.iter().map(|&(name, _, plant)| (name, seen(&planted(plant), &whole))).collect();
+        DEFECTS.iter().map(|&(name, _, plant)| (name, detected(&planted(plant), &whole))).collect();
     let wanted: Vec<_> = DEFECTS.iter().map(|&(name, by, _)| (name, Some(by))).collect();
     assert_eq!(found, wanted);
 }

@@ -59,10 +59,10 @@ fn check_every_prefix(file: &LodFile, case: &str) {
         let options = PackOptions { block_bytes, ..PackOptions::default() };
         let packed = pack(file, &options).expect("a sound file");
         let mut unpacker = Unpacker::new(Limits::DEFAULT);
-        let mut at = 0;
+        let mut start = 0;
         for end in ends(&packed.bytes) {
-            unpacker.feed(&packed.bytes[at..end]).expect("a sound stream");
-            at = end;
+            unpacker.feed(&packed.bytes[start..end]).expect("a sound stream");
+            start = end;
             check_prefix(&unpacker, &format!("{case}, {end} of {} bytes", packed.bytes.len()));
         }
         assert!(unpacker.is_complete(), "{case}");

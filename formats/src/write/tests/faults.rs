@@ -49,25 +49,26 @@ fn outputs(scratch: &Scratch, existing: &[bool]) -> Vec<OutputFile> {
     existing.iter().enumerate().map(one).collect()
 }
 
-/// Files that are there, complete: `Some(true)` new, `Some(false)` old, none if there is none.
-/// Nothing else may be, but for old files that could not be put back: the next run removes those.
-fn state(scratch: &Scratch, files: usize, way_back_fails: bool, case: &str) -> Vec<Option<bool>> {
-    let left = names(scratch);
-    let known =
-        |name: &String| name.ends_with(".out") || (way_back_fails && name.ends_with(".old"));
-    assert!(left.iter().all(known), "{case}: {left:?}");
-    let one = |i| {
+/// For each file `Some(true)` if it is new, `Some(false)` if it is old, none if it is not there.
+/// Nothing else may be there, except backups that could not be put back, which the next run
+/// removes.
+fn state(scratch: &Scratch, files: usize, undo_fails: bool, case: &str) -> Vec<Option<bool>> {
+    let found = names(scratch);
+    let is_allowed =
+        |name: &String| name.ends_with(".out") || (undo_fails && name.ends_with(".old"));
+    assert!(found.iter().all(is_allowed), "{case}: {found:?}");
+    let is_new = |i| {
         let name = format!("{i}.out");
-        left.contains(&name).then(|| match read(scratch, &name) {
+        found.contains(&name).then(|| match read(scratch, &name) {
             bytes if bytes == format!("new {i}").as_bytes() => true,
             bytes if bytes == OLD => false,
             other => panic!("{case}: {name} is torn: {other:?}"),
         })
     };
-    (0..files).map(one).collect()
+    (0..files).map(is_new).collect()
 }
 
-/// One file, new or replaced; three of which some are.
+/// For each file of a result whether it replaces one.
 const SITUATIONS: &[&[bool]] =
     &[&[false], &[true], &[true, true, true], &[false, true, false], &[false, false]];
 
@@ -76,7 +77,7 @@ fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
     for existing in SITUATIONS {
         let scratch = Scratch::new("write-faults");
         let before: Vec<Option<bool>> =
-            existing.iter().map(|&there| there.then_some(false)).collect();
+            existing.iter().map(|&exists| exists.then_some(false)).collect();
         let after = vec![Some(true); existing.len()];
         let mut failed = 0;
         for n in 1.. {
@@ -98,7 +99,7 @@ fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
                     );
                     failed += 1;
                 }
-                // Not every failure matters: a second name for the old file is a help, not a need.
+                // Not every failure matters: without a backup the file is still written.
                 Ok(()) => {
                     assert_eq!(state(&scratch, existing.len(), false, &case), after, "{case}");
                 }
@@ -108,7 +109,7 @@ fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
             }
         }
         // Create, write, sync and rename, and the mode where there was a file.
-        let wanted: usize = existing.iter().map(|&there| 4 + usize::from(there)).sum();
+        let wanted: usize = existing.iter().map(|&exists| 4 + usize::from(exists)).sum();
         assert_eq!(failed, wanted, "{existing:?}");
     }
 }
@@ -117,17 +118,17 @@ fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
 fn whichever_two_calls_fail_no_file_is_torn_or_lost() {
     for existing in SITUATIONS {
         let scratch = Scratch::new("write-two-faults");
-        let ((), most) =
+        let ((), calls) =
             with_failing(&[], || write_all(&outputs(&scratch, existing)).expect("nothing fails"));
-        for first in 1..=most {
-            // The way back makes further calls.
-            for second in first + 1..=2 * most {
+        for first in 1..=calls {
+            // Undoing makes further calls.
+            for second in first + 1..=2 * calls {
                 let files = outputs(&scratch, existing);
                 let (result, _) = with_failing(&[first, second], || write_all(&files));
                 let case = format!("{existing:?}, calls {first} and {second}");
                 let now = state(&scratch, existing.len(), true, &case);
-                for (now, &there) in now.iter().zip(*existing) {
-                    assert!(now.is_some() || !there, "{case}: an old file is gone");
+                for (now, &existed) in now.iter().zip(*existing) {
+                    assert!(now.is_some() || !existed, "{case}: an old file is gone");
                     assert!(result.is_err() || *now == Some(true), "{case}: said to be written");
                 }
             }
@@ -135,7 +136,7 @@ fn whichever_two_calls_fail_no_file_is_torn_or_lost() {
     }
 }
 
-/// Results that are written together: with one call failing each is old or new, and told as it is.
+/// Results that are written together: if one call fails each is old or new, as its answer says.
 #[test]
 fn whichever_call_fails_of_several_results_each_is_what_is_told() {
     let scratch = Scratch::new("write-each-faults");
@@ -143,14 +144,14 @@ fn whichever_call_fails_of_several_results_each_is_what_is_told() {
         let files = outputs(&scratch, &[true, false, true, false, true]);
         let results = [&files[..1], &files[1..3], &files[3..]];
         let (written, calls) = with_failing(&[failing], || write_each(&results));
-        let there = state(&scratch, files.len(), false, "several results");
-        let mut at = 0;
+        let states = state(&scratch, files.len(), false, "several results");
+        let mut unchecked = &states[..];
         for (files, written) in results.iter().zip(&written) {
-            let own = &there[at..at + files.len()];
-            at += files.len();
-            let is_new = own.iter().all(|&file| file == Some(true));
-            assert_eq!(is_new, written.is_ok(), "call {failing}: {own:?}, {written:?}");
-            assert!(is_new || own.iter().all(|&file| file != Some(true)), "{failing}: {own:?}");
+            let (states, rest) = unchecked.split_at(files.len());
+            unchecked = rest;
+            let is_new = states.iter().all(|&file| file == Some(true));
+            assert_eq!(is_new, written.is_ok(), "call {failing}: {states:?}, {written:?}");
+            assert!(is_new || !states.contains(&Some(true)), "{failing}: {states:?}");
         }
         if failing > calls {
             assert!(written.iter().all(Result::is_ok), "nothing failed");

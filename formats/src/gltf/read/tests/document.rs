@@ -36,8 +36,8 @@ fn geometry_goes_and_the_rest_is_renumbered_and_compacted() {
     assert_eq!(remaining["accessors"].as_array().map(Vec::len), Some(2));
     let blob = &gltf(&scene).blob;
     assert_eq!(remaining["buffers"], json!([{ "byteLength": blob.len() }]));
-    let at = remaining["bufferViews"][2]["byteOffset"].as_u64().expect("an offset") as usize;
-    assert_eq!(&blob[at..], b"not really a picture");
+    let offset = remaining["bufferViews"][2]["byteOffset"].as_u64().expect("an offset") as usize;
+    assert_eq!(&blob[offset..], b"not really a picture");
     assert_eq!(blob.len(), 8 + 24 + 20);
 }
 
@@ -72,9 +72,9 @@ fn views_that_overlap_do_not_multiply() {
     let mut b = Builder::default();
     let p = b.zigzag(3);
     b.view(&[7; 1000]);
-    let at = b.views[1]["byteOffset"].as_u64().expect("an offset");
+    let offset = b.views[1]["byteOffset"].as_u64().expect("an offset");
     for i in 0..200u64 {
-        b.views.push(json!({ "buffer": 0, "byteOffset": at + i, "byteLength": 800 }));
+        b.views.push(json!({ "buffer": 0, "byteOffset": offset + i, "byteLength": 800 }));
     }
     let scene =
         sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }])));

@@ -104,8 +104,8 @@ fn damaged_streams_are_read_or_refused() {
     for _ in 0..2_000 {
         let mut stream = GRID.to_vec();
         for _ in 0..=below(3) {
-            let at = below(stream.len());
-            stream[at] = below(256) as u8;
+            let offset = below(stream.len());
+            stream[offset] = below(256) as u8;
         }
         read_anyway += u32::from(read(&document(&stream, |_, _| ())).is_ok());
     }

@@ -107,14 +107,14 @@ fn sparse_accessors_replace_elements_with_and_without_a_view_below() {
         } else {
             b.accessor(json!({ "componentType": 5126, "count": 4, "type": "VEC3" }))
         };
-        let at = b.view(&[1, 2, 3]);
+        let view = b.view(&[1, 2, 3]);
         let values: Vec<u8> = [7.0f32, 0.0, 0.0, 7.0, 1.0, 0.0, 8.0, 1.0, 0.0]
             .iter()
             .flat_map(|v| v.to_le_bytes())
             .collect();
         let values = b.view(&values);
         b.accessors[p]["sparse"] = json!({
-            "count": 3, "indices": { "bufferView": at, "componentType": 5121 },
+            "count": 3, "indices": { "bufferView": view, "componentType": 5121 },
             "values": { "bufferView": values },
         });
         let i = b.indices(&[1, 2, 3, 0, 1, 2]);
@@ -251,10 +251,10 @@ fn compressed_streams_decode_to_what_the_extension_says() {
     stream.extend(element);
     let mut b = Builder::default();
     let packed = b.view(&stream);
-    let at = b.views[packed]["byteOffset"].clone();
+    let offset = b.views[packed]["byteOffset"].clone();
     b.views[packed] = json!({ "buffer": 0, "byteLength": 48, "byteStride": 12,
         "extensions": { "EXT_meshopt_compression": {
-        "buffer": 0, "byteOffset": at, "byteLength": stream.len(), "byteStride": 12,
+        "buffer": 0, "byteOffset": offset, "byteLength": stream.len(), "byteStride": 12,
         "count": 4, "mode": "ATTRIBUTES",
     } } });
     let uv = b.accessor(

@@ -75,9 +75,9 @@ fn offsets_and_strides_that_overflow_are_refused() {
 fn sparse_counts_and_indices_are_bounded_by_the_accessor() {
     let with = |count: u64, indices: &[u8]| {
         let mut b = Builder::default();
-        let at = b.view(indices);
+        let view = b.view(indices);
         let values = b.view(&[0; 64]);
-        let indices = json!({ "bufferView": at, "componentType": 5121 });
+        let indices = json!({ "bufferView": view, "componentType": 5121 });
         let sparse =
             json!({ "count": count, "indices": indices, "values": { "bufferView": values } });
         refused(&one_primitive(

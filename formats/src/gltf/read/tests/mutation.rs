@@ -1,5 +1,4 @@
-//! Seeded damage of sound files: whatever comes out, it comes out quickly, as a scene or as an
-//! error.
+//! Damages sound files by seeds: an import ends quickly, with a scene or an error.
 
 use super::{Builder, read_bytes};
 use crate::export::{ExportFormat, ExportObject, export};
@@ -8,9 +7,10 @@ use crate::testing::Random;
 use serde_json::{Value, json};
 use std::path::Path;
 
+/// Damaged files of each test. Chosen by hand: about a minute.
 const CASES: u64 = 20_000;
 
-/// A little of everything.
+/// A document with something of each kind that is read.
 fn seed_document() -> Value {
     let mut b = Builder::default();
     let p = b.zigzag(6);
@@ -30,8 +30,8 @@ fn seed_document() -> Value {
     stream.extend([0; 8 + 24]);
     stream.extend([1; 8]);
     let packed = b.view(&stream);
-    let at = b.views[packed]["byteOffset"].clone();
-    let packing = json!({ "buffer": 0, "byteOffset": at, "byteLength": stream.len(),
+    let offset = b.views[packed]["byteOffset"].clone();
+    let packing = json!({ "buffer": 0, "byteOffset": offset, "byteLength": stream.len(),
         "byteStride": 8, "count": 6, "mode": "ATTRIBUTES", "filter": "OCTAHEDRAL" });
     b.views[packed] = json!({ "buffer": 0, "byteLength": 48, "byteStride": 8,
         "extensions": { "EXT_meshopt_compression": packing } });
@@ -64,7 +64,7 @@ fn seed_document() -> Value {
     root
 }
 
-/// Imports, and exports what was imported, at full and at no detail.
+/// Imports, exports what was imported, and imports that; false if the first import fails.
 fn survives(bytes: &[u8], case: &str) -> bool {
     let result = read_bytes(bytes, &ImportOptions::default());
     let sound = result.is_ok();
@@ -80,12 +80,12 @@ fn survives(bytes: &[u8], case: &str) -> bool {
     sound
 }
 
-/// All places of a value, as paths of steps.
-fn places(value: &Value, path: &mut Vec<String>, out: &mut Vec<Vec<String>>) {
+/// Appends the paths of all values in a value, as lists of keys.
+fn paths(value: &Value, path: &mut Vec<String>, out: &mut Vec<Vec<String>>) {
     out.push(path.clone());
     let mut below = |key: String, v: &Value| {
         path.push(key);
-        places(v, path, out);
+        paths(v, path, out);
         path.pop();
     };
     match value {
@@ -97,7 +97,8 @@ fn places(value: &Value, path: &mut Vec<String>, out: &mut Vec<Vec<String>>) {
     }
 }
 
-fn strange(random: &mut Random, old: &Value) -> Value {
+/// Another value in place of an old one.
+fn replacement(random: &mut Random, old: &Value) -> Value {
     let number = old.as_u64().unwrap_or(1);
     match random.below(14) {
         0 => json!(number.wrapping_add(1)),
@@ -122,7 +123,7 @@ fn damaged_json_values_never_panic() {
     let seed = seed_document();
     assert!(survives(seed.to_string().as_bytes(), "the seed itself"));
     let mut all = Vec::new();
-    places(&seed, &mut Vec::new(), &mut all);
+    paths(&seed, &mut Vec::new(), &mut all);
     let mut sound = 0;
     for case in 0..CASES {
         let mut random = Random(case);
@@ -132,7 +133,7 @@ fn damaged_json_values_never_panic() {
             if let Some(value) =
                 root.pointer_mut(&path.iter().map(|p| format!("/{p}")).collect::<String>())
             {
-                *value = strange(&mut random, value);
+                *value = replacement(&mut random, value);
             }
         }
         sound += u64::from(survives(root.to_string().as_bytes(), &format!("case {case}")));
@@ -153,13 +154,13 @@ fn damaged_glb_bytes_never_panic() {
         let mut random = Random(case ^ 0x5eed);
         let mut bytes = files[0].bytes.clone();
         for _ in 0..=random.below(4) {
-            let at = random.below(bytes.len());
+            let offset = random.below(bytes.len());
             match random.below(5) {
-                0 => bytes[at] ^= 1 << random.below(8),
-                1 => bytes[at] = random.next() as u8,
-                2 => bytes.truncate(at.max(1)),
-                3 => bytes.insert(at, random.next() as u8),
-                _ => drop(bytes.remove(at)),
+                0 => bytes[offset] ^= 1 << random.below(8),
+                1 => bytes[offset] = random.next() as u8,
+                2 => bytes.truncate(offset.max(1)),
+                3 => bytes.insert(offset, random.next() as u8),
+                _ => drop(bytes.remove(offset)),
             }
             if bytes.is_empty() {
                 bytes.push(0);
