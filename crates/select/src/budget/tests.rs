@@ -3,14 +3,13 @@ use lodc_mesh::SplitMix64;
 
 /// A curve like those of simplified meshes: errors grow as triangles halve.
 fn curve(rng: &mut SplitMix64) -> LevelCurve {
-    let triangles = 200 + rng.below(3000) as u32;
+    let mut triangles = 200 + rng.below(3000) as u32;
     let mut error = 0.0;
     let mut levels = vec![(0.0, triangles)];
-    let mut left = triangles;
-    while left > 4 {
-        left -= 1 + rng.below((left / 16 + 1) as usize) as u32;
-        error += 1e-4 * (1.0 + rng.below(100) as f64) / f64::from(left);
-        levels.push((error, left));
+    while triangles > 4 {
+        triangles -= 1 + rng.below((triangles / 16 + 1) as usize) as u32;
+        error += 1e-4 * (1.0 + rng.below(100) as f64) / f64::from(triangles);
+        levels.push((error, triangles));
     }
     LevelCurve::new(&levels, 1.0)
 }
@@ -34,23 +33,23 @@ fn pixels(manager: &SceneManager, instance: usize, level: &CurveLevel) -> f32 {
     level.error / manager.per_pixel[instance]
 }
 
-/// Coarsens, one level at a time, what is seen least, until the triangles fit. Returns the most
-/// pixels that an error takes.
+/// Coarsens, one level at a time, the instance whose next level is least visible, until the
+/// triangles fit. Returns the largest error, in pixels.
 fn greedy(manager: &SceneManager, levels: &[Vec<CurveLevel>], budget: u64) -> f32 {
     let count = manager.instances.len();
-    let mut at = vec![0; count];
-    let of = |i: usize| &levels[manager.instances[i].curve as usize];
-    let mut total: u64 = (0..count).map(|i| u64::from(of(i)[0].triangles)).sum();
-    let mut most = 0.0_f32;
+    let mut current = vec![0; count];
+    let levels = |i: usize| &levels[manager.instances[i].curve as usize];
+    let mut total: u64 = (0..count).map(|i| u64::from(levels(i)[0].triangles)).sum();
+    let mut largest = 0.0_f32;
     while total > budget {
-        let next = (0..count).filter(|&i| at[i] + 1 < of(i).len());
-        let seen = next.map(|i| (pixels(manager, i, &of(i)[at[i] + 1]), i));
-        let Some((seen, i)) = seen.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        total -= u64::from(of(i)[at[i]].triangles - of(i)[at[i] + 1].triangles);
-        at[i] += 1;
-        most = most.max(seen);
+        let coarsened = (0..count).filter(|&i| current[i] + 1 < levels(i).len());
+        let errors = coarsened.map(|i| (pixels(manager, i, &levels(i)[current[i] + 1]), i));
+        let Some((error, i)) = errors.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        total -= u64::from(levels(i)[current[i]].triangles - levels(i)[current[i] + 1].triangles);
+        current[i] += 1;
+        largest = largest.max(error);
     }
-    most
+    largest
 }
 
 #[test]
@@ -59,8 +58,7 @@ fn a_budget_is_met_as_well_as_by_a_greedy_choice() {
         let mut manager = scene(seed, 60);
         let all: u64 = (0..60).map(|i| u64::from(manager.level(i).triangles)).sum();
         let distinct = |curve: &LevelCurve| {
-            let mut levels: Vec<CurveLevel> =
-                (0..=LAST_STEP).step_by(1).map(|step| *curve.at(step)).collect();
+            let mut levels: Vec<CurveLevel> = (0..=LAST_STEP).map(|step| *curve.at(step)).collect();
             levels.dedup_by_key(|level| level.index);
             levels
         };

@@ -54,7 +54,8 @@ fn triangles_come_within_a_few_hundred_bytes_of_a_small_head() {
 
 /// A document whose texture, skin and animations lie one after the other in its buffer.
 fn rigged(mesh: &lodc_mesh::Mesh) -> GltfDocument {
-    let view = |offset: usize, length: usize| json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });
+    let view =
+        |start: usize, size: usize| json!({ "buffer": 0, "byteOffset": start, "byteLength": size });
     let accessor = |view: usize, count: usize, kind: &str| {
         let mut accessor = json!({ "componentType": 5126, "count": count, "type": kind });
         accessor["bufferView"] = view.into();
