@@ -59,7 +59,7 @@ impl Levels {
         Ok(Self {
             resident: Arc::clone(&self.resident),
             simplified: Arc::clone(&self.simplified),
-            session: self.session.sharing(&self.resident.own)?,
+            session: self.session.sharing(&self.resident.instance_buffers)?,
             lod: self.lod,
         })
     }
@@ -140,7 +140,7 @@ impl<'a> ViewLevels<'a> {
     /// # Errors
     /// If the device has no room.
     pub fn another(&self) -> Result<Self, Error> {
-        let session = self.session.sharing(&self.resident.own)?;
+        let session = self.session.sharing(&self.resident.instance_buffers)?;
         Ok(Self { resident: Arc::clone(&self.resident), session })
     }
 

@@ -4,16 +4,17 @@
 //! frame; walking through every one of 500,000 steps that way would take quadratic time. A cursor
 //! moves in one of two ways. *Near*: the vertices that have become a record's vertex are
 //! consecutive in a [`Tour`] of the collapses, and those that still have triangles get its target.
-//! *Far*: every vertex is resolved anew, as a level is made from nothing.
+//! *Far*: every vertex below the LOD is resolved anew.
 
 use super::{index::Index, tour::Tour};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::{Changes, Traffic};
 use std::sync::Arc;
 
-/// Vertices below the coarser LOD that cost as much as a record: a near move takes 30 to 50 ns a
-/// record where caches hold the mesh and more elsewhere, a far one 0.4 to 0.6 ns a vertex.
-const REBUILD_BELOW: u32 = 128;
+/// Vertices below the coarser LOD that a far move resolves in the time of one record of a near one:
+/// that takes 30 to 50 ns a record where caches hold the mesh and more elsewhere, a far move 0.4 to
+/// 0.6 ns a vertex.
+const VERTICES_PER_RECORD: u32 = 128;
 
 /// The moving part of an [`Interactive`](super::Interactive) mesh.
 #[derive(Clone, Debug)]
@@ -21,19 +22,28 @@ pub struct Cursor {
     lod: u32,
     /// The vertex as which each vertex of the input is shown. Only good for those that still have
     /// live triangles.
-    shown: Vec<u32>,
-    /// During a move whose changes are reported, what the coarser of its two LODs shows. Only good
+    shown_as: Vec<u32>,
+    /// During a move whose changes are reported, the same at the coarser of its two LODs. Only good
     /// for vertices that the move rewrites.
-    coarser: Vec<u32>,
+    coarser_shown_as: Vec<u32>,
     /// Number of triangles of each submesh that are drawn.
     live: Vec<u32>,
     /// Shared by copies of the cursor, as the next is.
     tour: Arc<Tour>,
     index: Arc<Index>,
-    /// Number of `index.triangles` that are dead.
+    /// Number of `index.triangles` that are not drawn.
     dead_triangles: usize,
-    /// Number of `index.vertices` that are dead.
+    /// Number of `index.vertices` that have no triangle any more.
     dead_vertices: usize,
+}
+
+/// A move between two LODs.
+#[derive(Clone, Copy)]
+struct Move {
+    fine: u32,
+    coarse: u32,
+    /// True if it goes from the finer to the coarser one.
+    coarsens: bool,
 }
 
 impl Cursor {
@@ -42,8 +52,8 @@ impl Cursor {
         let index = Index::new(simplified, removal_lods);
         Self {
             lod: 0,
-            shown: (0..vertices).collect(),
-            coarser: vec![0; vertices as usize],
+            shown_as: (0..vertices).collect(),
+            coarser_shown_as: vec![0; vertices as usize],
             live: simplified.mesh().submeshes().iter().map(|s| s.triangle_count).collect(),
             tour: Arc::new(Tour::new(simplified.collapses().targets(), &index.vertex_removal_lods)),
             index: Arc::new(index),
@@ -70,42 +80,43 @@ impl Cursor {
         {
             let drawn = &simplified.mesh().triangles()[submesh.triangles()][..live as usize];
             for triangle in drawn {
-                see(OrientedTriangle::new(s as u32, triangle.map(|v| self.shown[v as usize])));
+                see(OrientedTriangle::new(s as u32, triangle.map(|v| self.shown_as[v as usize])));
             }
         }
     }
 
     pub(super) fn seek<C: Changes>(
         &mut self,
-        s: &Simplified,
+        simplified: &Simplified,
         removal_lods: &[u32],
         lod: Lod,
         changes: &mut C,
     ) -> Traffic {
-        let (from, to) = (self.lod, s.collapses().floor(lod).0);
-        let (fine, coarse) = (from.min(to), from.max(to));
+        let (from, to) = (self.lod, simplified.collapses().floor(lod).0);
+        let (fine, coarse, coarsens) = (from.min(to), from.max(to), to > from);
         if from == to {
             return Traffic::default();
         }
         let records = coarse - fine;
-        // Everything below the coarser LOD is resolved anew, the rest is itself.
-        if !C::REPORTED && records > coarse / REBUILD_BELOW {
-            return Traffic { records, rewritten: self.rebuild(s, removal_lods, to) };
+        // A far move resolves everything below the coarser LOD; the rest is shown as itself.
+        if !C::REPORTED && records > coarse / VERTICES_PER_RECORD {
+            return Traffic { records, rewritten: self.rebuild(simplified, removal_lods, to) };
         }
-        if to < from {
+        if !coarsens {
             self.restore_vertices(fine);
         }
         let rewritten = if C::REPORTED {
-            self.move_reporting(s, removal_lods, to > from, (fine, coarse), changes)
-        } else if to > from {
-            self.coarsen(s, fine, coarse)
+            let between = Move { fine, coarse, coarsens };
+            self.move_reporting(simplified, removal_lods, between, changes)
+        } else if coarsens {
+            self.coarsen(simplified, fine, coarse)
         } else {
-            self.refine(s, fine, coarse)
+            self.refine(simplified, fine, coarse)
         };
-        if to > from {
-            self.count_dead(s, removal_lods, coarse);
+        if coarsens {
+            self.count_dead(simplified, removal_lods, coarse);
         } else {
-            self.count_revived(s, removal_lods, fine);
+            self.count_revived(simplified, removal_lods, fine);
         }
         self.lod = to;
         Traffic { records, rewritten }
@@ -113,30 +124,31 @@ impl Cursor {
 
     /// The far move: resolves every vertex that is removed at either LOD. Returns how many vertices
     /// were rewritten, of those that have triangles, as near moves count.
-    fn rebuild(&mut self, s: &Simplified, removal_lods: &[u32], to: u32) -> u64 {
-        let (from, targets) = (self.lod, s.collapses().targets());
+    fn rebuild(&mut self, simplified: &Simplified, removal_lods: &[u32], to: u32) -> u64 {
+        let (from, targets) = (self.lod, simplified.collapses().targets());
         let (fine, coarse) = (from.min(to), from.max(to));
-        // Before or after: what is shown at the finer LOD says which vertices move.
-        let moving = |shown: &[u32], removal_lods: &[u32]| {
+        // What vertices are shown as at the finer LOD says which of them move: before the rebuild,
+        // or after it.
+        let count_moving = |shown_as: &[u32], removal_lods: &[u32]| {
             let moves =
-                |&(&shown, &removal_lod): &(&u32, &u32)| shown < coarse && removal_lod > fine;
-            shown.iter().zip(removal_lods).take(coarse as usize).filter(moves).count() as u64
+                |&(&shown_as, &removal_lod): &(&u32, &u32)| shown_as < coarse && removal_lod > fine;
+            shown_as.iter().zip(removal_lods).take(coarse as usize).filter(moves).count() as u64
         };
         let mut rewritten = 0;
         if to > from {
-            rewritten = moving(&self.shown, &self.index.vertex_removal_lods);
+            rewritten = count_moving(&self.shown_as, &self.index.vertex_removal_lods);
         }
         for v in (0..to as usize).rev() {
             let target = targets[v];
-            self.shown[v] = if target < to { self.shown[target as usize] } else { target };
+            self.shown_as[v] = if target < to { self.shown_as[target as usize] } else { target };
         }
         for v in to..from {
-            self.shown[v as usize] = v;
+            self.shown_as[v as usize] = v;
         }
         if to < from {
-            rewritten = moving(&self.shown, &self.index.vertex_removal_lods);
+            rewritten = count_moving(&self.shown_as, &self.index.vertex_removal_lods);
         }
-        for (live, submesh) in self.live.iter_mut().zip(s.mesh().submeshes()) {
+        for (live, submesh) in self.live.iter_mut().zip(simplified.mesh().submeshes()) {
             let removal_lods = &removal_lods[submesh.triangles()];
             *live = removal_lods.partition_point(|&removal_lod| removal_lod > to) as u32;
         }
@@ -148,7 +160,7 @@ impl Cursor {
         // above.
         for &v in index.vertices.get(dead..self.dead_vertices).unwrap_or_default() {
             if v >= from {
-                self.shown[v as usize] = v;
+                self.shown_as[v as usize] = v;
             }
         }
         self.dead_vertices = dead;
@@ -156,30 +168,29 @@ impl Cursor {
         rewritten
     }
 
-    /// Shows the target of every record that is not itself gone at the coarser LOD. Returns how
-    /// many vertices were rewritten.
-    fn coarsen(&mut self, s: &Simplified, fine: u32, coarse: u32) -> u64 {
+    /// Shows the targets that remain at the coarser LOD. Returns how many vertices were rewritten.
+    fn coarsen(&mut self, simplified: &Simplified, fine: u32, coarse: u32) -> u64 {
         let mut rewritten = 0;
-        for (record, target) in outermost(s, fine, coarse) {
+        for (record, target) in outermost(simplified, fine, coarse) {
             self.tour.for_each_live(record, fine, |v| {
-                self.shown[v as usize] = target;
+                self.shown_as[v as usize] = target;
                 rewritten += 1;
             });
         }
         rewritten
     }
 
-    /// Shows the vertex of every record again; of several for one vertex the lowest comes last.
-    /// Returns how many vertices were rewritten.
-    fn refine(&mut self, s: &Simplified, fine: u32, coarse: u32) -> u64 {
+    /// Shows the vertex of every record again; of several for one vertex the lowest comes last and
+    /// stays. Returns how many vertices were rewritten.
+    fn refine(&mut self, simplified: &Simplified, fine: u32, coarse: u32) -> u64 {
         let mut rewritten = 0;
         for record in (fine..coarse).rev() {
             let mut count = 0;
             self.tour.for_each_live(record, fine, |v| {
-                self.shown[v as usize] = record;
+                self.shown_as[v as usize] = record;
                 count += 1;
             });
-            let is_first = s.collapses().targets()[record as usize] >= coarse;
+            let is_first = simplified.collapses().targets()[record as usize] >= coarse;
             rewritten += if is_first { count } else { 0 };
         }
         rewritten
@@ -188,29 +199,29 @@ impl Cursor {
     /// Moves and reports all changes. Returns how many vertices were rewritten.
     fn move_reporting(
         &mut self,
-        s: &Simplified,
+        simplified: &Simplified,
         removal_lods: &[u32],
-        coarsens: bool,
-        (fine, coarse): (u32, u32),
+        between: Move,
         changes: &mut impl Changes,
     ) -> u64 {
+        let Move { fine, coarse, coarsens } = between;
         let mut moved = Vec::new();
-        let (tour, coarser) = (&self.tour, &mut self.coarser);
-        for (record, target) in outermost(s, fine, coarse) {
+        let (tour, coarser) = (&self.tour, &mut self.coarser_shown_as);
+        for (record, target) in outermost(simplified, fine, coarse) {
             tour.for_each_live(record, fine, |v| {
                 moved.push(v);
                 coarser[v as usize] = target;
             });
         }
-        // Either way `shown` is what the finer LOD shows while changes are told.
+        // Either way `shown_as` is that of the finer LOD while changes are reported.
         if coarsens {
-            self.report(s, removal_lods, &moved, coarsens, (fine, coarse), changes);
+            self.report(simplified, removal_lods, &moved, between, changes);
             for &v in &moved {
-                self.shown[v as usize] = self.coarser[v as usize];
+                self.shown_as[v as usize] = self.coarser_shown_as[v as usize];
             }
         } else {
-            self.refine(s, fine, coarse);
-            self.report(s, removal_lods, &moved, coarsens, (fine, coarse), changes);
+            self.refine(simplified, fine, coarse);
+            self.report(simplified, removal_lods, &moved, between, changes);
         }
         moved.len() as u64
     }
@@ -218,29 +229,29 @@ impl Cursor {
     /// Reports every triangle around the moved vertices that is live at the finer LOD, once.
     fn report(
         &self,
-        s: &Simplified,
+        simplified: &Simplified,
         removal_lods: &[u32],
         moved: &[u32],
-        coarsens: bool,
-        (fine, coarse): (u32, u32),
+        Move { fine, coarse, coarsens }: Move,
         changes: &mut impl Changes,
     ) {
-        let moves = |corner: u32| (fine..coarse).contains(&self.shown[corner as usize]);
+        let moves = |corner: u32| (fine..coarse).contains(&self.shown_as[corner as usize]);
         for &v in moved {
-            let submesh = s.mesh().vertex_submesh()[v as usize];
+            let submesh = simplified.mesh().vertex_submesh()[v as usize];
             for &t in self.index.incident(v) {
                 if removal_lods[t as usize] <= fine {
                     break;
                 }
-                let corners = s.mesh().triangles()[t as usize];
+                let corners = simplified.mesh().triangles()[t as usize];
                 // A triangle of which several corners move is reported by the first of them.
                 if corners.into_iter().find(|&c| moves(c)) != Some(v) {
                     continue;
                 }
-                let finer = OrientedTriangle::new(submesh, corners.map(|c| self.shown[c as usize]));
+                let finer =
+                    OrientedTriangle::new(submesh, corners.map(|c| self.shown_as[c as usize]));
                 let coarser = (removal_lods[t as usize] > coarse).then(|| {
                     let shown = corners
-                        .map(|c| if moves(c) { &self.coarser } else { &self.shown }[c as usize]);
+                        .map(|c| if moves(c) { &self.coarser_shown_as } else { &self.shown_as }[c as usize]);
                     OrientedTriangle::new(submesh, shown)
                 });
                 if coarsens {
@@ -255,7 +266,7 @@ impl Cursor {
     }
 
     /// Counts the vertices and triangles that die on the way to a coarser LOD.
-    fn count_dead(&mut self, s: &Simplified, removal_lods: &[u32], coarse: u32) {
+    fn count_dead(&mut self, simplified: &Simplified, removal_lods: &[u32], coarse: u32) {
         while let Some(&v) = self.index.vertices.get(self.dead_vertices)
             && self.index.vertex_removal_lods[v as usize] <= coarse
         {
@@ -264,7 +275,7 @@ impl Cursor {
         while let Some(&t) = self.index.triangles.get(self.dead_triangles)
             && removal_lods[t as usize] <= coarse
         {
-            self.live[submesh_of(s, t)] -= 1;
+            self.live[submesh_of(simplified, t)] -= 1;
             self.dead_triangles += 1;
         }
     }
@@ -276,27 +287,28 @@ impl Cursor {
             && self.index.vertex_removal_lods[v as usize] > fine
         {
             self.dead_vertices -= 1;
-            self.shown[v as usize] = self.index.shown_at_removal[self.dead_vertices];
+            self.shown_as[v as usize] = self.index.shown_at_removal[self.dead_vertices];
         }
     }
 
     /// Counts the triangles that are drawn again at a finer LOD.
-    fn count_revived(&mut self, s: &Simplified, removal_lods: &[u32], fine: u32) {
+    fn count_revived(&mut self, simplified: &Simplified, removal_lods: &[u32], fine: u32) {
         while let Some(&t) = self.index.triangles[..self.dead_triangles].last()
             && removal_lods[t as usize] > fine
         {
-            self.live[submesh_of(s, t)] += 1;
+            self.live[submesh_of(simplified, t)] += 1;
             self.dead_triangles -= 1;
         }
     }
 }
 
 /// The records between two LODs whose targets are shown at the coarser one, and these targets.
-fn outermost(s: &Simplified, fine: u32, coarse: u32) -> impl Iterator<Item = (u32, u32)> {
-    let targets = &s.collapses().targets()[fine as usize..coarse as usize];
+fn outermost(simplified: &Simplified, fine: u32, coarse: u32) -> impl Iterator<Item = (u32, u32)> {
+    let targets = &simplified.collapses().targets()[fine as usize..coarse as usize];
     (fine..).zip(targets.iter().copied()).filter(move |&(_, target)| target >= coarse)
 }
 
-fn submesh_of(s: &Simplified, triangle: u32) -> usize {
-    s.mesh().vertex_submesh()[s.mesh().triangles()[triangle as usize][0] as usize] as usize
+fn submesh_of(simplified: &Simplified, triangle: u32) -> usize {
+    simplified.mesh().vertex_submesh()[simplified.mesh().triangles()[triangle as usize][0] as usize]
+        as usize
 }

@@ -19,11 +19,10 @@ impl Extraction {
         Self { lod: 0, current: lists.offsets()[..lists.vertices()].to_vec() }
     }
 
-    /// Moves to `lod`. Only vertices below the larger of the two LODs are looked at, and of those
-    /// only the ones whose entry changes are rewritten. Refining is coarsening with the sign turned
-    /// round. The loop along the list is what the thesis's algorithm lacks: without it a jump over
-    /// several collapses of one vertex shows the first of them. Returns how many vertices were
-    /// rewritten.
+    /// Moves to `lod`, by the same loops in either direction. Only vertices below the larger of the
+    /// two LODs are read, and of those only the ones whose entry changes are rewritten. The
+    /// thesis's algorithm has no loop along the list: a jump over several collapses of one vertex
+    /// would show the first of them. Returns how many vertices were rewritten.
     pub fn seek(&mut self, lists: &CollapseLists, lod: Lod) -> u32 {
         let mut rewritten = 0;
         let touched = self.lod.max(lod.0).min(lists.vertices() as u32);

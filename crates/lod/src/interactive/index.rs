@@ -7,7 +7,7 @@ use lodc_mesh::Simplified;
 #[derive(Clone, Debug)]
 pub(super) struct Index {
     /// Start of each vertex's triangles in `incident`, and end of the last one's.
-    first: Vec<u32>,
+    incident_starts: Vec<u32>,
     /// Triangles around each vertex, the longest-lived first.
     incident: Vec<u32>,
     /// All triangles, the first to die first.
@@ -23,16 +23,16 @@ pub(super) struct Index {
 impl Index {
     pub(super) fn new(simplified: &Simplified, removal_lods: &[u32]) -> Self {
         let mesh = simplified.mesh();
-        let levels = simplified.collapses().records() as usize + 1;
-        let triangles = sorted_by(removal_lods.len(), levels, |t| removal_lods[t]);
-        let mut first = vec![0; mesh.vertex_count() + 1];
+        let lod_count = simplified.collapses().records() as usize + 1;
+        let triangles = sorted_by(removal_lods.len(), lod_count, |t| removal_lods[t]);
+        let mut incident_starts = vec![0; mesh.vertex_count() + 1];
         for &v in mesh.triangles().as_flattened() {
-            first[v as usize + 1] += 1;
+            incident_starts[v as usize + 1] += 1;
         }
         for v in 0..mesh.vertex_count() {
-            first[v + 1] += first[v];
+            incident_starts[v + 1] += incident_starts[v];
         }
-        let mut next_slot = first.clone();
+        let mut next_slot = incident_starts.clone();
         let mut incident = vec![0; 3 * removal_lods.len()];
         for &t in triangles.iter().rev() {
             for v in mesh.triangles()[t as usize] {
@@ -41,25 +41,27 @@ impl Index {
             }
         }
         let mut index = Self {
-            first,
+            incident_starts,
             incident,
             triangles,
             vertices: Vec::new(),
             vertex_removal_lods: Vec::new(),
             shown_at_removal: Vec::new(),
         };
-        let last = |v| index.incident(v).first().map_or(0, |&t| removal_lods[t as usize]);
-        index.vertex_removal_lods = (0..mesh.vertex_count() as u32).map(last).collect();
+        let last_removal_lod =
+            |v| index.incident(v).first().map_or(0, |&t| removal_lods[t as usize]);
+        index.vertex_removal_lods = (0..mesh.vertex_count() as u32).map(last_removal_lod).collect();
         // Removal LOD 0 stands for vertices without triangles: they are left out.
-        index.vertices = sorted_by(mesh.vertex_count(), levels, |v| index.vertex_removal_lods[v]);
+        index.vertices =
+            sorted_by(mesh.vertex_count(), lod_count, |v| index.vertex_removal_lods[v]);
         let unused = index.vertices.partition_point(|&v| index.incident(v).is_empty());
         index.vertices.drain(..unused);
         index.shown_at_removal = index.resolve_at_removal(simplified.collapses().targets());
         index
     }
 
-    /// The vertex as which each of `vertices` is shown at its removal LOD: union-find with path
-    /// halving. Removal LODs rise, so every shortcut stays valid.
+    /// Returns the vertex as which each of `vertices` is shown at its removal LOD: union-find with
+    /// path halving. Removal LODs rise, so every shortcut stays valid.
     fn resolve_at_removal(&self, targets: &[u32]) -> Vec<u32> {
         let mut shortcut = targets.to_vec();
         let resolve = |&vertex: &u32| {
@@ -78,18 +80,18 @@ impl Index {
 
     /// The triangles of LOD 0 around a vertex, the longest-lived first.
     pub(super) fn incident(&self, vertex: u32) -> &[u32] {
-        &self.incident
-            [self.first[vertex as usize] as usize..self.first[vertex as usize + 1] as usize]
+        let [start, end] = [0, 1].map(|i| self.incident_starts[vertex as usize + i] as usize);
+        &self.incident[start..end]
     }
 }
 
-/// `0..count` sorted by a key below `keys`, equal keys in order: counting sort.
-fn sorted_by(count: usize, keys: usize, key: impl Fn(usize) -> u32) -> Vec<u32> {
-    let mut next_slot = vec![0u32; keys + 1];
+/// Returns `0..count` sorted by a key below `key_count`, equal keys in order: counting sort.
+fn sorted_by(count: usize, key_count: usize, key: impl Fn(usize) -> u32) -> Vec<u32> {
+    let mut next_slot = vec![0u32; key_count + 1];
     for i in 0..count {
         next_slot[key(i) as usize + 1] += 1;
     }
-    for k in 0..keys {
+    for k in 0..key_count {
         next_slot[k + 1] += next_slot[k];
     }
     let mut sorted = vec![0; count];

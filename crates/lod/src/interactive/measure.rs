@@ -87,7 +87,7 @@ impl Passes<'_> {
         };
         let all = 8 * self.vertices();
         let drawn = self.drawn(self.filter.indices, self.filter.draws);
-        let everything = vec![vec![self.dependent.pass(&everything(), &self.views)]];
+        let everything = vec![vec![self.dependent.pass(&lod_0_everywhere(), &self.views)]];
         vec![
             Case::new("view-dependent", outlines(false), all),
             Case::new("view-dependent, morphing", outlines(true), all),
@@ -132,8 +132,7 @@ impl Passes<'_> {
     }
 }
 
-/// LOD 0 everywhere.
-fn everything() -> ViewQuery {
+fn lod_0_everywhere() -> ViewQuery {
     ViewQuery { criterion: Criterion::everywhere(Lod(0)), morph: false }
 }
 
@@ -167,13 +166,16 @@ fn memory(simplified: &Simplified, lists: &CollapseLists) -> Result<Vec<Memory>,
         }
         Ok(())
     };
-    let of = |variant, make: &dyn Fn(&mut Program, VertexRecords) -> Result<(), PlanError>| {
-        Ok(Memory { variant, positions: words(3, make)?, normals: words(6, make)? })
-    };
+    let of_variant =
+        |variant, make: &dyn Fn(&mut Program, VertexRecords) -> Result<(), PlanError>| {
+            Ok(Memory { variant, positions: words(3, make)?, normals: words(6, make)? })
+        };
     Ok(vec![
-        of("continuous", &continuous)?,
-        of("view-dependent", &|program, records| filter(program, mesh, records, false))?,
-        of("view-dependent, filtered", &|program, records| filter(program, mesh, records, true))?,
+        of_variant("continuous", &continuous)?,
+        of_variant("view-dependent", &|program, records| filter(program, mesh, records, false))?,
+        of_variant("view-dependent, filtered", &|program, records| {
+            filter(program, mesh, records, true)
+        })?,
     ])
 }
 

@@ -14,7 +14,7 @@ pub struct Resident {
     /// Run once, before anything is shown.
     pub setup: Vec<Pass>,
     /// Buffers that every instance has for itself.
-    pub own: Vec<BufferId>,
+    pub instance_buffers: Vec<BufferId>,
     /// The draws.
     pub drawn: DrawInput,
     continuous: Continuous,
@@ -38,7 +38,7 @@ impl Resident {
         Ok(Self {
             program,
             setup,
-            own: [continuous.written().as_slice(), &[counting.draws]].concat(),
+            instance_buffers: [continuous.written().as_slice(), &[counting.draws]].concat(),
             drawn: drawn(mesh, records.stride, buffers),
             continuous,
             counting,
@@ -58,7 +58,7 @@ pub struct ResidentView<'a> {
     /// Buffers and kernels.
     pub program: Program,
     /// Buffers that every instance has for itself.
-    pub own: Vec<BufferId>,
+    pub instance_buffers: Vec<BufferId>,
     /// The draws.
     pub drawn: DrawInput,
     views: Views<'a>,
@@ -84,7 +84,7 @@ impl<'a> ResidentView<'a> {
         let filter = Filter::new(&mut program, mesh, mesh.triangles(), vertices, stride);
         let buffers = [vertices, filter.indices, filter.draws];
         let drawn = drawn(mesh, stride, buffers);
-        Ok(Self { program, own: buffers.to_vec(), drawn, views, passes, filter })
+        Ok(Self { program, instance_buffers: buffers.to_vec(), drawn, views, passes, filter })
     }
 
     /// The passes that show a view.

@@ -31,25 +31,25 @@ impl Cone {
         self.cos <= 0.0 || dot(self.axis, direction) >= self.cos - 1e-9
     }
 
-    /// Cosine of the largest angle between an axis and a direction of the cone; negative if that is
-    /// more than 90°.
-    fn reach(&self, axis: [f64; 3]) -> f64 {
+    /// Returns the cosine of the largest angle between an axis and a direction of the cone;
+    /// negative if that is more than 90°.
+    fn cos_to_farthest(&self, axis: [f64; 3]) -> f64 {
         let cos = dot(axis, self.axis).clamp(-1.0, 1.0);
         if cos <= 0.0 { -1.0 } else { cos * self.cos - (1.0 - cos * cos).sqrt() * self.sin() }
     }
 
-    /// A cone around both, as narrow as can be (but for rounding).
+    /// Returns the narrowest cone around both, but for rounding.
     fn around(self, other: Self) -> Self {
         if self.cos <= 0.0 || other.cos <= 0.0 {
             return Self::OPEN;
         }
-        if other.reach(self.axis) >= self.cos {
+        if other.cos_to_farthest(self.axis) >= self.cos {
             return self;
         }
-        if self.reach(other.axis) >= other.cos {
+        if self.cos_to_farthest(other.axis) >= other.cos {
             return other;
         }
-        // The directions of each that are farthest from the other; the axis lies half way.
+        // The directions of each that are farthest from the other; the axis is half way between.
         let farthest_from = |a: Self, b: Self| {
             let cosine = dot(a.axis, b.axis);
             let perpendicular = normalised(std::array::from_fn(|i| a.axis[i] * cosine - b.axis[i]));
@@ -63,7 +63,7 @@ impl Cone {
         };
         axis.map_or(Self::OPEN, |axis| Self {
             axis,
-            cos: self.reach(axis).min(other.reach(axis)).max(0.0),
+            cos: self.cos_to_farthest(axis).min(other.cos_to_farthest(axis)).max(0.0),
         })
     }
 }
@@ -85,7 +85,7 @@ impl Cones {
     pub fn new(mesh: &Mesh, collapses: &CollapseSequence, shape: &[[f32; 3]]) -> Self {
         let groups = WedgeGroups::new(mesh, &PositionIds::new(mesh.positions()));
         let mut cones = face_cones(mesh, shape, &groups);
-        propagate(&mut cones, &groups, collapses);
+        widen_by_collapses(&mut cones, &groups, collapses);
         let mut used = vec![false; groups.len()];
         for &v in mesh.triangles().as_flattened() {
             used[groups.of_vertex[v as usize] as usize] = true;
@@ -101,34 +101,38 @@ impl Cones {
     }
 }
 
-/// Each group's cone of the faces around it; none without faces that have area.
+/// Returns each group's cone of the faces around it; `None` without faces that have area.
 fn face_cones(mesh: &Mesh, shape: &[[f32; 3]], groups: &WedgeGroups) -> Vec<Option<Cone>> {
     let normals: Vec<_> = mesh.triangles().iter().map(|&t| normal(shape, t)).collect();
     let mut sums = vec![[0.0; 3]; groups.len()];
-    let each = |visit: &mut dyn FnMut(usize, [f64; 3])| {
+    let for_each_corner = |visit: &mut dyn FnMut(usize, [f64; 3])| {
         for (t, n) in mesh.triangles().iter().zip(&normals) {
             if let Some(n) = *n {
                 t.iter().for_each(|&v| visit(groups.of_vertex[v as usize] as usize, n));
             }
         }
     };
-    let mut any = vec![false; groups.len()];
-    each(&mut |g, n| {
-        any[g] = true;
+    let mut has_faces = vec![false; groups.len()];
+    for_each_corner(&mut |g, n| {
+        has_faces[g] = true;
         (0..3).for_each(|i| sums[g][i] += n[i]);
     });
     let axes: Vec<_> = sums.into_iter().map(normalised).collect();
     let mut cos = vec![1.0f64; axes.len()];
-    each(&mut |g, n| cos[g] = cos[g].min(axes[g].map_or(0.0, |axis| dot(axis, n))));
+    for_each_corner(&mut |g, n| cos[g] = cos[g].min(axes[g].map_or(0.0, |axis| dot(axis, n))));
     let cone = |g: usize| {
         axes[g].filter(|_| cos[g] > 0.0).map_or(Cone::OPEN, |axis| Cone { axis, cos: cos[g] })
     };
-    (0..axes.len()).map(|g| any[g].then(|| cone(g))).collect()
+    (0..axes.len()).map(|g| has_faces[g].then(|| cone(g))).collect()
 }
 
 /// Widens the cone of each group to hold those of the groups that collapse into it. Records come in
 /// order, so whatever collapses into a group has done so before the group itself does.
-fn propagate(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &CollapseSequence) {
+fn widen_by_collapses(
+    cones: &mut [Option<Cone>],
+    groups: &WedgeGroups,
+    collapses: &CollapseSequence,
+) {
     let mut first = 0;
     let mut pairs = Vec::new();
     for &end in &collapses.parts().step_ends {
@@ -141,8 +145,8 @@ fn propagate(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &Colla
             ));
         }
         first = end;
-        // Several wedges, one pair of groups. Fakes are groups by themselves here: whatever moves
-        // to one position is passed on to every group that it reaches.
+        // A step moves several wedges of one group. Fake vertices are groups by themselves here:
+        // the cone of all that moves widens those of all targets.
         let merged = pairs.iter().filter_map(|&(from, _)| cones[from]).reduce(Cone::around);
         if let Some(merged) = merged {
             pairs.sort_unstable_by_key(|&(_, to)| to);
@@ -154,7 +158,7 @@ fn propagate(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &Colla
     }
 }
 
-/// The unit normal of a triangle; none without area.
+/// Returns the unit normal of a triangle; `None` without area.
 pub(super) fn normal(shape: &[[f32; 3]], triangle: [u32; 3]) -> Option<[f64; 3]> {
     let [a, b, c] = triangle.map(|v| shape[v as usize].map(f64::from));
     let (u, v): ([f64; 3], [f64; 3]) =

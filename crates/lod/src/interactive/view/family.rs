@@ -60,7 +60,8 @@ pub enum Family {
     },
 }
 
-/// Settings of one stage.
+/// Settings of one stage of a family: fine enough that bisection meets a number of triangles.
+/// Chosen by hand.
 const SETTINGS_PER_STAGE: u32 = 1 << 26;
 
 impl Family {
@@ -88,7 +89,7 @@ impl Family {
     /// Returns the criterion of a setting. A larger one is nowhere finer.
     #[must_use]
     pub fn criterion(&self, setting: u32, lods: &LodRange) -> Criterion {
-        let region = || stage(lods, setting);
+        let inside_outside = || stage_lods(lods, setting);
         match *self {
             Self::Silhouette { eye } => {
                 // The second stage is that of the width.
@@ -99,31 +100,31 @@ impl Family {
                 } else {
                     (setting - SETTINGS_PER_STAGE).max(SETTINGS_PER_STAGE)
                 };
-                let [edge, face] = stage(lods, narrowed);
+                let [edge, face] = stage_lods(lods, narrowed);
                 Criterion::Silhouette { eye, edge, face, width: width as f32 }
             }
             Self::ScreenError { eye, unit, .. } => {
                 Criterion::ScreenError { eye, slope: f32::from_bits(setting) * unit }
             }
             Self::Sphere { centre, radius } => {
-                let [inside, outside] = region();
+                let [inside, outside] = inside_outside();
                 Criterion::Sphere { centre, radius, inside, outside }
             }
             Self::Region { low, high } => {
-                let [inside, outside] = region();
+                let [inside, outside] = inside_outside();
                 Criterion::Region { low, high, inside, outside }
             }
             Self::Frustum { eye, target, tangents } => {
-                let [inside, outside] = region();
+                let [inside, outside] = inside_outside();
                 Criterion::Frustum { eye, target, tangents, inside, outside }
             }
         }
     }
 }
 
-/// The finer and the coarser LOD: the coarser one goes from `fine` to `coarse`, the finer one
-/// follows, both go on to `last`.
-fn stage(lods: &LodRange, setting: u32) -> [Lod; 2] {
+/// Returns the finer and the coarser LOD of a setting: the coarser one goes from `fine` to
+/// `coarse`, the finer one follows, both go on to `last`.
+fn stage_lods(lods: &LodRange, setting: u32) -> [Lod; 2] {
     let share = f64::from(setting % SETTINGS_PER_STAGE) / f64::from(SETTINGS_PER_STAGE);
     let between =
         |a: Lod, b: Lod| Lod((f64::from(a.0) + (f64::from(b.0) - f64::from(a.0)) * share) as u32);

@@ -12,8 +12,9 @@ pub struct Filter {
     pub triangles: BufferId,
     vertices: BufferId,
     submeshes: BufferId,
+    /// For each eight triangles a bit for each that is drawn.
     live: BufferId,
-    /// Prefix sums of triangles that are drawn, by eights.
+    /// For each eight triangles how many are drawn before them, and how many of all.
     pub places: BufferId,
     /// Corners of the triangles that are drawn.
     pub indices: BufferId,
@@ -23,7 +24,9 @@ pub struct Filter {
     write: KernelId,
     arguments: KernelId,
     scan: Scan,
-    sizes: [u32; 2],
+    /// Number of eights of triangles, the last filled up.
+    eights: u32,
+    submesh_count: u32,
 }
 
 impl Filter {
@@ -56,14 +59,15 @@ impl Filter {
             write: program.kernel(shaders::FILTER_WRITE),
             arguments: program.kernel(shaders::FILTER_DRAWS),
             scan: Scan::new(program, places, eights + 1),
-            sizes: [eights as u32, mesh.submeshes().len() as u32],
+            eights: eights as u32,
+            submesh_count: mesh.submeshes().len() as u32,
         }
     }
 
     /// The passes.
     #[must_use]
     pub fn passes(&self) -> Vec<Pass> {
-        let [eights, submeshes] = self.sizes;
+        let (eights, submeshes) = (self.eights, self.submesh_count);
         let count = Pass {
             kernel: self.count,
             buffers: vec![self.triangles, self.vertices, self.live, self.places],

@@ -1,6 +1,7 @@
 //! The view-dependent variant on a graphics device: buffers, kernels, and the pass that shows a
 //! view.
 
+use super::select::FRUSTUM;
 use super::{Point, ViewQuery, Views};
 use crate::interactive::shaders;
 use lodc_plan::{BufferId, KernelId, Pass, Program};
@@ -16,7 +17,9 @@ pub struct ViewPasses {
     pub vertices: BufferId,
     /// By criterion, without and with morphing.
     kernels: [[KernelId; 2]; 5],
-    sizes: [u32; 2],
+    vertex_count: u32,
+    /// The second part of [`Views::by_error`].
+    lowest_error: u32,
 }
 
 impl ViewPasses {
@@ -44,17 +47,19 @@ impl ViewPasses {
             source,
             vertices,
             kernels,
-            sizes: [views.points().len() as u32, views.by_error().1],
+            vertex_count: views.points().len() as u32,
+            lowest_error: views.by_error().1,
         }
     }
 
     /// Shows a view.
     #[must_use]
     pub fn pass(&self, view: &ViewQuery, views: &Views<'_>) -> Pass {
-        let [vertices, lowest] = self.sizes;
         let p = views.selector.parameters(view);
-        let lowest = if p.criterion == 4 { p.height.to_bits() } else { lowest };
-        let mut parameters = vec![vertices, lowest, p.lods[0], p.lods[1]];
+        // One word has either, by the criterion.
+        let lowest_or_height =
+            if p.criterion == FRUSTUM { p.height.to_bits() } else { self.lowest_error };
+        let mut parameters = vec![self.vertex_count, lowest_or_height, p.lods[0], p.lods[1]];
         parameters.extend(p.point.map(f32::to_bits));
         parameters.push(p.scale.to_bits());
         parameters.extend(p.abc.map(f32::to_bits));
@@ -62,7 +67,7 @@ impl ViewPasses {
         Pass {
             kernel: self.kernels[p.criterion as usize][usize::from(p.morph)],
             buffers: vec![self.points, self.links, self.by_error, self.source, self.vertices],
-            threads: vertices,
+            threads: self.vertex_count,
             parameters,
         }
     }

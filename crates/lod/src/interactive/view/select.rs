@@ -11,10 +11,20 @@ use lodc_mesh::{CollapseSequence, Lod, NONE};
 /// bounds the time of a thread. Chosen by hand.
 const MAX_WALK: u32 = 64;
 
-/// Share of a move below which neither it nor the moves that continue it can be seen: less than
-/// `f32` tells of the result. Without it, thousands of moves around a hub may be followed one after
-/// the other.
+/// Share of a move below which neither it nor the moves that continue it change an `f32`. Without
+/// it, thousands of moves around a hub may be followed one after the other.
 const MIN_SHARE: f32 = 1e-7;
+
+/// Added to the sines of cones, and cosines below which one counts as open: more than the
+/// arithmetic on devices may err. Chosen by hand.
+const CONE_MARGIN: f64 = 1e-4;
+
+/// The criteria by the numbers that `view.wgsl` has for them.
+pub(super) const SILHOUETTE: u32 = 0;
+pub(super) const SCREEN_ERROR: u32 = 1;
+pub(super) const SPHERE: u32 = 2;
+pub(super) const REGION: u32 = 3;
+pub(super) const FRUSTUM: u32 = 4;
 
 /// The state of a vertex between the steps in which it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,17 +64,17 @@ impl Point {
             .map(|(a, b)| a * b / length)
             .sum::<f64>()
             .clamp(-1.0, 1.0);
-        // The cone around the rounded axis that holds this one; a little more for the arithmetic on
-        // devices. Sums of angles by their sines and cosines: the same on every machine.
+        // The cone around the rounded axis that holds this one, and a little more. Sums of angles
+        // by their sines and cosines: the same on every machine.
         let sine_of = |cos: f64| (1.0 - cos * cos).max(0.0).sqrt();
         let cos = cone.cos.clamp(-1.0, 1.0);
-        let sum = sine_of(cos) * cos_between + cos * sine_of(cos_between) + 1e-4;
-        let narrow = cos * cos_between - sine_of(cos) * sine_of(cos_between) > 1e-4;
+        let sum = sine_of(cos) * cos_between + cos * sine_of(cos_between) + CONE_MARGIN;
+        let narrow = cos * cos_between - sine_of(cos) * sine_of(cos_between) > CONE_MARGIN;
         let sine = if narrow { (sum * 255.0).ceil().min(255.0) as u8 } else { 255 };
         Self { position, axis, sine }
     }
 
-    /// The words.
+    /// Returns the words that a kernel reads.
     #[must_use]
     pub fn words(&self) -> [u32; 4] {
         let [x, y, z] = self.position.map(f32::to_bits);
@@ -73,14 +83,14 @@ impl Point {
     }
 }
 
-/// The vertices of a shape as the kernel gets them. All of a group have the position of its first
-/// one. Those of no group have an open cone.
+/// Returns the vertices of a shape as the kernel gets them. All of a group have the position of its
+/// first one. Those of no group have an open cone.
 pub(super) fn points(cones: &Cones, shape: &[[f32; 3]]) -> Vec<Point> {
-    let mut first = vec![NONE; cones.cones.len()];
-    let point = |(v, &group): (u32, &u32)| match first.get_mut(group as usize) {
-        Some(first) => {
-            *first = (*first).min(v);
-            Point::new(shape[*first as usize], &cones.cones[group as usize])
+    let mut first_vertices = vec![NONE; cones.cones.len()];
+    let point = |(v, &group): (u32, &u32)| match first_vertices.get_mut(group as usize) {
+        Some(first_vertex) => {
+            *first_vertex = (*first_vertex).min(v);
+            Point::new(shape[*first_vertex as usize], &cones.cones[group as usize])
         }
         None => Point::new(shape[v as usize], &Cone::OPEN),
     };
@@ -111,23 +121,28 @@ pub(super) struct ByError {
 }
 
 impl ByError {
-    /// Errors of 14 powers of two are distinguished; smaller ones count as none.
+    /// Bits of an `f32` that an entry does not distinguish: 9 of the mantissa are left.
+    const DROPPED_BITS: u32 = 14;
+    /// Errors of 14 powers of two are distinguished, 512 of each; smaller ones count as none.
     const COUNT: u32 = 14 * 512;
 
     pub(super) fn new(collapses: &CollapseSequence) -> Self {
         let finite = |e: &&f32| e.is_finite();
         let largest = collapses.parts().step_errors.iter().rev().find(finite);
-        let largest = largest.map_or(0, |e| e.to_bits() >> 14);
+        let largest = largest.map_or(0, |e| e.to_bits() >> Self::DROPPED_BITS);
         let lowest = (largest + 2).saturating_sub(Self::COUNT);
-        let error = |i: u32| if i == 0 { 0.0 } else { f32::from_bits((lowest + i) << 14) };
+        let error =
+            |i: u32| if i == 0 { 0.0 } else { f32::from_bits((lowest + i) << Self::DROPPED_BITS) };
         Self {
             lowest,
             lods: (0..Self::COUNT).map(|i| collapses.lod_for_error(error(i)).0).collect(),
         }
     }
 
-    fn at(&self, error: f32) -> u32 {
-        let key = (error.to_bits() >> 14).clamp(self.lowest, self.lowest + Self::COUNT - 1);
+    /// Returns the coarsest LOD for an error, or one that is finer by less than 0.2 % of it.
+    fn lod(&self, error: f32) -> u32 {
+        let key = (error.to_bits() >> Self::DROPPED_BITS)
+            .clamp(self.lowest, self.lowest + Self::COUNT - 1);
         self.lods[(key - self.lowest) as usize]
     }
 }
@@ -135,7 +150,7 @@ impl ByError {
 /// A view in the numbers that the kernel is given.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Parameters {
-    /// 0 silhouette, 1 error on the screen, 2 sphere, 3 box, 4 screen.
+    /// One of the constants above, from [`SILHOUETTE`] to [`FRUSTUM`].
     pub(super) criterion: u32,
     /// The LOD at edges or inside, and the other one.
     pub(super) lods: [u32; 2],
@@ -153,11 +168,11 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// A view of a surface of this diagonal with LODs down to `last`.
+    /// Those of a view of a surface with this diagonal and LODs down to `last`.
     pub(super) fn new(view: &ViewQuery, diagonal: f64, last: Lod) -> Self {
         let scale = inverse_power(diagonal.max(1e-30));
         let lods = |a: Lod, b: Lod| [a.min(last).0, b.min(last).0];
-        let of = |criterion, point, lods, abc| Self {
+        let parameters = |criterion, point, lods, abc| Self {
             criterion,
             lods,
             point,
@@ -170,34 +185,35 @@ impl Parameters {
             Criterion::Silhouette { eye, edge, face, width } => {
                 let [edge, face] = lods(edge.min(face), face);
                 let rise = ((face - edge) as f32 / width.max(f32::MIN_POSITIVE)).min(f32::MAX);
-                of(0, eye, [edge, face], [rise, width * (1.0 / 255.0), 0.0])
+                parameters(SILHOUETTE, eye, [edge, face], [rise, width * (1.0 / 255.0), 0.0])
             }
             Criterion::ScreenError { eye, slope } => {
-                of(1, eye, [0; 2], [(slope / scale).max(0.0), 0.0, 0.0])
+                parameters(SCREEN_ERROR, eye, [0; 2], [(slope / scale).max(0.0), 0.0, 0.0])
             }
             Criterion::Sphere { centre, radius, inside, outside } => {
                 let scaled = radius * scale;
-                of(2, centre, lods(inside, outside), [scaled * scaled, 0.0, 0.0])
+                parameters(SPHERE, centre, lods(inside, outside), [scaled * scaled, 0.0, 0.0])
             }
             Criterion::Region { low, high, inside, outside } => {
-                of(3, low, lods(inside, outside), high)
+                parameters(REGION, low, lods(inside, outside), high)
             }
             Criterion::Frustum { eye, target, tangents, inside, outside } => Self {
                 scale: tangents[0],
                 height: tangents[1],
-                ..of(4, eye, lods(inside, outside), rotation(eye, target))
+                ..parameters(FRUSTUM, eye, lods(inside, outside), rotation(eye, target))
             },
         }
     }
 }
 
-/// The vertex that is shown for one at a LOD. Short chains of collapses are walked as the kernel
-/// walks all; `further` finds the end of long ones, as around a vertex of thousands of triangles.
+/// Returns the vertex that is shown for one at a LOD. Short chains of collapses are walked as the
+/// kernel walks all; `find_from` finds the end of long ones from a vertex on, as around a vertex of
+/// thousands of triangles.
 pub(super) fn entry(
     vertex: u32,
     lod: u32,
     links: &[[u32; 2]],
-    further: impl FnOnce(u32) -> u32,
+    find_from: impl FnOnce(u32) -> u32,
 ) -> u32 {
     let mut entry = vertex;
     for _ in 0..MAX_WALK {
@@ -206,29 +222,30 @@ pub(super) fn entry(
         }
         entry = links[entry as usize][0];
     }
-    further(entry)
+    find_from(entry)
 }
 
-/// The state of a vertex that is shown as `entry` at a LOD.
+/// Returns the state of a vertex that is shown as `entry` at a LOD.
 pub(super) fn state(entry: u32, lod: u32, links: &[[u32; 2]], morph: bool) -> State {
-    let [next, leaves] = links[entry as usize];
-    let progress = if morph { morph_progress(leaves, lod, links.len() as u32) } else { 0 };
+    let [next, removal_lod] = links[entry as usize];
+    let progress = if morph { morph_progress(removal_lod, lod, links.len() as u32) } else { 0 };
     State { lod, entry, next, progress }
 }
 
-/// The share of its move that a vertex which disappears at the end of some step (`leaves`) has made
-/// at a LOD before it, in 1/65536: it begins to move n/8 records before, n being the number of
-/// vertices that stay longer.
-fn morph_progress(leaves: u32, lod: u32, vertices: u32) -> u32 {
-    let length = leaves.min((vertices - leaves.min(vertices)) / 8 + 1);
-    let records_gone = lod.saturating_sub(leaves - length);
+/// Returns the share of its move that a vertex has made at a LOD, in 1/65536. The vertex disappears
+/// at the end of some step, `removal_lod`, and begins to move n/8 records before that, n being the
+/// number of vertices that remain longer.
+fn morph_progress(removal_lod: u32, lod: u32, vertex_count: u32) -> u32 {
+    let length = removal_lod.min((vertex_count - removal_lod.min(vertex_count)) / 8 + 1);
+    let records_moved = lod.saturating_sub(removal_lod - length);
     // Integers, because division of integers is exact; both fit 16 bits after the shift.
     let shift = 16 - length.leading_zeros().min(16);
-    (((records_gone >> shift) << 16) / (length >> shift)).min(65535)
+    (((records_moved >> shift) << 16) / (length >> shift)).min(65535)
 }
 
-/// The position of an entry at a LOD, between its own and that of its target then: a function of
-/// both alone, so that removed triangles do not come back, and continuous where the entry changes.
+/// Returns the position of an entry at a LOD, between its own and that of its target at the LOD: it
+/// depends on entry and LOD alone, so that removed triangles do not come back, and is continuous
+/// where the entry changes.
 pub(super) fn morphed_position(
     entry: u32,
     lod: u32,
@@ -237,12 +254,12 @@ pub(super) fn morphed_position(
 ) -> [f32; 3] {
     let (mut current, mut share, mut position_now) = (entry, 1.0f32, position(entry));
     loop {
-        let [next, leaves] = links[current as usize];
-        let records_gone = morph_progress(leaves, lod, links.len() as u32);
-        if records_gone == 0 {
+        let [next, removal_lod] = links[current as usize];
+        let progress = morph_progress(removal_lod, lod, links.len() as u32);
+        if progress == 0 {
             return position_now;
         }
-        share *= records_gone as f32 * (1.0 / 65536.0);
+        share *= progress as f32 * (1.0 / 65536.0);
         if share < MIN_SHARE {
             return position_now;
         }
@@ -252,30 +269,30 @@ pub(super) fn morphed_position(
     }
 }
 
-/// The LOD that a view wants at a point.
-pub(super) fn wanted_lod(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
-    let ([a, b], position) = (p.lods, at.position);
-    if p.criterion == 4 {
+/// Returns the LOD that a view wants at a point.
+pub(super) fn wanted_lod(p: &Parameters, point: &Point, by_error: &ByError) -> u32 {
+    let ([a, b], position) = (p.lods, point.position);
+    if p.criterion == FRUSTUM {
         return if is_on_screen(p, position) { a } else { b };
     }
-    if p.criterion == 3 {
+    if p.criterion == REGION {
         let inside = (0..3).all(|i| position[i] >= p.point[i] && position[i] <= p.abc[i]);
         return if inside { a } else { b };
     }
     let to_point: [f32; 3] = std::array::from_fn(|i| (p.point[i] - position[i]) * p.scale);
     let square = dot(to_point, to_point);
-    if p.criterion == 2 {
+    if p.criterion == SPHERE {
         return if square <= p.abc[0] { a } else { b };
     }
     // At the viewpoint itself: as fine as can be.
     if square < 1e-30 {
-        return if p.criterion == 0 { a } else { 0 };
+        return if p.criterion == SILHOUETTE { a } else { 0 };
     }
-    if p.criterion == 1 {
-        return by_error.at(square * rsqrt(square) * p.abc[0]);
+    if p.criterion == SCREEN_ERROR {
+        return by_error.lod(square * rsqrt(square) * p.abc[0]);
     }
     let span = b - a;
-    a + ((facing(at, to_point, square, p.abc[1]) * p.abc[0]).min(span as f32) as u32).min(span)
+    a + ((facing(point, to_point, square, p.abc[1]) * p.abc[0]).min(span as f32) as u32).min(span)
 }
 
 /// Returns whether a position is ahead of the eye and within the screen.
@@ -297,16 +314,16 @@ fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     })
 }
 
-/// From 0, seen edge-on somewhere in the cone, to 1, face-on everywhere. `unit` is the sine of a
-/// cone that 1 stands for.
-fn facing(at: &Point, to_eye: [f32; 3], square: f32, unit: f32) -> f32 {
-    let axis = at.axis.map(f32::from);
-    let sine = f32::from(at.sine) * unit;
-    let angle = (dot(axis, to_eye).abs() * rsqrt(dot(axis, axis) * square)).min(1.0);
-    (angle * complement(sine) - complement(angle) * sine).max(0.0)
+/// Returns a number from 0, where some normal of the cone is seen edge-on, to 1, where all are seen
+/// face-on. `square` is the squared length of `to_eye`, `sine_unit` what 1 in [`Point::sine`] is.
+fn facing(point: &Point, to_eye: [f32; 3], square: f32, sine_unit: f32) -> f32 {
+    let axis = point.axis.map(f32::from);
+    let sine = f32::from(point.sine) * sine_unit;
+    let cosine = (dot(axis, to_eye).abs() * rsqrt(dot(axis, axis) * square)).min(1.0);
+    (cosine * complement(sine) - complement(cosine) * sine).max(0.0)
 }
 
-/// The sine to a cosine and the other way round, both from 0 to 1.
+/// Returns the sine for a cosine, or the cosine for a sine, both from 0 to 1.
 fn complement(cosine: f32) -> f32 {
     let squared = (1.0 - cosine * cosine).max(1e-20);
     squared * rsqrt(squared)
@@ -325,14 +342,14 @@ mod tests {
         let largest = *collapses.parts().step_errors.last().expect("steps");
         for i in 0..5000 {
             let error = largest * 1.2 * (i as f32 / 5000.0).powi(3);
-            let found = by_error.at(error);
+            let found = by_error.lod(error);
             assert!(found <= collapses.lod_for_error(error).0, "{error}");
             if error > largest / 8000.0 {
                 assert!(found >= collapses.lod_for_error(error * (1.0 - 1.0 / 511.0)).0, "{error}");
             }
         }
-        assert_eq!(by_error.at(f32::MAX), collapses.last().0);
-        assert_eq!(by_error.at(0.0), collapses.lod_for_error(0.0).0);
+        assert_eq!(by_error.lod(f32::MAX), collapses.last().0);
+        assert_eq!(by_error.lod(0.0), collapses.lod_for_error(0.0).0);
     }
 
     #[test]

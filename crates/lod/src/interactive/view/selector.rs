@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 #[derive(Clone, Debug)]
 pub struct Selector<'a> {
     simplified: &'a Simplified,
-    /// Of the surface that is looked at.
+    /// The diagonal of the bounding box of the surface in its shape.
     diagonal: f64,
     pub(super) points: Vec<Point>,
     pub(super) links: Vec<[u32; 2]>,
