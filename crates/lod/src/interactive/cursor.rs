@@ -250,9 +250,12 @@ impl Cursor {
                 let finer =
                     OrientedTriangle::new(submesh, corners.map(|c| self.shown_as[c as usize]));
                 let coarser = (removal_lods[t as usize] > coarse).then(|| {
-                    let shown = corners
-                        .map(|c| if moves(c) { &self.coarser_shown_as } else { &self.shown_as }[c as usize]);
-                    OrientedTriangle::new(submesh, shown)
+                    let shown_as = |c: u32| {
+                        let vertices =
+                            if moves(c) { &self.coarser_shown_as } else { &self.shown_as };
+                        vertices[c as usize]
+                    };
+                    OrientedTriangle::new(submesh, corners.map(shown_as))
                 });
                 if coarsens {
                     changes.removed(finer);
