@@ -150,6 +150,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-scene",
             "lodc-strip",
             "average",
+            "criterion",
             "indexmap",
             "rayon",
             "serde",
@@ -208,7 +209,6 @@ const FOR_TESTS: &[&str] = &[
     "lodc-simplify",
     "lodc-strip",
     "lodc-verify",
-    "criterion",
     "rayon",
     "xxhash-rust",
 ];

@@ -50,7 +50,7 @@ fn program(program: &Program) -> Value {
 }
 
 fn step(step: &Step) -> Value {
-    assert_eq!(step.twin, None, "the CPU differs from the reference");
+    assert_eq!(step.cpu_failure, None, "the CPU differs from the reference");
     let pass = |p: &Pass| {
         let buffers: Vec<usize> = p.buffers.iter().map(|b| b.0).collect();
         json!({

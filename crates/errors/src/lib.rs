@@ -48,8 +48,8 @@ use settings::Settings;
 const NOTICEABLE_RATIO: f64 = 1.05;
 const NOTICEABLE_SHARE: f64 = 1e-4;
 
-/// Levels of fewer triangles than LOD 0 has, divided by this, do not count for that: below 1 % few
-/// are used, and errors change by chance.
+/// Whether errors have risen is judged by levels of at least as many triangles as LOD 0 has,
+/// divided by this: below 1 % few levels are used, and errors change by chance.
 const COARSEST_DIVISOR: u32 = 100;
 
 /// Meshes of more triangles are measured in one shape at a time: a pass takes about 200 bytes a
@@ -149,6 +149,7 @@ fn measure_above(
     assert_eq!(posed.len(), simplified.mesh().vertex_count(), "a position for each vertex");
     let (input, corner_vertices) = input::Input::new(simplified, posed);
     let floor = Floor::new(&before.error, input.mesh_scale);
+    // Within the pool, whose number of threads decides whether a pass has two.
     rayon::scope(|_| {
         let pass = Pass { input: &input, simplified, floor, settings, tick };
         let mut errors = pass.run(corner_vertices);

@@ -1,9 +1,9 @@
-//! The pass over all steps. It keeps the largest distance found so far (`max_squared`, its square;
-//! *E* in comments), which the error of a step is stated from.
+//! The pass over all steps. It keeps the largest distance found so far (*E* in comments; its square
+//! is `max_squared`), and states the error of each step from it.
 //!
 //! ```text
-//!   forward    | block 1 | block 2 | block 3 | block 4 | ...
-//!   backward             | block 1 | block 2 ...  ╱ learns of block 1
+//!   forward    | block 1 | block 2 | block 3 | block 4 | ...    block 4 knows what the backward
+//!   backward             | block 1 | block 2 | ...               pass has found in block 1
 //! ```
 //!
 //! The forward pass measures from the input to the level, the backward pass from the level to the
@@ -41,6 +41,7 @@ const MIN_STEPS_FOR_THREAD: u32 = 1_000;
 pub(crate) struct Pass<'a> {
     pub(crate) input: &'a Input,
     pub(crate) simplified: &'a Simplified,
+    /// Errors that are known before: no step states less.
     pub(crate) floor: Floor<'a>,
     pub(crate) settings: Settings,
     pub(crate) tick: &'a Tick<'a>,

@@ -50,7 +50,7 @@ pub fn replay(device: &Device, plan: Plan<'_>) -> Result<Replayed, GpuError> {
     let mut done = Replayed::default();
     for step in plan.steps {
         done.difference = step
-            .twin
+            .cpu_failure
             .as_ref()
             .map(|failure| format!("the CPU differs from the reference: {failure}"));
         if done.difference.is_some() {

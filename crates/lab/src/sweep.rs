@@ -9,9 +9,9 @@ use std::hint::black_box;
 use std::ops::Range;
 use std::time::Instant;
 
-/// A measurement shorter than this is repeated until it is not: clocks and interruptions would blur
-/// it.
-const SHORTEST: f64 = 0.01;
+/// A measurement of less time than this, in microseconds, is repeated until it has taken more:
+/// clocks and interruptions would blur it. Chosen by hand.
+const MIN_MICROS: f64 = 10_000.0;
 /// Jumps of each round; each is timed by itself.
 const JUMPS: u32 = 5;
 
@@ -29,7 +29,7 @@ pub(crate) fn points<T: Copy>(of_stops: &[T]) -> Vec<T> {
     parts(of_stops.len()).into_iter().map(|part| of_stops[part.end - 1]).collect()
 }
 
-/// Means of as many runs of values: the points of a curve.
+/// The points of a curve: the mean of the values of each of its ranges.
 pub(crate) fn means(values: &[f64]) -> Vec<f64> {
     let mean = |run: &[f64]| run.iter().sum::<f64>() / run.len() as f64;
     parts(values.len()).into_iter().map(|part| mean(&values[part])).collect()
@@ -52,7 +52,8 @@ pub(crate) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
 pub(crate) struct Counts {
     /// Bytes sent in all, down and up.
     pub(crate) bytes: u64,
-    /// Bytes sent in all where indices are sent one by one, if those are fewer.
+    /// Bytes sent in all if each rewritten index is sent by itself, in four bytes, where those are
+    /// fewer. Of no use for runners that rewrite vertices.
     pub(crate) one_by_one: u64,
     /// Indices or vertices rewritten in all, down and up.
     pub(crate) rewritten: u64,
@@ -80,7 +81,7 @@ fn back(stops: &[Lod]) -> impl Iterator<Item = Lod> {
     stops.iter().rev().skip(1).copied().chain([Lod(0)])
 }
 
-/// Times of one model in microseconds.
+/// Times of one runner in microseconds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Times {
     /// A move to a coarser LOD, by rounds.
@@ -100,8 +101,8 @@ impl Times {
     }
 }
 
-/// Times everybody in turn, round after round, so that a busy machine is busy for all of them. Also
-/// the time to make the far LOD's index list from scratch.
+/// Times all runners in turn, round after round, so that a busy machine is busy for each of them.
+/// Also the time to make the far LOD's index list from scratch.
 pub(crate) fn times(
     runners: &mut [&mut Box<dyn Runner + '_>],
     simplified: &Simplified,
@@ -121,7 +122,7 @@ pub(crate) fn times(
             times.curve.iter_mut().zip(sweeps.curve).for_each(|(best, t)| *best = best.min(t));
         }
     }
-    // After the sweeps: a jump leaves work for later moves of some models.
+    // After the sweeps: a jump leaves work for later moves of some runners.
     for _ in 0..rounds {
         for (runner, times) in runners.iter_mut().zip(&mut all) {
             for _ in 0..JUMPS {
@@ -150,7 +151,7 @@ fn sweeps(runner: &mut dyn Runner, stops: &[Lod]) -> Sweeps {
     let mut curve = vec![0.0; parts.len()];
     let (mut down, mut up, mut sweeps) = (0.0, 0.0, 0.0);
     let way_back: Vec<Lod> = back(stops).collect();
-    while down < SHORTEST * 1e6 || up < SHORTEST * 1e6 {
+    while down < MIN_MICROS || up < MIN_MICROS {
         let mut part = |lods: &[Lod], sum: &mut f64, at: &mut f64| {
             let time = micros(|| lods.iter().map(|&lod| runner.seek(lod).rewritten).sum::<u64>());
             *sum += time;

@@ -15,6 +15,8 @@ const MAX_WALK: u32 = 200;
 pub fn removal_lods(simplified: &Simplified, positions: &PositionIds) -> Vec<u32> {
     let targets = simplified.collapses().targets();
     let step_ends = &simplified.collapses().parts().step_ends;
+    // Vertex v moves by record v of the sequence; a step is a run of records, its end the LOD after
+    // it.
     let end_of = simplified.collapses().step_ends_by_record();
     let is_removed =
         |corners: [u32; 3]| is_degenerate(corners.map(|v| positions.of_vertex[v as usize]));
@@ -23,8 +25,8 @@ pub fn removal_lods(simplified: &Simplified, positions: &PositionIds) -> Vec<u32
         let mut corners: [u32; 3] = triangle;
         for _ in 0..MAX_WALK {
             let first = corners[0].min(corners[1]).min(corners[2]);
-            // Two corners at the last vertex are at one position, so a live triangle has an earlier
-            // one.
+            // The last vertex has no record; a live triangle has at most one corner there, so
+            // `first` is another one.
             let lod = end_of[first as usize];
             for v in &mut corners {
                 while *v < lod {

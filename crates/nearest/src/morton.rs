@@ -14,12 +14,12 @@ pub fn morton_order(
         bounds.include(p);
     }
     let (low, extent) = (bounds.low(), bounds.extent());
-    let cells = if extent > 0.0 { 1023.0 / extent } else { 0.0 };
+    let cells_per_unit = if extent > 0.0 { 1023.0 / extent } else { 0.0 };
     let code = |t: u32| {
         let [a, b, c] = corners(t);
         (0..3).fold(0, |code, i| {
             let middle = ((a[i] - low[i]) + (b[i] - low[i]) + (c[i] - low[i])) * (1.0 / 3.0);
-            code | spread((middle * cells) as u32) << i
+            code | spread((middle * cells_per_unit) as u32) << i
         })
     };
     // A radix sort, ten bits at a time; stable, so ties are broken by the order of `triangles`.

@@ -47,16 +47,21 @@ pub struct Step {
     pub passes: Vec<Pass>,
     /// Compared word by word.
     pub checks: Vec<Expected>,
-    /// The fault of the twin itself, if any: it is compared with the reference before a device is
-    /// compared with it.
-    pub twin: Option<String>,
+    /// What is wrong with the CPU's version of the kernels, if anything: it is compared with the
+    /// reference before a device is compared with it.
+    pub cpu_failure: Option<String>,
 }
 
 impl Step {
-    /// Shows a LOD; `twin` is what is wrong with it on the CPU.
+    /// Shows a LOD; `cpu_failure` is what is wrong with it on the CPU.
     #[must_use]
-    pub fn show(lod: Lod, passes: Vec<Pass>, checks: Vec<Expected>, twin: Option<String>) -> Self {
-        Self { at: format!("LOD {}", lod.0), counts: true, passes, checks, twin }
+    pub fn show(
+        lod: Lod,
+        passes: Vec<Pass>,
+        checks: Vec<Expected>,
+        cpu_failure: Option<String>,
+    ) -> Self {
+        Self { at: format!("LOD {}", lod.0), counts: true, passes, checks, cpu_failure }
     }
 
     /// Runs nothing and looks whether buffers hold what they should.

@@ -1,5 +1,5 @@
 //! A verification that cannot fail proves nothing: defects are planted in files whose checksums are
-//! right, and each is assert_reported, with the sentence that names it.
+//! right, and each is reported, with the sentence that names it.
 //!
 //! Changes after which a file is still right, so that no check can find them, are listed in
 //! [`EQUIVALENT`].

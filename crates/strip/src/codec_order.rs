@@ -12,9 +12,10 @@ const EDGES: usize = 15;
 /// Recent vertices that the codec can name.
 const VERTICES: u32 = 12;
 
-// The price of a triangle, in bytes where the codec knows one. Found by trying, on four models.
+// The price of a triangle: about the bytes that the codec takes for it, and what it may cost later.
+// Found by trying, on four models.
 /// A vertex that has not been seen yet, or is no longer remembered.
-const FETCH: f32 = 1.5;
+const NOT_REMEMBERED: f32 = 1.5;
 /// Per edge that is more recent than the triangle's.
 const AGE: f32 = 0.5;
 /// Gain for each vertex without triangles to be coded.
@@ -71,8 +72,9 @@ struct Codec<'a> {
     /// Number of triangles of each vertex that are not coded yet.
     remaining: Vec<u32>,
     /// When each vertex was remembered last, from 1; 0 for never.
-    fetched: Vec<u32>,
-    fetches: u32,
+    remembered_at: Vec<u32>,
+    /// How many times a vertex was remembered.
+    remembered_count: u32,
     /// Recent edges that a next triangle may have, the latest last.
     recent: VecDeque<Edge>,
     /// Edges that were recent, the latest last.
@@ -88,16 +90,16 @@ impl<'a> Codec<'a> {
             edges: DirectedEdges::new(triangles, vertices),
             done: vec![false; triangles.len()],
             remaining,
-            fetched: vec![0; vertices],
-            fetches: 0,
+            remembered_at: vec![0; vertices],
+            remembered_count: 0,
             recent: VecDeque::with_capacity(EDGES + 3),
             older: Vec::new(),
         }
     }
 
     fn is_remembered(&self, v: u32) -> bool {
-        let fetched = self.fetched[v as usize];
-        fetched > 0 && self.fetches - fetched < VERTICES
+        let at = self.remembered_at[v as usize];
+        at > 0 && self.remembered_count - at < VERTICES
     }
 
     /// The triangle at a recent edge with the lowest price, the latest edge's among equals; and
@@ -117,9 +119,9 @@ impl<'a> Codec<'a> {
     fn price(&self, t: u32) -> f32 {
         let corner = |v: u32| {
             let remaining = self.remaining[v as usize];
-            let fetch = if self.is_remembered(v) { 0.0 } else { FETCH };
+            let new = if self.is_remembered(v) { 0.0 } else { NOT_REMEMBERED };
             let finished = if remaining == 1 { FINISHED } else { 0.0 };
-            fetch - finished + REMAINING * (remaining.saturating_sub(1)).min(MAX_REMAINING) as f32
+            new - finished + REMAINING * (remaining.saturating_sub(1)).min(MAX_REMAINING) as f32
         };
         let [a, b, c] = self.triangles[t as usize].map(corner);
         a + b + c
@@ -142,15 +144,15 @@ impl<'a> Codec<'a> {
         for v in [a, b, c] {
             self.remaining[v as usize] -= 1;
             if !self.is_remembered(v) {
-                self.fetches += 1;
-                self.fetched[v as usize] = self.fetches;
+                self.remembered_count += 1;
+                self.remembered_at[v as usize] = self.remembered_count;
             }
         }
-        // The codec remembers the edge that was used no longer; a neighbour has the others the
-        // other way round.
+        // The codec leaves the edge that was used where it is, and pushes the two others, the other
+        // way round as a neighbour has them.
         let first = [[a, b], [b, c], [c, a]].iter().position(|&e| Some(e) == edge);
-        let turned = [[a, b, c], [b, c, a], [c, a, b]][first.unwrap_or(0)];
-        let [a, b, c] = turned;
+        let rotated = [[a, b, c], [b, c, a], [c, a, b]][first.unwrap_or(0)];
+        let [a, b, c] = rotated;
         if edge.is_none() {
             self.recent.push_back([b, a]);
         }
@@ -174,9 +176,10 @@ struct DirectedEdges {
 
 impl DirectedEdges {
     fn new(triangles: &[[u32; 3]], vertices: usize) -> Self {
-        let with_area = (0..).zip(triangles).filter(|(_, t)| !is_degenerate(**t));
-        let mut entries: Vec<[u32; 3]> =
-            with_area.flat_map(|(i, &[a, b, c])| [[a, b, i], [b, c, i], [c, a, i]]).collect();
+        let with_distinct_corners = (0..).zip(triangles).filter(|(_, t)| !is_degenerate(**t));
+        let mut entries: Vec<[u32; 3]> = with_distinct_corners
+            .flat_map(|(i, &[a, b, c])| [[a, b, i], [b, c, i], [c, a, i]])
+            .collect();
         entries.par_sort_unstable();
         let mut first = vec![0; vertices + 1];
         entries.iter().for_each(|e| first[e[0] as usize + 1] += 1);

@@ -180,7 +180,7 @@ fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
     let plan = streams::plan(
         file.objects[0].simplified.mesh(),
         Layout::Packed,
-        &mut ZeroBudget::default(),
+        &mut OmittedZeros::default(),
     );
     let object = &file.objects[0];
     let models: Vec<_> = object.models.iter().map(|m| stored(m, Layout::Packed)).collect();
@@ -358,10 +358,10 @@ fn counts_in_the_manifest_that_are_too_large_are_refused_without_allocating() {
 
 #[test]
 fn streams_that_leave_out_too_many_zeros_are_refused() {
-    let mut small = ZeroBudget::of_file(1000);
+    let mut small = OmittedZeros::of_file(1000);
     assert!(small.take((32 << 20) + 2000));
     assert!(!small.take(1));
-    let mut none = ZeroBudget::of_file(usize::MAX);
+    let mut none = OmittedZeros::of_file(usize::MAX);
     assert!(none.take(u64::MAX));
 }
 

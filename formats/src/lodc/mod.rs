@@ -33,17 +33,18 @@ pub use poses::MAX_POSES;
 pub use sections::{Section, sections};
 use skipped::SkippedParts;
 use std::sync::Arc;
-use streams::ZeroBudget;
+use streams::OmittedZeros;
 use table::{SCENE, tag};
 
 /// The version of the format.
 pub const VERSION: u16 = 1;
 
-/// A `.lodc` file in memory. `M` is a model: [`StoredModel`] as the file has it, or whatever its
-/// arrays were turned into.
+/// A `.lodc` file in memory. A model is a structure made from the collapse sequence that moves from
+/// level to level at run time (Speed Strips, Masking Strips, Interactive Meshes). `M` is one:
+/// [`StoredModel`] as the file has it, or whatever its arrays were turned into.
 #[derive(Debug)]
 pub struct LodFile<M = StoredModel> {
-    /// Origin of the scene.
+    /// The mesh file that the scene was read from.
     pub source: Source,
     /// Everything that is not a triangle mesh.
     pub document: Document,
@@ -51,7 +52,7 @@ pub struct LodFile<M = StoredModel> {
     pub objects: Vec<LodObject<M>>,
     /// Width of its indices.
     pub layout: Layout,
-    /// What its content was made from, if that is known.
+    /// What decides its content, if that is known: hashes of its source and of the options.
     pub made_from: Option<MadeFrom>,
     /// Parts that a reader left out because this version does not know them: one line for each, up
     /// to twenty. Empty in a file to be written: a file that is read and written again loses such
@@ -116,8 +117,8 @@ pub fn key(bytes: &[u8]) -> u128 {
     xxhash_rust::xxh3::xxh3_128(bytes)
 }
 
-/// Number of bytes of a file of some layout that every model of an object needs: positions,
-/// submeshes of vertices, triangles and collapse sequence. Attribute streams, padding, the table
+/// Number of bytes of a file of some layout that every model of an object needs: positions, the
+/// submesh of each vertex, triangles and collapse sequence. Attribute streams, padding, the table
 /// and the manifest are left out.
 #[must_use]
 pub fn geometry_bytes(simplified: &Simplified, layout: Layout) -> u64 {
@@ -152,7 +153,7 @@ pub fn read(bytes: &[u8], model_kinds: &[&str]) -> Result<LodFile, FormatError> 
     };
     let made_from = container.take_optional(tag::MADE_FROM, SCENE, 0).map(MadeFrom::read);
     let made_from = made_from.transpose()?;
-    let (zeros, skipped) = (ZeroBudget::of_file(bytes.len()), SkippedParts::default());
+    let (zeros, skipped) = (OmittedZeros::of_file(bytes.len()), SkippedParts::default());
     let mut reader = ObjectReader { container, model_kinds, zeros, skipped };
     let objects = (0..).zip(manifest.objects);
     let objects =
@@ -183,7 +184,8 @@ pub fn with_valid_checksums(bytes: &[u8]) -> Vec<u8> {
 /// bytes.
 #[must_use]
 pub fn write<M>(file: &LodFile<M>, store: impl Fn(&M, Layout) -> StoredModel) -> Vec<u8> {
-    let mut zeros = ZeroBudget::default();
+    // Bounded without the file's own bytes, which are not known yet: what is written can be read.
+    let mut zeros = OmittedZeros::default();
     let plan = |o: &LodObject<M>| streams::plan(o.simplified.mesh(), file.layout, &mut zeros);
     let plans: Vec<_> = file.objects.iter().map(plan).collect();
     let stored = |o: &LodObject<M>| o.models.iter().map(|m| store(m, file.layout)).collect();

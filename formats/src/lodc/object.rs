@@ -3,7 +3,7 @@
 use super::container::{Container, Writer};
 use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
 use super::skipped::{SkippedParts, shortened};
-use super::streams::{self, Plan, StreamVertices, ZeroBudget};
+use super::streams::{self, OmittedZeros, Plan, StreamVertices};
 use super::table::{Tag, location, tag};
 use super::{Bounds, LodObject, StoredModel, arrays, overview, poses, steps};
 use crate::fields::Record;
@@ -102,7 +102,7 @@ pub(super) struct ObjectReader<'r, 'a> {
     pub(super) container: Container<'a>,
     /// Kinds of models that are read; others are skipped.
     pub(super) model_kinds: &'r [&'r str],
-    pub(super) zeros: ZeroBudget,
+    pub(super) zeros: OmittedZeros,
     pub(super) skipped: SkippedParts,
 }
 

@@ -7,21 +7,21 @@ use lodc_mesh::{Attribute, Csr, Mesh};
 use lodc_model::Layout;
 use std::borrow::Cow;
 
-/// Number of zero bytes streams may leave out. Without this bound a small file could ask for any
-/// amount of memory.
+/// Counts the zero bytes of attribute streams that a file leaves out, up to a bound: without it a
+/// small file could ask for any amount of memory.
 #[derive(Debug, Default)]
-pub(super) struct ZeroBudget {
+pub(super) struct OmittedZeros {
     /// Zero bytes left out so far.
     left_out: u64,
     /// Bytes that are stored; each allows two zeros more.
     stored: u64,
 }
 
-impl ZeroBudget {
+impl OmittedZeros {
     /// Zeros that any file may leave out, however small it is. Chosen by hand.
     const FREE_ZEROS: u64 = 32 << 20;
 
-    /// Allowance of a reader for a file of `bytes` bytes.
+    /// With the bound for a file of `bytes` bytes.
     pub(super) fn of_file(bytes: usize) -> Self {
         Self { left_out: 0, stored: bytes as u64 }
     }
@@ -58,7 +58,7 @@ impl Plan {
 }
 
 /// Decides what is stored of the streams of a mesh.
-pub(super) fn plan(mesh: &Mesh, layout: Layout, budget: &mut ZeroBudget) -> Plan {
+pub(super) fn plan(mesh: &Mesh, layout: Layout, budget: &mut OmittedZeros) -> Plan {
     let (users, submeshes) = (mesh.users_of_streams(), mesh.submeshes().len());
     let mut plan = Plan { full: Vec::new(), users, submeshes };
     let full = |(i, stream): (usize, &Attribute)| {
@@ -138,7 +138,7 @@ pub(super) fn with_zeros(
     stored: &[u8],
     stride: usize,
     vertices: &StreamVertices<'_>,
-    budget: &mut ZeroBudget,
+    budget: &mut OmittedZeros,
     location: impl Fn() -> String,
 ) -> Result<Vec<u8>, FormatError> {
     let StreamVertices { has, vertex_submesh } = *vertices;

@@ -43,12 +43,12 @@ pub fn as_streamed(simplified: &Simplified) -> Result<Simplified, FormatError> {
     let mut encoder = MeshEncoder::new(&ordered, VertexLayout::choose(&ordered), false);
     let mut decoder = MeshDecoder::new(encoder.header().clone());
     let (mut encoding, mut decoding) = (Box::new(Contexts::new()), Box::new(Contexts::new()));
-    let mut bytes = 0;
+    let mut bytes_so_far = 0;
     while !encoder.is_complete() {
-        let target = BlockTarget { bytes: 1 << 16, before: bytes, until_triangle: false };
+        let target = BlockTarget { bytes: 1 << 16, before: bytes_so_far, until_triangle: false };
         let block = encoder.encode(&mut encoding, target);
-        bytes += block.splits.len();
-        let steps = StepBlock { steps: block.steps, splits: &block.splits, bytes };
+        bytes_so_far += block.splits.len();
+        let steps = StepBlock { steps: block.steps, splits: &block.splits, bytes: bytes_so_far };
         decoder.decode(&mut decoding, steps).map_err(|e| malformed(e.0))?;
     }
     let facts = SequenceFacts::of(simplified.collapses());

@@ -39,11 +39,12 @@ pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
     let mut scene = Scene::default();
     let mut model_of_file: BTreeMap<PathBuf, u32> = BTreeMap::new();
     for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
-        let line: Line = serde_json::from_str(line)
-            .map_err(|e| failure(format!("line {number}, column {}: no instance", e.column())))?;
+        let line: Line = serde_json::from_str(line).map_err(|e| {
+            failure(format!("line {number}, column {}: not an instance", e.column()))
+        })?;
         let is_finite = line.position.iter().all(|c| c.is_finite());
         if !is_finite || !line.scale.is_finite() || line.scale <= 0.0 {
-            let what = "a place needs finite numbers, a scale one above 0";
+            let what = "position needs finite numbers, scale one above 0";
             return Err(failure(format!("line {number}: {what}")));
         }
         let model = match model_of_file.get(&line.file) {
@@ -55,7 +56,7 @@ pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
                 model
             }
         };
-        // Curves have the numbers of their models.
+        // `lodc_select` is given the error curves of models, in their order.
         scene.instances.push(Instance { curve: model, position: line.position, scale: line.scale });
     }
     Ok(scene)

@@ -1,9 +1,10 @@
 //! An Euler tour of the tree of collapses: in preorder, the vertices that become a given one are
-//! consecutive, so that a cursor can visit all of them that still have triangles.
+//! consecutive, so that all of them can be visited at once that still have triangles.
 
 use std::ops::Range;
 
-/// Entries whose maximum is stored as one, so that a search skips them at once. Chosen by hand.
+/// Number of entries that share one stored maximum, so that a search skips them at once. Chosen by
+/// hand.
 const BLOCK: usize = 64;
 
 /// The vertices in an order in which each is followed by all that become it, and the LOD at which
@@ -22,7 +23,8 @@ pub(super) struct Tour {
 }
 
 impl Tour {
-    /// `targets` are those of a sequence, `removal_lods` say when each vertex loses its last
+    /// `targets` has for each vertex but the last, the root, the one that it becomes, which has a
+    /// higher number; `removal_lods` say when each vertex loses its last
     /// triangle.
     pub(super) fn new(targets: &[u32], removal_lods: &[u32]) -> Self {
         let count = removal_lods.len();

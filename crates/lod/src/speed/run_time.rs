@@ -1,4 +1,5 @@
-//! The run-time arrays as the thesis has them (3.3.2), with what overflows its bytes spelled out.
+//! The run-time arrays as the thesis (Ripollés 2009) has them in 3.3.2, with what overflows its
+//! bytes spelled out.
 
 use super::Speed;
 use super::edits::Removed;
@@ -38,12 +39,12 @@ pub struct RunTime {
     pub lods: Vec<LodInfo>,
     /// For each record the strips that it changes, in order.
     pub strips: Vec<StripInfo>,
-    /// For each of these the operations, by their offset in the strip as it is before the record.
-    /// `p ≥ 0`: the index at `p` changes. `p < 0`: elements from `!p` on (−1 is offset 0) go, and
-    /// the next word is how many: positive for a vertex repetition, negative for an edge
-    /// repetition, [`AT_END`] more than that for the back of the strip and less for its front. A
-    /// change of an element that goes matters for refining only. Offsets count from where the strip
-    /// starts at LOD 0, whatever was removed at the front.
+    /// For each of these the operations, by their offset in the strip as it is before the record,
+    /// where what was removed at its front before is still counted. `p ≥ 0`: the index at `p`
+    /// changes. `p < 0`: elements from `!p` on (−1 is offset 0) go, and the next word is how many:
+    /// `count` for a vertex repetition, `-count` for an edge repetition, `count + `[`AT_END`] for
+    /// the back of the strip, `-count - `[`AT_END`] for its front. A change of an element that goes
+    /// matters for refining only.
     pub updates: Vec<i32>,
 }
 

@@ -3,8 +3,8 @@
 //!
 //! For each strip in turn the number of its removals (varint), then for each removal three varints:
 //! how many of the strip's events (records that change it while it is live) lie between it and the
-//! event of the one before, or the start; its offset before that event ([`Removal::at`]); and four
-//! times how many elements are removed, plus the number of their [`RemovalKind`].
+//! event of the one before, or the start; its offset before that event ([`Removal::offset`]); and
+//! four times how many elements are removed, plus the number of their [`RemovalKind`].
 
 use crate::trace::{Removal, RemovalKind, RemovalSource, RemovedRun, WorkingStrip};
 use lodc_mesh::put_leb128;

@@ -46,17 +46,17 @@ pub fn refitted_meshes(
     let one =
         |((object, &lod), (coordinates, shapes)): ((&LodObject, &Lod), (&Vec<_>, &Vec<_>))| {
             let texture = NoiseTexture { coordinates, noise: &noise };
-            let (mesh, at_rest) = refitted(object, lod, texture, tick);
+            let (mesh, as_modelled) = refitted(object, lod, texture, tick);
             let Distances { bound, rms } =
-                largest_over_shapes(shapes, object.simplified.mesh(), &mesh, Some(at_rest));
+                largest_over_shapes(shapes, object.simplified.mesh(), &mesh, Some(as_modelled));
             LevelMesh { mesh: ordered(mesh, order), error: bound, rms: Some(rms) }
         };
     Ok(objects.par_iter().zip(lods).zip(coordinates.par_iter().zip(&shapes)).map(one).collect())
 }
 
-/// Measures meshes that are levels of the objects, but not of their sequences: for each an upper
-/// bound of its distance and the root mean square distance, the largest over the shapes that the
-/// objects' errors are over.
+/// Measures meshes that are levels of the objects but not of their collapse sequences: for each an
+/// upper bound of its distance and the root mean square distance, the largest over the shapes that
+/// the objects' stated errors are over.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -95,9 +95,10 @@ impl Distances {
     }
 }
 
-/// The bound and the root mean square distance of a level, the largest over all shapes, of which
-/// the first is at rest. `as_modelled` are those of the meshes as they are, if they are known
-/// already.
+/// The bound and the root mean square distance of a level, the largest over all shapes. The first
+/// shape is the surface at rest, which the pose of a skin at rest, default morph weights or an
+/// uneven scale may make another than that of the mesh as it is. `as_modelled` are the distances of
+/// the meshes as they are, if they are known already.
 fn largest_over_shapes(
     shapes: &[Shape],
     input: &Mesh,
@@ -106,7 +107,7 @@ fn largest_over_shapes(
 ) -> Distances {
     let in_shape = |(number, shape): (usize, &Shape)| {
         let [input_positions, level_positions] = [shape.of(input), shape.of(level)];
-        // Borrowed: the shape is that of the mesh as it is.
+        // A shape borrows the positions of the mesh where it leaves all of them as they are.
         if let (Cow::Borrowed(_), Some(known)) = (&input_positions, as_modelled) {
             return known;
         }
@@ -122,8 +123,8 @@ fn largest_over_shapes(
     all.fold(Distances { bound: 0.0, rms: 0.0 }, larger)
 }
 
-/// A refitted level of an object, with its error and its root mean square distance at rest. These
-/// are measured: the stored ones are those of the vertices before they were moved.
+/// A refitted level of an object, with the distances of its mesh as modelled. These are measured:
+/// the stored ones are those of the vertices before they were moved.
 fn refitted(
     object: &LodObject,
     lod: Lod,

@@ -1,6 +1,6 @@
 //! Strips of bounded length for a vertex cache: a greedy pass (`greedy`) over parts of the surface
 //! (`parts`), then simulated annealing on short stretches of the drawing order (`refine`,
-//! `stretch`).
+//! `window`).
 
 mod greedy;
 mod parts;

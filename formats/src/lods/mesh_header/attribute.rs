@@ -11,7 +11,7 @@ const NORMALIZED: u8 = 8;
 
 /// Appends an attribute without its bytes.
 pub(super) fn put_attribute(out: &mut Vec<u8>, attribute: &Attribute) {
-    let (meaning, set) = match &attribute.semantic {
+    let (code, set_or_length) = match &attribute.semantic {
         Semantic::Position => (0, 0),
         Semantic::Normal => (1, 0),
         Semantic::Tangent => (2, 0),
@@ -21,7 +21,7 @@ pub(super) fn put_attribute(out: &mut Vec<u8>, attribute: &Attribute) {
         Semantic::Weights(set) => (6, *set),
         Semantic::Custom(name) => (7, name.len() as u32),
     };
-    put_leb128(out, meaning + 8 * u64::from(set));
+    put_leb128(out, code + 8 * u64::from(set_or_length));
     if let Semantic::Custom(name) = &attribute.semantic {
         out.extend_from_slice(name.as_bytes());
     }
@@ -34,10 +34,9 @@ pub(super) fn put_attribute(out: &mut Vec<u8>, attribute: &Attribute) {
 /// Takes an attribute off the front.
 pub(super) fn attribute(bytes: &mut &[u8]) -> Result<Attribute, FormatError> {
     let unknown = || malformed("has an attribute that is not known");
-    let meaning = lodc_mesh::take_leb128(bytes, u64::from(u32::MAX) * 8 + 7);
-    let meaning = meaning.ok_or_else(unknown)?;
-    let set = (meaning / 8) as u32;
-    let semantic = match (meaning % 8, set) {
+    let packed = lodc_mesh::take_leb128(bytes, u64::from(u32::MAX) * 8 + 7);
+    let packed = packed.ok_or_else(unknown)?;
+    let semantic = match (packed % 8, (packed / 8) as u32) {
         (0, 0) => Semantic::Position,
         (1, 0) => Semantic::Normal,
         (2, 0) => Semantic::Tangent,

@@ -147,7 +147,7 @@ pub(super) enum VertexColumn {
     Position(usize),
     Normal(usize),
     Texcoord(usize),
-    /// Channel, and the value of full_intensity intensity.
+    /// Channel, and the value of full intensity.
     Color(usize, f64),
     Unused,
 }
@@ -191,7 +191,7 @@ impl VertexColumn {
     }
 }
 
-/// The value of full_intensity intensity of a colour channel.
+/// The value of full intensity of a colour channel.
 const fn full_intensity(number: ScalarType) -> f64 {
     match number {
         ScalarType::I8 => i8::MAX as f64,

@@ -112,7 +112,7 @@ impl Interactive {
                 counts: true,
                 passes,
                 checks,
-                twin: wrong.map(|w| w.to_string()),
+                cpu_failure: wrong.map(|w| w.to_string()),
             }
         };
         let moves = views.into_iter().map(step);

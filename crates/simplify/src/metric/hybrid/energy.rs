@@ -10,19 +10,19 @@ use super::{DISTANCE, PIXELS};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
 
-/// Energy of a place of a face where the input has nothing: what was background shows a surface,
-/// which is less than a white place that shows the background ([`pixel`](super::pixel)). Chosen by
+/// Energy of a point of a face where the input has nothing: what was background shows a surface.
+/// Less than that of a white surface that shows the background ([`pixel`](super::pixel)). Chosen by
 /// pictures of wire frames; not tuned since.
 const SPURIOUS: f32 = 2.0;
 /// Energy per curvature and distance: a silhouette that is off by d uncovers a strip of width d,
 /// and a surface of mean convex curvature H and area A shows 2 H A d of it, in the unit of its own
 /// projected area. By that the factor would be 2; with 6 image errors of eight textured models are
-/// lower by 0.02 at 10 % and 0.04 at 5 %; presumably since the background differs from a surface by
-/// more than two shades of it do.
+/// lower, beside those of the quadric, by 0.02 at 10 % of the triangles and 0.04 at 5 %; presumably
+/// since the background differs from a surface by more than two shades of it do.
 const SILHOUETTE: f32 = 6.0;
 /// Energy of texture coordinates that are off by a pixel, squared: 0.03 of what the same distance
-/// in space has. Measured: 0.1 hybrid_ranges no less, and has 1 % more image error over eight
-/// models.
+/// in space has. Measured: with 0.1 textures slide no less, and image errors of eight
+/// models are 1 % higher.
 const SLIDE: f32 = 0.03 / (DISTANCE * PIXELS * DISTANCE * PIXELS) as f32;
 /// Points of moved faces that are tested for input nearby, as shares of the second and third
 /// corner: the centroid and the centroids of three corner parts. A hole smaller than those is
@@ -38,7 +38,7 @@ const PLACES: [[f32; 2]; 4] = [
 struct QuadShading {
     /// Errors, times the weights.
     error: Vec4,
-    /// Errors as functions of the normals, by the colours there, if there are textures.
+    /// The same by the colours there, for any normals, if there are textures.
     of_colours: Option<ShadingError<Vec4>>,
 }
 
@@ -108,12 +108,12 @@ impl Patch {
                 samples.put(s, face, at, geometric[i], shading);
             }
         }
-        let mut lanes = Vec::new();
+        let mut quads = Vec::new();
         for (i, f) in self.moved.iter().enumerate() {
             samples.thin(f.face);
-            lanes.clear();
-            ShadedQuad::gather(f.face, samples, &mut lanes);
-            let seen: f64 = lanes.iter().map(|four| four.energy(&f.shading)).sum();
+            quads.clear();
+            ShadedQuad::gather(f.face, samples, &mut quads);
+            let seen: f64 = quads.iter().map(|quad| quad.energy(&f.shading)).sum();
             let spurious = self.spurious(i);
             energy[f.face as usize] = seen + f64::from(spurious);
             samples.set_spurious(f.face, spurious);
@@ -129,8 +129,8 @@ impl Patch {
         let f = &self.surrounding[i];
         let end = self.surrounding.get(i + 1).map_or(self.shaded.len(), |next| next.first as usize);
         let shading = self.surrounding_shading(f);
-        let fours = &self.shaded[f.first as usize..end];
-        let seen: f64 = fours.iter().map(|four| four.energy(&shading)).sum();
+        let quads = &self.shaded[f.first as usize..end];
+        let seen: f64 = quads.iter().map(|quad| quad.energy(&shading)).sum();
         seen + f64::from(samples.spurious(f.face))
     }
 
@@ -183,12 +183,14 @@ impl Patch {
         // Its own samples are likely to be nearest.
         let (others, own) = self.samples.split_at(self.moved[i].first as usize);
         let share = |at: [f32; 2]| {
-            let place = triangle.at(at);
+            let point = triangle.at(at);
             let around = own.iter().chain(others);
-            if around.clone().any(|four| four.reaches(place)) {
+            if around.clone().any(|quad| quad.reaches(point)) {
                 return 0.0;
             }
-            let least = around.fold(Vec4::splat(2.0), |least, four| four.shares(place).min(least));
+            // From nothing at the rim of a sample's reach to all at 1.4 times that.
+            let least =
+                around.fold(Vec4::splat(2.0), |least, quad| quad.reaches_away(point).min(least));
             (least.min_element() - 1.0).max(0.0) / PLACES.len() as f32
         };
         SPURIOUS * self.visible as f32 * triangle.area() * PLACES.map(share).iter().sum::<f32>()
@@ -206,8 +208,9 @@ fn slid(sample: &Sample, at: [f32; 2]) -> f32 {
     (SLIDE * squared_pixels).min(1.0) * sample.power
 }
 
-/// The errors of four samples by the distances of their nearest points. Nothing covers a sample
-/// whose nearest point lies beside it, not above or below.
+/// The errors of four samples by the distances of their nearest points, times the mean squares of
+/// their colours (`power`): black differs least from a background. Nothing covers a sample whose
+/// nearest point lies beside it, not above or below.
 fn geometric_error(quad: &SampleQuad, nearest: &NearestPoints, distance_weight: f32) -> Vec4 {
     let NearestPoints { away, squared, .. } = *nearest;
     let along = away.dot(quad.normal);

@@ -73,8 +73,8 @@ impl SampleQuad {
         away.dot(away).cmplt(self.squared_reach()).any()
     }
 
-    /// The squared distances of a place, as shares of the squared reaches.
-    pub(super) fn shares(&self, place: Vec3) -> Vec4 {
+    /// The squared distances of a place, divided by the squared reaches.
+    pub(super) fn reaches_away(&self, place: Vec3) -> Vec4 {
         let away = self.position.minus(place);
         away.dot(away) / self.squared_reach()
     }

@@ -11,14 +11,15 @@ use rayon::prelude::*;
 /// as `compare` and other viewers shade meshes that come without normals.
 pub(super) const CREASE: f32 = 0.5;
 
-/// The most samples of one face; beyond, every other one is dropped and the rest weigh more. With
-/// 16 webs between the rods of a wire chair went unseen.
+/// The most samples of one face; beyond, every other one is dropped and the rest weigh more. At a
+/// limit of 16, webs between the rods of a wire chair went unseen.
 const MAX_SAMPLES_PER_FACE: usize = 64;
-/// Normals are averaged over at most this many faces, so that hubs take no quadratic time. Chosen
+/// Normals are averaged over at most this many faces, so that vertices of many faces take no
+/// quadratic time. Chosen
 /// by hand: more than nearly any star has.
 pub(super) const MAX_AVERAGED: usize = 64;
 
-/// A place on the input's surface.
+/// A point of the input's surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
     /// In working units.
@@ -28,7 +29,7 @@ pub(super) struct Sample {
     /// The colour of the input there, and the mean square of its channels.
     pub(super) colour: Colour,
     pub(super) power: f32,
-    /// Error of shading with the colour that its face shows in its place.
+    /// Error of showing the colour of its current face at `at` in place of its own.
     pub(super) shading: ShadingError,
     /// Mean convex curvature of the input there: the inverse of a radius in working units.
     pub(super) curvature: f32,
@@ -36,9 +37,9 @@ pub(super) struct Sample {
     pub(super) footprint: f32,
     /// Texture coordinates there.
     pub(super) texture: [f32; 2],
-    /// Its share of the input's area, times its visible share.
+    /// The area of the input that it stands for, in squared working units, times its visible share.
     pub(super) weight: f32,
-    /// Its place in its face: shares of the second and third corner.
+    /// Its nearest point on its current face: shares of the second and third corner.
     pub(super) at: [f32; 2],
     /// The weighted error by its distance from its face.
     pub(super) geometric: f32,
@@ -51,7 +52,8 @@ pub(super) struct Sample {
 pub(super) struct Samples {
     all: Vec<Sample>,
     first: Vec<u32>,
-    /// The energy of each face's part that lies where the input has nothing.
+    /// The energy of the part of each face that lies where the input has nothing. Energies are
+    /// squared errors times areas.
     spurious: Vec<f32>,
     /// The number of faces at which the samples were last put in the order of their faces.
     sorted_at: u32,
