@@ -96,9 +96,9 @@ impl Assets {
 
     /// Notes that another file was read instead of one that is not there.
     #[cfg(feature = "import")]
-    pub(crate) fn substitute(&mut self, reference: &str) {
+    pub(crate) fn set_replaced(&mut self, reference: &str) {
         if let Ok(file) = self.locate(reference) {
-            self.requested.substitute(&file.named);
+            self.requested.set_replaced(&file.named);
         }
     }
 

@@ -21,7 +21,7 @@ struct File {
     /// XXH3-128 of the bytes that were read; none if there were none to read.
     content: Option<u128>,
     /// True if another file was read instead.
-    has_substitute: bool,
+    is_replaced: bool,
 }
 
 impl RequestedFiles {
@@ -43,7 +43,7 @@ impl RequestedFiles {
     /// Every file that was not there or could not be read, unless another was read instead.
     #[must_use]
     pub fn absent(&self) -> Vec<PathBuf> {
-        let absent = self.files.iter().filter(|f| f.content.is_none() && !f.has_substitute);
+        let absent = self.files.iter().filter(|f| f.content.is_none() && !f.is_replaced);
         absent.map(|f| f.path.clone()).collect()
     }
 
@@ -57,8 +57,8 @@ impl RequestedFiles {
         self.has_changed |= others.has_changed;
         for file in &others.files {
             self.add(&file.path, file.content);
-            if file.has_substitute {
-                self.substitute(&file.path);
+            if file.is_replaced {
+                self.set_replaced(&file.path);
             }
         }
     }
@@ -72,9 +72,9 @@ impl RequestedFiles {
     }
 
     /// Notes that another file was read instead of one that is not there.
-    pub(crate) fn substitute(&mut self, path: &Path) {
+    pub(crate) fn set_replaced(&mut self, path: &Path) {
         if let Some(&number) = self.numbers.get(path) {
-            self.files[number].has_substitute = true;
+            self.files[number].is_replaced = true;
         }
     }
 
@@ -85,6 +85,6 @@ impl RequestedFiles {
         }
         let path = path.to_owned();
         self.numbers.insert(path.clone(), self.files.len());
-        self.files.push(File { path, content, has_substitute: false });
+        self.files.push(File { path, content, is_replaced: false });
     }
 }

@@ -1,5 +1,5 @@
-//! Where the backward pass runs: on a thread of its own, or on the forward pass's between its
-//! blocks.
+//! Where the backward pass (from the level to the input) runs over blocks of steps: on a thread of
+//! its own, or on that of the forward pass (from the input to the level), between its blocks.
 
 use crate::backward::{Backward, FollowedBlock};
 use crate::block::Block;
@@ -11,12 +11,12 @@ use std::thread::Scope;
 pub(crate) trait Runner {
     /// Hands over a block.
     fn send(&mut self, block: Block);
-    /// Returns the oldest block not yet returned, waiting for it if need be; `None` if there is
-    /// none, or the other thread has panicked.
+    /// Returns the oldest block not yet returned, waiting for it if need be; `None` if the other
+    /// thread has panicked. To be called no more often than `send`: a thread would wait forever.
     fn receive(&mut self) -> Option<FollowedBlock>;
 }
 
-/// Follows a block as soon as it is sent, on the sender's thread.
+/// Runs over a block as soon as it is sent, on the sender's thread.
 pub(crate) struct InlineRunner<'a> {
     backward: Backward<'a>,
     followed: VecDeque<FollowedBlock>,
@@ -37,7 +37,7 @@ impl Runner for InlineRunner<'_> {
     }
 }
 
-/// Follows blocks on a thread of its own.
+/// Runs over blocks on a thread of its own.
 pub(crate) struct ThreadRunner {
     blocks: Sender<Block>,
     followed: Receiver<FollowedBlock>,

@@ -37,10 +37,11 @@ pub(crate) struct Faces {
     pub(crate) runs: Vec<Run>,
     /// Names of materials in order of appearance.
     pub(crate) materials: Vec<String>,
-    /// Names of parts in order of appearance.
+    /// Names of the parts that become submeshes (groups and objects of an OBJ, solids of an STL), in
+    /// order of appearance.
     pub(crate) labels: Vec<String>,
-    /// Names of the objects in the file. That of an only one becomes the name of the scene's
-    /// object, and of none of its submeshes.
+    /// Names of the objects in the file. If there is only one, its name becomes that of the scene's
+    /// object, and submeshes are not named by it.
     pub(crate) objects: Vec<String>,
 }
 

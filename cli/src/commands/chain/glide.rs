@@ -30,27 +30,28 @@ pub(super) struct GlideArgs {
     /// engines that have targets of them. With joints a vertex follows the joints of the one that
     /// it becomes at the level where it moves, not its own. In .glb and .gltf.
     #[arg(long, value_name = "STREAMS", num_args = 0..=1, require_equals = true,
-          default_missing_value = "", value_parser = carried, conflicts_with = "index_ranges",
+          default_missing_value = "", value_parser = moved_streams, conflicts_with = "index_ranges",
           display_order = 1)]
     geomorph: Option<MovedStreams>,
 }
 
-fn carried(text: &str) -> Result<MovedStreams, String> {
-    let mut carried = MovedStreams::default();
+fn moved_streams(text: &str) -> Result<MovedStreams, String> {
+    let mut moved_streams = MovedStreams::default();
     for word in text.split(',').filter(|word| !word.is_empty()) {
         match word {
-            "tangent" => carried.tangents = true,
-            "uv" => carried.texture_coordinates = true,
-            "color" => carried.colours = true,
-            "joints" => carried.joints = true,
+            "tangent" => moved_streams.tangents = true,
+            "uv" => moved_streams.texture_coordinates = true,
+            "color" => moved_streams.colours = true,
+            "joints" => moved_streams.joints = true,
             _ => return Err(format!("`{word}` is none of tangent, uv, color, joints")),
         }
     }
-    Ok(carried)
+    Ok(moved_streams)
 }
 
 impl GlideArgs {
-    pub(super) fn carried(self) -> Option<MovedStreams> {
+    /// What moves besides positions and normals; none if levels do not glide.
+    pub(super) fn moved_streams(self) -> Option<MovedStreams> {
         self.geomorph
     }
 

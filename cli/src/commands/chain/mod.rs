@@ -1,4 +1,5 @@
-//! `lodc chain`: a few levels for engines, over one vertex buffer or as a file each.
+//! `lodc chain`: a few levels for engines, over one vertex buffer or as a file each. With
+//! `--geomorph` a level *glides* to the next: a morph target moves its vertices there.
 
 mod glide;
 mod levels;
@@ -92,7 +93,7 @@ Examples:
   lodc chain chair.glb -o chair.obj --separate --levels 100%,10k,1k --refit
   lodc chain chair.glb -o chair.levels.glb --pixels 1 --distances 2,5,20 --geomorph";
 
-/// Files of a chain, each with the levels in it, by their place in the table.
+/// Files of a chain, and which of them each level is in.
 struct Files {
     files: Vec<OutputFile>,
     /// The main file of each level.
@@ -168,7 +169,8 @@ fn chain(
     let measured: Vec<Measured> = match args.refit {
         // Refitted levels are measured as they are made.
         true => {
-            let order = if args.glide.carried().is_some() { Order::File } else { packing.order() };
+            let order =
+                if args.glide.moved_streams().is_some() { Order::File } else { packing.order() };
             let refitted = stages.checked("refit", |tick| {
                 let refitted = |lods: &&[Lod]| {
                     refitted_meshes(&asset.objects, &asset.document, lods, order, &limits, tick)
@@ -193,11 +195,11 @@ fn chain(
     let (textures, images) = textures?;
     warnings.extend_from_slice(&textures.warnings);
     let additions = packing.additions(textures, None);
-    if args.glide.carried().is_some() {
+    if args.glide.moved_streams().is_some() {
         glide::check(&levels)?;
     }
     let made = stages.run("export", || match args.separate {
-        true if args.glide.carried().is_some() => {
+        true if args.glide.moved_streams().is_some() => {
             separate::gliding_files(args, out, format, &asset, &mut levels, additions)
         }
         true => separate::files(args, out, format, &asset, &mut levels, additions),
@@ -226,7 +228,7 @@ fn provenance(args: &ChainArgs, asset: &asset::AssetWithLevels, levels: &[Level]
         source: asset.source.content_hash,
         levels: levels.iter().map(facts).collect(),
         refitted: args.refit,
-        screen: args.glide.carried().map(|_| glide::screen(&args.levels)),
+        screen: args.glide.moved_streams().map(|_| glide::screen(&args.levels)),
         next: None,
         poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
     }

@@ -86,12 +86,12 @@ pub(super) fn gliding_files(
     };
     let gliding: Vec<Vec<GlidingLevel>> =
         (0..objects.len()).map(of_object).collect::<Result<_, _>>()?;
-    let carried = args.glide.carried().unwrap_or_default();
+    let moved_streams = args.glide.moved_streams().unwrap_or_default();
     let moving_meshes = |level: usize| -> Vec<MovingMesh<'_>> {
         gliding.iter().map(|g| (&g[level].mesh, &g[level].next, g[level].moving.clone())).collect()
     };
     let ways: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(moving_meshes).collect();
-    let errors = glide::pose_errors(asset, &ways, carried.joints, &limits)?;
+    let errors = glide::pose_errors(asset, &ways, moved_streams.joints, &limits)?;
     glide::set_distances(&args.levels, levels, &errors);
 
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
@@ -99,8 +99,11 @@ pub(super) fn gliding_files(
     for (number, level) in levels.iter().enumerate() {
         let chain_object = |o: usize| {
             let own = &gliding[o][number];
-            let glide =
-                Glide { next: &own.next, moving: vec![Some(own.moving.clone())], streams: carried };
+            let glide = Glide {
+                next: &own.next,
+                moving: vec![Some(own.moving.clone())],
+                streams: moved_streams,
+            };
             ChainObject {
                 info: &objects[o].info,
                 mesh: &own.mesh,

@@ -26,16 +26,16 @@ pub(super) fn files(
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {
-    let carried = args.glide.carried();
+    let moved_streams = args.glide.moved_streams();
     let made: Vec<GlidingChain> = (0..asset.objects.len())
         .into_par_iter()
         .map(|o| {
             let lods = glide::lods(levels, o);
-            chain(&asset.objects[o], &lods, carried.is_some(), additions.compress)
+            chain(&asset.objects[o], &lods, moved_streams.is_some(), additions.compress)
         })
         .collect::<Outcome<_>>()?;
     // Of each object the mesh that each vertex glides to.
-    let next: Vec<Mesh> = match carried {
+    let next: Vec<Mesh> = match moved_streams {
         Some(_) => made.par_iter().map(GlidingChain::next).collect(),
         None => Vec::new(),
     };
@@ -49,7 +49,7 @@ pub(super) fn files(
         level_mesh::add_rounding(&mut level.error, &mut level.rms, rounding);
         level.vertices = chains.iter().map(|c| u64::from(c.prefixes[k])).sum();
     }
-    if let Some(carried) = carried {
+    if let Some(moved_streams) = moved_streams {
         let of_level = |level: usize| -> Vec<MovingMesh<'_>> {
             let of_object = |o: usize| {
                 let moving = glide::moving(&chains[o].prefixes, level).unwrap_or(0..0);
@@ -59,13 +59,13 @@ pub(super) fn files(
         };
         let moving_meshes: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(of_level).collect();
         let limits = args.export.import.limits().limits();
-        let errors = glide::pose_errors(asset, &moving_meshes, carried.joints, &limits)?;
+        let errors = glide::pose_errors(asset, &moving_meshes, moved_streams.joints, &limits)?;
         glide::set_distances(&args.levels, levels, &errors);
     }
-    let glide = |object: usize, carried: MovedStreams| Glide {
+    let glide = |object: usize, moved_streams: MovedStreams| Glide {
         next: &next[object],
         moving: (0..levels.len()).map(|k| glide::moving(&chains[object].prefixes, k)).collect(),
-        streams: carried,
+        streams: moved_streams,
     };
     let objects: Vec<ChainObject<'_>> = (asset.objects.iter().zip(&chains).zip(coverages))
         .enumerate()
@@ -73,8 +73,8 @@ pub(super) fn files(
             info: &object.info,
             mesh: &chain.mesh,
             levels: chain.levels.clone(),
-            coverage: carried.map_or(coverage, |_| by_distance(args, asset, o, levels)),
-            glide: carried.map(|carried| glide(o, carried)),
+            coverage: moved_streams.map_or(coverage, |_| by_distance(args, asset, o, levels)),
+            glide: moved_streams.map(|moved_streams| glide(o, moved_streams)),
         })
         .collect();
     let shape = if args.index_ranges { ChainShape::IndexRanges } else { ChainShape::Nodes };

@@ -1,4 +1,6 @@
-//! What is timed of Speed Strips on a graphics device: moves over all LODs, and draws.
+//! What is timed of Speed Strips (strips that are edited from level to level) on a graphics device:
+//! moves over all LODs, and draws. All are *direct*: a kernel writes the strips of a LOD from those
+//! of the LOD before.
 
 use super::{Speed, replay::Device};
 use lodc_mesh::Lod;
@@ -16,6 +18,7 @@ impl Speed {
         let positions = program.words("positions", VertexRecords::positions(mesh).words);
         let moves = |updates| {
             let stops = sweep(self.simplified.collapses(), updates);
+            // A move looks at every vertex that is gone at the coarser of its two LODs.
             let runs = stops.windows(2).map(|pair| device.passes(self, pair[0], pair[1])).collect();
             (runs, stops.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum())
         };

@@ -75,9 +75,20 @@ pub fn measured(
     Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
 }
 
-/// The points at which distances are measured in a pose: fewer than at rest, to save time. Chosen
-/// by hand.
-const POSE_SAMPLING: Sampling = Sampling { samples: 20_000, ..Sampling::DEFAULT };
+/// Most points of a surface that its mean distance is from in a pose: fewer than at rest, to save
+/// time. Chosen by hand.
+const MAX_POSE_SAMPLES: usize = 20_000;
+/// Points of a surface for each of its triangles, where it has few: a scene may have thousands of
+/// such objects. At least the others, by which a mean is known to about a hundredth. Chosen by hand.
+const SAMPLES_PER_TRIANGLE: usize = 100;
+const MIN_SAMPLES: usize = 4_096;
+
+/// The points by which a surface of some number of triangles is measured, at most `max_samples` of them.
+/// There is no lattice: the largest distance is searched for.
+fn sampling(triangles: usize, max_samples: usize) -> Sampling {
+    let samples = triangles.saturating_mul(SAMPLES_PER_TRIANGLE).clamp(MIN_SAMPLES, max_samples);
+    Sampling { samples, lattice: 0, ..Sampling::DEFAULT }
+}
 
 /// Distances of a level from its input, in mesh units.
 #[derive(Clone, Copy)]
@@ -111,7 +122,8 @@ fn largest_over_shapes(
         if let (Cow::Borrowed(_), Some(known)) = (&input_positions, as_modelled) {
             return known;
         }
-        let sampling = if number == 0 { Sampling::DEFAULT } else { POSE_SAMPLING };
+        let max_samples = if number == 0 { Sampling::DEFAULT.samples } else { MAX_POSE_SAMPLES };
+        let sampling = sampling(input.triangles().len(), max_samples);
         let original = Original::new(&surface(input, &input_positions), &sampling);
         Distances::between(&original, &surface(level, &level_positions))
     };
@@ -164,7 +176,8 @@ fn refitted(
 fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
     let surface = surface_of(mesh);
     let tree = tree.unwrap_or_else(|| Arc::new(surface.tree()));
-    Original::with_tree(&surface, tree, &Sampling::DEFAULT)
+    let sampling = sampling(mesh.triangles().len(), Sampling::DEFAULT.samples);
+    Original::with_tree(&surface, tree, &sampling)
 }
 
 /// Noise as the texture of an object.

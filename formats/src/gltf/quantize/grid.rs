@@ -21,7 +21,8 @@ impl<const N: usize> Grid<N> {
     /// The grid over some values whose longest side has 2^bits − 1 steps.
     pub(super) fn spanning(bounds: &Bounds<N>, bits: u8) -> Self {
         let longest = bounds.longest();
-        let step = if longest > 0.0 { short(longest / last_number(bits)) } else { 1.0 };
+        let step =
+            if longest > 0.0 { rounded_to_seven_digits(longest / last_number(bits)) } else { 1.0 };
         Self { offset: bounds.lo, step }
     }
 
@@ -41,7 +42,7 @@ pub(super) fn last_number(bits: u8) -> f64 {
 
 /// A value rounded to seven digits: documents state it in short, and steps that differ by rounding
 /// alone become the same.
-pub(super) fn short(value: f64) -> f64 {
+pub(super) fn rounded_to_seven_digits(value: f64) -> f64 {
     format!("{value:.6e}").parse().expect("a number was written")
 }
 

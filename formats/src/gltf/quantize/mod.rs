@@ -32,7 +32,7 @@ pub(super) struct WrittenObject<'a> {
     /// Its geometry as it will be written.
     pub(super) geometry: Cow<'a, Mesh>,
     /// The same vertices where the next level has them, if they glide there.
-    pub(super) next: Option<Cow<'a, Mesh>>,
+    pub(super) glide_target: Option<Cow<'a, Mesh>>,
 }
 
 /// The quantisation of a scene.
@@ -93,7 +93,7 @@ impl Quantizer {
         object: usize,
         written: &WrittenObject<'a>,
     ) -> Option<Cow<'a, Mesh>> {
-        let next = written.next.clone()?;
+        let next = written.glide_target.clone()?;
         if self.precision == Precision::default() {
             return Some(next);
         }

@@ -1,7 +1,7 @@
 //! Chooses the grid of each mesh's positions: one step in world space for all, and offsets that are
 //! multiples of it, so that vertices of touching parts stay at one position.
 
-use super::grid::{Bounds, Grid, last_number, short};
+use super::grid::{Bounds, Grid, last_number, rounded_to_seven_digits};
 use super::{WrittenObject, primitives, skins};
 use crate::gltf::graph::scene_graph;
 use crate::gltf::json::Object;
@@ -10,8 +10,8 @@ use lodc_mesh::{Attribute, Component, DisjointSets, Mesh, Semantic};
 use lodc_scene::Arrangement;
 use std::collections::BTreeMap;
 
-/// Largest number of steps of a morph target's difference of positions: it is stored as `i16`.
-const MAX_OFFSET_STEPS: f64 = 32_767.0;
+/// Largest number of steps by which a morph target moves a position: they are stored as `i16`.
+const MAX_MORPH_STEPS: f64 = 32_767.0;
 /// Largest number of steps along the side of a box: one less than a `u16` holds, since grids begin
 /// at multiples of their step.
 const MAX_BOX_STEPS: f64 = 65_534.0;
@@ -27,27 +27,29 @@ pub(super) fn grids(
     written_objects: &[WrittenObject<'_>],
     bits: u8,
 ) -> Result<Vec<Option<Grid<3>>>, FormatError> {
-    let box_of = |s: &WrittenObject<'_>| {
-        let mut all = bounds(&s.geometry);
-        s.next.iter().for_each(|next| all.join(&bounds(next)));
+    let box_of = |written: &WrittenObject<'_>| {
+        let mut all = bounds(&written.geometry);
+        // What a level glides to is written as differences from its positions, and needs the room.
+        written.glide_target.iter().for_each(|target| all.join(&bounds(target)));
         all
     };
     let boxes: Vec<Bounds<3>> = written_objects.iter().map(box_of).collect();
-    let step = scene_size(document, written_objects, &boxes)? / (last_number(bits) - 1.0);
+    let world_step = scene_size(document, written_objects, &boxes)? / (last_number(bits) - 1.0);
     let groups = groups(root, written_objects);
     let mut grids = vec![None; written_objects.len()];
     for group in groups.iter().filter(|g| g.iter().all(|&o| is_movable(root, written_objects, o))) {
         let mut all = Bounds::EMPTY;
         group.iter().for_each(|&o| all.join(&boxes[o]));
-        let world_step = |&o: &usize| {
+        // In mesh units.
+        let mesh_step = |&o: &usize| {
             let min_steps = f64::from(2u32 << (bits / 2));
-            (step / scale(&written_objects[o])).min(boxes[o].longest() / min_steps)
+            (world_step / scale(&written_objects[o])).min(boxes[o].longest() / min_steps)
         };
         let finest =
-            group.iter().map(world_step).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
-        let step = short(finest.max(all.longest() / MAX_BOX_STEPS));
+            group.iter().map(mesh_step).filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+        let step = rounded_to_seven_digits(finest.max(all.longest() / MAX_BOX_STEPS));
         let fits =
-            |&o: &usize| largest_offset(&written_objects[o].geometry) <= MAX_OFFSET_STEPS * step;
+            |&o: &usize| largest_morph(&written_objects[o].geometry) <= MAX_MORPH_STEPS * step;
         if step.is_finite() && step >= f64::from(f32::MIN_POSITIVE) && group.iter().all(fits) {
             group.iter().for_each(|&o| grids[o] = Some(Grid::aligned(&all, step)));
         }
@@ -62,7 +64,7 @@ fn scene_size(
     written_objects: &[WrittenObject<'_>],
     boxes: &[Bounds<3>],
 ) -> Result<f64, FormatError> {
-    let infos: Vec<&ObjectInfo> = written_objects.iter().map(|s| s.info).collect();
+    let infos: Vec<&ObjectInfo> = written_objects.iter().map(|written| written.info).collect();
     let graph = scene_graph(document, &infos, &Limits::DEFAULT)?;
     let scene = Arrangement::new(&graph, &graph.rest_pose(), written_objects.len());
     let mut all = Bounds::EMPTY;
@@ -71,7 +73,7 @@ fn scene_size(
             all.add(placement.transform.transform_point3(corner.into()).to_array());
         }
     }
-    let world_size = |(s, b): (&WrittenObject<'_>, &Bounds<3>)| b.longest() * scale(s);
+    let world_size = |(written, b): (&WrittenObject<'_>, &Bounds<3>)| b.longest() * scale(written);
     let largest = written_objects.iter().zip(boxes).map(world_size).fold(0.0, f64::max);
     let scene_box_size = all.longest();
     Ok(if scene_box_size.is_finite() { scene_box_size.max(largest) } else { largest })
@@ -98,7 +100,8 @@ fn groups(root: &Object, written_objects: &[WrittenObject<'_>]) -> Vec<Vec<usize
 /// have points or lines.
 fn is_movable(root: &Object, written_objects: &[WrittenObject<'_>], object: usize) -> bool {
     let written = &written_objects[object];
-    let is_written = |mesh: usize| written_objects.iter().any(|s| s.mesh == mesh);
+    let is_written = |mesh: usize| written_objects.iter().any(|written| written.mesh == mesh);
+    // Of positions outside morph targets, integers alone are attributes.
     let is_float_or_other = |a: &Attribute| {
         a.semantic != Semantic::Position
             || (a.morph_target.is_some() && a.component == Component::F32)
@@ -130,9 +133,8 @@ fn bounds(mesh: &Mesh) -> Bounds<3> {
     bounds
 }
 
-/// The largest number among the differences of positions that morph targets have; infinite if one
-/// is not finite.
-fn largest_offset(mesh: &Mesh) -> f64 {
+/// The largest number by which a morph target moves a position; infinite if one is not finite.
+fn largest_morph(mesh: &Mesh) -> f64 {
     let moved = mesh.attributes().iter().filter(|a| a.semantic == Semantic::Position);
     let numbers =
         moved.flat_map(|a| a.bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)));

@@ -57,8 +57,8 @@ pub fn export_chain<'a>(
     let (mut root, mut blob) = source_document(document, &infos, additions)?;
     let written_object = |(i, o): (usize, &ChainObject<'a>)| {
         let written_object = super::written_object(document, i, o.info, o.mesh)?;
-        let next = o.glide.as_ref().map(|glide| super::adapted(document, glide.next));
-        Ok::<_, FormatError>(WrittenObject { next, ..written_object })
+        let glide_target = o.glide.as_ref().map(|glide| super::adapted(document, glide.next));
+        Ok::<_, FormatError>(WrittenObject { glide_target, ..written_object })
     };
     let written_objects =
         objects.iter().enumerate().map(written_object).collect::<Result<Vec<_>, _>>()?;

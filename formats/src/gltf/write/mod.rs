@@ -203,7 +203,7 @@ fn written_object<'a>(
         mesh: document_mesh(document, info, object),
         primitives: info.submeshes.iter().enumerate().map(primitive).collect(),
         geometry: adapted(document, mesh),
-        next: None,
+        glide_target: None,
     })
 }
 

@@ -65,6 +65,7 @@ impl Materials {
             } else if let Some(material) = &mut current {
                 material.lines.push(line.to_owned());
             } else if repeated == 0 {
+                // Lines after a repeated `newmtl` are dropped with it.
                 stray += 1;
             }
         }
@@ -88,26 +89,26 @@ fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError>
     let with_slashes = library.replace('\\', "/");
     let mut read = |name: &str| match assets.read_reference(name) {
         Err(e) if e.fault == Fault::Unreadable && name.contains('\\') => {
-            let substitute = assets.read_reference(&name.replace('\\', "/"));
-            if substitute.is_ok() {
-                assets.substitute(name);
+            let found = assets.read_reference(&name.replace('\\', "/"));
+            if found.is_ok() {
+                assets.set_replaced(name);
             }
-            substitute
+            found
         }
         other => other,
     };
     let whole = read(library);
-    let missing = matches!(&whole, Err(e) if e.fault == Fault::Unreadable);
+    let is_unreadable = matches!(&whole, Err(e) if e.fault == Fault::Unreadable);
     let names: Vec<&str> = with_slashes.split_whitespace().collect();
-    if !missing || names.len() < 2 {
+    if !is_unreadable || names.len() < 2 {
         return whole.map(|bytes| vec![bytes]);
     }
     // `mtllib a.mtl b.mtl`. If one of them is missing, the message is that about the whole.
     match names.into_iter().map(read).collect() {
         Ok(all) => {
-            // Both spellings of the whole were looked for in vain.
-            assets.substitute(library);
-            assets.substitute(&with_slashes);
+            // Both spellings of the whole were looked for in vain, and count as missing no more.
+            assets.set_replaced(library);
+            assets.set_replaced(&with_slashes);
             Ok(all)
         }
         Err(_) => whole.map(|bytes| vec![bytes]),

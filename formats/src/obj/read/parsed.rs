@@ -5,8 +5,9 @@ pub(super) use crate::faces::{Faces, NONE, Run};
 /// The content of an OBJ.
 #[derive(Debug, Default)]
 pub(super) struct Parsed {
-    /// Labels are groups and objects; objects are `o` statements.
+    /// Its `labels` are the names of `g` and `o` statements, its `objects` those of `o` alone.
     pub(super) faces: Faces,
+    /// Material libraries (`mtllib`).
     pub(super) libraries: Vec<String>,
     pub(super) notes: Notes,
 }
@@ -35,19 +36,19 @@ pub(super) struct Notes {
 }
 
 impl Notes {
-    /// Adds the notes of a chunk that follows `lines` line ends.
-    pub(super) fn add(&mut self, more: &Self, lines: u32) {
+    /// Adds the notes of a chunk that follows `lines_before` line ends.
+    pub(super) fn add(&mut self, more: &Self, lines_before: u32) {
         if self.unknown.times == 0 {
             self.unknown_first.clone_from(&more.unknown_first);
         }
-        self.lines.append(more.lines, lines);
-        self.points.append(more.points, lines);
-        self.small_faces.append(more.small_faces, lines);
-        self.unknown.append(more.unknown, lines);
-        self.free_form.append(more.free_form, lines);
-        self.extra_values.append(more.extra_values, lines);
-        self.weights.append(more.weights, lines);
-        self.uncolored.append(more.uncolored, lines);
+        self.lines.append(more.lines, lines_before);
+        self.points.append(more.points, lines_before);
+        self.small_faces.append(more.small_faces, lines_before);
+        self.unknown.append(more.unknown, lines_before);
+        self.free_form.append(more.free_form, lines_before);
+        self.extra_values.append(more.extra_values, lines_before);
+        self.weights.append(more.weights, lines_before);
+        self.uncolored.append(more.uncolored, lines_before);
     }
 }
 

@@ -12,12 +12,17 @@ use lodc_plan::{Expected, Plan, PlanError, Program, Step, Tolerance, VertexRecor
 use lodc_strip::order;
 use lodc_verify::{Check, ViewReference};
 
-/// Number of criteria of a round of [`sample`].
-const CRITERIA: usize = 10;
-/// Triangles up to which views are checked with morphing as well: a check takes seconds then.
-const SMALL: usize = 200_000;
+/// Views of a round of [`sample`].
+const VIEWS_PER_ROUND: usize = 10;
+/// Triangles of a mesh up to which views are checked with morphing as well: a check of larger ones
+/// takes seconds. Chosen by hand.
+const MAX_TRIANGLES_MORPHED: usize = 200_000;
 /// Entries of the vertex cache that triangles are ordered for.
-const CACHE: u32 = 16;
+const CACHE_ENTRIES: u32 = 16;
+/// Triangles, over all rounds of views, that a plan for a device has at most, and its most rounds.
+/// Chosen by hand.
+const MAX_TRIANGLES_IN_ROUNDS: usize = 2_000_000;
+const MAX_ROUNDS: usize = 8;
 
 impl Interactive {
     /// Plans of everything that runs on a device: levels that are the same everywhere, at `lods`,
@@ -28,9 +33,10 @@ impl Interactive {
     pub fn replays(&self, lods: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
         let mesh = self.simplified().mesh();
         // Each round has ten views, each of which is resolved on the CPU as well.
-        let rounds = (2_000_000 / mesh.triangles().len().max(1)).clamp(1, 8) as u32;
+        let triangles = mesh.triangles().len().max(1);
+        let rounds = (MAX_TRIANGLES_IN_ROUNDS / triangles).clamp(1, MAX_ROUNDS) as u32;
         let views = sample(self.simplified(), rounds, 1);
-        Ok(vec![self.continuous(lods.to_vec())?, self.views(views, order(mesh, CACHE))?])
+        Ok(vec![self.continuous(lods.to_vec())?, self.views(views, order(mesh, CACHE_ENTRIES))?])
     }
 
     /// Compares a few views on the CPU with the collapse sequence: every criterion without
@@ -41,11 +47,11 @@ impl Interactive {
         let mesh = simplified.mesh();
         let views = Views::new(simplified, VertexRecords::positions(mesh));
         let reference = ViewReference::new(simplified);
-        let rounds = if mesh.triangles().len() <= SMALL { 2 } else { 1 };
+        let rounds = if mesh.triangles().len() <= MAX_TRIANGLES_MORPHED { 2 } else { 1 };
         let mut queries = sample(simplified, rounds, 2);
         // The first round without morphing, the second, if there is one, with it.
         let numbered = queries.iter_mut().enumerate();
-        numbered.for_each(|(i, query)| query.morph = i >= CRITERIA);
+        numbered.for_each(|(i, query)| query.morph = i >= VIEWS_PER_ROUND);
         let stride = views.records.stride;
         let (model, name) = (self.name(), "view-dependent");
         let mut check = Check { model, name, lods: 0, full: 0, failure: None };
@@ -141,7 +147,7 @@ fn name(view: &ViewQuery) -> String {
 
 /// Views for a verification: `rounds` random ones by each criterion, every second one with
 /// morphing. Some eyes and the corner of a box are exactly at a vertex, with the other sign of its
-/// zeros: 0 and -0 are one place.
+/// zeros: 0 and −0 are the same position.
 #[must_use]
 pub fn sample(simplified: &Simplified, rounds: u32, seed: u64) -> Vec<ViewQuery> {
     let (collapses, mesh) = (simplified.collapses(), simplified.mesh());
@@ -165,24 +171,24 @@ pub fn sample(simplified: &Simplified, rounds: u32, seed: u64) -> Vec<ViewQuery>
             at.map_or([0.0; 3], |p| p.map(|c| if c == 0.0 { -c } else { c }))
         };
         let (eye, centre, corner) = (point(6.0), point(1.0), point(1.5));
-        let reach = 0.6 * size;
+        let side = 0.6 * size;
         // 1, 3, 5 ... pixels of 1,000, with half an angle whose tangent is 0.5.
         let slope = Criterion::slope(1.0 + 2.0 * round as f32, 1000.0, 0.5);
         // Tangents of half the angles of a screen of 16 by 9, from narrow to wide.
-        let tangents = [1.6, 0.9].map(|side| side * (0.1 + 0.6 * (round % 4) as f32));
+        let tangents = [1.6, 0.9].map(|size| size * (0.1 + 0.6 * (round % 4) as f32));
         let at_corner = |low: [f32; 3]| {
             // Flat where the vertex has a zero, so that both sides of the box are that zero.
-            let high = low.map(|c| if c == 0.0 { c } else { c + reach });
+            let high = low.map(|c| if c == 0.0 { c } else { c + side });
             Criterion::Region { low, high, inside: fine, outside: coarse }
         };
         let criteria = [
             Criterion::everywhere(a),
             Criterion::Silhouette { eye, edge: fine, face: coarse, width: 1.0 - unit() },
             Criterion::ScreenError { eye, slope },
-            Criterion::Sphere { centre, radius: 0.5 * reach, inside: a, outside: b },
+            Criterion::Sphere { centre, radius: 0.5 * side, inside: a, outside: b },
             Criterion::Region {
                 low: corner,
-                high: corner.map(|c| c + reach),
+                high: corner.map(|c| c + side),
                 inside: b,
                 outside: a,
             },
