@@ -30,13 +30,13 @@ pub(crate) struct StripsArgs {
     #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name(),
           help_heading = BECOMES)]
     effort: Effort,
-    /// Vertices in the cache that cache and list are made for, 4 to 64
+    /// Size of the vertex cache for --strips cache and list, 4 to 64
     #[arg(long, value_name = "N", default_value = "16",
           value_parser = clap::value_parser!(u32).range(4..=64), help_heading = BECOMES)]
     cache_size: u32,
-    /// Fetched vertices that an index is worth to cache, 0 to 100
+    /// Price of an index in fetched vertices (--strips cache), 0 to 100
     ///
-    /// More makes fewer indices, less fewer misses.
+    /// A higher price gives fewer indices, a lower one fewer cache misses.
     #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price,
           help_heading = BECOMES)]
     index_price: f32,

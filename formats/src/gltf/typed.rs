@@ -8,8 +8,8 @@ use super::json::{Json, Object, malformed};
 use crate::FormatError;
 use serde::de::DeserializeOwned;
 
-/// Members that are passed through as they are, whatever they hold.
-const PASSED_THROUGH: [&str; 6] = ["extensions", "extras", "max", "min", "name", "target"];
+/// Members that are left out, whatever they hold: the JSON of the document keeps them.
+const NOT_READ: [&str; 6] = ["extensions", "extras", "max", "min", "name", "target"];
 
 /// Reads an accessor, a buffer view or a buffer. Its references have been checked.
 ///
@@ -19,7 +19,7 @@ pub(super) fn entry<T: DeserializeOwned>(
     object: &Object,
     location: &str,
 ) -> Result<T, FormatError> {
-    serde_json::from_str(&read(object).to_string()).map_err(|e| {
+    serde_json::from_str(&read_members(object).to_string()).map_err(|e| {
         // A place in the text of this entry alone says nothing.
         let problem = e.to_string();
         malformed(location, problem.split(" at line ").next().unwrap_or(&problem))
@@ -27,12 +27,12 @@ pub(super) fn entry<T: DeserializeOwned>(
 }
 
 /// The members of an object that are read, its whole numbers spelt as such: `3.0` is one, too.
-fn read(object: &Object) -> Object {
+fn read_members(object: &Object) -> Object {
     let read = |value: &Json| match value {
-        Json::Object(members) => Json::Object(read(members)),
+        Json::Object(members) => Json::Object(read_members(members)),
         other => other.as_u64().map_or_else(|| other.clone(), Json::from),
     };
-    let members = object.iter().filter(|(name, _)| !PASSED_THROUGH.contains(&name.as_str()));
+    let members = object.iter().filter(|(name, _)| !NOT_READ.contains(&name.as_str()));
     members.map(|(name, value)| (name.clone(), read(value))).collect()
 }
 

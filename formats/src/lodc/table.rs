@@ -23,8 +23,8 @@ const ALIGN: usize = 16;
 const WIDE_ALIGN: usize = 256;
 /// Flag of a section without which the file cannot be understood.
 pub(super) const REQUIRED: u32 = 1;
-/// Flag of a section as a device takes it, of [`tag::MAY_BE_WIDE`]: indices are `u32`, vertices
-/// take a multiple of four bytes.
+/// Flag of a section laid out for graphics devices: indices are `u32`, vertices take a multiple of
+/// four bytes. Only sections of [`tag::MAY_BE_WIDE`] have it.
 pub(super) const WIDE: u32 = 2;
 /// Flags that a reader may ignore if it does not know them: the upper half.
 const OPTIONAL: u32 = 0xffff_0000;
@@ -174,7 +174,7 @@ impl Entry {
         self.flags & REQUIRED != 0
     }
 
-    /// Returns whether each number in the section is a `u32`.
+    /// Returns whether the section is laid out for graphics devices ([`WIDE`]).
     pub(super) fn is_wide(&self) -> bool {
         self.flags & WIDE != 0
     }

@@ -1,5 +1,5 @@
-//! Blocks of a `.lods` stream: kind, length, payload, and checksums of both, so that a reader can
-//! use each block as soon as it has arrived.
+//! Blocks of a `.lods` stream: a header (tag, number of steps, length), its checksum, the payload and
+//! its checksum, so that a reader can use each block as soon as it has arrived.
 
 use super::VERSION;
 use crate::file_header::FileHeader;
@@ -17,7 +17,7 @@ pub(super) const FILE_HEADER: FileHeader<4> = FileHeader {
 /// Largest number of bytes in a payload; only that of the first block may be longer. Chosen by
 /// hand, to bound what a reader keeps of an unfinished block.
 pub(super) const MAX_PAYLOAD: usize = 16 << 20;
-/// Bytes of the checksum of a block's numbers: the low ones of an XXH32.
+/// Bytes of the checksum of a block's header: the low ones of an XXH32.
 const HEADER_CHECKSUM_BYTES: usize = 2;
 /// Bytes of the checksum of a payload: an XXH32.
 const PAYLOAD_CHECKSUM_BYTES: usize = 4;
@@ -25,9 +25,10 @@ const PAYLOAD_CHECKSUM_BYTES: usize = 4;
 /// A block whose checksums are right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Block<'a> {
-    /// 0: the head or the end of the stream; else one more than the number of an object.
+    /// 0: the head, a piece of the document, or the end of the stream; else one more than the number
+    /// of an object.
     pub(super) tag: u32,
-    /// Number of steps.
+    /// Number of refinement steps in the payload.
     pub(super) steps: u32,
     /// Encoded steps, or a piece of the document.
     pub(super) payload: &'a [u8],

@@ -36,6 +36,8 @@ pub(crate) struct BuildArgs {
     #[command(flatten)]
     metric: MetricArgs,
     /// Keep the topology until the terminal phase
+    ///
+    /// In that phase components shrink to points and points are joined, until one vertex is left.
     #[arg(long, help_heading = SIMPLIFIED, hide_short_help = true)]
     preserve_topology: bool,
     /// Keep border vertices until the terminal phase
@@ -54,6 +56,7 @@ pub(crate) struct BuildArgs {
     poses: PosesArgs,
     #[command(flatten)]
     sequence: StepOrderArgs,
+    /// The structures that a file holds besides the collapse sequence.
     #[command(flatten)]
     models: ModelArgs,
     #[command(flatten)]
@@ -99,7 +102,7 @@ pub(crate) struct BuildArgs {
 const EXAMPLES: &str = "\
 Examples:
   lodc build chair.glb -o chair.lodc
-  lodc build models -o levels --if-changed --exclude 'drafts/**'
+  lodc build chairs -o levels --if-changed --exclude 'drafts/**'
   lodc build hero.glb --metric hybrid --lock material:face --models none";
 
 /// Formats of the report.
@@ -129,6 +132,7 @@ impl BuildArgs {
 }
 
 pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
+    // A wrong `--models` is refused before anything is read.
     args.models.kinds()?;
     let paths = CommandPaths {
         inputs: &args.inputs,

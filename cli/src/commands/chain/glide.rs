@@ -107,8 +107,8 @@ pub(super) type MovingMesh<'a> = (&'a Mesh, &'a Mesh, Range<u32>);
 
 /// How far each level is from the next once it has moved, over the poses that errors are over, the
 /// largest of all objects; none of levels without skins and targets, and of the last. `ways` are by
-/// level and object. With `joints` what
-/// those move levels by themselves is part of it.
+/// level and object. With `joints` vertices follow the joints of those that they become, which moves
+/// them before any target does: that is part of it.
 ///
 /// # Errors
 /// If the document is damaged.
@@ -125,8 +125,8 @@ pub(super) fn pose_errors(
         ways.iter().enumerate().map(|(o, way)| unit(o) * of(o, way)).fold(0.0, f64::max)
     };
     let last = ways.len().saturating_sub(1);
-    // Of joints that are not a vertex's own, at the level where it has them.
-    let taken = |k: usize| {
+    // How far level k is from itself with the joints of its own vertices.
+    let borrowed_joints_error = |k: usize| {
         if !joints || k >= last {
             return 0.0;
         }
@@ -134,22 +134,24 @@ pub(super) fn pose_errors(
     };
     let mut errors = Vec::new();
     for (k, ways) in ways.iter().enumerate() {
-        let own = taken(k);
+        let own = borrowed_joints_error(k);
         let is_stated = k < last && ways.iter().any(|(mesh, ..)| bends(mesh));
         errors.push(is_stated.then(|| {
             let moved = largest(ways, &|o, (now, next, moving)| {
                 pose_error(&shapes[o], now, next, moving, joints)
             });
-            moved + own + taken(k + 1)
+            // The next level has borrowed joints, too.
+            moved + own + borrowed_joints_error(k + 1)
         }));
     }
     Ok(errors)
 }
 
-/// The LODs of two levels that follow each other, of one object.
-pub(super) fn moving(prefixes: &[u32], level: usize) -> Option<Range<u32>> {
-    let next = *prefixes.get(level + 1)?;
-    Some(next..prefixes[level].max(next))
+/// The vertices of an object that move from a level to the next. `vertex_counts` are those of its
+/// levels, each of which has the first vertices of the one before.
+pub(super) fn moving(vertex_counts: &[u32], level: usize) -> Option<Range<u32>> {
+    let next = *vertex_counts.get(level + 1)?;
+    Some(next..vertex_counts[level].max(next))
 }
 
 /// The LODs of an object.

@@ -1,4 +1,7 @@
-//! Configuration files, `lodc.toml`: options for the assets in the same folder and below.
+//! Configuration files, `lodc.toml`: options for the assets in the same folder and below. A file has
+//! layers: its options for all commands, for one command, of a profile, and overrides for the inputs
+//! that a glob matches. A layer may have *parts*: options for objects or materials of an asset, as
+//! `--part` has them. Those of all layers add up; where several match, the last one wins.
 
 mod file;
 mod find;
@@ -20,7 +23,7 @@ const FILE_NAME: &str = "lodc.toml";
 const SEQUENCE_OPTIONS: [&str; 6] =
     ["lock", "lock-border", "metric", "no-attributes", "preserve-topology", "weight"];
 
-/// The options of a part as JSON.
+/// The options of a part, as `--part` takes them.
 fn json(part: &OptionTable) -> String {
     serde_json::to_string(part).expect("options are values of JSON")
 }
@@ -73,7 +76,8 @@ impl<'a> Configs<'a> {
 
     /// Adds the options of configurations to those that assets already have, which win. An asset
     /// that has a collapse sequence gets no options that decide one. `given` returns the long names
-    /// of the options that the command line has or excludes; it is called only if there are parts.
+    /// of the options that the command line has, or that conflict with those; it is called only if there
+    /// are parts.
     ///
     /// # Errors
     /// As for [`Self::layers`].
@@ -103,6 +107,7 @@ impl<'a> Configs<'a> {
                 });
             }
             if !parts.is_empty() {
+                // A configuration serves many assets: one that lacks a part is no error.
                 let optional = |mut part: OptionTable| {
                     part.insert("if-there".to_owned(), true.into());
                     json(&part)

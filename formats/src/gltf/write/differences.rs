@@ -4,7 +4,7 @@
 use crate::gltf::semantic;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 
-/// Streams that a glide moves besides positions and normals.
+/// What a morph target to the next level moves besides positions and normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MovedStreams {
     /// Directions of tangents; their handedness stays.
@@ -13,7 +13,8 @@ pub struct MovedStreams {
     pub texture_coordinates: bool,
     /// Colours.
     pub colours: bool,
-    /// At the level where a vertex moves it has the joints and weights of the one that it becomes.
+    /// No target can move joints and weights: if this is true, a vertex is written with those of the
+    /// vertex that it becomes, at the level where it moves.
     pub joints: bool,
 }
 

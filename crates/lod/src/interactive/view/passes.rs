@@ -9,16 +9,19 @@ use lodc_plan::{BufferId, KernelId, Pass, Program};
 /// Buffers and kernels of the view-dependent variant.
 #[derive(Clone, Debug)]
 pub struct ViewPasses {
+    /// [`Views::points`], in words.
     points: BufferId,
+    /// [`Views::links`].
     links: BufferId,
-    by_error: BufferId,
+    /// [`Views::by_error`]: coarsest LODs.
+    lods_by_error: BufferId,
     source: BufferId,
     /// The records that are drawn.
     pub vertices: BufferId,
     /// By criterion, without and with morphing.
     kernels: [[KernelId; 2]; 5],
     vertex_count: u32,
-    /// The second part of [`Views::by_error`].
+    /// The upper 18 bits of the error that `lods_by_error` begins with, from [`Views::by_error`].
     lowest_error: u32,
 }
 
@@ -43,7 +46,7 @@ impl ViewPasses {
         Self {
             points: program.words("points", points),
             links: program.words("links", views.links().as_flattened()),
-            by_error: program.words("by_error", views.by_error().0),
+            lods_by_error: program.words("by_error", views.by_error().0),
             source,
             vertices,
             kernels,
@@ -56,7 +59,7 @@ impl ViewPasses {
     #[must_use]
     pub fn pass(&self, view: &ViewQuery, views: &Views<'_>) -> Pass {
         let p = views.selector.parameters(view);
-        // One word has either, by the criterion.
+        // The two share a word, since no criterion needs both.
         let lowest_or_height =
             if p.criterion == FRUSTUM { p.height.to_bits() } else { self.lowest_error };
         let mut parameters = vec![self.vertex_count, lowest_or_height, p.lods[0], p.lods[1]];
@@ -66,7 +69,7 @@ impl ViewPasses {
         parameters.push(0);
         Pass {
             kernel: self.kernels[p.criterion as usize][usize::from(p.morph)],
-            buffers: vec![self.points, self.links, self.by_error, self.source, self.vertices],
+            buffers: vec![self.points, self.links, self.lods_by_error, self.source, self.vertices],
             threads: self.vertex_count,
             parameters,
         }
