@@ -1,23 +1,31 @@
-//! The code of a level's error in a stream: the upper 13 bits of the float, rounded up, so that it
-//! stays an upper bound and is at most 1/16 too large.
+//! The codes of a level's two errors in a stream, the upper bound and the root mean square: the
+//! upper 13 bits of the float, rounded up, so that an upper bound stays one and is at most 1/16 too
+//! large.
 
-/// Mantissa bits that are left out; the error is rounded up.
+/// Low mantissa bits that are dropped: 4 of 23 remain. A constant of the format.
 const DROPPED_BITS: u32 = 19;
+
+/// The codes of the two errors of a level: the upper bound and the root mean square distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ErrorCodes {
+    pub(crate) error: u32,
+    pub(crate) rms: u32,
+}
 
 /// Returns the code of an error: the upper 13 bits of the float, rounded up.
 pub(crate) fn error_code(error: f32) -> u32 {
-    // Adding zero makes +0 of −0.
+    // Adding zero turns −0 into +0.
     ((error + 0.0).to_bits() + (1 << DROPPED_BITS) - 1) >> DROPPED_BITS
 }
 
-/// Returns the error of a code: at most 1/16 above the one that was encoded; infinite where no
-/// triangle is left.
+/// Returns the error of a code: at most 1/16 above the one that was encoded; infinite at a level
+/// without triangles.
 pub(crate) fn error_value(code: u32) -> f32 {
     let error = f32::from_bits(code << DROPPED_BITS);
     if error.is_nan() { f32::INFINITY } else { error }
 }
 
-/// Returns the code of a root mean square distance; that of no number where there is none.
+/// Returns the code of a root mean square distance; the code of NaN if it was not measured.
 pub(crate) fn rms_code(rms: Option<f32>) -> u32 {
     error_code(rms.unwrap_or(f32::NAN))
 }
@@ -32,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn codes_round_up_and_keep_what_is_no_number() {
+    fn codes_round_up_and_keep_nan() {
         for x in [0.0, 1e-9, 0.75, 3.3, 1e30, f32::INFINITY] {
             let value = error_value(error_code(x));
             assert!(value >= x && value <= x * 1.0625, "{value} for {x}");

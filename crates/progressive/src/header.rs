@@ -12,16 +12,17 @@ pub struct MeshHeader {
     pub submeshes: Vec<Submesh>,
     /// The attributes, without bytes.
     pub attributes: Vec<Attribute>,
-    /// The streams of a vertex and their number systems.
+    /// The values of a vertex (position and attributes) and their number systems.
     pub layout: VertexLayout,
-    /// Vertices at the end of the stream.
+    /// Vertices of the whole object, at the end of the stream.
     pub vertices: u32,
-    /// Triangles at the end of the stream.
+    /// Triangles of the whole object, at the end of the stream.
     pub triangles: u32,
-    /// Steps: one for each collapse behind the points, and one for each group with points that are
-    /// left at the end.
+    /// Steps: one for each collapse after the points (the vertices before the first triangle), and
+    /// one for each wedge group with points that no split has needed.
     pub steps: u32,
-    /// True if steps come in an order of their own, each with its errors; else in batches.
+    /// True if steps come in the order of the collapse sequence, each with its parent and errors;
+    /// else they come in batches, each with the errors at its end.
     pub exact: bool,
 }
 
@@ -47,7 +48,8 @@ impl MeshHeader {
         }
     }
 
-    /// The header of an object of which nothing is known but its submeshes.
+    /// A header without vertices, for an object whose header has not been read: only the number of
+    /// its submeshes is known.
     #[must_use]
     pub fn unknown(submeshes: usize) -> Self {
         Self {

@@ -1,29 +1,31 @@
 //! Progressive streams: a simplified mesh as entropy-coded vertex splits, coarse to fine.
 //!
-//! Thesis 4.3.3; the idea is Hoppe's progressive mesh (1996), the container is
-//! `lodc_formats::lods`, and `docs/STREAM.md` specifies every bit.
+//! The idea is Hoppe's progressive mesh (1996); the packages are those of Ripollés' thesis (2009,
+//! 4.3.3), which comments here call "the thesis". The container is `lodc_formats::lods`, and
+//! `docs/STREAM.md` specifies every bit.
 //!
 //! # The stream in nine sentences
 //!
 //! 1. A collapse sequence, read backwards, is a sequence of *vertex splits* that turns one vertex
-//!    into the whole mesh. Vertices before its first triangle, *points*, come when a split needs
-//!    them.
-//! 2. Splits come in *batches*, each a pass through a list of all wedge groups with a bit for
-//!    each, whether it is split; or each names its *parent*, if every level is wanted.
+//!    into the whole mesh. The vertices before the first triangle are *points*; each comes when a
+//!    split needs it.
+//! 2. Splits come in *batches*: each batch is a pass through a list of all wedge groups (the
+//!    vertices at one position), with a bit for each group that says whether it is split. If every
+//!    level is wanted, the order is *exact* instead, and each split names its *parent*.
 //! 3. A split adds *new triangles*, mostly one on each side of the edge from parent to new vertex,
 //!    coded by the indices of their third corners in the parent's link.
-//! 4. It *transfers* some triangles of the parent's star to the new vertex, which mostly follows
-//!    from the new triangles.
+//! 4. It *transfers* some triangles of the parent's star to the new vertex. Which ones mostly
+//!    follows from the new triangles.
 //! 5. It gives the new vertex its *values*: those of a vertex nearby, or residuals to a prediction
 //!    from the vertices around.
 //! 6. Consecutive splits of one collapse, one for each wedge, are a *step*; a batch ends with the
-//!    error after it.
-//! 7. Every bit is coded with an *adaptive probability*, chosen by context and updated after each
-//!    use, or as it is where nothing is known about it.
+//!    errors of the level after it.
+//! 7. A bit is coded with an *adaptive probability*, chosen by context and updated after each use;
+//!    or plainly, where both values are equally likely.
 //! 8. The same generic code encodes and decodes, so that the two sides cannot differ; what only an
 //!    encoder knows it asks of a *split source*.
-//! 9. Steps are bounded by their bytes in memory and time, so no crafted stream can exhaust a
-//!    decoder.
+//! 9. The bytes of a stream bound the memory and time that its steps may take, so no crafted stream
+//!    can exhaust a decoder.
 //!
 //! # A vertex split
 //!
@@ -45,7 +47,7 @@
 //!
 //! | folder | concern |
 //! | --- | --- |
-//! | `entropy` | adaptive probabilities, range coder, integer codes, text |
+//! | `entropy` | adaptive probabilities, coder (range variant of ANS), integer codes, text |
 //! | `partial_mesh` | the mesh so far: corner lists, stars, links, splits |
 //! | `vertex_data` | number systems, layouts, quantisation, prediction of values |
 //! | `source` | what an encoder knows: the splits of a collapse sequence |
@@ -64,7 +66,7 @@
 //! let header = encoder.header().clone();
 //! let (mut contexts, mut blocks, mut bytes) = (Contexts::new(), Vec::new(), 0);
 //! while !encoder.is_complete() {
-//!     let target = BlockTarget { bytes: 200, before: bytes, until_triangle: false };
+//!     let target = BlockTarget { bytes: 200, bytes_before: bytes, until_triangle: false };
 //!     let block = encoder.encode(&mut contexts, target);
 //!     bytes += block.splits.len();
 //!     blocks.push(block);

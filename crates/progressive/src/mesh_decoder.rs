@@ -1,4 +1,4 @@
-//! The decoder of one object: takes blocks of steps, and gives the mesh after any step.
+//! The decoder of one object: takes blocks of steps, and gives the mesh after any block.
 
 use crate::entropy::decoder::Decoder;
 use crate::error_code::{error_value, rms_value};
@@ -20,6 +20,7 @@ use std::ops::Range;
 pub struct MeshDecoder {
     header: MeshHeader,
     codec: ObjectCodec,
+    /// Steps decoded so far.
     steps: u32,
 }
 
@@ -30,7 +31,8 @@ pub struct StepBlock<'a> {
     pub steps: u32,
     /// The substream of vertex splits.
     pub splits: &'a [u8],
-    /// Bytes of the stream up to the end of this block: what it decodes to is bounded by them.
+    /// Bytes of the stream up to the end of this block. They bound the memory and time that its
+    /// steps may take.
     pub bytes: usize,
 }
 
@@ -87,10 +89,12 @@ impl MeshDecoder {
         Ok(())
     }
 
-    /// Reads a stream of which other stars are large.
+    /// Sets the triangles above which a star is large: those of the encoder's [`StarRule`].
+    ///
+    /// [`StarRule`]: crate::source::coding_parents::StarRule
     #[cfg(test)]
-    pub(crate) fn set_large_star(&mut self, large: u32) {
-        self.codec.large_star = large;
+    pub(crate) fn set_large_star(&mut self, large_star: u32) {
+        self.codec.large_star = large_star;
     }
 
     /// The header, known before the first step.
@@ -114,15 +118,15 @@ impl MeshDecoder {
         self.steps
     }
 
-    /// Vertices so far, with the points that are only announced: the mesh is that of the LOD with
-    /// this number of vertices.
+    /// Vertices so far, including points of which only the number is known: the mesh is that of the
+    /// LOD with this number of vertices.
     #[must_use]
     pub fn vertex_count(&self) -> u32 {
         self.codec.mesh.vertex_count()
     }
 
-    /// Returns whether a vertex has come: its parent, submesh and values are known. No triangle
-    /// uses one of those that have not.
+    /// Returns whether a vertex has come: its parent, submesh and values are known. Triangles use
+    /// only such vertices; points that are announced come later.
     #[must_use]
     pub fn has_come(&self, vertex: u32) -> bool {
         vertex < self.vertex_count() && !self.codec.points.is_missing(vertex)
@@ -137,14 +141,14 @@ impl MeshDecoder {
     /// Object-space error of the mesh so far, in its units; at most 1/16 above the true one.
     #[must_use]
     pub fn error(&self) -> f32 {
-        error_value(self.codec.error_code)
+        error_value(self.codec.errors.error)
     }
 
     /// Root mean square distance of the mesh so far, in its units; at most 1/16 above the true one.
     /// Nothing if the stream has none.
     #[must_use]
     pub fn rms(&self) -> Option<f32> {
-        (self.vertex_count() > 0).then(|| rms_value(self.codec.rms_code)).flatten()
+        (self.vertex_count() > 0).then(|| rms_value(self.codec.errors.rms)).flatten()
     }
 
     /// The triangles so far.
@@ -218,7 +222,7 @@ impl MeshDecoder {
         }
     }
 
-    /// All vertices in collapse order, by their numbers in stream order.
+    /// The numbers of all vertices in stream order, listed in collapse order.
     fn vertices(&self) -> impl Iterator<Item = u32> {
         (0..self.vertex_count()).rev()
     }
@@ -248,8 +252,8 @@ impl MeshDecoder {
         out: &mut Vec<u8>,
     ) {
         for v in vertices {
-            let indices = &self.indices(v)[stream.first..][..stream.channels];
-            self.header.layout.append(attribute.component, stream, indices, out);
+            let indices = &self.indices(v)[stream.first_channel..][..stream.channels];
+            self.header.layout.append_bytes(attribute.component, stream, indices, out);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The encoder of one object: gives blocks of steps of about a wanted size, coarse to fine.
+//! The encoder of one object: writes blocks of steps of about a wanted size, coarse to fine.
 
 use crate::entropy::encoder::Encoder;
 use crate::header::MeshHeader;
@@ -31,24 +31,25 @@ pub struct EncodedSteps {
 pub struct BlockTarget {
     /// Bytes after which no further step is added.
     pub bytes: usize,
-    /// Bytes of the stream before this block.
-    pub before: usize,
+    /// Bytes of the stream before this block: with its own they bound what it may decode to.
+    pub bytes_before: usize,
     /// True if the block goes on until the object has a triangle, whatever its bytes.
     pub until_triangle: bool,
 }
 
-/// Bytes of padding that are added at a time. Only streams that cost next to nothing are padded.
-const PADDING: usize = 64;
+/// Bytes of padding that are added at a time. Chosen by hand: only streams that compress
+/// extremely well are padded, so a few bytes too many do not matter.
+const PADDING_UNIT: usize = 64;
 
 impl<'a> MeshEncoder<'a> {
-    /// Prepares a mesh. Its steps are coded in batches if they are in such an order, see
-    /// [`in_batches`](crate::in_batches), and `exact` is false; else each with its parent.
+    /// Prepares a mesh. Its steps are coded in batches if `exact` is false and they are in such an
+    /// order, see [`in_batches`](crate::in_batches); else each is coded with its parent.
     #[must_use]
     pub fn new(simplified: &'a Simplified, layout: VertexLayout, exact: bool) -> Self {
         Self::with_rule(simplified, layout, exact, StarRule::DEFAULT)
     }
 
-    /// Prepares a mesh of which other stars are large.
+    /// Like [`Self::new`], with another rule for large stars: tests use smaller ones.
     pub(crate) fn with_rule(
         simplified: &'a Simplified,
         layout: VertexLayout,
@@ -58,9 +59,9 @@ impl<'a> MeshEncoder<'a> {
         let source = EncoderSource::new(simplified, &layout, exact, rule);
         let submeshes = simplified.mesh().submeshes().len() as u32;
         let exact = source.batches().is_none();
-        let header = MeshHeader::new(simplified, layout.clone(), source.steps(), exact);
+        let header = MeshHeader::new(simplified, layout.clone(), source.count_steps(), exact);
         let mut codec = ObjectCodec::new(layout, submeshes, exact);
-        codec.large_star = rule.large;
+        codec.large_star = rule.large_star;
         Self { simplified, source, codec, header }
     }
 
@@ -70,14 +71,14 @@ impl<'a> MeshEncoder<'a> {
         &self.header
     }
 
-    /// Number of vertices so far, with the points that are only announced.
+    /// Number of vertices so far, including points of which only the number is encoded.
     #[must_use]
     pub fn vertices(&self) -> u32 {
         self.codec.mesh.vertex_count()
     }
 
-    /// Number of levels that are those of the sequence for sure: the ends of batches, or of all
-    /// steps.
+    /// Number of levels that are certainly levels of the sequence: those at the ends of batches, or
+    /// of all steps in the exact order.
     #[must_use]
     pub fn exact_levels(&self) -> u32 {
         let all = self.simplified.collapses().steps() as u32;
@@ -119,21 +120,22 @@ impl<'a> MeshEncoder<'a> {
             }
         }
         let splits = coder.finish();
-        // Splits that cost next to nothing are padded, so that a decoder can refuse those that
-        // would cost nothing at all.
+        // A decoder refuses steps that take more memory or time than their bytes may: splits that
+        // compress that well are padded.
         let mut padding = 0;
-        let bytes = target.before + splits.len();
+        let bytes = target.bytes_before + splits.len();
         while !self.codec.cost().is_within_budget(bytes + padding) {
-            padding += PADDING;
+            padding += PADDING_UNIT;
         }
         EncodedSteps { steps, splits: splits.into_bytes(padding) }
     }
 
-    /// Bytes of the thesis's packages for the steps so far: their plain words and bytes, positions
-    /// only (table 4.3), with what names the parent.
+    /// Bytes of the thesis's packages for the steps so far, the uncompressed form that streams are
+    /// compared with: plain words and bytes, positions only (table 4.3), and the parent's number.
     #[must_use]
     pub fn package_bytes(&self) -> u64 {
         let ObjectCodec { package_bytes, points, .. } = &self.codec;
-        package_bytes + points.package_bytes + 12 * u64::from(self.vertices())
+        const POSITION_BYTES: u64 = 12;
+        package_bytes + points.package_bytes + POSITION_BYTES * u64::from(self.vertices())
     }
 }

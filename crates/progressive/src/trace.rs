@@ -175,8 +175,8 @@ impl Coder for Tracer<'_> {
     }
 }
 
-/// The blocks of steps of a stream with one object: their steps and payloads, without the header of
-/// the object.
+/// The blocks of a stream with one object that hold steps: the number of steps and the payload of
+/// each, without the header of the object.
 fn step_blocks(stream: &[u8]) -> Vec<(u32, &[u8])> {
     let mut rest = &stream[16..];
     let mut blocks = Vec::new();
@@ -248,7 +248,7 @@ fn the_page_has_the_traces_of_golden_streams() {
 fn every_context_is_named_and_on_the_page() {
     let contexts = Box::new(Contexts::new());
     let names = Names::of(&contexts);
-    // Those of vertices and those of points.
+    // The states of value contexts, of vertices and of points, that are no probabilities.
     let states = [&contexts.values, &contexts.points.values].map(|values| {
         size_of_val(values)
             - size_of_val(&values.source)

@@ -58,7 +58,7 @@ fn plain(mesh: &MeshHeader) -> Vec<u8> {
         if let Some(attribute) = i.checked_sub(1).and_then(|i| mesh.attributes.get(i)) {
             put_attribute(&mut out, attribute);
         }
-        let mut systems = &mesh.layout.systems[stream.first..][..stream.channels];
+        let mut systems = &mesh.layout.systems[stream.first_channel..][..stream.channels];
         if let Prediction::Octahedral(Octahedral { bits }) = stream.prediction {
             out.extend([systems::OCTAHEDRAL, bits]);
             systems = &systems[2..];

@@ -152,7 +152,7 @@ fn step_blocks(
         // The first block of an object ends as soon as it shows something.
         let until_triangle = priority == NO_TRIANGLE_YET && block_bytes > 0;
         let max_bytes = if until_triangle { 0 } else { next_block_bytes(bytes).min(block_bytes) };
-        let target = BlockTarget { bytes: max_bytes, before: bytes, until_triangle };
+        let target = BlockTarget { bytes: max_bytes, bytes_before: bytes, until_triangle };
         let header = writer.start(&mut header_codec)?;
         let before = writer.encoder.triangles();
         let (steps, payload) = writer.encode(&mut contexts, target, &header)?;

@@ -45,7 +45,8 @@ pub fn as_streamed(simplified: &Simplified) -> Result<Simplified, FormatError> {
     let (mut encoding, mut decoding) = (Box::new(Contexts::new()), Box::new(Contexts::new()));
     let mut bytes_so_far = 0;
     while !encoder.is_complete() {
-        let target = BlockTarget { bytes: 1 << 16, before: bytes_so_far, until_triangle: false };
+        let target =
+            BlockTarget { bytes: 1 << 16, bytes_before: bytes_so_far, until_triangle: false };
         let block = encoder.encode(&mut encoding, target);
         bytes_so_far += block.splits.len();
         let steps = StepBlock { steps: block.steps, splits: &block.splits, bytes: bytes_so_far };

@@ -1,23 +1,25 @@
-//! Adaptive probabilities: estimates of how likely a bit, or one of sixteen symbols, is; updated
-//! after each coding. They share out the interval 0 to 2^15 that the numeral-system coder
-//! (`encoder`, `decoder`) works on.
+//! Adaptive probabilities: estimates of how likely a bit, or each of sixteen symbols, is; updated
+//! after each use. They divide the range 0 to 2^15 among the values, as the coder for asymmetric
+//! numeral systems (`encoder`, `decoder`) needs it. All constants here are part of the format.
 
 /// Binary logarithm of [`TOTAL`].
 pub(crate) const PROBABILITY_BITS: u32 = 15;
-/// Sum of the frequencies that the coder shares out: 2^15.
+/// Sum of the frequencies of all values: 2^15.
 pub(crate) const TOTAL: u16 = 1 << PROBABILITY_BITS;
 
 /// Observations after which the rate of adaptation no longer falls. Fewer forget faster; chosen by
 /// the sizes of ten meshes, whose figures are not kept.
 const MAX_COUNT: u8 = 160;
-/// Least probability of either value of a bit, of 65,536: both must stay possible.
+/// Least probability of either value of a bit, in 1/65,536: both must stay possible. Chosen by
+/// hand: a higher one costs bits where one value is nearly certain.
 const MIN_PROBABILITY: u32 = 24;
-/// Least frequency of a symbol, of [`TOTAL`], so that all stay possible: 13 bits at most.
+/// Least frequency of a symbol, of [`TOTAL`], so that all stay possible: one costs 13 bits at most.
+/// Chosen by hand.
 const MIN_FREQUENCY: i16 = 4;
 /// Sum of the adaptive parts of all frequencies.
 const ADAPTIVE_TOTAL: i16 = (TOTAL - 16 * MIN_FREQUENCY as u16) as i16;
 
-/// Rate of adaptation after `n` observations, of 65,536: 1 / (n + 1.6). Estimates are a mean at
+/// Rate of adaptation after `n` observations, in 1/65,536: 1 / (n + 1.6). Estimates are a mean at
 /// first and a sliding mean later.
 const RATES: [u16; 256] = {
     let mut rates = [0; 256];
@@ -41,8 +43,9 @@ pub(crate) struct Interval {
 /// The adaptive probability of one binary decision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AdaptiveBit {
-    /// Probability that the bit is set, of 65,536.
+    /// Probability that the bit is set, in 1/65,536.
     probability: u16,
+    /// Observations so far, up to [`MAX_COUNT`].
     count: u8,
 }
 
@@ -82,6 +85,7 @@ impl AdaptiveBit {
 pub(crate) struct AdaptiveSymbol {
     /// Cumulative frequency below each symbol, without the [`MIN_FREQUENCY`] of each.
     cumulative: [i16; 16],
+    /// Observations so far, with the initial ones, up to [`MAX_COUNT`].
     count: u8,
 }
 
@@ -125,9 +129,9 @@ impl AdaptiveSymbol {
     /// Returns the interval of a symbol.
     #[inline(always)]
     pub(crate) fn interval(&self, symbol: usize) -> Interval {
-        let first = |s: usize| (self.cumulative[s & 15] + MIN_FREQUENCY * s as i16) as u16;
-        let start = first(symbol);
-        let end = if symbol == 15 { TOTAL } else { first(symbol + 1) };
+        let start_of = |s: usize| (self.cumulative[s & 15] + MIN_FREQUENCY * s as i16) as u16;
+        let start = start_of(symbol);
+        let end = if symbol == 15 { TOTAL } else { start_of(symbol + 1) };
         Interval { start, frequency: end - start }
     }
 

@@ -6,21 +6,24 @@ use crate::entropy::adaptive_probability::{
 };
 use crate::entropy::coder::Coder;
 
-/// Least normalised state: below it a decoder takes the next two bytes.
+/// Least state of the numeral system: below it a decoder takes the next two bytes.
 pub(crate) const MIN_STATE: u32 = 1 << 16;
 /// Bytes of the state at the front.
 pub(crate) const STATE_BYTES: usize = 4;
 
-/// Reads a substream, and zeros beyond its ends.
+/// Reads a substream; beyond its ends it reads zeros.
 #[derive(Debug)]
 pub(crate) struct Decoder<'a> {
+    /// The state of the numeral system.
     state: u32,
     bytes: &'a [u8],
     /// Bytes taken from the front.
     front: usize,
-    /// Bytes taken from the back, and the bits of these that are not used yet.
+    /// Bytes taken from the back.
     back: usize,
+    /// Plain bits that were taken from the back and not used yet, from the lowest on.
     pending: u64,
+    /// Number of bits in `pending`.
     pending_bits: u32,
 }
 
@@ -45,6 +48,7 @@ impl<'a> Decoder<'a> {
         self.state == MIN_STATE && !self.is_exhausted()
     }
 
+    /// Takes a value off the state, given its interval and the state's slot, and refills the state.
     #[inline]
     fn advance(&mut self, interval: Interval, slot: u16) {
         self.state = u32::from(interval.frequency) * (self.state >> PROBABILITY_BITS)
@@ -61,6 +65,7 @@ impl<'a> Decoder<'a> {
         }
     }
 
+    /// The number in 0..[`TOTAL`] whose interval is that of the next value.
     fn slot(&self) -> u16 {
         self.state as u16 & (TOTAL - 1)
     }

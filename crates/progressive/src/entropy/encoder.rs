@@ -14,18 +14,20 @@ pub(crate) struct Encoder {
     /// Intervals of all values with adaptive probabilities. A decoder reads last what is encoded
     /// first, so they are encoded backwards at the end.
     intervals: Vec<Interval>,
-    /// Estimated length of these, in 1/256 bit.
-    cost: u64,
-    /// Plain bits; the first is the lowest bit of the first byte.
+    /// Estimated length of `intervals` once encoded, in 1/256 bit.
+    interval_cost: u64,
+    /// Bytes of plain bits; the first bit is the lowest of the first byte.
     plain: Vec<u8>,
+    /// Plain bits that are not in `plain` yet, from the lowest on.
     pending: u64,
+    /// Number of bits in `pending`.
     pending_bits: u32,
 }
 
 impl Encoder {
     /// Returns the estimated length so far in bytes.
     pub(crate) fn len(&self) -> usize {
-        (self.cost >> 11) as usize + self.plain.len() + STATE_BYTES
+        (self.interval_cost >> 11) as usize + self.plain.len() + STATE_BYTES
     }
 
     /// Encodes everything that was collected.
@@ -60,7 +62,7 @@ impl Encoder {
         let fraction = (u32::from(interval.frequency) << (PROBABILITY_BITS - log)
             & u32::from(TOTAL - 1))
             >> (PROBABILITY_BITS - 8);
-        self.cost += u64::from(((PROBABILITY_BITS - log) << 8) - fraction);
+        self.interval_cost += u64::from(((PROBABILITY_BITS - log) << 8) - fraction);
     }
 }
 

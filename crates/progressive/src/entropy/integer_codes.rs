@@ -1,6 +1,6 @@
-//! Codes for integers: the bit length as an adaptive symbol, the bits below the highest one plain.
-//! For residuals (signed, of an expected length), for numbers of any size, and for numbers below a
-//! bound.
+//! Codes for integers: the bit length is an adaptive symbol; the bits below the highest one are
+//! plain. There is one for residuals (signed, of an expected length), one for numbers of any size,
+//! and one for numbers below a bound.
 
 use crate::entropy::adaptive_probability::AdaptiveSymbol;
 use crate::entropy::coder::Coder;
@@ -9,16 +9,20 @@ use crate::entropy::coder::Coder;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ResidualCode(pub(crate) AdaptiveSymbol);
 
-/// Symbol of a magnitude as long as expected: 9 below and 4 above have symbols, since residuals are
-/// smaller than expected more often than larger. Symbol 0 is a residual of 0.
-const EXPECTED_LENGTH: i32 = 10;
-/// Symbol of a length too far from the expected one: it follows as a plain number.
-const ESCAPE: u32 = 15;
+/// Symbol of a magnitude as long as expected: up to 9 bits fewer and 4 more have symbols, since
+/// residuals are smaller than expected more often than larger. Symbol 0 is a residual of 0.
+const EXPECTED_LENGTH_SYMBOL: i32 = 10;
+/// Symbol of a length too far from the expected one: the length follows as a plain number.
+const LENGTH_ESCAPE: u32 = 15;
+/// Symbol of a [`BoundedCode`] whose number is at least this many bits shorter than its bound: all
+/// bits follow plain.
+const SHORTEST_SYMBOL: u32 = 15;
 
 /// A residual and the bit length of its magnitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CodedResidual {
     pub(crate) value: i64,
+    /// Bit length of the magnitude; 0 for a residual of 0.
     pub(crate) bits: u32,
 }
 
@@ -35,16 +39,18 @@ impl ResidualCode {
     ) -> CodedResidual {
         let magnitude = value.unsigned_abs() as u32;
         let length = bit_length(magnitude);
-        let relative = length as i32 - expected as i32 + EXPECTED_LENGTH;
+        let relative = length as i32 - expected as i32 + EXPECTED_LENGTH_SYMBOL;
         let symbol = match relative {
             _ if length == 0 => 0,
             1..=14 => relative as u32,
-            _ => ESCAPE,
+            _ => LENGTH_ESCAPE,
         };
         let length = match coder.symbol(&mut self.0, symbol) {
             0 => return CodedResidual { value: 0, bits: 0 },
-            ESCAPE => coder.uniform(32, length.wrapping_sub(1)) + 1,
-            symbol => (symbol as i32 - EXPECTED_LENGTH + expected as i32).clamp(1, 32) as u32,
+            LENGTH_ESCAPE => coder.uniform(32, length.wrapping_sub(1)) + 1,
+            symbol => {
+                (symbol as i32 - EXPECTED_LENGTH_SYMBOL + expected as i32).clamp(1, 32) as u32
+            }
         };
         // The bits below the highest, and the sign, are equally likely to be set or not.
         let low = coder.raw(length - 1, magnitude & !(1 << (length - 1)));
@@ -57,9 +63,9 @@ impl ResidualCode {
 /// Code of a natural number of any size: an Elias gamma code whose length is adaptive.
 #[derive(Clone, Debug)]
 pub(crate) struct GammaCode {
-    /// Bit length div 4.
+    /// The bit length divided by 4, rounded down.
     pub(crate) length_high: AdaptiveSymbol,
-    /// Bit length mod 4, by its upper part.
+    /// The bit length modulo 4: a context for each value of `length_high`.
     pub(crate) length_low: [AdaptiveSymbol; 9],
 }
 
@@ -90,10 +96,10 @@ impl BoundedCode {
     /// Codes a number below `end`, which is at least 1.
     pub(crate) fn code<C: Coder>(&mut self, coder: &mut C, end: u32, value: u32) -> u32 {
         let longest = bit_length(end - 1);
-        let saved = (longest - bit_length(value).min(longest)).min(15);
+        let saved = (longest - bit_length(value).min(longest)).min(SHORTEST_SYMBOL);
         let saved = coder.symbol(&mut self.0, saved);
         let length = longest.saturating_sub(saved);
-        if saved == 15 {
+        if saved == SHORTEST_SYMBOL {
             return coder.raw(length, value);
         }
         if length <= 1 {

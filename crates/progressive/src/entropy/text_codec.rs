@@ -1,9 +1,10 @@
-//! A text codec for JSON and material files, byte by byte: a byte is predicted as the one that
-//! followed the same four or eight bytes before, else coded in the context of the byte before it
-//! (prediction by matching, Bloom 1996, over an order-1 model).
+//! A text codec for JSON and material files, byte by byte. The prediction of a byte is the one that
+//! followed the last occurrence of the preceding four or eight bytes; a bit says whether it is
+//! right. If not, the byte is coded in the context of the byte before it. (Prediction by matching,
+//! Bloom 1996, over an order-1 model.)
 //!
-//! The model starts from a typical text: most documents are short, and use the same words. That
-//! makes them 0.3 to 0.6 of their size by the order-1 model alone.
+//! The model starts from a typical text, since most documents are short and use the same words. So
+//! they take 0.3 to 0.6 of what they take with the order-1 model alone.
 
 use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 use crate::entropy::coder::Coder;
@@ -11,14 +12,17 @@ use crate::entropy::decoder::Decoder;
 use crate::entropy::encoder::Encoder;
 use std::fmt::{self, Formatter};
 
-/// A text may be this many times as long as its encoding ...
+/// A decoder refuses a text longer than this many times its encoding, plus [`EXPANSION_ALLOWANCE`]:
+/// few bytes must not ask for much memory. Chosen by hand; encodings that would be smaller are
+/// padded.
 const MAX_EXPANSION: usize = 64;
-/// ... and this many bytes longer.
-const FREE_BYTES: usize = 1 << 16;
+/// Bytes that a text may have beyond [`MAX_EXPANSION`] times its encoding, so that short documents
+/// need no padding. Chosen by hand.
+const EXPANSION_ALLOWANCE: usize = 1 << 16;
 /// The text that both sides code before any other: words of glTF, and of materials of OBJ files.
 const TYPICAL: &[u8] = include_bytes!("typical_text.txt");
 
-/// Codes texts, each after those before it.
+/// Codes texts one after another; each is predicted from those before it.
 pub struct TextCodec {
     model: Model,
 }
@@ -26,7 +30,7 @@ pub struct TextCodec {
 impl Default for TextCodec {
     fn default() -> Self {
         let mut model = Model::new();
-        // What is coded of the typical text is dropped.
+        // The encoding of the typical text itself is dropped.
         let mut unused = Encoder::default();
         for &byte in TYPICAL {
             model.code(&mut unused, byte);
@@ -50,8 +54,8 @@ impl TextCodec {
             self.model.code(&mut encoder, byte);
         }
         let substream = encoder.finish();
-        let least = text.len().saturating_sub(FREE_BYTES).div_ceil(MAX_EXPANSION);
-        let padding = least.saturating_sub(substream.len());
+        let min_length = text.len().saturating_sub(EXPANSION_ALLOWANCE).div_ceil(MAX_EXPANSION);
+        let padding = min_length.saturating_sub(substream.len());
         substream.into_bytes(padding)
     }
 
@@ -59,7 +63,8 @@ impl TextCodec {
     #[must_use]
     pub fn decode(&mut self, encoded: &[u8], length: usize) -> Option<Vec<u8>> {
         // Bounds the memory that a few bytes can ask for.
-        if length > FREE_BYTES.saturating_add(encoded.len().saturating_mul(MAX_EXPANSION)) {
+        if length > EXPANSION_ALLOWANCE.saturating_add(encoded.len().saturating_mul(MAX_EXPANSION))
+        {
             return None;
         }
         let mut decoder = Decoder::new(encoded);
@@ -72,10 +77,12 @@ impl TextCodec {
 }
 
 /// Bits of the hashes by which earlier occurrences are found. A newer occurrence replaces an older
-/// one of the same hash, which does no harm: JSON repeats what is near. A constant of the format.
+/// one of the same hash; that does no harm, since JSON mostly repeats recent text. A constant of
+/// the format, chosen by hand.
 const HASH_BITS: u32 = 16;
-/// Lengths of a match so far, in bytes, that have a context of their own.
-const RUNS: usize = 16;
+/// Contexts for the number of right predictions in a row: 0 to one fewer, or more. A constant of
+/// the format, chosen by hand.
+const RUN_CONTEXTS: usize = 16;
 
 /// A model of text, and the text so far.
 struct Model {
@@ -83,13 +90,13 @@ struct Model {
     /// By hashes of the last four and of the last eight bytes: the index in the text of the byte
     /// that followed them the last time; 0 if there was none.
     followers: [Vec<u32>; 2],
-    /// Whether the byte is the predicted one: by the hash that found it (four or eight bytes), and
-    /// by how many predictions in a row were right.
-    matches: [[AdaptiveBit; RUNS]; 2],
+    /// The prediction is right: by the hash that found it (0: four bytes, 1: eight), and by how
+    /// many predictions in a row were right.
+    matches: [[AdaptiveBit; RUN_CONTEXTS]; 2],
     /// Number of right predictions in a row.
     run: usize,
-    /// By the byte before: the lower half of a byte by its upper half (0 to 15), and the upper
-    /// half.
+    /// Bytes that were not predicted. By the byte before: 0 to 15 for the lower half of the byte,
+    /// one for each upper half, and 16 for the upper half.
     literals: Vec<[AdaptiveSymbol; 17]>,
 }
 
@@ -98,7 +105,7 @@ impl Model {
         Self {
             text: Vec::new(),
             followers: [vec![0; 1 << HASH_BITS], vec![0; 1 << HASH_BITS]],
-            matches: [[AdaptiveBit::NEW; RUNS]; 2],
+            matches: [[AdaptiveBit::NEW; RUN_CONTEXTS]; 2],
             run: 0,
             literals: vec![[AdaptiveSymbol::NEW; 17]; 256],
         }
@@ -112,7 +119,7 @@ impl Model {
         let mut predicted = None;
         if follower > 0 {
             let expected = self.text[follower];
-            let context = &mut self.matches[kind][self.run.min(RUNS - 1)];
+            let context = &mut self.matches[kind][self.run.min(RUN_CONTEXTS - 1)];
             predicted = coder.bit(context, expected == byte).then_some(expected);
         }
         self.run = if predicted.is_some() { self.run + 1 } else { 0 };
@@ -132,6 +139,7 @@ impl Model {
     /// Returns hashes of the last four and of the last eight bytes, zeros before the first one.
     fn hashes(&self) -> [usize; 2] {
         let end = self.text.len();
+        // The four bytes that begin `back` bytes before the end.
         let word = |back: usize| {
             let bytes4 = end.checked_sub(back).and_then(|at| self.text[at..].first_chunk());
             u32::from_le_bytes(bytes4.copied().unwrap_or_default())
@@ -192,7 +200,7 @@ mod tests {
     fn extreme_redundancy_is_padded() {
         let text = vec![0; 10 << 20];
         let encoded = encode(&text);
-        assert_eq!(encoded.len(), (text.len() - FREE_BYTES).div_ceil(MAX_EXPANSION));
+        assert_eq!(encoded.len(), (text.len() - EXPANSION_ALLOWANCE).div_ceil(MAX_EXPANSION));
         assert!(decode(&encoded, text.len()) == Some(text));
     }
 }

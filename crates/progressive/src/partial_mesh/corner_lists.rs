@@ -3,8 +3,9 @@
 
 use crate::partial_mesh::long_lists::{Blocks, LongLists};
 
-/// Corners that a vertex holds inline; longer lists are allocated. With the count a list is 48
-/// bytes, so that nearly every vertex of a scan takes one cache line.
+/// Corners that a vertex holds inline; longer lists are in `long_lists`. With the count a list
+/// takes 48 bytes, less than a cache line, and nearly every vertex of a scanned mesh fits. Chosen
+/// by hand.
 pub(crate) const INLINE_CORNERS: usize = 11;
 
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +79,7 @@ impl CornerLists {
     }
 
     /// Iterates over the corners of a vertex that has more than [`INLINE_CORNERS`].
-    pub(crate) fn long(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn long_corners(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
         self.long.corners(self.lists[vertex as usize].blocks())
     }
 
@@ -119,8 +120,9 @@ impl CornerLists {
         }
     }
 
-    /// Removes corners from the list of a vertex, which has all of them, and adds others before and
-    /// behind the remaining ones. In a long list the time depends on their number alone.
+    /// Removes corners from the list of a vertex, which has all of them, and adds others at its
+    /// beginning and its end. In a long list the time depends only on how many are removed and
+    /// added.
     pub(crate) fn exchange(
         &mut self,
         vertex: u32,
@@ -128,7 +130,7 @@ impl CornerLists {
         prepended: &[u32],
         appended: &[u32],
     ) {
-        let remaining: Vec<u32> = match self.inline(vertex) {
+        let corners: Vec<u32> = match self.inline(vertex) {
             Some(corners) => {
                 let remaining = corners.iter().filter(|corner| !removed.contains(corner));
                 prepended.iter().chain(remaining).chain(appended).copied().collect()
@@ -148,7 +150,7 @@ impl CornerLists {
                 self.long.corners(blocks).collect()
             }
         };
-        self.set(vertex, &remaining);
+        self.set(vertex, &corners);
     }
 
     /// Inserts a corner into the list of a vertex.
@@ -176,8 +178,8 @@ impl CornerLists {
             (false, _) if list.is_long() => {
                 let mut blocks = list.blocks();
                 match insertion {
-                    Insertion::After(other) => self.long.insert(&mut blocks, corner, other, true),
-                    Insertion::Before(other) => self.long.insert(&mut blocks, corner, other, false),
+                    Insertion::After(other) => self.long.insert_after(&mut blocks, corner, other),
+                    Insertion::Before(other) => self.long.insert_before(&mut blocks, corner, other),
                     Insertion::Last => self.long.push(&mut blocks, corner),
                 }
                 list.set_blocks(blocks);
@@ -240,7 +242,7 @@ mod tests {
             let vertex = vertex as u32;
             match lists.inline(vertex) {
                 Some(inline) => assert_eq!(inline, list),
-                None => assert_eq!(&lists.long(vertex).collect::<Vec<_>>(), list),
+                None => assert_eq!(&lists.long_corners(vertex).collect::<Vec<_>>(), list),
             }
         }
     }
@@ -254,11 +256,11 @@ mod tests {
             let other = random.below(corner as usize) as u32;
             lists.insert(0, corner, Insertion::After(other));
         }
-        assert_eq!(lists.long(0).count(), n as usize);
+        assert_eq!(lists.long_corners(0).count(), n as usize);
         assert!(lists.long.moves < 70 * n as usize, "{}", lists.long.moves);
         for corner in 0..n - 300 {
             lists.exchange(0, &[corner], &[], &[]);
         }
-        assert!(lists.long(0).count() == 300 && lists.long.used_blocks() <= 300);
+        assert!(lists.long_corners(0).count() == 300 && lists.long.used_blocks() <= 300);
     }
 }

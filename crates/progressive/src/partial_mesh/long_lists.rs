@@ -1,6 +1,6 @@
-//! Corner lists of vertices with many triangles, as linked blocks of up to 128 corners. Each corner
-//! knows its block, so that inserting beside it and removing it cost no more in a list of a million
-//! than in one of a hundred.
+//! Corner lists of vertices with many triangles, as linked blocks of up to 128 corners. The block
+//! of each corner is stored, so that inserting beside it and removing it cost no more in a list of
+//! a million than in one of a hundred.
 
 use lodc_mesh::NONE;
 
@@ -26,6 +26,7 @@ pub(crate) struct Blocks {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LongLists {
     blocks: Vec<Block>,
+    /// Blocks that are in no list.
     unused: Vec<u32>,
     /// The block of each corner that is in a list.
     block_of: Vec<u32>,
@@ -72,11 +73,19 @@ impl LongLists {
         blocks.flat_map(|b| b.corners.iter().copied())
     }
 
-    /// Inserts a corner beside another one of the list: before or after it. If the other one is in
-    /// no list, as only a crafted stream has it, the corner goes to the end.
-    pub(crate) fn insert(&mut self, list: &mut Blocks, corner: u32, other: u32, after: bool) {
+    /// Inserts a corner after another one of the list. If the other one is in no list, which only
+    /// crafted streams cause, the corner goes to the end.
+    pub(crate) fn insert_after(&mut self, list: &mut Blocks, corner: u32, other: u32) {
         match self.find(other) {
-            Some((block, index)) => self.insert_at(list, block, index + usize::from(after), corner),
+            Some((block, index)) => self.insert_at(list, block, index + 1, corner),
+            None => self.push(list, corner),
+        }
+    }
+
+    /// Inserts a corner before another one of the list, or like [`Self::insert_after`] at the end.
+    pub(crate) fn insert_before(&mut self, list: &mut Blocks, corner: u32, other: u32) {
+        match self.find(other) {
+            Some((block, index)) => self.insert_at(list, block, index, corner),
             None => self.push(list, corner),
         }
     }
@@ -124,8 +133,8 @@ impl LongLists {
         Some((block, index))
     }
 
-    /// Takes a corner out of a list, which holds it. Blocks that become empty are taken away, so
-    /// that a list has no more of them than corners.
+    /// Takes a corner out of the list that holds it. Blocks that become empty are taken out too, so
+    /// that a list never has more blocks than corners.
     pub(crate) fn remove_corner(&mut self, list: &mut Blocks, corner: u32) {
         let Some((number, index)) = self.find(corner) else { return };
         let block = &mut self.blocks[number as usize];

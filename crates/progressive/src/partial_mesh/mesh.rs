@@ -11,9 +11,9 @@ use std::hint::black_box;
 pub(crate) struct PartialMesh {
     /// The submesh of each vertex.
     pub(crate) submesh: Vec<u32>,
-    /// The next vertex of the same step and position, in a circle.
+    /// The next vertex of the same step and position (the next wedge), in a circle.
     pub(crate) next_wedge: Vec<u32>,
-    /// The corners of each vertex, mostly in the order of a fan.
+    /// The corners of each vertex (4 × triangle + 0, 1 or 2), mostly in the order of a fan.
     pub(crate) corners: CornerLists,
     /// The vertices of each triangle; the fourth is unused.
     pub(crate) faces: Vec<[u32; 4]>,
@@ -28,7 +28,7 @@ impl PartialMesh {
         self.faces.len() as u32
     }
 
-    /// Makes room for this many vertices more.
+    /// Reserves memory for this many more vertices.
     pub(crate) fn reserve(&mut self, vertices: usize) {
         self.submesh.reserve_exact(vertices);
         self.next_wedge.reserve_exact(vertices);
@@ -73,12 +73,12 @@ impl PartialMesh {
         };
         match self.corners.inline(vertex) {
             Some(corners) => star.extend(corners.iter().map(|&corner| star_face(corner))),
-            None => star.extend(self.corners.long(vertex).map(star_face)),
+            None => star.extend(self.corners.long_corners(vertex).map(star_face)),
         }
         is_chain && star.first().is_some_and(|first| first.a == end)
     }
 
-    /// Returns a triangle as a vertex sees it; none if it is not in the star of that vertex.
+    /// Returns a triangle as seen from a vertex; none if it is not in the star of that vertex.
     pub(crate) fn star_face(&self, face: u32, vertex: u32) -> Option<StarFace> {
         let corners = self.face(face);
         let index = corners.iter().position(|&v| v == vertex)?;
@@ -97,9 +97,9 @@ impl PartialMesh {
     /// Changes nothing.
     #[inline]
     pub(crate) fn prefetch_link(&self, vertex: u32, value: impl Fn(u32) -> i32) {
-        let of_corner =
+        let link_value =
             |&c: &u32| value(self.faces[c as usize >> 2][NEXT[c as usize & 3] as usize & 3]);
         let corners = self.corners.inline(vertex).unwrap_or_default().iter();
-        black_box(corners.fold(0, |all, c| all ^ of_corner(c)));
+        black_box(corners.fold(0, |all, c| all ^ link_value(c)));
     }
 }

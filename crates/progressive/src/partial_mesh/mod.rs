@@ -20,9 +20,9 @@
 //!       r                -              triangle 2
 //! ```
 //!
-//! A star is one or several fans. A fan goes on as long as the next triangle's `a` is the one's
-//! `b`. It is closed if its last `b` is its first `a`; then it has no vertex twice. The link lists
-//! the vertices of fan after fan and so may name a vertex more than once.
+//! A star is one or several fans. A triangle continues a fan if its `a` is the `b` of the triangle
+//! before. A fan is closed if its last `b` is its first `a`; the link then lists that vertex once.
+//! The link lists the vertices fan by fan, so it may name a vertex more than once.
 //!
 //! # Splits
 //!

@@ -2,7 +2,7 @@
 
 use lodc_mesh::NONE;
 
-/// The position of a new triangle relative to the split edge, which joins new vertex and parent.
+/// Where a new triangle lies relative to the split edge, which joins new vertex and parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     /// Left of it: (new, apex, parent). The apex is Hoppe's v_l.
@@ -32,10 +32,11 @@ pub(crate) struct NewTriangle {
     pub(crate) next: u32,
     pub(crate) previous: u32,
     pub(crate) side: Side,
-    /// Indices in the parent's star of the triangles beside the apex: the one whose link edge
-    /// starts there, and the one whose link edge ends there. [`NONE`] if there is none, or if the
-    /// apex was not coded as a vertex of the link.
+    /// Index in the parent's star of the triangle whose link edge starts at the apex, the corner
+    /// off the split edge. [`NONE`] if there is none, or if the apex was not coded as a vertex of
+    /// the link.
     pub(crate) outgoing: u32,
+    /// Likewise, of the triangle whose link edge ends at the apex.
     pub(crate) incoming: u32,
 }
 

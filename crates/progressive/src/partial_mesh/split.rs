@@ -50,8 +50,8 @@ pub(crate) struct SplitBuffers {
 }
 
 impl PartialMesh {
-    /// Does the split of the common case, see [`Arcs`], and collects the link of the new vertex.
-    /// Does nothing and returns false if a list could become longer than [`INLINE_CORNERS`].
+    /// Does the split in the common case, see [`Arcs`], and collects the link of the new vertex.
+    /// Changes nothing and returns false if a list could become longer than [`INLINE_CORNERS`].
     #[inline]
     pub(crate) fn split_arcs(
         &mut self,
@@ -119,14 +119,14 @@ impl PartialMesh {
     ) {
         let SplitEdge { parent, new } = edge;
         let first_face = self.face_count();
-        let corner = |i: usize, of: u32| 4 * (first_face + i as u32) + of;
+        let corner = |i: usize, number: u32| 4 * (first_face + i as u32) + number;
         let SplitBuffers { kept, transferred } = buffers;
         kept.clear();
         transferred.clear();
         new_star.clear();
         let left = triangles.iter().enumerate().filter(|(_, t)| t.side == Side::Left);
         kept.extend(left.map(|(i, _)| corner(i, 2)));
-        let lefts = kept.len();
+        let left_count = kept.len();
         for (face, is_transferred) in parent_star.rotated() {
             if is_transferred {
                 transferred.push(face.corner);
@@ -155,7 +155,7 @@ impl PartialMesh {
         }
         if parent_star.is_part {
             let removed = &transferred[..parent_star.faces.len()];
-            let (prepended, appended) = kept.split_at(lefts);
+            let (prepended, appended) = kept.split_at(left_count);
             self.corners.exchange(parent, removed, prepended, appended);
         } else {
             self.corners.set(parent, kept);
@@ -168,8 +168,9 @@ impl PartialMesh {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ParentStar<'a> {
     pub(crate) faces: &'a [StarFace],
+    /// For each of `faces` whether it is transferred.
     pub(crate) transfer: &'a [bool],
-    /// True if these are only the triangles that are transferred, of a star that has more.
+    /// True for a named star: `faces` has only the triangles that are transferred.
     pub(crate) is_part: bool,
 }
 

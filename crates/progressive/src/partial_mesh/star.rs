@@ -5,13 +5,14 @@ use lodc_mesh::NONE;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// For each corner of a triangle the next one, counter-clockwise. A corner is four times the
-/// triangle plus 0, 1 or 2; the fourth entry only makes masked accesses safe.
+/// The next corner, counter-clockwise, of corners 0, 1 and 2 of a triangle. The number of a corner
+/// in a mesh is four times the triangle plus that; the fourth entry only makes masked accesses
+/// safe.
 pub(crate) const NEXT: [u32; 4] = [1, 2, 0, 0];
 
-/// Stars of more triangles are large: those of hubs, vertices with hundreds of triangles. Smaller
-/// stars cost no bit for what hubs need, so the number is high. A constant of the format; not
-/// measured.
+/// Stars of more triangles are large: those of hubs, vertices with hundreds of triangles. Only
+/// splits of large stars pay the bits that hubs need, so the number is high enough for ordinary
+/// meshes to have none. A constant of the format; chosen by hand.
 pub(crate) const LARGE_STAR: u32 = 256;
 
 /// A triangle seen from one of its corners, at vertex v: (v, a, b) counter-clockwise.
@@ -52,19 +53,19 @@ pub(crate) struct LinkVertex {
 /// Collects the link of a vertex from its star, fan after fan.
 pub(crate) fn collect_link(star: &[StarFace], link: &mut Vec<LinkVertex>) {
     link.clear();
-    let mut fan = 0;
+    let mut fan_start = 0;
     for (i, face) in star.iter().enumerate() {
-        let incoming = if i > fan { i as u32 - 1 } else { NONE };
+        let incoming = if i > fan_start { i as u32 - 1 } else { NONE };
         link.push(LinkVertex { vertex: face.a, outgoing: i as u32, incoming });
         let continues = star.get(i + 1).is_some_and(|next| next.a == face.b);
         if !continues {
-            if face.b == star[fan].a {
-                let first = link.len() - 1 - (i - fan);
+            if face.b == star[fan_start].a {
+                let first = link.len() - 1 - (i - fan_start);
                 link[first].incoming = i as u32;
             } else {
                 link.push(LinkVertex { vertex: face.b, outgoing: NONE, incoming: i as u32 });
             }
-            fan = i + 1;
+            fan_start = i + 1;
         }
     }
 }

@@ -29,27 +29,34 @@ fn vertices(link: &[LinkVertex]) -> Vec<u32> {
     link.iter().map(|l| l.vertex).collect()
 }
 
-/// The hexagon split at vertices 3 (left) and 6 (right), by the general or the common case.
-fn split(common: bool) -> PartialMesh {
+/// Which function splits the mesh.
+#[derive(Clone, Copy, PartialEq)]
+enum SplitBy {
+    General,
+    Arcs,
+}
+
+/// The hexagon split at vertices 3 (left) and 6 (right).
+fn split(by: SplitBy) -> PartialMesh {
     let mut mesh = hexagon();
     let (star, link, closed) = star_and_link(&mesh, 0);
     assert!(closed);
     assert_eq!(vertices(&link), [1, 2, 3, 4, 5, 6]);
     assert_eq!((link[0].outgoing, link[0].incoming), (0, 5));
     let edge = SplitEdge { parent: 0, new: 7 };
-    if common {
+    if by == SplitBy::Arcs {
         let arcs = Arcs { first_kept: 2, first_transferred: 5 };
         let mut new_link = Vec::new();
         assert!(mesh.split_arcs(edge, &star, arcs, &mut new_link));
         assert_eq!(new_link, [6, 1, 2, 3, 0]);
         return mesh;
     }
-    let beside = |l: LinkVertex, mut t: NewTriangle| {
+    let connected = |l: LinkVertex, mut t: NewTriangle| {
         (t.outgoing, t.incoming) = (l.outgoing, l.incoming);
         t
     };
-    let left = beside(link[2], NewTriangle::unconnected(3, 0, Side::Left));
-    let right = beside(link[5], NewTriangle::unconnected(0, 6, Side::Right));
+    let left = connected(link[2], NewTriangle::unconnected(3, 0, Side::Left));
+    let right = connected(link[5], NewTriangle::unconnected(0, 6, Side::Right));
     let transfer = [true, true, false, false, false, true];
     let parent = ParentStar { faces: &star, transfer: &transfer, is_part: false };
     let mut new_star = Vec::new();
@@ -61,9 +68,9 @@ fn split(common: bool) -> PartialMesh {
 
 #[test]
 fn corner_lists_stay_in_the_order_of_fans() {
-    for mesh in [split(false), split(true)] {
-        // Those of vertices 3 and 6 were in no order before; a new corner stands beside its
-        // neighbour.
+    for mesh in [split(SplitBy::General), split(SplitBy::Arcs)] {
+        // The lists of vertices 3 and 6 were in no order before; a new corner is inserted beside
+        // its neighbour.
         let closed = [(0, &[7, 3, 4, 5, 6][..], true), (7, &[6, 1, 2, 3, 0], true)];
         let open = [(3, &[7, 2, 4, 0, 7][..], false), (6, &[0, 5, 1, 7, 0], false)];
         for (vertex, expected, closes) in closed.into_iter().chain(open) {

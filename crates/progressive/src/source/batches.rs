@@ -1,12 +1,16 @@
-//! The order of steps in batches, in which most streams have them: cheaper to code than the order
-//! of collapses, and with the same levels at the ends of batches.
+//! The order of steps in batches, which most streams use: cheaper to code than the order of
+//! collapses, and with the same levels at the ends of batches.
 //!
-//! A level of half-edge collapses depends on the set of its vertices alone, so any order with
-//! targets before what splits off them gives the same levels where the sets are the same. Steps are
-//! cut into batches; within one they come in the order in which a list of all wedge groups is
-//! walked through once. A group goes on being split until the batch has no more splits of it; each
-//! new group follows right behind the one that it splits off. One bit for each group that is
-//! visited codes it all.
+//! A step is all vertex splits that undo one collapse: one for each wedge of a group. Steps are
+//! named by their first vertex, wedge groups by theirs. The points are the vertices before the
+//! first triangle; no step brings them.
+//!
+//! The triangles of a level depend on the set of its vertices alone. So any order of the steps in
+//! which targets come before the vertices that split off them has the same levels wherever it has
+//! the same sets. Steps are cut into batches; within a batch they come in the order in which a list
+//! of all wedge groups is walked through once. A group is split until the batch has no more splits
+//! of it; each new group is inserted right behind the one that it splits off. One bit at each visit
+//! of a group (is it split?) codes the whole order.
 //!
 //! ```text
 //!   list           0   1   2          before the batch
@@ -14,13 +18,16 @@
 //!   walked         0 3 5 1 2 4        bits 1 0 · 1 0 · 0 · 0 · 1, and the batch is over
 //! ```
 
-use lodc_mesh::{CollapseSequence, Lod, Mesh};
-use lodc_mesh::{MeshParts, NONE, PositionIds, SequenceParts, Simplified, removal_lods};
+use crate::source::first_appearance::{FirstAppearance, first_appearances};
+use lodc_mesh::{
+    Attribute, CollapseSequence, Lod, Mesh, MeshParts, NONE, PositionIds, SequenceParts,
+    Simplified, removal_lods,
+};
 
-/// A batch has one step, and one more for each this many steps before it: it grows the mesh by a
-/// third. Shorter ones cost more bits (growing by a quarter: 0.3 bits for each vertex), longer ones
-/// have fewer levels that a prefix can show, since within a batch the order is not the metric's.
-const STEPS_FOR_ONE_MORE: usize = 3;
+/// A batch has one step, and one more for this many steps before it: it grows the mesh by a third.
+/// Shorter batches cost more bits (growing by a quarter: 0.3 bits for each vertex); longer ones
+/// leave fewer levels that a prefix can show, since within a batch the order is not the metric's.
+const EARLIER_STEPS_PER_STEP: usize = 3;
 
 /// The splits of an object in stream order.
 pub(crate) struct StepTree<'a> {
@@ -32,18 +39,30 @@ pub(crate) struct StepTree<'a> {
     pub(crate) groups: &'a [u32],
     /// Vertices before the first triangle.
     pub(crate) points: u32,
-    /// Numbers of vertices at which a level must not be changed: the last legal one, and the first
-    /// with another topology.
-    pub(crate) fixed: [u32; 2],
+    /// Numbers of vertices of two levels that batches must not change: the last legal one, and the
+    /// first with another topology.
+    pub(crate) fixed_levels: [u32; 2],
 }
 
-/// Two steps of which the first must come before the second, each by its first vertex.
-type Precedence = [u32; 2];
+/// Consecutive steps that come in one walk through the list of groups.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Batch {
+    pub(crate) first_vertex: u32,
+    /// Number of its steps.
+    pub(crate) steps: u32,
+}
+
+/// Two steps, each by its first vertex, of which `earlier` must come before `later`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Precedence {
+    earlier: u32,
+    later: u32,
+}
 
 /// How often each group may be passed in the walks of all batches, on average. Passes through lists
 /// that grow by a third add up to four of the whole list; while steps are few beside the points,
-/// some dozens of batches pass through all of these. Other orders would take quadratic time, and
-/// are given up here.
+/// some dozens of batches pass through all points. Orders that need more passes would take
+/// quadratic time: they are given up. The number is chosen by hand.
 const MAX_PASSES: usize = 64;
 
 /// The list of wedge groups, each named by its first vertex, and the pass of a batch through it.
@@ -51,7 +70,7 @@ struct ListWalk {
     /// The group behind each one.
     next: Vec<u32>,
     /// Number of groups that may still be passed.
-    budget: usize,
+    passes_remaining: usize,
 }
 
 impl ListWalk {
@@ -60,7 +79,7 @@ impl ListWalk {
         if let Some(last) = (points as usize).checked_sub(1) {
             next[last] = NONE;
         }
-        Self { next, budget: MAX_PASSES * (vertices + 1) }
+        Self { next, passes_remaining: MAX_PASSES * (vertices + 1) }
     }
 
     /// Puts a new group behind the one that it splits off.
@@ -73,9 +92,9 @@ impl ListWalk {
         self.next[group as usize] = self.next[step as usize];
     }
 
-    /// Goes on to the next group; none behind the last, or when the budget is spent.
+    /// Returns the group behind one; none behind the last, or after too many passes.
     fn advance(&mut self, group: u32) -> Option<u32> {
-        self.budget = self.budget.checked_sub(1)?;
+        self.passes_remaining = self.passes_remaining.checked_sub(1)?;
         Some(self.next[group as usize]).filter(|&next| next != NONE)
     }
 }
@@ -85,9 +104,9 @@ impl StepTree<'_> {
         self.groups[self.targets[vertex as usize] as usize]
     }
 
-    /// Cuts steps, in the order that they have, into the fewest batches: the first vertex and the
-    /// number of steps of each. `None` if they are in no order of batches.
-    pub(crate) fn batches(&self) -> Option<Vec<[u32; 2]>> {
+    /// Cuts steps, in their present order, into the fewest batches. `None` if that order was not
+    /// made of batches.
+    pub(crate) fn batches(&self) -> Option<Vec<Batch>> {
         let steps = self.steps()?;
         let mut walk = ListWalk::new(self.points, self.targets.len());
         let mut batches = Vec::new();
@@ -105,11 +124,12 @@ impl StepTree<'_> {
                     }
                 }
             }
-            batches.push([first, count as u32]);
+            batches.push(Batch { first_vertex: first, steps: count as u32 });
             remaining = &remaining[count..];
-            // An order that was not made of batches has about one for each two steps. One in which
-            // each grows by a third has 2.4 for each doubling: four, eight more at the beginning,
-            // and one in 32 steps leave room for cuts at fixed levels and before late steps.
+            // An order that was not made of batches falls into about one for each two steps.
+            // Batches that each grow the mesh by a third are 2.4 for each doubling of the steps.
+            // Four, eight more at the beginning, and one for each 32 steps leave room for cuts at
+            // fixed levels and before steps that must wait for others.
             let done = steps.len() - remaining.len();
             let max_batches = 8 + 4 * (usize::BITS - done.leading_zeros()) as usize + done / 32;
             if count == 0 || batches.len() > max_batches {
@@ -119,20 +139,25 @@ impl StepTree<'_> {
         Some(batches)
     }
 
-    /// Puts steps into an order of batches: the first vertex of each, as they are numbered now,
-    /// with `precedences` kept. Calls `begin` with the number of steps before each batch.
-    fn plan(&self, precedences: &[Precedence], mut begin: impl FnMut(usize)) -> Option<Vec<u32>> {
+    /// Returns the steps in an order of batches that keeps `precedences`, each by its first vertex
+    /// in the present order. Calls `begin` with the number of steps before each batch.
+    fn order_in_batches(
+        &self,
+        precedences: &[Precedence],
+        mut begin: impl FnMut(usize),
+    ) -> Option<Vec<u32>> {
         let steps = self.steps()?;
         let mut walk = ListWalk::new(self.points, self.targets.len());
         let mut order = Vec::with_capacity(steps.len());
-        // The steps of the batch by the group that they split off, in their order.
+        // For each group a linked list of the steps of the batch that split off it, in their order.
         let (mut first_split, mut next_split) =
             (vec![NONE; self.targets.len()], vec![NONE; self.targets.len()]);
         let mut index_in_order = vec![u32::MAX; self.targets.len()];
         while order.len() < steps.len() {
             let done = order.len();
-            let max_end = (done + 1 + done / STEPS_FOR_ONE_MORE).min(steps.len());
-            let is_fixed = |&end: &usize| steps.get(end).is_some_and(|s| self.fixed.contains(s));
+            let max_end = (done + 1 + done / EARLIER_STEPS_PER_STEP).min(steps.len());
+            let is_fixed =
+                |&end: &usize| steps.get(end).is_some_and(|s| self.fixed_levels.contains(s));
             let mut end = (done + 1..max_end).find(is_fixed).unwrap_or(max_end);
             begin(done);
             loop {
@@ -152,16 +177,16 @@ impl StepTree<'_> {
                         order.push(step);
                     }
                 }
-                let too_late = |&&[a, b]: &&Precedence| {
-                    let [a, b] = [a, b].map(|step| index_in_order[step as usize]);
+                let is_violated = |p: &&Precedence| {
+                    let [a, b] = [p.earlier, p.later].map(|step| index_in_order[step as usize]);
                     a != u32::MAX && b != u32::MAX && a > b
                 };
-                let is_earlier = |&[_, b]: &Precedence| b < steps[done];
-                let candidates = &precedences[precedences.partition_point(is_earlier)..];
+                let first = precedences.partition_point(|p| p.later < steps[done]);
                 let next_batch = steps.get(end).copied().unwrap_or(u32::MAX);
-                let violated =
-                    candidates.iter().take_while(|[_, b]| *b < next_batch).find(too_late);
-                let Some(&[_, cut]) = violated else { break };
+                let mut of_batch = precedences[first..].iter().take_while(|p| p.later < next_batch);
+                let Some(&Precedence { later: cut, .. }) = of_batch.find(is_violated) else {
+                    break;
+                };
                 // The batch ends before the step that came too early, and is walked anew: the
                 // shorter batch may have another order.
                 for step in order.drain(done..).rev() {
@@ -174,7 +199,8 @@ impl StepTree<'_> {
         Some(order)
     }
 
-    /// The first vertex of each step behind the points, if all are whole groups off one group.
+    /// Returns the first vertex of each step after the points. `None` if a step is not exactly one
+    /// group that splits off one other.
     fn steps(&self) -> Option<Vec<u32>> {
         let mut steps = Vec::new();
         for v in self.points as usize..self.targets.len() {
@@ -185,10 +211,10 @@ impl StepTree<'_> {
                 }
                 steps.push(v as u32);
             } else {
-                // Points are there from the beginning, whatever group they are of.
-                let follows = self.targets[v] < self.points
+                // Points exist from the beginning, whatever their group.
+                let has_same_target_group = self.targets[v] < self.points
                     || self.group_of_target(v as u32) == self.group_of_target(v as u32 - 1);
-                if self.groups[v] != self.groups[v - 1] || !follows {
+                if self.groups[v] != self.groups[v - 1] || !has_same_target_group {
                     return None;
                 }
             }
@@ -197,8 +223,8 @@ impl StepTree<'_> {
     }
 }
 
-/// Returns for each vertex whether its step continues with the next one.
-pub(crate) fn continues(simplified: &Simplified) -> Vec<bool> {
+/// Returns for each vertex, in stream order, whether its step continues with the next one.
+pub(crate) fn find_continued_steps(simplified: &Simplified) -> Vec<bool> {
     let collapses = simplified.collapses();
     let last = collapses.records();
     let mut continues = vec![true; simplified.mesh().vertex_count()];
@@ -211,8 +237,8 @@ pub(crate) fn continues(simplified: &Simplified) -> Vec<bool> {
     continues
 }
 
-/// Returns the first vertex of each one's group: those of a step that have the same position as the
-/// vertex before.
+/// Returns for each vertex the first vertex of its wedge group. A vertex is in the group of the one
+/// before it if both are of one step and have the same position.
 pub(crate) fn wedge_groups(
     continues: &[bool],
     same_position: impl Fn(usize, usize) -> bool,
@@ -226,20 +252,20 @@ pub(crate) fn wedge_groups(
     groups
 }
 
-/// Returns a mesh with the steps of its sequence in batches, as a stream has them: the levels at
-/// the ends of batches are as they were, and so are their errors. `None` if it has an order in
-/// which streams cannot have it, or if it is in that order already.
+/// Returns a mesh with the steps of its sequence in batches, the order of streams: the levels at
+/// the ends of batches and their errors stay as they are. `None` if there is no such order for it,
+/// or if it is in one already.
 #[must_use]
 pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
     let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
     let (vertices, last) = (mesh.vertex_count(), collapses.records());
     let targets = collapses.targets().iter().rev().map(|&t| last - t);
     let targets: Vec<u32> = std::iter::once(0).chain(targets).take(vertices).collect();
-    let continues = continues(simplified);
+    let continues = find_continued_steps(simplified);
     let bits = |v: usize| mesh.positions()[last as usize - v].map(f32::to_bits);
     let parts = collapses.parts();
-    let visible = parts.step_triangles.partition_point(|&t| t > 0);
-    let points = match parts.step_ends.get(visible) {
+    let visible_steps = parts.step_triangles.partition_point(|&t| t > 0);
+    let points = match parts.step_ends.get(visible_steps) {
         Some(&end) if !mesh.triangles().is_empty() => vertices as u32 - end,
         _ => vertices as u32,
     };
@@ -248,23 +274,24 @@ pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
         continues: &continues,
         groups: &wedge_groups(&continues, |a, b| bits(a) == bits(b)),
         points,
-        fixed: fixed_levels(simplified),
+        fixed_levels: fixed_levels(simplified),
     };
     if tree.batches().is_some() {
         return None;
     }
     let precedences =
-        if mesh.submeshes().len() > 1 { tree.crossings_first(simplified) } else { Vec::new() };
+        if mesh.submeshes().len() > 1 { tree.submesh_precedences(simplified) } else { Vec::new() };
     let mut batches = Vec::new();
-    let order = tree.plan(&precedences, |done| batches.push(done))?;
+    let order = tree.order_in_batches(&precedences, |done| batches.push(done))?;
     batches.push(order.len());
     reordered(simplified, points, &continues, &order, &batches)
 }
 
 impl StepTree<'_> {
-    /// Where a vertex becomes one of another submesh, its triangles are gone by then: the steps
-    /// that must stay before those that bring the triangles, sorted by the latter.
-    fn crossings_first(&self, simplified: &Simplified) -> Vec<Precedence> {
+    /// When a collapse turns a vertex into one of another submesh, its triangles must be gone. So
+    /// in a stream the step that crosses from one submesh to another must come before the steps
+    /// that bring triangles of its vertices. Returns these pairs, sorted by the later step.
+    fn submesh_precedences(&self, simplified: &Simplified) -> Vec<Precedence> {
         let last = simplified.collapses().records();
         let submesh = |v: u32| simplified.mesh().vertex_submesh()[(last - v) as usize];
         let mut first_of_step: Vec<u32> = (0..=last).collect();
@@ -279,16 +306,17 @@ impl StepTree<'_> {
             crossing[v as usize] = if crosses { v } else { crossing[target as usize] };
         }
         let mut precedences = Vec::new();
-        for appearance in super::first_appearance::first_appearances(simplified) {
+        for appearance in first_appearances(simplified) {
             let first_visible = first_of_step[appearance.vertices[0] as usize];
             for v in appearance.vertices {
                 let crossing = crossing[v as usize];
                 if crossing != NONE && first_of_step[crossing as usize] < first_visible {
-                    precedences.push([first_of_step[crossing as usize], first_visible]);
+                    let earlier = first_of_step[crossing as usize];
+                    precedences.push(Precedence { earlier, later: first_visible });
                 }
             }
         }
-        precedences.sort_unstable_by_key(|&[a, b]| [b, a]);
+        precedences.sort_unstable_by_key(|p| (p.later, p.earlier));
         precedences.dedup();
         precedences
     }
@@ -301,7 +329,8 @@ pub(crate) fn fixed_levels(simplified: &Simplified) -> [u32; 2] {
     [parts.last_legal_lod, topology].map(|Lod(lod)| simplified.mesh().vertex_count() as u32 - lod)
 }
 
-/// The mesh with its vertices in the order of a plan.
+/// Returns the mesh with its steps in another order: `order` has the first vertex of each,
+/// `batches` the number of steps before each batch and, last, of all.
 fn reordered(
     simplified: &Simplified,
     points: u32,
@@ -310,13 +339,13 @@ fn reordered(
     batches: &[usize],
 ) -> Option<Simplified> {
     let last = simplified.collapses().records();
-    // In stream order: for each vertex its number before.
+    // In stream order: the old number of each vertex.
     let mut old_numbers: Vec<u32> = (0..points).collect();
-    let mut steps = Vec::with_capacity(order.len());
+    let mut step_sizes = Vec::with_capacity(order.len());
     for &step in order {
-        let further = continues[step as usize..].iter().take_while(|&&c| c).count() as u32;
-        steps.push(further + 1);
-        old_numbers.extend(step..=step + further);
+        let further_vertices = continues[step as usize..].iter().take_while(|&&c| c).count() as u32;
+        step_sizes.push(further_vertices + 1);
+        old_numbers.extend(step..=step + further_vertices);
     }
     let old_number = |k: u32| last - old_numbers[(last - k) as usize];
     let mut new_number = vec![0; old_numbers.len()];
@@ -329,7 +358,7 @@ fn reordered(
     let attributes = mesh.attributes.iter().map(|a| {
         let stride = a.stride();
         let bytes = renumbered().flat_map(|v| &a.bytes[v * stride..][..stride]).copied().collect();
-        lodc_mesh::Attribute { bytes, ..a.described() }
+        Attribute { bytes, ..a.described() }
     });
     let mesh = MeshParts {
         positions: renumbered().map(|v| mesh.positions[v]).collect(),
@@ -343,11 +372,11 @@ fn reordered(
     let (errors, rms) = errors_of_batches(&sequence, batches);
     let mut step_ends = Vec::with_capacity(sequence.step_ends.len());
     let mut end = 0;
-    for &step in steps.iter().rev() {
-        end += step;
+    for &size in step_sizes.iter().rev() {
+        end += size;
         step_ends.push(end);
     }
-    step_ends.extend_from_slice(&sequence.step_ends[steps.len()..]);
+    step_ends.extend_from_slice(&sequence.step_ends[step_sizes.len()..]);
     let sequence = SequenceParts {
         targets,
         step_triangles: vec![sequence.triangles; step_ends.len()],
@@ -374,8 +403,7 @@ fn reordered(
     Simplified::new(mesh, CollapseSequence::try_from(parts).ok()?).ok()
 }
 
-/// Returns whether a triangle of a level has corners in two submeshes: where a vertex goes on as
-/// one of another submesh, its triangles are to be gone by then.
+/// Returns whether a triangle of any level has corners in two submeshes.
 fn has_triangles_across_submeshes(simplified: &Simplified) -> bool {
     let submesh = simplified.mesh().vertex_submesh();
     let targets = simplified.collapses().targets();
@@ -386,25 +414,27 @@ fn has_triangles_across_submeshes(simplified: &Simplified) -> bool {
         changes[v] = changes[target] + u32::from(submesh[v] != submesh[target]);
     }
     let last = simplified.collapses().records();
-    let appearances = super::first_appearance::first_appearances(simplified);
-    let is_across =
-        |(appearance, triangle): (&super::first_appearance::FirstAppearance, &[u32; 3])| {
-            (0..3).any(|i| {
-                let first = last - appearance.vertices[i];
-                let finest = triangle[(appearance.rotation + i) % 3];
-                changes[first as usize] != changes[finest as usize]
-            })
-        };
+    let appearances = first_appearances(simplified);
+    let is_across = |(appearance, triangle): (&FirstAppearance, &[u32; 3])| {
+        (0..3).any(|i| {
+            let first = last - appearance.vertices[i];
+            let finest = triangle[(appearance.rotation + i) % 3];
+            changes[first as usize] != changes[finest as usize]
+        })
+    };
     appearances.iter().zip(simplified.mesh().triangles()).any(is_across)
 }
 
-/// The errors after each step: within a batch those at its beginning. `batches` has the number of
-/// steps of the stream before each batch, and the number of all last.
+/// Returns the errors and root mean square distances after each collapse. Inside a batch levels are
+/// not those that were measured, so all its collapses get the errors of the coarsest level, the one
+/// at the beginning of the batch in the stream. `batches` has the number of steps of the stream
+/// before each batch and, last, of all.
 fn errors_of_batches(sequence: &SequenceParts, batches: &[usize]) -> (Vec<f32>, Vec<f32>) {
     let (mut errors, mut rms) = (sequence.step_errors.clone(), sequence.step_rms.clone());
     let all = batches.last().copied().unwrap_or_default();
     for batch in batches.windows(2) {
-        // Collapsed, its last step comes first, and its first leads to the level at its beginning.
+        // The sequence runs the other way: the batch's first step in the stream is its last
+        // collapse, which leads to the level at the beginning of the batch.
         let (start, end) = (all - batch[1], all - batch[0]);
         for list in [&mut errors, &mut rms] {
             if let Some(&last) = list.get(end - 1) {
@@ -415,8 +445,9 @@ fn errors_of_batches(sequence: &SequenceParts, batches: &[usize]) -> (Vec<f32>, 
     (errors, rms)
 }
 
-/// Counts the triangles after each step, and puts triangles that are removed first last. `None` for
-/// a mesh and a sequence that do not belong together.
+/// Recounts the triangles after each step of the sequence, and sorts those of each submesh so that
+/// the triangle that is removed first comes last. `None` if the mesh and the sequence do not belong
+/// together.
 #[must_use]
 pub fn with_removals(simplified: Simplified) -> Option<Simplified> {
     let removals = removal_lods(&simplified, &PositionIds::new(simplified.mesh().positions()));

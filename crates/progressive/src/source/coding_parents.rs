@@ -1,11 +1,14 @@
-//! Chooses the vertex that each new one is coded as split off, where its target is a hub.
+//! Chooses the parent of each new vertex: the vertex that it is coded as split off. That is its
+//! target, except at some hubs (vertices with a very large star).
 //!
 //! A split pays for the star of its parent: a bit for each triangle, transferred or not. A vertex
-//! that takes over no triangle of its target needs nothing of that star. Where it is large, the
-//! vertex is split off another one with the same target: it repeats that one's target.
+//! that takes over no triangle of its target needs nothing of that star. If the star is large, the
+//! vertex is coded as split off an earlier vertex with the same target (a sibling), and a bit says
+//! that it repeats that vertex's target.
 //!
-//! There remain large stars of which a vertex takes over a few triangles. Where these cost much
-//! more than the rest of the mesh, only the triangles that are transferred are named.
+//! Some vertices do take over a few triangles of a large star. If these stars cost much more than
+//! the rest of the mesh, the triangles that are transferred are coded by their numbers instead (a
+//! named star).
 
 use crate::partial_mesh::star::LARGE_STAR;
 use crate::source::first_appearance::FirstAppearance;
@@ -15,28 +18,31 @@ use lodc_mesh::{Csr, NONE};
 /// always has a small star; chosen by hand.
 const MAX_SIBLINGS: usize = 8;
 
-/// The stars that are too large to be walked around.
+/// Which stars are too large for a bit for each of their triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StarRule {
     /// Stars of more triangles are large.
-    pub(crate) large: u32,
-    /// A large star is named if it is more than this many times as large as what is transferred.
-    pub(crate) share: u64,
-    /// Stars are named only if all these have more than this many triangles for each of the mesh.
-    pub(crate) worth: u64,
+    pub(crate) large_star: u32,
+    /// A large star may be named if it has more than this many triangles for each that is
+    /// transferred.
+    pub(crate) max_star_ratio: u64,
+    /// Stars are named only if all that may be have together more than this many triangles for each
+    /// of the mesh.
+    pub(crate) max_total_ratio: u64,
 }
 
 impl StarRule {
-    /// A triangle of a star costs a few nanoseconds, a triangle of the mesh some microseconds: a
-    /// mesh whose large stars take less than 32 triangles for each of its own is packed in time
-    /// anyway, and bits are smaller than names. By `share`, names cost less than the bits they
-    /// replace: 17 bits or so for each triangle that is transferred, for one bit of each of the
-    /// star. With these no hub of 25 made ones takes more than 1.3 times as long as loose
-    /// triangles.
-    pub(crate) const DEFAULT: Self = Self { large: LARGE_STAR, share: 32, worth: 32 };
+    /// `max_total_ratio`: a triangle of a star costs a few nanoseconds, a triangle of the mesh some
+    /// microseconds. A mesh whose large stars have up to 32 triangles for each of its own is packed
+    /// fast enough with bits, which are smaller than numbers. `max_star_ratio`: beyond it, numbers
+    /// (about 17 bits for each triangle that is transferred) are smaller than the bits (one for
+    /// each triangle of the star). Measured with both on 25 generated hubs: none takes more than
+    /// 1.3 times as long as loose triangles.
+    pub(crate) const DEFAULT: Self =
+        Self { large_star: LARGE_STAR, max_star_ratio: 32, max_total_ratio: 32 };
 }
 
-/// The coding of the splits of a mesh.
+/// What the splits of a mesh are coded from.
 pub(crate) struct SplitPlan {
     /// The vertex that each one is coded as split off.
     pub(crate) parents: Vec<u32>,
@@ -44,7 +50,7 @@ pub(crate) struct SplitPlan {
     pub(crate) named: Vec<u32>,
 }
 
-/// The splits of a mesh in stream order, as far as they concern stars.
+/// The splits of a mesh in stream order, with what decides the size of stars.
 pub(crate) struct Splits<'a> {
     /// The target of each vertex.
     pub(crate) targets: &'a [u32],
@@ -58,47 +64,49 @@ pub(crate) struct Splits<'a> {
 }
 
 impl Splits<'_> {
-    /// Plans how they are coded. The parent of a vertex is its target, or a vertex with the same
-    /// target, which is no point, of a smaller star. Linear time: stars are counted backwards.
+    /// Chooses parents and named stars. The parent of a vertex is its target, or an earlier vertex
+    /// with the same target and a small star that is not a point. Linear time: the sizes of stars
+    /// are followed backwards from the whole mesh.
     pub(crate) fn plan(self, rule: StarRule) -> SplitPlan {
         let Self { targets, points, appearances, by_vertex, triangles } = self;
-        let mut star = vec![0u32; targets.len()];
+        let mut star_sizes = vec![0u32; targets.len()];
         for v in triangles.as_flattened() {
-            star[targets.len() - 1 - *v as usize] += 1;
+            star_sizes[targets.len() - 1 - *v as usize] += 1;
         }
         let earlier = earlier_siblings(targets, points);
         let mut parents = targets.to_vec();
-        let (mut named, mut walked) = (Vec::new(), 0);
+        let (mut named, mut named_triangles) = (Vec::new(), 0);
         for new in (1..targets.len()).rev() {
             for &triangle in by_vertex.row(new as u32) {
                 for vertex in appearances[triangle as usize].vertices {
-                    star[vertex as usize] -= 1;
+                    star_sizes[vertex as usize] -= 1;
                 }
             }
-            let (target, transferred) = (targets[new], star[new]);
-            if transferred == 0 && star[target as usize] > rule.large && new as u32 >= points {
+            let (target, transferred) = (targets[new], star_sizes[new]);
+            let is_hub = star_sizes[target as usize] > rule.large_star;
+            if transferred == 0 && is_hub && new as u32 >= points {
                 let earlier_sibling = |v: usize| Some(earlier[v]).filter(|&v| v != NONE);
                 let siblings =
                     std::iter::successors(earlier_sibling(new), |&v| earlier_sibling(v as usize));
-                let small = siblings.take(MAX_SIBLINGS).find(|&v| star[v as usize] <= rule.large);
-                parents[new] = small.unwrap_or(target);
+                let is_small = |&v: &u32| star_sizes[v as usize] <= rule.large_star;
+                parents[new] = siblings.take(MAX_SIBLINGS).find(is_small).unwrap_or(target);
             }
-            star[target as usize] += transferred;
-            let size = star[target as usize];
-            let is_large = parents[new] == target && size > rule.large;
-            if is_large && u64::from(size) > rule.share * u64::from(transferred) {
+            star_sizes[target as usize] += transferred;
+            let size = star_sizes[target as usize];
+            let is_large = parents[new] == target && size > rule.large_star;
+            if is_large && u64::from(size) > rule.max_star_ratio * u64::from(transferred) {
                 named.push(new as u32);
-                walked += u64::from(size);
+                named_triangles += u64::from(size);
             }
         }
-        if walked <= rule.worth * triangles.len() as u64 {
+        if named_triangles <= rule.max_total_ratio * triangles.len() as u64 {
             named.clear();
         }
         SplitPlan { parents, named }
     }
 }
 
-/// Returns for each vertex the one before it with the same target, of those that are no points.
+/// Returns for each vertex the latest one before it with the same target that is not a point.
 fn earlier_siblings(targets: &[u32], points: u32) -> Vec<u32> {
     let mut latest = vec![NONE; targets.len()];
     let mut earlier = vec![NONE; targets.len()];

@@ -1,11 +1,11 @@
 //! What an encoder knows of an object: all its vertex splits, derived from its collapse sequence.
 //!
 //! The stream runs backwards through the sequence: vertex `i` of the stream is vertex `last − i` of
-//! the sequence.
+//! the sequence. Corner `c` of triangle `t` has the number 4 t + c; the fourth is unused.
 
-use crate::error_code::{error_code, rms_code};
+use crate::error_code::{ErrorCodes, error_code, rms_code};
 use crate::partial_mesh::new_triangle::Side;
-use crate::source::batches::{StepTree, continues, fixed_levels, wedge_groups};
+use crate::source::batches::{Batch, StepTree, find_continued_steps, fixed_levels, wedge_groups};
 use crate::source::coding_parents::{SplitPlan, Splits, StarRule};
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
 use crate::source::named_stars::{NamedStars, Transfers};
@@ -16,34 +16,40 @@ use std::ops::Range;
 
 /// All splits of a simplified mesh.
 pub(crate) struct EncoderSource {
-    /// The target of each vertex, and the vertex that it is coded as split off.
+    /// The target of each vertex.
     targets: Vec<u32>,
+    /// The vertex that each one is coded as split off, see `coding_parents`.
     parents: Vec<u32>,
+    /// For each vertex whether its step continues with the next one.
     continues: Vec<bool>,
+    /// The submesh of each vertex.
     submesh: Vec<u32>,
+    /// Number of channels of a vertex.
     channels: usize,
-    /// The indices of all channels of all vertices.
+    /// The values of all channels of all vertices, as indices of their number systems.
     indices: Vec<i32>,
     triangles: Vec<SourceTriangle>,
-    /// For each vertex its triangles in `triangles`, and the end.
+    /// For each vertex the index in `triangles` of the first that comes with it; last their number.
     first_triangle: Vec<u32>,
     /// The vertex of LOD 0 at each corner of each triangle; the fourth is unused.
     final_vertices: Vec<u32>,
-    /// For each vertex the numbers of it and of all vertices that split off it, directly or not: an
-    /// interval, because they are numbered in preorder.
+    /// For each vertex the interval of preorder numbers in the tree of splits that it and all
+    /// vertices that split off it have, directly or not.
     subtree: Vec<Range<u32>>,
     named_stars: NamedStars,
-    error_codes: Vec<[u32; 2]>,
+    /// The errors after each vertex, as if its step ended there.
+    error_codes: Vec<ErrorCodes>,
+    /// Number of points: the vertices before the first triangle.
     points: u32,
     /// The first vertex of the wedge group of each one.
     groups: Vec<u32>,
-    /// The first vertex and the number of steps of each batch; none if the order is exact.
-    batches: Option<Vec<[u32; 2]>>,
+    /// None if the order is exact.
+    batches: Option<Vec<Batch>>,
 }
 
 impl EncoderSource {
-    /// Derives the splits. They come in batches if that is how they are ordered, unless each step
-    /// is to be shown.
+    /// Derives the splits. They come in batches if `exact` is false and the sequence has that
+    /// order.
     pub(crate) fn new(
         simplified: &Simplified,
         layout: &VertexLayout,
@@ -55,9 +61,10 @@ impl EncoderSource {
         let last = collapses.records();
         let targets = collapses.targets().iter().rev().map(|&t| last - t);
         let targets: Vec<u32> = std::iter::once(0).chain(targets).take(vertices).collect();
-        let (appearances, continues) = (first_appearances(simplified), continues(simplified));
+        let (appearances, continues) =
+            (first_appearances(simplified), find_continued_steps(simplified));
         let by_vertex = Csr::new(vertices, appearances.iter().map(|a| a.vertices[0]).zip(0..));
-        let points = points(&by_vertex.offsets, &continues);
+        let points = count_points(&by_vertex.offsets, &continues);
         let splits = Splits {
             targets: &targets,
             points,
@@ -83,10 +90,13 @@ impl EncoderSource {
         let (channels, indices) = (layout.systems.len(), layout.indices(mesh));
         let position = |v: usize| &indices[v * channels..][..3];
         let groups = wedge_groups(&continues, |a, b| position(a) == position(b));
-        let fixed = fixed_levels(simplified);
-        let (targets_, continues_) = (&targets[..], &continues[..]);
-        let tree =
-            StepTree { targets: targets_, continues: continues_, groups: &groups, points, fixed };
+        let tree = StepTree {
+            targets: &targets,
+            continues: &continues,
+            groups: &groups,
+            points,
+            fixed_levels: fixed_levels(simplified),
+        };
         let batches = if exact || parents != targets { None } else { tree.batches() };
         Self {
             named_stars: transfers.named_stars(named),
@@ -106,44 +116,43 @@ impl EncoderSource {
             batches,
         }
     }
-}
 
-impl EncoderSource {
-    /// The first vertex and the number of steps of each batch; none if the order is exact.
-    pub(crate) fn batches(&self) -> Option<&[[u32; 2]]> {
+    /// The batches; none if the order is exact.
+    pub(crate) fn batches(&self) -> Option<&[Batch]> {
         self.batches.as_deref()
     }
 
-    /// Returns the number of steps as a stream counts them: those behind the points, and one for
-    /// each group with points that are left when all vertices have come.
-    pub(crate) fn steps(&self) -> u32 {
+    /// Counts the steps of the stream: those after the points, and one for each wedge group with
+    /// points that no split has needed.
+    pub(crate) fn count_steps(&self) -> u32 {
         let (points, all) = (self.points as usize, self.parents.len());
         // In the first step single points come; a later one brings whole groups.
         let first_step = points + self.continues[points..].iter().take_while(|&&c| c).count();
-        let [mut has_come, mut group_has_come] = [vec![false; points], vec![false; points]];
+        let [mut came_alone, mut came_with_group] = [vec![false; points], vec![false; points]];
         for vertex in points..all {
-            let has_come = if vertex <= first_step { &mut has_come } else { &mut group_has_come };
+            let came = if vertex <= first_step { &mut came_alone } else { &mut came_with_group };
             let corners =
                 self.new_triangles(vertex as u32).iter().flat_map(|t| [t.next, t.previous]);
-            // In a batch the first of the parent's group comes, too.
+            // In a batch the first vertex of a step also needs the first one of its parent's group,
+            // which names the group.
             let parent = self.parents[vertex];
-            let of_group =
-                if self.batches.is_some() && (vertex == points || !self.continues[vertex - 1]) {
-                    self.groups[parent as usize]
-                } else {
-                    parent
-                };
-            for needed in corners.chain([parent, of_group]) {
-                if let Some(has_come) = has_come.get_mut(needed as usize) {
-                    *has_come = true;
+            let is_first_of_step = vertex == points || !self.continues[vertex - 1];
+            let named = if self.batches.is_some() && is_first_of_step {
+                self.groups[parent as usize]
+            } else {
+                parent
+            };
+            for needed in corners.chain([parent, named]) {
+                if let Some(came) = came.get_mut(needed as usize) {
+                    *came = true;
                 }
             }
         }
         let (mut incomplete, mut first) = (0, 0);
         for end in 1..=points {
             if end == points || self.groups[end] as usize == end {
-                let is_whole = has_come[first..end].iter().all(|&has_come| has_come)
-                    || group_has_come[first..end].contains(&true);
+                let is_whole = came_alone[first..end].iter().all(|&came| came)
+                    || came_with_group[first..end].contains(&true);
                 incomplete += u32::from(!is_whole);
                 first = end;
             }
@@ -162,10 +171,10 @@ impl SplitSource for EncoderSource {
     fn group(&self, vertex: u32) -> u32 {
         self.groups[vertex as usize]
     }
-    fn batch(&self, new: u32) -> u32 {
+    fn batch_steps(&self, new: u32) -> u32 {
         let batches = self.batches.as_deref().unwrap_or_default();
-        let index = batches.partition_point(|&[first, _]| first < new);
-        batches.get(index).map_or(1, |&[_, steps]| steps)
+        let index = batches.partition_point(|batch| batch.first_vertex < new);
+        batches.get(index).map_or(1, |batch| batch.steps)
     }
     fn repeats_target(&self, new: u32) -> bool {
         self.parents[new as usize] != self.targets[new as usize]
@@ -185,19 +194,19 @@ impl SplitSource for EncoderSource {
         self.subtree[new as usize].contains(&self.subtree[vertex as usize].start)
     }
     fn named_star(&self, new: u32) -> Option<&[u32]> {
-        self.named_stars.of(new)
+        self.named_stars.triangles(new)
     }
     fn indices(&self, new: u32) -> &[i32] {
         &self.indices[new as usize * self.channels..][..self.channels]
     }
-    fn error_codes(&self, new: u32) -> [u32; 2] {
+    fn error_codes(&self, new: u32) -> ErrorCodes {
         self.error_codes[new as usize]
     }
 }
 
-/// Returns the number of vertices before the first step that adds a triangle, given where the
-/// triangles of each vertex end.
-fn points(first_triangle: &[u32], continues: &[bool]) -> u32 {
+/// Counts the vertices before the first step that adds a triangle. `first_triangle` has, for each
+/// vertex, the number of triangles that come before it.
+fn count_points(first_triangle: &[u32], continues: &[bool]) -> u32 {
     let mut points = first_triangle.iter().skip(1).take_while(|&&end| end == 0).count();
     while points > 0 && points < continues.len() && continues[points - 1] {
         points -= 1;
@@ -205,7 +214,7 @@ fn points(first_triangle: &[u32], continues: &[bool]) -> u32 {
     points as u32
 }
 
-/// Returns the vertex of LOD 0 at each corner of each triangle in stream order; the fourth is none.
+/// Returns the vertex of LOD 0 at each corner of each triangle, triangles in stream order.
 fn final_vertices(
     triangles: &[[u32; 3]],
     appearances: &[FirstAppearance],
@@ -221,11 +230,14 @@ fn final_vertices(
 }
 
 /// Returns the codes of the errors after each vertex, as if its step ended there.
-fn error_codes(collapses: &CollapseSequence) -> Vec<[u32; 2]> {
+fn error_codes(collapses: &CollapseSequence) -> Vec<ErrorCodes> {
     let last = collapses.records();
     let errors = |new| {
         let lod = Lod(last - new);
-        [error_code(collapses.error_at(lod)), rms_code(collapses.rms_at(lod))]
+        ErrorCodes {
+            error: error_code(collapses.error_at(lod)),
+            rms: rms_code(collapses.rms_at(lod)),
+        }
     };
     (0..=last).map(errors).collect()
 }
@@ -241,7 +253,8 @@ fn coding_order(appearances: &[FirstAppearance], parents: &[u32]) -> Vec<u32> {
     order
 }
 
-/// Numbers the vertices in preorder of the tree of splits and returns the interval of each subtree.
+/// Numbers the vertices in preorder of the tree of splits, and returns the interval of numbers of
+/// each subtree.
 fn subtrees(parents: &[u32]) -> Vec<Range<u32>> {
     let mut size = vec![1u32; parents.len()];
     for v in (1..parents.len()).rev() {
@@ -249,14 +262,14 @@ fn subtrees(parents: &[u32]) -> Vec<Range<u32>> {
     }
     let mut subtrees: Vec<Range<u32>> = Vec::with_capacity(parents.len());
     // For each vertex the number of its next child.
-    let mut free = vec![0u32; parents.len()];
+    let mut next_number = vec![0u32; parents.len()];
     for v in 0..parents.len() {
-        let start = if v == 0 { 0 } else { free[parents[v] as usize] };
+        let start = if v == 0 { 0 } else { next_number[parents[v] as usize] };
         if v > 0 {
-            free[parents[v] as usize] = start + size[v];
+            next_number[parents[v] as usize] = start + size[v];
         }
         subtrees.push(start..start + size[v]);
-        free[v] = start + 1;
+        next_number[v] = start + 1;
     }
     subtrees
 }

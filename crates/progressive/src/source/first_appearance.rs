@@ -1,5 +1,6 @@
-//! With which split each triangle of the mesh appears in the stream, and between which vertices:
-//! those that it has in the collapse sequence just before its removal.
+//! The first appearance of each triangle in the stream: with which vertex it comes, and between
+//! which vertices it lies then. They are those that it has in the collapse sequence just before its
+//! removal.
 
 use lodc_mesh::{Csr, PositionIds, Simplified, removal_lods};
 
@@ -12,11 +13,12 @@ pub(crate) struct FirstAppearance {
     pub(crate) rotation: usize,
 }
 
-/// Vertices resolved through the collapses before a LOD that never falls.
+/// Resolves vertices through the collapses before a LOD; the LOD must not fall from call to call.
 ///
 /// Paths of collapses are compressed as they are walked, so any number of calls takes near-linear
 /// time (Tarjan 1975).
 struct Resolver {
+    /// For each vertex one that it has become: at first its target.
     next: Vec<u32>,
 }
 

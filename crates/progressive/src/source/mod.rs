@@ -1,6 +1,6 @@
 //! What an encoder knows and a decoder does not: the vertex splits of an object. The coding of
-//! splits asks for them piece by piece through the trait `SplitSource`, whose decoder side answers
-//! nothing.
+//! splits asks for them piece by piece through the trait `SplitSource`. Its implementation for
+//! decoders returns placeholders, which nothing reads.
 
 pub(crate) mod batches;
 pub(crate) mod coding_parents;

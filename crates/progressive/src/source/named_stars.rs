@@ -1,13 +1,14 @@
-//! For the splits of hubs: the triangles that a new vertex takes over from a large star, found in
-//! linear time without visiting the whole star at each split.
+//! For the splits of hubs (vertices with a very large star): the triangles that a new vertex takes
+//! over from the star, found in linear time without visiting the whole star at each split.
 
-/// The triangles of some vertices.
+/// The triangles that some vertices take over.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NamedStars {
     /// The vertices, in falling order.
     vertices: Vec<u32>,
-    /// For each the end of its triangles in `faces`.
+    /// For each of `vertices` the end of its triangles in `faces`.
     ends: Vec<u32>,
+    /// Triangles by their numbers in the stream.
     faces: Vec<u32>,
 }
 
@@ -15,15 +16,17 @@ pub(crate) struct NamedStars {
 pub(crate) struct Transfers<'a> {
     /// The target of each vertex.
     pub(crate) targets: &'a [u32],
-    /// For each vertex the first triangle that comes with it, and the end.
+    /// For each vertex the first triangle that comes with it; last the number of triangles.
     pub(crate) first_triangle: &'a [u32],
-    /// The vertex of LOD 0 at each corner of each triangle; the fourth is unused.
+    /// The vertex of LOD 0 at each corner (4 × triangle + 0, 1 or 2; the fourth is unused).
     pub(crate) final_vertices: &'a [u32],
 }
 
 impl Transfers<'_> {
-    /// Collects what these vertices, in falling order, take over. Linear time: every vertex has a
-    /// list of its corners, which is joined to that of its target as the vertex goes.
+    /// Collects what these vertices, in falling order, take over. Linear time: going backwards
+    /// through the stream, every vertex has a ring of its corners, which is joined to that of its
+    /// target when the vertex disappears. A ring holds corners and, behind their numbers, its
+    /// vertex.
     pub(crate) fn named_stars(&self, vertices: Vec<u32>) -> NamedStars {
         let (mut ends, mut faces) = (Vec::with_capacity(vertices.len()), Vec::new());
         let mut wanted = vertices.iter().peekable();
@@ -54,7 +57,7 @@ impl Transfers<'_> {
 
 impl NamedStars {
     /// Returns the triangles of a vertex, if it is one of these.
-    pub(crate) fn of(&self, vertex: u32) -> Option<&[u32]> {
+    pub(crate) fn triangles(&self, vertex: u32) -> Option<&[u32]> {
         let index = self.vertices.binary_search_by(|v| vertex.cmp(v)).ok()?;
         let start = if index == 0 { 0 } else { self.ends[index - 1] };
         Some(&self.faces[start as usize..self.ends[index] as usize])
@@ -68,7 +71,7 @@ struct CircularLists {
 }
 
 impl CircularLists {
-    /// A ring of each number.
+    /// Makes a ring of each number below `count`.
     fn new(count: usize) -> Self {
         let numbers: Vec<u32> = (0..count as u32).collect();
         Self { next: numbers.clone(), previous: numbers }
@@ -81,13 +84,13 @@ impl CircularLists {
         self.link(b, after_a);
     }
 
-    /// Leaves a number in a ring of its own.
+    /// Takes a number out of its ring, into a ring of its own.
     fn isolate(&mut self, i: u32) {
         self.link(self.previous[i as usize], self.next[i as usize]);
         self.link(i, i);
     }
 
-    /// Iterates over what else is in the ring of a number.
+    /// Iterates over the other numbers in the ring of one.
     fn others(&self, i: u32) -> impl Iterator<Item = u32> + '_ {
         let next = |i: u32| self.next[i as usize];
         std::iter::successors(Some(next(i)), move |&i| Some(next(i))).take_while(move |&j| j != i)

@@ -1,5 +1,7 @@
-//! The trait through which the coding of splits asks for the splits of an object, and its decoder
-//! side, whose answers are placeholders that a decoder ignores.
+//! The trait through which the coding of splits asks for the splits of an object, and its
+//! implementation for decoders, which returns placeholders.
+
+use crate::error_code::ErrorCodes;
 
 /// A triangle that comes with a vertex: its two other corners, (new, next, previous)
 /// counter-clockwise.
@@ -9,20 +11,20 @@ pub(crate) struct SourceTriangle {
     pub(crate) previous: u32,
 }
 
-/// The splits of an object. Vertices and triangles are numbered in stream order. The answers of a
-/// decoder's source are passed to the coder, which ignores them.
+/// The splits of an object. Vertices and triangles are numbered in stream order. What a decoder's
+/// source returns is passed to its coder, which ignores it.
 pub(crate) trait SplitSource {
     /// Returns the number of points: the vertices of all steps before the first triangle.
     fn points(&self) -> u32;
-    /// Returns the vertex that a new one splits off.
+    /// Returns the vertex that a new one is coded as split off.
     fn parent(&self, new: u32) -> u32;
     /// Returns the first vertex of the wedge group of a vertex.
     fn group(&self, vertex: u32) -> u32;
     /// Returns the number of steps of the batch that begins with a vertex.
-    fn batch(&self, new: u32) -> u32;
-    /// Returns whether the target of a new vertex is that of its parent, and not its parent.
+    fn batch_steps(&self, new: u32) -> u32;
+    /// Returns whether the target of a new vertex is not its parent but its parent's target.
     fn repeats_target(&self, new: u32) -> bool;
-    /// Returns whether the step continues after a vertex.
+    /// Returns whether the step continues with the vertex after this one.
     fn continues(&self, new: u32) -> bool;
     /// Returns the submesh of a vertex.
     fn submesh(&self, new: u32) -> u32;
@@ -36,7 +38,7 @@ pub(crate) trait SplitSource {
     fn indices(&self, new: u32) -> &[i32];
     /// Returns the codes of the error and of the root mean square distance after the step that ends
     /// with a vertex.
-    fn error_codes(&self, new: u32) -> [u32; 2];
+    fn error_codes(&self, new: u32) -> ErrorCodes;
 }
 
 /// The source of a decoder: every answer is a placeholder.
@@ -52,7 +54,7 @@ impl SplitSource for DecoderSource {
     fn group(&self, _: u32) -> u32 {
         0
     }
-    fn batch(&self, _: u32) -> u32 {
+    fn batch_steps(&self, _: u32) -> u32 {
         1
     }
     fn repeats_target(&self, _: u32) -> bool {
@@ -76,7 +78,7 @@ impl SplitSource for DecoderSource {
     fn indices(&self, _: u32) -> &[i32] {
         &[]
     }
-    fn error_codes(&self, _: u32) -> [u32; 2] {
-        [0; 2]
+    fn error_codes(&self, _: u32) -> ErrorCodes {
+        ErrorCodes::default()
     }
 }

@@ -38,7 +38,8 @@ fn simplified(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>, targets: Vec<u
         .expect("a simplified mesh")
 }
 
-/// A strip of triangles in which each vertex collapses onto the next: chains as long as the mesh.
+/// A fan of triangles in which each vertex collapses onto the next: paths of collapses as long as
+/// the mesh.
 fn chain(n: u32) -> Simplified {
     let positions = (0..n).map(|i| [i as f32, (i % 2) as f32, 0.0]).collect();
     let triangles = (0..n - 2).map(|i| [i, i + 1, n - 1]).collect();
@@ -90,7 +91,7 @@ fn first_appearances_are_the_corners_before_the_removal() {
 
 #[test]
 fn chains_and_hubs_take_near_linear_time() {
-    // Walked step by step these would take 10^10 steps.
+    // Following each collapse one by one would take 10^10 operations.
     let n = 100_000;
     for simplified in [chain(n), hub(n)] {
         let layout = VertexLayout::choose(&simplified);
@@ -104,7 +105,8 @@ fn chains_and_hubs_take_near_linear_time() {
 
 #[test]
 fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
-    // The last triangle is the first in the stream: each vertex brings one, and takes over none.
+    // Triangles around one edge, like the pages of a book. The last one is the first in the stream:
+    // each vertex brings one, and takes over none.
     let n = 5_000;
     let positions = (0..n).map(|i| [i as f32, (i % 89 * (i % 97)) as f32, 0.0]).collect();
     let triangles = (0..n - 2).map(|i| [i, n - 2, n - 1]).collect();
@@ -124,7 +126,7 @@ fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
     let (mut contexts, mut decoded) = (Contexts::new(), Contexts::new());
     let mut decoder = MeshDecoder::new(encoder.header().clone());
     while !encoder.is_complete() {
-        let target = BlockTarget { bytes: 1000, before: 1 << 20, until_triangle: false };
+        let target = BlockTarget { bytes: 1000, bytes_before: 1 << 20, until_triangle: false };
         let EncodedSteps { steps, splits } = encoder.encode(&mut contexts, target);
         let block = StepBlock { steps, splits: &splits, bytes: 1 << 20 };
         decoder.decode(&mut decoded, block).expect("a sound block");

@@ -1,8 +1,9 @@
-//! Number systems: rising lists of floats in which the values of a stream are counted.
+//! Number systems: rising lists of floats; a value is coded as its index in the list of its
+//! channel.
 //!
-//! A float that came from text is one of few. Predictions are made in floats and residuals are
-//! distances in the list, so a number with six decimal digits costs what six digits are worth, not
-//! the 24 bits of its mantissa. Lossless: a system is used for a stream only if it holds every
+//! Floats that came from text are few of all floats. Predictions are made in floats and residuals
+//! are distances in the list, so a number with six decimal digits costs what six digits are worth,
+//! not the 24 bits of its mantissa. Lossless: a system is used for a stream only if it holds every
 //! value of the stream, bit for bit.
 
 /// A rising list of floats, indexed from the one at or above zero; −0 has index −1.
@@ -25,23 +26,23 @@ pub enum NumberSystem {
     },
 }
 
-/// Below the decade of the smallest float, which is about 1.4 × 10^−45.
+/// One below the decade (decimal exponent) of the smallest float, about 1.4 × 10^−45.
 const LEAST_DECADE: i32 = -46;
 
 /// The powers of ten that are exact in `f64`.
-const POWERS: [f64; 23] = [
+const EXACT_POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
-/// The smallest number with n digits.
-const FIRST: [i32; 8] = [1, 1, 10, 100, 1_000, 10_000, 100_000, 1_000_000];
+/// The smallest integer with n decimal digits; entry 0 only makes masked accesses safe.
+const SMALLEST_WITH_DIGITS: [i32; 8] = [1, 1, 10, 100, 1_000, 10_000, 100_000, 1_000_000];
 
-/// Powers of ten: 10^22 times the rest beyond 10^22.
-const TENS: [f64; 67] = {
-    let mut tens = [1.0; 67];
+/// Powers of ten from 0 to 66, each a product of up to three of [`EXACT_POWERS`].
+const POWERS_OF_TEN: [f64; 67] = {
+    let mut powers = [1.0; 67];
     let mut n = 0;
-    while n < tens.len() {
+    while n < powers.len() {
         let (a, b) = if n > 44 {
             (22, 22)
         } else if n > 22 {
@@ -49,18 +50,18 @@ const TENS: [f64; 67] = {
         } else {
             (n, 0)
         };
-        tens[n] = POWERS[a] * POWERS[b] * POWERS[n - a - b];
+        powers[n] = EXACT_POWERS[a] * EXACT_POWERS[b] * EXACT_POWERS[n - a - b];
         n += 1;
     }
-    tens
+    powers
 };
 
 /// Returns `m * 10^exponent`: correctly rounded for all but the largest exponents, and the same on
 /// every machine for those.
 #[inline]
 fn scaled(m: f64, exponent: i32) -> f64 {
-    let ten = TENS[exponent.unsigned_abs().min(66) as usize];
-    if exponent >= 0 { m * ten } else { m / ten }
+    let power = POWERS_OF_TEN[exponent.unsigned_abs().min(66) as usize];
+    if exponent >= 0 { m * power } else { m / power }
 }
 
 impl NumberSystem {
@@ -74,10 +75,12 @@ impl NumberSystem {
                 if bits >= 0 { bits } else { -1 - (bits & i32::MAX) }
             }
             Self::Decimal(digits) => {
-                let scale = POWERS[usize::from(digits)];
-                signed(value, |v| (v * scale + 0.5) as i32)
+                let scale = EXACT_POWERS[usize::from(digits)];
+                signed_index(value, |v| (v * scale + 0.5) as i32)
             }
-            Self::Significant(digits) => signed(value, |v| significant(v, i32::from(digits))),
+            Self::Significant(digits) => {
+                signed_index(value, |v| significant_index(v, i32::from(digits)))
+            }
             Self::Integer => value as i32,
             Self::Grid { origin, step } => {
                 ((f64::from(value) - f64::from(origin)) / f64::from(step) + 0.5).floor() as i32
@@ -103,10 +106,10 @@ impl NumberSystem {
             Self::Grid { origin, step } => {
                 return (f64::from(origin) + f64::from(index) * f64::from(step)) as f32;
             }
-            Self::Decimal(digits) => f64::from(magnitude) / POWERS[usize::from(digits)],
+            Self::Decimal(digits) => f64::from(magnitude) / EXACT_POWERS[usize::from(digits)],
             Self::Significant(_) if magnitude == 0 => 0.0,
             Self::Significant(digits) => {
-                let first = FIRST[usize::from(digits & 7)];
+                let first = SMALLEST_WITH_DIGITS[usize::from(digits & 7)];
                 let (decade, rest) = ((magnitude - 1) / (9 * first), (magnitude - 1) % (9 * first));
                 scaled(f64::from(first + rest), decade + LEAST_DECADE + 1 - i32::from(digits))
             }
@@ -115,23 +118,23 @@ impl NumberSystem {
         if index < 0 { -value } else { value }
     }
 
-    /// Returns whether the floats from index `least` to `most` are known to be evenly spaced, so
-    /// that their mean is the mean of the indices: within one power of two or ten, where that
-    /// matters.
+    /// Returns whether the floats from index `lowest` to `highest` are known to be evenly spaced,
+    /// so that their mean is the mean of the indices. Spacing changes at powers of two in
+    /// [`Self::Float`] and at powers of ten in [`Self::Significant`].
     #[inline]
-    pub(crate) fn is_evenly_spaced(self, least: i32, most: i32) -> bool {
+    pub(crate) fn is_evenly_spaced(self, lowest: i32, highest: i32) -> bool {
         match self {
-            Self::Float => least >> 23 == most >> 23,
+            Self::Float => lowest >> 23 == highest >> 23,
             Self::Significant(digits) => {
-                let decade = 9 * FIRST[usize::from(digits & 7)];
-                let of = |n: i32| (if n < 0 { !n } else { n } - 1) / decade;
-                (least > 0 || most < -1) && of(least) == of(most)
+                let decade_size = 9 * SMALLEST_WITH_DIGITS[usize::from(digits & 7)];
+                let decade = |n: i32| (if n < 0 { !n } else { n } - 1) / decade_size;
+                (lowest > 0 || highest < -1) && decade(lowest) == decade(highest)
             }
             _ => true,
         }
     }
 
-    /// Returns whether neighbours are everywhere as far apart, −0 aside.
+    /// Returns whether all neighbours are the same distance apart, except −0 and 0.
     pub(crate) fn has_fixed_step(self) -> bool {
         matches!(self, Self::Decimal(_) | Self::Integer | Self::Grid { .. })
     }
@@ -151,24 +154,26 @@ impl NumberSystem {
     }
 }
 
-/// Returns the index of a float from that of its magnitude; −0 has one of its own.
-fn signed(value: f32, of: impl Fn(f64) -> i32) -> i32 {
-    // NaN is in no list of decimals. A prediction may be one: any index will do, if it is the same
-    // on every machine.
+/// Returns the index of a float, given a function for the index of its magnitude. −0 has an index
+/// of its own, −1.
+fn signed_index(value: f32, magnitude_index: impl Fn(f64) -> i32) -> i32 {
+    // NaN is in no list of decimals, but a prediction may be NaN: any index will do that is the
+    // same on every machine.
     if value.is_nan() {
         return 0;
     }
-    let magnitude = of(f64::from(value.abs()));
+    let magnitude = magnitude_index(f64::from(value.abs()));
     if value.is_sign_negative() { !magnitude } else { magnitude }
 }
 
 /// Returns the index of a magnitude among the numbers with `digits` significant digits.
-fn significant(value: f64, digits: i32) -> i32 {
+fn significant_index(value: f64, digits: i32) -> i32 {
     if value == 0.0 {
         return 0;
     }
     let value = value.min(f64::from(f32::MAX));
-    // An estimate of the decade from the binary exponent, then corrected.
+    // An estimate of the decade from the binary exponent (1233 / 4096 is about log10 2), then
+    // corrected by one.
     let exponent = (value.to_bits() >> 52) as i32 - 1023;
     let mut decade = (exponent * 1233) >> 12;
     if scaled(1.0, decade + 1) <= value {
@@ -176,20 +181,20 @@ fn significant(value: f64, digits: i32) -> i32 {
     } else if scaled(1.0, decade) > value {
         decade -= 1;
     }
-    let first = FIRST[digits as usize & 7];
+    let first = SMALLEST_WITH_DIGITS[digits as usize & 7];
     let unit = decade + 1 - digits;
-    let mut m = (scaled(value, -unit) + 0.5) as i32;
-    if m >= 10 * first {
-        m = first;
+    let mut mantissa = (scaled(value, -unit) + 0.5) as i32;
+    if mantissa >= 10 * first {
+        mantissa = first;
         decade += 1;
     }
-    (decade - LEAST_DECADE) * 9 * first + m.max(first) - first + 1
+    (decade - LEAST_DECADE) * 9 * first + mantissa.max(first) - first + 1
 }
 
-/// Rounds half up, into the range of an i32; 0 for what is no number.
+/// Rounds half up, into the range of an i32; NaN becomes 0.
 #[inline]
-pub(crate) fn round(at: f64) -> i32 {
-    (at + 0.5).floor() as i32
+pub(crate) fn round_half_up(x: f64) -> i32 {
+    (x + 0.5).floor() as i32
 }
 
 #[cfg(test)]
@@ -213,7 +218,7 @@ mod tests {
         for system in SYSTEMS {
             for _ in 0..20_000 {
                 let index = random.bits() as i32 >> random.below(31);
-                // Where neighbours differ as floats and none is infinite.
+                // Reduced to where neighbours are different floats and none is infinite.
                 let index = match system {
                     NumberSystem::Float => index >> 1,
                     NumberSystem::Significant(n) => index % (80 * 9 * 10i32.pow(u32::from(n) - 1)),

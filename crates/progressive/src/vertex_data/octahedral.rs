@@ -1,16 +1,18 @@
 //! Unit vectors as two integers: the octahedron |x| + |y| + |z| = 1, unfolded into a square grid
 //! (Meyer et al. 2010).
 
-use crate::vertex_data::number_system::round;
+use crate::vertex_data::number_system::round_half_up;
 
 /// A grid on the unfolded octahedron.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Octahedral {
-    /// Bits of each number, from 2 to 24: there are 2^n − 2 steps, so that 0 is one of them.
+    /// Bits of each of the two integers, from 2 to 24. From −1 to 1 there are 2^n − 2 grid steps,
+    /// an even number, so that 0 is on the grid.
     pub bits: u8,
 }
 
 impl Octahedral {
+    /// Grid steps from −1 to 1.
     fn steps(self) -> f64 {
         f64::from((1u32 << self.bits.clamp(2, 24)) - 2)
     }
@@ -24,7 +26,8 @@ impl Octahedral {
         [x / length, y / length, z / length]
     }
 
-    /// Returns the point of the grid at a direction of any length; that of +z for none.
+    /// Returns the grid point nearest to a direction of any length; that of +z for a zero vector or
+    /// one that is not finite.
     pub(crate) fn indices(self, [x, y, z]: [f64; 3]) -> [i32; 2] {
         let size = x.abs() + y.abs() + z.abs();
         if !(size > 0.0 && size.is_finite()) {
@@ -35,11 +38,12 @@ impl Octahedral {
     }
 
     fn index(self, coordinate: f64) -> i32 {
-        round((coordinate + 1.0) / 2.0 * self.steps())
+        round_half_up((coordinate + 1.0) / 2.0 * self.steps())
     }
 }
 
-/// Turns a triangle of the lower half over one of the upper half's edges, or back.
+/// Folds a point of the lower half of the octahedron out into the square, over the edge of the
+/// upper half, or back.
 fn folded(x: f64, y: f64) -> [f64; 2] {
     let sign = |c: f64| if c < 0.0 { -1.0 } else { 1.0 };
     [(1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y)]
@@ -58,8 +62,8 @@ mod tests {
                 for v in 0..=steps {
                     let direction = octahedral.direction([u, v]);
                     let again = octahedral.direction(octahedral.indices(direction));
-                    let off: f64 = (0..3).map(|c| (direction[c] - again[c]).abs()).sum();
-                    assert!(off < 1e-9, "{u} {v} of {bits} bits: {direction:?}, {again:?}");
+                    let difference: f64 = (0..3).map(|c| (direction[c] - again[c]).abs()).sum();
+                    assert!(difference < 1e-9, "{u} {v} of {bits} bits: {direction:?}, {again:?}");
                 }
             }
         }

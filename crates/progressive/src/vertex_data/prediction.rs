@@ -4,114 +4,161 @@
 //! All of it is arithmetic in double precision, in the order written, without fused operations:
 //! both sides of a stream must find the same numbers (docs/STREAM.md, section 6).
 
-use crate::vertex_data::number_system::{NumberSystem, round};
+use crate::vertex_data::number_system::{NumberSystem, round_half_up};
 use crate::vertex_data::octahedral::Octahedral;
 use crate::vertex_data::vertex_layout::{Prediction, Stream};
 use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
 
-/// The weight of the parent in the prediction of a position, against the mean of the link, and that
-/// of the cut, the middle between the apexes of the two new triangles: a vertex lies outside its
-/// link, away from the cut. Fitted on four meshes; half or twice as much cost 0.1 to 0.4 bits.
+// All constants here are part of the format: decoders must use the same.
+
+/// A position is predicted as the mean of the link, moved towards the parent by this share of the
+/// distance between them. Fitted on four meshes, with [`CUT_WEIGHT`]; half or twice as much cost
+/// 0.1 to 0.4 bits.
 const PARENT_WEIGHT: f64 = 0.2;
+/// Likewise, the share by which it is moved away from the cut, the midpoint between the apexes of
+/// the two new triangles: a new vertex lies on the far side of its link.
 const CUT_WEIGHT: f64 = 0.16;
-/// Share of the mean distance that is added to a distance, so that no weight is infinite. A
-/// contract of the format, like the others; chosen by hand.
+/// Share of the mean distance that is added to each distance, so that no weight is infinite. Chosen
+/// by hand.
 const DISTANCE_SHARE: f64 = 0.05;
-/// Share of their trace that is added to the diagonal of a fit's slopes: a ring is mostly flat, and
-/// tells nothing about the slope across. Chosen by hand.
+/// Regularisation of linear fits: this share of the trace of the slopes' matrix is added to its
+/// diagonal. The link is mostly flat and says nothing about the slope across it. Chosen by hand.
 const RIDGE_SHARE: f64 = 0.02;
 
-/// A predicted index, and the range of the indices around if it says how good the prediction is.
+/// A predicted index.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Guess {
     pub(crate) index: i32,
+    /// Largest minus least index of the vertices around, as a measure of the expected residual;
+    /// none if it would say nothing.
     pub(crate) spread: Option<u32>,
+}
+
+/// What a mean is taken of: indices where the floats in question are evenly spaced, which is faster
+/// and gives the same; else the floats themselves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scale {
+    Indices,
+    Values,
+}
+
+impl Scale {
+    fn for_range(system: NumberSystem, lowest: i32, highest: i32) -> Self {
+        if system.is_evenly_spaced(lowest, highest) { Self::Indices } else { Self::Values }
+    }
+
+    /// Returns an index as a number of this scale.
+    fn number(self, system: NumberSystem, index: i32) -> f64 {
+        match self {
+            Self::Indices => f64::from(index),
+            Self::Values => f64::from(system.value(index)),
+        }
+    }
+
+    /// Returns the index nearest to a number of this scale; `parent` if the number is not finite as
+    /// a float.
+    #[inline]
+    pub(crate) fn nearest_index(self, system: NumberSystem, number: f64, parent: i32) -> i32 {
+        match self {
+            Self::Indices => round_half_up(number),
+            Self::Values => {
+                let value = number as f32;
+                if value.is_finite() { system.index(value) } else { parent }
+            }
+        }
+    }
 }
 
 /// The position that a vertex is expected at.
 pub(crate) struct Position {
-    /// The mean of the ring; without one the parent's position.
+    /// The mean of the link; without a link the parent's position.
     pub(crate) mean: [i32; 3],
     /// The mean with weights for the parent and the cut.
     pub(crate) weighted: [i32; 3],
-    /// The range of the ring, if it has more than one vertex.
+    /// Largest minus least index of the link on each axis, if it has more than one vertex.
     pub(crate) spread: [Option<u32>; 3],
-    /// `weighted` before it is rounded, in indices.
-    at: [f64; 3],
-    /// If positions are in a system with a fixed step and there is a link: where one axis follows
-    /// from the others.
+    /// `weighted` before it is rounded.
+    weighted_unrounded: [f64; 3],
+    /// Predicts the last axis from the other two, once they are coded. Only if positions are in a
+    /// system with a fixed step and the link has more than one vertex.
     pub(crate) plane: Option<TangentPlane>,
 }
 
-/// The plane of the ring and the cut around a vertex.
+/// The plane through the expected position that contains the edge between the two apexes and the
+/// direction from the parent to the mean of the link.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TangentPlane {
     /// The axes in the order in which they are coded: that closest to the normal last.
     pub(crate) axes: [usize; 3],
+    /// Change of the last axis for each unit of the first and of the second.
     slopes: [f64; 2],
-    /// Half the diagonal of the ring's box.
+    /// Half the diagonal of the link's bounding box.
     pub(crate) spread: u32,
 }
 
 impl Position {
-    /// Predicts a position: the parent's without a link.
+    /// Predicts a position; without a link it is the parent's.
     #[inline]
     pub(crate) fn predict(
         systems: &[NumberSystem],
-        n: &Neighborhood<'_>,
+        neighborhood: &Neighborhood<'_>,
         indices: impl Fn(u32) -> [i32; 3],
     ) -> Self {
-        let [parent, left, right] = [n.parent, n.cut[0], n.cut[1]].map(&indices);
+        let Neighborhood { parent, apexes: [left, right], link, .. } = *neighborhood;
+        let [parent, left, right] = [parent, left, right].map(&indices);
         let mut position = Self {
             mean: parent,
             weighted: parent,
             spread: [None; 3],
-            at: parent.map(f64::from),
+            weighted_unrounded: parent.map(f64::from),
             plane: None,
         };
-        if n.link.is_empty() {
+        if link.is_empty() {
             return position;
         }
-        let (mut sums, mut least, mut most) = ([0i64; 3], [i32::MAX; 3], [i32::MIN; 3]);
-        for &v in n.link {
+        let (mut sums, mut lowest, mut highest) = ([0i64; 3], [i32::MAX; 3], [i32::MIN; 3]);
+        for &v in link {
             let neighbour = indices(v);
             for c in 0..3 {
                 sums[c] += i64::from(neighbour[c]);
-                (least[c], most[c]) = (least[c].min(neighbour[c]), most[c].max(neighbour[c]));
+                lowest[c] = lowest[c].min(neighbour[c]);
+                highest[c] = highest[c].max(neighbour[c]);
             }
         }
-        let count = n.link.len() as f64;
+        let count = link.len() as f64;
         let mut means = [0.0; 3];
         for c in 0..3 {
             let [p, l, r] = [parent[c], left[c], right[c]];
-            let even = systems[c]
-                .is_evenly_spaced(least[c].min(p).min(l).min(r), most[c].max(p).max(l).max(r));
-            let real = |i| if even { f64::from(i) } else { f64::from(systems[c].value(i)) };
-            let sum = match even {
-                true => sums[c] as f64,
-                false => n.link.iter().fold(0.0, |sum, &v| sum + real(indices(v)[c])),
+            let [lowest, highest] = [lowest[c], highest[c]];
+            let system = systems[c];
+            let scale =
+                Scale::for_range(system, lowest.min(p).min(l).min(r), highest.max(p).max(l).max(r));
+            let number = |index| scale.number(system, index);
+            let sum = match scale {
+                Scale::Indices => sums[c] as f64,
+                Scale::Values => link.iter().fold(0.0, |sum, &v| sum + number(indices(v)[c])),
             };
             let mean = sum / count;
-            let cut = (real(l) + real(r)) / 2.0;
-            let at = mean + PARENT_WEIGHT * (real(p) - mean) - CUT_WEIGHT * (cut - mean);
+            let cut = (number(l) + number(r)) / 2.0;
+            let weighted = mean + PARENT_WEIGHT * (number(p) - mean) - CUT_WEIGHT * (cut - mean);
             means[c] = mean;
-            position.at[c] = at;
-            position.mean[c] = nearest_index(systems[c], even, mean, p);
-            position.weighted[c] = nearest_index(systems[c], even, at, p);
-            position.spread[c] = (n.link.len() > 1).then(|| most[c].abs_diff(least[c]));
+            position.weighted_unrounded[c] = weighted;
+            position.mean[c] = scale.nearest_index(system, mean, p);
+            position.weighted[c] = scale.nearest_index(system, weighted, p);
+            position.spread[c] = (link.len() > 1).then(|| highest.abs_diff(lowest));
         }
-        if systems[0].has_fixed_step() && n.link.len() > 1 {
+        if systems[0].has_fixed_step() && link.len() > 1 {
             let edge = [0, 1, 2].map(|c| f64::from(left[c]) - f64::from(right[c]));
             let outwards = [0, 1, 2].map(|c| means[c] - f64::from(parent[c]));
-            let box_ = [0, 1, 2].map(|c| f64::from(most[c].abs_diff(least[c])));
-            position.plane = Some(TangentPlane::new(edge, outwards, box_));
+            let sides = [0, 1, 2].map(|c| f64::from(highest[c].abs_diff(lowest[c])));
+            position.plane = Some(TangentPlane::new(edge, outwards, sides));
         }
         position
     }
 }
 
 impl TangentPlane {
-    /// The plane of two vectors, in a box with these sides.
+    /// The plane of two vectors; the link's bounding box has these sides.
     fn new(edge: [f64; 3], outwards: [f64; 3], sides: [f64; 3]) -> Self {
         let cross = |i: usize, j: usize| edge[i] * outwards[j] - edge[j] * outwards[i];
         let normal = [cross(1, 2), cross(2, 0), cross(0, 1)];
@@ -134,8 +181,11 @@ impl TangentPlane {
     /// Predicts the index on the last axis, given those on the others.
     pub(crate) fn guess(&self, position: &Position, coded: &[i32; 3]) -> i32 {
         let [first, second, last] = self.axes;
-        let off = |axis: usize| f64::from(coded[axis]) - position.at[axis];
-        round(position.at[last] + self.slopes[0] * off(first) + self.slopes[1] * off(second))
+        let expected = position.weighted_unrounded;
+        let offset = |axis: usize| f64::from(coded[axis]) - expected[axis];
+        round_half_up(
+            expected[last] + self.slopes[0] * offset(first) + self.slopes[1] * offset(second),
+        )
     }
 }
 
@@ -143,7 +193,7 @@ impl TangentPlane {
 pub(crate) struct ValuePredictor<'a> {
     pub(crate) values: &'a VertexValues,
     pub(crate) neighborhood: &'a Neighborhood<'a>,
-    /// The indices of the vertex that are known, those of its position first.
+    /// The indices of the new vertex that are known, those of its position first.
     pub(crate) position: &'a [i32],
 }
 
@@ -155,15 +205,15 @@ impl ValuePredictor<'_> {
     /// Predicts the channels of a stream.
     pub(crate) fn predict(&self, stream: &Stream) -> Vec<Guess> {
         let link = self.neighborhood.link;
-        let channels = stream.first..stream.first + stream.channels;
+        let channels = stream.first_channel..stream.first_channel + stream.channels;
         if stream.prediction == Prediction::Parent || link.is_empty() {
             let parent = |c| Guess { index: self.index(self.neighborhood.parent, c), spread: None };
             return channels.map(parent).collect();
         }
         match stream.prediction {
             Prediction::Fit => {
-                let weights = Fit::new(&self.offsets());
-                channels.map(|c| self.fitted(c, &weights)).collect()
+                let fit = Fit::by_position(self.offsets());
+                channels.map(|c| self.fitted(c, &fit)).collect()
             }
             Prediction::Octahedral(octahedral) => self.direction(stream, octahedral),
             _ => channels.map(|c| self.fitted(c, &Fit::Mean)).collect(),
@@ -174,42 +224,40 @@ impl ValuePredictor<'_> {
     /// values.
     fn offsets(&self) -> Vec<[f64; 3]> {
         let systems = &self.values.layout.systems;
-        let real = |c: usize, i: i32| {
-            if systems[0].has_fixed_step() { f64::from(i) } else { f64::from(systems[c].value(i)) }
-        };
-        let own = [0, 1, 2].map(|c| real(c, self.position[c]));
-        let offset = |&v: &u32| [0, 1, 2].map(|c| real(c, self.index(v, c)) - own[c]);
+        let scale = if systems[0].has_fixed_step() { Scale::Indices } else { Scale::Values };
+        let number = |c: usize, index: i32| scale.number(systems[c], index);
+        let center = [0, 1, 2].map(|c| number(c, self.position[c]));
+        let offset = |&v: &u32| [0, 1, 2].map(|c| number(c, self.index(v, c)) - center[c]);
         self.neighborhood.link.iter().map(offset).collect()
     }
 
-    /// Predicts a channel as a weighted mean over the link.
+    /// Predicts a channel from its values at the link.
     fn fitted(&self, channel: usize, fit: &Fit) -> Guess {
         let (link, system) = (self.neighborhood.link, self.values.layout.systems[channel]);
         let indices = || link.iter().map(|&v| self.index(v, channel));
-        let least = indices().min().unwrap_or_default();
-        let most = indices().max().unwrap_or_default();
-        let even = system.is_evenly_spaced(least, most);
-        let real = |i| if even { f64::from(i) } else { f64::from(system.value(i)) };
-        let reals: Vec<f64> = indices().map(real).collect();
-        let at = fit.at_vertex(&reals);
+        let lowest = indices().min().unwrap_or_default();
+        let highest = indices().max().unwrap_or_default();
+        let scale = Scale::for_range(system, lowest, highest);
+        let numbers: Vec<f64> = indices().map(|index| scale.number(system, index)).collect();
         let parent = self.index(self.neighborhood.parent, channel);
-        let index = nearest_index(system, even, at, parent);
-        Guess { index, spread: (link.len() > 1).then(|| most.abs_diff(least)) }
+        let index = scale.nearest_index(system, fit.at_vertex(&numbers), parent);
+        Guess { index, spread: (link.len() > 1).then(|| highest.abs_diff(lowest)) }
     }
 
-    /// Predicts the two numbers of a direction; what follows them is the mean.
+    /// Predicts the two indices of a direction on an octahedron from the weighted mean of the
+    /// link's directions; further channels are the mean.
     fn direction(&self, stream: &Stream, octahedral: Octahedral) -> Vec<Guess> {
-        let fit = Fit::distances(&self.offsets());
+        let weights = distance_weights(&self.offsets());
         let mut sum = [0.0; 3];
         for (i, &v) in self.neighborhood.link.iter().enumerate() {
-            let at = [self.index(v, stream.first), self.index(v, stream.first + 1)];
+            let at = [self.index(v, stream.first_channel), self.index(v, stream.first_channel + 1)];
             let direction = octahedral.direction(at);
-            let weight = fit.get(i).copied().unwrap_or_default();
+            let weight = weights.get(i).copied().unwrap_or_default();
             for c in 0..3 {
                 sum[c] += weight * direction[c];
             }
         }
-        let channels = stream.first..stream.first + stream.channels;
+        let channels = stream.first_channel..stream.first_channel + stream.channels;
         let mut guesses: Vec<Guess> = channels.map(|c| self.fitted(c, &Fit::Mean)).collect();
         for (guess, index) in guesses.iter_mut().zip(octahedral.indices(sum)) {
             guess.index = index;
@@ -218,43 +266,32 @@ impl ValuePredictor<'_> {
     }
 }
 
-/// The weights of vertices around one.
+/// How the value at a vertex follows from those at the vertices around it.
 enum Fit {
-    /// All alike.
+    /// Their mean.
     Mean,
-    /// These, by their distances.
+    /// Their mean with these weights, which fall with the distance.
     Weighted(Vec<f64>),
-    /// The value at the vertex of a function that is linear in space, fitted to those around.
+    /// The value at the vertex of a linear function of the position, fitted to those around by
+    /// least squares.
     Affine { weights: Vec<f64>, offsets: Vec<[f64; 3]> },
 }
 
 impl Fit {
-    /// Fits a linear function if there are four vertices for its four numbers.
-    fn new(offsets: &[[f64; 3]]) -> Self {
-        let weights = Self::distances(offsets);
-        if offsets.len() < 4 {
-            return Self::Weighted(weights);
-        }
-        Self::Affine { weights, offsets: offsets.to_vec() }
+    /// A linear function if there are enough vertices for its four coefficients; else weights.
+    fn by_position(offsets: Vec<[f64; 3]>) -> Self {
+        let weights = distance_weights(&offsets);
+        if offsets.len() < 4 { Self::Weighted(weights) } else { Self::Affine { weights, offsets } }
     }
 
-    /// Weights that fall with the distance.
-    fn distances(offsets: &[[f64; 3]]) -> Vec<f64> {
-        let lengths: Vec<f64> =
-            offsets.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
-        let mean = lengths.iter().fold(0.0, |sum, d| sum + d) / lengths.len() as f64;
-        let weight = |d: &f64| if mean > 0.0 { 1.0 / (d + DISTANCE_SHARE * mean) } else { 1.0 };
-        lengths.iter().map(weight).collect()
-    }
-
-    /// The value at the vertex, given those around.
+    /// Returns the value at the vertex, given those around.
     fn at_vertex(&self, values: &[f64]) -> f64 {
         match self {
             Self::Mean => values.iter().fold(0.0, |sum, v| sum + v) / values.len() as f64,
             Self::Weighted(weights) => weighted_mean(weights, values),
             Self::Affine { weights, offsets } => {
-                // Normal equations of value = a + b x + c y + d z, weighted twice by nearness; a
-                // row for each of a, b, c, d, and what it equals last.
+                // Normal equations of value = a + b x + c y + d z, with squared weights: a row for
+                // each of a, b, c and d; the right side is the last column.
                 let mut rows = [[0.0; 5]; 4];
                 for ((w, &[x, y, z]), value) in weights.iter().zip(offsets).zip(values) {
                     let terms = [1.0, x, y, z, *value];
@@ -274,13 +311,22 @@ impl Fit {
     }
 }
 
+/// Returns a weight for each offset, which falls with its length.
+fn distance_weights(offsets: &[[f64; 3]]) -> Vec<f64> {
+    let lengths: Vec<f64> =
+        offsets.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
+    let mean = lengths.iter().fold(0.0, |sum, d| sum + d) / lengths.len() as f64;
+    let weight = |d: &f64| if mean > 0.0 { 1.0 / (d + DISTANCE_SHARE * mean) } else { 1.0 };
+    lengths.iter().map(weight).collect()
+}
+
 fn weighted_mean(weights: &[f64], values: &[f64]) -> f64 {
     let pairs = || weights.iter().zip(values);
     pairs().fold(0.0, |sum, (w, v)| sum + w * v) / weights.iter().fold(0.0, |sum, w| sum + w)
 }
 
-/// Solves four symmetric equations, of which the upper triangles are given, for the first unknown.
-/// `None` if they are singular.
+/// Solves four equations with a symmetric matrix, of which only the upper triangle is read, for the
+/// first unknown. `None` if they are singular.
 fn solve_first(mut rows: [[f64; 5]; 4]) -> Option<f64> {
     for k in (1..4).rev() {
         let (pivot, column) = (rows[k], rows.map(|row| row[k]));
@@ -297,15 +343,4 @@ fn solve_first(mut rows: [[f64; 5]; 4]) -> Option<f64> {
     }
     let first = rows[0][4] / rows[0][0];
     first.is_finite().then_some(first)
-}
-
-/// Returns the index nearest to a number that is itself an index if `even`, else a value; `parent`
-/// if it is not finite as a float.
-#[inline]
-pub(crate) fn nearest_index(system: NumberSystem, even: bool, at: f64, parent: i32) -> i32 {
-    if even {
-        return round(at);
-    }
-    let value = at as f32;
-    if value.is_finite() { system.index(value) } else { parent }
 }

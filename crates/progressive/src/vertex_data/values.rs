@@ -1,29 +1,34 @@
-//! Coding of a new vertex's values, stream by stream: either the number of a nearby vertex with the
-//! same value, or residuals to a prediction.
+//! Coding of a new vertex's values, stream by stream (position, then each attribute): either the
+//! number of a nearby vertex with the same value, or residuals to a prediction.
+//!
+//! A slot is an entry of a table of contexts; a mate is another wedge of the vertex's group.
 
 use crate::entropy::adaptive_probability::AdaptiveSymbol;
 use crate::entropy::coder::Coder;
 use crate::entropy::integer_codes::{ResidualCode, bit_length};
 use crate::vertex_data::number_system::NumberSystem;
-use crate::vertex_data::prediction::{Guess, Position, ValuePredictor, nearest_index};
+use crate::vertex_data::prediction::{Guess, Position, Scale, ValuePredictor};
 use crate::vertex_data::vertex_layout::{Prediction, Stream};
 use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
 
-/// Streams with contexts of their own; all further ones share those of stream 0. More than nearly
-/// any mesh has.
+/// Streams with contexts of their own; all further ones share those of stream 0. Nearly all meshes
+/// have fewer.
 const STREAM_SLOTS: usize = 8;
-/// The slot of positions of which the last channel follows from a plane.
+/// The slot of positions that are predicted with a plane.
 const PLANE_SLOT: usize = STREAM_SLOTS;
 /// Channels of a stream with contexts of their own; further ones share the last.
 const CHANNEL_SLOTS: usize = 4;
 /// Classes of how well the channel before was predicted. Six gain nothing over three.
 const ACCURACIES: usize = 3;
-/// The most vertices among whose values a value is looked for: those that a symbol can name.
-const MAX_SOURCES: usize = 15;
+/// The most vertices of each kind among which a value is looked for: not more than a symbol can
+/// name.
+const MAX_CANDIDATES: usize = 15;
+/// [`ValueContexts::source`] has this index for a vertex's first attribute.
+const NO_PREVIOUS_SOURCE: usize = 4;
 
-/// The source of an attribute: how it is coded.
+/// Where the value of an attribute comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Source {
+enum ValueSource {
     /// It is that of another wedge of the group.
     Mate = 0,
     /// It is that of the parent.
@@ -34,6 +39,17 @@ enum Source {
     Coded = 3,
 }
 
+/// How a position is predicted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PositionMode {
+    /// As the mean of the link.
+    Mean,
+    /// As the mean with weights for the parent and the cut.
+    Weighted,
+    /// Like `Weighted`, with the last axis from a plane.
+    Plane,
+}
+
 /// Contexts of values.
 #[derive(Clone, Debug)]
 pub(crate) struct ValueContexts {
@@ -42,13 +58,14 @@ pub(crate) struct ValueContexts {
     pub(crate) source: [[[[AdaptiveSymbol; 5]; 4]; 4]; STREAM_SLOTS],
     /// Which mate or link vertex: by its kind, and their number less one, up to 7.
     pub(crate) which: [[AdaptiveSymbol; 8]; 2],
+    /// The source of each stream at the last vertex.
     last_source: [usize; STREAM_SLOTS],
-    /// By stream and channel, how well the channel before was predicted, and the second bit of the
-    /// expected magnitude.
+    /// By stream and channel; how well the channel before was predicted (0 best); the second
+    /// highest bit of the expected magnitude.
     pub(crate) residual: [[[ResidualCode; 2]; ACCURACIES]; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
     /// Sixteen times the mean bit length of the residuals of a stream and channel.
     mean_bits: [u32; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
-    /// 64 times the mean bit length of the residuals of a position in each of the three ways.
+    /// 64 times the mean bit length of the residuals of a position in each [`PositionMode`].
     mode_bits: [u32; 3],
 }
 
@@ -57,15 +74,16 @@ impl ValueContexts {
         Self {
             source: [[[[AdaptiveSymbol::NEW; 5]; 4]; 4]; STREAM_SLOTS],
             which: [[AdaptiveSymbol::NEW; 8]; 2],
-            last_source: [Source::Coded as usize; STREAM_SLOTS],
+            last_source: [ValueSource::Coded as usize; STREAM_SLOTS],
             residual: [[[ResidualCode::NEW; 2]; ACCURACIES]; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
+            // Residuals are expected to have 16 bits at first, positions three of them.
             mean_bits: [16 * 16; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
             mode_bits: [64 * 48; 3],
         }
     }
 
-    /// Codes an index whose prediction is known. `spread` is the range of those around; without
-    /// it the mean length of the residuals before is expected.
+    /// Codes an index, given its prediction. Its residual is expected to be as long as the spread
+    /// of the indices around or, if that is not known, as earlier residuals of the slot.
     #[inline]
     fn code<C: Coder>(
         &mut self,
@@ -93,7 +111,7 @@ impl ValueContexts {
     }
 }
 
-/// The bit below the highest one.
+/// Returns the bit below the highest one.
 fn second_bit(spread: u32) -> usize {
     let bits = bit_length(spread);
     if bits < 2 { 0 } else { (spread >> (bits - 2)) as usize & 1 }
@@ -115,11 +133,11 @@ impl VertexValues {
             values: self,
             neighborhood,
             mate: None,
-            previous_source: 4,
-            sources: Vec::new(),
+            previous_source: NO_PREVIOUS_SOURCE,
+            candidates: Vec::new(),
         };
         if let Some(wedge) = neighborhood.mates.clone().next_back() {
-            coded.extend(self.of(wedge, &self.layout.streams[0]));
+            coded.extend(self.stream_indices(wedge, &self.layout.streams[0]));
         } else {
             let position = vertex.code_position(coder, contexts, wanted);
             coded.extend(position);
@@ -136,9 +154,10 @@ struct VertexCode<'a> {
     neighborhood: &'a Neighborhood<'a>,
     /// The mate whose value the stream before had.
     mate: Option<u32>,
-    /// The source of the stream before; 4 for none.
+    /// The source of the stream before, or [`NO_PREVIOUS_SOURCE`].
     previous_source: usize,
-    sources: Vec<u32>,
+    /// Vertices with different values in the present stream: mates, the parent, the link.
+    candidates: Vec<u32>,
 }
 
 impl VertexCode<'_> {
@@ -148,15 +167,15 @@ impl VertexCode<'_> {
         contexts: &mut ValueContexts,
         wanted: &[i32],
     ) -> [i32; 3] {
-        let (values, n) = (self.values, self.neighborhood);
+        let values = self.values;
         let wanted = |axis: usize| wanted.get(axis).copied().unwrap_or_default();
-        let position = Position::predict(&values.layout.systems, n, |v| {
-            let at = v as usize * values.channels();
-            values.indices[at..].first_chunk().copied().unwrap_or_default()
+        let position = Position::predict(&values.layout.systems, self.neighborhood, |v| {
+            let start = v as usize * values.channels();
+            values.indices[start..].first_chunk().copied().unwrap_or_default()
         });
         let (mut coded, mut accuracy) = ([0; 3], 0);
         match (contexts.mode(), position.plane) {
-            (2, Some(plane)) => {
+            (PositionMode::Plane, Some(plane)) => {
                 let slot = PLANE_SLOT * CHANNEL_SLOTS;
                 for (channel, axis) in plane.axes.into_iter().enumerate() {
                     let index = match channel {
@@ -170,7 +189,8 @@ impl VertexCode<'_> {
             }
             (mode, _) => {
                 for (axis, coded) in coded.iter_mut().enumerate() {
-                    let index = if mode == 0 { position.mean } else { position.weighted }[axis];
+                    let is_mean = mode == PositionMode::Mean;
+                    let index = if is_mean { position.mean } else { position.weighted }[axis];
                     let guess = Guess { index, spread: position.spread[axis] };
                     *coded = contexts.code(coder, axis, &mut accuracy, guess, wanted(axis));
                 }
@@ -193,34 +213,36 @@ impl VertexCode<'_> {
     ) {
         let values = self.values;
         let stream = &values.layout.streams[s];
-        let slot = if s < STREAM_SLOTS { s } else { 0 };
-        let wanted = wanted.get(stream.first..).unwrap_or_default();
+        let slot = stream_slot(s);
+        let wanted = wanted.get(stream.first_channel..).unwrap_or_default();
         let wanted = &wanted[..stream.channels.min(wanted.len())];
-        let [mates, parents] = self.find_sources(stream);
-        let available = usize::from(mates > 0) + 2 * usize::from(parents < self.sources.len());
-        let found = self.sources.iter().position(|&v| values.of(v, stream) == wanted);
+        let [mates_end, parent_end] = self.find_candidates(stream);
+        let has_link_candidate = parent_end < self.candidates.len();
+        let available = usize::from(mates_end > 0) + 2 * usize::from(has_link_candidate);
+        let has_value = |&v: &u32| values.stream_indices(v, stream) == wanted;
+        let found = self.candidates.iter().position(has_value);
         let source = match found {
-            Some(offset) if offset < mates => Source::Mate,
-            Some(offset) if offset < parents => Source::Parent,
-            Some(_) => Source::Link,
-            None => Source::Coded,
+            Some(number) if number < mates_end => ValueSource::Mate,
+            Some(number) if number < parent_end => ValueSource::Parent,
+            Some(_) => ValueSource::Link,
+            None => ValueSource::Coded,
         };
         let last = contexts.last_source[slot];
         let context = &mut contexts.source[slot][available][last][self.previous_source];
         let source = coder.symbol(context, source as u32).min(3) as usize;
         (contexts.last_source[slot], self.previous_source) = (source, source);
         let range = match source {
-            0 => 0..mates,
-            1 => mates..parents,
-            2 => parents..self.sources.len(),
+            0 => 0..mates_end,
+            1 => mates_end..parent_end,
+            2 => parent_end..self.candidates.len(),
             _ => 0..0,
         };
         if range.is_empty() {
-            // Also a source that only a crafted stream names.
+            // The source is `Coded`, or one without candidates, as only a crafted stream names it.
             let predictor =
                 ValuePredictor { values, neighborhood: self.neighborhood, position: coded };
             let guesses = predictor.predict(stream);
-            self.code_residuals(coder, contexts, [s, slot], &guesses, wanted, coded);
+            self.code_residuals(coder, contexts, s, &guesses, wanted, coded);
             return;
         }
         let mut offset = 0;
@@ -229,57 +251,58 @@ impl VertexCode<'_> {
             let which = found.unwrap_or_default().wrapping_sub(range.start) as u32;
             offset = (coder.symbol(context, which) as usize).min(range.len() - 1);
         }
-        let vertex = self.sources[range.start + offset];
+        let vertex = self.candidates[range.start + offset];
         self.mate = if source == 0 { Some(vertex) } else { self.mate };
-        coded.extend_from_slice(values.of(vertex, stream));
+        coded.extend_from_slice(values.stream_indices(vertex, stream));
     }
 
-    /// Collects vertices with different values: mates, the parent, the link. Returns where the
-    /// first two end.
-    fn find_sources(&mut self, stream: &Stream) -> [usize; 2] {
-        let (values, n) = (self.values, self.neighborhood);
-        let sources = &mut self.sources;
-        sources.clear();
+    /// Collects `candidates`. Returns where the mates and the parent end.
+    fn find_candidates(&mut self, stream: &Stream) -> [usize; 2] {
+        let (values, neighborhood) = (self.values, self.neighborhood);
+        let candidates = &mut self.candidates;
+        candidates.clear();
         let mut add = |v: u32, max_count: usize| {
-            let is_new = sources.len() < max_count
-                && sources.iter().all(|&s| values.of(s, stream) != values.of(v, stream));
+            let value = values.stream_indices(v, stream);
+            let is_new = candidates.len() < max_count
+                && candidates.iter().all(|&c| values.stream_indices(c, stream) != value);
             if is_new {
-                sources.push(v);
+                candidates.push(v);
             }
-            sources.len()
+            candidates.len()
         };
         let mut ends = [0; 2];
-        let latest = n.mates.clone().rev().take(MAX_SOURCES);
+        let latest = neighborhood.mates.clone().rev().take(MAX_CANDIDATES);
         for v in self.mate.into_iter().chain(latest) {
-            ends[0] = add(v, MAX_SOURCES);
+            ends[0] = add(v, MAX_CANDIDATES);
         }
-        ends[1] = add(n.parent, MAX_SOURCES + 1);
-        for &v in n.link.iter().take(MAX_SOURCES) {
+        ends[1] = add(neighborhood.parent, MAX_CANDIDATES + 1);
+        for &v in neighborhood.link.iter().take(MAX_CANDIDATES) {
             add(v, usize::MAX);
         }
         ends
     }
 
+    /// Codes the channels of stream `s` as residuals to `guesses`, and appends them.
     fn code_residuals<C: Coder>(
         &self,
         coder: &mut C,
         contexts: &mut ValueContexts,
-        [s, slot]: [usize; 2],
+        s: usize,
         guesses: &[Guess],
         wanted: &[i32],
         coded: &mut Vec<i32>,
     ) {
         let stream = &self.values.layout.streams[s];
-        let systems = &self.values.layout.systems[stream.first..];
+        let systems = &self.values.layout.systems[stream.first_channel..];
         let is_direction =
             stream.prediction == Prediction::Direction && !self.neighborhood.link.is_empty();
         let mut accuracy = 0;
         for (channel, &guess) in guesses.iter().enumerate() {
-            let slot = slot * CHANNEL_SLOTS + channel.min(CHANNEL_SLOTS - 1);
+            let slot = stream_slot(s) * CHANNEL_SLOTS + channel.min(CHANNEL_SLOTS - 1);
             let mut guess = guess;
             if is_direction && channel == 2 {
-                let x = f64::from(systems[0].value(coded[stream.first]));
-                let y = f64::from(systems[1].value(coded[stream.first + 1]));
+                let x = f64::from(systems[0].value(coded[stream.first_channel]));
+                let y = f64::from(systems[1].value(coded[stream.first_channel + 1]));
                 guess = third_component(systems[2], [x, y], guess);
             }
             let wanted = wanted.get(channel).copied().unwrap_or_default();
@@ -288,15 +311,25 @@ impl VertexCode<'_> {
     }
 }
 
+/// Returns the slot of stream `s`.
+fn stream_slot(s: usize) -> usize {
+    if s < STREAM_SLOTS { s } else { 0 }
+}
+
 impl ValueContexts {
-    /// The way in which positions were predicted best so far, the last of equals: 0 by the mean, 1
-    /// by weights, 2 by weights and a plane.
-    fn mode(&self) -> usize {
+    /// Returns the mode in which positions were predicted best so far, the last of equals.
+    fn mode(&self) -> PositionMode {
         let [mean, weighted, plane] = self.mode_bits;
-        if plane <= mean.min(weighted) { 2 } else { usize::from(weighted <= mean) }
+        if plane <= mean.min(weighted) {
+            PositionMode::Plane
+        } else if weighted <= mean {
+            PositionMode::Weighted
+        } else {
+            PositionMode::Mean
+        }
     }
 
-    /// Notes how long the residuals are in each way.
+    /// Updates the mean length of residuals in each mode.
     fn update_mode(&mut self, position: &Position, coded: &[i32; 3]) {
         let bits = |guess: &[i32; 3]| -> u32 {
             (0..3).map(|c| bit_length(coded[c].abs_diff(guess[c]))).sum()
@@ -305,15 +338,15 @@ impl ValueContexts {
         if let Some(plane) = position.plane {
             on_plane[plane.axes[2]] = plane.guess(position, coded);
         }
-        let ways = [&position.mean, &position.weighted, &on_plane];
-        for (mean, way) in self.mode_bits.iter_mut().zip(ways) {
-            *mean = (*mean * 63 + bits(way) * 64 + 32) / 64;
+        let guesses = [&position.mean, &position.weighted, &on_plane];
+        for (mean, guess) in self.mode_bits.iter_mut().zip(guesses) {
+            *mean = (*mean * 63 + bits(guess) * 64 + 32) / 64;
         }
     }
 }
 
-/// Predicts the third component of a unit vector with these first two, with the sign of `guess`,
-/// unless they are too long.
+/// Predicts the third component of a unit vector from the first two, with the sign of `guess`;
+/// returns `guess` if those are longer than 1.
 fn third_component(system: NumberSystem, [x, y]: [f64; 2], guess: Guess) -> Guess {
     let square = 1.0 - x * x - y * y;
     if square < 0.0 || square.is_nan() {
@@ -321,5 +354,6 @@ fn third_component(system: NumberSystem, [x, y]: [f64; 2], guess: Guess) -> Gues
     }
     let root = square.sqrt();
     let signed = if system.value(guess.index) < 0.0 { -root } else { root };
-    Guess { index: nearest_index(system, false, signed, guess.index), spread: None }
+    let index = Scale::Values.nearest_index(system, signed, guess.index);
+    Guess { index, spread: None }
 }

@@ -8,14 +8,15 @@ use lodc_mesh::{Attribute, Component, Mesh, Semantic, Simplified};
 /// The prediction of the channels of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prediction {
-    /// By the mean over the link of the new vertex.
+    /// By the mean over the link, the vertices around the new one.
     Smooth,
-    /// Like [`Self::Smooth`], as a unit vector: the third channel follows from the first two.
+    /// Like [`Self::Smooth`], for unit vectors: the length 1 predicts the third channel from the
+    /// first two.
     Direction,
-    /// By a linear function over the positions around.
+    /// By a linear function of the position, fitted to the link.
     Fit,
-    /// The first two channels are a direction, and predicted as one; three components follow from
-    /// them. Further ones like [`Self::Smooth`].
+    /// The first two channels are a direction on an octahedron, predicted as a direction; they
+    /// stand for three components of the attribute. Further channels like [`Self::Smooth`].
     Octahedral(Octahedral),
     /// By the parent's value.
     Parent,
@@ -25,7 +26,7 @@ pub enum Prediction {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stream {
     /// First of its channels among all channels of a vertex.
-    pub first: usize,
+    pub first_channel: usize,
     /// Number of its channels.
     pub channels: usize,
     /// Their prediction.
@@ -42,12 +43,13 @@ pub struct VertexLayout {
 }
 
 impl VertexLayout {
-    /// Returns the streams of a mesh with such attributes, of which some may be directions on an
-    /// octahedron.
+    /// Returns the streams of a mesh with these attributes. `octahedral` has the grid of each
+    /// attribute that is stored as a direction on an octahedron; it may be shorter.
     #[must_use]
     pub fn streams(attributes: &[Attribute], octahedral: &[Option<Octahedral>]) -> Vec<Stream> {
-        let mut first = 3;
-        let mut streams = vec![Stream { first: 0, channels: 3, prediction: Prediction::Smooth }];
+        let mut first_channel = 3;
+        let position = Stream { first_channel: 0, channels: 3, prediction: Prediction::Smooth };
+        let mut streams = vec![position];
         for (i, a) in attributes.iter().enumerate() {
             let mut channels = usize::from(a.components);
             let prediction = match (&a.semantic, a.morph_target) {
@@ -66,13 +68,14 @@ impl VertexLayout {
                 }
                 _ => Prediction::Smooth,
             };
-            streams.push(Stream { first, channels, prediction });
-            first += channels;
+            streams.push(Stream { first_channel, channels, prediction });
+            first_channel += channels;
         }
         streams
     }
 
-    /// Chooses for every stream the number system with the shortest residuals.
+    /// Chooses for every stream a number system that holds all its values, by the length of
+    /// residuals.
     #[must_use]
     pub fn choose(simplified: &Simplified) -> Self {
         let mesh = simplified.mesh();
@@ -82,7 +85,9 @@ impl VertexLayout {
         for a in mesh.attributes() {
             let channels = usize::from(a.components);
             let system = match a.component {
-                Component::F32 => best_system(simplified, channels, |v, c| float(a, v, c)),
+                Component::F32 => {
+                    best_system(simplified, channels, |v, c| float_component(a, v, c))
+                }
                 _ => NumberSystem::Integer,
             };
             systems.extend(std::iter::repeat_n(system, channels));
@@ -101,15 +106,16 @@ impl VertexLayout {
             for (a, stream) in mesh.attributes().iter().zip(&self.streams[1..]) {
                 let mut components = 0..usize::from(a.components);
                 if let Prediction::Octahedral(octahedral) = stream.prediction {
-                    let direction = [0, 1, 2].map(|c| f64::from(float(a, v, c)));
+                    let direction = [0, 1, 2].map(|c| f64::from(float_component(a, v, c)));
                     indices.extend(octahedral.indices(direction));
                     components.start = 3;
                 }
-                let channel = |c: usize| stream.first + stream.channels - components.end + c;
+                let channel =
+                    |c: usize| stream.first_channel + stream.channels - components.end + c;
                 for (c, channel) in components.clone().map(|c| (c, channel(c))) {
                     indices.push(match a.component {
-                        Component::F32 => self.systems[channel].index(float(a, v, c)),
-                        _ => integer(a, v, c),
+                        Component::F32 => self.systems[channel].index(float_component(a, v, c)),
+                        _ => integer_component(a, v, c),
                     });
                 }
             }
@@ -118,7 +124,7 @@ impl VertexLayout {
     }
 
     /// Appends the bytes of an attribute whose stream has these indices.
-    pub(crate) fn append(
+    pub(crate) fn append_bytes(
         &self,
         component: Component,
         stream: &Stream,
@@ -132,7 +138,7 @@ impl VertexLayout {
             channels.start = 2;
         }
         for channel in channels {
-            let (system, index) = (self.systems[stream.first + channel], indices[channel]);
+            let (system, index) = (self.systems[stream.first_channel + channel], indices[channel]);
             match component {
                 Component::F32 => bytes.extend(system.value(index).to_le_bytes()),
                 _ => bytes.extend_from_slice(&index.to_le_bytes()[..component.size()]),
@@ -140,7 +146,8 @@ impl VertexLayout {
         }
     }
 
-    /// Makes some attributes directions on an octahedron.
+    /// Stores some attributes as directions on an octahedron: those that have a grid in
+    /// `octahedral`.
     pub(crate) fn set_octahedral(
         &mut self,
         attributes: &[Attribute],
@@ -149,24 +156,24 @@ impl VertexLayout {
         let streams = Self::streams(attributes, octahedral);
         let mut systems = Vec::new();
         for (old, new) in self.streams.iter().zip(&streams) {
-            let mut own = self.systems[old.first..][..old.channels].to_vec();
+            let mut of_stream = self.systems[old.first_channel..][..old.channels].to_vec();
             if old.channels > new.channels {
-                own.splice(..3, [NumberSystem::Integer; 2]);
+                of_stream.splice(..3, [NumberSystem::Integer; 2]);
             }
-            systems.extend(own);
+            systems.extend(of_stream);
         }
         (self.systems, self.streams) = (systems, streams);
     }
 }
 
-fn float(a: &Attribute, vertex: u32, channel: usize) -> f32 {
-    let b = &a.at(vertex)[4 * channel..][..4];
+fn float_component(a: &Attribute, vertex: u32, component: usize) -> f32 {
+    let b = &a.at(vertex)[4 * component..][..4];
     f32::from_le_bytes([b[0], b[1], b[2], b[3]])
 }
 
-fn integer(a: &Attribute, vertex: u32, channel: usize) -> i32 {
+fn integer_component(a: &Attribute, vertex: u32, component: usize) -> i32 {
     let size = a.component.size();
-    let b = &a.at(vertex)[size * channel..][..size];
+    let b = &a.at(vertex)[size * component..][..size];
     match a.component {
         Component::I8 => i32::from(b[0].cast_signed()),
         Component::U8 => i32::from(b[0]),
@@ -176,8 +183,8 @@ fn integer(a: &Attribute, vertex: u32, channel: usize) -> i32 {
     }
 }
 
-/// Returns the number system that holds all values of a stream and in which each vertex is closest
-/// to the one it collapses onto, by the sum of the bit lengths of their distances.
+/// Returns the number system that holds all values of a stream and in which vertices are closest to
+/// those that they collapse onto, by the sum of the bit lengths of their distances.
 fn best_system(
     simplified: &Simplified,
     channels: usize,
@@ -186,6 +193,7 @@ fn best_system(
     let vertices = simplified.mesh().vertex_count() as u32;
     let values = (0..vertices).flat_map(move |v| (0..channels).map(move |c| value(v, c)));
     let targets = simplified.collapses().targets();
+    // A bit length and a sign for each channel of each collapse.
     let total_bits = |system: &NumberSystem| -> u64 {
         let collapses = (0..).zip(targets);
         let bits = |(v, &target): (u32, &u32)| {

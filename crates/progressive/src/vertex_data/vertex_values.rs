@@ -8,12 +8,13 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub(crate) struct Neighborhood<'a> {
     pub(crate) parent: u32,
-    /// Vertices of the same step at the same position, latest last.
+    /// The other wedges so far: earlier vertices of the same step at the same position.
     pub(crate) mates: Range<u32>,
     /// The vertices around the new one.
     pub(crate) link: &'a [u32],
-    /// The apexes of the first left and right new triangle; the parent where there is none.
-    pub(crate) cut: [u32; 2],
+    /// The apexes (third corners) of the first left and the first right new triangle; the parent
+    /// for a side without one.
+    pub(crate) apexes: [u32; 2],
 }
 
 /// The values of all vertices so far.
@@ -33,8 +34,8 @@ impl VertexValues {
         self.layout.systems.len()
     }
 
-    /// Returns the indices of a vertex in a stream.
-    pub(super) fn of(&self, vertex: u32, stream: &Stream) -> &[i32] {
-        &self.indices[vertex as usize * self.channels() + stream.first..][..stream.channels]
+    /// Returns the indices of a vertex's channels in a stream.
+    pub(super) fn stream_indices(&self, vertex: u32, stream: &Stream) -> &[i32] {
+        &self.indices[vertex as usize * self.channels() + stream.first_channel..][..stream.channels]
     }
 }

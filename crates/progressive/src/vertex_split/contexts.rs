@@ -13,11 +13,12 @@ use crate::vertex_split::point_contexts::PointContexts;
 /// `docs/STREAM.md` has a table of them.
 #[derive(Clone, Debug)]
 pub struct Contexts {
-    /// An index of the vertex of an object that comes first.
+    /// An index (a value in its number system) of the object's first vertex, which has no
+    /// reference.
     pub(crate) first_index: GammaCode,
-    /// Distance to the parent.
+    /// Distance in stream order to the parent.
     pub(crate) parent: BoundedCode,
-    /// Distance along the circle of wedges to the parent: by whether it is a step's first.
+    /// Distance along the circle of wedges to the parent: 1 for the first vertex of a step, else 0.
     pub(crate) wedge_distance: [AdaptiveSymbol; 2],
     /// The submesh is the parent's.
     pub(crate) same_submesh: AdaptiveBit,
@@ -25,7 +26,7 @@ pub struct Contexts {
     pub(crate) named_star: NamedStarContexts,
     pub(crate) triangles: TriangleContexts,
     pub(crate) transfer: TransferContexts,
-    /// The target is the parent's, of a vertex that takes over no triangle.
+    /// The target is the parent's target; for a vertex that takes over no triangle of a hub.
     pub(crate) repeats_target: AdaptiveBit,
     /// The position is that of the vertex before.
     pub(crate) same_position: AdaptiveBit,
@@ -34,9 +35,11 @@ pub struct Contexts {
     pub(crate) continues: [[AdaptiveBit; 4]; 4],
     /// The error falls.
     pub(crate) error_falls: AdaptiveBit,
+    /// By how much the error's code falls.
     pub(crate) error_drop: GammaCode,
     /// The root mean square distance falls.
     pub(crate) rms_falls: AdaptiveBit,
+    /// By how much its code falls.
     pub(crate) rms_drop: GammaCode,
     pub(crate) values: ValueContexts,
     pub(crate) points: PointContexts,

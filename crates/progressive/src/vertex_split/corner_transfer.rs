@@ -1,7 +1,8 @@
 //! Coding of which triangles of the parent's star are transferred to the new vertex.
 //!
-//! The new triangles predict it: each lies between a triangle that the parent keeps and one that is
-//! transferred, and neighbouring triangles of a fan go the same way until the next new triangle.
+//! The new triangles predict the transfer: each lies between a triangle that the parent keeps and
+//! one that is transferred, and neighbouring triangles of a fan go the same way until the next new
+//! triangle.
 //!
 //! ```text
 //!       fan around the parent, unrolled           L at v_l          R at v_r
@@ -130,8 +131,8 @@ fn predict_transfer(star: &[StarFace], triangles: &[NewTriangle], expected: &mut
             Side::Detached => continue,
         };
         for (face, bit) in [(t.outgoing, outgoing), (t.incoming, incoming)] {
-            if let Some(e) = expected.get_mut(face as usize) {
-                *e |= bit;
+            if let Some(expected) = expected.get_mut(face as usize) {
+                *expected |= bit;
             }
         }
     }
@@ -145,12 +146,13 @@ fn predict_transfer(star: &[StarFace], triangles: &[NewTriangle], expected: &mut
 }
 
 /// Spreads what is known about some triangles of a fan to their unknown neighbours: forwards, then
-/// backwards. A closed fan is passed twice, as what is known last goes on at its beginning. The
-/// order is a contract of the format: where both directions know something, forwards counts.
+/// backwards. A closed fan is passed twice, so that what its end knows continues at its beginning.
+/// The order is a contract of the format: an unknown triangle between two known ones goes with the
+/// one before it.
 fn spread(fan: &mut [u8], closed: bool) {
-    let fill = |e: &mut u8, last: &mut u8| {
-        *e = if *e == 0 { *last } else { *e };
-        *last = *e;
+    let fill = |expected: &mut u8, last: &mut u8| {
+        *expected = if *expected == 0 { *last } else { *expected };
+        *last = *expected;
     };
     for _ in 0..=usize::from(closed) {
         let mut last = if closed { fan.last().copied().unwrap_or_default() } else { 0 };

@@ -6,44 +6,49 @@ use crate::entropy::adaptive_probability::AdaptiveBit;
 use crate::entropy::integer_codes::{GammaCode, bit_length};
 use lodc_mesh::NONE;
 
-/// Classes of a group: by its number of splits in this batch (up to 3), and whether it came with
-/// the batch.
-const CLASSES: usize = 8;
-/// Numbers of triangles of a group's first vertex that are told apart: 0 to one fewer, or more.
-const TRIANGLES: usize = 10;
-/// Ratios of the groups to the splits that are to come, as powers of two, that are told apart: 0 to
-/// one fewer, or more.
-const RATIOS: usize = 8;
+// How many contexts say whether a group is split, along each axis. Constants of the format, chosen
+// by hand.
+
+/// Classes of a group: its number of splits in this batch, up to 3, plus 4 if the batch brought it.
+const GROUP_CLASSES: usize = 8;
+/// Numbers of triangles of a group's first vertex: 0 to one fewer, or more.
+const TRIANGLE_CLASSES: usize = 10;
+/// Binary logarithms of the ratio of the groups still to be visited to the steps still to come: 0
+/// to one fewer, or more.
+const RATIO_CLASSES: usize = 8;
 
 /// Contexts of batches.
 #[derive(Clone, Debug)]
 pub(crate) struct BatchContexts {
     /// Number of steps.
     pub(crate) steps: GammaCode,
-    /// A step splits off the group.
-    pub(crate) splits: [[[AdaptiveBit; TRIANGLES]; CLASSES]; RATIOS],
+    /// The next step splits the group.
+    pub(crate) splits: [[[AdaptiveBit; TRIANGLE_CLASSES]; GROUP_CLASSES]; RATIO_CLASSES],
 }
 
 impl BatchContexts {
-    pub(crate) const NEW: Self =
-        Self { steps: GammaCode::NEW, splits: [[[AdaptiveBit::NEW; TRIANGLES]; CLASSES]; RATIOS] };
+    pub(crate) const NEW: Self = Self {
+        steps: GammaCode::NEW,
+        splits: [[[AdaptiveBit::NEW; TRIANGLE_CLASSES]; GROUP_CLASSES]; RATIO_CLASSES],
+    };
 }
 
 /// The list, and how far the present batch has walked. A group is named by its first vertex.
 #[derive(Clone, Debug)]
 pub(crate) struct GroupList {
-    /// For each vertex the group behind it in the list; of those that are groups.
+    /// For each first vertex of a group the group behind it in the list, or [`NONE`].
     next: Vec<u32>,
+    /// Number of groups.
     groups: u32,
     /// The present group; [`NONE`] behind the last.
     pub(super) group: u32,
-    /// Splits of it in this batch.
+    /// Splits of the present group in this batch.
     splits: u32,
     /// Groups from the present one on.
     groups_remaining: u32,
     /// Steps of the batch that are not coded yet.
     pub(super) steps_remaining: u32,
-    /// Vertices before the batch.
+    /// Number of vertices before the batch.
     first_new: u32,
 }
 
@@ -84,13 +89,13 @@ impl GroupList {
         self.groups_remaining = self.groups_remaining.saturating_sub(1);
     }
 
-    /// Notes a split of the group at hand.
-    pub(super) fn split(&mut self) {
+    /// Counts a split of the present group.
+    pub(super) fn count_split(&mut self) {
         self.splits += 1;
         self.steps_remaining -= 1;
     }
 
-    /// Adds a vertex: a group of its own behind the one at hand, or one of a group.
+    /// Adds a vertex: as a new group behind the present one, or as a further wedge of a group.
     pub(super) fn add_vertex(&mut self, is_group: bool) {
         let new = self.next.len() as u32;
         self.next.push(NONE);
@@ -102,12 +107,12 @@ impl GroupList {
         }
     }
 
-    /// Returns the group behind the one at hand.
+    /// Returns the group behind the present one.
     pub(super) fn following(&self) -> Option<u32> {
         self.next.get(self.group as usize).copied().filter(|&next| next != NONE)
     }
 
-    /// Returns the context of whether the group at hand is split, given the number of triangles of
+    /// Returns the context of whether the present group is split, given the number of triangles of
     /// its first vertex.
     #[inline]
     pub(super) fn context<'c>(
@@ -118,7 +123,7 @@ impl GroupList {
         let ratio =
             bit_length(self.groups_remaining).saturating_sub(bit_length(self.steps_remaining));
         let class = self.splits.min(3) + if self.group >= self.first_new { 4 } else { 0 };
-        let triangles = (triangles as usize).min(TRIANGLES - 1);
-        &mut contexts.splits[(ratio as usize).min(RATIOS - 1)][class as usize][triangles]
+        let triangles = (triangles as usize).min(TRIANGLE_CLASSES - 1);
+        &mut contexts.splits[(ratio as usize).min(RATIO_CLASSES - 1)][class as usize][triangles]
     }
 }

@@ -1,6 +1,6 @@
 //! Coding of vertex splits: one step after another, each some vertices with their triangles.
 //!
-//! Thesis 4.3.3, UpdatePackage. The order in which the parts of a split are coded:
+//! Ripollés 2009, 4.3.3, "UpdatePackage". The order in which the parts of a split are coded:
 //!
 //! ```text
 //!  batch  = number of steps, step, step, ... , errors
@@ -9,8 +9,8 @@
 //!           | same position | values
 //! ```
 //!
-//! Vertices before the first triangle are points: one comes behind what first needs it, a parent or
-//! the new triangles.
+//! Vertices before the first triangle are points. Each is coded right behind what first needs it:
+//! as a parent, or as a corner of the new triangles.
 
 pub(crate) mod budget;
 pub(crate) mod contexts;

@@ -1,9 +1,9 @@
-//! Named stars: of the star of a hub, only the triangles that are transferred are coded, by their
-//! numbers.
+//! Named stars: of the star of a hub (a vertex with a very large star), only the triangles that are
+//! transferred are coded, by their numbers.
 //!
-//! A hub that hands over a few triangles at each of thousands of splits would be walked around each
-//! time if every triangle of its star had a bit. So the triangles that are named stand for the
-//! whole star: new triangles are coded in their link, and all of them are transferred.
+//! A hub may hand over a few triangles at each of thousands of splits. If every triangle of its
+//! star had a bit, the whole star would be visited each time. So the split is coded as if the named
+//! triangles were the whole star: new triangles are coded in their link, and all are transferred.
 //!
 //! ```text
 //!     \   |   /                        named: t, u
@@ -36,8 +36,8 @@ impl NamedStarContexts {
 }
 
 impl SplitNeighborhood {
-    /// Collects the star of the parent, or codes what is named of one of more than `large`
-    /// triangles.
+    /// Collects the star of the parent. One of more than `large_star` triangles may be named: then
+    /// only its named triangles are coded and collected.
     #[inline]
     pub(crate) fn code_star<C: Coder, S: SplitSource>(
         &mut self,
@@ -45,9 +45,9 @@ impl SplitNeighborhood {
         source: &S,
         contexts: &mut NamedStarContexts,
         mesh: &PartialMesh,
-        large: u32,
+        large_star: u32,
     ) -> Result<(), InvalidStream> {
-        if mesh.corners.count(self.parent) > large {
+        if mesh.corners.count(self.parent) > large_star {
             let wanted = source.named_star(self.new);
             if coder.bit(&mut contexts.is_named, wanted.is_some()) {
                 return self.code_named_star(coder, contexts, mesh, wanted.unwrap_or_default());
@@ -81,12 +81,12 @@ impl SplitNeighborhood {
         if !C::ENCODES && !are_different(&self.star) {
             return Err(InvalidStream("names a triangle twice"));
         }
-        self.take_named_star();
+        self.finish_named_star();
         Ok(())
     }
 }
 
-/// Returns whether no triangle is there twice.
+/// Returns whether all triangles are different.
 fn are_different(star: &[StarFace]) -> bool {
     let mut corners: Vec<u32> = star.iter().map(|face| face.corner).collect();
     corners.sort_unstable();

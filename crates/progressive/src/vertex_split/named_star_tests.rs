@@ -18,28 +18,28 @@ use lodc_mesh::{
     CollapseSequence, Lod, Mesh, MeshParts, OrientedTriangle, SequenceParts, Simplified, Submesh,
 };
 
-/// Encodes with this rule and decodes block by block; each shows its level of the reference.
+/// Encodes with this rule and decodes block by block; after each the mesh is that of the reference.
 /// Returns whether a star was named.
 fn check(simplified: &Simplified, rule: StarRule, what: &str) -> bool {
     let layout = VertexLayout::choose(simplified);
     let mut encoder = MeshEncoder::with_rule(simplified, layout, true, rule);
     let mut decoder = MeshDecoder::new(encoder.header().clone());
-    decoder.set_large_star(rule.large);
+    decoder.set_large_star(rule.large_star);
     let (mut encoded, mut decoded) = (Contexts::new(), Contexts::new());
     while !encoder.is_complete() {
-        let target = BlockTarget { bytes: 60, before: 1 << 20, until_triangle: false };
+        let target = BlockTarget { bytes: 60, bytes_before: 1 << 20, until_triangle: false };
         let EncodedSteps { steps, splits } = encoder.encode(&mut encoded, target);
         let block = StepBlock { steps, splits: &splits, bytes: 1 << 20 };
         decoder.decode(&mut decoded, block).unwrap_or_else(|e| panic!("{what}: {}", e.0));
         let lod = Lod(encoder.header().vertices - decoder.vertex_count());
         let last = decoder.vertex_count() - 1;
         let submesh = |t: [u32; 3]| decoder.vertex_submesh()[t[0] as usize];
-        let shown = |t| OrientedTriangle::new(submesh(t), t.map(|v| lod.0 + last - v));
-        let mut shown: Vec<_> = decoder.triangles().map(shown).collect();
+        let oriented = |t| OrientedTriangle::new(submesh(t), t.map(|v| lod.0 + last - v));
+        let mut decoded_triangles: Vec<_> = decoder.triangles().map(oriented).collect();
         let mut wanted = simplified.triangles_at(lod);
-        shown.sort_unstable();
+        decoded_triangles.sort_unstable();
         wanted.sort_unstable();
-        assert!(shown == wanted, "{what} at {lod:?}");
+        assert!(decoded_triangles == wanted, "{what} at {lod:?}");
     }
     assert!(decoder.is_complete(), "{what}");
     assert_eq!(decoder.mesh_parts().positions, simplified.mesh().positions(), "{what}");
@@ -59,9 +59,9 @@ fn every_shape_is_decoded_with_any_stars_named() {
         if mesh.vertex_count() == 0 {
             continue;
         }
-        for (seed, (large, share)) in (0..).zip([(0, 0), (2, 1), (4, 2), (6, 3)]) {
+        for (seed, (large_star, max_star_ratio)) in (0..).zip([(0, 0), (2, 1), (4, 2), (6, 3)]) {
             let simplified = fixtures::random_collapse(&mesh, seed);
-            let rule = StarRule { large, share, worth: 0 };
+            let rule = StarRule { large_star, max_star_ratio, max_total_ratio: 0 };
             named[usize::from(check(&simplified, rule, &format!("{name}, seed {seed}")))] += 1;
         }
     }
@@ -73,9 +73,10 @@ fn hubs_are_decoded_with_and_without_names() {
     for seed in 0..3 {
         let flaps = fixtures::random_collapse(&fixtures::flaps(700), seed);
         let book = fixtures::random_collapse(&fixtures::book(400), seed);
-        for (mesh, worth) in [(&flaps, 0), (&flaps, 1 << 30), (&book, 0)] {
-            let rule = StarRule { worth, ..StarRule::DEFAULT };
-            assert_eq!(check(mesh, rule, &format!("seed {seed}, worth {worth}")), worth == 0);
+        for (mesh, max_total_ratio) in [(&flaps, 0), (&flaps, 1 << 30), (&book, 0)] {
+            let rule = StarRule { max_total_ratio, ..StarRule::DEFAULT };
+            let what = format!("seed {seed}, ratio {max_total_ratio}");
+            assert_eq!(check(mesh, rule, &what), max_total_ratio == 0);
         }
     }
 }
@@ -92,13 +93,13 @@ fn opened_flaps(n: u32) -> Simplified {
         submeshes: vec![submesh],
         triangles: (0..n).flat_map(flap).collect(),
     });
-    let left = |lod: u32| if lod <= n { 2 * n - lod } else { n - (lod - n).div_ceil(2) };
+    let live_triangles = |lod: u32| if lod <= n { 2 * n - lod } else { n - (lod - n).div_ceil(2) };
     let collapses = CollapseSequence::try_from(SequenceParts {
         targets: vec![3 * n; 3 * n as usize],
         step_ends: (1..=3 * n).collect(),
         step_errors: vec![0.0; 3 * n as usize],
         step_rms: vec![],
-        step_triangles: (1..=3 * n).map(left).collect(),
+        step_triangles: (1..=3 * n).map(live_triangles).collect(),
         triangles: 2 * n,
         last_legal_lod: Lod(0),
         topology_changes: 0,
@@ -112,10 +113,10 @@ fn hubs_that_are_named_are_not_walked_around() {
     let n = 5_000;
     let flaps = opened_flaps(n);
     let layout = VertexLayout::choose(&flaps);
-    let [named, walked] = [32, 1 << 30].map(|worth| {
-        let rule = StarRule { worth, ..StarRule::DEFAULT };
+    let [named, walked] = [32, 1 << 30].map(|max_total_ratio| {
+        let rule = StarRule { max_total_ratio, ..StarRule::DEFAULT };
         let mut encoder = MeshEncoder::with_rule(&flaps, layout.clone(), true, rule);
-        let target = BlockTarget { bytes: usize::MAX, before: 0, until_triangle: false };
+        let target = BlockTarget { bytes: usize::MAX, bytes_before: 0, until_triangle: false };
         encoder.encode(&mut Contexts::new(), target);
         encoder.package_bytes()
     });

@@ -19,26 +19,28 @@ pub(crate) struct Apex {
 pub(crate) struct SplitNeighborhood {
     pub(crate) new: u32,
     pub(crate) parent: u32,
-    /// True if the step continued with this vertex.
+    /// True if the step began with an earlier vertex.
     pub(crate) continued: bool,
-    /// The sides of the triangles that the vertices of the step before it brought: 1 left, 2 right.
+    /// The sides on which earlier vertices of the step brought triangles: 1 left, 2 right, 3 both.
     pub(crate) sides: usize,
-    /// The parent's star, and whether it is a single closed fan. A star that is named has only the
-    /// triangles that are transferred.
+    /// The parent's star; if it is named, only the triangles that are transferred.
     pub(crate) star: Vec<StarFace>,
+    /// True if the star is named.
     pub(crate) is_named: bool,
+    /// True if `star` is a single closed fan.
     pub(crate) closed: bool,
     /// The parent's link; unused if the star is closed, whose link follows from it.
     link: Vec<LinkVertex>,
+    /// The triangles that the split adds.
     pub(crate) triangles: Vec<NewTriangle>,
     /// The expected transfer of each triangle of the star, see `corner_transfer`.
     pub(crate) expected: Vec<u8>,
-    /// For each triangle of the star: it is transferred.
+    /// For each triangle of the star whether it is transferred.
     pub(crate) transfer: Vec<bool>,
 }
 
 impl SplitNeighborhood {
-    /// Starts a split, of which the star is still to come.
+    /// Starts a split; its star is collected or coded next.
     pub(crate) fn start(&mut self, new: u32, parent: u32, continued: bool) {
         let earlier = if continued { self.sides } else { 0 };
         let side = |t: &NewTriangle| match t.side {
@@ -61,8 +63,8 @@ impl SplitNeighborhood {
         }
     }
 
-    /// Makes `self.star`, which has been named, the star, and collects its link.
-    pub(crate) fn take_named_star(&mut self) {
+    /// Collects the link of `self.star`, which holds the triangles of a named star.
+    pub(crate) fn finish_named_star(&mut self) {
         (self.is_named, self.closed) = (true, is_closed_fan(&self.star));
         if !self.closed {
             collect_link(&self.star, &mut self.link);

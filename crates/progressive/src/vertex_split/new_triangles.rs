@@ -59,17 +59,20 @@ impl SplitPattern {
 /// Contexts of new triangles.
 #[derive(Clone, Debug)]
 pub(crate) struct TriangleContexts {
-    /// By the size of the star (up to 3), whether it is closed, and for a further vertex of a step
-    /// 1 + the sides of the triangles before.
+    /// The pattern: by the size of the star (up to 3); whether it is closed; 0 for the first vertex
+    /// of a step, else 1 + the sides on which earlier vertices of the step brought triangles.
     pub(crate) pattern: [[[AdaptiveSymbol; 5]; 2]; 4],
-    /// By whether the step continued.
+    /// The number of triangles: by whether the step continued.
     pub(crate) count: [AdaptiveSymbol; 2],
+    /// The number of triangles beyond [`COUNT_ESCAPE`].
     pub(crate) more: GammaCode,
-    /// By number (up to 2) and side of the triangle before (3: none): detached, and else left.
+    /// Two bits, "is detached" and else "is left": by the number of triangles before (up to 2) and
+    /// the side of the last one (3: none).
     pub(crate) side: [[[AdaptiveBit; 2]; 4]; 3],
-    /// By the size of the link, up to 3.
+    /// The corner is in the parent's link: by the size of the link, up to 3.
     pub(crate) in_link: [AdaptiveBit; 4],
-    /// The index in the link: by how it is counted, and the size of the link.
+    /// The index in the link (docs/STREAM.md calls it place): by what it is counted from (0: the
+    /// first vertex; the left apex: 1, or 2 in a closed fan), and the size of the link.
     pub(crate) place: [[AdaptiveSymbol; MAX_LINK_CONTEXTS + 1]; 3],
 }
 
@@ -249,9 +252,9 @@ impl<C: Coder> TriangleCode<'_, C> {
             0
         };
         let distance = if size <= MAX_LINK_CONTEXTS {
-            let counted = if left.is_none() { 0 } else { 1 + usize::from(self.split.closed) };
-            let context = &mut self.contexts.place[counted][size];
-            // Only a crafted stream reaches beyond the link.
+            let origin_kind = if left.is_none() { 0 } else { 1 + usize::from(self.split.closed) };
+            let context = &mut self.contexts.place[origin_kind][size];
+            // Only a crafted stream names an index beyond the link.
             self.coder.symbol(context, distance).min(size as u32 - 1) as usize
         } else {
             self.coder.uniform(size as u32, distance) as usize

@@ -4,6 +4,7 @@
 
 use crate::entropy::coder::Coder;
 use crate::entropy::integer_codes::GammaCode;
+use crate::error_code::ErrorCodes;
 use crate::invalid::InvalidStream;
 use crate::partial_mesh::mesh::PartialMesh;
 use crate::partial_mesh::new_triangle::{NewTriangle, Side};
@@ -25,16 +26,17 @@ use lodc_mesh::NONE;
 /// The symbol of a parent that is eight or more wedges away along the circle of wedges.
 const FAR_WEDGE: u32 = 8;
 
-/// Memory is reserved for all of an object when one in this many of its vertices, or triangles, is
-/// decoded: a header alone may announce anything, but then no stream can ask for more than four
-/// times the memory that its bytes have filled.
-const RESERVED_FROM: u32 = 4;
+/// Memory is reserved for the whole object once this fraction (one in four) of its vertices, or
+/// triangles, is decoded. A header may announce any number; so no stream gets more than four times
+/// the memory that its decoded vertices and triangles fill. Chosen by hand.
+const RESERVE_FRACTION: u32 = 4;
 
 /// Limits of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepLimits {
-    /// Vertices and triangles that the object will have.
+    /// Vertices that the object will have.
     pub(crate) vertices: u32,
+    /// Triangles that the object will have.
     pub(crate) triangles: u32,
     /// Bytes of the stream up to the end of this block.
     pub(crate) bytes: usize,
@@ -45,28 +47,29 @@ pub(crate) struct StepLimits {
 pub(crate) struct ObjectCodec {
     pub(crate) mesh: PartialMesh,
     pub(crate) values: VertexValues,
+    /// Number of submeshes.
     pub(super) submeshes: u32,
     /// Stars of more triangles are large: [`LARGE_STAR`], or another number in tests.
     pub(crate) large_star: u32,
     /// The vertices before the first triangle.
     pub(crate) points: Points,
-    /// For each vertex its target, and whether its step continues with the next vertex.
+    /// The target of each vertex.
     pub(crate) targets: Vec<u32>,
+    /// For each vertex whether its step continues with the next one.
     pub(crate) continues: Vec<bool>,
-    /// The codes of the error after the last step, and of the root mean square distance.
-    pub(crate) error_code: u32,
-    pub(crate) rms_code: u32,
-    /// Triangles visited.
+    /// The errors after the last step.
+    pub(crate) errors: ErrorCodes,
+    /// Triangles and groups visited.
     work: u64,
     /// Bytes of the splits in the thesis's packages, without the vertices themselves: the parent
     /// (4), flags and counts (1), a bit for each triangle of the star, and for each new one a
     /// corner and a strip.
     pub(crate) package_bytes: u64,
-    /// True if the step continues with the next vertex.
+    /// True if the step of the newest vertex continues with the next one.
     continued: bool,
-    /// A position of the step is not a finite number: no encoder wrote it.
+    /// True if a position of the step is not finite, which no encoder writes.
     pub(crate) has_infinite_position: bool,
-    /// The first of the wedges that the newest vertex is one of.
+    /// The first vertex of the wedges (same step, same position) that end with the newest one.
     first_mate: u32,
     /// The parent of the next step's first vertex, if the order is exact; else the group that is
     /// likely to be needed next.
@@ -77,6 +80,7 @@ pub(crate) struct ObjectCodec {
     pub(super) buffers: Buffers,
 }
 
+/// Memory that is used again for each split.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Buffers {
     split: SplitBuffers,
@@ -98,8 +102,7 @@ impl ObjectCodec {
             points: Points::default(),
             targets: Vec::new(),
             continues: Vec::new(),
-            error_code: 0,
-            rms_code: 0,
+            errors: ErrorCodes::default(),
             work: 0,
             package_bytes: 0,
             continued: false,
@@ -162,11 +165,11 @@ impl ObjectCodec {
         }
     }
 
-    /// Reserves memory for all vertices and triangles once a part of them is there (see
-    /// [`RESERVED_FROM`]), so that growing does not end in twice as much as they take.
+    /// Reserves memory for all vertices and triangles once enough are decoded (see
+    /// [`RESERVE_FRACTION`]), so that growing vectors do not end with twice what they need.
     fn reserve(&mut self, limits: StepLimits) {
         let vertices = self.mesh.vertex_count();
-        if vertices >= limits.vertices / RESERVED_FROM
+        if vertices >= limits.vertices / RESERVE_FRACTION
             && self.continues.capacity() < limits.vertices as usize
         {
             let more = (limits.vertices - vertices) as usize;
@@ -180,33 +183,29 @@ impl ObjectCodec {
         }
         let triangles = self.mesh.face_count();
         let faces = &mut self.mesh.faces;
-        if triangles >= limits.triangles / RESERVED_FROM
+        if triangles >= limits.triangles / RESERVE_FRACTION
             && faces.capacity() < limits.triangles as usize
         {
             faces.reserve_exact((limits.triangles - triangles) as usize);
         }
     }
 
-    /// Makes an object whole that failed within a step, so that its mesh can be asked for.
+    /// Gives all vertices values (index 0) after a step that failed, so that the mesh can be read.
     pub(crate) fn complete_values(&mut self) {
         let length = self.mesh.vertex_count() as usize * self.values.channels();
         self.values.indices.resize(length, 0);
     }
 
-    fn code_errors<C: Coder>(
-        &mut self,
-        coder: &mut C,
-        [error, rms]: [u32; 2],
-        contexts: &mut Contexts,
-    ) {
-        let mut code = |last: &mut u32, wanted, falls: &mut _, by: &mut GammaCode| {
+    fn code_errors<C: Coder>(&mut self, coder: &mut C, codes: ErrorCodes, contexts: &mut Contexts) {
+        let mut code = |last: &mut u32, wanted, falls: &mut _, drop_code: &mut GammaCode| {
             let drop = last.wrapping_sub(wanted);
             if coder.bit(falls, drop != 0) {
-                *last = last.wrapping_sub(by.code(coder, drop));
+                *last = last.wrapping_sub(drop_code.code(coder, drop));
             }
         };
-        code(&mut self.error_code, error, &mut contexts.error_falls, &mut contexts.error_drop);
-        code(&mut self.rms_code, rms, &mut contexts.rms_falls, &mut contexts.rms_drop);
+        let Contexts { error_falls, error_drop, rms_falls, rms_drop, .. } = contexts;
+        code(&mut self.errors.error, codes.error, error_falls, error_drop);
+        code(&mut self.errors.rms, codes.rms, rms_falls, rms_drop);
     }
 
     fn code_vertex<C: Coder, S: SplitSource>(
@@ -247,7 +246,7 @@ impl ObjectCodec {
         self.package_bytes += 5 + self.split.star.len().div_ceil(8) as u64;
         let pattern = self.code_triangles(coder, source, contexts)?;
         let keeps_all = self.split_mesh(coder, source, contexts, pattern)?;
-        // A writer goes to a sibling only to keep away from a large star.
+        // An encoder only uses a sibling as parent to keep away from a large star.
         let target = self.targets[parent as usize];
         if keeps_all && self.mesh.corners.count(target) > large {
             let repeats = source.repeats_target(new);
@@ -259,7 +258,7 @@ impl ObjectCodec {
         Ok(())
     }
 
-    /// Returns the number of vertices of the step before the newest, up to 3.
+    /// Returns how many vertices of the step came before the newest one, up to 3.
     fn number_in_step(&self) -> usize {
         self.continues.iter().rev().take(3).take_while(|&&continues| continues).count()
     }
@@ -282,7 +281,7 @@ impl ObjectCodec {
         let Some(groups) = &mut self.groups else { return Ok(()) };
         let new = self.mesh.vertex_count();
         if groups.steps_remaining == 0 {
-            let more = contexts.batches.steps.code(coder, source.batch(new).wrapping_sub(1));
+            let more = contexts.batches.steps.code(coder, source.batch_steps(new).wrapping_sub(1));
             groups.begin(more.saturating_add(1));
         }
         let wanted = source.group(source.parent(new));
@@ -304,7 +303,7 @@ impl ObjectCodec {
                 return Err(InvalidStream("expands more than any real stream"));
             }
         }
-        groups.split();
+        groups.count_split();
         let group = groups.group;
         let following = groups.following();
         if self.points.is_missing(group) {
@@ -318,7 +317,7 @@ impl ObjectCodec {
         Ok(())
     }
 
-    /// Codes the parent of a vertex: mostly one of a group, or near another one among its wedges.
+    /// Codes the parent of a vertex: mostly a few wedges from `from` along its circle.
     fn code_wedge_parent<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
@@ -411,9 +410,9 @@ impl ObjectCodec {
             link.clear();
             link.extend(buffers.new_star_link.iter().map(|l| l.vertex));
         }
-        // The corner lists into which new corners were inserted; long ones take no more time.
-        let count = |v: u32| u64::from(self.mesh.corners.count(v).min(LARGE_STAR));
-        let longest = split.triangles.iter().map(|t| count(t.next).max(count(t.previous)));
+        // Inserting corners passes over a corner list, or over a block of a long one.
+        let list_work = |v: u32| u64::from(self.mesh.corners.count(v).min(LARGE_STAR));
+        let longest = split.triangles.iter().map(|t| list_work(t.next).max(list_work(t.previous)));
         self.work += longest.sum::<u64>();
         Ok(keeps_all)
     }
@@ -443,14 +442,14 @@ impl ObjectCodec {
         if wedge.is_none() {
             self.first_mate = new;
         }
-        let apex = |side: Side, of: fn(&NewTriangle) -> u32| {
-            self.split.triangles.iter().find(|t| t.side == side).map_or(parent, of)
+        let apex = |side: Side, apex_of: fn(&NewTriangle) -> u32| {
+            self.split.triangles.iter().find(|t| t.side == side).map_or(parent, apex_of)
         };
         let neighborhood = Neighborhood {
             parent,
             mates: self.first_mate..new,
             link: &self.buffers.new_link,
-            cut: [apex(Side::Left, |t| t.next), apex(Side::Right, |t| t.previous)],
+            apexes: [apex(Side::Left, |t| t.next), apex(Side::Right, |t| t.previous)],
         };
         let wanted = if C::ENCODES { source.indices(new) } else { &[] };
         let coded = &mut self.buffers.indices;
@@ -461,8 +460,8 @@ impl ObjectCodec {
         self.values.indices.extend_from_slice(&self.buffers.indices);
     }
 
-    /// Puts a position that was just decoded at index 0 if it is not finite, which fails the step:
-    /// what came before it is still a mesh.
+    /// Replaces a position that was just decoded by index 0 if it is not finite, and marks the step
+    /// as failed: the mesh stays readable.
     pub(super) fn check_position(&mut self) {
         let mut channels = self.values.layout.systems.iter().zip(&mut self.buffers.indices).take(3);
         if channels.any(|(system, index)| !system.value(*index).is_finite()) {

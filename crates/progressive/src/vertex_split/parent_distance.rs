@@ -1,5 +1,5 @@
-//! Coding of a vertex's parent as the distance from another vertex, in stream order and around its
-//! end.
+//! Coding of a vertex's parent as its distance from another vertex: forwards in stream order, and
+//! from the last vertex on to the first.
 
 use crate::entropy::coder::Coder;
 use crate::vertex_split::contexts::Contexts;
@@ -7,6 +7,7 @@ use crate::vertex_split::contexts::Contexts;
 /// The distance from one vertex to a parent, modulo the number of vertices.
 pub(super) struct ParentDistance {
     pub(super) from: u32,
+    /// Number of vertices so far.
     pub(super) vertices: u32,
 }
 

@@ -9,17 +9,18 @@ use crate::vertex_data::values::ValueContexts;
 pub(crate) struct PointContexts {
     /// Number of points.
     pub(crate) count: GammaCode,
-    /// The point before is a wedge of the same group; the point behind is.
+    /// A neighbouring point, in numbering, is a wedge of the same group: 0 the one before, 1 the
+    /// one behind.
     pub(crate) wedge: [AdaptiveBit; 2],
     /// The step of the point before the group continues with the group.
     pub(crate) continues: AdaptiveBit,
     /// The parent is in the group that came last.
     pub(crate) in_last: AdaptiveBit,
-    /// The parent of the point of a group that comes first.
+    /// The parent of the first point of a group that comes.
     pub(crate) parent: GammaCode,
     /// Distance from the parent of the wedge that came last to that of the next one.
     pub(crate) next_parent: GammaCode,
-    /// The submesh is that of the reference.
+    /// The submesh is that of the reference, the vertex from which the point is predicted.
     pub(crate) same_submesh: AdaptiveBit,
     pub(crate) values: ValueContexts,
 }

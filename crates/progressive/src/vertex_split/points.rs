@@ -1,8 +1,8 @@
-//! Points: the vertices before the first triangle. A split that adds one tells only that it exists;
-//! its parent and values come with the first split that needs it.
+//! Points: the vertices before the first triangle. At first only their number is coded; the parent
+//! and values of a point come with the first split that needs it.
 //!
-//! A mesh of many components ends as a point for each. If the values of all came first, a stream
-//! would have nothing to show for a long time.
+//! The coarsest levels of a mesh of many components have a point for each. If the values of all
+//! came first, a long prefix of the stream would show nothing.
 //!
 //! ```text
 //! points announced   0  1  2  3  4  5  6
@@ -19,7 +19,7 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 struct Point {
     is_missing: bool,
-    /// The last point that came with this one as its parent while it was missing, or [`NONE`].
+    /// The last point that came with this one, still missing, as its parent; or [`NONE`].
     child: u32,
     /// The points of its wedge group; empty while they are not known.
     group: Range<u32>,
@@ -33,15 +33,16 @@ pub(crate) struct Points {
     points: Vec<Point>,
     /// Number of points that are missing.
     missing: u32,
-    /// True in the first step, which is to show a triangle as soon as can be: points come without
-    /// the others of their group.
+    /// True in the first step, which is to show a triangle as early as possible: points come
+    /// without the others of their group.
     pub(super) one_by_one: bool,
     /// The point that came last, or [`NONE`].
     last: u32,
     /// All points before it have come.
     first_missing: u32,
-    /// Work and bytes of packages of the points that have come, see `ObjectCodec`.
+    /// Work of the points that have come, see `ObjectCodec::work`.
     pub(super) work: u64,
+    /// Bytes of the points that have come, see `ObjectCodec::package_bytes`.
     pub(crate) package_bytes: u64,
 }
 
@@ -115,7 +116,7 @@ impl Points {
         self.group(self.last)
     }
 
-    /// Notes that these points are a group.
+    /// Records that these points are a group.
     pub(super) fn set_group(&mut self, group: Range<u32>) {
         self.work += u64::from(group.end - group.start);
         for point in group.clone() {
@@ -123,7 +124,7 @@ impl Points {
         }
     }
 
-    /// Notes that a point with this parent has come.
+    /// Records that a point with this parent has come.
     pub(super) fn mark_received(&mut self, point: u32, parent: u32) {
         self.points[point as usize].is_missing = false;
         let first = self.points[point as usize].group.start;
@@ -131,6 +132,7 @@ impl Points {
         self.last = point;
         self.missing -= 1;
         self.work += 2;
+        // The parent's number (4) and flags (1); the first vertex has no parent.
         self.package_bytes += if point > 0 { 5 } else { 0 };
         if self.is_missing(parent) {
             self.points[parent as usize].child = point;

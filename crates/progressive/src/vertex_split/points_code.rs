@@ -15,7 +15,7 @@ use crate::vertex_split::points::Points;
 use std::ops::Range;
 
 impl ObjectCodec {
-    /// Codes the indices of a vertex without a reference into the buffer of indices.
+    /// Codes the values of a vertex without a reference into the buffer of indices.
     fn code_absolute<C: Coder>(&mut self, coder: &mut C, wanted: &[i32], contexts: &mut Contexts) {
         self.buffers.indices.clear();
         for channel in 0..self.values.channels() {
@@ -25,8 +25,8 @@ impl ObjectCodec {
         }
     }
 
-    /// Codes the number of points, of which nothing else is known yet, and the parent of the first
-    /// vertex behind them.
+    /// Codes the number of points and, in the exact order, the parent of the first vertex behind
+    /// them.
     pub(super) fn announce_points<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
@@ -34,8 +34,8 @@ impl ObjectCodec {
         contexts: &mut Contexts,
         limits: StepLimits,
     ) -> Result<(), InvalidStream> {
-        let before_last = source.points().wrapping_sub(1);
-        let count = contexts.points.count.code(coder, before_last).saturating_add(1);
+        let wanted = source.points().wrapping_sub(1);
+        let count = contexts.points.count.code(coder, wanted).saturating_add(1);
         if count > limits.vertices {
             return Err(InvalidStream("has more vertices than its header says"));
         }
@@ -59,7 +59,7 @@ impl ObjectCodec {
         Ok(())
     }
 
-    /// Codes the group of the first point that has not come: a step behind the last vertex.
+    /// Codes the group of the first point that has not come, as a step after the last vertex.
     pub(super) fn code_remaining_points<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
@@ -91,7 +91,8 @@ impl ObjectCodec {
         }
     }
 
-    /// Codes a point that is missing, and with it, after the first step, all of its group that are.
+    /// Codes a point that is missing. After the first step all missing points of its group come
+    /// too.
     pub(super) fn code_points<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
@@ -128,7 +129,7 @@ impl ObjectCodec {
             None => self.code_absolute(coder, wanted, contexts),
             Some(parent) => {
                 let mates = wedge.map_or(0..0, |wedge| wedge..wedge + 1);
-                let neighborhood = Neighborhood { parent, mates, link: &[], cut: [parent; 2] };
+                let neighborhood = Neighborhood { parent, mates, link: &[], apexes: [parent; 2] };
                 let (values, coded) = (&mut contexts.points.values, &mut self.buffers.indices);
                 self.values.code(coder, values, &neighborhood, wanted, coded);
             }
@@ -142,8 +143,8 @@ impl ObjectCodec {
         self.points.mark_received(point, parent);
     }
 
-    /// Codes which points are of one wedge group with a point: those of its step and position whose
-    /// numbers follow one another; and whether the step of the point before goes on with them.
+    /// Codes the wedge group of a point: the consecutive points around it of its step and position.
+    /// Then whether the step of the point before them continues with them.
     fn code_point_group<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
@@ -175,8 +176,8 @@ impl ObjectCodec {
         }
     }
 
-    /// Codes the parent of a point, given the wedge of it that came last: mostly the first vertex
-    /// of all, or a point of the group that came last.
+    /// Codes the parent of a point, given the wedge of its group that came last: mostly the first
+    /// vertex of all, or a point of the group that came last of all.
     fn code_point_parent<C: Coder, S: SplitSource>(
         &self,
         coder: &mut C,
@@ -204,9 +205,10 @@ impl ObjectCodec {
         contexts.parent.code(coder, wanted) % point
     }
 
-    /// Returns the vertex from which a point is predicted, given the wedge of it that came last:
-    /// that wedge if they have one parent; else a point that splits off it; else its parent; else
-    /// that wedge, or the point that came last. None for the first of all.
+    /// Returns the vertex from which a point is predicted. The first of these that exists: the
+    /// wedge of its group that came last, if it has the same parent; a point that splits off this
+    /// one; its parent, if it has come; that wedge with any parent; the point that came last of
+    /// all. None for the first point of all.
     fn reference(&self, point: u32, wedge: Option<u32>) -> Option<u32> {
         let parent = self.targets[point as usize];
         let same_parent = |wedge: &u32| self.targets[*wedge as usize] == parent;

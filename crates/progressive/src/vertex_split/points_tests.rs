@@ -41,7 +41,7 @@ fn points_come_when_a_split_or_a_triangle_needs_them_and_the_others_last() {
     let (mut encoded, mut decoded) = (Contexts::new(), Contexts::new());
     let mut come = Vec::new();
     while !encoder.is_complete() {
-        let target = BlockTarget { bytes: 0, before: 0, until_triangle: false };
+        let target = BlockTarget { bytes: 0, bytes_before: 0, until_triangle: false };
         let block = encoder.encode(&mut encoded, target);
         let steps = StepBlock { steps: 1, splits: &block.splits, bytes: 1000 };
         decoder.decode(&mut decoded, steps).expect("a sound block");
@@ -86,7 +86,7 @@ fn a_position_that_is_not_finite_fails_its_step() {
     // What is 2 or more in the steps of the encoder is infinite in these.
     header.layout.systems.fill(NumberSystem::Grid { origin: 0.0, step: f32::MAX });
     let mut decoder = MeshDecoder::new(header);
-    let target = BlockTarget { bytes: 0, before: 0, until_triangle: false };
+    let target = BlockTarget { bytes: 0, bytes_before: 0, until_triangle: false };
     let block = encoder.encode(&mut Contexts::new(), target);
     let block = StepBlock { steps: 1, splits: &block.splits, bytes: 1000 };
     let error = decoder.decode(&mut Contexts::new(), block).expect_err("it is infinite");
