@@ -4,10 +4,10 @@
 use crate::{Mesh, NONE};
 
 impl Mesh {
-    /// Returns the mesh with its triangles in the order that `order` gives them (each once, with
-    /// its corners in their order, within its submesh), vertices of a submesh that are the same
-    /// byte for byte once, and vertices in the order in which triangles first use them. Those that
-    /// none uses are left out.
+    /// Returns the mesh rearranged. Vertices of one submesh that are the same byte for byte are
+    /// merged; then `order` gets the merged mesh and returns its triangles in the new order (each
+    /// once, with its corners in their order, submesh by submesh); then vertices are numbered in
+    /// the order in which triangles first use them. Vertices that no triangle uses are dropped.
     #[must_use]
     pub fn arranged(&self, order: impl FnOnce(&Self) -> Vec<[u32; 3]>) -> Self {
         let first_identical = self.first_of_identical();
@@ -17,21 +17,22 @@ impl Mesh {
         }
         let merged = Self::try_from(parts).expect("identical vertices are at one position");
         let mut triangles = order(&merged);
-        let mut number = vec![NONE; merged.vertex_count()];
+        let mut new_numbers = vec![NONE; merged.vertex_count()];
+        // The old number of each vertex, by its new one.
         let mut sources = Vec::new();
         for corner in triangles.iter_mut().flatten() {
-            let number = &mut number[*corner as usize];
-            if *number == NONE {
-                *number = sources.len() as u32;
+            let new_number = &mut new_numbers[*corner as usize];
+            if *new_number == NONE {
+                *new_number = sources.len() as u32;
                 sources.push(*corner);
             }
-            *corner = *number;
+            *corner = *new_number;
         }
         let gathered = self.with_vertices(&sources, triangles, self.submeshes().to_vec());
         Self::try_from(gathered).expect("triangles of this mesh in another order")
     }
 
-    /// For each vertex the first one of its submesh with the same bytes.
+    /// Returns for each vertex the first one of its submesh with the same bytes.
     fn first_of_identical(&self) -> Vec<u32> {
         let bits = |v: u32| self.positions()[v as usize].map(f32::to_bits);
         let submesh = |v: u32| self.vertex_submesh()[v as usize];
@@ -58,7 +59,7 @@ mod tests {
     use crate::Submesh;
 
     #[test]
-    fn identical_vertices_become_one_and_all_stand_by_first_use() {
+    fn identical_vertices_become_one_and_all_are_numbered_by_first_use() {
         let corner = |x: f32, y: f32| [x, y, 0.0];
         let mesh = Mesh::try_from(MeshParts {
             positions: vec![

@@ -1,5 +1,6 @@
-//! A chain: several levels of one mesh over one vertex buffer, of which every level uses a prefix;
-//! with geomorphing, what each vertex moves to.
+//! A chain: several levels of one mesh over one vertex buffer, of which every level uses a prefix.
+//! A gliding chain also says where each vertex moves when the next level replaces its own
+//! (geomorphing).
 
 use crate::{Attribute, Lod, Mesh, MeshError, MeshParts, Simplified, Submesh};
 
@@ -23,9 +24,9 @@ pub struct Chain {
 pub struct GlidingChain {
     /// The levels; the mesh also has the vertices that others become without having a triangle.
     pub chain: Chain,
-    /// For each vertex of the mesh the one that it becomes at the first level without it; itself,
-    /// if the last level has it. With the vertices of level *k* moved there, its triangles are
-    /// those of level *k* + 1, by index, and others without an area.
+    /// For each vertex of the mesh the vertex that it becomes at the first level without it;
+    /// itself, if the last level has it. If the vertices of level *k* are moved there, its
+    /// triangles are those of level *k* + 1, at the same indices, and triangles without area.
     pub becomes: Vec<u32>,
 }
 
@@ -35,12 +36,12 @@ impl GlidingChain {
     #[must_use]
     pub fn next(&self) -> Mesh {
         let mesh = &self.chain.mesh;
-        let of = |v: u32| mesh.vertex_submesh()[v as usize];
-        let value_source = |(v, &to): (u32, &u32)| if of(v) == of(to) { to } else { v };
-        let values: Vec<u32> = (0..).zip(&self.becomes).map(value_source).collect();
+        let submesh = |v: u32| mesh.vertex_submesh()[v as usize];
+        let value_source = |(v, &to): (u32, &u32)| if submesh(v) == submesh(to) { to } else { v };
+        let value_sources: Vec<u32> = (0..).zip(&self.becomes).map(value_source).collect();
         let attribute = |a: &Attribute| match a.is_spatial() {
             true => a.gathered(self.becomes.iter().copied()),
-            false => a.gathered(values.iter().copied()),
+            false => a.gathered(value_sources.iter().copied()),
         };
         let parts = MeshParts {
             positions: self.becomes.iter().map(|&v| mesh.positions()[v as usize]).collect(),
@@ -77,7 +78,7 @@ impl Simplified {
     /// As [`Self::chain`].
     pub fn gliding_chain(&self, lods: &[Lod]) -> Result<GlidingChain, MeshError> {
         let floors: Vec<Lod> = lods.iter().map(|&lod| self.collapses().floor(lod)).collect();
-        // Of every vertex of the input, and of the one that it becomes.
+        // For each vertex of the input the vertex that it becomes.
         let mut becomes: Vec<u32> = (0..self.mesh().vertex_count() as u32).collect();
         for pair in floors.windows(2) {
             let removed = pair[0].0 as usize..pair[1].0 as usize;
@@ -85,22 +86,23 @@ impl Simplified {
                 becomes[v] = self.collapses().targets()[v];
             }
             for v in removed.clone().rev() {
-                // Targets come later: this one's own is resolved already.
+                // Targets have larger numbers: they are resolved already.
                 let to = becomes[v] as usize;
                 becomes[v] = if removed.contains(&to) { becomes[to] } else { to as u32 };
             }
         }
         let (chain, used) = self.chain_with(lods, &becomes)?;
-        // A vertex without triangles may become one that nothing else needs: it stays.
-        let number = |(own, &v): (usize, &u32)| {
+        // A vertex without triangles may become one that is not in the mesh: it stays where it is.
+        let number = |(own_number, &v): (usize, &u32)| {
             let to = becomes[v as usize];
-            used.binary_search_by(|u| to.cmp(u)).unwrap_or(own) as u32
+            used.binary_search_by(|u| to.cmp(u)).unwrap_or(own_number) as u32
         };
         let becomes = used.iter().enumerate().map(number).collect();
         Ok(GlidingChain { chain, becomes })
     }
 
-    /// The chain, and the vertices in its mesh: those that levels use, and what these become.
+    /// Returns the chain, and the vertices in its mesh, falling: those that levels use, and those
+    /// that they become (none if `becomes` is empty).
     fn chain_with(&self, lods: &[Lod], becomes: &[u32]) -> Result<(Chain, Vec<u32>), MeshError> {
         let submeshes = self.mesh().submeshes().len();
         let by_submesh = |&lod: &Lod| -> LevelTriangles {
@@ -116,27 +118,27 @@ impl Simplified {
         used.sort_unstable_by(|a, b| b.cmp(a));
         used.dedup();
         if !becomes.is_empty() {
-            let mut all: Vec<u32> = used.iter().map(|&v| becomes[v as usize]).collect();
-            all.append(&mut used);
-            all.sort_unstable_by(|a, b| b.cmp(a));
-            all.dedup();
-            used = all;
+            let mut with_targets: Vec<u32> = used.iter().map(|&v| becomes[v as usize]).collect();
+            with_targets.append(&mut used);
+            with_targets.sort_unstable_by(|a, b| b.cmp(a));
+            with_targets.dedup();
+            used = with_targets;
         }
         let number = |v: u32| used.partition_point(|&u| u > v) as u32;
         for corner in levels.iter_mut().flatten().flatten().flatten() {
             *corner = number(*corner);
         }
-        let alive = |&lod: &Lod| {
+        let prefix = |&lod: &Lod| {
             let lod = self.collapses().floor(lod).0;
             used.partition_point(|&v| v >= lod) as u32
         };
-        let prefixes = lods.iter().map(alive).collect();
-        let none = vec![Vec::new(); submeshes];
-        let mesh = self.gathered(&used, levels.first().unwrap_or(&none))?;
+        let prefixes = lods.iter().map(prefix).collect();
+        let no_triangles = vec![Vec::new(); submeshes];
+        let mesh = self.gathered(&used, levels.first().unwrap_or(&no_triangles))?;
         Ok((Chain { mesh, levels, prefixes }, used))
     }
 
-    /// The mesh of the vertices `sources`, with the given triangles by submesh.
+    /// Returns the mesh of the vertices `sources`, with the triangles of a level by submesh.
     fn gathered(&self, sources: &[u32], level: &[Vec<[u32; 3]>]) -> Result<Mesh, MeshError> {
         let mesh = self.mesh();
         let mut first_triangle = 0;

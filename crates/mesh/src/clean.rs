@@ -14,11 +14,11 @@ pub struct Cleaning {
 
 impl MeshParts {
     /// Drops what takes no part in a level of detail: triangles with two corners at one position,
-    /// then vertices that no triangle uses. Says how many.
+    /// then vertices that no triangle uses. Returns how many there were.
     ///
     /// # Panics
-    /// If a triangle names a vertex that is not there, a submesh a triangle that is not there, or a
-    /// stream has too few bytes: whoever reads a file checks that first.
+    /// If a triangle names a vertex that does not exist, a submesh a triangle that does not exist,
+    /// or a stream has too few bytes: importers check that first.
     pub fn clean(&mut self) -> Cleaning {
         let degenerate_triangles = self.drop_degenerate();
         let vertices = self.positions.len();
@@ -33,7 +33,7 @@ impl MeshParts {
     /// # Panics
     /// As [`Self::clean`].
     pub fn drop_degenerate(&mut self) -> usize {
-        let before = self.triangles.len();
+        let count_before = self.triangles.len();
         let mut remaining = Vec::with_capacity(self.triangles.len());
         for submesh in &mut self.submeshes {
             let first = remaining.len();
@@ -45,7 +45,7 @@ impl MeshParts {
             submesh.triangle_count = (remaining.len() - first) as u32;
         }
         self.triangles = remaining;
-        before - self.triangles.len()
+        count_before - self.triangles.len()
     }
 
     fn drop_unreferenced(&mut self) {

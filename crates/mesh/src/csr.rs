@@ -15,10 +15,10 @@ pub struct Csr {
 }
 
 impl Csr {
-    /// Sorts `(row, value)` entries into `rows` rows. `entries` is run through twice.
+    /// Sorts `(row, value)` entries into `rows` rows. Iterates over `entries` twice.
     ///
     /// # Panics
-    /// If an entry names a row that is not there.
+    /// If an entry names a row that does not exist.
     #[must_use]
     pub fn new(rows: usize, entries: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
         let mut offsets = vec![0u32; rows + 1];
@@ -28,10 +28,10 @@ impl Csr {
         for row in 0..rows {
             offsets[row + 1] += offsets[row];
         }
-        let mut next = offsets.clone();
+        let mut next_slots = offsets.clone();
         let mut values = vec![0; offsets[rows] as usize];
         for (row, value) in entries {
-            let slot = &mut next[row as usize];
+            let slot = &mut next_slots[row as usize];
             values[*slot as usize] = value;
             *slot += 1;
         }

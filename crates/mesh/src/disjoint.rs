@@ -3,6 +3,7 @@
 /// Elements from 0 on, each in one set.
 #[derive(Clone, Debug)]
 pub struct DisjointSets {
+    /// For each element another one of its set, never a larger one; itself for the smallest.
     parent: Vec<u32>,
 }
 
@@ -24,10 +25,10 @@ impl DisjointSets {
         current
     }
 
-    /// Makes one set of those that two elements are in.
+    /// Unites the sets of two elements.
     pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.find(a), self.find(b));
-        // The smaller one becomes the root, so that a root is always the first of its set.
+        // The smaller root becomes the root of both, so that it is the smallest element of its set.
         self.parent[a.max(b) as usize] = a.min(b);
     }
 }
@@ -37,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn joined_elements_have_their_smallest_in_common() {
+    fn joined_elements_find_the_smallest_of_them() {
         let mut sets = DisjointSets::new(6);
         for (a, b) in [(5, 4), (2, 5), (0, 3)] {
             sets.join(a, b);

@@ -19,13 +19,14 @@ impl WedgeGroups {
     #[must_use]
     pub fn new(mesh: &Mesh, positions: &PositionIds) -> Self {
         let mut sets = DisjointSets::new(mesh.vertex_count());
-        // Most meshes have one vertex per position: nothing to join there, so those corners are
-        // left out.
+        // Where a position has one vertex, as nearly everywhere, there is nothing to join: corners
+        // there are skipped.
         let mut vertices_at = vec![0u32; positions.len()];
         for &p in &positions.of_vertex {
             vertices_at[p as usize] += 1;
         }
-        // One entry per corner and incident edge: (position, other end's position, vertex).
+        // One entry for each corner and each of its two edges: the corner's position, the position
+        // of the edge's other end, the corner's vertex.
         let mut spokes = Vec::new();
         for t in mesh.triangles() {
             for c in 0..3 {

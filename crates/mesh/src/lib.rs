@@ -1,8 +1,9 @@
-//! The vocabulary of lodc: what every stage exchanges, and almost no algorithms.
+//! The data types that all stages of lodc exchange, with few algorithms.
 //!
 //! A [`Mesh`] is what an importer makes. A simplifier turns it into a [`Simplified`]: the same mesh
-//! in collapse order with a [`CollapseSequence`]. Models, files and tests read that.
-//! [`Simplified::triangles_at`] is the reference answer against which everything else is judged.
+//! in collapse order (the order in which vertices disappear) with a [`CollapseSequence`]. Models,
+//! files and tests read that. [`Simplified::triangles_at`] is the reference: everything else must
+//! show the same triangles.
 //!
 //! Terms (vertex, position, wedge group, record, step, LOD) are defined in `docs/GLOSSARY.md`.
 //!

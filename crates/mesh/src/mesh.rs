@@ -6,7 +6,7 @@ use std::fmt;
 /// A part of a mesh with one material: a run of its triangles.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Submesh {
-    /// Its first triangle.
+    /// The index of its first triangle in [`Mesh::triangles`].
     pub first_triangle: u32,
     /// Number of its triangles.
     pub triangle_count: u32,
@@ -39,9 +39,9 @@ pub struct MeshParts {
     pub submeshes: Vec<Submesh>,
 }
 
-/// A triangle mesh. Holding one means: positions are finite, indices are in range, no triangle has
-/// two corners at one position, every vertex belongs to one submesh and every stream has bytes for
-/// every vertex.
+/// A valid triangle mesh: positions are finite, indices are in range, no triangle has two corners
+/// at one position, every vertex belongs to one submesh, and every stream has bytes for every
+/// vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh(MeshParts);
 
@@ -76,12 +76,13 @@ impl Mesh {
     pub fn vertex_submesh(&self) -> &[u32] {
         &self.0.vertex_submesh
     }
-    /// The submeshes that have each attribute stream: row `i` holds those of stream `i`, rising.
+    /// Returns for each attribute stream the submeshes that have it: row `i` holds those of stream
+    /// `i`, rising.
     #[must_use]
     pub fn users_of_streams(&self) -> Csr {
-        let listed = self.submeshes().iter().zip(0..);
-        let listed = listed.flat_map(|(s, number)| s.attributes.iter().map(move |&a| (a, number)));
-        Csr::new(self.attributes().len(), listed)
+        let numbered = self.submeshes().iter().zip(0..);
+        let uses = numbered.flat_map(|(s, number)| s.attributes.iter().map(move |&a| (a, number)));
+        Csr::new(self.attributes().len(), uses)
     }
     /// The parts, for changing them.
     #[must_use]
@@ -110,6 +111,7 @@ impl TryFrom<MeshParts> for Mesh {
 
     fn try_from(parts: MeshParts) -> Result<Self, MeshError> {
         let vertices = parts.positions.len();
+        // Four times an index must fit a `u32`: corners are numbered 4 × triangle + corner.
         let limit = u32::MAX as usize / 4;
         if vertices > limit || parts.triangles.len() > limit {
             return Err(MeshError::TooLarge { vertices, triangles: parts.triangles.len() });

@@ -1,8 +1,8 @@
 //! Comparing meshes as multisets of oriented triangles: exactly, and by an order-independent hash.
 
-/// A triangle of a submesh whose corners are rotated so that the smallest comes first: equal
-/// exactly if the oriented triangles are. (The corners are different vertices, as those of live
-/// triangles always are.)
+/// A triangle of a submesh whose corners are rotated so that the smallest comes first. Two are
+/// equal exactly if they are the same triangle with the same orientation. (The corners must be
+/// different vertices; those of live triangles are.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct OrientedTriangle {
     /// The submesh.
@@ -58,6 +58,7 @@ impl FromIterator<OrientedTriangle> for TriangleHash {
 fn hash(t: OrientedTriangle) -> u128 {
     let a = u64::from(t.submesh) << 32 | u64::from(t.corners[0]);
     let b = u64::from(t.corners[1]) << 32 | u64::from(t.corners[2]);
+    // The seeds are the first 128 bits of the fraction of π, as good as any.
     let half = |seed: u64| {
         mix(mix(a ^ seed).wrapping_add(b).wrapping_mul(0x9e37_79b9_7f4a_7c15)
             ^ seed.rotate_left(17))
@@ -65,8 +66,8 @@ fn hash(t: OrientedTriangle) -> u128 {
     u128::from(half(0x243f_6a88_85a3_08d3)) << 64 | u128::from(half(0x1319_8a2e_0370_7344))
 }
 
-/// A bijection of 64 bits in which every input bit moves half of the output (the finaliser of
-/// SplitMix64).
+/// A bijection of 64 bits in which every input bit changes about half of the output (the finaliser
+/// of SplitMix64).
 #[inline]
 fn mix(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

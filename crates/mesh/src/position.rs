@@ -17,15 +17,14 @@ pub struct PositionIds {
 }
 
 impl PositionIds {
-    /// Numbers the positions of some vertices. Linear time and open addressing: this runs on every
-    /// mesh.
+    /// Numbers the positions of some vertices, in linear time: this runs on every mesh.
     #[must_use]
     pub fn new(positions: &[[f32; 3]]) -> Self {
         Self::by_hashing(positions).unwrap_or_else(|| Self::by_sorting(positions))
     }
 
-    /// Returns the numbers, rising, of the first of each set of triangles over the same three
-    /// positions, in any order: of triangles that lie on each other one.
+    /// Returns the numbers, rising, of triangles without duplicates: of triangles with the same
+    /// three positions, in any order, only the first.
     #[must_use]
     pub fn distinct(&self, triangles: &[[u32; 3]]) -> Vec<u32> {
         let positions = |t: &[u32; 3]| {
@@ -33,19 +32,21 @@ impl PositionIds {
             positions.sort_unstable();
             positions
         };
-        let mut order: Vec<([u32; 3], u32)> = triangles.iter().map(positions).zip(0..).collect();
-        order.sort_unstable();
-        order.dedup_by_key(|(positions, _)| *positions);
-        let mut firsts: Vec<u32> = order.into_iter().map(|(_, number)| number).collect();
+        let mut by_positions: Vec<([u32; 3], u32)> =
+            triangles.iter().map(positions).zip(0..).collect();
+        by_positions.sort_unstable();
+        by_positions.dedup_by_key(|(positions, _)| *positions);
+        let mut firsts: Vec<u32> = by_positions.into_iter().map(|(_, number)| number).collect();
         firsts.sort_unstable();
         firsts
     }
 
-    /// None if far more slots had to be looked at than chance explains: positions chosen so that
-    /// their hashes collide would make this quadratic.
+    /// Numbers positions with a hash table (open addressing). `None` if far more slots had to be
+    /// searched than chance explains: positions made to collide would take quadratic time.
     fn by_hashing(positions: &[[f32; 3]]) -> Option<Self> {
         const EMPTY: u32 = u32::MAX;
-        let mut probes_left = 16 * positions.len() + 1024;
+        // Chosen by hand: far more than the few probes for each position that chance causes.
+        let mut probes_remaining = 16 * positions.len() + 1024;
         let slots = (positions.len() * 3 / 2 + 1).next_power_of_two();
         let mask = slots - 1;
         let mut table = vec![EMPTY; slots];
@@ -66,14 +67,14 @@ impl PositionIds {
                     break id;
                 }
                 slot = (slot + 1) & mask;
-                probes_left = probes_left.checked_sub(1)?;
+                probes_remaining = probes_remaining.checked_sub(1)?;
             };
             of_vertex.push(id);
         }
         Some(Self { of_vertex, first_vertex })
     }
 
-    /// The same numbers in O(n log n), whatever the positions.
+    /// Returns the same numbers in O(n log n), whatever the positions.
     fn by_sorting(positions: &[[f32; 3]]) -> Self {
         let mut order: Vec<u32> = (0..index(positions.len())).collect();
         let key = |v: u32| position_key(positions[v as usize]);
@@ -128,9 +129,9 @@ mod tests {
     use lodc_fixtures::Rng;
 
     #[test]
-    fn positions_made_to_collide_are_not_searched_for_and_numbered_all_the_same() {
-        // x and y are chosen for each z so that all hash alike: each would be compared with all
-        // before it.
+    fn positions_made_to_collide_are_numbered_by_sorting() {
+        // x and y are chosen for each z so that all hashes are equal: each position would be
+        // compared with all before it.
         let mut rng = Rng::new(10);
         let mut positions = Vec::new();
         while positions.len() < 20_000 {
@@ -144,7 +145,7 @@ mod tests {
         }
         let hashes = |i: usize| hash(position_key(positions[i]));
         assert!((1..positions.len()).all(|i| hashes(i) == hashes(0)));
-        assert!(PositionIds::by_hashing(&positions).is_none(), "its patience ends");
+        assert!(PositionIds::by_hashing(&positions).is_none(), "too many probes");
         // In any order, and some twice.
         let twice: Vec<_> = positions.iter().chain(positions.iter().rev()).copied().collect();
         let ids = PositionIds::new(&twice);

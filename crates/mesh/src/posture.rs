@@ -1,6 +1,6 @@
 //! How a pose of one object is named: a moment of an animation, or a morph target.
 
-/// A pose of one object, by what gives it a shape other than the one at rest.
+/// A pose that gives an object another shape than at rest, named by its cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Posture {
     /// A moment of an animation of its file.

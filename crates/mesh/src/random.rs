@@ -36,7 +36,8 @@ impl SplitMix64 {
         Self::mix(seed.wrapping_add(i.wrapping_add(1).wrapping_mul(GOLDEN_GAMMA)))
     }
 
-    /// The finaliser: a bijection of 64 bits in which every input bit changes half of the output.
+    /// The finaliser: a bijection of 64 bits in which every input bit changes about half of the
+    /// output.
     #[must_use]
     pub fn mix(bits: u64) -> u64 {
         let z = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -3,7 +3,7 @@
 //! Vertices are numbered in the order in which they disappear. Record `k` removes vertex `k`, which
 //! becomes `targets[k] > k`; the last vertex stays. LOD `k` is the mesh after the first `k`
 //! records: LOD 0 is the input, `records()` the single vertex. Consecutive records of one half-edge
-//! collapse make a *step*; a LOD is shown at step ends only. (Thesis 3.2.1, 4.2.1 and 5.2.)
+//! collapse make a *step*; a LOD is shown at step ends only. (Ripollés 2009, 3.2.1, 4.2.1 and 5.2.)
 
 use std::fmt;
 
@@ -49,12 +49,16 @@ pub struct SequenceParts {
     pub first_topology_change: Option<Lod>,
 }
 
-/// Records between two entries of the index of step ends. Not measured.
+/// Records between two entries of the index of step ends. Chosen by hand: more take less memory and
+/// a longer search.
 const INDEX_STRIDE: usize = 32;
 
 /// A valid collapse sequence.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CollapseSequence(SequenceParts, StepIndex);
+pub struct CollapseSequence {
+    parts: SequenceParts,
+    step_index: StepIndex,
+}
 
 /// Number of complete steps at every [`INDEX_STRIDE`]th LOD, so that the step of a LOD is found in
 /// a few reads.
@@ -64,29 +68,30 @@ struct StepIndex(Vec<u32>);
 impl StepIndex {
     fn new(step_ends: &[u32], records: usize) -> Self {
         let mut steps = 0;
-        let mut complete = |lod: usize| {
+        let mut complete_steps = |lod: usize| {
             while step_ends.get(steps).is_some_and(|&end| end as usize <= lod) {
                 steps += 1;
             }
             steps as u32
         };
-        // The last entry is all of them.
+        // The last entry is the number of all steps.
         Self(
             (0..records / INDEX_STRIDE + 2)
-                .map(|i| complete((INDEX_STRIDE * i).min(records)))
+                .map(|i| complete_steps((INDEX_STRIDE * i).min(records)))
                 .collect(),
         )
     }
 
     /// Returns the number of complete steps at a LOD, which is not beyond the last.
-    fn complete(&self, step_ends: &[u32], lod: usize) -> usize {
+    fn complete_steps(&self, step_ends: &[u32], lod: usize) -> usize {
         let [at_or_before, at_next] =
             [self.0[lod / INDEX_STRIDE], self.0[lod / INDEX_STRIDE + 1]].map(|n| n as usize);
-        // Each step has a record at least: no more steps than records, and all others have yet to
-        // come.
-        let (passed, to_next) = (lod % INDEX_STRIDE, INDEX_STRIDE - lod % INDEX_STRIDE);
-        let (min_steps, max_steps) =
-            (at_or_before.max(at_next.saturating_sub(to_next)), at_next.min(at_or_before + passed));
+        // Each step has at least one record, so there are no more steps between two LODs than
+        // records.
+        let records_before = lod % INDEX_STRIDE;
+        let records_after = INDEX_STRIDE - records_before;
+        let min_steps = at_or_before.max(at_next.saturating_sub(records_after));
+        let max_steps = at_next.min(at_or_before + records_before);
         min_steps + step_ends[min_steps..max_steps].partition_point(|&end| end as usize <= lod)
     }
 }
@@ -95,27 +100,27 @@ impl CollapseSequence {
     /// Number of records, one fewer than there are vertices.
     #[must_use]
     pub fn records(&self) -> u32 {
-        self.0.targets.len() as u32
+        self.parts.targets.len() as u32
     }
     /// Number of steps.
     #[must_use]
     pub fn steps(&self) -> usize {
-        self.0.step_ends.len()
+        self.parts.step_ends.len()
     }
     /// One step, counted from 0.
     #[must_use]
     pub fn step(&self, i: usize) -> Step {
         Step {
-            lod: Lod(self.0.step_ends[i]),
-            error: self.0.step_errors[i],
-            triangles: self.0.step_triangles[i],
+            lod: Lod(self.parts.step_ends[i]),
+            error: self.parts.step_errors[i],
+            triangles: self.parts.step_triangles[i],
         }
     }
     /// For each record the LOD at the end of its step: the first LOD shown without its vertex.
     #[must_use]
     pub fn step_ends_by_record(&self) -> Vec<u32> {
-        let mut ends = Vec::with_capacity(self.0.targets.len());
-        for &end in &self.0.step_ends {
+        let mut ends = Vec::with_capacity(self.parts.targets.len());
+        for &end in &self.parts.step_ends {
             ends.resize(end as usize, end);
         }
         ends
@@ -123,17 +128,17 @@ impl CollapseSequence {
     /// Target of each record's vertex.
     #[must_use]
     pub fn targets(&self) -> &[u32] {
-        &self.0.targets
+        &self.parts.targets
     }
     /// The parts, for storing them.
     #[must_use]
     pub fn parts(&self) -> &SequenceParts {
-        &self.0
+        &self.parts
     }
     /// The parts, for changing them.
     #[must_use]
     pub fn into_parts(self) -> SequenceParts {
-        self.0
+        self.parts
     }
     /// The coarsest LOD: one vertex.
     #[must_use]
@@ -143,22 +148,22 @@ impl CollapseSequence {
     /// Number of complete steps at `lod`.
     #[must_use]
     pub fn steps_at(&self, lod: Lod) -> usize {
-        self.1.complete(&self.0.step_ends, lod.min(self.last()).0 as usize)
+        self.step_index.complete_steps(&self.parts.step_ends, lod.min(self.last()).0 as usize)
     }
     /// The LOD that is shown for `lod`: rounded down, towards finer, to the end of a step.
     #[must_use]
     pub fn floor(&self, lod: Lod) -> Lod {
         match self.steps_at(lod) {
             0 => Lod(0),
-            n => Lod(self.0.step_ends[n - 1]),
+            n => Lod(self.parts.step_ends[n - 1]),
         }
     }
     /// Live triangles at the LOD shown for `lod`.
     #[must_use]
     pub fn triangles_at(&self, lod: Lod) -> u32 {
         match self.steps_at(lod) {
-            0 => self.0.triangles,
-            n => self.0.step_triangles[n - 1],
+            0 => self.parts.triangles,
+            n => self.parts.step_triangles[n - 1],
         }
     }
     /// Object-space error at the LOD shown for `lod`, in the mesh's units.
@@ -166,13 +171,13 @@ impl CollapseSequence {
     pub fn error_at(&self, lod: Lod) -> f32 {
         match self.steps_at(lod) {
             0 => 0.0,
-            n => self.0.step_errors[n - 1],
+            n => self.parts.step_errors[n - 1],
         }
     }
     /// Returns whether errors are measured distances, not estimates.
     #[must_use]
     pub fn is_measured(&self) -> bool {
-        self.0.step_rms.len() == self.steps()
+        self.parts.step_rms.len() == self.steps()
     }
     /// Root mean square distance at the LOD shown for `lod`, in the mesh's units; none if it was
     /// not measured.
@@ -180,41 +185,41 @@ impl CollapseSequence {
     pub fn rms_at(&self, lod: Lod) -> Option<f32> {
         self.is_measured().then(|| match self.steps_at(lod) {
             0 => 0.0,
-            n => self.0.step_rms[n - 1],
+            n => self.parts.step_rms[n - 1],
         })
     }
     /// The coarsest LOD whose root mean square distance is at most `rms`; none if it was not
     /// measured.
     #[must_use]
     pub fn lod_for_rms(&self, rms: f32) -> Option<Lod> {
-        self.is_measured().then(|| match self.0.step_rms.partition_point(|&e| e <= rms) {
+        self.is_measured().then(|| match self.parts.step_rms.partition_point(|&e| e <= rms) {
             0 => Lod(0),
-            n => Lod(self.0.step_ends[n - 1]),
+            n => Lod(self.parts.step_ends[n - 1]),
         })
     }
     /// The finest LOD with at most `triangles` triangles.
     #[must_use]
     pub fn lod_for_triangles(&self, triangles: u32) -> Lod {
-        if self.0.triangles <= triangles {
+        if self.parts.triangles <= triangles {
             return Lod(0);
         }
-        let step = self.0.step_triangles.partition_point(|&t| t > triangles);
-        self.0.step_ends.get(step).map_or(self.last(), |&end| Lod(end))
+        let step = self.parts.step_triangles.partition_point(|&t| t > triangles);
+        self.parts.step_ends.get(step).map_or(self.last(), |&end| Lod(end))
     }
     /// The coarsest LOD whose error is at most `error`.
     #[must_use]
     pub fn lod_for_error(&self, error: f32) -> Lod {
-        match self.0.step_errors.partition_point(|&e| e <= error) {
+        match self.parts.step_errors.partition_point(|&e| e <= error) {
             0 => Lod(0),
-            n => Lod(self.0.step_ends[n - 1]),
+            n => Lod(self.parts.step_ends[n - 1]),
         }
     }
     /// The coarsest LOD that still has a triangle (LOD 0 if there is none at all).
     #[must_use]
     pub fn last_visible(&self) -> Lod {
-        match self.0.step_triangles.partition_point(|&t| t > 0) {
+        match self.parts.step_triangles.partition_point(|&t| t > 0) {
             0 => Lod(0),
-            n => Lod(self.0.step_ends[n - 1]),
+            n => Lod(self.parts.step_ends[n - 1]),
         }
     }
     /// The vertex that `vertex` has become at `lod` (at the coarsest LOD, if `lod` is beyond it).
@@ -222,7 +227,7 @@ impl CollapseSequence {
     pub fn resolve(&self, mut vertex: u32, lod: Lod) -> u32 {
         let end = lod.min(self.last()).0;
         while vertex < end {
-            vertex = self.0.targets[vertex as usize];
+            vertex = self.parts.targets[vertex as usize];
         }
         vertex
     }
@@ -235,14 +240,14 @@ impl CollapseSequence {
         map
     }
     /// [`Self::resolve`] for the vertices that have disappeared at `lod`, the first ones; all
-    /// others are themselves. `shown` is cleared first.
-    pub fn resolve_gone(&self, lod: Lod, shown: &mut Vec<u32>) {
+    /// others are themselves. `resolved` is cleared first.
+    pub fn resolve_gone(&self, lod: Lod, resolved: &mut Vec<u32>) {
         let end = lod.min(self.last()).0 as usize;
-        shown.clear();
-        shown.extend_from_slice(&self.0.targets[..end]);
+        resolved.clear();
+        resolved.extend_from_slice(&self.parts.targets[..end]);
         for k in (0..end).rev() {
-            if let Some(&further) = shown.get(shown[k] as usize) {
-                shown[k] = further;
+            if let Some(&further) = resolved.get(resolved[k] as usize) {
+                resolved[k] = further;
             }
         }
     }
@@ -270,14 +275,14 @@ impl TryFrom<SequenceParts> for CollapseSequence {
         for step in 0..steps {
             let next_error = p.step_errors[step];
             let next_rms = p.step_rms.get(step).copied().unwrap_or(rms);
-            let empty = p.step_triangles[step] == 0 && p.triangles > 0;
-            let follows = p.step_ends[step] > end
+            let is_empty = p.step_triangles[step] == 0 && p.triangles > 0;
+            let is_valid = p.step_ends[step] > end
                 && p.step_triangles[step] <= triangles
                 && next_error >= error
-                && (next_error.is_finite() || empty)
+                && (next_error.is_finite() || is_empty)
                 && next_rms >= rms
                 && next_rms <= next_error;
-            if !follows {
+            if !is_valid {
                 return Err(SequenceError::Step { step });
             }
             (end, triangles) = (p.step_ends[step], p.step_triangles[step]);
@@ -289,8 +294,8 @@ impl TryFrom<SequenceParts> for CollapseSequence {
         {
             return Err(SequenceError::Step { step: steps });
         }
-        let index = StepIndex::new(&p.step_ends, records);
-        Ok(Self(p, index))
+        let step_index = StepIndex::new(&p.step_ends, records);
+        Ok(Self { parts: p, step_index })
     }
 }
 

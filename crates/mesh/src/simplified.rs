@@ -1,14 +1,15 @@
-//! A mesh in collapse order with its sequence, and the reference answer: which triangles a LOD has.
+//! A mesh in collapse order with its collapse sequence, and the reference: which triangles a LOD
+//! has.
 
 use crate::{
     CollapseSequence, Lod, Mesh, OrientedTriangle, PositionIds, SequenceError, is_degenerate,
 };
 use std::fmt;
 
-/// Result of a simplifier: the mesh, its vertices in the order in which they disappear (fake
-/// vertices included, which no triangle of LOD 0 uses), and the sequence. Within each submesh the
-/// triangle that dies first comes last, so the live triangles of a submesh are always the first
-/// ones.
+/// Result of a simplifier: the mesh, with its vertices in the order in which they disappear, and
+/// the sequence. Fake vertices, which the simplifier made and no triangle of LOD 0 uses, are among
+/// them. Within each submesh the triangle that is removed first comes last, so the live triangles
+/// of a submesh are always the first ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simplified {
     mesh: Mesh,
@@ -16,7 +17,7 @@ pub struct Simplified {
 }
 
 impl Simplified {
-    /// Puts the two together.
+    /// Joins a mesh in collapse order and its sequence.
     ///
     /// # Errors
     /// If their sizes do not match.
@@ -35,11 +36,11 @@ impl Simplified {
         }
         Ok(Self { mesh, collapses })
     }
-    /// Puts measured distances in the place of the sequence's errors: after each step the largest
-    /// and the root mean square one, in the mesh's units.
+    /// Replaces the sequence's errors by measured distances in the mesh's units: the largest and
+    /// the root mean square distance after each step.
     ///
     /// # Errors
-    /// If they are not one for each step, or fall.
+    /// If there is not one of each for each step, or if they fall.
     pub fn with_distances(self, largest: Vec<f32>, rms: Vec<f32>) -> Result<Self, SequenceError> {
         let mut parts = self.collapses.into_parts();
         (parts.step_errors, parts.step_rms) = (largest, rms);
@@ -55,12 +56,12 @@ impl Simplified {
     pub fn collapses(&self) -> &CollapseSequence {
         &self.collapses
     }
-    /// Both, taken apart.
+    /// The mesh and the sequence.
     #[must_use]
     pub fn into_parts(self) -> (Mesh, CollapseSequence) {
         (self.mesh, self.collapses)
     }
-    /// Vertices made by the simplifier: those that no triangle of LOD 0 uses.
+    /// Counts the vertices that the simplifier made: those that no triangle of LOD 0 uses.
     #[must_use]
     pub fn fakes(&self) -> usize {
         let mut used = vec![false; self.mesh.vertex_count()];
@@ -69,14 +70,15 @@ impl Simplified {
         }
         used.iter().filter(|&&u| !u).count()
     }
-    /// The reference answer: the input triangles with every vertex resolved, those with two corners
-    /// at one position dropped. Naive on purpose; everything else is judged by it. `lod` is taken
-    /// as it is, not rounded to a step.
+    /// The reference: the input triangles with every vertex resolved, without those that have two
+    /// corners at one position. Naive on purpose: everything else is judged by it. `lod` is not
+    /// rounded to the end of a step.
     #[must_use]
     pub fn triangles_at(&self, lod: Lod) -> Vec<OrientedTriangle> {
         self.triangles_at_with(lod, &PositionIds::new(self.mesh.positions()))
     }
-    /// [`Self::triangles_at`] with the positions numbered beforehand, for asking many times.
+    /// [`Self::triangles_at`] with the numbers of positions given, which saves time over many
+    /// calls.
     #[must_use]
     pub fn triangles_at_with(&self, lod: Lod, positions: &PositionIds) -> Vec<OrientedTriangle> {
         let map = self.collapses.resolve_all(lod);
