@@ -235,7 +235,7 @@ fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
     let colour = Vec3::new(r, g, b).max(Vec3::ZERO).map(f32::sqrt);
     let Some(texture) = material.texture else { return colour };
     let image = &surface.images[texture.image];
-    let transformed = |uv: Vec2| Vec2::from(texture.place(uv.into()));
+    let transformed = |uv: Vec2| Vec2::from(texture.to_image(uv.into()));
     let triangle = surface.triangles[t];
     let [a, b, c] = triangle.map(|v| transformed(surface.texture[v as usize]));
     let pixels = (area.abs() / f64::from(SUBPIXELS * SUBPIXELS)) as f32;

@@ -61,7 +61,7 @@ impl SceneSurface {
                     let read = coordinates(object, s as usize);
                     let set = stream(mesh, s as usize, &Semantic::TexCoord(read.set));
                     let uv = set.map_or([0.0; 2], |a| pair(a, v));
-                    surface.texture.push(read.place(uv).into());
+                    surface.texture.push(read.to_image(uv).into());
                 }
             }
             for (s, submesh) in mesh.submeshes().iter().enumerate() {

@@ -10,7 +10,7 @@ use crate::transform::LocalTransform;
 pub struct Animation {
     /// The name in the file; may be empty.
     pub name: String,
-    /// Properties of nodes that move.
+    /// The properties of nodes that change.
     pub channels: Vec<Channel>,
 }
 
@@ -23,10 +23,10 @@ pub struct Channel {
     pub property: Property,
     /// The interpolation between keys.
     pub interpolation: Interpolation,
-    /// Seconds of the keys, rising.
+    /// The time of each key in seconds, rising.
     pub times: Vec<f64>,
-    /// The values of the keys, one behind the other; for [`Interpolation::CubicSpline`] each behind
-    /// its incoming and before its outgoing tangent.
+    /// The values of the keys, one after another. For [`Interpolation::CubicSpline`] three values
+    /// for each key: its incoming tangent, its value, its outgoing tangent.
     pub values: Vec<f64>,
 }
 
@@ -56,7 +56,7 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// Values of one key: more than one with tangents.
+    /// Number of values for each key: three with tangents, else one.
     #[must_use]
     pub fn values_per_key(self) -> usize {
         if self == Self::CubicSpline { 3 } else { 1 }
@@ -64,15 +64,15 @@ impl Interpolation {
 }
 
 impl Animation {
-    /// Seconds of the last key.
+    /// The time of the last key in seconds.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.channels.iter().filter_map(|c| c.times.last()).fold(0.0, |a, &b| a.max(b))
     }
 
-    /// Returns the pose at a moment: the rest pose with what this changes replaced. Before its
-    /// first key a property is as at it, after its last one as at that. A node whose transform is
-    /// a matrix stays (3.11: it must not be animated).
+    /// Returns the pose at a moment: the rest pose with the animated properties replaced. Before
+    /// its first key a property has the value of that key, after its last key the value of the
+    /// last. A node whose transform is a matrix keeps it (3.11: it must not be animated).
     #[must_use]
     pub fn pose(&self, graph: &Graph, seconds: f64) -> Pose {
         let mut pose = graph.rest_pose();
@@ -97,12 +97,12 @@ impl Channel {
         else {
             return;
         };
-        let into: &mut [f64] = match self.property {
+        let part: &mut [f64] = match self.property {
             Property::Translation => translation,
             Property::Rotation => rotation,
             Property::Scale | Property::Weights => scale,
         };
-        into.iter_mut().zip(value).for_each(|(into, v)| *into = v);
+        part.iter_mut().zip(value).for_each(|(component, v)| *component = v);
     }
 
     /// Returns the value at a moment; none without keys.
@@ -128,39 +128,42 @@ impl Channel {
         })
     }
 
-    /// Numbers of one value.
-    fn width(&self) -> usize {
+    /// Number of components of one value.
+    fn components(&self) -> usize {
         self.values.len() / (self.times.len() * self.interpolation.values_per_key()).max(1)
     }
 
-    /// A number of a key: its incoming tangent, its value, its outgoing tangent.
-    fn of_key(&self, key: usize, which: usize) -> &[f64] {
+    /// Value number `i` of a key; of three the incoming tangent, the value and the outgoing
+    /// tangent.
+    fn key_value(&self, key: usize, i: usize) -> &[f64] {
         let per_key = self.interpolation.values_per_key();
-        &self.values[(key * per_key + which) * self.width()..][..self.width()]
+        &self.values[(key * per_key + i) * self.components()..][..self.components()]
     }
 
     fn value(&self, key: usize) -> &[f64] {
-        self.of_key(key, self.interpolation.values_per_key() / 2)
+        self.key_value(key, self.interpolation.values_per_key() / 2)
     }
 
     fn spline(&self, previous: usize, t: f64, span: f64) -> Vec<f64> {
         let (t2, t3) = (t * t, t * t * t);
         let (a, b) = (self.value(previous), self.value(previous + 1));
-        let (outgoing, incoming) = (self.of_key(previous, 2), self.of_key(previous + 1, 0));
+        let (outgoing, incoming) = (self.key_value(previous, 2), self.key_value(previous + 1, 0));
         let at = |i: usize| {
             (2.0 * t3 - 3.0 * t2 + 1.0) * a[i]
                 + span * (t3 - 2.0 * t2 + t) * outgoing[i]
                 + (3.0 * t2 - 2.0 * t3) * b[i]
                 + span * (t3 - t2) * incoming[i]
         };
-        (0..self.width()).map(at).collect()
+        (0..self.components()).map(at).collect()
     }
 }
 
-/// Terms of the series for a sine divided by a sine: each is at most half the one before.
-const TERMS: u32 = 60;
+/// Terms of the series in [`sine_ratio`]. Each is at most half the one before, so 60 are enough for
+/// double precision.
+const SINE_RATIO_TERMS: u32 = 60;
 
-/// Returns the rotation on the shorter arc between two, which may be of any length but zero.
+/// Interpolates between two quaternions on the shorter arc. They may have any length; if one is
+/// zero, the nearer one is returned.
 fn slerp(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
     let length = |q: &[f64]| q.iter().map(|c| c * c).sum::<f64>().sqrt();
     let (la, lb) = (length(a), length(b));
@@ -174,12 +177,12 @@ fn slerp(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
     a.iter().zip(b).map(|(x, y)| from * x + to * y).collect()
 }
 
-/// sin(tφ) / sin φ for t from 0 to 1 and a cosine of φ from 0 to 1, by a series in the cosine
-/// (Eberly, "A Fast and Accurate Algorithm for Computing SLERP"): the same on every machine.
+/// Returns sin(tφ) / sin φ for t from 0 to 1 and a cosine of φ from 0 to 1, by a series in the
+/// cosine (Eberly, "A Fast and Accurate Algorithm for Computing SLERP"): the same on every machine.
 fn sine_ratio(t: f64, cosine: f64) -> f64 {
     let mut term = t;
     let mut sum = t;
-    for i in 1..=TERMS {
+    for i in 1..=SINE_RATIO_TERMS {
         let i = f64::from(i);
         term *= (t * t - i * i) / (i * (2.0 * i + 1.0)) * (cosine - 1.0);
         sum += term;

@@ -1,4 +1,4 @@
-//! Keys, and what lies between them.
+//! Values at keys and between them.
 
 use super::*;
 use crate::Node;

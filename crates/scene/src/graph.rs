@@ -11,13 +11,14 @@ pub struct Node {
     pub local: LocalTransform,
     /// Indices of child nodes.
     pub children: Vec<u32>,
-    /// Indices of the objects that it shows; a mesh of the file may have become none.
+    /// Indices of the objects that it shows. Empty for a node without a mesh, or if importing the
+    /// mesh left no object.
     pub objects: Vec<u32>,
     /// Index of the skin that moves these objects, if any.
     pub skin: Option<u32>,
     /// Morph weights at rest; targets without one have 0.
     pub weights: Vec<f64>,
-    /// Transforms relative to the node at which its objects are repeated
+    /// The transforms, relative to the node, at which its objects are repeated
     /// (`EXT_mesh_gpu_instancing`); none for a node without instances, which shows them once.
     pub instances: Option<Vec<Transform>>,
 }
@@ -33,8 +34,8 @@ pub struct Skin {
 
 /// The nodes of a file and its default scene.
 ///
-/// Indices that name nothing are ignored, and a node is visited once, so that a graph may hold
-/// whatever a file says.
+/// Indices out of range are ignored, and each node is visited once, so that a graph may hold the
+/// contents of any file, also invalid ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Graph {
     /// All nodes.
@@ -46,8 +47,7 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// A graph that shows each of some objects once, as it was modelled: that of a file without
-    /// nodes.
+    /// A graph for a file without nodes: it shows each object once, as it was modelled.
     #[must_use]
     pub fn of_objects(objects: u32) -> Self {
         let node = |object| Node { objects: vec![object], ..Node::default() };
@@ -58,31 +58,32 @@ impl Graph {
         }
     }
 
-    /// The nodes below some nodes, parents first, in the order of the file; each once.
+    /// Returns some nodes and all nodes below them, parents first, in the order of the file; each
+    /// once.
     pub(crate) fn walk(&self, roots: impl DoubleEndedIterator<Item = u32>) -> Vec<Visit> {
         let mut visited = vec![false; self.nodes.len()];
         let mut order = Vec::new();
-        let mut open: Vec<Visit> =
+        let mut stack: Vec<Visit> =
             roots.rev().map(|node| Visit { node: node as usize, parent: None }).collect();
-        while let Some(visit) = open.pop() {
+        while let Some(visit) = stack.pop() {
             let Some(node) = self.nodes.get(visit.node) else { continue };
             if std::mem::replace(&mut visited[visit.node], true) {
                 continue;
             }
             let child = |&c: &u32| Visit { node: c as usize, parent: Some(visit.node) };
-            open.extend(node.children.iter().rev().map(child));
+            stack.extend(node.children.iter().rev().map(child));
             order.push(visit);
         }
         order
     }
 
-    /// The nodes of the default scene, parents first.
+    /// Returns the nodes of the default scene, parents first.
     #[must_use]
     pub fn visible(&self) -> Vec<u32> {
         self.walk(self.roots.iter().copied()).into_iter().map(|v| v.node as u32).collect()
     }
 
-    /// The nodes that are no node's child.
+    /// Returns the nodes without a parent.
     #[must_use]
     pub fn topmost(&self) -> Vec<u32> {
         let mut is_child = vec![false; self.nodes.len()];

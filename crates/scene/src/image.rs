@@ -32,8 +32,9 @@ impl Image {
     }
 
     /// Returns the image at half its size, as graphics devices count the levels of a texture:
-    /// rounded down, at least one pixel. Pixels are averaged in linear light and by opacity, so
-    /// that nothing invisible bleeds in; of an odd number the last one counts into its neighbour.
+    /// rounded down, at least one pixel. Pixels are averaged in linear light and weighted by
+    /// opacity, so that the colours of invisible pixels do not bleed in. If a side is odd, its last
+    /// row or column is averaged with the two before it.
     #[must_use]
     pub fn halved(&self) -> Self {
         let (w, h) = ((self.width / 2).max(1), (self.height / 2).max(1));
@@ -68,11 +69,11 @@ impl Image {
         levels
     }
 
-    /// Halves it until no side is longer than `side` and there are at most `pixels`; a texture
-    /// shown small needs no more.
-    pub fn shrink(&mut self, side: u32, pixels: u64) {
-        while self.width.max(self.height) > side
-            || u64::from(self.width) * u64::from(self.height) > pixels.max(1)
+    /// Halves the image until no side is longer than `max_side` and it has at most `max_pixels`
+    /// (but not beyond one pixel).
+    pub fn shrink(&mut self, max_side: u32, max_pixels: u64) {
+        while self.width.max(self.height) > max_side
+            || u64::from(self.width) * u64::from(self.height) > max_pixels.max(1)
         {
             *self = self.halved();
         }
@@ -82,10 +83,13 @@ impl Image {
 /// The mean of some pixels.
 #[derive(Default)]
 struct Mean {
-    /// Light by opacity, and as if all were opaque.
-    visible: [f32; 3],
-    opaque: [f32; 3],
+    /// Sum of linear light weighted by opacity.
+    weighted_light: [f32; 3],
+    /// Sum of linear light without weights, for pixels that are all invisible.
+    light: [f32; 3],
+    /// Sum of opacities, each 0 to 1.
     opacity: f32,
+    /// Number of pixels.
     pixels: f32,
 }
 
@@ -94,8 +98,8 @@ impl Mean {
         let opacity = f32::from(pixel[3]) / 255.0;
         for c in 0..3 {
             let light = light[usize::from(pixel[c])];
-            self.visible[c] += opacity * light;
-            self.opaque[c] += light;
+            self.weighted_light[c] += opacity * light;
+            self.light[c] += light;
         }
         self.opacity += opacity;
         self.pixels += 1.0;
@@ -103,9 +107,9 @@ impl Mean {
 
     fn pixel(&self) -> [u8; 4] {
         let [r, g, b] = if self.opacity > 0.0 {
-            self.visible.map(|c| to_srgb(c / self.opacity))
+            self.weighted_light.map(|c| to_srgb(c / self.opacity))
         } else {
-            self.opaque.map(|c| to_srgb(c / self.pixels))
+            self.light.map(|c| to_srgb(c / self.pixels))
         };
         [r, g, b, (self.opacity / self.pixels * 255.0 + 0.5) as u8]
     }
@@ -130,7 +134,7 @@ mod tests {
         let two = |a: [u8; 4], b: [u8; 4]| {
             Image { width: 2, height: 1, bytes: [a, b].concat() }.halved().bytes
         };
-        // Black and white in equal parts are brighter than the number between them.
+        // The mean of black and white light has an sRGB value above 128.
         assert_eq!(two([0, 0, 0, 255], [255; 4]), [188, 188, 188, 255]);
         assert_eq!(two([255, 0, 0, 255], [0, 255, 0, 0]), [255, 0, 0, 128]);
     }

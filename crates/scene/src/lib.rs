@@ -1,5 +1,6 @@
 //! Scenes as plain data: where objects are, how they are posed, and what they look like.
-//! Importers fill it; everything that shows or measures a scene shares its few computations.
+//! Importers create this data. Everything that shows or measures a scene uses the few computations
+//! here.
 //!
 //! A [`Graph`] has nodes, skins and the roots of the default scene. A [`Pose`] says how its nodes
 //! are relative to their parents and how much of each morph target is blended in;

@@ -1,34 +1,34 @@
-//! Materials as far as their base colour goes: colour, texture, opacity (glTF 2.0, 3.9).
+//! Materials, reduced to their base colour: colour, texture, opacity (glTF 2.0, 3.9).
 
 use crate::image::Image;
 
-/// The looks of a scene, besides its triangles.
+/// What a scene looks like, besides its triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Appearance {
-    /// The first one is for submeshes without a material.
+    /// All materials; the first one is for submeshes without a material.
     pub materials: Vec<Material>,
-    /// For every object and submesh, its material.
+    /// For every object and submesh the index of its material.
     pub of_submesh: Vec<Vec<usize>>,
-    /// Images that textures of materials show.
+    /// The images of the materials' textures.
     pub images: Vec<Image>,
-    /// Images that could not be had: one line each.
+    /// A line for each image that could not be loaded.
     pub warnings: Vec<String>,
 }
 
-/// A material as far as its base colour goes.
+/// A material, reduced to its base colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Linear red, green and blue, and opacity; 0 to 1.
     pub colour: [f32; 4],
-    /// The texture multiplied with it.
+    /// The texture by which the colour is multiplied.
     pub texture: Option<Texture>,
-    /// The texture coordinates that its textures read, whether their images could be had or not.
+    /// The texture coordinates of its textures, whether their images could be loaded or not.
     pub coordinates: Coordinates,
-    /// True if triangles that turn their back are shown.
+    /// True if triangles are shown from behind too.
     pub double_sided: bool,
     /// The meaning of opacity.
     pub alpha: AlphaMode,
-    /// True if light does not matter.
+    /// True if the colour is shown as it is, without lighting.
     pub unlit: bool,
 }
 
@@ -63,17 +63,17 @@ pub enum AlphaMode {
 pub struct Coordinates {
     /// Number of the set.
     pub set: u32,
-    /// From the set to an image, as in [`Texture::transform`].
+    /// From these coordinates to an image's, as in [`Texture::transform`].
     pub transform: [[f32; 3]; 2],
 }
 
 impl Coordinates {
-    /// The first set as it is.
+    /// The first set, not transformed.
     pub const PLAIN: Self = Self { set: 0, transform: Texture::UNTRANSFORMED };
 
     /// Returns the image's coordinates at texture coordinates of the mesh.
     #[must_use]
-    pub fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+    pub fn to_image(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         self.transform.map(|[x, y, shift]| x * u + y * v + shift)
     }
 }
@@ -85,12 +85,12 @@ pub struct Texture {
     pub image: usize,
     /// Set of texture coordinates.
     pub set: u32,
-    /// From the mesh's texture coordinates to the image's, whose first row is at 0: two rows of
-    /// factors and a shift.
+    /// From the mesh's texture coordinates (u, v) to the image's, across and down from its first
+    /// row: for each a factor of u, a factor of v and a shift.
     pub transform: [[f32; 3]; 2],
-    /// Continuation beyond the edges, across and down.
+    /// Continuation beyond the image's edges, across and down.
     pub wrap: [Wrap; 2],
-    /// True if texels stay visible as squares when seen from near by.
+    /// True if magnified texels stay squares (nearest filtering); else they are interpolated.
     pub nearest: bool,
 }
 
@@ -100,7 +100,7 @@ impl Texture {
 
     /// Returns the image's coordinates at texture coordinates of the mesh.
     #[must_use]
-    pub fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+    pub fn to_image(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         self.transform.map(|[x, y, shift]| x * u + y * v + shift)
     }
 }

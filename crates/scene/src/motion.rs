@@ -1,5 +1,5 @@
-//! The shapes that a scene gives an object: at rest, and in the poses in which animations or morph
-//! targets change it.
+//! The shapes that a scene gives an object: at rest, and in its postures, the moments of animations
+//! and the morph targets that change it.
 
 mod choice;
 
@@ -34,8 +34,8 @@ impl Motion {
     }
 
     /// The shapes of an object: at rest, then in each posture at the same placement and scale.
-    /// Postures that say nothing, such as an animation that is not there, are left out. `mesh` is
-    /// the object at full detail.
+    /// Postures that do not apply, such as one of an animation that does not exist, are skipped.
+    /// `mesh` is the object at full detail.
     #[must_use]
     pub fn shapes(&self, mesh: &Mesh, object: usize, postures: &[Posture]) -> Vec<Shape> {
         let mut shapes = vec![Shape::at_rest(mesh, object, &self.rest)];
@@ -47,7 +47,7 @@ impl Motion {
         shapes
     }
 
-    /// Returns a placement at rest in a posture; none if the posture says nothing.
+    /// Returns a rest placement changed by a posture; none if the posture does not apply.
     #[must_use]
     pub fn placed(&self, rest: &Placement, posture: Posture) -> Option<Placement> {
         match posture {
@@ -78,8 +78,8 @@ struct Moment {
 }
 
 impl Moment {
-    /// Returns a placement at this moment. Its node moves what no joint moves as at rest: motion as
-    /// a whole is no change of shape.
+    /// Returns a rest placement at this moment. An object without joints keeps the transform of its
+    /// node at rest, since motion as a whole is no change of shape.
     fn placed(&self, graph: &Graph, rest: &Placement) -> Placement {
         let Some(node) = rest.node.map(|node| node as usize) else { return rest.clone() };
         let skin = graph.nodes[node].skin.and_then(|skin| graph.skins.get(skin as usize));

@@ -1,29 +1,29 @@
-//! Smooth normals for surfaces without normals of their own, by one rule for all pictures and
-//! comparisons.
+//! Smooth normals for surfaces whose file has none, by one rule for all pictures and comparisons.
 //!
-//! Around a position, triangles that share an edge, one on each side of it, are smooth across it
-//! unless their normals are more than 60° apart. All triangles that smooth edges connect share a
-//! normal: the mean of theirs, weighted by the angle at the position (Thürmer and Wüthrich 1998),
-//! which does not depend on how a face is cut into triangles.
+//! An edge between two triangles, one on each side of it, is smooth unless their normals are more
+//! than 60° apart. Around a position, all triangles that smooth edges connect share a normal: the
+//! mean of theirs, weighted by their angles at the position (Thürmer and Wüthrich 1998). It does
+//! not depend on how a face is cut into triangles.
 
 use glam::{DVec3, Vec3};
 use lodc_mesh::{Csr, PositionIds};
 use rayon::prelude::*;
 
-/// Cosine of the angle between two triangles beyond which their edge is sharp: 60°.
-const CREASE: f64 = 0.5;
-/// At an edge with many triangles each is compared with this many of those after it; time would
-/// grow with the square of their number otherwise. Chosen by hand.
+/// Cosine of the angle between two triangles' normals beyond which their edge is sharp: 60°. Chosen
+/// by hand.
+const CREASE_COSINE: f64 = 0.5;
+/// At an edge with many triangles each is compared only with this many of the following ones, so
+/// that time does not grow with the square of their number. Chosen by hand.
 const MAX_COMPARED: usize = 16;
 
-/// Returns the normal of each triangle, of length one; zero without area.
+/// Returns the normal of each triangle, of length one; zero for a triangle without area.
 #[must_use]
 pub fn flat_normals(triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<Vec3> {
     triangles.par_iter().map(|t| flat_normal(t, positions).as_vec3()).collect()
 }
 
-/// Returns a normal for every corner of every triangle, of length one; zero where a triangle
-/// without area is alone. `ids` says which vertices are at one position.
+/// Returns a normal for every corner of every triangle, of length one; zero if a triangle has no
+/// area and shares no normal with others. `ids` says which vertices are at one position.
 ///
 /// # Panics
 /// If a triangle names a vertex without a position.
@@ -33,7 +33,7 @@ pub fn smooth_normals(
     positions: &[DVec3],
     ids: &PositionIds,
 ) -> Vec<[Vec3; 3]> {
-    let star = Star {
+    let stars = Stars {
         triangles,
         positions,
         ids,
@@ -41,10 +41,11 @@ pub fn smooth_normals(
     };
     let faces: Vec<[u32; 3]> =
         triangles.par_iter().map(|t| t.map(|v| ids.of_vertex[v as usize])).collect();
+    // The corners (3 × triangle + 0, 1 or 2) at each position.
     let around = Csr::corners(&faces, ids.first_vertex.len());
     let points = 0..around.rows() as u32;
     let corner_normals: Vec<Vec3> =
-        points.into_par_iter().flat_map_iter(|p| star.normals(around.row(p))).collect();
+        points.into_par_iter().flat_map_iter(|p| stars.normals(around.row(p))).collect();
     let mut normals = vec![[Vec3::ZERO; 3]; triangles.len()];
     for (&corner, normal) in around.values.iter().zip(corner_normals) {
         normals[corner as usize / 3][corner as usize % 3] = normal;
@@ -57,41 +58,44 @@ fn flat_normal(t: &[u32; 3], positions: &[DVec3]) -> DVec3 {
     unit((b - a).cross(c - a))
 }
 
-/// A vector of length one, or zero.
+/// Scales a vector to length one; zero, or one that is not finite, becomes zero.
 fn unit(v: DVec3) -> DVec3 {
-    // Scaled first, so that squares of tiny triangles do not vanish.
+    // Scaled first, so that the squares of tiny vectors do not underflow.
     let size = v.abs().max_element();
     if size > 0.0 && size.is_finite() { (v / size).normalize() } else { DVec3::ZERO }
 }
 
-/// The triangles around positions.
-struct Star<'a> {
+/// A surface, for the normals of the triangles around each of its positions.
+struct Stars<'a> {
     triangles: &'a [[u32; 3]],
     positions: &'a [DVec3],
     ids: &'a PositionIds,
+    /// The normal of each triangle.
     flat: Vec<DVec3>,
 }
 
-impl Star<'_> {
-    /// The normals of the corners at one position.
+impl Stars<'_> {
+    /// Returns the normals of the corners at one position.
     fn normals(&self, corners: &[u32]) -> Vec<Vec3> {
-        // Edges from the position: the other end, the corner that has the edge, and whether its
-        // triangle runs along it outward.
+        // Two edges from the position for each corner: the position of the other end, the index of
+        // the corner, and whether the triangle's outline runs outwards along the edge.
         let mut spokes: Vec<(u32, usize, bool)> = Vec::with_capacity(2 * corners.len());
         for (i, &corner) in corners.iter().enumerate() {
-            let [_, b, c] = self.from(corner);
+            let [_, b, c] = self.vertices_from(corner);
             let end = |v: u32| self.ids.of_vertex[v as usize];
             spokes.extend([(end(b), i, true), (end(c), i, false)]);
         }
         spokes.sort_unstable();
+        // Disjoint sets of corners that share a normal: for each corner another one of its set.
         let mut sets: Vec<usize> = (0..corners.len()).collect();
         for edge in spokes.chunk_by(|a, b| a.0 == b.0) {
             for (i, &(_, one, outward)) in edge.iter().enumerate() {
                 for &(_, other, other_outward) in edge[i + 1..].iter().take(MAX_COMPARED) {
                     let [n, m] = [one, other].map(|k| self.flat[corners[k] as usize / 3]);
-                    // Where both run the same way, they are not one face after the other: the back
-                    // of a two-sided sheet is near its front's neighbour beyond a sharp edge.
-                    if outward != other_outward && n.dot(m) > CREASE {
+                    // Triangles that run the same way along the edge are not neighbours on one side
+                    // of a surface: beyond a sharp edge, the back of a two-sided sheet may have
+                    // nearly the normal of the front's neighbour.
+                    if outward != other_outward && n.dot(m) > CREASE_COSINE {
                         let [a, b] = [one, other].map(|k| root(&mut sets, k));
                         sets[a.max(b)] = a.min(b);
                     }
@@ -110,20 +114,21 @@ impl Star<'_> {
         corners.iter().enumerate().map(normal).collect()
     }
 
-    /// The vertices of a triangle, beginning with that of a corner.
-    fn from(&self, corner: u32) -> [u32; 3] {
+    /// Returns the vertices of a triangle, beginning with that of a corner.
+    fn vertices_from(&self, corner: u32) -> [u32; 3] {
         let t = self.triangles[corner as usize / 3];
         let k = corner as usize % 3;
         [t[k], t[(k + 1) % 3], t[(k + 2) % 3]]
     }
 
+    /// Returns the angle of a triangle at a corner, in radians.
     fn angle(&self, corner: u32) -> f64 {
-        let [a, b, c] = self.from(corner).map(|v| self.positions[v as usize]);
+        let [a, b, c] = self.vertices_from(corner).map(|v| self.positions[v as usize]);
         arc_cosine(unit(b - a).dot(unit(c - a)).clamp(-1.0, 1.0))
     }
 }
 
-/// The representative of a set, the path to it halved.
+/// Returns the representative of the set of `i`, and halves the path to it.
 fn root(sets: &mut [usize], mut i: usize) -> usize {
     while sets[i] != i {
         sets[i] = sets[sets[i]];
@@ -132,8 +137,8 @@ fn root(sets: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-/// The arc cosine up to 0.0001, from operations that every machine rounds alike (Abramowitz and
-/// Stegun 1964, 4.4.45).
+/// Returns the arc cosine with an error below 0.0001, by operations that every machine rounds alike
+/// (Abramowitz and Stegun 1964, 4.4.45).
 fn arc_cosine(x: f64) -> f64 {
     let positive = x.abs();
     let series = 1.570_728_8
@@ -146,7 +151,7 @@ fn arc_cosine(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn of(mesh: &lodc_mesh::Mesh) -> (Vec<DVec3>, Vec<[Vec3; 3]>) {
+    fn positions_and_normals(mesh: &lodc_mesh::Mesh) -> (Vec<DVec3>, Vec<[Vec3; 3]>) {
         let positions: Vec<DVec3> =
             mesh.positions().iter().map(|p| Vec3::from(*p).as_dvec3()).collect();
         let ids = PositionIds::new(mesh.positions());
@@ -157,12 +162,12 @@ mod tests {
     #[test]
     fn a_cube_keeps_its_edges_and_a_sphere_is_round() {
         let cube = lodc_fixtures::named("cube").expect("a shape");
-        let (positions, normals) = of(&cube);
+        let (positions, normals) = positions_and_normals(&cube);
         for (flat, corners) in flat_normals(cube.triangles(), &positions).iter().zip(&normals) {
             assert!(corners.iter().all(|n| n.dot(*flat) > 0.999_999), "{flat} {corners:?}");
         }
         let sphere = lodc_fixtures::named("icosphere").expect("a shape");
-        let (positions, normals) = of(&sphere);
+        let (positions, normals) = positions_and_normals(&sphere);
         for (t, corners) in sphere.triangles().iter().zip(&normals) {
             for (v, n) in t.iter().zip(corners) {
                 assert!(positions[*v as usize].normalize().as_vec3().dot(*n) > 0.99);

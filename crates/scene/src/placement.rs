@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub struct Placement {
     /// Index of the object.
     pub object: usize,
-    /// Index of the node; none for an object of a scene that shows nothing.
+    /// Index of the node; none for an object as it was modelled, in a scene that shows nothing.
     pub node: Option<u32>,
     /// From the object's space to world space. Vertices that joints move do not use it.
     pub transform: Transform,
@@ -37,17 +37,18 @@ impl Placement {
     }
 }
 
-/// All objects of a scene where it shows them.
+/// All placements of a scene's objects.
 #[derive(Clone, Debug, Default)]
 pub struct Arrangement {
     placements: Vec<Placement>,
+    /// The placements of each object.
     of_object: Csr,
 }
 
 impl Arrangement {
-    /// Arranges the objects numbered below `objects`: each for every node of the default scene and
-    /// every instance that shows it, in the order of the nodes. If nothing shows anything, each as
-    /// it was modelled.
+    /// Arranges the objects numbered below `objects`: one placement for every node of the default
+    /// scene and every instance that shows the object, in the order of the nodes. If the scene
+    /// shows no object, each has one placement as it was modelled.
     #[must_use]
     pub fn new(graph: &Graph, pose: &Pose, objects: usize) -> Self {
         let mut placements = graph.placements(pose);
@@ -72,7 +73,7 @@ impl Arrangement {
 }
 
 impl Graph {
-    /// Number of placements of the default scene, if it shows anything.
+    /// Counts the placements of the default scene; 0 if it shows nothing.
     #[must_use]
     pub fn placement_count(&self) -> usize {
         let count = |&n: &u32| {
@@ -85,7 +86,7 @@ impl Graph {
     fn placements(&self, pose: &Pose) -> Vec<Placement> {
         let world = self.world_transforms(pose);
         let skins: Vec<Arc<[Transform]>> = self.skins.iter().map(|s| s.matrices(&world)).collect();
-        let mut out = Vec::new();
+        let mut placements = Vec::new();
         for number in self.visible() {
             let node = &self.nodes[number as usize];
             if node.objects.is_empty() {
@@ -94,13 +95,13 @@ impl Graph {
             let joints = node.skin.and_then(|s| skins.get(s as usize)).cloned().unwrap_or_default();
             let weights = pose.weights.get(number as usize).map_or(&[][..], Vec::as_slice);
             let weights: Arc<[f64]> = weights.into();
-            let once = [Transform::IDENTITY];
-            for instance in node.instances.as_deref().unwrap_or(&once) {
+            let single = [Transform::IDENTITY];
+            for instance in node.instances.as_deref().unwrap_or(&single) {
                 let transform = world[number as usize] * *instance;
                 // A transform that overflows is ignored: the object stays as it was modelled.
                 let finite = transform.is_finite();
                 let transform = if finite { transform } else { Transform::IDENTITY };
-                out.extend(node.objects.iter().map(|&object| Placement {
+                placements.extend(node.objects.iter().map(|&object| Placement {
                     object: object as usize,
                     node: Some(number),
                     transform,
@@ -109,12 +110,12 @@ impl Graph {
                 }));
             }
         }
-        out
+        placements
     }
 }
 
 impl Skin {
-    /// The skinning matrix of every joint.
+    /// Returns the skinning matrix of every joint, given the world transforms of all nodes.
     pub(crate) fn matrices(&self, world: &[Transform]) -> Arc<[Transform]> {
         let matrix = |(i, &joint): (usize, &u32)| {
             let world = world.get(joint as usize).copied().unwrap_or_default();

@@ -3,8 +3,7 @@
 use crate::graph::Graph;
 use crate::transform::{LocalTransform, Transform};
 
-/// The transforms of all nodes relative to their parents, and their morph weights. An animation at
-/// a moment is the rest pose with some of them replaced.
+/// The transforms of all nodes relative to their parents, and their morph weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pose {
     /// One per node of the graph.
@@ -23,8 +22,8 @@ impl Graph {
         }
     }
 
-    /// The transform of every node to world space. Nodes outside the default scene have one, too:
-    /// joints need not be in the scene that shows their mesh.
+    /// Returns the transform of every node to world space. This includes nodes outside the default
+    /// scene, since joints need not be in the scene that shows their mesh.
     #[must_use]
     pub fn world_transforms(&self, pose: &Pose) -> Vec<Transform> {
         let mut world = vec![Transform::IDENTITY; self.nodes.len()];

@@ -1,5 +1,5 @@
-//! The vertices of an object where a scene shows it: blended by morph targets, then moved by joints
-//! or by its node (glTF 2.0, 3.7.2 and 3.7.3).
+//! The vertices of an object in one placement, in world space: blended by morph targets, then moved
+//! by joints or by its node (glTF 2.0, 3.7.2 and 3.7.3).
 
 use crate::placement::Placement;
 use crate::transform::{Transform, transform_normal};
@@ -49,13 +49,13 @@ pub(crate) fn posed_vertex(
     v: u32,
 ) -> (DVec3, Transform) {
     let transform = streams.transform(mesh, placement, v);
-    (placed(&transform, streams.position(mesh, v)), transform)
+    (transformed(&transform, streams.position(mesh, v)), transform)
 }
 
-/// Returns the place of a vertex with morph targets that a transform moves.
-pub(crate) fn placed(transform: &Transform, position: DVec3) -> DVec3 {
+/// Transforms a position; one that overflows becomes zero.
+pub(crate) fn transformed(transform: &Transform, position: DVec3) -> DVec3 {
     let position = transform.transform_point3(position);
-    // A position that overflows is drawn anywhere, but must not spoil cameras and bounds.
+    // Where it is drawn does not matter, but it must not spoil cameras and bounds.
     if position.is_finite() { position } else { DVec3::ZERO }
 }
 
@@ -71,11 +71,12 @@ fn mirrored(mesh: &Mesh, placement: &Placement, streams: &Streams<'_>) -> bool {
 
 /// The streams of a mesh that posing reads.
 pub(crate) struct Streams<'a> {
-    /// For each submesh, its normals.
+    /// For each submesh the stream of its normals.
     normals: Vec<Option<&'a Attribute>>,
-    /// For each submesh, joints and weights of every set.
+    /// For each submesh the streams of joints and of weights of every set.
     joints: Vec<Vec<[&'a Attribute; 2]>>,
-    /// For each submesh, the morph targets' deltas of positions and of normals, with their weights.
+    /// For each submesh the deltas of positions, and those of normals: the weight and the stream of
+    /// each morph target whose weight is not 0.
     deltas: Vec<[Vec<(f64, &'a Attribute)>; 2]>,
 }
 
@@ -103,7 +104,7 @@ impl<'a> Streams<'a> {
         }
     }
 
-    /// The position with morph targets, before joints and nodes.
+    /// Returns the position with morph targets, before joints or the node move it.
     pub(crate) fn position(&self, mesh: &Mesh, v: u32) -> DVec3 {
         let rest = Vec3::from(mesh.positions()[v as usize]).as_dvec3();
         morphed(rest, &self.deltas[submesh(mesh, v)][0], v)
@@ -114,8 +115,8 @@ impl<'a> Streams<'a> {
         Some(morphed(vector(stream, v), &self.deltas[submesh(mesh, v)][1], v))
     }
 
-    /// The transform of a vertex: its joints' by weight; its node's without a skin or if it has no
-    /// weight at all.
+    /// Returns the transform of a vertex: the weighted mean of its joints' transforms; the node's
+    /// transform without a skin, or if the vertex has no weight at all.
     pub(crate) fn transform(&self, mesh: &Mesh, placement: &Placement, v: u32) -> Transform {
         let mut sum = Transform { matrix3: DMat3::ZERO, translation: DVec3::ZERO };
         let mut total = 0.0;
@@ -123,7 +124,7 @@ impl<'a> Streams<'a> {
             return placement.transform;
         }
         self.each_joint(mesh, v, |joint, weight| {
-            // A joint that is not there moves nothing.
+            // A joint that does not exist moves nothing.
             if let Some(joint) = placement.joints.get(joint) {
                 total += weight;
                 sum.matrix3 += joint.matrix3 * weight;
@@ -158,7 +159,7 @@ fn attributes(mesh: &Mesh, submesh: usize) -> impl Iterator<Item = &Attribute> {
     mesh.submeshes()[submesh].attributes.iter().map(|&a| &mesh.attributes()[a as usize])
 }
 
-/// The stream of a submesh with a meaning; morph targets' deltas are not looked at.
+/// Returns the stream of a submesh with a meaning; never one of morph targets' deltas.
 #[must_use]
 pub fn stream<'a>(mesh: &'a Mesh, submesh: usize, semantic: &Semantic) -> Option<&'a Attribute> {
     attributes(mesh, submesh).find(|a| a.semantic == *semantic && a.morph_target.is_none())

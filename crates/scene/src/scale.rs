@@ -1,4 +1,5 @@
-//! World scale: how much larger a scene shows an object than it was modelled.
+//! World scale: how much larger a scene shows an object than it was modelled (world units per mesh
+//! unit).
 
 use crate::placement::{Arrangement, Placement};
 use crate::posed::{Streams, posed_positions};
@@ -7,12 +8,12 @@ use glam::DVec3;
 use lodc_mesh::Mesh;
 use std::sync::Arc;
 
-/// An object as the scene shows it at its largest.
+/// An object in the placement where the scene shows it largest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectInScene {
     /// The placement of largest scale, the first of equals; none if nothing shows the object.
     pub placement: Option<Placement>,
-    /// The positions of all vertices there, in world units.
+    /// The positions of all vertices in that placement, in world units.
     pub positions: Vec<DVec3>,
     /// World units per mesh unit: finite and above 0.
     pub scale: f64,
@@ -37,18 +38,19 @@ pub fn representative<'a>(
 ) -> (Option<&'a Placement>, f64) {
     let mut best: Option<(&Placement, f64)> = None;
     for (placement, scale) in placement_scales(mesh, object, scene) {
-        // A scale of nothing, or one beyond all numbers, says nothing about where detail is needed.
-        let usable = scale.is_finite() && scale > 0.0;
-        if usable && best.is_none_or(|(_, largest)| scale > largest) {
+        // A scale of 0 or infinity says nothing about where detail is needed.
+        let is_usable = scale.is_finite() && scale > 0.0;
+        if is_usable && best.is_none_or(|(_, largest)| scale > largest) {
             best = Some((placement, scale));
         }
     }
     best.map_or((None, 1.0), |(placement, scale)| (Some(placement), scale))
 }
 
-/// Returns every placement of an object with the factor by which it stretches the object at most:
-/// the largest singular value of its transform; with a skin, of the joint that has most weight at
-/// some vertex, and of the node's transform if some vertex has no weight.
+/// Returns every placement of an object with the largest factor by which it stretches the object:
+/// the largest singular value of its transform. With a skin, it is the largest one of the joints
+/// that lead some vertex (have the most weight there), and of the node's transform if some vertex
+/// has no weight.
 #[must_use]
 pub fn placement_scales<'a>(
     mesh: &Mesh,
@@ -56,40 +58,41 @@ pub fn placement_scales<'a>(
     scene: &'a Arrangement,
 ) -> Vec<(&'a Placement, f64)> {
     let mut leading: Option<LeadingJoints> = None;
-    let mut last: Option<(&Placement, f64)> = None;
-    let mut out = Vec::new();
+    // The latest skinned placement and its joints' scale: instances share their joints.
+    let mut latest: Option<(&Placement, f64)> = None;
+    let mut scales = Vec::new();
     for placement in scene.of(object) {
         let node_scale = largest_stretch(&placement.transform.matrix3);
         if placement.joints.is_empty() {
-            out.push((placement, node_scale));
+            scales.push((placement, node_scale));
             continue;
         }
         let leading = leading.get_or_insert_with(|| LeadingJoints::of(mesh, placement));
-        let joint_scale = match last {
+        let joint_scale = match latest {
             Some((p, scale)) if Arc::ptr_eq(&p.joints, &placement.joints) => scale,
             _ => leading.scale(&placement.joints),
         };
-        last = Some((placement, joint_scale));
-        let misses = leading.misses_some(&placement.joints);
-        let scale = if misses { joint_scale.max(node_scale) } else { joint_scale };
-        out.push((placement, scale));
+        latest = Some((placement, joint_scale));
+        let node_moves_some = leading.leave_some_to_node(&placement.joints);
+        let scale = if node_moves_some { joint_scale.max(node_scale) } else { joint_scale };
+        scales.push((placement, scale));
     }
-    out
+    scales
 }
 
-/// The joints that have most weight at some vertex.
+/// The joints that lead some vertex: have the most weight there.
 struct LeadingJoints {
-    /// Rising, each once.
+    /// Indices in the skin, rising, each once.
     joints: Vec<usize>,
     /// True if some vertex has no weight.
-    unweighted: bool,
+    has_unweighted_vertex: bool,
 }
 
 impl LeadingJoints {
     fn of(mesh: &Mesh, placement: &Placement) -> Self {
         let streams = Streams::of(mesh, placement);
         let mut joints = Vec::new();
-        let mut unweighted = false;
+        let mut has_unweighted_vertex = false;
         for v in 0..mesh.vertex_count() as u32 {
             let mut strongest: Option<(usize, f64)> = None;
             streams.each_joint(mesh, v, |joint, weight| {
@@ -99,24 +102,24 @@ impl LeadingJoints {
             });
             match strongest {
                 Some((joint, _)) => joints.push(joint),
-                None => unweighted = true,
+                None => has_unweighted_vertex = true,
             }
         }
         joints.sort_unstable();
         joints.dedup();
-        Self { joints, unweighted }
+        Self { joints, has_unweighted_vertex }
     }
 
-    /// The largest stretch of these joints among a skin's.
+    /// Returns the largest stretch of these joints, given the matrices of the skin.
     fn scale(&self, skin: &[Transform]) -> f64 {
         let present = self.joints.iter().take_while(|&&j| j < skin.len());
         present.map(|&j| largest_stretch(&skin[j].matrix3)).fold(0.0, f64::max)
     }
 
-    /// Returns true if some vertex may follow the node: without weight, or for a joint that is not
-    /// there.
-    fn misses_some(&self, skin: &[Transform]) -> bool {
-        self.unweighted || self.joints.last().is_some_and(|&j| j >= skin.len())
+    /// Returns whether some vertex may follow the node: one without weight, or one whose leading
+    /// joint does not exist.
+    fn leave_some_to_node(&self, skin: &[Transform]) -> bool {
+        self.has_unweighted_vertex || self.joints.last().is_some_and(|&j| j >= skin.len())
     }
 }
 

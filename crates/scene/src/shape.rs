@@ -8,25 +8,28 @@ use glam::{DMat3, DVec3};
 use lodc_mesh::{Mesh, Semantic};
 use std::borrow::Cow;
 
-/// Deviation from a similarity, relative to its scale, that is taken for rounding.
-const ROUNDING: f64 = 1e-6;
+/// Largest deviation from a similarity, relative to its scale, that counts as rounding. Chosen by
+/// hand, between the rounding of floats in files and any stretch that is meant.
+const MAX_ROUNDING: f64 = 1e-6;
 
-/// The shape that a scene gives an object in one pose. Gives the surface of the object, or of a
-/// level of it, in mesh units: world positions divided by the scale at rest, around the middle of
-/// the object.
+/// The shape that a scene gives an object in one pose. It maps the positions of the object, or of a
+/// level of it, to mesh units: world positions relative to the middle of the object's box, divided
+/// by the scale at rest.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// None for an object that keeps its positions.
     placement: Option<Placement>,
+    /// World units per mesh unit at rest.
     scale: f64,
+    /// The middle of the object's bounding box, in world units.
     middle: DVec3,
 }
 
 impl Shape {
     const AS_MODELLED: Self = Self { placement: None, scale: 1.0, middle: DVec3::ZERO };
 
-    /// The shape that a scene gives an object at the placement that shows it largest. The object
-    /// keeps its positions where the scene moves, turns, mirrors and scales it as a whole.
+    /// The shape that a scene gives an object at rest, in the placement that shows it largest. The
+    /// object keeps its positions if the scene only moves, turns, mirrors and scales it as a whole.
     #[must_use]
     pub fn at_rest(mesh: &Mesh, object: usize, scene: &Arrangement) -> Self {
         let (Some(placement), scale) = representative(mesh, object, scene) else {
@@ -38,8 +41,8 @@ impl Shape {
         Self::placed(mesh, placement.clone(), scale).unwrap_or(Self::AS_MODELLED)
     }
 
-    /// The shape of an object in a placement, as large as at rest: `scale` is its scale there. None
-    /// if it has coordinates that are no finite numbers.
+    /// The shape of an object in a placement. `scale` is its scale at rest, so that all its shapes
+    /// have the same units. None if coordinates are not finite.
     pub(crate) fn placed(mesh: &Mesh, placement: Placement, scale: f64) -> Option<Self> {
         let posed = posed_positions(mesh, &placement);
         let (low, high) = posed
@@ -73,7 +76,8 @@ pub fn shape_in_scene<'a>(
     Shape::at_rest(mesh, object, scene).of(mesh)
 }
 
-/// Returns whether a placement moves vertices by more than one transform.
+/// Returns whether a placement may move vertices by more than one transform: by joints or morph
+/// targets.
 fn bends(mesh: &Mesh, placement: &Placement) -> bool {
     let moves = |semantic: &Semantic, target: Option<u32>| {
         let weight = |t: u32| placement.weights.get(t as usize).is_some_and(|&w| w != 0.0);
@@ -83,10 +87,10 @@ fn bends(mesh: &Mesh, placement: &Placement) -> bool {
         || mesh.attributes().iter().any(|a| moves(&a.semantic, a.morph_target))
 }
 
-/// Returns whether a matrix scales all directions alike.
+/// Returns whether a matrix scales all directions by `scale`.
 fn is_similarity(m: &DMat3, scale: f64) -> bool {
     let gram = (m.transpose() * *m) * (1.0 / (scale * scale));
-    (gram - DMat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() <= ROUNDING)
+    (gram - DMat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() <= MAX_ROUNDING)
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! Conversion between sRGB values and linear light (IEC 61966-2-1).
 
-/// Returns the light of an sRGB value from 0 to 1.
+/// Returns the linear light, 0 to 1, of an sRGB value from 0 to 1.
 #[must_use]
 pub fn to_linear(v: f32) -> f32 {
     if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Returns the sRGB value, from 0 to 1, of light.
+/// Returns the sRGB value, clamped to 0 to 1, of linear light.
 #[must_use]
 pub fn srgb_value(light: f32) -> f32 {
     let v =
@@ -14,7 +14,7 @@ pub fn srgb_value(light: f32) -> f32 {
     v.clamp(0.0, 1.0)
 }
 
-/// Returns the sRGB value of light in a byte.
+/// Returns the sRGB value of linear light as a byte.
 #[must_use]
 pub fn to_srgb(light: f32) -> u8 {
     (srgb_value(light) * 255.0 + 0.5) as u8

@@ -14,7 +14,7 @@ pub enum LocalTransform {
     Trs {
         /// Translation.
         translation: [f64; 3],
-        /// Rotation as a quaternion x, y, z, w of any length; the identity if it has none.
+        /// Rotation as a quaternion x, y, z, w of any length; zero stands for the identity.
         rotation: [f64; 4],
         /// Scale along the axes.
         scale: [f64; 3],
@@ -57,7 +57,7 @@ pub fn transform_from_columns(m: &[f64; 16]) -> Transform {
     Transform { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) }
 }
 
-/// The rotation of a quaternion of any length.
+/// Returns the rotation of a quaternion of any length; the identity for zero.
 fn from_quaternion([x, y, z, w]: [f64; 4]) -> DMat3 {
     let n = x * x + y * y + z * z + w * w;
     if n == 0.0 || !n.is_finite() {
@@ -71,8 +71,8 @@ fn from_quaternion([x, y, z, w]: [f64; 4]) -> DMat3 {
     ])
 }
 
-/// The factor by which a matrix stretches at most: its largest singular value, the root of the
-/// largest eigenvalue of its Gram matrix, found by Jacobi rotations.
+/// Returns the largest factor by which a matrix stretches a vector: its largest singular value, the
+/// root of the largest eigenvalue of its Gram matrix, found by Jacobi rotations.
 #[must_use]
 pub fn largest_stretch(m: &DMat3) -> f64 {
     let columns = m.to_cols_array_2d();
@@ -83,16 +83,17 @@ pub fn largest_stretch(m: &DMat3) -> f64 {
     // Scaled, so that squares neither vanish nor overflow.
     let axes = columns.map(|c| DVec3::from(c.map(|v| v / size)));
     let mut gram: [[f64; 3]; 3] = axes.map(|a| axes.map(|b| a.dot(b)));
+    // Sweeps of three rotations: a few reach double precision; 16 is chosen by hand, to be safe.
     for _ in 0..16 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            rotate(&mut gram, p, q);
+            rotate_to_zero(&mut gram, p, q);
         }
     }
     size * gram[0][0].max(gram[1][1]).max(gram[2][2]).max(0.0).sqrt()
 }
 
-/// Makes one entry off the diagonal of a symmetric matrix zero.
-fn rotate(g: &mut [[f64; 3]; 3], p: usize, q: usize) {
+/// Makes the entry (p, q) off the diagonal of a symmetric matrix zero, by a Jacobi rotation.
+fn rotate_to_zero(g: &mut [[f64; 3]; 3], p: usize, q: usize) {
     if g[p][q] == 0.0 {
         return;
     }
@@ -113,8 +114,8 @@ fn rotate(g: &mut [[f64; 3]; 3], p: usize, q: usize) {
 /// the normal is on where the matrix mirrors.
 #[must_use]
 pub fn transform_normal(m: &DMat3, normal: DVec3) -> DVec3 {
-    // Cofactors are the inverse transpose times the determinant: no division, and the sign of the
-    // determinant is put right below.
+    // Cofactors are the inverse transpose times the determinant. So there is no division; only the
+    // sign of the determinant must be corrected.
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
@@ -145,14 +146,14 @@ mod tests {
 
     #[test]
     fn quaternions_of_any_length_rotate_alike() {
-        let of = |rotation| {
+        let matrix = |rotation| {
             LocalTransform::Trs { translation: [0.0; 3], rotation, scale: [1.0; 3] }.matrix()
         };
-        let quarter = of([0.0, 0.0, 1.0, 1.0]);
-        assert!(quarter.abs_diff_eq(of([0.0, 0.0, 7.0, 7.0]), 1e-12));
+        let quarter = matrix([0.0, 0.0, 1.0, 1.0]);
+        assert!(quarter.abs_diff_eq(matrix([0.0, 0.0, 7.0, 7.0]), 1e-12));
         let x = quarter.transform_point3(DVec3::X);
         assert!(x.abs_diff_eq(DVec3::Y, 1e-12), "{x}");
-        assert_eq!(of([0.0; 4]), Transform::IDENTITY);
+        assert_eq!(matrix([0.0; 4]), Transform::IDENTITY);
     }
 
     #[test]

@@ -112,7 +112,7 @@ impl SurfaceColours for ObjectColours<'_> {
         let colour = [r, g, b].map(|c| c.max(0.0).sqrt());
         let Some(texture) = material.texture else { return colour };
         let image = &self.colours.images[texture.image];
-        let point = texture.place(coordinates).into();
+        let point = texture.to_image(coordinates).into();
         let texel: [f32; 3] = image.at(point, footprint * image.area(), texture.wrap).into();
         [0, 1, 2].map(|c| colour[c] * texel[c])
     }

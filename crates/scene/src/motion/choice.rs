@@ -2,11 +2,12 @@
 //! from rest and from each other.
 //!
 //! Shapes are compared by distances between pairs of vertices, which a motion of the whole object
-//! does not change. The pose that is farthest from all chosen ones is the next (Gonzalez 1985).
+//! does not change. The next pose is always the one that is farthest from all that are chosen
+//! (Gonzalez 1985).
 
 use super::{Moment, Motion};
 use crate::placement::Placement;
-use crate::posed::{Streams, placed, posed_vertex, vector};
+use crate::posed::{Streams, posed_vertex, transformed, vector};
 use crate::scale::representative;
 use crate::transform::Transform;
 use glam::DVec3;
@@ -14,38 +15,45 @@ use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Moments of a second of an animation that are tried. Chosen by hand, as are the next three.
+// Limits of the search, chosen by hand: more find poses that differ slightly more, in more time.
+
+/// Moments that are tried for each second of an animation.
 const MOMENTS_PER_SECOND: f64 = 16.0;
-/// Fewest moments of an animation that are tried.
+/// Fewest moments that are tried of one animation.
 const MIN_MOMENTS: usize = 4;
-/// Most moments of all animations together that are tried.
+/// Most moments that are tried of all animations together.
 const MAX_MOMENTS: usize = 128;
-/// Most vertices whose distances are compared.
+/// Most vertices of an object whose distances are compared.
 const MAX_VERTICES: usize = 1024;
 
-/// Shapes whose distances differ by less than this share of the largest are nearly the same. Chosen
-/// by hand.
-const NEARLY_SAME: f64 = 0.01;
+/// A pose is not worth choosing if no distance differs by more than this share of the largest
+/// distance at rest. Chosen by hand.
+const MIN_DIFFERENCE_SHARE: f64 = 0.01;
 
-/// A pose that may be chosen, with the distances of an object in it.
-type Candidate = (Posture, Vec<f64>);
+/// A pose that may be chosen.
+struct Candidate {
+    posture: Posture,
+    /// Distances between pairs of vertices of the object in that pose, in mesh units.
+    distances: Vec<f64>,
+}
 
 impl Motion {
-    /// Chooses for each object up to `most` poses in which its shape differs most from the one at
-    /// rest and from those before: moments of animations, and morph targets at weight 1. The list
-    /// of an object is empty if it has neither skin nor morph targets, or only moves as a whole.
+    /// Chooses for each object up to `max_poses` poses in which its shape differs most from the one
+    /// at rest and from those chosen before: moments of animations, and morph targets at weight 1.
+    /// The list of an object is empty if it has neither skin nor morph targets, or only moves as a
+    /// whole.
     #[must_use]
-    pub fn choose(&self, meshes: &[&Mesh], most: usize) -> Vec<Vec<Posture>> {
+    pub fn choose(&self, meshes: &[&Mesh], max_poses: usize) -> Vec<Vec<Posture>> {
         let objects = meshes.iter().enumerate();
         let deformable: Vec<Option<Deformable>> =
             objects.map(|(o, m)| self.deformable(o, m)).collect();
-        if most == 0 || deformable.iter().all(Option::is_none) {
+        if max_poses == 0 || deformable.iter().all(Option::is_none) {
             return vec![Vec::new(); meshes.len()];
         }
         let moments = self.moments();
         let choose = |object: &Option<Deformable>| {
             let Some(object) = object else { return Vec::new() };
-            farthest(object, self.candidates(object, &moments), most)
+            choose_farthest(object, self.candidates(object, &moments), max_poses)
         };
         deformable.par_iter().map(choose).collect()
     }
@@ -53,19 +61,20 @@ impl Motion {
     /// Returns an object if its shape may change.
     fn deformable<'a>(&'a self, object: usize, mesh: &'a Mesh) -> Option<Deformable<'a>> {
         let (Some(rest), scale) = representative(mesh, object, &self.rest) else { return None };
-        let targets = targets(mesh);
+        let targets = morph_targets(mesh);
         let deforms = !rest.joints.is_empty() || !targets.is_empty();
         deforms.then_some(Deformable { mesh, rest, scale, targets })
     }
 
-    /// Moments of all animations, evenly spread over each.
+    /// Returns moments of all animations, evenly spread over each.
     fn moments(&self) -> Vec<(Posture, Moment)> {
         let animations = self.animations.len();
-        let share = (MAX_MOMENTS / animations.max(1)).max(MIN_MOMENTS);
+        let max_of_one = (MAX_MOMENTS / animations.max(1)).max(MIN_MOMENTS);
         let times = |(number, animation): (usize, &crate::Animation)| {
-            let length = animation.duration();
-            let count = ((length * MOMENTS_PER_SECOND) as usize + 1).clamp(MIN_MOMENTS, share);
-            let seconds = move |i: usize| length * i as f64 / (count - 1) as f64;
+            let duration = animation.duration();
+            let count =
+                ((duration * MOMENTS_PER_SECOND) as usize + 1).clamp(MIN_MOMENTS, max_of_one);
+            let seconds = move |i: usize| duration * i as f64 / (count - 1) as f64;
             (0..count).map(move |i| (number, seconds(i))).collect::<Vec<_>>()
         };
         let all: Vec<_> = self.animations.iter().enumerate().flat_map(times).collect();
@@ -73,38 +82,43 @@ impl Motion {
             let posture = Posture::Moment { animation: number as u32, seconds };
             (posture, self.moment(&self.animations[number], seconds))
         };
-        let every = all.len().div_ceil(MAX_MOMENTS).max(1);
-        all.par_iter().step_by(every).map(moment).collect()
+        let stride = all.len().div_ceil(MAX_MOMENTS).max(1);
+        all.par_iter().step_by(stride).map(moment).collect()
     }
 
-    /// The poses that an object may take.
+    /// Returns the poses that an object may take.
     fn candidates(&self, object: &Deformable, moments: &[(Posture, Moment)]) -> Vec<Candidate> {
-        let at = |(posture, moment): &(Posture, Moment)| {
-            (*posture, object.distances(&moment.placed(&self.graph, object.rest)))
+        let at_moment = |(posture, moment): &(Posture, Moment)| Candidate {
+            posture: *posture,
+            distances: object.distances(&moment.placed(&self.graph, object.rest)),
         };
         let rest = AtRest::new(object);
-        let with = |(&target, deltas): (&u32, &Deltas<'_>)| {
-            (Posture::Target(target), rest.distances(target, deltas))
+        let with_target = |(&target, deltas): (&u32, &Deltas<'_>)| Candidate {
+            posture: Posture::Target(target),
+            distances: rest.distances(target, deltas),
         };
-        moments.par_iter().map(at).chain(object.targets.par_iter().map(with)).collect()
+        let targets = object.targets.par_iter().map(with_target);
+        moments.par_iter().map(at_moment).chain(targets).collect()
     }
 }
 
 /// An object whose shape may change.
 struct Deformable<'a> {
     mesh: &'a Mesh,
+    /// Its placement at rest.
     rest: &'a Placement,
-    /// Its scale at rest.
+    /// Its scale at rest, in world units per mesh unit.
     scale: f64,
-    /// Its morph targets.
+    /// Its morph targets that move positions, by number.
     targets: BTreeMap<u32, Deltas<'a>>,
 }
 
-/// The deltas of positions of one morph target: a submesh, rising, and those of its vertices.
+/// The deltas of positions of one morph target: pairs of a submesh and the stream of its vertices'
+/// deltas, by rising submesh.
 type Deltas<'a> = Vec<(usize, &'a Attribute)>;
 
-/// Returns the morph targets that move positions of a mesh.
-fn targets(mesh: &Mesh) -> BTreeMap<u32, Deltas<'_>> {
+/// Returns the morph targets that move positions of a mesh, by number.
+fn morph_targets(mesh: &Mesh) -> BTreeMap<u32, Deltas<'_>> {
     let mut targets: BTreeMap<u32, Deltas<'_>> = BTreeMap::new();
     for (s, submesh) in mesh.submeshes().iter().enumerate() {
         for attribute in submesh.attributes.iter().map(|&a| &mesh.attributes()[a as usize]) {
@@ -119,23 +133,24 @@ fn targets(mesh: &Mesh) -> BTreeMap<u32, Deltas<'_>> {
 }
 
 impl Deformable<'_> {
-    /// Vertices whose distances are compared.
+    /// Iterates over the vertices whose distances are compared.
     fn sample(&self) -> impl Iterator<Item = u32> {
         let vertices = self.mesh.vertex_count();
-        let every = vertices.div_ceil(MAX_VERTICES).max(1);
-        (0..vertices).step_by(every).map(|v| v as u32)
+        let stride = vertices.div_ceil(MAX_VERTICES).max(1);
+        (0..vertices).step_by(stride).map(|v| v as u32)
     }
 
-    /// Distances between pairs of vertices in a placement, in mesh units. Each of a sample of
-    /// vertices is paired with the one half the sample further on: vertices near each other in the
-    /// file are near in space, and distances across the object change most when it bends.
+    /// Returns distances between pairs of vertices in a placement, in mesh units. Each vertex of
+    /// the sample is paired with the one half the sample further on. Vertices close to each other
+    /// in the file are mostly close in space, so these pairs are far apart, and the distances
+    /// between them change most when the object bends.
     fn distances(&self, placement: &Placement) -> Vec<f64> {
         let streams = Streams::of(self.mesh, placement);
         let positions = self.sample().map(|v| posed_vertex(&streams, self.mesh, placement, v).0);
         self.pair_distances(&positions.collect::<Vec<_>>())
     }
 
-    /// Distances between pairs of the sample, from its positions.
+    /// Returns the same distances, given the positions of the sample.
     fn pair_distances(&self, positions: &[DVec3]) -> Vec<f64> {
         let half = positions.len() / 2;
         let distance = |i: usize| {
@@ -145,65 +160,86 @@ impl Deformable<'_> {
     }
 }
 
-/// The sample of an object at rest. Morph targets are many where each is looked at by itself, so
-/// one takes time for its own deltas alone.
+/// The sample of an object at rest. It is computed once, since an object may have many morph
+/// targets: for each target only its deltas are added.
 struct AtRest<'a> {
     object: &'a Deformable<'a>,
-    /// Of each vertex its position before joints and nodes, and their transform of it.
-    sample: Vec<(u32, DVec3, Transform)>,
+    sample: Vec<SampleVertex>,
+}
+
+/// A vertex of the sample at rest.
+struct SampleVertex {
+    vertex: u32,
+    /// Its position before joints and its node move it.
+    position: DVec3,
+    /// The transform that its joints or its node apply.
+    transform: Transform,
 }
 
 impl<'a> AtRest<'a> {
     fn new(object: &'a Deformable<'a>) -> Self {
         let (mesh, rest) = (object.mesh, object.rest);
         let streams = Streams::of(mesh, rest);
-        let known = |v: u32| (v, streams.position(mesh, v), streams.transform(mesh, rest, v));
-        Self { object, sample: object.sample().map(known).collect() }
+        let at_rest = |vertex: u32| SampleVertex {
+            vertex,
+            position: streams.position(mesh, vertex),
+            transform: streams.transform(mesh, rest, vertex),
+        };
+        Self { object, sample: object.sample().map(at_rest).collect() }
     }
 
-    /// Distances with a morph target at weight 1.
+    /// Returns the distances with a morph target at weight 1.
     fn distances(&self, target: u32, deltas: &Deltas<'_>) -> Vec<f64> {
         let weight = self.object.rest.weights.get(target as usize).copied().unwrap_or(0.0);
         let submeshes = self.object.mesh.vertex_submesh();
-        let moved = |&(v, position, transform): &(u32, DVec3, Transform)| {
+        let moved = |at_rest: &SampleVertex| {
+            let v = at_rest.vertex;
             let submesh = submeshes[v as usize] as usize;
             let first = deltas.partition_point(|(s, _)| *s < submesh);
-            let own = deltas[first..].iter().take_while(|(s, _)| *s == submesh);
-            let sum = own.fold(position, |sum, (_, delta)| sum + (1.0 - weight) * vector(delta, v));
-            placed(&transform, sum)
+            let of_submesh = deltas[first..].iter().take_while(|(s, _)| *s == submesh);
+            // At rest the target already has `weight`.
+            let add = |sum: DVec3, (_, delta): &(usize, &Attribute)| {
+                sum + (1.0 - weight) * vector(delta, v)
+            };
+            transformed(&at_rest.transform, of_submesh.fold(at_rest.position, add))
         };
         self.object.pair_distances(&self.sample.iter().map(moved).collect::<Vec<_>>())
     }
 }
 
-/// Chooses up to `most` of some poses, the farthest first.
-fn farthest(object: &Deformable, candidates: Vec<Candidate>, most: usize) -> Vec<Posture> {
+/// Chooses up to `max_poses` of some poses, the farthest from rest first.
+fn choose_farthest(
+    object: &Deformable,
+    candidates: Vec<Candidate>,
+    max_poses: usize,
+) -> Vec<Posture> {
     // Poses with positions that are not finite, or overflow as floats, are left out.
-    let is_finite = |distances: &Vec<f64>| distances.iter().all(|&d| d < f64::from(f32::MAX));
-    let (candidates, distances): (Vec<Posture>, Vec<Vec<f64>>) =
-        candidates.into_iter().filter(|(_, distances)| is_finite(distances)).unzip();
+    let is_finite = |c: &Candidate| c.distances.iter().all(|&d| d < f64::from(f32::MAX));
+    let candidates: Vec<Candidate> = candidates.into_iter().filter(is_finite).collect();
+    // The distances of the pose chosen last, at first those at rest.
     let mut latest = object.distances(object.rest);
-    let min_difference = NEARLY_SAME * latest.iter().copied().fold(0.0, f64::max);
-    let mut distances_to_chosen = vec![f64::INFINITY; candidates.len()];
+    let negligible = MIN_DIFFERENCE_SHARE * latest.iter().copied().fold(0.0, f64::max);
+    // For each candidate its difference from the most similar one of rest and the chosen poses.
+    let mut min_differences = vec![f64::INFINITY; candidates.len()];
     let mut chosen = Vec::new();
-    while chosen.len() < most {
-        for (distances_to_chosen, distances_of) in distances_to_chosen.iter_mut().zip(&distances) {
-            *distances_to_chosen = distances_to_chosen.min(difference(&latest, distances_of));
+    while chosen.len() < max_poses {
+        for (min_difference, candidate) in min_differences.iter_mut().zip(&candidates) {
+            *min_difference = min_difference.min(largest_difference(&latest, &candidate.distances));
         }
-        // Of equal ones the first.
-        let next = (0..distances_to_chosen.len())
+        // The largest; the first of equals.
+        let next = (0..candidates.len())
             .rev()
-            .max_by(|&a, &b| distances_to_chosen[a].total_cmp(&distances_to_chosen[b]));
-        let Some(next) = next.filter(|&next| distances_to_chosen[next] > min_difference) else {
+            .max_by(|&a, &b| min_differences[a].total_cmp(&min_differences[b]));
+        let Some(next) = next.filter(|&next| min_differences[next] > negligible) else {
             break;
         };
-        latest.clone_from(&distances[next]);
-        chosen.push(candidates[next]);
+        latest.clone_from(&candidates[next].distances);
+        chosen.push(candidates[next].posture);
     }
     chosen
 }
 
-/// The largest difference between two lists of distances.
-fn difference(a: &[f64], b: &[f64]) -> f64 {
+/// Returns the largest difference between two lists of distances.
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
