@@ -45,7 +45,7 @@ pub use metric::{Checkerboard, SurfaceColours};
 pub use options::{MetricKind, Options, Weights};
 pub use recorded::RecordedCollapses;
 
-/// Simplifies a mesh down to one vertex. `progress` gets (steps done, groups in all) now and then.
+/// Simplifies a mesh down to one vertex. `progress` gets (steps done, steps at most) now and then.
 /// The result does not depend on the number of threads of the rayon pool it runs in.
 #[must_use]
 pub fn simplify(
@@ -56,7 +56,7 @@ pub fn simplify(
     simplify_guided(mesh, options, Guidance::default(), progress)
 }
 
-/// The same for a surface whose colours are known: metrics that see it see them.
+/// The same for a surface whose colours are known, which the hybrid metric looks at.
 #[must_use]
 pub fn simplify_coloured(
     mesh: &Mesh,
@@ -71,7 +71,7 @@ pub fn simplify_coloured(
 /// Knowledge of a surface besides its mesh, and of an earlier run. The default is none.
 #[derive(Clone, Copy, Default)]
 pub struct Guidance<'a> {
-    /// Colours for metrics that see the surface; none: a checkerboard by texture coordinates.
+    /// Colours for [`MetricKind::Hybrid`]; none: a checkerboard by texture coordinates.
     pub colours: Option<&'a dyn SurfaceColours>,
     /// For each vertex: true if it stays where it is until the terminal phase. Empty: none does.
     pub locked: &'a [bool],
@@ -94,7 +94,7 @@ pub struct Prefix<'a> {
     pub share: f32,
 }
 
-/// Simplifies a mesh of which more is known.
+/// Simplifies a mesh about which more is known.
 #[must_use]
 pub fn simplify_guided(
     mesh: &Mesh,
@@ -113,7 +113,7 @@ pub fn simplify_recorded(
     guidance: Guidance<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> (Simplified, RecordedCollapses) {
-    simplify_with(mesh, options, guidance, rounds::REGION, progress)
+    simplify_with(mesh, options, guidance, rounds::REGION_GROUPS, progress)
 }
 
 /// Simplifies in regions of about `region` groups each. One region keeps the exact order of costs.
@@ -145,7 +145,7 @@ fn simplify_with(
     (output::output(&input, &sources, log, legal, by_stamp), recorded)
 }
 
-/// One simplification: what it is of, and how it is done.
+/// The input of one simplification.
 #[derive(Clone, Copy)]
 struct Run<'a> {
     mesh: &'a Mesh,
@@ -161,7 +161,7 @@ struct Collapsed {
     log: CollapseLog,
     /// Number of its steps before the terminal phase, which makes those that are not legal.
     legal: usize,
-    /// Its steps are still to be ordered by their stamps, as those of several regions are.
+    /// True if its steps still have to be sorted by their stamps: those of several regions.
     by_stamp: bool,
 }
 
@@ -195,8 +195,9 @@ impl<'a> Run<'a> {
     fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
         let Self { mesh, options, guidance, .. } = *self;
         let attributes = if options.attributes {
-            let of_submesh = |submesh: u32| guidance.weights.get(submesh as usize).copied();
-            let weights = |submesh: u32| of_submesh(submesh).unwrap_or(options.weights);
+            let weights = |submesh: u32| {
+                guidance.weights.get(submesh as usize).copied().unwrap_or(options.weights)
+            };
             Attributes::new(mesh, weights, input.scale, input.size)
         } else {
             Attributes::none()
@@ -204,14 +205,14 @@ impl<'a> Run<'a> {
         Context { input, options: *options, attributes }
     }
 
-    /// Collapses all groups. What only that needs is gone when the log is returned: the result that
-    /// is made of it is where memory peaks.
+    /// Collapses all groups. All buffers are freed on return, before the result is made of the log:
+    /// memory is highest there.
     fn collapse(&self, input: &Input<'_>, sources: &mut Sources<'_>) -> Collapsed {
         let Self { mesh, options, guidance, region, .. } = *self;
         let progress = Progress::new(self.progress, input.groups() as u64);
         let context = self.context(input);
         let in_rounds =
-            options.metric == MetricKind::Quadric && input.groups() / rounds::FEWEST >= region;
+            options.metric == MetricKind::Quadric && input.groups() / rounds::MIN_REGIONS >= region;
         let (log, legal) = match options.metric {
             MetricKind::Quadric if in_rounds => in_regions(&context, region, sources, &progress),
             MetricKind::Quadric => as_one(&context, |_| QuadricOnly, sources, &progress),

@@ -60,7 +60,7 @@ pub struct Weights {
 }
 
 impl Weights {
-    /// The defaults, measured.
+    /// All 1: the lengths that they scale were measured (`price::attributes`).
     pub const DEFAULT: Self = Self { normal: 1.0, uv: 1.0, color: 1.0, skin: 1.0 };
 }
 
@@ -73,15 +73,15 @@ pub struct Options {
     pub preserve_topology: bool,
     /// Border vertices stay until the terminal phase.
     pub lock_border: bool,
-    /// True if attributes take part in the cost.
+    /// True if attributes count in the cost.
     pub attributes: bool,
     /// Importance of each of them.
     pub weights: Weights,
     /// Pixels across the pictures that viewpoint metrics look at, 8 to 1024. Time grows with its
     /// square.
     pub picture: u32,
-    /// Samples of the surface that [`MetricKind::Hybrid`] looks at, about, and no fewer than there
-    /// are triangles. Time grows with their number.
+    /// The number of samples of the surface that [`MetricKind::Hybrid`] looks at, about; at least
+    /// one for each triangle. Time grows with it.
     pub hybrid_samples: u32,
 }
 

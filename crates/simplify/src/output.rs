@@ -1,9 +1,10 @@
 //! The last step: the log becomes a [`Simplified`].
 //!
-//! The input is the log of the whole mesh. Regions wrote it side by side, so the legal steps
-//! are sorted by their stamps first. The output is the vertices in the order in which they
-//! disappeared, fakes among them, each with the bytes of the vertices that it has its data from,
-//! and the triangles, last to die first. Models rely on both orders: a level is a range of either.
+//! The input is the log of the whole mesh. Regions wrote it side by side, so the legal steps are
+//! sorted by their stamps first. The output is the vertices in the order in which they disappeared,
+//! fakes among them, each with the bytes of the input's vertices that its data come from; and the
+//! triangles, those that are removed last first. Models rely on both orders: a level is a range of
+//! vertices and, within each submesh, of triangles.
 
 use crate::commit::{CollapseLog, Sources};
 use crate::number::{Input, sorted};
@@ -19,7 +20,7 @@ pub(crate) fn output(
     legal: usize,
     by_stamp: bool,
 ) -> Simplified {
-    let Ordered { wedges, death, mut sequence } = Ordered::new(&log, legal, input, by_stamp);
+    let Ordered { wedges, removal_lod, mut sequence } = Ordered::new(&log, legal, input, by_stamp);
     drop(log);
     let mesh = input.mesh;
     let mut new_index = vec![u32::MAX; wedges.len()];
@@ -32,8 +33,8 @@ pub(crate) fn output(
     }
     let position_of = |w: u32| sources.of(w).0;
     let attributes_of = |w: u32| sources.of(w).1;
-    // A fake's place may belong to a submesh without some stream; then its own attributes' vertex
-    // has to do.
+    // The vertex that a fake's position comes from may belong to a submesh that lacks a spatial
+    // attribute; it is read from the vertex of the other attributes then.
     let users = mesh.users_of_streams();
     let attributes = mesh
         .attributes()
@@ -53,7 +54,7 @@ pub(crate) fn output(
             )
         })
         .collect();
-    let triangles = last_to_die_first(mesh, &death)
+    let triangles = last_removed_first(mesh, &removal_lod)
         .into_par_iter()
         .map(|t| {
             let vertices = mesh.triangles()[t as usize];
@@ -80,9 +81,9 @@ pub(crate) fn output(
 struct Ordered {
     /// Wedges in the order in which they disappear.
     wedges: Vec<u32>,
-    /// The LOD at which each input triangle dies.
-    death: Vec<u32>,
-    /// Its targets are wedges still, its errors in working units.
+    /// The LOD at which each input triangle is removed.
+    removal_lod: Vec<u32>,
+    /// Its targets are still wedges, its errors in working units.
     sequence: SequenceParts,
 }
 
@@ -100,10 +101,10 @@ impl Ordered {
             ..SequenceParts::default()
         };
         let wedges = Vec::with_capacity(log.wedges.len());
-        let mut ordered = Self { wedges, death: vec![0; triangles], sequence };
-        let mut live = triangles as u32;
+        let mut ordered = Self { wedges, removal_lod: vec![0; triangles], sequence };
+        let mut live_triangles = triangles as u32;
         for i in final_order(log, legal, by_stamp) {
-            ordered.take(log, i as usize, i as usize >= legal, &mut live);
+            ordered.append_step(log, i as usize, i as usize >= legal, &mut live_triangles);
         }
         // The last wedge becomes nothing.
         ordered.wedges.extend(log.wedges.get(log.targets.len()..).into_iter().flatten());
@@ -111,20 +112,26 @@ impl Ordered {
     }
 
     /// Appends a step.
-    fn take(&mut self, log: &CollapseLog, i: usize, is_terminal: bool, live: &mut u32) {
+    fn append_step(
+        &mut self,
+        log: &CollapseLog,
+        i: usize,
+        is_terminal: bool,
+        live_triangles: &mut u32,
+    ) {
         let (step, records, dead) = (log.steps[i], log.records(i), log.removals(i));
         self.wedges.extend_from_slice(&log.wedges[records.clone()]);
         let lod = self.wedges.len() as u32;
         for &triangle in dead {
-            self.death[triangle as usize] = lod;
+            self.removal_lod[triangle as usize] = lod;
         }
-        *live -= dead.len() as u32;
+        *live_triangles -= dead.len() as u32;
         let sequence = &mut self.sequence;
         sequence.targets.extend_from_slice(&log.targets[records]);
         let error = sequence.step_errors.last().copied().unwrap_or(0.0).max(step.error);
         sequence.step_ends.push(lod);
         sequence.step_errors.push(error);
-        sequence.step_triangles.push(*live);
+        sequence.step_triangles.push(*live_triangles);
         if !is_terminal {
             sequence.last_legal_lod = Lod(lod);
             if step.changes_topology {
@@ -145,16 +152,16 @@ pub(crate) fn final_order(log: &CollapseLog, legal: usize, by_stamp: bool) -> Ve
     order
 }
 
-/// The input's triangles, within each submesh the last to die first, ties in the input's order.
-fn last_to_die_first(input: &Mesh, death: &[u32]) -> Vec<u32> {
-    let last = death.iter().copied().max().unwrap_or(0);
-    let mut submesh_of = vec![0u32; death.len()];
+/// The input's triangles, within each submesh the last removed first, ties in the input's order.
+fn last_removed_first(input: &Mesh, removal_lod: &[u32]) -> Vec<u32> {
+    let last = removal_lod.iter().copied().max().unwrap_or(0);
+    let mut submesh_of = vec![0u32; removal_lod.len()];
     for (i, s) in (0..).zip(input.submeshes()) {
         submesh_of[s.triangles()].fill(i);
     }
     let bits = |most: u32| u32::BITS - most.leading_zeros();
-    let (by_death, submeshes) = (bits(last), input.submeshes().len() as u32);
-    sorted(death.len(), by_death + bits(submeshes.saturating_sub(1)), |t| {
-        u64::from(submesh_of[t as usize]) << by_death | u64::from(last - death[t as usize])
+    let (lod_bits, submeshes) = (bits(last), input.submeshes().len() as u32);
+    sorted(removal_lod.len(), lod_bits + bits(submeshes.saturating_sub(1)), |t| {
+        u64::from(submesh_of[t as usize]) << lod_bits | u64::from(last - removal_lod[t as usize])
     })
 }

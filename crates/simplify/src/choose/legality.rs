@@ -1,5 +1,6 @@
-//! The rules for a legal collapse: limited valence, no face turned over, unchanged topology (link
-//! condition, Dey et al. 1999), no texture turned over.
+//! The rules for a legal collapse: limited valence (number of faces around a group), no face turned
+//! over, unchanged topology (link condition, Dey et al. 1999), no texture turned over. The legal
+//! phase of a simplification keeps all of them; the terminal phase drops them one after another.
 //!
 //! The thresholds were chosen by hand on a few models; they were not measured one by one.
 
@@ -10,21 +11,20 @@ use crate::price::{Attributes, MAX_LEN, OneRing};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
-/// The most neighbours a group may get from a legal collapse. Without a limit one vertex of a flat
+/// The most faces that a group may get from a legal collapse. Without a limit one vertex of a flat
 /// part, where all collapses cost nothing, may swallow all others and leave needles.
 const MAX_VALENCE: usize = 24;
 /// The least cosine of the angle by which a face's normal may turn in one collapse (75.5°). With
 /// zero no face flips in one step, but turns of nearly 90° in two steps add up to a flip.
 const MIN_TURN: f64 = 0.25;
-/// The same where single precision decides, whose error in that cosine is below 0.005.
-const SURE_TURN: f32 = 0.26;
+/// The same where single precision decides: more by twice its error, which is below 0.005.
+const SURE_MIN_TURN: f32 = 0.26;
 /// A face's area must stay above this share of its longest edge squared; below, it is a line. The
 /// area itself, in double precision, is off by about 1e-16 of that square.
 const MIN_AREA: f64 = 1e-12;
-/// Price of a collapse that changes the topology, as a multiple of its geometric cost: four times
-/// the distance, as costs are squared distances. A hole or handle that is that much smaller than
-/// what else could go is noise.
-const TOPOLOGY_PRICE: f64 = 16.0;
+/// Factor of the cost of a collapse that changes the topology: four times the distance, as costs
+/// are squared distances. A hole or handle that is that much smaller than other details is noise.
+const TOPOLOGY_FACTOR: f64 = 16.0;
 
 /// The rules that may not be broken. Each stage drops one rule; all but the first are the terminal
 /// phase.
@@ -51,7 +51,7 @@ impl Stage {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Verdict {
     /// The cost is multiplied by this, at least 1.
-    pub(super) price: f64,
+    pub(super) factor: f64,
     /// It closes a handle, joins sheets or takes a component away.
     pub(super) changes_topology: bool,
 }
@@ -62,13 +62,13 @@ pub(crate) struct Rules {
     pub(crate) stage: Stage,
     /// No topology change before the last stage.
     pub(crate) preserve_topology: bool,
-    /// Groups that come to share a position and a face may be united. Not in a region: what they
-    /// have in common may be another region's.
+    /// Groups that come to share a position and a face may be united. False in rounds of several
+    /// regions, as the groups may have neighbours in another one.
     pub(crate) unites: bool,
 }
 
 impl Rules {
-    /// Returns the price of moving `from` onto its neighbour `to`, or none if that is illegal.
+    /// Returns the verdict on moving `from` onto its neighbour `to`; none if that is illegal.
     pub(super) fn check(
         self,
         mesh: &WorkingMesh,
@@ -102,13 +102,13 @@ impl Rules {
         if self.stage < Stage::Valence && is_overcrowded(mesh, from, to) {
             return None;
         }
-        // Before the link, which takes longer: where much is refused, a few faces do so.
+        // Before the link, which takes longer: where much is refused, the first few faces show it.
         if self.stage < Stage::Flips && !keeps_orientation() {
             return None;
         }
         let link = Link::new(mesh, from, to, marks);
         if link.shared_faces == 0 {
-            // No neighbour any more: a hub's choice may be older than its star.
+            // No neighbour any more: choices of hubs are renewed only now and then.
             return None;
         }
         let changes_topology = !link.holds;
@@ -125,13 +125,13 @@ impl Rules {
         if !self.unites && mesh.twins(from, to).next().is_some() {
             return None;
         }
-        let price = if changes_topology { TOPOLOGY_PRICE } else { 1.0 };
-        Some(Verdict { price, changes_topology })
+        let factor = if changes_topology { TOPOLOGY_FACTOR } else { 1.0 };
+        Some(Verdict { factor, changes_topology })
     }
 }
 
-/// Returns whether `from` has too many faces for `to` whichever of them die, at most as many as
-/// `to` has. Cheaper than the link, and decides for fans, where that would take quadratic time.
+/// Returns whether `from` has too many faces for `to`, whichever of them die: these are at most as
+/// many as `to` has. Quicker than the link, which would take quadratic time for fans.
 fn is_overcrowded(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let valence_to = mesh.valence(to);
     mesh.valence(from).saturating_sub(valence_to) > valence_to.max(MAX_VALENCE)
@@ -224,8 +224,8 @@ fn surely_keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let star = mesh.star(from);
     let Some(spoke) = star.iter().position(|c| c.ahead == to) else { return false };
     match star.len() {
-        3..=7 => OneRing::<2>::new(mesh, from, star).surely_turns_less(spoke, SURE_TURN),
-        8..=MAX_LEN => OneRing::<3>::new(mesh, from, star).surely_turns_less(spoke, SURE_TURN),
+        3..=7 => OneRing::<2>::new(mesh, from, star).surely_turns_less(spoke, SURE_MIN_TURN),
+        8..=MAX_LEN => OneRing::<3>::new(mesh, from, star).surely_turns_less(spoke, SURE_MIN_TURN),
         _ => false,
     }
 }
@@ -280,7 +280,7 @@ mod tests {
         let (mut sure, mut refused) = (0, 0);
         for mesh in [lodc_fixtures::icosphere(3), lodc_fixtures::machine_part()] {
             let region = Region::whole(&Input::new(&mesh), true);
-            for from in (0..region.own() as u32).filter(|&g| !region.mesh.has(g, OPEN)) {
+            for from in (0..region.own_groups() as u32).filter(|&g| !region.mesh.has(g, OPEN)) {
                 let star = region.mesh.star(from);
                 for to in star.iter().map(|c| c.ahead) {
                     let keeps = keeps_orientation_exactly(&region.mesh, from, to);

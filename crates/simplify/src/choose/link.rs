@@ -1,24 +1,27 @@
 //! The link condition (Dey et al. 1999): collapsing an edge keeps the surface's topology exactly if
-//! the groups next to both ends are those opposite the edge, and no face would come to lie on
+//! the only groups next to both ends are those opposite the edge, and no face would come to lie on
 //! another.
 
 use crate::cut::{IS_HUB, OPEN, WorkingMesh};
 use lodc_mesh::NONE;
 
-/// Groups that are compared at a time: two registers of four lanes. Rings have six on average.
-const RING: usize = 8;
-/// Pairs of hubs that are remembered: a mesh with more pairs pays a pass over a star for each
-/// question. Chosen by hand for bipyramids and the like, which have a few.
+/// Groups that are compared at a time: two registers of four lanes. Groups have six neighbours on
+/// average.
+const BATCH: usize = 8;
+/// Pairs of hubs (groups of very many faces) that are remembered as not neighbours; each question
+/// about another pair takes a pass over a star. Chosen by hand: bipyramids and the like have a few.
 const MAX_PAIRS: usize = 64;
 
 /// Marks of groups, used again without being cleared.
 #[derive(Default)]
 pub(crate) struct Marks {
+    /// By group.
     marks: Vec<u32>,
+    /// The last values that groups were marked with: this and the next.
     epoch: u32,
     /// Pairs of hubs that share no face.
     apart: Vec<[u32; 2]>,
-    /// The state of the mesh for which that holds.
+    /// [`WorkingMesh::hub_epoch`] for which that holds.
     hub_epoch: u32,
 }
 
@@ -40,7 +43,7 @@ impl Marks {
         touches
     }
 
-    /// Two fresh values that no group is marked with.
+    /// Two values that no group is marked with yet.
     fn fresh(&mut self, groups: usize) -> (u32, u32) {
         if self.marks.len() < groups {
             self.marks.resize(groups, 0);
@@ -57,8 +60,9 @@ impl Marks {
 /// The neighbourhood that both ends of an edge share.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Link {
-    /// True if the condition holds.
+    /// True if the link condition holds.
     pub(crate) holds: bool,
+    /// Number of faces with a corner at both ends: those that the collapse removes.
     pub(super) shared_faces: usize,
 }
 
@@ -71,13 +75,13 @@ impl Link {
         }
     }
 
-    /// Between closed fans: the groups on both sides of the edge are common, and no others may be.
-    /// With more than three neighbours they are not next to each other around `from`.
+    /// Between closed fans: the two groups opposite the edge are common neighbours, and there may
+    /// be no others. As `from` has more than three neighbours, those two share no face with it.
     fn closed(mesh: &WorkingMesh, from: u32, to: u32) -> Self {
-        let mut near = [NONE; RING];
+        let mut near = [NONE; BATCH];
         let mut found = false;
         let mut common = 0;
-        for ring in mesh.star(from).chunks(RING) {
+        for ring in mesh.star(from).chunks(BATCH) {
             for (near, corner) in near.iter_mut().zip(ring) {
                 *near = corner.ahead;
             }
@@ -89,9 +93,10 @@ impl Link {
         Self { holds: found && common == 2, shared_faces: if found { 2 } else { 0 } }
     }
 
-    /// Between any two stars.
+    /// Between any two stars. Neighbours of `from` are marked with `near`, those of both ends with
+    /// `common`.
     fn general(mesh: &WorkingMesh, from: u32, to: u32, marks: &mut Marks) -> Self {
-        let (near, common) = marks.fresh(mesh.places.len());
+        let (near, common) = marks.fresh(mesh.group_positions.len());
         let star = mesh.star(from);
         let others = |corner| mesh.others(corner);
         let mut shared_faces = 0;
@@ -116,11 +121,12 @@ impl Link {
                 in_both += 1;
             }
         };
-        // The second way takes a pass over each neighbour's star, about eight corners each.
+        // The second way takes a pass over each neighbour's star, of about eight corners, and has
+        // some cost of its own, set to 64 by hand.
         if mesh.valence(to) <= 64 + 8 * star.len() {
             mesh.each_neighbour(to, |g| meet(marks, g));
         } else {
-            // A hub: fewer groups are next to `from` than to it.
+            // `to` is a hub: it has more neighbours than `from`.
             for g in star.iter().flat_map(|&c| others(c)).filter(|&g| g != to) {
                 if marks.marks[g as usize] == near && marks.touches_hub(mesh, g, to) {
                     meet(marks, g);
@@ -171,7 +177,7 @@ mod tests {
         .expect("a mesh made by hand");
         let region = Region::whole(&Input::new(&mesh), true);
         let group = |v: u32| {
-            let at = |g: &u32| region.mesh.places[*g as usize].position.y;
+            let at = |g: &u32| region.mesh.group_positions[*g as usize].position.y;
             let mut groups: Vec<u32> = (0..count).collect();
             groups.sort_by(|a, b| at(a).total_cmp(&at(b)));
             groups[v as usize]

@@ -22,13 +22,13 @@ use crate::price::{PriceLists, Priced, Pricer, Scratch, scaled};
 use legality::{MovingFaces, keeps_texture};
 use link::Marks;
 
-/// Price of each fake, as a multiple of the geometric cost: three times the distance for one. A
-/// fake is a vertex more in every file, and mostly a seam that comes off its line. Chosen by hand;
-/// not tuned.
-const FAKE_PRICE: f64 = 8.0;
-/// Faces times candidates that are checked at a time. Checking each of a hub's neighbours against
-/// each of its faces would take quadratic time, so of a hub only the cheapest candidates are
-/// checked: 128 of a star of 128 faces, 16 of one of 1,000, at least 8 of any. Chosen by hand.
+/// What each fake adds to the factor of a cost: a collapse with one fake costs nine times as much,
+/// as one of three times the distance. A fake is one more vertex in every file, and mostly a seam
+/// that leaves its line. Chosen by hand; not tuned.
+const FAKE_FACTOR: f64 = 8.0;
+/// Limit on faces times candidates of one group. Checking each neighbour of a hub (a group of very
+/// many faces) against each of its faces would take quadratic time, so only its cheapest candidates
+/// are checked: 128 for 128 faces, 16 for 1,000, at least 8 for any number. Chosen by hand.
 const MAX_CHECKED_FACES: usize = 1 << 14;
 
 /// A legal collapse of a group.
@@ -47,13 +47,13 @@ pub(crate) struct SelectionBuffers<S> {
     /// The prices of groups that were priced one by one, for metrics that never change them.
     pub(crate) lists: PriceLists,
     marks: Marks,
-    /// The faces of a group whose star is no ring.
+    /// The faces of a group whose star is not a closed fan.
     faces: MovingFaces,
     /// The plan of a candidate.
     tried: WedgePlan,
     /// The plan of the selected collapse.
     pub(crate) plan: WedgePlan,
-    /// True if a collapse of the group was refused, or made dearer.
+    /// True if a collapse of the group was refused, or its cost multiplied.
     pub(crate) refused: bool,
 }
 
@@ -71,7 +71,7 @@ pub(crate) struct Selector<'a, M> {
 }
 
 impl<M: Reprice> Selector<'_, M> {
-    /// The cheapest legal collapse of a group whose best is known, legality left aside.
+    /// The cheapest legal collapse of a group, given its cheapest collapse of any kind.
     pub(crate) fn select(
         &self,
         from: u32,
@@ -95,12 +95,12 @@ impl<M: Reprice> Selector<'_, M> {
     ) -> Option<LegalCollapse> {
         let is_planned = self.wedges_matter(from);
         buffers.refused = false;
-        // A restricted group's choice is what a search has found, penalties included.
+        // The choice of a restricted group is what a search has found, all factors included.
         let is_found =
             self.pricer.region.mesh.has(from, RESTRICTED) && !self.pricer.metric.is_active();
         let Region { mesh, .. } = self.pricer.region;
         let verdict = self.rules.check(mesh, from, known.to, &mut buffers.marks)?;
-        if verdict.price > 1.0 && !is_found {
+        if verdict.factor > 1.0 && !is_found {
             return None;
         }
         if is_planned {
@@ -154,16 +154,16 @@ impl<M: Reprice> Selector<'_, M> {
                 buffers.refused = true;
                 continue;
             };
-            let mut price = verdict.price;
+            let mut factor = verdict.factor;
             if is_planned {
                 if !self.try_plan(from, to, buffers) {
                     buffers.refused = true;
                     continue;
                 }
-                price *= 1.0 + FAKE_PRICE * f64::from(buffers.tried.fakes);
+                factor *= 1.0 + FAKE_FACTOR * f64::from(buffers.tried.fakes);
             }
-            buffers.refused |= price > 1.0;
-            let cost = cost * price;
+            buffers.refused |= factor > 1.0;
+            let cost = cost * factor;
             if best.is_none_or(|b| cost < b.0) {
                 best = Some((cost, to, verdict.changes_topology));
                 std::mem::swap(&mut buffers.tried, &mut buffers.plan);
@@ -177,7 +177,7 @@ impl<M: Reprice> Selector<'_, M> {
         })
     }
 
-    /// Prices all collapses, or finds their prices.
+    /// Fills the candidates of a group, from kept prices if there are any.
     fn price_all(&self, from: u32, buffers: &mut SelectionBuffers<M::ViewScratch>) {
         let SelectionBuffers { scratch, lists, .. } = buffers;
         let mesh = &self.pricer.region.mesh;
@@ -190,14 +190,14 @@ impl<M: Reprice> Selector<'_, M> {
         }
     }
 
-    /// The kept prices of a group. Hubs have none: not all that changes them is noticed.
+    /// The kept prices of a group; none for hubs, as not all changes around them are noticed.
     fn prices<'l>(&self, from: u32, lists: &'l PriceLists) -> Option<&'l [Priced]> {
         lists.get(from).filter(|_| self.pricer.region.mesh.valence(from) < HUB_VALENCE)
     }
 
-    /// Returns whether the choice of a restricted group, whose own faces are as they were, is the
-    /// cheapest although some of its neighbours were touched: neither is it one of them, nor may
-    /// the group move onto one of them that costs no more.
+    /// Returns whether the choice of a restricted group, whose own faces are unchanged, is still
+    /// the cheapest after some of its neighbours were touched: the choice is none of them, and each
+    /// of them costs more or is illegal.
     pub(crate) fn is_still_best(
         &self,
         from: u32,
@@ -225,7 +225,7 @@ impl<M: Reprice> Selector<'_, M> {
             mesh: &region.mesh,
             wedges: &region.wedges,
             attributes: &context.attributes,
-            takes_any: self.rules.stage >= Stage::Seams,
+            reuses_any: self.rules.stage >= Stage::Seams,
             size: context.input.size,
         }
     }

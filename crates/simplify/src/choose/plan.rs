@@ -9,10 +9,10 @@ use lodc_mesh::{Mesh, NONE};
 /// A wedge without an edge to the target takes an existing wedge there if their attributes differ
 /// by less than this share of the mesh's size: a normal off by about 12°, half a pixel of a picture
 /// of 256 across. Chosen by hand; not tuned.
-const ALIKE: f64 = 2e-3;
+const MAX_REUSE_DISTANCE: f64 = 2e-3;
 
-/// No more wedges of a group than this are compared with one that needs a target: real meshes have
-/// a handful at a position, made ones may have all of theirs.
+/// The most wedges of a group that are compared with one that needs a target. Chosen by hand: real
+/// meshes have a handful at a position, artificial ones may have all of theirs there.
 const MAX_REUSED: usize = 1024;
 
 /// One wedge of the moving group.
@@ -22,9 +22,9 @@ pub(crate) struct PlannedWedge {
     /// Its target; `u32::MAX` means a fake.
     pub(crate) target: u32,
     /// True if that is a fake.
-    pub(crate) fake: bool,
-    /// True if it has faces that stay.
-    live: bool,
+    pub(crate) is_fake: bool,
+    /// True if it has faces that outlive the collapse.
+    has_faces: bool,
 }
 
 /// The targets of all wedges of one group.
@@ -33,8 +33,9 @@ pub(crate) struct WedgePlan {
     /// In order of their numbers.
     pub(crate) wedges: Vec<PlannedWedge>,
     /// The target of the true edge.
-    pub(crate) truth: u32,
-    /// Classes of wedges with an edge to the target, and the wedge there.
+    pub(crate) true_target: u32,
+    /// For each wedge with an edge to the target its class (equal for equal attributes) and the
+    /// wedge at the other end of that edge; sorted by class.
     twins: Vec<(u32, u32)>,
     /// Number of fakes that it takes.
     pub(crate) fakes: u32,
@@ -63,8 +64,8 @@ pub(crate) struct Planner<'a> {
     pub(crate) mesh: &'a WorkingMesh,
     pub(crate) wedges: &'a Wedges,
     pub(crate) attributes: &'a Attributes,
-    /// A wedge without an edge to the target takes any wedge there rather than a fake.
-    pub(crate) takes_any: bool,
+    /// A wedge without an edge to the target takes any wedge there of its submesh, not a fake.
+    pub(crate) reuses_any: bool,
     /// The mesh's diagonal in working units.
     pub(crate) size: f64,
 }
@@ -86,8 +87,8 @@ impl Planner<'_> {
             plan.wedges.push(PlannedWedge {
                 wedge: wedges[corner.at()],
                 target: end.map_or(NONE, |end| wedges[end]),
-                fake: false,
-                live: end.is_none(),
+                is_fake: false,
+                has_faces: end.is_none(),
             });
         }
         // One entry for each wedge, in order of their numbers.
@@ -105,7 +106,7 @@ impl Planner<'_> {
                     plan.ambiguous = true;
                 }
                 plan.wedges[distinct - 1].target = self.nearer(p.wedge, known.target, p.target);
-                plan.wedges[distinct - 1].live |= p.live;
+                plan.wedges[distinct - 1].has_faces |= p.has_faces;
             } else {
                 plan.wedges[distinct] = p;
                 distinct += 1;
@@ -113,7 +114,7 @@ impl Planner<'_> {
         }
         plan.wedges.truncate(distinct);
         if plan.wedges.len() == 1 && self.wedges.is_single(from) {
-            plan.truth = plan.wedges[0].target;
+            plan.true_target = plan.wedges[0].target;
             return;
         }
         self.find_other_targets(from, to, plan);
@@ -134,8 +135,8 @@ impl Planner<'_> {
         } else {
             shared().expect("a collapse follows an edge")
         };
-        plan.wedges.push(PlannedWedge { wedge, target, fake: false, live: true });
-        plan.truth = target;
+        plan.wedges.push(PlannedWedge { wedge, target, is_fake: false, has_faces: true });
+        plan.true_target = target;
     }
 
     /// The one of two wedges (one may be `NONE`) whose attributes are closer to `wedge`'s, ties to
@@ -155,16 +156,17 @@ impl Planner<'_> {
         }
     }
 
-    /// Squared, in working units.
+    /// The squared distance of two wedges' attributes, in squared working units.
     fn attribute_distance(&self, a: u32, b: u32) -> f64 {
         let row = |w: u32| self.wedges.attribute_source[w as usize];
         self.attributes.distance_squared(row(a), row(b))
     }
 
+    /// Finds targets for the wedges that have no edge to `to`.
     fn find_other_targets(&self, from: u32, to: u32, plan: &mut WedgePlan) {
         // The true edge's target: that of the first wedge that has one. Every collapse follows an
         // edge, so there is one.
-        plan.truth = plan.wedges.iter().find(|p| p.target != NONE).map_or(NONE, |p| p.target);
+        plan.true_target = plan.wedges.iter().find(|p| p.target != NONE).map_or(NONE, |p| p.target);
         plan.twins.clear();
         let class = |w: u32| self.wedges.class(w);
         plan.twins.extend(
@@ -175,7 +177,7 @@ impl Planner<'_> {
             let first = plan.twins.partition_point(|twin| twin.0 < class(p.wedge));
             p.target = match plan.twins.get(first) {
                 Some(twin) if twin.0 == class(p.wedge) => twin.1,
-                _ if !p.live => plan.truth,
+                _ if !p.has_faces => plan.true_target,
                 _ => self.reusable(p.wedge, to).unwrap_or(NONE),
             };
             plan.fakes += u32::from(p.target == NONE);
@@ -185,9 +187,9 @@ impl Planner<'_> {
             if plan.wedges[..known].binary_search_by_key(&wedge, |p| p.wedge).is_err() {
                 plan.wedges.push(PlannedWedge {
                     wedge,
-                    target: plan.truth,
-                    fake: false,
-                    live: false,
+                    target: plan.true_target,
+                    is_fake: false,
+                    has_faces: false,
                 });
             }
         }
@@ -209,7 +211,8 @@ impl Planner<'_> {
                 best = Some((distance, t));
             }
         }
-        let limit = if self.takes_any { f64::INFINITY } else { (ALIKE * self.size).powi(2) };
+        let limit =
+            if self.reuses_any { f64::INFINITY } else { (MAX_REUSE_DISTANCE * self.size).powi(2) };
         best.filter(|&(d, _)| d <= limit && !self.attributes.is_empty()).map(|(_, t)| t)
     }
 }
@@ -234,12 +237,12 @@ mod tests {
             mesh,
             wedges,
             attributes: &attributes,
-            takes_any: false,
+            reuses_any: false,
             size: input.size,
         };
         let count = |g: u32| wedges.of_group(g).count();
         let mut found = Vec::new();
-        for from in (0..region.own() as u32).filter(|&g| count(g) == 2) {
+        for from in (0..region.own_groups() as u32).filter(|&g| count(g) == 2) {
             mesh.each_neighbour(from, |to| {
                 let mut plan = WedgePlan::default();
                 planner.plan(from, to, &mut plan);

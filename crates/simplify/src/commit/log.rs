@@ -9,24 +9,25 @@ use std::ops::Range;
 /// One collapse of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
-    /// The greatest cost of this collapse and all before it that touched the same groups.
+    /// The greatest cost of this collapse and all before it that touched the same groups: sorted by
+    /// stamp, no step comes before one that it builds on.
     pub(crate) stamp: f32,
     /// In working units.
     pub(crate) error: f32,
-    /// End of its records.
-    records: u32,
-    /// End of its triangles that die.
-    removals: u32,
+    /// End of its records in [`CollapseLog::wedges`]; they begin at the end of the step before.
+    record_end: u32,
+    /// End of the triangles that it removes, in [`CollapseLog::dead`].
+    removal_end: u32,
     pub(crate) changes_topology: bool,
 }
 
 /// Collapses in the order in which they happened.
 #[derive(Default)]
 pub(crate) struct CollapseLog {
-    /// Those of a metric that sees.
+    /// The collapses for another run to repeat; empty for the quadric.
     pub(crate) recorded: RecordedCollapses,
     pub(crate) steps: Vec<Step>,
-    /// Wedges that disappear.
+    /// The wedge that disappears with each record.
     pub(crate) wedges: Vec<u32>,
     /// The wedge that each becomes.
     pub(crate) targets: Vec<u32>,
@@ -59,8 +60,8 @@ impl CollapseLog {
         self.steps.push(Step {
             stamp,
             error,
-            records: self.wedges.len() as u32,
-            removals: self.dead.len() as u32,
+            record_end: self.wedges.len() as u32,
+            removal_end: self.dead.len() as u32,
             changes_topology,
         });
     }
@@ -69,8 +70,8 @@ impl CollapseLog {
     pub(crate) fn append(&mut self, other: &Self) {
         let (records, removals) = (self.wedges.len() as u32, self.dead.len() as u32);
         self.steps.extend(other.steps.iter().map(|s| Step {
-            records: s.records + records,
-            removals: s.removals + removals,
+            record_end: s.record_end + records,
+            removal_end: s.removal_end + removals,
             ..*s
         }));
         self.wedges.extend_from_slice(&other.wedges);
@@ -80,14 +81,16 @@ impl CollapseLog {
 
     /// The records of a step.
     pub(crate) fn records(&self, step: usize) -> Range<usize> {
-        self.before(step, |s| s.records) as usize..self.steps[step].records as usize
+        self.before(step, |s| s.record_end) as usize..self.steps[step].record_end as usize
     }
 
     /// The triangles that die in a step.
     pub(crate) fn removals(&self, step: usize) -> &[u32] {
-        &self.dead[self.before(step, |s| s.removals) as usize..self.steps[step].removals as usize]
+        &self.dead
+            [self.before(step, |s| s.removal_end) as usize..self.steps[step].removal_end as usize]
     }
 
+    /// The end of the step before; 0 for the first.
     fn before(&self, step: usize, end: fn(&Step) -> u32) -> u32 {
         step.checked_sub(1).map_or(0, |before| end(&self.steps[before]))
     }
@@ -96,7 +99,7 @@ impl CollapseLog {
 /// The sources of the data of every wedge of the whole mesh.
 pub(crate) struct Sources<'a> {
     input: &'a Input<'a>,
-    /// The input vertices of the fakes' positions and attributes.
+    /// For each fake the input vertices that its position and its other attributes come from.
     fakes: Vec<(u32, u32)>,
 }
 
@@ -106,10 +109,10 @@ impl<'a> Sources<'a> {
     }
 
     /// Gives a region's new fakes their numbers, and its log those of the whole mesh.
-    pub(crate) fn number(&mut self, region: &mut Region, log: &mut CollapseLog) {
+    pub(crate) fn number_fakes(&mut self, region: &mut Region, log: &mut CollapseLog) {
         let first = (self.input.wedges() + self.fakes.len()) as u32;
         self.fakes.extend(region.wedges.number_fakes(first));
-        name_wedges(region, log);
+        renumber_wedges(region, log);
     }
 
     /// The vertex whose position and other spatial data a wedge has, and the one whose other
@@ -123,7 +126,7 @@ impl<'a> Sources<'a> {
 }
 
 /// Replaces a region's wedge numbers in its log by those of the whole mesh.
-pub(crate) fn name_wedges(region: &Region, log: &mut CollapseLog) {
+pub(crate) fn renumber_wedges(region: &Region, log: &mut CollapseLog) {
     for wedge in log.wedges.iter_mut().chain(&mut log.targets) {
         *wedge = region.wedge_id(*wedge);
     }

@@ -11,8 +11,9 @@
 //!   joined:         … (x d) (d a) (a b) (b c) (c y) …
 //! ```
 //!
-//! Stars of all groups lie in one arena; a star that outgrows its room there gets a new one. Faces
-//! at hubs know their slots, so that leaving a star takes constant time however large it is.
+//! Stars of all groups are in one arena; a star that outgrows its room there gets a new one. For
+//! hubs (groups of very many faces) the slots of faces are kept, so that removing one takes
+//! constant time however large the star is.
 
 use crate::cut::{Corner, HUB_VALENCE, IS_HUB, OPEN, Star, WorkingMesh, next, previous};
 
@@ -22,8 +23,8 @@ impl WorkingMesh {
     pub(crate) fn merge(&mut self, from: u32, to: u32, mut died: impl FnMut(u32)) {
         let vacated = std::mem::take(&mut self.stars[from as usize]);
         let range = vacated.start as usize..(vacated.start + vacated.len) as usize;
-        // Turned so, a ring's first and last faces are those that die, and the path between them
-        // is in one piece. The order of an open star means nothing: any turn will do.
+        // Rotated like this, a ring's first and last faces are those that die, and the path between
+        // them is contiguous. The order of an open star means nothing: any rotation will do.
         let turn = self.arena[range.clone()].iter().position(|c| c.ahead == to).unwrap_or(0);
         self.arena[range.clone()].rotate_left(turn);
         let spliced = self.flags[from as usize] & OPEN == 0 && self.flags[to as usize] & OPEN == 0;

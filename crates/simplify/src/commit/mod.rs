@@ -9,7 +9,7 @@
 mod log;
 mod merge;
 
-pub(crate) use log::{CollapseLog, Sources, name_wedges};
+pub(crate) use log::{CollapseLog, Sources, renumber_wedges};
 
 use crate::choose::{LegalCollapse, WedgePlan};
 use crate::cut::{DEAD, OPEN, Region, SEAM};
@@ -22,7 +22,10 @@ pub(crate) struct Touched {
     pub(crate) groups: Vec<u32>,
     /// Groups that were united with the target.
     pub(crate) united: Vec<u32>,
+    /// By group: see `epoch`.
     marks: Vec<u32>,
+    /// The mark of groups that the last commit touched; `epoch + 1` is that of others that were
+    /// marked since.
     epoch: u32,
 }
 
@@ -35,8 +38,7 @@ impl Touched {
     fn start(&mut self) {
         self.groups.clear();
         self.united.clear();
-        // Two values a commit, so that marks need not be cleared: `epoch` is touched, `epoch + 1`
-        // merely marked.
+        // Two values for each commit, so that marks need not be cleared.
         self.epoch = self.epoch.checked_add(2).unwrap_or_else(|| {
             self.marks.fill(0);
             2
@@ -95,8 +97,8 @@ impl<M: Reprice> Commit<'_, M> {
         let Self { region, touched, .. } = &mut self;
         region.mesh.each_neighbour(from, |g| touched.add(g));
         touched.groups.iter().for_each(|&g| region.prefetch(g));
-        // Then edges that were smooth may be seams now, which prices of all touched groups depend
-        // on.
+        // If so, edges that were smooth may be seams now, on which prices of all touched groups
+        // depend.
         let seam_moves = plan.ambiguous || plan.fakes > 0;
         self.move_wedges(from, to, plan);
 
@@ -181,13 +183,13 @@ impl<M: Reprice> Commit<'_, M> {
             }
             // Wedges with the same attributes share a fake. A position with more than 64 wedges
             // (chosen by hand; real meshes have a handful) may get some it could have shared.
-            let mut earlier = plan.wedges[..i].iter().filter(|p| p.fake).take(64);
+            let mut earlier = plan.wedges[..i].iter().filter(|p| p.is_fake).take(64);
             let target = match earlier.find(|p| wedges.alike(input, p.wedge, wedge)) {
                 Some(p) => p.target,
-                None => wedges.add_fake(to, plan.truth, wedge),
+                None => wedges.add_fake(to, plan.true_target, wedge),
             };
             plan.wedges[i].target = target;
-            plan.wedges[i].fake = true;
+            plan.wedges[i].is_fake = true;
             log.record(wedge, target);
         }
         let mesh = &mut region.mesh;
@@ -207,7 +209,7 @@ impl<M: Reprice> Commit<'_, M> {
 /// them onto the last one, so that none passes through another. The last one goes into the log
 /// without a target.
 pub(crate) fn join_points(region: &Region, log: &mut CollapseLog) {
-    let mut left: Vec<(u32, u32)> = (0..region.own() as u32)
+    let mut left: Vec<(u32, u32)> = (0..region.own_groups() as u32)
         .filter(|&g| !region.mesh.has(g, DEAD))
         .filter_map(|g| region.wedges.of_group(g).next().map(|w| (region.wedges.submesh(w), g)))
         .collect();

@@ -4,7 +4,8 @@
 //! found in an old region and given a number in the new one. Hash tables for that would be large
 //! and miss the cache, so there are none where something else tells the number: an own group's is
 //! its rank in the new order, and a face that is there already is in the (short) star of one of its
-//! groups. Only groups of other regions, wedges, and faces at hubs are looked up in tables.
+//! groups. Only groups of other regions, wedges, and faces at hubs (groups of very many faces) are
+//! looked up in tables.
 
 use super::mesh::{
     Corner, Face, HUB_VALENCE, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, SHARED_POSITION, STALE,
@@ -33,15 +34,15 @@ const KEPT_FLAGS: u8 = OPEN | SEAM | SHARED_POSITION | RESTRICTED;
 /// Groups between the one that is added and the one that is prefetched. Gathering without
 /// prefetching takes igea 1.1 to 1.2 of the time of the whole simplification; 16 was not tuned
 /// further.
-const AHEAD: usize = 16;
+const PREFETCH_DISTANCE: usize = 16;
 
 /// Which optional lists the regions of a mesh have: all of them, or none does.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RegionLists {
-    /// No wedges: nothing about them is compared.
+    /// There are no lists of wedges, since nothing about wedges is compared.
     bare: bool,
     one_wedge_each: bool,
-    /// Numbers of positions, as groups may share them.
+    /// Positions are numbered, since groups may share them.
     shared: bool,
 }
 
@@ -64,7 +65,7 @@ pub(crate) struct Round<'a> {
     pub(crate) homes: &'a [Home],
     /// The live groups in their new order.
     pub(crate) order: &'a [u32],
-    /// The place of each live group in that order.
+    /// The index of each live group in that order.
     pub(crate) ranks: &'a [u32],
 }
 
@@ -79,9 +80,9 @@ impl Round<'_> {
             first: range.start as u32,
             own: own_groups as u32,
             new: recycled,
-            // Shares here and in `reserve` are guesses on the large side: a square patch of 12,288
-            // groups has 450 neighbours beyond its border. Lists and tables grow where that is
-            // wrong.
+            // Shares here and in `reserve` are chosen by hand, rather too large: a square patch of
+            // 12,288 groups has 450 neighbours beyond its border. Lists and tables grow if they are
+            // too small.
             others: Table::new(own_groups / 4),
             hub_faces: Table::new(0),
             hubs: Vec::new(),
@@ -90,13 +91,13 @@ impl Round<'_> {
         let order = &self.order[range];
         gathering.reserve(order);
         for (i, &group) in order.iter().enumerate() {
-            if let Some(&upcoming) = order.get(i + AHEAD) {
+            if let Some(&upcoming) = order.get(i + PREFETCH_DISTANCE) {
                 let (old, local) = gathering.home(upcoming);
                 old.prefetch(local);
             }
             gathering.add_own(group);
         }
-        for (group, i) in (0..own_groups as u32).zip(AHEAD / 2..) {
+        for (group, i) in (0..own_groups as u32).zip(PREFETCH_DISTANCE / 2..) {
             if let Some(&upcoming) = order.get(i) {
                 let (old, local) = gathering.home(upcoming);
                 old.mesh.prefetch_faces(local);
@@ -115,16 +116,18 @@ impl Round<'_> {
 /// A region that is being gathered.
 struct Gathering<'a> {
     round: Round<'a>,
-    /// The first own group's place in the new order, and how many follow it.
+    /// The index of the first own group in the new order.
     first: u32,
+    /// Number of own groups; they have the numbers below this.
     own: u32,
     new: Region,
     /// From the numbers of other regions' groups in the whole mesh to those in the new region.
     others: Table,
     /// From triangles at hubs to faces of the new region.
     hub_faces: Table,
+    /// Own groups that are hubs.
     hubs: Vec<u32>,
-    /// From numbers in the whole mesh to those in the new region.
+    /// From wedges' numbers in the whole mesh to those in the new region.
     wedges: Table,
 }
 
@@ -148,7 +151,7 @@ impl<'a> Gathering<'a> {
         let Region { mesh, quadrics, choices, stamps, groups, .. } = &mut self.new;
         mesh.arena.reserve_exact(corners);
         mesh.faces.reserve(2 * all);
-        mesh.places.reserve(all);
+        mesh.group_positions.reserve(all);
         mesh.flags.reserve(all);
         mesh.stars.reserve(all);
         groups.reserve(all);
@@ -169,7 +172,7 @@ impl<'a> Gathering<'a> {
         let number = self.new.groups.len() as u32;
         self.new.groups.push(group);
         let mesh = &mut self.new.mesh;
-        mesh.places.push(old.mesh.places[local as usize]);
+        mesh.group_positions.push(old.mesh.group_positions[local as usize]);
         mesh.flags.push(old.mesh.flags[local as usize] & KEPT_FLAGS);
         if self.round.lists.shared {
             mesh.position_id.push(old.mesh.position_id[local as usize]);

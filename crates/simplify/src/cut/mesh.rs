@@ -1,4 +1,5 @@
-//! The mesh while it is being simplified: groups, faces and stars in flat arrays.
+//! The mesh while it is being simplified: groups, faces and stars (the faces around each group) in
+//! flat arrays.
 //!
 //! Everything here is indexed by *group* (a wedge group), *face* (a triangle) or *wedge* (a
 //! vertex), all numbered within one region. Groups of a region are neighbours in space, so they are
@@ -10,7 +11,7 @@ use prefetch_index::prefetch_index;
 /// A corner of a face in the star of its group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Corner {
-    /// The group at the next corner of the face. Kept up to date in closed fans.
+    /// The group at the next corner of the face. Right in closed fans only.
     pub(crate) ahead: u32,
     /// `face << 2 | corner`.
     packed: u32,
@@ -21,11 +22,13 @@ impl Corner {
     pub(crate) fn new(face: u32, corner: usize, ahead: u32) -> Self {
         Self { ahead, packed: face << 2 | corner as u32 }
     }
+
     #[inline]
     pub(crate) fn face(self) -> u32 {
         self.packed >> 2
     }
-    /// The corner of the face: 0, 1 or 2.
+
+    /// The corner's index in its face: 0, 1 or 2.
     #[inline]
     pub(crate) fn at(self) -> usize {
         (self.packed & 3) as usize
@@ -108,15 +111,14 @@ pub(crate) const OPEN: u8 = 1;
 pub(crate) const RESTRICTED: u8 = 2;
 /// An edge at this group is a seam: wedges or submeshes differ across it.
 pub(crate) const SEAM: u8 = 4;
-/// Another group started at the same position.
+/// Another group was at the same position in the input.
 pub(super) const SHARED_POSITION: u8 = 8;
 /// A neighbour belongs to another region: the group stays where it is in this round.
 pub(crate) const LOCKED: u8 = 16;
 /// The group's cost may have risen since it was computed.
 pub(crate) const STALE: u8 = 32;
-/// The star is large, and its faces know their places in it.
+/// The group is a hub: its star is large, and `hub_slots` has the slots of its faces in it.
 pub(crate) const IS_HUB: u8 = 64;
-
 /// The group has moved onto another.
 pub(crate) const DEAD: u8 = 128;
 
@@ -128,7 +130,8 @@ pub(crate) const HUB_VALENCE: usize = 64;
 /// Groups, faces and stars of one region.
 #[derive(Default)]
 pub(crate) struct WorkingMesh {
-    pub(crate) places: Vec<GroupPosition>,
+    pub(crate) group_positions: Vec<GroupPosition>,
+    /// For each group the bits above, from [`OPEN`] to [`DEAD`].
     pub(crate) flags: Vec<u8>,
     pub(crate) faces: Vec<Face>,
     /// The wedge at each corner of each face; empty where every group has one wedge, with the
@@ -139,8 +142,10 @@ pub(crate) struct WorkingMesh {
     /// The facet of each face, if they are kept instead of computed.
     facets: Vec<Facet>,
     pub(crate) stars: Vec<Star>,
+    /// The corners of all stars, with unused room between them.
     pub(crate) arena: Vec<Corner>,
-    /// The places of faces in the stars at their corners, where those are hubs; empty without hubs.
+    /// For each corner of each face its slot (index) in the star of the group there, if that is a
+    /// hub; empty without hubs.
     pub(crate) hub_slots: Vec<[u32; 3]>,
     /// Rises whenever two hubs may have come to share a face.
     pub(crate) hub_epoch: u32,
@@ -152,7 +157,7 @@ pub(crate) struct WorkingMesh {
 impl WorkingMesh {
     /// Empties all lists, which keep their capacity.
     pub(super) fn clear(&mut self) {
-        self.places.clear();
+        self.group_positions.clear();
         self.flags.clear();
         self.faces.clear();
         self.wedges.clear();
@@ -167,7 +172,7 @@ impl WorkingMesh {
 
     #[inline]
     pub(crate) fn position(&self, group: u32) -> DVec3 {
-        self.places[group as usize].position.as_dvec3()
+        self.group_positions[group as usize].position.as_dvec3()
     }
 
     #[inline]
@@ -228,7 +233,7 @@ impl WorkingMesh {
 
     /// The live faces, each once, in the order of the groups at their first corners.
     pub(crate) fn live(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..self.places.len() as u32)
+        (0..self.group_positions.len() as u32)
             .flat_map(|g| self.star(g))
             .filter(|c| c.at() == 0)
             .map(|c| c.face())
@@ -275,7 +280,7 @@ impl WorkingMesh {
         prefetch_index(&self.arena, (star.start + star.len.saturating_sub(1)) as usize);
     }
 
-    /// Prefetches the faces of a group, and the places in the arena of its neighbours' stars.
+    /// Prefetches the faces of a group and the ranges of its neighbours' stars.
     #[inline]
     pub(crate) fn prefetch_neighbours(&self, group: u32) {
         for corner in self.star(group) {
@@ -328,7 +333,7 @@ impl WorkingMesh {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// Makes a group a hub: from now on its faces know their places in its star.
+    /// Makes a group a hub.
     pub(crate) fn make_hub(&mut self, group: u32) {
         self.add_flags(group, IS_HUB | OPEN);
         self.hub_epoch += 1;
@@ -336,7 +341,7 @@ impl WorkingMesh {
         self.number_slots(group, 0);
     }
 
-    /// Tells the faces of a hub their places, from the place `first` on.
+    /// Writes the slots of a hub's faces, from the slot `first` on.
     pub(crate) fn number_slots(&mut self, hub: u32, first: usize) {
         let star = self.stars[hub as usize];
         for slot in first as u32..star.len {

@@ -1,11 +1,11 @@
 //! The second step: the mesh is cut into regions of neighbouring groups.
 //!
-//! The input is [`Input`](crate::number::Input), or, between two rounds, the regions of the
-//! round before; the output is [`Region`]s. A region is a small mesh with numbers of its own and
+//! The input is [`Input`](crate::number::Input), or, between two rounds, the regions of the round
+//! before; the output is [`Region`]s. A region is a small mesh with numbers of its own and
 //! everything that collapsing its groups needs, so that one thread works in its own cache and waits
 //! for no other. Groups of other regions that share faces with it come along as position and cost
-//! only; those next to them are locked. The mesh alone decides where it is cut, never the number of
-//! threads.
+//! only; own groups next to those are locked. The mesh alone decides where it is cut, never the
+//! number of threads.
 
 mod gather;
 mod mesh;

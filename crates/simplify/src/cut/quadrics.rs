@@ -39,9 +39,11 @@ pub(crate) fn times(a: &Symmetric, v: DVec3) -> DVec3 {
 /// A vertex-centred quadric with the weight of its planes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Quadric {
+    /// `A`, `b` and `c` of the module.
     pub(crate) a: Symmetric,
     pub(crate) b: DVec3,
     pub(crate) c: f64,
+    /// The sum of the planes' weights.
     weight: f64,
 }
 
@@ -86,7 +88,7 @@ pub(crate) struct Quadrics {
     pub(crate) surface: Vec<Quadric>,
     /// Planes along the input's borders, for the few groups that have any.
     pub(crate) border: Vec<Quadric>,
-    /// The border quadric of each group; empty if none has one.
+    /// The index in `border` for each group, [`NONE`] for one that has none; empty if no group has.
     pub(crate) border_of: Vec<u32>,
 }
 

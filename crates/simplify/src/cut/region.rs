@@ -1,4 +1,5 @@
-//! A region: some groups of the mesh with everything that collapsing them needs, numbered anew.
+//! A region: some groups of the mesh with everything that collapsing them needs, with numbers of
+//! their own.
 //!
 //! A region's own groups come first. After them come the groups of other regions that share faces
 //! with them: position and cost only. Own groups next to those are locked.
@@ -19,7 +20,7 @@ use std::ops::Range;
 /// The best collapse of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice {
-    /// The scaled cost; NaN if there is no collapse.
+    /// The cost as a key of the queue (`price::scaled`); NaN if there is no collapse.
     pub(crate) cost: f32,
     /// The group to move onto.
     pub(crate) to: u32,
@@ -40,16 +41,17 @@ pub(crate) struct Region {
     pub(crate) choices: Vec<Choice>,
     /// The greatest cost of any collapse so far that touched each own group.
     pub(crate) stamps: Vec<f32>,
-    /// The number of each group in the whole mesh.
+    /// The number of each group in the whole mesh: own groups, then those of other regions.
     pub(crate) groups: Vec<u32>,
 }
 
-/// Spare corners of each star in the arena: a collapse makes the target's star two larger on
-/// average where both have six faces.
+/// Spare corners of each star in the arena: where both groups have six faces, a collapse makes the
+/// target's star larger by two.
 pub(super) const SLACK: u32 = 2;
 
 impl Region {
-    /// The region of consecutive groups, from all triangles with a corner there.
+    /// The region of consecutive groups, given all triangles with a corner at one of them. `bare`
+    /// says that wedges are not listed, as nothing about them is compared.
     pub(crate) fn new(
         input: &Input<'_>,
         range: Range<u32>,
@@ -130,7 +132,7 @@ impl Region {
     }
 
     /// Number of own groups.
-    pub(crate) fn own(&self) -> usize {
+    pub(crate) fn own_groups(&self) -> usize {
         self.choices.len()
     }
 
@@ -171,7 +173,7 @@ impl Region {
         let mesh = &mut self.mesh;
         let position =
             |g: u32| GroupPosition { position: input.group_position(g), target_cost: 0.0 };
-        mesh.places = self.groups.iter().map(|&g| position(g)).collect();
+        mesh.group_positions = self.groups.iter().map(|&g| position(g)).collect();
         let flag = |g: u32| if input.shares_position(g) { SHARED_POSITION } else { 0 };
         mesh.flags = self.groups.iter().map(|&g| flag(g)).collect();
         if !input.position_id.is_empty() {
@@ -210,8 +212,8 @@ impl Region {
         mesh.live_faces = mesh.faces.len() as u32;
     }
 
-    /// Puts closed fans in order, flags groups whose star is none, and groups on seams, and gives
-    /// groups at borders their quadrics.
+    /// Puts closed fans in order, flags groups with another star as open and groups on seams, and
+    /// gives groups at borders their quadrics.
     fn classify(&mut self, input: &Input<'_>, own: usize) {
         let mut around = Neighborhood::default();
         let mut fan = Vec::new();

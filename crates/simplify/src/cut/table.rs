@@ -3,8 +3,8 @@
 
 use lodc_mesh::NONE;
 
-/// A table from numbers of the whole mesh to those of a region. Open addressing; what is in it
-/// depends on the insertions alone.
+/// A table from numbers of the whole mesh to those of a region, with open addressing and a fixed
+/// hash: the same insertions give the same table.
 pub(super) struct Table {
     keys: Vec<u32>,
     values: Vec<u32>,
@@ -22,6 +22,7 @@ impl Table {
     #[inline]
     fn slot(&self, key: u32) -> usize {
         let mask = self.keys.len() - 1;
+        // Fibonacci hashing: the factor is 2^64 divided by the golden ratio.
         let hash = u64::from(key).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let mut slot = (hash >> 32) as usize & mask;
         while self.keys[slot] != key && self.keys[slot] != NONE {

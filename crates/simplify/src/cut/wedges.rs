@@ -1,11 +1,11 @@
-//! The wedges (vertices) of every group in flat arrays: submesh, where position and attributes come
-//! from, and which wedges have equal attributes.
+//! The wedges (vertices) of every group in flat arrays: their submesh, the input vertices that
+//! position and attributes come from, and which wedges have equal attributes.
 
 use crate::number::{Wedge, same_attributes};
 use lodc_mesh::{Mesh, NONE};
 
-/// The wedges of one region, originals first, fakes after them. A fake is where one vertex's
-/// position data meets another's attributes, so two numbers say all about it.
+/// The wedges of one region, originals first, fakes after them. A fake has the position of one
+/// vertex of the input and the attributes of another.
 ///
 /// If every group has one wedge and nothing is compared, all lists are empty: wedge and group
 /// have the same number.
@@ -20,7 +20,9 @@ pub(crate) struct Wedges {
     submesh: Vec<u32>,
     /// Equal for the wedges of a group with the same attributes.
     class: Vec<u32>,
+    /// The first wedge of each group; `NONE` for none.
     first: Vec<u32>,
+    /// The next wedge of the same group; `NONE` at the end.
     next: Vec<u32>,
     /// Number of wedges that are no fakes of this round.
     numbered: usize,
@@ -36,7 +38,7 @@ impl Wedges {
         self.numbered = 0;
     }
 
-    /// Returns whether wedges are groups, and no lists are kept.
+    /// Returns whether each wedge is a group, with the same number, and the lists are empty.
     pub(crate) fn is_bare(&self) -> bool {
         self.ids.is_empty()
     }
@@ -153,8 +155,8 @@ impl Wedges {
         }
     }
 
-    /// Compares two wedges' attributes, bit for bit, besides those that say where they
-    /// are.
+    /// Returns whether two wedges have the same submesh and, bit for bit, the same attributes,
+    /// spatial ones left aside.
     pub(crate) fn alike(&self, mesh: &Mesh, a: u32, b: u32) -> bool {
         let source = |w: u32| self.attribute_source[w as usize];
         self.submesh(a) == self.submesh(b) && same_attributes(mesh, source(a), source(b))

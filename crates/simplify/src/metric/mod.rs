@@ -1,10 +1,10 @@
-//! The metrics: what moves a group's price away from, or beside, that of plain geometry.
+//! The metrics: what a collapse costs.
 //!
 //! The quadric prices every collapse: squared distances to planes, refitted to the faces around the
 //! group (`quadric`). A metric that sees prices the cheapest of them anew: by what changes in
 //! pictures from all sides (`visual`), or by the error of the shaded surface where it is seen
-//! (`hybrid`). Pricing is pure, so threads share it; each commit is told to the metric at once, so
-//! that it prices the mesh as it is. A metric is one file or folder here and its entry in
+//! (`hybrid`). Pricing changes nothing, so threads share a metric; it is told of each collapse at
+//! once, so that it prices the current mesh. A metric is one file or folder here and its entry in
 //! [`MetricKind`](crate::MetricKind).
 
 mod hybrid;

@@ -5,7 +5,8 @@
 //! (memoryless simplification, Lindstrom and Turk 1998), which on scans is clearly better than
 //! accumulated quadrics (Garland and Heckbert 1997). On thin shapes it forgets what has been lost
 //! already; a share of the accumulated quadrics repairs that, and they also give the reported
-//! error.
+//! error. Both are areas times squared distances, in working units to the fourth power (a working
+//! unit is a power of two in mesh units, so that the mesh is one to two across).
 
 use super::reprice::Reprice;
 use crate::cut::{
@@ -14,11 +15,13 @@ use crate::cut::{
 use glam::DVec3;
 use lodc_mesh::NONE;
 
-/// Orders collapses of equal cost, for example in planes, by length: squared length times area, far
-/// below what any surface that is not flat costs.
+/// Weight of the squared length of a collapse times the area around it. It orders collapses of
+/// equal cost, as in planes, by length. Chosen by hand, far below what a surface that is not flat
+/// costs.
 pub(crate) const TIE_WEIGHT: f64 = 1e-9;
-/// The share of the accumulated quadrics. Of 5 to 100 %, 8 % is best on six models together; none
-/// loses horns and ears, accumulated quadrics alone have 10 to 35 % more error on scans.
+/// The share of the accumulated quadrics. Of 5 to 100 %, 8 % is best on six models together.
+/// Without any, horns and ears are lost; accumulated quadrics alone have 10 to 35 % more error on
+/// scans.
 pub(crate) const MEMORY: f64 = 0.08;
 
 /// A group's refitted quadric, with its share of the accumulated one.
@@ -38,8 +41,7 @@ impl Refitted {
         self.c += MEMORY * old.c;
     }
 
-    /// The cost of moving the group by `delta`, without the target's own. Scaled units to the
-    /// fourth power; not negative.
+    /// The cost of moving the group by `delta`, without the target's own; not negative.
     #[inline]
     pub(crate) fn cost(&self, delta: DVec3) -> f64 {
         let moved = delta.dot(times(&self.a, delta)) + 2.0 * self.b.dot(delta) + self.c;
@@ -88,7 +90,8 @@ impl Quadrics {
         let delta = mesh.position(to) - mesh.position(from);
         let moved = self.surface[from as usize].transported(delta);
         self.surface[to as usize].add(&moved);
-        mesh.places[to as usize].target_cost = (MEMORY * self.surface[to as usize].c) as f32;
+        mesh.group_positions[to as usize].target_cost =
+            (MEMORY * self.surface[to as usize].c) as f32;
         let Some(border) = self.border(from) else { return };
         let moved = border.transported(delta);
         let (source, target) = (self.border_of[from as usize], self.border_of[to as usize]);

@@ -1,4 +1,5 @@
-//! What a metric does beside the quadric, and the cameras of those that see.
+//! The trait of metrics, which reprice what the quadric has priced, and the cameras of those that
+//! judge by pictures.
 
 use crate::cut::{Wedges, WorkingMesh};
 use crate::recorded::RecordedCollapse;
@@ -8,23 +9,24 @@ use lodc_raster::{Camera, metric_cameras};
 /// Prices collapses anew that the quadric has priced. Pricing is pure, so it runs in parallel;
 /// committing is serial.
 pub(crate) trait Reprice: Sync {
-    /// False if it never does.
+    /// False if the metric never reprices.
     const REPRICES: bool = true;
-    /// True if a price stays as it is until something next to the group changes.
+    /// True if a price holds until something next to the group changes.
     const IS_LOCAL: bool = true;
     /// Buffers of one thread.
     type ViewScratch: Default + Send;
 
-    /// Returns whether it does at present.
+    /// Returns whether the metric reprices at present.
     fn is_active(&self) -> bool;
 
-    /// Returns whether pricing should toggle. Called after each collapse of the legal phase.
+    /// Returns whether repricing should start or end now. Called after each collapse.
     fn should_toggle(&self, mesh: &WorkingMesh) -> bool;
 
-    /// Starts or ends pricing. `legal` says that every rule holds.
+    /// Starts or ends repricing. `legal` says that the legal phase is on, in which every rule
+    /// holds.
     fn toggle(&mut self, mesh: &WorkingMesh, legal: bool);
 
-    /// The collapse that is to be the `i`-th whatever the prices are, if any is.
+    /// The collapse that is to be the `i`-th one whatever the prices are, if one is given.
     fn given(&self, _mesh: &WorkingMesh, _i: usize) -> Option<RecordedCollapse> {
         None
     }
@@ -34,8 +36,8 @@ pub(crate) trait Reprice: Sync {
         1.0
     }
 
-    /// Replaces the costs of `from`'s candidates (cost and target), which come in no order. Where
-    /// `only_cheapest` is asked for, of others it is enough to know that they cost more.
+    /// Replaces the costs of `from`'s candidates (cost and target), which come in no order. With
+    /// `only_cheapest`, the costs of others need not be right, only higher than the cheapest.
     fn reprice(
         &self,
         mesh: &WorkingMesh,
@@ -59,7 +61,7 @@ pub(crate) trait Reprice: Sync {
 /// The cameras of metrics that see, around the sphere about the middle of the bounding box. `size`
 /// is the number of pixels across each picture.
 pub(super) fn cameras(mesh: &WorkingMesh, size: u32) -> Vec<Camera> {
-    let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
+    let points = || mesh.group_positions.iter().map(|p| p.position.as_dvec3());
     let (lo, hi) =
         points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let center = 0.5 * (lo + hi);

@@ -3,19 +3,21 @@
 
 use rayon::prelude::*;
 
-/// Bits for each coordinate: three make 33, three passes of the radix sort. Groups in one of the
-/// 2,048³ cells keep the order of the file, which is mostly near enough.
-const BITS: u32 = 11;
-/// Bits by which one pass sorts: its 2,048 counters of four bytes fit a first-level cache.
-const DIGIT: u32 = 11;
-/// Items whose keys are computed together by one thread.
-const CHUNK: usize = 1 << 14;
+/// Bits for each coordinate: three make 33, which takes three passes of the radix sort. Groups in
+/// one of the 2,048³ cells keep the order of the file. Chosen by hand: they are near each other
+/// anyway.
+const AXIS_BITS: u32 = 11;
+/// Bits by which one pass sorts: its 2,048 counters of four bytes fit into a first-level cache.
+const DIGIT_BITS: u32 = 11;
+/// Keys that one thread computes at a time. Chosen by hand.
+const KEYS_PER_TASK: usize = 1 << 14;
 
-/// A cube in space, and where its curve starts.
+/// A cube in space, cut into cells along a Z-order curve: a cell's number has the bits of its three
+/// coordinates in turn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curve {
     origin: [f64; 3],
-    cells: f64,
+    cells_per_unit: f64,
 }
 
 impl Curve {
@@ -24,32 +26,36 @@ impl Curve {
     pub(crate) fn new(lo: [f32; 3], hi: [f32; 3], shift: f64) -> Self {
         let (lo, hi) = (lo.map(f64::from), hi.map(f64::from));
         let extent = (0..3).map(|i| hi[i] - lo[i]).fold(0.0, f64::max);
-        let room = (1.0 + shift) * extent;
-        let cells = if room > 0.0 { f64::from((1u32 << BITS) - 1) / room } else { 0.0 };
-        Self { origin: lo.map(|c| c - shift * extent), cells }
+        let extent_with_shift = (1.0 + shift) * extent;
+        let cells_per_unit = if extent_with_shift > 0.0 {
+            f64::from((1u32 << AXIS_BITS) - 1) / extent_with_shift
+        } else {
+            0.0
+        };
+        Self { origin: lo.map(|c| c - shift * extent), cells_per_unit }
     }
 
     /// Position of a point along the curve.
     fn code(&self, p: [f32; 3]) -> u64 {
-        let cell = |i: usize| ((f64::from(p[i]) - self.origin[i]) * self.cells) as u64;
+        let cell = |i: usize| ((f64::from(p[i]) - self.origin[i]) * self.cells_per_unit) as u64;
         spread(cell(0)) | spread(cell(1)) << 1 | spread(cell(2)) << 2
     }
 
     /// The numbers of points in the order of the curve; points of one cell by number.
     pub(crate) fn order(&self, len: usize, point: impl Fn(usize) -> [f32; 3] + Sync) -> Vec<u32> {
         let mut keys = vec![0u64; len];
-        keys.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, keys)| {
-            for (key, i) in keys.iter_mut().zip(chunk * CHUNK..) {
+        keys.par_chunks_mut(KEYS_PER_TASK).enumerate().for_each(|(chunk, keys)| {
+            for (key, i) in keys.iter_mut().zip(chunk * KEYS_PER_TASK..) {
                 *key = self.code(point(i));
             }
         });
-        sorted(len, 3 * BITS, |i| keys[i as usize])
+        sorted(len, 3 * AXIS_BITS, |i| keys[i as usize])
     }
 }
 
 /// The low bits of a number with two zeros between any two.
 fn spread(x: u64) -> u64 {
-    let mut x = x & ((1 << BITS) - 1);
+    let mut x = x & ((1 << AXIS_BITS) - 1);
     for (shift, mask) in [
         (32, 0x001f_0000_0000_ffff),
         (16, 0x001f_0000_ff00_00ff),
@@ -67,9 +73,9 @@ fn spread(x: u64) -> u64 {
 pub(crate) fn sorted(len: usize, bits: u32, key: impl Fn(u32) -> u64) -> Vec<u32> {
     let mut order: Vec<u32> = (0..len as u32).collect();
     let mut sorted = vec![0u32; len];
-    for shift in (0..bits).step_by(DIGIT as usize) {
-        let digit = |i: u32| (key(i) >> shift) as usize & ((1 << DIGIT) - 1);
-        let mut start = vec![0u32; (1 << DIGIT) + 1];
+    for shift in (0..bits).step_by(DIGIT_BITS as usize) {
+        let digit = |i: u32| (key(i) >> shift) as usize & ((1 << DIGIT_BITS) - 1);
+        let mut start = vec![0u32; (1 << DIGIT_BITS) + 1];
         for i in 0..len as u32 {
             start[digit(i) + 1] += 1;
         }

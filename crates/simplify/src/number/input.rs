@@ -9,7 +9,8 @@ use std::ops::Range;
 /// A mesh ready to be cut into regions.
 pub(crate) struct Input<'a> {
     pub(crate) mesh: &'a Mesh,
-    /// Scaled units per mesh unit: a power of two, so that scaling is exact.
+    /// Working units per mesh unit: a power of two, so that scaling is exact, and such that the
+    /// diagonal is one to two.
     pub(crate) scale: f64,
     /// The diagonal in working units.
     pub(crate) size: f64,
@@ -17,7 +18,7 @@ pub(crate) struct Input<'a> {
     pub(crate) group_of: Vec<u32>,
     /// The first vertex of each group.
     first_vertex: Vec<u32>,
-    /// Each group's position, as a number; empty if no two groups share one.
+    /// The number of each group's position; empty if no two groups share one.
     pub(crate) position_id: Vec<u32>,
     /// For each position: true if several groups are there.
     shared: Vec<bool>,
@@ -39,10 +40,13 @@ pub(crate) struct FollowerPlane {
 
 /// Wedges numbered group by group.
 struct WedgeLists {
+    /// The wedge of each vertex.
     of_vertex: Vec<u32>,
+    /// The vertex of each wedge.
     vertex: Vec<u32>,
     /// The wedges of a group are `bounds[g]..bounds[g + 1]`.
     bounds: Vec<u32>,
+    /// For each wedge the first one of its group with the same attributes.
     class: Vec<u32>,
 }
 
@@ -51,7 +55,9 @@ struct WedgeLists {
 pub(crate) struct Wedge {
     /// Its number in the whole mesh.
     pub(crate) id: u32,
+    /// The vertex of the input that its position and other spatial data come from.
     pub(crate) position_source: u32,
+    /// The vertex of the input that its other attributes come from.
     pub(crate) attribute_source: u32,
     pub(crate) submesh: u32,
     /// Equal for the wedges of a group with the same attributes.
@@ -81,11 +87,11 @@ impl<'a> Input<'a> {
         let (mut position_id, mut shared) = (Vec::new(), Vec::new());
         if groups.len() > positions.len() {
             position_id = first_vertex.iter().map(|&v| positions.of_vertex[v as usize]).collect();
-            let mut at = vec![0u32; positions.len()];
+            let mut group_counts = vec![0u32; positions.len()];
             for &p in &position_id {
-                at[p as usize] += 1;
+                group_counts[p as usize] += 1;
             }
-            shared = at.into_iter().map(|n| n > 1).collect();
+            shared = group_counts.into_iter().map(|n| n > 1).collect();
         }
         let one_wedge_each = positions.len() == mesh.vertex_count();
         let lists = (!one_wedge_each).then(|| WedgeLists::new(mesh, &group_of, order.len()));
@@ -217,8 +223,8 @@ fn classes(mesh: &Mesh, vertex: &[u32], wedges: Range<u32>) -> Vec<u32> {
     let submesh = |w: u32| mesh.vertex_submesh()[vertex[w as usize] as usize];
     let mut class: Vec<u32> = wedges.clone().collect();
     for w in wedges.clone() {
-        // Pairwise, so bounded: a position with more than 64 wedges has no attributes worth sharing
-        // (chosen by hand; real meshes have a handful).
+        // Pairs are compared, so their number is bounded: 64, chosen by hand; real meshes have a
+        // handful of wedges at a position.
         let alike = (wedges.start..w).take(64).find(|&u| {
             class[(u - wedges.start) as usize] == u
                 && submesh(u) == submesh(w)

@@ -2,8 +2,8 @@
 //!
 //! The input is a [`Mesh`](lodc_mesh::Mesh) as its file has it, with vertices in any order.
 //! Vertices at one position whose triangles hang together are a group, and each is one of its
-//! wedges. Groups are numbered along a space-filling curve, wedges group by group. All that follows
-//! reads a group together with its neighbours, so neighbours in space have to be neighbours in
+//! wedges. Groups are numbered along a space-filling curve, wedges group by group. All later steps
+//! read a group together with its neighbours, so neighbours in space have to be neighbours in
 //! memory. The mesh itself stays as it is: the output, [`Input`], says what has which number.
 
 mod curve;

@@ -1,4 +1,5 @@
-//! Attributes as numbers that can be compared with lengths: one flat row per vertex of the input.
+//! Attributes as numbers that can be compared with lengths in space: one row per vertex of the
+//! input, with a column for each component.
 //!
 //! The lengths below were chosen by the image error of `lodc compare` on six models with textures
 //! (design-notes/what-was-tried.md): normals at twice the first guess gain up to 15 % and lose at
@@ -24,8 +25,8 @@ const JOINT_LENGTH: f64 = 0.01;
 /// and turned charts do the work.
 const TEXTURE_SHARE: f64 = 0.1;
 /// The length of one unit of texture space where no triangle covers any of it, as a multiple of the
-/// mesh's size. Such coordinates choose colours from a palette; neighbours there have nothing in
-/// common, so cells of 1/512 count as different.
+/// mesh's size. Such coordinates choose colours from a palette, whose neighbours have nothing in
+/// common: with this length, a step of 1/512 already counts as a change. Chosen by hand.
 const PALETTE_LENGTH: f64 = 10.0;
 
 /// The non-spatial attributes of every vertex, scaled to working units.
@@ -206,6 +207,8 @@ fn texture_length(a: &Attribute, mesh: &Mesh, scale: f64, size: f64) -> f64 {
     if texture > 0.0 { (surface / texture).sqrt() } else { PALETTE_LENGTH * size }
 }
 
+/// Up to four joints of each vertex with their weights, from the first set; empty if the mesh has
+/// none.
 fn joints(mesh: &Mesh) -> Vec<[(u32, f32); 4]> {
     let find = |semantic: &Semantic| {
         mesh.attributes().iter().filter(|a| a.semantic == *semantic).collect::<Vec<_>>()

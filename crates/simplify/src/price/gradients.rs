@@ -1,5 +1,6 @@
 //! The price of attributes: every wedge's gradients, and what moving along an edge would cost
-//! them. Four numbers at a time.
+//! them. A *number* is one component of an attribute; four are computed at a time. A *spoke* is the
+//! vector from the group to a neighbour.
 //!
 //! Let `gᵢ` be the gradient of a number on face `i` of area `aᵢ` around a wedge, `W` the area of
 //! all its faces and `ḡ` the mean gradient. The wedge moves by `δ` to where the number differs by
@@ -96,8 +97,8 @@ pub(super) fn sum(v: Vec4) -> f32 {
 
 /// A face around one of the wedges.
 struct WedgeFace {
-    /// The wedge's place in [`Gradients::wedges`].
-    at: usize,
+    /// The wedge's index in [`Gradients::wedges`].
+    wedge: usize,
     dual: Dual,
     /// The input vertices whose attributes its corners have, from the wedge's on.
     rows: [u32; 3],
@@ -110,8 +111,10 @@ pub(super) struct Gradients {
     wedges: Vec<(u32, f32)>,
     /// The mean gradients of each wedge, of the first four numbers, of the next four, and so on.
     means: Vec<FourGradients>,
+    /// The quadratic form of the scatter of all gradients.
     form: [f32; 6],
     faces: Vec<WedgeFace>,
+    /// The gradients of the present four numbers on each face.
     on_faces: Vec<FourGradients>,
 }
 
@@ -120,7 +123,7 @@ impl Gradients {
     pub(super) fn fit(&mut self, view: WedgeAttributes<'_>, from: u32) {
         self.clear();
         for &corner in view.mesh.star(from) {
-            let position = |g: u32| view.mesh.places[g as usize].position;
+            let position = |g: u32| view.mesh.group_positions[g as usize].position;
             let spokes = view.mesh.others(corner).map(|g| position(g) - position(from));
             let dual = Dual::new(spokes, spokes[0].cross(spokes[1]));
             self.add_face(view, dual, view.mesh.wedges_from(corner));
@@ -169,7 +172,7 @@ impl Gradients {
         });
         self.wedges[index].1 += dual.area;
         let rows = corners.map(|w| view.wedges.attribute_source[w as usize]);
-        self.faces.push(WedgeFace { at: index, dual, rows });
+        self.faces.push(WedgeFace { wedge: index, dual, rows });
     }
 
     /// Fits four numbers, from `first` on.
@@ -182,7 +185,7 @@ impl Gradients {
             let [value, next_value, previous_value] =
                 face.rows.map(|row| attributes.four(row, first));
             let gradient = face.dual.gradient([next_value - value, previous_value - value]);
-            for (mean, gradient) in means[face.at].iter_mut().zip(gradient) {
+            for (mean, gradient) in means[face.wedge].iter_mut().zip(gradient) {
                 *mean += gradient * face.dual.area;
             }
             self.on_faces.push(gradient);
@@ -192,12 +195,12 @@ impl Gradients {
             *mean = mean.map(|sum| sum * share);
         }
         for (face, gradient) in self.faces.iter().zip(&self.on_faces) {
-            scatter.add(gradient, &means[face.at], face.dual.area);
+            scatter.add(gradient, &means[face.wedge], face.dual.area);
         }
     }
 
     /// Error of the attributes around a group if it moved by `delta`, along an edge with these
-    /// faces, which are sorted. Scaled units to the fourth power.
+    /// faces, which are sorted. In working units to the fourth power.
     pub(super) fn cost(&self, view: WedgeAttributes<'_>, delta: Vec3, faces: &[Entry]) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.form;
         let (x, y, z) = (delta.x, delta.y, delta.z);

@@ -1,11 +1,11 @@
 //! The third step: what does every collapse of a group cost? Legality is left aside.
 //!
-//! The input is a group of a [`Region`]; the output is its cheapest collapse as a
-//! [`Choice`], or the prices of all. The quadric prices first, and attributes add their part. A
-//! closed fan without seams is by far the most common case: four of its collapses are priced at a
-//! time (`one_ring`), and with one seam through it nearly so (`seam_ring`); any other star is
-//! priced edge by edge. While a metric that sees is active, it prices anew what geometry has
-//! priced.
+//! The input is a group of a [`Region`]; the output is its cheapest collapse as a [`Choice`], or
+//! the prices of all. The quadric prices first, and attributes add their part. A closed fan (a star
+//! whose faces form one ring around the group) without seams is by far the most common case: four
+//! of its collapses are priced at a time (`one_ring`), and with one seam through it nearly so
+//! (`seam_ring`); any other star is priced edge by edge. A metric that judges by pictures, while it
+//! is active, prices anew what geometry has priced.
 
 mod attributes;
 mod gradients;
@@ -48,7 +48,7 @@ impl Context<'_> {
     }
 }
 
-/// Buffers of one thread.
+/// Buffers of one thread; `S` are those of the metric.
 #[derive(Default)]
 pub(crate) struct Scratch<S> {
     around: Neighborhood,
@@ -64,7 +64,7 @@ pub(crate) struct Scratch<S> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Permitted {
     All,
-    /// Seams and borders.
+    /// Seams and borders, together called features.
     Features,
     Borders,
 }
@@ -88,7 +88,7 @@ pub(crate) struct Pricer<'a, M> {
     pub(crate) leaves_features: bool,
 }
 
-/// A cost as a key.
+/// A cost as a key of the queue: scaled, in single precision, and finite.
 pub(crate) fn scaled(cost: f64) -> f32 {
     (cost * f64::from(COST_SCALE)).min(f64::from(f32::MAX)) as f32
 }
@@ -204,15 +204,15 @@ impl<M: Reprice> Pricer<'_, M> {
         let attribute_weight = self.metric.attribute_weight();
         let origin = mesh.position(from);
         for edge in around.edges.iter().filter(|e| permitted.allows(e.kind)) {
-            let moved = refitted.cost(mesh.position(edge.group) - origin);
+            let geometric = refitted.cost(mesh.position(edge.group) - origin);
             let surcharge = if with_attributes {
-                let delta =
-                    mesh.places[edge.group as usize].position - mesh.places[from as usize].position;
+                let delta = mesh.group_positions[edge.group as usize].position
+                    - mesh.group_positions[from as usize].position;
                 attribute_weight * gradients.cost(attributes, delta, around.entries_at(edge))
             } else {
                 0.0
             };
-            priced.push(Priced { moved: moved + surcharge, to: edge.group });
+            priced.push(Priced { own_cost: geometric + surcharge, to: edge.group });
         }
     }
 
@@ -243,8 +243,8 @@ impl<M: Reprice> Pricer<'_, M> {
                 0.0
             };
             let by_faces = f64::from(by_faces[i / 4][i % 4]);
-            let moved = by_faces + refitted.cost(spokes[i].as_dvec3());
-            priced.push(Priced { moved: moved + surcharge, to: star[i].ahead });
+            let geometric = by_faces + refitted.cost(spokes[i].as_dvec3());
+            priced.push(Priced { own_cost: geometric + surcharge, to: star[i].ahead });
         }
     }
 
@@ -268,8 +268,8 @@ impl<M: Reprice> Pricer<'_, M> {
         }
     }
 
-    /// The known choice as the metric sees it now, unless it has become dearer: then others may be
-    /// better.
+    /// The known choice at its present price; none if it has become dearer, as others may be better
+    /// then.
     pub(crate) fn reprice_choice(
         &self,
         from: u32,
@@ -314,7 +314,8 @@ mod tests {
     fn compare(pricer: &Pricer<'_, QuadricOnly>) -> usize {
         assert!(!pricer.context.attributes.is_empty());
         let region = pricer.region;
-        let plain: Vec<u32> = (0..region.own() as u32).filter(|&g| pricer.is_plain(g)).collect();
+        let plain: Vec<u32> =
+            (0..region.own_groups() as u32).filter(|&g| pricer.is_plain(g)).collect();
         let mut scratch = Scratch::default();
         for &g in &plain {
             let found = pricer.rank(g, &mut scratch);
@@ -336,7 +337,7 @@ mod tests {
         let region = pricer.region;
         let (mut ring, mut star) = (Scratch::default(), Scratch::default());
         let mut seams = 0;
-        for g in (0..region.own() as u32).filter(|&g| !region.mesh.has(g, OPEN)) {
+        for g in (0..region.own_groups() as u32).filter(|&g| !region.mesh.has(g, OPEN)) {
             match region.mesh.valence(g) {
                 3..=7 => pricer.price_ring::<2>(g, &mut ring),
                 8..=MAX_LEN => pricer.price_ring::<3>(g, &mut ring),
@@ -352,10 +353,15 @@ mod tests {
             });
             let targets = |list: &[Priced]| list.iter().map(|p| p.to).collect::<Vec<_>>();
             assert_eq!(targets(&found), targets(&wanted), "{g}");
-            let most = wanted.iter().map(|p| p.moved).fold(0.0, f64::max);
+            let most = wanted.iter().map(|p| p.own_cost).fold(0.0, f64::max);
             for (f, w) in found.iter().zip(&wanted) {
-                let close = 1e-3 * w.moved + 1e-6 * most;
-                assert!((f.moved - w.moved).abs() <= close, "{g}: {}, {}", f.moved, w.moved);
+                let close = 1e-3 * w.own_cost + 1e-6 * most;
+                assert!(
+                    (f.own_cost - w.own_cost).abs() <= close,
+                    "{g}: {}, {}",
+                    f.own_cost,
+                    w.own_cost
+                );
             }
         }
         seams

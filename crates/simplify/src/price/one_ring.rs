@@ -1,8 +1,8 @@
-//! Pricing plain groups, closed fans without seams, four collapses at a time.
+//! Pricing plain groups, whose star is a closed fan without seams, four collapses at a time.
 //!
-//! The spokes to all neighbours are transposed into lanes. With `cᵢ` the cross product of
-//! consecutive spokes, a face costs `wᵢ(cᵢ·δ)²` with `wᵢ = ½/|cᵢ|`, so nothing cancels in single
-//! precision. Only element-wise operations: the same bits on every machine.
+//! The spokes (vectors from the group to each neighbour) are transposed into SIMD lanes. With `cᵢ`
+//! the cross product of consecutive spokes, a face costs `wᵢ(cᵢ·δ)²` with `wᵢ = ½/|cᵢ|`, so nothing
+//! cancels in single precision. Only element-wise operations: the same bits on every machine.
 
 use crate::cut::{Choice, Corner, Quadric, WorkingMesh, fold_plane};
 use crate::metric::{MEMORY, TIE_WEIGHT};
@@ -12,16 +12,16 @@ use glam::{BVec4A, Mat4, Vec3, Vec4};
 /// across, so costs lie between 1 and about 1e-37: [`TIE_WEIGHT`] times area and squared length of
 /// the smallest faces that `f32` can place. Scaled, all of them are normal numbers.
 pub(super) const COST_SCALE: f32 = 1e12;
-/// Rings with more neighbours than this are priced one by one: three vectors hold twelve rows, of
-/// which one is the first row again.
+/// Rings with more neighbours than this are priced edge by edge: three vectors of four lanes hold
+/// twelve neighbours, and the last of them is the first one again.
 pub(crate) const MAX_LEN: usize = 11;
 
 /// The numbers of all lanes.
 const LANES: [Vec4; 3] =
     [Vec4::new(0.0, 1.0, 2.0, 3.0), Vec4::new(4.0, 5.0, 6.0, 7.0), Vec4::new(8.0, 9.0, 10.0, 11.0)];
-/// Twice a face's area by the longest spoke squared, from which on single precision is sure how far
-/// the face turns: its cross product is off by about 1e-6 of that square then, its direction by
-/// 0.001.
+/// Single precision is trusted with how far a face turns if twice its area is at least this share
+/// of the longest spoke squared: its cross product is off by about 1e-6 of that square, so its
+/// direction by 0.001.
 const LEAST_AREA: f32 = 1e-3;
 
 /// One coordinate of up to four neighbours for each vector.
@@ -71,6 +71,7 @@ pub(crate) struct OneRing<const N: usize> {
     x: LaneArray<N>,
     y: LaneArray<N>,
     z: LaneArray<N>,
+    /// Each neighbour's own part of the cost.
     target_cost: LaneArray<N>,
     /// Cross product of each spoke and the next.
     cx: LaneArray<N>,
@@ -93,7 +94,7 @@ fn vectors<const N: usize>(
     all
 }
 
-/// The lanes one place further on; zero behind the last.
+/// Vector `t` of the lanes shifted by one, so that lane i holds value i + 1; zero behind the last.
 #[inline]
 fn following<const N: usize>(lanes: &LaneArray<N>, t: usize) -> Vec4 {
     let (a, next) = (lanes[t], if t + 1 < N { lanes[t + 1] } else { Vec4::ZERO });
@@ -104,12 +105,12 @@ impl<const N: usize> OneRing<N> {
     #[inline]
     pub(crate) fn new(mesh: &WorkingMesh, from: u32, star: &[Corner]) -> Self {
         let len = star.len();
-        let origin = mesh.places[from as usize].position.extend(0.0);
+        let origin = mesh.group_positions[from as usize].position.extend(0.0);
         let mut row = [Vec4::ZERO; MAX_LEN + 2];
         for (row, corner) in row.iter_mut().zip(star) {
-            *row = mesh.places[corner.ahead as usize].row() - origin;
+            *row = mesh.group_positions[corner.ahead as usize].row() - origin;
         }
-        // The face between the last and the first, and once more the first face.
+        // The first two neighbours once more, for the face between the last and the first.
         row[len] = row[0];
         row[len + 1] = row[1];
         let zero = [Vec4::ZERO; N];
@@ -332,7 +333,7 @@ mod tests {
             let region = Region::whole(&Input::new(&mesh), false);
             let Region { mesh, wedges, quadrics, .. } = &region;
             let mut around = Neighborhood::default();
-            for g in (0..region.own() as u32).filter(|&g| !mesh.has(g, OPEN)) {
+            for g in (0..region.own_groups() as u32).filter(|&g| !mesh.has(g, OPEN)) {
                 let quadric = &quadrics.surface[g as usize];
                 let Some(choice) = super::cheapest(mesh, quadric, g, &NoSurcharge) else {
                     continue;
@@ -345,7 +346,7 @@ mod tests {
                 let refitted = Quadrics::refit(quadrics, g, &around.facets, &planes);
                 let cost = |to: u32| {
                     let delta = mesh.position(to) - mesh.position(g);
-                    refitted.cost(delta) + f64::from(mesh.places[to as usize].target_cost)
+                    refitted.cost(delta) + f64::from(mesh.group_positions[to as usize].target_cost)
                 };
                 let best = around.edges.iter().map(|e| cost(e.group)).fold(f64::INFINITY, f64::min);
                 let found = cost(choice.to);

@@ -8,8 +8,8 @@ use crate::cut::WorkingMesh;
 /// A priced collapse, without the target's own cost.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Priced {
-    /// By the group's own quadric and by attributes.
-    pub(super) moved: f64,
+    /// The cost by the group's own quadric and by attributes.
+    pub(super) own_cost: f64,
     pub(crate) to: u32,
 }
 
@@ -17,13 +17,13 @@ impl Priced {
     /// The whole cost as of now, not NaN.
     #[inline]
     pub(crate) fn cost(&self, mesh: &WorkingMesh) -> f64 {
-        let target_cost = f64::from(mesh.places[self.to as usize].target_cost);
-        let cost = self.moved + target_cost;
+        let target_cost = f64::from(mesh.group_positions[self.to as usize].target_cost);
+        let cost = self.own_cost + target_cost;
         if cost.is_nan() { f64::INFINITY } else { cost }
     }
 }
 
-/// A list's place among all, in blocks of a power of two.
+/// The block of a group's list in [`PriceLists::blocks`]; its capacity is a power of two.
 #[derive(Clone, Copy)]
 struct Slot {
     start: u32,
@@ -36,25 +36,28 @@ struct Slot {
 /// The length that says that there is no list.
 const NO_LIST: u8 = u8::MAX;
 const NO_SLOT: Slot = Slot { start: 0, len: NO_LIST, capacity: 0 };
-/// The least and the greatest block, as exponents of two. A group on a seam, the usual case here,
-/// has two to four candidates; lists longer than 128 are not kept.
-const LEAST: u32 = 2;
-const GREATEST: u32 = 7;
+/// The capacities of the smallest and the largest blocks, as exponents of two. A group on a seam,
+/// the usual case here, has two to four candidates; longer lists than 128 are not kept. Chosen by
+/// hand.
+const MIN_BITS: u32 = 2;
+const MAX_BITS: u32 = 7;
 
 /// The lists of one region.
 #[derive(Default)]
 pub(crate) struct PriceLists {
+    /// By group.
     slots: Vec<Slot>,
+    /// The prices of all blocks.
     blocks: Vec<Priced>,
-    /// Free blocks of each size.
-    free: [Vec<u32>; (GREATEST - LEAST + 1) as usize],
+    /// The starts of free blocks of each size, the smallest first.
+    free: [Vec<u32>; (MAX_BITS - MIN_BITS + 1) as usize],
 }
 
 impl PriceLists {
     /// Empty lists of a region, given its number of groups. The default keeps no list at all.
     pub(crate) fn new(groups: usize) -> Self {
         // Four prices each. Memory that is reserved but not written takes no pages.
-        let blocks = Vec::with_capacity(groups << LEAST);
+        let blocks = Vec::with_capacity(groups << MIN_BITS);
         Self { slots: vec![NO_SLOT; groups], blocks, ..Self::default() }
     }
 
@@ -94,11 +97,11 @@ impl PriceLists {
         let Some(&slot) = self.slots.get(group as usize) else { return };
         if list.len() > usize::from(slot.capacity) {
             self.release(group);
-            if list.len() > 1 << GREATEST {
+            if list.len() > 1 << MAX_BITS {
                 return;
             }
             let size = size_of(list.len());
-            let capacity = 1 << (LEAST + size as u32);
+            let capacity = 1 << (MIN_BITS + size as u32);
             let start = self.free[size].pop().unwrap_or_else(|| {
                 self.blocks.resize(self.blocks.len() + capacity, Priced::default());
                 (self.blocks.len() - capacity) as u32
@@ -113,7 +116,7 @@ impl PriceLists {
 
 /// The size of the least block that holds a list of this length.
 fn size_of(len: usize) -> usize {
-    (len.next_power_of_two().trailing_zeros().max(LEAST) - LEAST) as usize
+    (len.next_power_of_two().trailing_zeros().max(MIN_BITS) - MIN_BITS) as usize
 }
 
 #[cfg(test)]

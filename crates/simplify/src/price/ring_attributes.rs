@@ -1,5 +1,5 @@
-//! The attributes' part of the price of plain groups: what [`gradients`](super::gradients) says,
-//! for all neighbours of one wedge at once.
+//! The attributes' part of the price of plain groups: the sum that [`gradients`](super::gradients)
+//! explains, for all neighbours of one wedge at once.
 
 use super::gradients::{Dual, FourGradients, Scatter, WedgeAttributes, continued, sum};
 use super::one_ring::{LaneArray, MAX_LEN, OneRing, Surcharge};
@@ -13,10 +13,10 @@ pub(super) struct RingAttributes<'a> {
     pub(super) weight: f32,
 }
 
-/// The faces of a ring.
+/// The faces of a ring, and their area together.
 struct Faces {
     duals: [Dual; MAX_LEN],
-    whole: f32,
+    area: f32,
 }
 
 impl Surcharge for RingAttributes<'_> {
@@ -25,7 +25,7 @@ impl Surcharge for RingAttributes<'_> {
     fn costs<const N: usize>(&self, ring: &OneRing<N>, star: &[Corner]) -> LaneArray<N> {
         let mut costs = [0.0; MAX_LEN + 1];
         let faces = Faces::new(ring);
-        if faces.whole <= 0.0 {
+        if faces.area <= 0.0 {
             return [Vec4::ZERO; N];
         }
         let spokes = ring.spokes();
@@ -43,14 +43,14 @@ impl Surcharge for RingAttributes<'_> {
             for ((offset, change), spoke) in
                 offsets.iter_mut().zip(changes).zip(&spokes[..ring.len])
             {
-                let rest = change - continued(&mean, *spoke);
-                *offset += rest * rest;
+                let residual = change - continued(&mean, *spoke);
+                *offset += residual * residual;
             }
         }
         for (cost, offset) in costs.iter_mut().zip(offsets) {
-            *cost = faces.whole * sum(offset);
+            *cost = faces.area * sum(offset);
         }
-        self.add_joints(star, faces.whole, &mut costs);
+        self.add_joints(star, faces.area, &mut costs);
         let moved = ring.quadratic(scatter.form());
         std::array::from_fn(|t| {
             let cost = Vec4::from_slice(&costs[4 * t..4 * t + 4]) + moved[t].max(Vec4::ZERO);
@@ -94,11 +94,11 @@ impl RingAttributes<'_> {
 impl Faces {
     #[inline]
     fn new<const N: usize>(ring: &OneRing<N>) -> Self {
-        let mut faces = Self { duals: [Dual::default(); MAX_LEN], whole: 0.0 };
+        let mut faces = Self { duals: [Dual::default(); MAX_LEN], area: 0.0 };
         let (spokes, normals) = (ring.spokes(), ring.normals());
         for (i, dual) in faces.duals[..ring.len].iter_mut().enumerate() {
             *dual = Dual::new([spokes[i], spokes[i + 1]], normals[i]);
-            faces.whole += dual.area;
+            faces.area += dual.area;
         }
         faces
     }
@@ -120,7 +120,7 @@ impl Faces {
                 *mean += *gradient * dual.area;
             }
         }
-        let mean = mean.map(|sum| sum / self.whole);
+        let mean = mean.map(|sum| sum / self.area);
         for (gradient, dual) in gradients[..len].iter().zip(&self.duals) {
             scatter.add(gradient, &mean, dual.area);
         }

@@ -13,7 +13,9 @@ pub(super) struct SeamRing<const N: usize> {
     pub(super) corners: [[u32; 3]; MAX_LEN],
     /// The faces on both sides of the edge to each neighbour.
     entries: [[Entry; 2]; MAX_LEN],
+    /// The kind of the edge to each neighbour.
     kinds: [EdgeKind; MAX_LEN],
+    /// Number of seams that end at the group.
     pub(super) seams: u32,
 }
 
@@ -51,7 +53,7 @@ impl<const N: usize> SeamRing<N> {
         Self { ring: OneRing::new(mesh, from, star), corners, entries, kinds, seams }
     }
 
-    /// The neighbours: their places in the ring, the kinds of the edges there and their faces.
+    /// For each neighbour its index in the ring, the kind of the edge to it and the edge's faces.
     pub(super) fn edges(&self) -> impl Iterator<Item = (usize, EdgeKind, &[Entry; 2])> {
         let edges = self.kinds.into_iter().zip(&self.entries).take(self.ring.len);
         edges.enumerate().map(|(i, (kind, entries))| (i, kind, entries))

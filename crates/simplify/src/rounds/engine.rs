@@ -1,5 +1,6 @@
 //! The collapse loop of one region: always commit the cheapest legal collapse, and rank again what
-//! it has changed.
+//! it has changed. To *rank* a group is to find its cheapest collapse, legality left aside; a group
+//! is *restricted* while some of its collapses are refused by the rules.
 
 use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stage};
 use crate::commit::{CollapseLog, Commit, Touched, join_points};
@@ -11,31 +12,36 @@ use rayon::prelude::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The queue is filled again if at least one group for this many faces collapsed since it was
-/// filled last: then some of what was refused may be legal now. Each filling prices everything, so
-/// one that gains less than that is the last of its stage. Chosen by hand.
+/// The queue is filled again at the end of a stage if at least one group for this many faces has
+/// collapsed since it was filled last: some collapses that were refused may be legal now. Filling
+/// it ranks all groups, which is not worth it for fewer. Chosen by hand.
 const REFILL_PART: usize = 64;
 
-/// Restricted groups next to a group with more faces than this wait until the queue is filled
-/// again.
-const MAX_WALKED: usize = 32;
-/// Most restricted groups that are searched again after one collapse; the others wait, too. Where
-/// everything is tangled (loose random triangles) they would be searched again and again. Both are
-/// chosen by hand.
-const MAX_RESTRICTED: usize = 16;
-/// The most collapses whose neighbours wait to be priced anew by a metric together. One collapse
-/// has some seven of them: waking threads for so few takes as long as pricing does (two threads
-/// took as long as one). With 32 bunny takes 7.3 s for 13.5.
-const MAX_WAITING: usize = 32;
-/// Faces that there are for each collapse that waits: on a small mesh 32 of them would be a good
-/// part of it, and the order no longer that of costs. Chosen by hand.
-const FACES_PER_WAITING: usize = 512;
+/// If a group with more faces than this changes, the restricted groups next to it are not searched
+/// again until the queue is filled anew. Chosen by hand.
+const MAX_WALKED_FACES: usize = 32;
+/// The most restricted groups, about, that are searched again after one collapse; the others wait
+/// like those. Where everything is tangled (loose random triangles) they would be searched again
+/// and again. Chosen by hand.
+const MAX_SEARCHED_AGAIN: usize = 16;
+/// The most collapses after which a metric prices their neighbours anew, all together. One collapse
+/// has about seven: waking threads for seven groups takes as long as pricing them (two threads took
+/// as long as one). With 32 collapses the bunny takes 7.3 s instead of 13.5.
+const MAX_WAITING_COLLAPSES: usize = 32;
+/// At most one collapse for this many faces waits: 32 would be a good part of a small mesh, and the
+/// order would no longer be that of costs. Chosen by hand.
+const FACES_PER_WAITING_COLLAPSE: usize = 512;
+/// Collapses between two reports of progress: by the quadric, and by a metric that takes longer.
+const REPORT_INTERVALS: [usize; 2] = [4096, 64];
+/// Groups that a thread ranks at a time, likewise. Chosen by hand.
+const RANKED_TOGETHER: [usize; 2] = [4096, 64];
 
 /// Reports of progress from all threads.
 pub(crate) struct Progress<'a> {
     report: &'a (dyn Fn(u64, u64) + Sync),
     /// Collapses of the rounds that are over.
     done: AtomicU64,
+    /// Groups of the whole mesh.
     groups: u64,
 }
 
@@ -96,13 +102,13 @@ pub(super) struct Engine<'a, M: Reprice> {
 #[derive(Default)]
 struct LoopState<S> {
     selection: SelectionBuffers<S>,
-    /// Buffers of other threads.
+    /// Buffers of the threads that rank groups together.
     pool: ScratchPool<Scratch<S>>,
     touched: Touched,
     /// Groups to be ranked again.
     due: Vec<u32>,
-    /// Collapses whose neighbours wait for it.
-    waiting: usize,
+    /// Collapses whose neighbours are among those and wait for others.
+    waiting_collapses: usize,
     /// Number of groups that are flagged as restricted.
     restricted: u32,
 }
@@ -164,7 +170,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
         (self.log, legal)
     }
 
-    /// Makes the collapses that an earlier run began with: all is as it was then.
+    /// Repeats the collapses that an earlier run began with; they were legal then, so they are now.
     fn collapse_as_given(&mut self) {
         while let Some(given) = self.metric.given(&self.region.mesh, self.log.steps.len()) {
             let choice = Choice { cost: 0.0, to: given.to };
@@ -176,7 +182,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
     /// Collapses what costs at most `limit`, as far as it is this region's alone.
     pub(super) fn run_round(mut self, limit: f32, progress: &Progress<'_>) -> CollapseLog {
         self.rules.unites = false;
-        for group in 0..self.region.own() as u32 {
+        for group in 0..self.region.own_groups() as u32 {
             let choice = self.region.choices[group as usize];
             let restricted = self.region.mesh.has(group, RESTRICTED);
             if (choice.cost.is_nan() || restricted) && !self.region.mesh.star(group).is_empty() {
@@ -201,12 +207,12 @@ impl<'a, M: Reprice> Engine<'a, M> {
 
     /// Ranks every group.
     pub(super) fn rank_all(&mut self) {
-        let own = self.region.own() as u32;
+        let own = self.region.own_groups() as u32;
         let (Selector { pricer, .. }, _) = self.parts();
         let rank = |scratch: &mut Scratch<M::ViewScratch>, g: u32| pricer.rank(g, scratch);
         let choices = (0..own)
             .into_par_iter()
-            .with_min_len(if M::REPRICES { 64 } else { 4096 })
+            .with_min_len(RANKED_TOGETHER[usize::from(M::REPRICES)])
             .map_init(Scratch::default, rank)
             .collect();
         self.region.choices = choices;
@@ -217,8 +223,8 @@ impl<'a, M: Reprice> Engine<'a, M> {
         self.state.restricted = 0;
     }
 
-    /// Collapses while there is something to collapse: true when there is not, false when prices
-    /// change their meaning.
+    /// Collapses groups until none is left in the queue (returns true), or until the metric starts
+    /// or ends repricing, so that all prices change (returns false).
     fn run_queue(&mut self, queue: Queue, progress: &Progress<'_>) -> bool {
         let mesh = &self.region.mesh;
         let limit = match queue {
@@ -231,7 +237,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
         let mut heap = Heap::new(choices.map(cost).collect::<Vec<f32>>().into_iter());
         loop {
             let Some((from, key)) = heap.pop() else {
-                if self.state.waiting == 0 {
+                if self.state.waiting_collapses == 0 {
                     return true;
                 }
                 self.rerank_waiting(&mut heap);
@@ -239,7 +245,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             };
             self.region.mesh.prefetch_neighbours(from);
             if self.region.mesh.has(from, STALE) {
-                if self.state.waiting > 0 {
+                if self.state.waiting_collapses > 0 {
                     self.rerank_waiting(&mut heap);
                     continue;
                 }
@@ -267,7 +273,8 @@ impl<'a, M: Reprice> Engine<'a, M> {
             }
             self.commit(from, legal);
             self.refresh(legal.choice.to, queue, limit, &mut heap);
-            if self.log.steps.len().is_multiple_of(if M::REPRICES { 64 } else { 4096 }) {
+            let report_interval = REPORT_INTERVALS[usize::from(M::REPRICES)];
+            if self.log.steps.len().is_multiple_of(report_interval) {
                 progress.report(self.log.steps.len() as u64);
             }
             if M::REPRICES && self.metric.should_toggle(&self.region.mesh) {
@@ -277,7 +284,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// The cheapest legal collapse of a group.
+    /// The cheapest legal collapse of a group; none if all are refused.
     fn select_legal_collapse(&mut self, from: u32) -> Option<LegalCollapse> {
         let known = self.region.choices[from as usize];
         let (selector, state) = self.parts();
@@ -324,7 +331,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
         if self.metric.is_active() {
             self.state.due = due;
-            self.wait(before, heap);
+            self.defer_ranking(before, heap);
             return;
         }
         for &g in &due[..changed] {
@@ -346,23 +353,23 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Flags the groups due since the last collapse as stale, and ranks all that wait if they are
-    /// many.
-    fn wait(&mut self, before: usize, heap: &mut Heap) {
+    /// Flags the groups that the last collapse made due (those from `before` on) as stale, and
+    /// ranks all due groups once enough collapses wait.
+    fn defer_ranking(&mut self, before: usize, heap: &mut Heap) {
         let Self { region, state, .. } = self;
-        let mut kept = before;
+        let mut end = before;
         for i in before..state.due.len() {
             let g = state.due[i];
             if !region.mesh.has(g, STALE) {
                 region.mesh.add_flags(g, STALE);
-                state.due[kept] = g;
-                kept += 1;
+                state.due[end] = g;
+                end += 1;
             }
         }
-        state.due.truncate(kept);
-        state.waiting += 1;
-        let most = region.mesh.live_faces as usize / FACES_PER_WAITING;
-        if state.waiting >= most.clamp(1, MAX_WAITING) {
+        state.due.truncate(end);
+        state.waiting_collapses += 1;
+        let limit = region.mesh.live_faces as usize / FACES_PER_WAITING_COLLAPSE;
+        if state.waiting_collapses >= limit.clamp(1, MAX_WAITING_COLLAPSES) {
             self.rerank_waiting(heap);
         }
     }
@@ -372,10 +379,10 @@ impl<'a, M: Reprice> Engine<'a, M> {
         let Self { region, state, .. } = self;
         let touched = due.len();
         for i in before..touched {
-            if region.mesh.valence(due[i]) > MAX_WALKED {
+            if region.mesh.valence(due[i]) > MAX_WALKED_FACES {
                 continue;
             }
-            if due.len() - touched > MAX_RESTRICTED {
+            if due.len() - touched > MAX_SEARCHED_AGAIN {
                 break;
             }
             region.mesh.each_neighbour(due[i], |other| {
@@ -386,8 +393,9 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Flags the groups bound for `to`. Around it nothing moved but its own history, and that only
-    /// grew: their costs are lower bounds from now on.
+    /// Flags the groups whose choice is to move onto `to` as stale. Of what they were ranked by,
+    /// only the accumulated cost of `to` has changed, and it has grown: their costs are lower
+    /// bounds now.
     fn note_risen_costs(&mut self, to: u32) {
         if !self.is_due(to) {
             return;
@@ -402,8 +410,8 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Ranks the groups that wait for it, all at once. What changed elsewhere, hidden or uncovered
-    /// by now, is noticed when its turn comes.
+    /// Ranks all due groups at once. A group elsewhere that the collapses hid or uncovered is
+    /// ranked when it comes to the head of the queue.
     fn rerank_waiting(&mut self, heap: &mut Heap) {
         let mut due = std::mem::take(&mut self.state.due);
         due.retain(|&g| !self.region.mesh.has(g, DEAD));
@@ -420,7 +428,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             self.requeue(g, f32::INFINITY, heap);
         }
         due.clear();
-        (self.state.due, self.state.waiting) = (due, 0);
+        (self.state.due, self.state.waiting_collapses) = (due, 0);
     }
 
     /// Puts a group where it belongs in the queue.
@@ -434,14 +442,16 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Returns whether a group is to be ranked again after a neighbour moved. Hubs with hundreds of
-    /// neighbours are ranked after some of them moved, else a fan would take quadratic time;
-    /// legality is always checked anew.
+    /// Returns whether a group is to be ranked again after a neighbour moved. Hubs (groups of very
+    /// many faces) are ranked again only when their number of faces has just passed a multiple of
+    /// about a sixteenth of it, else a fan would take quadratic time; legality is always checked
+    /// anew.
     fn is_due(&self, group: u32) -> bool {
         let faces = self.region.mesh.valence(group);
         faces < HUB_VALENCE || faces % (faces / 16).next_power_of_two() < 2
     }
 
+    /// Ranks one group again.
     fn rerank(&mut self, g: u32) {
         self.set_restricted(g, false);
         self.region.mesh.clear_flags(g, STALE);
@@ -458,15 +468,14 @@ impl<'a, M: Reprice> Engine<'a, M> {
         self.region.choices[g as usize] = choice;
     }
 
-    /// Returns whether nothing that the last commit touched changes the choice of a restricted
-    /// group, whose own faces are as they were.
+    /// Returns whether the choice of a restricted group, whose own faces are unchanged, is still
+    /// the cheapest after the last commit.
     fn is_still_best(&mut self, g: u32) -> bool {
         let (selector, LoopState { selection, touched, .. }) = self.parts();
         selector.is_still_best(g, |group| touched.is_touched(group), selection)
     }
 
-    /// Looks for the cheapest legal collapse of a restricted group, whose own faces are as they
-    /// were.
+    /// Looks for the cheapest legal collapse of a restricted group, whose own faces are unchanged.
     fn search_again(&mut self, g: u32) {
         let (selector, state) = self.parts();
         let found = selector.search(g, &mut state.selection);

@@ -11,7 +11,7 @@ mod engine;
 
 pub(crate) use engine::Progress;
 
-use crate::commit::{CollapseLog, Sources, name_wedges};
+use crate::commit::{CollapseLog, Sources, renumber_wedges};
 use crate::cut::{DEAD, Home, Region, RegionLists, Round};
 use crate::metric::{QuadricOnly, Reprice};
 use crate::number::Curve;
@@ -21,26 +21,28 @@ use lodc_mesh::{Csr, NONE};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
-/// Groups of a region, about. Larger ones have fewer groups at borders, smaller ones stay in a
-/// second-level cache. With 8,192 the error of mni152 is 1.037 of that of one region, with this at
-/// most 1.028; the three large scans decided.
-pub(crate) const REGION: usize = 12288;
+/// Groups of a region, about. Larger regions have fewer groups at borders, smaller ones fit into a
+/// second-level cache. With 8,192 the error of mni152 is 1.037 times that of one region; with this
+/// it is at most 1.028 on the three large scans.
+pub(crate) const REGION_GROUPS: usize = 12288;
 /// The least number of regions: a smaller mesh is one region, as sharing its groups out would take
 /// as long as is won.
-pub(crate) const FEWEST: usize = 8;
-/// The share of live groups whose cost is within the limit of a round. At 0.5 levels are no closer
-/// and a tenth more time is taken; at 0.8 the error at 50 % is 1.03 to 1.10 of this, as too much is
-/// locked while its neighbours go on.
-const SHARE: f64 = 0.65;
-/// If a round collapses less than this share of the groups, it is the last: where most faces meet
-/// in one vertex, only its region can go on, and a higher limit would let it go on too far (a fan's
-/// border would be eaten from one end; there is a test). The share is chosen by hand.
-const LEAST_PROGRESS: f64 = 0.02;
-/// Costs that are sampled for a limit, about: it is met by [`SHARE`] of all to within 1 % then.
-const SAMPLES: usize = 4096;
-/// The most waves in which regions are gathered: old and new regions together are a sixteenth more
-/// than one set then, and what lies next to borders.
-const WAVES: usize = 16;
+pub(crate) const MIN_REGIONS: usize = 8;
+/// The share of live groups whose cost is within the limit of a round. With 0.5 levels are no
+/// closer to the input and take a tenth more time; with 0.8 the error at 50 % of the triangles is
+/// 1.03 to 1.10 times as large, as too many groups are locked while their neighbours collapse.
+const ROUND_SHARE: f64 = 0.65;
+/// If a round collapses less than this share of the groups, it is the last. Where most faces meet
+/// in one vertex, only its region can go on, and would go too far with the limits of further rounds
+/// (it would eat a fan's border from one end; there is a test). Chosen by hand.
+const MIN_PROGRESS: f64 = 0.02;
+/// Costs that are sampled for a limit, about: the share of all costs within it is [`ROUND_SHARE`]
+/// up to 1 % then.
+const SAMPLED_COSTS: usize = 4096;
+/// The most waves in which new regions are gathered from old ones, which are dropped wave by wave:
+/// with 16, old and new regions together take about a sixteenth more memory than one set of them.
+/// Chosen by hand.
+const MAX_WAVES: usize = 16;
 /// The shares of the mesh's extent by which the curve is shifted in successive rounds: chosen by
 /// hand so that borders of one round are not those of the round before; not tuned.
 const SHIFTS: [f64; 5] = [0.37, 0.11, 0.53, 0.23, 0.71];
@@ -50,7 +52,8 @@ struct Rounds<'a> {
     context: &'a Context<'a>,
     regions: Vec<Region>,
     log: CollapseLog,
-    live: usize,
+    /// Number of groups that are left.
+    live_groups: usize,
 }
 
 /// Simplifies a mesh in regions of about `size` groups. Returns the log and how many of its steps
@@ -64,11 +67,11 @@ pub(crate) fn in_regions(
     let mut rounds = Rounds::new(context, size);
     for round in 0.. {
         let collapsed = rounds.run(sources, progress);
-        let least = (LEAST_PROGRESS * (rounds.live + collapsed) as f64) as usize;
-        if rounds.live < size || collapsed <= least {
+        let least = (MIN_PROGRESS * (rounds.live_groups + collapsed) as f64) as usize;
+        if rounds.live_groups < size || collapsed <= least {
             break;
         }
-        let regions = rounds.live.div_ceil(size);
+        let regions = rounds.live_groups.div_ceil(size);
         rounds.share_out(regions, SHIFTS[round % SHIFTS.len()]);
     }
     rounds.share_out(1, 0.0);
@@ -104,7 +107,7 @@ fn finish(
     progress: &Progress<'_>,
 ) -> (CollapseLog, usize) {
     let (mut log, legal) = Engine::new(context, region, metric).run_all(progress);
-    sources.number(region, &mut log);
+    sources.number_fakes(region, &mut log);
     (log, legal)
 }
 
@@ -141,7 +144,7 @@ impl<'a> Rounds<'a> {
                 region
             })
             .collect();
-        Self { context, regions, log: CollapseLog::default(), live: groups }
+        Self { context, regions, log: CollapseLog::default(), live_groups: groups }
     }
 
     /// Runs one round. Returns how many groups collapsed.
@@ -157,14 +160,14 @@ impl<'a> Rounds<'a> {
                 let engine = Engine::new(context, region, &mut metric);
                 let mut log = engine.run_round(limit, progress);
                 if region.wedges.new_fakes() == 0 {
-                    name_wedges(region, &mut log);
+                    renumber_wedges(region, &mut log);
                 }
                 log
             })
             .collect();
         for (region, log) in self.regions.iter_mut().zip(&mut logs) {
             if region.wedges.new_fakes() > 0 {
-                sources.number(region, log);
+                sources.number_fakes(region, log);
             }
         }
         let before = self.log.steps.len();
@@ -172,18 +175,18 @@ impl<'a> Rounds<'a> {
             self.log.append(log);
         }
         let collapsed = self.log.steps.len() - before;
-        self.live = self
+        self.live_groups = self
             .regions
             .par_iter()
-            .map(|r| r.mesh.flags[..r.own()].iter().filter(|&f| f & DEAD == 0).count())
+            .map(|r| r.mesh.flags[..r.own_groups()].iter().filter(|&f| f & DEAD == 0).count())
             .sum();
         progress.end_round(collapsed as u64);
         collapsed
     }
 
-    /// The cost that about the share of a round of all live groups do not exceed.
+    /// The cost that about [`ROUND_SHARE`] of all live groups do not exceed.
     fn limit(&self) -> f32 {
-        let step = (self.live / SAMPLES).max(1);
+        let step = (self.live_groups / SAMPLED_COSTS).max(1);
         let mut costs: Vec<f32> = self
             .regions
             .iter()
@@ -192,7 +195,7 @@ impl<'a> Rounds<'a> {
             .map(|c| c.cost)
             .filter(|c| !c.is_nan())
             .collect();
-        let at = (SHARE * costs.len() as f64) as usize;
+        let at = (ROUND_SHARE * costs.len() as f64) as usize;
         if at >= costs.len() {
             return f32::INFINITY;
         }
@@ -203,28 +206,28 @@ impl<'a> Rounds<'a> {
     fn share_out(&mut self, count: usize, shift: f64) {
         let input = self.context.input;
         let mut homes = vec![Home::NONE; input.groups()];
-        let mut live: Vec<u32> = Vec::with_capacity(self.live);
+        let mut live_groups: Vec<u32> = Vec::with_capacity(self.live_groups);
         for (r, region) in (0..).zip(&self.regions) {
-            for g in 0..region.own() as u32 {
+            for g in 0..region.own_groups() as u32 {
                 if !region.mesh.has(g, DEAD) {
                     let group = region.groups[g as usize];
                     homes[group as usize] = Home { region: r, group: g };
-                    live.push(group);
+                    live_groups.push(group);
                 }
             }
         }
         let (lo, hi) = input.mesh.bounds();
-        let order =
-            Curve::new(lo, hi, shift).order(live.len(), |i| input.position(live[i] as usize));
-        let order: Vec<u32> = order.into_iter().map(|i| live[i as usize]).collect();
-        drop(live);
+        let order = Curve::new(lo, hi, shift)
+            .order(live_groups.len(), |i| input.position(live_groups[i] as usize));
+        let order: Vec<u32> = order.into_iter().map(|i| live_groups[i as usize]).collect();
+        drop(live_groups);
         let mut ranks = vec![NONE; input.groups()];
         for (rank, &group) in (0..).zip(&order) {
             ranks[group as usize] = rank;
         }
         let bound = |r: usize| order.len() * r / count;
-        // Wave by wave, and what no later wave reads goes at once: two full sets of regions are
-        // never there together.
+        // Wave by wave: an old region that no later wave reads is reused at once, so that there are
+        // never two full sets of regions.
         let waves = waves(count);
         let first_of = |wave: usize| (count * wave).div_ceil(waves);
         let last: Vec<u32> = self.regions.par_iter().map(|r| last_read(r, &ranks)).collect();
@@ -248,11 +251,11 @@ impl<'a> Rounds<'a> {
     }
 }
 
-/// The number of waves for a number of regions. While they are few, memory is no matter, and each
-/// wave has two for every thread (with 16 waves, gathering a mesh of ten regions used one thread).
+/// The number of waves for a number of regions. Few regions take little memory, so each wave has
+/// two for every thread then (with 16 waves, gathering a mesh of ten regions used one thread).
 fn waves(regions: usize) -> usize {
-    let fewest = if regions < 4 * WAVES { 2 * rayon::current_num_threads() } else { 1 };
-    (regions / fewest).clamp(1, WAVES)
+    let fewest = if regions < 4 * MAX_WAVES { 2 * rayon::current_num_threads() } else { 1 };
+    (regions / fewest).clamp(1, MAX_WAVES)
 }
 
 /// Regions that have been read for the last time. New ones are built in their lists: allocating
@@ -274,7 +277,8 @@ impl SpentRegions {
     }
 }
 
-/// The last place in the new order that needs a region: its own groups, and those next to them.
+/// The largest rank (index in the new order) of a region's groups and of those next to them: no
+/// later group needs the region.
 fn last_read(region: &Region, ranks: &[u32]) -> u32 {
     let ranks = region.groups.iter().map(|&g| ranks[g as usize]);
     ranks.filter(|&rank| rank != NONE).max().unwrap_or(0)

@@ -13,9 +13,9 @@ use lodc_mesh::NONE;
 /// A collapse of the skin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LayerCollapse {
-    /// A vertex of the whole mesh in the place that moves.
+    /// A vertex of the whole mesh at the position that moves.
     from: u32,
-    /// One in the place that it moves onto.
+    /// One at the position that it moves onto.
     to: u32,
     /// In working units.
     error: f32,
@@ -31,7 +31,7 @@ pub(crate) fn layer_collapses(
     legal: usize,
     by_stamp: bool,
 ) -> Vec<LayerCollapse> {
-    // For each fake the vertex in its place, once there is one.
+    // For each fake a vertex of the whole mesh at its position, once one is known.
     let mut fakes: Vec<u32> = Vec::new();
     let vertex_of_wedge = |fakes: &[u32], wedge: u32| match input.vertex_of().get(wedge as usize) {
         Some(&vertex) => vertices[vertex as usize],
@@ -42,13 +42,13 @@ pub(crate) fn layer_collapses(
     for step in order {
         let (records, step) = (log.records(step as usize), &log.steps[step as usize]);
         let (wedges, targets) = (&log.wedges[records.clone()], &log.targets[records]);
-        let known = |list: &[u32]| {
+        let first_known = |list: &[u32]| {
             list.iter()
                 .map(|&wedge| vertex_of_wedge(&fakes, wedge))
                 .find(|&v| v != NONE)
                 .unwrap_or(NONE)
         };
-        let (from, to) = (known(wedges), known(targets));
+        let (from, to) = (first_known(wedges), first_known(targets));
         for &fake in targets.iter().filter(|&&t| t as usize >= input.wedges()) {
             let at = fake as usize - input.wedges();
             fakes.resize(fakes.len().max(at + 1), NONE);
@@ -61,8 +61,8 @@ pub(crate) fn layer_collapses(
 }
 
 /// Carries collapses out, of which the first `legal` ones are legal. Returns the log and how many
-/// of its steps are legal; none if the whole mesh cannot follow: what hangs together in it then
-/// does not in the skin.
+/// of its steps are legal; none if the whole mesh cannot follow, as a legal collapse of the skin is
+/// along no edge of it.
 pub(crate) fn follow(
     context: &Context<'_>,
     collapses: &[LayerCollapse],
@@ -84,7 +84,7 @@ pub(crate) fn follow(
     for (i, step) in collapses.iter().enumerate() {
         let [from, to] = [step.from, step.to].map(|v| following.group(v));
         if from == to {
-            // Groups in one place that were united earlier than in the skin.
+            // Groups at one position that were united earlier than in the skin.
             continue;
         }
         if !following.is_edge(from, to) {
@@ -102,7 +102,7 @@ pub(crate) fn follow(
     }
     following.collapse_rest();
     join_points(&region, &mut log);
-    sources.number(&mut region, &mut log);
+    sources.number_fakes(&mut region, &mut log);
     Some((log, legal_steps))
 }
 
@@ -113,12 +113,12 @@ struct Following<'a> {
     log: &'a mut CollapseLog,
     touched: Touched,
     plan: WedgePlan,
-    /// The group with which each was united, if any.
+    /// The group with which each was united; `NONE` if it was not.
     united: Vec<u32>,
 }
 
 impl Following<'_> {
-    /// The group in whose place a vertex started.
+    /// The group that a vertex was in at first, or the one that this has been united with.
     fn group(&self, vertex: u32) -> u32 {
         let mut group = self.context.input.group_of[vertex as usize];
         while self.united[group as usize] != NONE {
@@ -134,7 +134,7 @@ impl Following<'_> {
     }
 
     /// Moves a group onto a neighbour.
-    fn collapse(&mut self, from: u32, to: u32, takes_any: bool, changes_topology: bool) {
+    fn collapse(&mut self, from: u32, to: u32, reuses_any: bool, changes_topology: bool) {
         let Self { context, region, log, touched, plan, united } = self;
         let input = context.input;
         plan.clear();
@@ -144,7 +144,7 @@ impl Following<'_> {
                 mesh: &region.mesh,
                 wedges: &region.wedges,
                 attributes: &context.attributes,
-                takes_any,
+                reuses_any,
                 size: input.size,
             };
             planner.plan(from, to, plan);
@@ -159,10 +159,10 @@ impl Following<'_> {
         }
     }
 
-    /// Collapses faces that outlive the skin: they followed others with the same positions, but not
-    /// the same edges.
+    /// Collapses faces that are left when the skin has none: their positions are the skin's, but
+    /// not their edges.
     fn collapse_rest(&mut self) {
-        for group in 0..self.region.own() as u32 {
+        for group in 0..self.region.own_groups() as u32 {
             while !self.region.mesh.has(group, DEAD) {
                 let Some(&corner) = self.region.mesh.star(group).first() else { break };
                 let [to, _] = self.region.mesh.others(corner);

@@ -11,13 +11,15 @@ use lodc_mesh::{Csr, Mesh, NONE, PositionIds};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
-/// Rows longer than this are not searched for quadrilaterals: the work would grow with their
-/// square.
+/// Rows longer than this are not searched for quadrilaterals, which takes time with the square of
+/// their length. Chosen by hand.
 const MAX_SEARCHED: usize = 64;
-/// No layer is sought across edges with more faces of cells than this.
+/// The choice does not spread over edges with more faces of cells than this. Chosen by hand, as a
+/// bound on the time.
 const MAX_AT_EDGE: usize = 32;
-/// Of two pairs of faces over the same quadrilateral, all normals are within this cosine (60°) of
-/// each other, or of the opposite: else they enclose something.
+/// Two pairs of faces over the same quadrilateral lie on each other if the cosines between all
+/// their normals, turned the same way, are above this (60°); else they enclose a volume. Chosen by
+/// hand.
 const FLAT: f64 = 0.5;
 
 /// Faces that lie on each other.
@@ -29,8 +31,9 @@ struct Cell {
 /// A face, and the weight of its plane beyond that of a face of the skin, which may be negative.
 pub(super) type WeightedFace = (u32, f64);
 
-/// For each triangle: true if it lies on another that stands for it; and all those of pairs, so
-/// that a quadrilateral counts once, all of its sides alike. None if no triangle lies on another.
+/// For each triangle: true if it lies on a triangle of the skin and follows it. Then the triangles
+/// that divide quadrilaterals, with weights by which all sides of a quadrilateral count alike, and
+/// together once. None if no triangle lies on another.
 pub(super) fn followers(
     mesh: &Mesh,
     positions: &PositionIds,
@@ -62,7 +65,7 @@ pub(super) fn followers(
 struct Faces<'a> {
     mesh: &'a Mesh,
     positions: &'a PositionIds,
-    /// The faces at each position that have no smaller one.
+    /// For each position the faces at it whose other two positions have greater numbers: its row.
     rows: Csr,
 }
 
@@ -171,8 +174,9 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// How flat two pairs of faces are, each pair with a diagonal: the least cosine between
-    /// normals, whichever way the pairs turn. None if they enclose something, or a pair is folded.
+    /// How flat two pairs of faces are, `p` divided along the diagonal `d`, and `q` along `e`: the
+    /// least cosine between normals, whichever way the pairs turn. None if they enclose a volume,
+    /// or a pair is folded.
     fn flatness(&self, p: [u32; 2], q: [u32; 2], d: [u32; 2], e: [u32; 2]) -> Option<f64> {
         let continues = |[a, b]: [u32; 2], diagonal: [u32; 2]| {
             self.runs_along(a, diagonal) != self.runs_along(b, diagonal)
@@ -218,8 +222,9 @@ struct Edge {
     /// The face runs along it from the smaller to the greater.
     is_rising: bool,
     face: u32,
-    /// The face's cell; of one that lies on no other, a number that no cell has.
+    /// The index of the face's cell; of a face that lies on no other, a number that no cell has.
     cell: u32,
+    /// The index of the face's side in its cell.
     side: u32,
     /// The vertices at its ends, in that order.
     vertices: [u32; 2],
@@ -308,9 +313,9 @@ impl<'a> Choosing<'a> {
         }
     }
 
-    /// Chooses the sides that continue a face beyond its edge, if their cells have none yet: those
-    /// with the same vertices there; others only if there is one such cell, since where more
-    /// surfaces than two meet, none continues the other.
+    /// Chooses the sides that continue a face beyond its edge, if their cells have no side yet. A
+    /// side continues it if it has the same vertices there, or if there is only one cell beyond the
+    /// edge: where more than two surfaces meet, it is not clear which continues which.
     fn cross(&mut self, edge: &Edge) {
         let first = self.edges.partition_point(|e| e.ends < edge.ends);
         let same_ends = self.edges[first..].iter().take_while(|e| e.ends == edge.ends);
@@ -319,7 +324,7 @@ impl<'a> Choosing<'a> {
             return;
         }
         let others = || self.edges[first..end].iter().map(|e| e.cell).filter(|&c| c != edge.cell);
-        let is_one = others().all(|cell| others().next() == Some(cell));
+        let is_only_cell = others().all(|cell| others().next() == Some(cell));
         for i in first..end {
             let cell = self.edges[i].cell;
             if self.chosen.get(cell as usize) != Some(&NONE) {
@@ -328,8 +333,8 @@ impl<'a> Choosing<'a> {
             let continues = |e: &&Edge| e.cell == cell && e.is_rising != edge.is_rising;
             let sides = self.edges[i..end].iter().filter(continues);
             let best = sides.min_by_key(|e| (e.vertices != edge.vertices, e.face));
-            let sure = |e: &&Edge| is_one || e.vertices == edge.vertices;
-            if let Some(&Edge { side, .. }) = best.filter(sure) {
+            let is_continuation = |e: &&Edge| is_only_cell || e.vertices == edge.vertices;
+            if let Some(&Edge { side, .. }) = best.filter(is_continuation) {
                 self.choose(cell, side);
             }
         }

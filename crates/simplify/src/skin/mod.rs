@@ -20,16 +20,17 @@ use crate::number::{FollowerPlane, Input};
 use glam::DVec3;
 use lodc_mesh::{Mesh, MeshParts, NONE, PositionIds, Submesh, WedgeGroups};
 
-/// Layers are chosen anew at most this often because they did not hang together as they should.
+/// The skin is made anew at most this often because groups of the whole mesh are split in it.
+/// Chosen by hand.
 const MAX_TRIES: usize = 8;
 
 /// One layer of a mesh whose faces lie on each other in places.
 pub(crate) struct Skin {
-    /// The faces that lie on no other, and of those that lie on each other one each.
+    /// The faces that lie on no other, and one of each stack of faces that lie on each other.
     pub(crate) mesh: Mesh,
     /// The vertex of the whole mesh that each vertex is.
     pub(crate) vertices: Vec<u32>,
-    /// Faces of quadrilaterals that are divided both ways.
+    /// Faces of quadrilaterals that are divided along both diagonals.
     divided_otherwise: Vec<layers::WeightedFace>,
 }
 
@@ -86,8 +87,9 @@ impl Skin {
         Self { mesh, vertices, divided_otherwise: Vec::new() }
     }
 
-    /// Where a group of the whole mesh is several groups of the skin, only faces that follow join
-    /// them there: these stay in the skin. Returns whether there are such groups.
+    /// Finds groups of the whole mesh that are several groups of the skin, since only following
+    /// faces connect them; these faces become part of the next skin. Returns whether there are such
+    /// groups.
     fn keep_split_groups(&self, mesh: &Mesh, whole: &WedgeGroups, follows: &mut [bool]) -> bool {
         let groups = WedgeGroups::new(&self.mesh, &PositionIds::new(self.mesh.positions()));
         let mut of_whole = vec![NONE; whole.len()];
@@ -110,8 +112,9 @@ impl Skin {
         any
     }
 
-    /// The planes of the faces that lie on the skin but divide it otherwise. They are remembered as
-    /// if they were faces of it: what is flat for one layer may not be for the other.
+    /// The planes of the faces that lie on the skin but divide quadrilaterals along the other
+    /// diagonal. The quadric counts them like faces of the skin: what is flat for one layer may not
+    /// be for the other.
     pub(crate) fn planes(
         &self,
         mesh: &Mesh,
@@ -141,7 +144,7 @@ impl Skin {
         planes
     }
 
-    /// For each vertex of the skin: true if a vertex in its place, in whatever layer, is locked.
+    /// For each vertex of the skin: true if a vertex of its group, in any layer, is locked.
     pub(crate) fn locked(
         &self,
         mesh: &Mesh,
@@ -156,8 +159,8 @@ impl Skin {
         for (&group, _) in groups.of_vertex.iter().zip(locked).filter(|(_, locked)| **locked) {
             is_locked[group as usize] = true;
         }
-        let of = |&v: &u32| is_locked[groups.of_vertex[v as usize] as usize];
-        self.vertices.iter().map(of).collect()
+        let is_vertex_locked = |&v: &u32| is_locked[groups.of_vertex[v as usize] as usize];
+        self.vertices.iter().map(is_vertex_locked).collect()
     }
 }
 

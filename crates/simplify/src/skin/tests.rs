@@ -2,10 +2,10 @@ use crate::{Options, simplify};
 use lodc_fixtures::{Twin, twin};
 use lodc_mesh::{Simplified, position_key};
 
-type Place = [u32; 3];
+type PositionKey = [u32; 3];
 
 /// Where the first vertex of each legal step was, and where it went.
-fn legal_moves(simplified: &Simplified) -> Vec<(Place, Place)> {
+fn legal_moves(simplified: &Simplified) -> Vec<(PositionKey, PositionKey)> {
     let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
     let at = |v: u32| position_key(mesh.positions()[v as usize]);
     let legal = collapses.parts().last_legal_lod;

@@ -15,11 +15,13 @@ pub trait SurfaceColours: Sync {
     fn at(&self, submesh: u32, coordinates: [f32; 2], footprint: f32) -> [f32; 3];
 }
 
-/// Squares in a unit of texture coordinates, each way, and the shade of the dark ones.
+/// Squares of the checkerboard in a unit of texture coordinates, each way. Chosen by hand.
 const SQUARES: f32 = 16.0;
+/// The shade of dark squares; the others are 1. Chosen by hand.
 const DARK: f32 = 0.5;
 
-/// White surfaces; with texture coordinates everywhere a checkerboard that shows where they slip.
+/// Colours for meshes whose textures are not known: a checkerboard, on which slipping texture
+/// coordinates are seen, or white if some submesh has no texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Checkerboard {
     is_shown: bool,
@@ -47,7 +49,7 @@ impl SurfaceColours for Checkerboard {
         if !self.is_shown {
             return [1.0; 3];
         }
-        // A triangle wave is the integral of light and dark stripes.
+        // The mean over a footprint: a triangle wave is the integral of light and dark stripes.
         let width = (footprint.sqrt() * SQUARES).clamp(1e-3, 16.0);
         let wave = |x: f32| {
             let x = x * 0.5;
@@ -77,8 +79,8 @@ impl<'a> Appearance<'a> {
         Self { normals: Vec::new(), texture: Vec::new(), colours: None }
     }
 
-    /// Reads the streams that are shown: normals if every submesh with triangles has them, and for
-    /// each submesh the texture coordinates that its colours are read with.
+    /// Reads normals, if every submesh with triangles has them, and for each submesh the texture
+    /// coordinates that its colours are read with.
     pub(super) fn new(mesh: &Mesh, colours: &'a dyn SurfaceColours) -> Self {
         let stream = |submesh: u32, semantic: &Semantic| -> Option<&Attribute> {
             let found = mesh.submeshes()[submesh as usize].attributes.iter();
@@ -102,7 +104,7 @@ impl<'a> Appearance<'a> {
         let coordinates: Vec<Option<&Attribute>> = (0..mesh.submeshes().len() as u32)
             .map(|s| stream(s, &Semantic::TexCoord(colours.set(s)?)).filter(|a| a.components >= 2))
             .collect();
-        let place = |(v, &s): (u32, &u32)| {
+        let uv = |(v, &s): (u32, &u32)| {
             coordinates[s as usize].map_or([0.0; 2], |a| {
                 [0, 1].map(|c| a.value(v, c)).map(|x| if x.is_finite() { x } else { 0.0 })
             })
@@ -110,7 +112,7 @@ impl<'a> Appearance<'a> {
         Self {
             normals: if has_normals { vertices().map(normal).collect() } else { Vec::new() },
             texture: if coordinates.iter().any(Option::is_some) {
-                vertices().map(place).collect()
+                vertices().map(uv).collect()
             } else {
                 Vec::new()
             },

@@ -1,4 +1,4 @@
-//! Samples four at a time, in SIMD lanes: the values of them that pricing reads.
+//! Samples four at a time, one in each SIMD lane: the values of them that pricing reads.
 
 use super::pixel::ShadingError;
 use super::samples::Samples;
@@ -7,26 +7,29 @@ use super::vectors::{NearestPoints, Vec3x4, cosines};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
 
-/// The input is near where a sample is nearer than this many times its extent. Samples of a lattice
-/// are at most 0.7 extents from any place between them; the rest is for uneven ones.
-const NEAR: f32 = 1.5;
-/// Squared distance, in squared extents, by which a face that turns its back comes later: half an
-/// extent, so that only sheets that nearly coincide are told apart by it. Chosen by hand.
-const TURNED: f32 = 0.25;
+/// A sample covers the points that are nearer to it than this many times its extent. No point
+/// between samples of a square lattice is farther than 0.7 extents from one; the rest is a margin
+/// for uneven samples, chosen by hand.
+const COVERED_EXTENTS: f32 = 1.5;
+/// Added to the squared distance, in squared extents, of a face that turns its back to a sample:
+/// the square of half an extent, so that it decides only between sheets that nearly coincide.
+/// Chosen by hand.
+const TURNED_PENALTY: f32 = 0.25;
 
-/// Four samples of a star. Those that are missing are like the first, and weigh nothing.
+/// Up to four samples of a star. Lanes without a sample repeat the first one with weight 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SampleQuad {
-    /// Their numbers; `NONE` for those that are missing.
+    /// The numbers of the samples; `NONE` in lanes without one.
     pub(super) ids: [u32; 4],
     position: Vec3x4,
     pub(super) normal: Vec3x4,
+    /// These values are those of [`Sample`](super::samples::Sample).
     pub(super) extent: Vec4,
     pub(super) curvature: Vec4,
     pub(super) weight: Vec4,
     /// Mean squares of the channels of their colours.
     pub(super) power: Vec4,
-    /// Errors of shading where they show what they show now.
+    /// The error of shading by the normals there, with the colours that are shown now.
     pub(super) shading: ShadingError<Vec4>,
 }
 
@@ -61,36 +64,37 @@ impl SampleQuad {
         }
     }
 
-    /// The squares of how far the samples reach.
-    fn squared_reach(&self) -> Vec4 {
-        (NEAR * NEAR * self.extent * self.extent).max(Vec4::splat(f32::MIN_POSITIVE))
+    /// The squared distances up to which the samples cover points.
+    fn squared_cover_radius(&self) -> Vec4 {
+        (COVERED_EXTENTS * COVERED_EXTENTS * self.extent * self.extent)
+            .max(Vec4::splat(f32::MIN_POSITIVE))
     }
 
-    /// Returns whether a place is within the reach of a sample.
+    /// Returns whether one of the samples covers a point.
     #[inline]
-    pub(super) fn reaches(&self, place: Vec3) -> bool {
-        let away = self.position.minus(place);
-        away.dot(away).cmplt(self.squared_reach()).any()
+    pub(super) fn covers(&self, point: Vec3) -> bool {
+        let away = self.position.minus(point);
+        away.dot(away).cmplt(self.squared_cover_radius()).any()
     }
 
-    /// The squared distances of a place, divided by the squared reaches.
-    pub(super) fn reaches_away(&self, place: Vec3) -> Vec4 {
-        let away = self.position.minus(place);
-        away.dot(away) / self.squared_reach()
+    /// The squared distances of a point from the samples, as multiples of the squared distances up
+    /// to which they cover points.
+    pub(super) fn relative_distances(&self, point: Vec3) -> Vec4 {
+        let away = self.position.minus(point);
+        away.dot(away) / self.squared_cover_radius()
     }
 
-    /// The points of the moved faces that are nearest. A face that turns its back to a sample comes
-    /// after one nearly as near that does not: where faces coincide, each keeps its samples.
-    /// `likely` is the index of a face to begin with: the nearer that is, the sooner others are
-    /// ruled out.
+    /// The nearest points of the moved faces. A face that turns its back to a sample yields to one
+    /// that does not and is nearly as near, so that faces that coincide keep their samples. The
+    /// search begins with the face `likely`: the nearer it is, the sooner others are ruled out.
     fn nearest(&self, moved: &[PreparedTriangle], likely: u32) -> NearestPoints {
-        let behind = TURNED * self.extent * self.extent;
+        let penalty = TURNED_PENALTY * self.extent * self.extent;
         let mut best = Vec4::INFINITY;
         let (mut face, mut at) = (Vec4::ZERO, [Vec4::ZERO; 2]);
         let likely = likely as usize;
         for i in std::iter::once(likely).chain((0..moved.len()).filter(|&i| i != likely)) {
             let is_turned = self.normal.dot_with(moved[i].normal).cmplt(Vec4::ZERO);
-            let added = Vec4::select(is_turned, behind, Vec4::ZERO);
+            let added = Vec4::select(is_turned, penalty, Vec4::ZERO);
             let Some(found) = moved[i].nearest_to(self.position, best - added) else { continue };
             let squared = found.squared + added;
             let nearer = squared.cmplt(best);
@@ -109,8 +113,8 @@ impl SampleQuad {
     }
 }
 
-/// The samples of a star, four at a time, with their nearest points of the moved faces; none where
-/// no face is left. The search begins with the face of the sample before, which lies near.
+/// The samples of a star, four at a time, with their nearest points of the moved faces; empty if no
+/// face is left. Each search begins with the face that was nearest to the sample before.
 pub(super) fn nearest_points<'a>(
     samples: &'a [SampleQuad],
     moved: &'a [PreparedTriangle],
@@ -123,13 +127,15 @@ pub(super) fn nearest_points<'a>(
     })
 }
 
-/// Four samples of a face that keeps its place, priced by the normals that the face is shaded with.
+/// Four samples of a face that does not move, but whose shading changes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShadedQuad {
+    /// The points of the face: shares of its second and third corner.
     at: [Vec4; 2],
     normal: Vec3x4,
     weight: Vec4,
     shading: ShadingError<Vec4>,
+    /// The weighted errors by distance, which shading does not change.
     geometric: Vec4,
 }
 
@@ -156,12 +162,11 @@ impl ShadedQuad {
         }
     }
 
-    /// The sum of the four.
+    /// The energy of the four samples on a face whose corners are shaded with these normals.
     #[inline]
-    pub(super) fn energy(&self, shading: &[Vec3; 3]) -> f64 {
-        let [a, b, c] = *shading;
+    pub(super) fn energy(&self, normals: &[Vec3; 3]) -> f64 {
         let [u, v] = self.at;
-        let shown = Vec3x4::mix([a, b, c], [Vec4::ONE - u - v, u, v]);
+        let shown = Vec3x4::mix(*normals, [Vec4::ONE - u - v, u, v]);
         let shading = self.shading.error(cosines(shown, self.normal));
         sum(self.weight * shading + self.geometric)
     }

@@ -1,5 +1,6 @@
-//! The faces whose look a collapse changes: those that move, and those that share a corner with
-//! them and are shaded together.
+//! A patch: the faces whose look the collapse of a group changes. These are the faces of its star,
+//! which move, and, where normals are those of faces, the faces around them, whose shading changes.
+//! Corners at the groups next to the moving one (its *ring*) are numbered as vertices of the patch.
 
 use super::appearance::{Appearance, attribute_vertex};
 use super::lanes::{SampleQuad, ShadedQuad};
@@ -18,7 +19,7 @@ pub(super) const MAX_STAR: usize = 32;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchFace {
     pub(super) face: u32,
-    /// Its corners, as vertices of the patch; `NONE` for those that are none.
+    /// Its corners, as indices into [`Patch::ring`]; `NONE` for corners at other groups.
     corners: [u32; 3],
     pub(super) normal: Vec3,
     /// The normals that its corners are shaded with.
@@ -26,7 +27,7 @@ pub(super) struct PatchFace {
     pub(super) submesh: u32,
     /// Texture coordinates of the corners.
     pub(super) texture: [[f32; 2]; 3],
-    /// The place where its samples begin: in [`Patch::samples`] if it moves, else in
+    /// The index of its first four samples: in [`Patch::samples`] if it moves, else in
     /// [`Patch::shaded`].
     pub(super) first: u32,
 }
@@ -38,40 +39,43 @@ pub(super) struct Source<'a> {
     pub(super) wedges: &'a Wedges,
     pub(super) appearance: &'a Appearance<'a>,
     pub(super) samples: &'a Samples,
-    /// The error of each face's samples.
+    /// The energy of each face: the weighted errors of its samples.
     pub(super) energy: &'a [f64],
 }
 
 /// Buffers of one thread, and the patch that they hold.
 #[derive(Default)]
 pub(crate) struct Patch {
-    /// For each group: the epoch in which it was a vertex of the patch, and its number there.
+    /// For each group: the last epoch in which it was in `ring`, and its index there. An epoch is a
+    /// number of the present patch, so that nothing has to be cleared between two.
     vertex_of: Vec<(u32, u32)>,
-    /// For each face: the epoch in which it was in the patch.
+    /// For each face: the last epoch in which it was in the patch.
     marks: Vec<u32>,
     epoch: u32,
     /// The groups next to the one that moves.
     ring: Vec<u32>,
-    /// For each of them, the start of its range in `fixed`.
+    /// For each of them, the start of its range in `fixed`; and the end of the last.
     fixed_start: Vec<u32>,
-    /// Normals of the faces around the ring that stay.
+    /// For each group of the ring, the normals of its faces that do not move.
     fixed: Vec<Vec3>,
-    /// Faces around the star. Their shading holds the part that stays, not yet of unit length.
+    /// Faces around the star. Their shading holds the sum of the normals that do not change, not of
+    /// unit length.
     pub(super) surrounding: Vec<PatchFace>,
-    /// Faces of the star that move, and their new places.
+    /// Faces of the star that outlive the move.
     pub(super) moved: Vec<PatchFace>,
+    /// The same after the move.
     pub(super) triangles: Vec<PreparedTriangle>,
-    /// For the samples, four at a time, their nearest points of the moved faces.
+    /// For each entry of `samples` its nearest points of the moved faces.
     pub(super) nearest: Vec<NearestPoints>,
     /// Wedges of the group that moves, and those at the target that they share a face with.
     targets: Vec<(u32, u32)>,
     /// Samples of the star, in the order of its faces.
     pub(super) samples: Vec<SampleQuad>,
-    /// For each corner of the star, where the samples of its face begin in `samples`.
+    /// For each corner of the star, the index in `samples` of the first four of its face.
     first_samples: Vec<u32>,
     /// Samples of the faces around the star, in their order.
     pub(super) shaded: Vec<ShadedQuad>,
-    /// Samples of the star, as they are gathered.
+    /// Numbers of the star's samples, from which `samples` is made.
     ids: Vec<u32>,
     /// The energy of the whole patch before the move.
     pub(super) current_energy: f64,
@@ -110,7 +114,7 @@ impl Patch {
         }
     }
 
-    /// Gathers the normals that stay around the ring, and the faces that are shaded with them.
+    /// Gathers the normals around the ring that do not change, and the faces shaded with them.
     fn gather_surrounding(&mut self, source: &Source<'_>, from: u32) {
         let Source { mesh, energy, samples, .. } = *source;
         for i in 0..self.ring.len() {
@@ -143,7 +147,7 @@ impl Patch {
     fn start(&mut self, mesh: &WorkingMesh) {
         if self.marks.len() < mesh.faces.len() {
             self.marks.resize(mesh.faces.len(), 0);
-            self.vertex_of.resize(mesh.places.len(), (0, 0));
+            self.vertex_of.resize(mesh.group_positions.len(), (0, 0));
         }
         self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
             self.marks.fill(0);
@@ -160,7 +164,7 @@ impl Patch {
         self.ids.clear();
     }
 
-    /// The number of a group among the vertices of the patch; `NONE` if it is none.
+    /// The index of a group in the ring; `NONE` if it is not in it.
     fn vertex(&self, group: u32) -> u32 {
         let (epoch, vertex) = self.vertex_of[group as usize];
         if epoch == self.epoch { vertex } else { NONE }
@@ -188,7 +192,7 @@ impl Patch {
         });
     }
 
-    /// The normals around a vertex of the patch that stay.
+    /// The normals around a group of the ring that do not change.
     fn fixed_at(&self, vertex: u32) -> &[Vec3] {
         let start = &self.fixed_start[vertex as usize..];
         &self.fixed[start[0] as usize..start[1] as usize]
@@ -207,14 +211,15 @@ impl Patch {
                 continue;
             }
             let groups = groups.map(|g| if g == from { to } else { g });
-            let corners_at = groups.map(|g| mesh.places[g as usize].position);
-            let triangle = PreparedTriangle::new(corners_at);
+            let positions = groups.map(|g| mesh.group_positions[g as usize].position);
+            let triangle = PreparedTriangle::new(positions);
             let normal = triangle.normal;
             let corners = groups.map(|g| self.vertex(g));
-            let mut own = mesh.wedges(face);
-            let submesh = wedges.submesh(own[0]);
-            own[corner.at()] = self.target(wedges, own[corner.at()]);
-            let vertices = own.map(|w| attribute_vertex(wedges, w));
+            let mut face_wedges = mesh.wedges(face);
+            let submesh = wedges.submesh(face_wedges[0]);
+            let moving = &mut face_wedges[corner.at()];
+            *moving = self.target(wedges, *moving);
+            let vertices = face_wedges.map(|w| attribute_vertex(wedges, w));
             let shading = if appearance.has_normals() {
                 vertices.map(|v| appearance.normal(v))
             } else {
@@ -232,10 +237,10 @@ impl Patch {
     /// Shades the moved faces with the normals of the faces around their corners.
     fn shade_moved(&mut self) {
         for i in 0..self.moved.len() {
-            let own = self.moved[i];
-            self.moved[i].shading = own.corners.map(|vertex| {
-                let fixed = smooth(self.fixed_at(vertex).iter().copied(), own.normal);
-                (fixed + self.moving_at(vertex, own.normal)).normalize_or_zero()
+            let moved = self.moved[i];
+            self.moved[i].shading = moved.corners.map(|vertex| {
+                let fixed = smooth(self.fixed_at(vertex).iter().copied(), moved.normal);
+                (fixed + self.moving_at(vertex, moved.normal)).normalize_or_zero()
             });
         }
     }
@@ -257,8 +262,9 @@ impl Patch {
         }
     }
 
-    /// The wedge whose attributes a wedge has after the move: one that it shares a
-    /// face with, the counterpart of a wedge with the same attributes, or, for a fake, itself.
+    /// The wedge whose attributes a wedge of the moving group has after the move: one at the target
+    /// that it shares a face with, else the counterpart of a wedge with the same attributes. Else
+    /// it becomes a fake and keeps its own.
     fn target(&self, wedges: &Wedges, wedge: u32) -> u32 {
         let class = wedges.class(wedge);
         let same = self.targets.iter().find(|t| t.0 == wedge);
@@ -266,9 +272,11 @@ impl Patch {
         same.or_else(alike).map_or(wedge, |t| t.1)
     }
 
-    /// The sum of the normals of moved faces at a vertex that are shaded together with `own`.
-    fn moving_at(&self, vertex: u32, own: Vec3) -> Vec3 {
-        smooth(self.moved.iter().filter(|f| f.corners.contains(&vertex)).map(|f| f.normal), own)
+    /// The sum of the normals of moved faces at a vertex that are shaded together with a face of
+    /// this normal.
+    fn moving_at(&self, vertex: u32, normal: Vec3) -> Vec3 {
+        let faces = self.moved.iter().filter(|f| f.corners.contains(&vertex));
+        smooth(faces.map(|f| f.normal), normal)
     }
 
     /// The normals that a face around the star is shaded with after the move.
@@ -280,7 +288,8 @@ impl Patch {
     }
 }
 
-/// The sum of the normals that are shaded together with `own`.
-fn smooth(normals: impl Iterator<Item = Vec3>, own: Vec3) -> Vec3 {
-    normals.filter(|n| n.dot(own) > CREASE).sum()
+/// The sum of those normals that are shaded together with a face of the normal `around`: within 60°
+/// of it.
+fn smooth(normals: impl Iterator<Item = Vec3>, around: Vec3) -> Vec3 {
+    normals.filter(|n| n.dot(around) > CREASE).sum()
 }

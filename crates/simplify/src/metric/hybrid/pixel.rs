@@ -5,41 +5,50 @@ use glam::Vec4;
 
 /// Ambient light relative to the lamp at the camera: 0.15 / 0.85.
 const AMBIENT: f32 = 0.176_470_6;
-/// The largest error of a place in white: it shows the background. The mean of (0.15 + 0.85 cos)²
+/// The largest error of a white point: it shows the background. The mean of (0.15 + 0.85 cos)²
 /// over all views that see it, in the unit of [`ShadingError`].
 const MAX_SHADING: f32 = 4.0 * AMBIENT * AMBIENT + 16.0 / 3.0 * AMBIENT + 2.0;
-/// Error of a place that nothing covers. Less than [`MAX_SHADING`] (3.07), since most often another
-/// part of the surface is behind it. Chosen by image errors; the figures are not kept.
+/// Error of a point that no face covers any more. It is less than [`MAX_SHADING`] (3.07), since
+/// most often another part of the surface is behind it. Chosen by image errors; the figures
+/// were not kept.
 pub(super) const UNCOVERED: f32 = 1.5;
-/// The largest error by distance and cover: a pixel can be no more than wrong.
+/// The largest error by distance and cover, about that of a pixel that shows something else
+/// ([`MAX_SHADING`]). Chosen by hand.
 pub(super) const MAX_GEOMETRY: f32 = 3.0;
 
-/// The error of shading a place as a function of the cosine between the normals: the mean of
-/// ((a + l n·v) c − (a + l n'·v) c')² over all views v that see the place, weighted by its
-/// projected area, with a = 0.15 and l = 0.85 the light. In units of l²/4, so that equal white
-/// colours with normals that differ by a small d give d². One number, or four in lanes.
+/// The error of shading a point as a function of the cosine between two normals: the mean of
+///
+/// ```text
+/// ((a + l n·v) c − (a + l n'·v) c')²
+/// ```
+///
+/// over all views v that see the point, weighted by its projected area. n and c are the normal and
+/// the colour of the input, n' and c' those that are shown; a = 0.15 is the ambient light and
+/// l = 0.85 the lamp at the camera. The unit is l²/4, so that equal white colours with normals that
+/// differ by a small d give d². `T` is one number, or four in lanes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ShadingError<T = f32> {
-    /// Coefficients of the powers of one minus the cosine.
+    /// Coefficients of the powers 0, 1 and 2 of one minus the cosine.
     coefficients: [T; 3],
-    most: T,
+    /// The largest error, whatever the cosine.
+    limit: T,
 }
 
 impl ShadingError {
-    /// That of a place that shows its own colour, whose channels have this mean square.
+    /// The error of a point that shows its own colour, whose channels have this mean square.
     pub(super) fn of_own_colour(power: f32) -> Self {
-        Self { coefficients: [0.0, 2.0 * power, power], most: MAX_SHADING * power }
+        Self { coefficients: [0.0, 2.0 * power, power], limit: MAX_SHADING * power }
     }
 }
 
 impl ShadingError<[f32; 4]> {
-    /// Sets one of four.
+    /// Sets the error of lane `i`.
     #[inline]
     pub(super) fn set(&mut self, i: usize, one: &ShadingError) {
         for k in 0..3 {
             self.coefficients[k][i] = one.coefficients[k];
         }
-        self.most[i] = one.most;
+        self.limit[i] = one.limit;
     }
 
     /// The four in lanes.
@@ -48,30 +57,31 @@ impl ShadingError<[f32; 4]> {
         let [constant, linear, square] = self.coefficients;
         ShadingError {
             coefficients: [constant.into(), linear.into(), square.into()],
-            most: self.most.into(),
+            limit: self.limit.into(),
         }
     }
 }
 
 impl ShadingError<Vec4> {
-    /// Those of places of four colours that show four others. To them comes an error that does not
-    /// depend on normals.
-    pub(super) fn of_colours(was: Vec3x4, now: Vec3x4, more: Vec4) -> Self {
+    /// The errors of four points of colours `was` that show the colours `now`; `extra` is added,
+    /// whatever the normals.
+    pub(super) fn of_colours(was: Vec3x4, now: Vec3x4, extra: Vec4) -> Self {
         const CONSTANT: f32 = 2.0 + 4.0 * AMBIENT * AMBIENT + 16.0 / 3.0 * AMBIENT;
         let apart = was.minus_each(now);
-        let (cc, dd, cd) = (was.dot(was), now.dot(now), was.dot(now));
-        let linear = cd * 4.0 - dd * 2.0 + (cd - dd) * (16.0 / 3.0 * AMBIENT);
-        let coefficients = [apart.dot(apart) * CONSTANT, linear, dd].map(|c| c / 3.0);
+        let (was_squared, now_squared, was_now) = (was.dot(was), now.dot(now), was.dot(now));
+        let linear =
+            was_now * 4.0 - now_squared * 2.0 + (was_now - now_squared) * (16.0 / 3.0 * AMBIENT);
+        let coefficients = [apart.dot(apart) * CONSTANT, linear, now_squared].map(|c| c / 3.0);
         let [constant, linear, square] = coefficients;
         Self {
-            coefficients: [constant + more, linear, square],
-            most: cc.max(dd) * (MAX_SHADING / 3.0),
+            coefficients: [constant + extra, linear, square],
+            limit: was_squared.max(now_squared) * (MAX_SHADING / 3.0),
         }
     }
 
     /// One of the four.
     pub(super) fn one(&self, i: usize) -> ShadingError {
-        ShadingError { coefficients: self.coefficients.map(|c| c[i]), most: self.most[i] }
+        ShadingError { coefficients: self.coefficients.map(|c| c[i]), limit: self.limit[i] }
     }
 
     /// The errors for the cosines between the normals.
@@ -79,7 +89,7 @@ impl ShadingError<Vec4> {
     pub(super) fn error(&self, cosine: Vec4) -> Vec4 {
         let turned = Vec4::ONE - cosine;
         let [constant, linear, square] = self.coefficients;
-        (constant + turned * (linear + turned * square)).max(Vec4::ZERO).min(self.most)
+        (constant + turned * (linear + turned * square)).max(Vec4::ZERO).min(self.limit)
     }
 }
 

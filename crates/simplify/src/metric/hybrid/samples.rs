@@ -1,4 +1,5 @@
-//! Samples of the input's surface, each kept with the current face nearest to it.
+//! Samples of the input's surface. Each is in the list of the current face nearest to it; a list is
+//! linked by indices.
 
 use super::appearance::{Appearance, Colour, attribute_vertex};
 use super::pixel::ShadingError;
@@ -15,8 +16,7 @@ pub(super) const CREASE: f32 = 0.5;
 /// limit of 16, webs between the rods of a wire chair went unseen.
 const MAX_SAMPLES_PER_FACE: usize = 64;
 /// Normals are averaged over at most this many faces, so that vertices of many faces take no
-/// quadratic time. Chosen
-/// by hand: more than nearly any star has.
+/// quadratic time. Chosen by hand: more than nearly any star has.
 pub(super) const MAX_AVERAGED: usize = 64;
 
 /// A point of the input's surface.
@@ -26,18 +26,19 @@ pub(super) struct Sample {
     pub(super) position: Vec3,
     /// The unit normal that the input is shaded with there.
     pub(super) normal: Vec3,
-    /// The colour of the input there, and the mean square of its channels.
+    /// The colour of the input there.
     pub(super) colour: Colour,
+    /// The mean square of the colour's channels.
     pub(super) power: f32,
-    /// Error of showing the colour of its current face at `at` in place of its own.
+    /// Error of showing the colour of its current face at `at` instead of its own.
     pub(super) shading: ShadingError,
     /// Mean convex curvature of the input there: the inverse of a radius in working units.
     pub(super) curvature: f32,
-    /// The area of texture space that a pixel covers there.
+    /// The area of texture space that a pixel covers there; 0 without texture coordinates.
     pub(super) footprint: f32,
     /// Texture coordinates there.
     pub(super) texture: [f32; 2],
-    /// The area of the input that it stands for, in squared working units, times its visible share.
+    /// The area of the input that it represents, in squared working units, times its visible share.
     pub(super) weight: f32,
     /// Its nearest point on its current face: shares of the second and third corner.
     pub(super) at: [f32; 2],
@@ -45,46 +46,48 @@ pub(super) struct Sample {
     pub(super) geometric: f32,
     /// The size of its piece of the input: the square root of the area.
     pub(super) extent: f32,
+    /// The next sample in the list of its face; `NONE` at the end.
     next: u32,
 }
 
 /// All samples, in lists by face.
 pub(super) struct Samples {
     all: Vec<Sample>,
+    /// The first sample of each face; `NONE` without any.
     first: Vec<u32>,
-    /// The energy of the part of each face that lies where the input has nothing. Energies are
-    /// squared errors times areas.
+    /// The energy of the part of each face that lies where the input has nothing.
     spurious: Vec<f32>,
     /// The number of faces at which the samples were last put in the order of their faces.
     sorted_at: u32,
 }
 
 impl Samples {
-    /// Samples of each face of the input: one in its middle, more on faces that are larger than the
-    /// mean, about `enough` on a mesh of fewer faces. `pixel` is the area of a pixel in squared
-    /// working units.
+    /// Samples each face of the input: with one sample in its middle, or more if it is larger than
+    /// the mean. A mesh of fewer than `least` faces gets about `least` samples in all. `pixel_area`
+    /// is in squared working units.
     pub(super) fn new(
         mesh: &WorkingMesh,
         wedges: &Wedges,
         appearance: &Appearance<'_>,
-        pixel: f32,
-        enough: u32,
+        pixel_area: f32,
+        least: u32,
     ) -> Self {
         let total: f64 = (0..mesh.faces.len() as u32).map(|f| f64::from(mesh.facet(f).area)).sum();
         let faces = mesh.faces.len().max(1) as f64;
-        let mean = (total / faces.max(f64::from(enough))) as f32;
-        let normals: Vec<Vec3> = (0..mesh.places.len() as u32)
+        let sample_area = (total / faces.max(f64::from(least))) as f32;
+        let normals: Vec<Vec3> = (0..mesh.group_positions.len() as u32)
             .into_par_iter()
             .with_min_len(1024)
             .map(|g| area_normal(mesh, g))
             .collect();
-        let sampled = SampledSurface { mesh, wedges, appearance, area_normals: &normals, pixel };
+        let area_normals = &normals[..];
+        let sampled = SampledSurface { mesh, wedges, appearance, area_normals, pixel_area };
         let lists: Vec<Vec<Sample>> = (0..mesh.faces.len() as u32)
             .into_par_iter()
             .with_min_len(1024)
             .map(|face| {
                 let area = mesh.facet(face).area;
-                let count = if mean > 0.0 { (area / mean) as usize } else { 1 };
+                let count = if sample_area > 0.0 { (area / sample_area) as usize } else { 1 };
                 let count = count.clamp(1, MAX_SAMPLES_PER_FACE);
                 sampled.samples(face, count)
             })
@@ -105,8 +108,8 @@ impl Samples {
         Self { all, spurious: vec![0.0; first.len()], first, sorted_at }
     }
 
-    /// Puts the samples in the order of the faces that have them, and forgets the others, each time
-    /// that half of the faces are gone: lists that lie together are read faster.
+    /// Whenever half of the faces are gone, puts the samples in the order of the faces that have
+    /// them and drops those that no face has: lists that are contiguous are read faster.
     pub(super) fn sort(&mut self, mesh: &WorkingMesh) {
         if mesh.live_faces > self.sorted_at / 2 {
             return;
@@ -135,7 +138,7 @@ impl Samples {
         mesh: &WorkingMesh,
         factor: impl Fn(Vec3, Vec3) -> f32 + Sync,
     ) {
-        // Samples still lie face by face.
+        // Samples are still in the order of their faces.
         let first = &self.first;
         self.all.par_iter_mut().enumerate().with_min_len(1024).for_each(|(i, s)| {
             let face = first.partition_point(|&start| start as usize <= i) - 1;
@@ -173,12 +176,13 @@ impl Samples {
         self.spurious[face as usize] = spurious;
     }
 
-    /// Takes all samples from a face.
+    /// Empties the list of a face.
     pub(super) fn clear(&mut self, face: u32) {
         self.first[face as usize] = NONE;
     }
 
-    /// Gives a sample to a face, with its weighted error by distance and what it shows now.
+    /// Gives a sample to a face, at shares of its second and third corner, with its weighted error
+    /// by distance and its error by shading.
     pub(super) fn put(
         &mut self,
         sample: u32,
@@ -192,8 +196,7 @@ impl Samples {
         (s.at, s.geometric, s.shading, s.next) = (at, geometric, shading, next);
     }
 
-    /// Drops every other sample of a face that has too many. Those that stay take over the weight
-    /// of those that go.
+    /// Drops every other sample of a face that has too many. The others take over their weight.
     pub(super) fn thin(&mut self, face: u32) {
         if self.of(face).count() <= MAX_SAMPLES_PER_FACE {
             return;
@@ -219,21 +222,21 @@ impl Samples {
     }
 }
 
-/// The surface of the input, as samples of it are taken.
+/// The surface of the input while it is sampled.
 struct SampledSurface<'a> {
     mesh: &'a WorkingMesh,
     wedges: &'a Wedges,
     appearance: &'a Appearance<'a>,
     /// The mean normal around each group, by area.
     area_normals: &'a [Vec3],
-    /// The area of a pixel in squared working units.
-    pixel: f32,
+    /// In squared working units.
+    pixel_area: f32,
 }
 
 impl SampledSurface<'_> {
     /// `count` samples of one face.
     fn samples(&self, face: u32, count: usize) -> Vec<Sample> {
-        let Self { mesh, wedges, appearance, area_normals, pixel } = *self;
+        let Self { mesh, wedges, appearance, area_normals, pixel_area } = *self;
         let f = &mesh.faces[face as usize];
         let facet = mesh.facet(face);
         let corners = mesh.wedges(face);
@@ -249,19 +252,19 @@ impl SampledSurface<'_> {
         } else {
             f.groups.map(smooth_normal)
         };
-        let p = f.groups.map(|g| mesh.position(g).as_vec3());
-        let curvature = convex_curvature(f.groups.map(|g| area_normals[g as usize]), &p);
-        let places = vertices.map(|v| appearance.coordinates(v));
-        let [b, c] = [1, 2].map(|i| [0, 1].map(|k| places[i][k] - places[0][k]));
-        let in_texture = 0.5 * (b[0] * c[1] - b[1] * c[0]).abs();
-        let footprint = if facet.area > 0.0 { in_texture / facet.area * pixel } else { 0.0 };
+        let positions = f.groups.map(|g| mesh.position(g).as_vec3());
+        let curvature = convex_curvature(f.groups.map(|g| area_normals[g as usize]), &positions);
+        let uv = vertices.map(|v| appearance.coordinates(v));
+        let [b, c] = [1, 2].map(|i| [0, 1].map(|k| uv[i][k] - uv[0][k]));
+        let uv_area = 0.5 * (b[0] * c[1] - b[1] * c[0]).abs();
+        let footprint = if facet.area > 0.0 { uv_area / facet.area * pixel_area } else { 0.0 };
         (0..count)
             .map(|i| {
-                let at = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
-                let texture = mix_coordinates(&places, at);
+                let at = if count == 1 { [1.0 / 3.0; 2] } else { spread(i, count) };
+                let texture = mix_coordinates(&uv, at);
                 let colour = appearance.colour(submesh, texture, footprint);
                 Sample {
-                    position: mix(&p, at),
+                    position: mix(&positions, at),
                     normal: mix(&normals, at).normalize_or_zero(),
                     colour,
                     power: colour.power(),
@@ -286,8 +289,8 @@ fn area_normal(mesh: &WorkingMesh, group: u32) -> Vec3 {
     faces.map(|f| f.normal * f.area).sum::<Vec3>().normalize_or_zero()
 }
 
-/// The mean curvature along a face's edges where they bulge outwards: the difference of the normals
-/// at their ends, per length.
+/// The mean curvature along a face's edges, as inverse of a radius: the difference of the normals
+/// at their ends per length, 0 for edges that do not bulge outwards.
 fn convex_curvature(normals: [Vec3; 3], p: &[Vec3; 3]) -> f32 {
     let along = |i: usize, j: usize| {
         let edge = p[j] - p[i];
@@ -297,19 +300,19 @@ fn convex_curvature(normals: [Vec3; 3], p: &[Vec3; 3]) -> f32 {
     (along(0, 1) + along(1, 2) + along(2, 0)) / 3.0
 }
 
-/// Values at shares of the second and third corner.
+/// The value at shares of the second and third corner.
 pub(super) fn mix(corners: &[Vec3; 3], [u, v]: [f32; 2]) -> Vec3 {
     corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v
 }
 
-/// Texture coordinates there.
+/// Texture coordinates at shares of the second and third corner.
 pub(super) fn mix_coordinates(corners: &[[f32; 2]; 3], [u, v]: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| corners[0][k] * (1.0 - u - v) + corners[1][k] * u + corners[2][k] * v)
 }
 
-/// The `i`-th of `count` places spread over a triangle, as shares of its second and third corner:
-/// evenly by area along one way, by the golden ratio along the other.
-fn place(i: usize, count: usize) -> [f32; 2] {
+/// The `i`-th of `count` points spread over a triangle, as shares of its second and third corner:
+/// evenly by area away from the first corner, by the golden ratio across.
+fn spread(i: usize, count: usize) -> [f32; 2] {
     let u = (i as f32 + 0.5) / count as f32;
     let v = (0.5 + i as f32 * 0.618_034).fract();
     let r = u.sqrt();

@@ -151,7 +151,7 @@ fn bled(simplified: &Simplified, triangles: u32, texture: &dyn Fn([f32; 3]) -> f
             }
         }
     }
-    assert!(all > 2400, "only {all} places are covered");
+    assert!(all > 2400, "only {all} points are covered");
     wrong as f32 / all as f32
 }
 

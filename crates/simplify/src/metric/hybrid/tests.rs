@@ -114,7 +114,7 @@ fn a_commit_costs_what_the_look_said() {
         metric.toggle(&working, true);
         let mut random = shapes::Rng::new(5);
         for _ in 0..60 {
-            let from = random.below(working.places.len()) as u32;
+            let from = random.below(working.group_positions.len()) as u32;
             let Some(&corner) = working.star(from).first() else { continue };
             let to = working.others(corner)[random.below(2)];
             let mut candidates = [(0.0, to)];

@@ -4,8 +4,8 @@ use super::vectors::Vec3x4;
 use glam::{BVec4A, Vec3, Vec4};
 
 /// Triangles whose height is at most this share of their longest edge are taken for segments:
-/// places in them would be lost in rounding. Chosen by hand, some thousand times the rounding of an
-/// edge.
+/// points in them would be lost in rounding. Chosen by hand, some thousand times the rounding error
+/// of an edge.
 const THIN: f32 = 1e-3;
 
 /// A triangle prepared for nearest-point queries.
@@ -17,9 +17,10 @@ pub(super) struct PreparedTriangle {
     pub(super) normal: Vec3,
     /// The dual basis of the edges; zero if the triangle is thin.
     dual: [Vec3; 2],
-    /// How far the second, the third and the first corner lie from the edge opposite.
+    /// The distances of the second, the third and the first corner from the edges opposite to them.
     heights: [f32; 3],
-    /// Inverse squared lengths of the edges from the origin and of the third; zero for points.
+    /// Inverse squared lengths of the two edges from the first corner and of the third edge; zero
+    /// for edges without length.
     inverse: [f32; 3],
 }
 
@@ -80,7 +81,7 @@ impl PreparedTriangle {
             let w = Vec4::ONE - u - v;
             let above = r.dot_with(self.normal);
             best.squared = above * above;
-            // How far outside of one of the edges at least, in the plane.
+            // A lower bound of the distance in the plane: from the edge that is farthest inside.
             let [of_u, of_v, of_w] = self.heights;
             let outside = (u * -of_u).max(v * -of_v).max(w * -of_w).max(Vec4::ZERO);
             if !(best.squared + outside * outside).cmplt(limits).any() {

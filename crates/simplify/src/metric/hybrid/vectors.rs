@@ -54,7 +54,7 @@ impl Vec3x4 {
         Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
     }
 
-    /// The differences from two vectors, each times a factor of its own in every lane.
+    /// The differences from `a u + b v`, with factors for each lane.
     #[inline]
     pub(super) fn minus_span(self, [a, b]: [Vec3; 2], [u, v]: [Vec4; 2]) -> Self {
         Self {
@@ -78,7 +78,8 @@ pub(super) struct NearestPoints {
     pub(super) squared: Vec4,
 }
 
-/// The cosines between normals, which need no unit length, and unit normals.
+/// The cosines between the normals `shown`, of any length, and unit normals; one half where `shown`
+/// is zero.
 #[inline]
 pub(super) fn cosines(shown: Vec3x4, normal: Vec3x4) -> Vec4 {
     let squared = shown.dot(shown);

@@ -8,9 +8,9 @@ use lodc_raster::{Camera, SUBPIXELS, Window, scan};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
-/// Pixels across the pictures that say what is hidden: so many that a face has 20 in a full one,
-/// within limits. Not tuned.
+/// Limits of the width, in pixels, of the pictures that say what is hidden. Chosen by hand.
 const SIZES: RangeInclusive<u32> = 64..=512;
+/// Pixels of a picture for each face of the mesh, within those limits. Chosen by hand.
 const PIXELS_PER_FACE: u32 = 20;
 /// A sample is visible if it is at most this far behind the nearest surface around it, in the depth
 /// unit of cameras: half a pixel. So faces that coincide do not hide each other.
@@ -57,19 +57,19 @@ fn depths(mesh: &WorkingMesh, camera: &Camera) -> Vec<i32> {
     depths
 }
 
-/// The greatest depth at every pixel and those around it: what slopes is not taken for hidden by
-/// its own neighbourhood.
+/// The greatest depth at every pixel and the eight around it, so that a sloping surface is not
+/// taken for hidden by its own neighbourhood.
 fn farthest_around(depths: &[i32], size: u32) -> Vec<i32> {
     let size = size as usize;
     let around = |pixel: usize, step: usize, at: usize, source: &[i32]| {
-        let mut most = source[pixel];
+        let mut farthest = source[pixel];
         if at > 0 {
-            most = most.max(source[pixel - step]);
+            farthest = farthest.max(source[pixel - step]);
         }
         if at + 1 < size {
-            most = most.max(source[pixel + step]);
+            farthest = farthest.max(source[pixel + step]);
         }
-        most
+        farthest
     };
     let rows: Vec<i32> = (0..depths.len()).map(|i| around(i, 1, i % size, depths)).collect();
     (0..depths.len()).map(|i| around(i, size, i / size, &rows)).collect()

@@ -1,4 +1,5 @@
 //! What a collapse would change in a picture, found by drawing only the faces that it would move.
+//! An *item* is what a pixel shows: a face, or the background.
 
 use super::view::View;
 use crate::cut::{Corner, WorkingMesh};
@@ -7,22 +8,25 @@ use lodc_raster::{Fragment, Window};
 /// Buffers of one thread.
 #[derive(Default)]
 pub(crate) struct ViewScratch {
-    /// For each face: the epoch in which it was in the star that moves.
+    /// For each face: the last epoch in which it was in the star that moves.
     marks: Vec<u32>,
+    /// The number of the present star, so that marks need not be cleared.
     epoch: u32,
-    /// For each pixel of the window: the front fragment without the star, and the nearest fragment
-    /// of the moved star in front of it.
+    /// For each pixel of the window: the front fragment without the star.
     base: Vec<Fragment>,
+    /// For each pixel of the window: the nearest fragment of the moved star in front of `base`.
     moved: Vec<Fragment>,
     /// Pixels of the window where the star is seen, and which face of it.
     star_seen: Vec<(u32, u32)>,
     /// Pixels of the window where the moved star is.
     covered: Vec<u32>,
-    /// For each item that changes: by how many pixels.
+    /// For each face, and last for the background: the pixels that it gains.
     pub(super) change: Vec<i32>,
+    /// The items with an entry in `change`, some of them twice.
     pub(super) changed: Vec<u32>,
     /// Logarithms of the areas in space of the moved star, candidate by candidate.
-    pub(super) areas: Vec<f64>,
+    pub(super) log_areas: Vec<f64>,
+    /// What all pictures say that each candidate costs.
     pub(super) seen: Vec<f64>,
 }
 
@@ -31,7 +35,7 @@ impl ViewScratch {
     pub(super) fn prepare(&mut self, faces: usize, star: &[Corner]) {
         if self.marks.len() < faces {
             self.marks.resize(faces, 0);
-            // The last place is the background's.
+            // The last entry is the background's.
             self.change.resize(faces + 1, 0);
         }
         self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
@@ -85,7 +89,7 @@ impl ViewScratch {
             let groups = groups.map(|g| if g == from { to } else { g });
             view.cover(groups, corner.face(), window, |column, row, fragment| {
                 let at = (row - window.top) * width + column - window.left;
-                // What stays behind something else is as good as not there.
+                // What stays behind something else is not seen.
                 if fragment < base[at as usize] {
                     let nearest = &mut moved[at as usize];
                     if *nearest == Fragment::NOTHING {

@@ -9,6 +9,8 @@
 //!
 //! Faces smaller than pixels leave nothing to count: as long as there is more than one
 //! face for every eight pixels covered (all views together), the quadric alone decides.
+//!
+//! An *item* is what a pixel shows: a face, or the background.
 
 mod candidate_view;
 mod score;
@@ -39,11 +41,13 @@ const MIN_SIZE: u32 = 48;
 /// The most faces times candidates that are drawn for a group, the geometrically cheapest
 /// candidates first: a bound on its time, chosen by hand.
 const MAX_FACES_VIEWED: usize = 64;
-/// The most candidates of a group that are drawn: all that most groups have.
+/// The most candidates of a group that are drawn: all of most groups. Chosen by hand.
 const MAX_CANDIDATES: usize = 8;
-/// Weight of geometry beside what is seen: small enough to decide only where nothing seen changes.
+/// Weight of geometry beside what is seen, small enough to decide only where nothing seen changes.
+/// Chosen by hand.
 const GEOMETRY_WEIGHT: f64 = 1e-6;
 
+/// The state of a viewpoint metric.
 pub(crate) struct VisualMetric {
     score: Score,
     cameras: Vec<Camera>,
@@ -51,11 +55,12 @@ pub(crate) struct VisualMetric {
     views: Vec<View>,
     table: Table,
     /// Logarithm of each face's area in space.
-    areas: Vec<f64>,
-    /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of each view.
+    log_areas: Vec<f64>,
+    /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of each view, over faces of `aᵢ` pixels and area `Aᵢ` in space.
     divergences: Vec<f64>,
-    /// The largest number of faces with which pictures decide.
-    limit: u64,
+    /// Pictures decide once there are no more faces than this.
+    face_limit: u64,
+    /// True once the legal phase is over.
     is_finished: bool,
 }
 
@@ -70,9 +75,9 @@ impl VisualMetric {
             cameras,
             views: Vec::new(),
             table: Table::new((size * size) as usize),
-            areas: Vec::new(),
+            log_areas: Vec::new(),
             divergences: Vec::new(),
-            limit: covered / PIXELS_PER_FACE,
+            face_limit: covered / PIXELS_PER_FACE,
             is_finished: false,
         }
     }
@@ -80,18 +85,20 @@ impl VisualMetric {
     fn start(&mut self, mesh: &WorkingMesh) {
         self.views = self.cameras.par_iter().map(|camera| View::new(mesh, camera)).collect();
         if self.score == Score::Divergence {
-            self.areas = mesh.faces.par_iter().map(|f| log_area(mesh.area_of(f.groups))).collect();
+            self.log_areas =
+                mesh.faces.par_iter().map(|f| log_area(mesh.area_of(f.groups))).collect();
             self.divergences = self.views.iter().map(|view| self.divergence(mesh, view)).collect();
         }
     }
 
     /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of a view.
     fn divergence(&self, mesh: &WorkingMesh, view: &View) -> f64 {
-        mesh.live().map(|face| self.term(view.area(face), self.areas[face as usize])).sum()
+        mesh.live().map(|face| self.term(view.area(face), self.log_areas[face as usize])).sum()
     }
 
-    fn term(&self, pixels: u32, area: f64) -> f64 {
-        self.table.at(pixels) - f64::from(pixels) * area
+    /// One face's part of that sum.
+    fn term(&self, pixels: u32, log_area: f64) -> f64 {
+        self.table.at(pixels) - f64::from(pixels) * log_area
     }
 
     /// Updates every view for a collapse that is about to happen.
@@ -105,7 +112,7 @@ impl VisualMetric {
         }
         let star = mesh.star(from);
         let new: Vec<f64> = areas_after(mesh, from, to).collect();
-        let (table, areas) = (&self.table, &self.areas);
+        let (table, areas) = (&self.table, &self.log_areas);
         self.views.par_iter_mut().zip(&mut self.divergences).with_min_len(10).for_each(
             |(view, sum)| {
                 view.collapse(mesh, from, to, |item, before, after| {
@@ -121,7 +128,7 @@ impl VisualMetric {
             },
         );
         for (corner, new) in star.iter().zip(new) {
-            self.areas[corner.face() as usize] = new;
+            self.log_areas[corner.face() as usize] = new;
         }
     }
 
@@ -137,7 +144,7 @@ impl VisualMetric {
         sum.abs() / f64::from(view.pixels())
     }
 
-    /// `|KL' − KL|` of one view; `now` is its sum.
+    /// `|KL' − KL|` of one view for candidate `i`; `now` is the view's sum before the collapse.
     fn divergence_change(
         &self,
         view: &View,
@@ -149,16 +156,16 @@ impl VisualMetric {
         let background = scratch.change.len() - 1;
         let uncovered = std::mem::take(&mut scratch.change[background]);
         let mut sum = now;
-        for (corner, &area) in star.iter().zip(&scratch.areas[i * star.len()..]) {
+        for (corner, &area) in star.iter().zip(&scratch.log_areas[i * star.len()..]) {
             let face = corner.face() as usize;
             let pixels = view.area(corner.face());
             let by = std::mem::take(&mut scratch.change[face]);
             sum += self.term(pixels.wrapping_add_signed(by), area)
-                - self.term(pixels, self.areas[face]);
+                - self.term(pixels, self.log_areas[face]);
         }
         for &item in scratch.changed.iter().filter(|&&item| item != BACKGROUND) {
             let by = std::mem::take(&mut scratch.change[item as usize]);
-            let (pixels, area) = (view.area(item), self.areas[item as usize]);
+            let (pixels, area) = (view.area(item), self.log_areas[item as usize]);
             sum += self.term(pixels.wrapping_add_signed(by), area) - self.term(pixels, area);
         }
         let covered = view.pixels() - view.area(BACKGROUND);
@@ -195,7 +202,7 @@ fn areas_after(mesh: &WorkingMesh, from: u32, to: u32) -> impl Iterator<Item = f
     })
 }
 
-/// The part of a divergence that changes.
+/// A view's divergence, given its sum and its covered pixels, without the constant `log₂ A`.
 fn divergence(sum: f64, covered: u32, table: &Table) -> f64 {
     if covered == 0 { 0.0 } else { (sum - table.at(covered)) / f64::from(covered) }
 }
@@ -215,7 +222,7 @@ impl Reprice for VisualMetric {
     }
 
     fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
-        !self.is_active() && !self.is_finished && u64::from(mesh.live_faces) <= self.limit
+        !self.is_active() && !self.is_finished && u64::from(mesh.live_faces) <= self.face_limit
     }
 
     fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
@@ -246,9 +253,9 @@ impl Reprice for VisualMetric {
         scratch.seen.clear();
         scratch.seen.resize(priced.len(), 0.0);
         if self.score == Score::Divergence {
-            scratch.areas.clear();
+            scratch.log_areas.clear();
             for &(_, to) in priced.iter() {
-                scratch.areas.extend(areas_after(mesh, from, to));
+                scratch.log_areas.extend(areas_after(mesh, from, to));
             }
         }
         for (v, view) in self.views.iter().enumerate() {

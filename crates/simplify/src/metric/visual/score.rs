@@ -1,10 +1,10 @@
 //! Scores of a mesh in a picture, one number per view, from the pixels that each face covers.
 //!
 //! Viewpoint entropy (Vázquez et al. 2001): `H = log₂ N − (1/N) Σ f(aᵢ)` with `f(a) = a log₂ a`
-//! over all faces and the background, `N` pixels in all. Kullback–Leibler divergence of what is
-//! seen from what is there (Castelló et al.): `KL = (1/a) Σ aᵢ log₂(aᵢ/Aᵢ) − log₂ a + log₂ A`, with
-//! the areas `Aᵢ` in space, the background left out. Both change by a sum over the faces that
-//! change.
+//! over all faces and the background: item `i` covers `aᵢ` of `N` pixels. Kullback–Leibler
+//! divergence of visible areas from areas in space (Castelló et al.): `KL = (1/a) Σ aᵢ log₂(aᵢ/Aᵢ)
+//! − log₂ a + log₂ A` over all faces, where face `i` has the area `Aᵢ` in space, and `a` and `A`
+//! are the sums. Both change by a sum over the faces that change.
 
 /// The kind of score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +47,7 @@ fn log2(x: f64) -> f64 {
     f64::from(exponent) + 2.0 * t * series * std::f64::consts::LOG2_E
 }
 
-/// Binary logarithm of an area, which may be nothing.
+/// Binary logarithm of an area; areas below 1e-30, zero among them, count as that.
 pub(super) fn log_area(area: f64) -> f64 {
     log2(area.max(1e-30))
 }

@@ -31,7 +31,7 @@ fn check(metric: &VisualMetric, mesh: &WorkingMesh, what: &str) {
     }
     for face in mesh.live().filter(|_| metric.score == Score::Divergence) {
         let fresh = log_area(mesh.area_of(mesh.faces[face as usize].groups));
-        assert_eq!(metric.areas[face as usize].to_bits(), fresh.to_bits(), "{what}");
+        assert_eq!(metric.log_areas[face as usize].to_bits(), fresh.to_bits(), "{what}");
     }
 }
 
@@ -47,7 +47,7 @@ fn collapse_at_random(mesh: &Mesh, seed: u64, score: Score, what: &str) {
     let mut marks = Marks::default();
     let mut commits = 0;
     while working.live_faces > 0 && commits < 300 {
-        let from = random.below(working.places.len()) as u32;
+        let from = random.below(working.group_positions.len()) as u32;
         let Some(&corner) = working.star(from).first() else { continue };
         let to = working.others(corner)[random.below(2)];
         metric.collapsed(&working, &wedges, from, to);
@@ -119,7 +119,7 @@ fn a_look_says_what_a_collapse_changes() {
             metric.start(&working);
             let before: Vec<f64> =
                 metric.cameras.iter().map(|c| score_of(&working, c, score)).collect();
-            for from in (0..working.places.len() as u32).step_by(17) {
+            for from in (0..working.group_positions.len() as u32).step_by(17) {
                 let Some(&corner) = working.star(from).first() else { continue };
                 let mut candidates = working.others(corner).map(|to| (0.0, to));
                 metric.reprice(

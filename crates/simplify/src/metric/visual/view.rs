@@ -17,7 +17,7 @@ pub(super) struct View {
     layers: Layers,
     size: u32,
     /// Number of pixels of each face.
-    area: Vec<u32>,
+    face_pixels: Vec<u32>,
     /// Number of background pixels.
     background: u32,
     /// A buffer for the front items of a window before a collapse.
@@ -29,10 +29,14 @@ impl View {
     pub(super) fn new(mesh: &WorkingMesh, camera: &Camera) -> Self {
         let size = camera.size;
         let mut view = Self {
-            points: mesh.places.iter().map(|p| camera.project(p.position.as_dvec3())).collect(),
+            points: mesh
+                .group_positions
+                .iter()
+                .map(|p| camera.project(p.position.as_dvec3()))
+                .collect(),
             layers: Layers::new(size as usize * size as usize),
             size,
-            area: vec![0; mesh.faces.len()],
+            face_pixels: vec![0; mesh.faces.len()],
             background: 0,
             fronts_before: Vec::new(),
         };
@@ -42,7 +46,7 @@ impl View {
         for pixel in 0..size as usize * size as usize {
             match view.layers.front(pixel).item() {
                 BACKGROUND => view.background += 1,
-                face => view.area[face as usize] += 1,
+                face => view.face_pixels[face as usize] += 1,
             }
         }
         view
@@ -51,13 +55,13 @@ impl View {
     /// Number of pixels of an item.
     #[inline]
     pub(super) fn area(&self, item: u32) -> u32 {
-        if item == BACKGROUND { self.background } else { self.area[item as usize] }
+        if item == BACKGROUND { self.background } else { self.face_pixels[item as usize] }
     }
 
     /// Numbers of pixels of all faces and, last, of the background.
     #[cfg(test)]
     pub(super) fn areas(&self) -> Vec<u32> {
-        self.area.iter().copied().chain([self.background]).collect()
+        self.face_pixels.iter().copied().chain([self.background]).collect()
     }
 
     /// Number of pixels of the picture.
@@ -167,7 +171,7 @@ impl View {
                         let area = if item == BACKGROUND {
                             &mut self.background
                         } else {
-                            &mut self.area[item as usize]
+                            &mut self.face_pixels[item as usize]
                         };
                         let before = std::mem::replace(area, area.wrapping_add_signed(change));
                         changed(item, before, *area);
