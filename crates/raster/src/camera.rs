@@ -1,18 +1,19 @@
-//! Orthographic cameras around a sphere: the 20 that visual metrics see through, and others, spread
-//! evenly, that judge the result.
+//! Orthographic cameras around a sphere: 20 for the metrics of `lodc-simplify` that judge collapses
+//! by pictures, and others, spread evenly, to judge the result.
 
 use glam::DVec3;
 
 /// Steps per pixel to which points are snapped.
 pub const SUBPIXELS: i32 = 256;
-/// Steps of depth per pixel: finer than across, so that close layers keep their order.
+/// Steps of depth per pixel: finer than across, so that close layers keep their order. Chosen by
+/// hand.
 const DEPTH_STEPS: f64 = 1024.0;
 /// The share of the picture's width that the sphere around the mesh fills: a margin of some pixels.
 /// Chosen by hand.
-const FILLED: f64 = 0.95;
+const FILLED_SHARE: f64 = 0.95;
 /// Pixels from the middle beyond which points are clamped, so that products of coordinates fit 64
 /// bits.
-const FURTHEST: f64 = 131_072.0;
+const MAX_PIXELS_FROM_MIDDLE: f64 = 131_072.0;
 
 /// The projection of a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,7 +26,7 @@ pub struct Point {
     pub z: i32,
 }
 
-/// An orthographic camera that looks at a sphere: a square picture, one unit as long everywhere.
+/// An orthographic camera that looks at a sphere and takes square pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Unit vector from the middle towards the camera.
@@ -36,7 +37,7 @@ pub struct Camera {
     pub up: DVec3,
     /// Point in the middle of the picture.
     pub center: DVec3,
-    /// Pixels per unit of length.
+    /// Pixels per unit of length, the same at every depth.
     pub scale: f64,
     /// Pixels across and down.
     pub size: u32,
@@ -47,10 +48,11 @@ impl Camera {
     /// vector), filling 95 % of `size` pixels across.
     #[must_use]
     pub fn new(toward: DVec3, center: DVec3, radius: f64, size: u32) -> Self {
+        // Any direction that is not nearly the one of sight (18°).
         let upward = if toward.y.abs() < 0.95 { DVec3::Y } else { DVec3::X };
         let right = upward.cross(toward).normalize();
         let up = toward.cross(right);
-        let scale = if radius > 0.0 { FILLED * 0.5 * f64::from(size) / radius } else { 1.0 };
+        let scale = if radius > 0.0 { FILLED_SHARE * 0.5 * f64::from(size) / radius } else { 1.0 };
         Self { toward, right, up, center, scale, size }
     }
 
@@ -60,10 +62,11 @@ impl Camera {
         let p = (point - self.center) * self.scale;
         let half = 0.5 * f64::from(self.size);
         let snap = |pixels: f64, steps: f64| {
-            let steps_ = pixels.clamp(-FURTHEST, FURTHEST) * steps + 0.5;
-            // Rounded down by hand: rounding is a call where cutting off is one instruction.
-            let truncated = steps_ as i32;
-            truncated - i32::from(steps_ < f64::from(truncated))
+            let scaled =
+                pixels.clamp(-MAX_PIXELS_FROM_MIDDLE, MAX_PIXELS_FROM_MIDDLE) * steps + 0.5;
+            // `floor` by hand: truncating is one instruction, `floor` a call on some machines.
+            let truncated = scaled as i32;
+            truncated - i32::from(scaled < f64::from(truncated))
         };
         Point {
             x: snap(half + p.dot(self.right), f64::from(SUBPIXELS)),
@@ -73,9 +76,9 @@ impl Camera {
     }
 }
 
-/// The 20 cameras of viewpoint metrics: corners of a dodecahedron (Castelló et al. 2007), rotated
-/// so that none of them looks along an axis, a diagonal or a plane of symmetry of what people
-/// model.
+/// The 20 cameras of metrics: at the corners of a dodecahedron (Castelló et al. 2007), rotated so
+/// that none of them looks along an axis, a diagonal or a plane of symmetry that models are likely
+/// to have.
 #[must_use]
 pub fn metric_cameras(center: DVec3, radius: f64, size: u32) -> Vec<Camera> {
     let golden = f64::midpoint(1.0, 5.0_f64.sqrt());

@@ -1,12 +1,13 @@
 //! For every pixel of a picture, the list of all fragments there, sorted by depth: what is seen,
-//! and what would be seen if a triangle went away.
+//! and what would be seen if a triangle were removed. A fragment is an *item* (the number of a
+//! triangle, say) at a depth.
 
-/// One item at a pixel: items at one depth are sorted by number.
+/// An item at a depth. The order is by depth, nearest first, then by item.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Fragment(u64);
 
 impl Fragment {
-    /// Behind everything.
+    /// No item, behind everything.
     pub const NOTHING: Self = Self(u64::MAX);
 
     /// An item at a depth.
@@ -28,23 +29,27 @@ impl Fragment {
 /// The end of a list.
 const END: u32 = u32::MAX;
 
+/// An element of a list.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     fragment: Fragment,
+    /// The index of the next one in [`Layers::nodes`], or [`END`].
     next: u32,
 }
 
 /// Sorted lists of fragments, one for each pixel. The first of each is in the picture itself.
 #[derive(Clone, Debug)]
 pub struct Layers {
+    /// The first node of each pixel; one with [`Fragment::NOTHING`] for an empty list.
     heads: Vec<Node>,
+    /// All other nodes, free ones among them.
     nodes: Vec<Node>,
     /// The first free node, which leads to the next one; [`END`] for none.
     free: u32,
 }
 
 impl Layers {
-    /// Nothing behind any of `pixels` pixels.
+    /// Empty lists for `pixels` pixels.
     #[must_use]
     pub fn new(pixels: usize) -> Self {
         Self {
@@ -54,7 +59,7 @@ impl Layers {
         }
     }
 
-    /// Puts a fragment behind a pixel.
+    /// Inserts a fragment at a pixel.
     pub fn insert(&mut self, pixel: usize, fragment: Fragment) {
         let head = self.heads[pixel];
         if fragment < head.fragment {
@@ -108,7 +113,7 @@ impl Layers {
         node
     }
 
-    /// Slot of the number of the node after `previous`, `END` being the head.
+    /// The link to the node after `previous`; `END` stands for the head.
     fn link(&mut self, pixel: usize, previous: u32) -> &mut u32 {
         if previous == END {
             &mut self.heads[pixel].next
@@ -117,14 +122,14 @@ impl Layers {
         }
     }
 
-    /// Returns the item seen at a pixel.
+    /// Returns the fragment seen at a pixel.
     #[must_use]
     #[inline]
     pub fn front(&self, pixel: usize) -> Fragment {
         self.heads[pixel].fragment
     }
 
-    /// Returns the items seen at consecutive pixels.
+    /// Returns the fragments seen at consecutive pixels.
     #[inline]
     pub fn fronts(&self, first: usize, count: usize) -> impl Iterator<Item = Fragment> + '_ {
         self.heads[first..first + count].iter().map(|node| node.fragment)

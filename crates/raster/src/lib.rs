@@ -1,5 +1,5 @@
-//! Cameras around a mesh, a rasteriser that counts pixels exactly, and lists of everything behind
-//! every pixel.
+//! Cameras around a mesh, a rasteriser that covers pixels exactly, and lists of all fragments at
+//! each pixel.
 //!
 //! Points are snapped to a grid of 256ths of a pixel and edges are decided in integers, so a
 //! watertight surface covers every pixel centre exactly once, and the same picture comes out on
@@ -8,7 +8,7 @@
 //! ```
 //! use lodc_raster::{Camera, Window, scan};
 //!
-//! // Half of the square between the corners of a picture of 64 by 64 pixels.
+//! // Half of a square, in a picture of 64 by 64 pixels.
 //! let camera = Camera::new([0.0, 0.0, 1.0].into(), [0.0; 3].into(), 1.0, 64);
 //! let corners = [[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0]];
 //! let corners = corners.map(|corner| camera.project(corner.into()));

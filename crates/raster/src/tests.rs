@@ -14,8 +14,8 @@ fn point(state: &mut u64, range: u64) -> Point {
     Point { x: next(), y: next(), z: next() }
 }
 
-/// Returns whether a pixel centre is inside, by asking every edge with exact arithmetic; on an edge
-/// nobody knows.
+/// Returns whether a pixel centre is inside, by asking every edge with exact arithmetic; none if it
+/// is on an edge.
 fn contains(corners: [Point; 3], column: i32, row: i32) -> Option<bool> {
     let (x, y) = (i128::from(column) * 256 + 128, i128::from(row) * 256 + 128);
     let mut signs = [0, 1, 2].map(|i| {

@@ -64,23 +64,29 @@ impl Window {
     }
 }
 
-/// Runs of pixels shorter than this are tried column by column, which is quicker than a division.
+/// Runs of up to this many pixels are tried column by column, which is quicker than a division.
+/// Chosen by hand.
 const MAX_TRIED_COLUMNS: i64 = 6;
 
-/// Windows of at most this many pixels across and down are tried pixel by pixel.
+/// Windows of at most this many pixels across, and its square in all, are tried pixel by pixel.
+/// Chosen by hand.
 const MAX_SMALL_SIDE: usize = 8;
 
-/// Corners that are nearer to each other than this, across and down, have areas that 32 bits hold.
+/// If the corners are nearer to each other than this, across and down, 32 bits hold all products of
+/// [`scan_small`]. In the unit of [`Point::x`].
 const MAX_32_BIT_EXTENT: i64 = 1 << 13;
 
-/// More than any depth, so that sums to be truncated are positive.
+/// Added to depths before they are truncated, so that they are positive: 2^30.
 const DEPTH_OFFSET: f64 = 1_073_741_824.0;
 
 /// One edge of a triangle as a function of the pixel: positive on the inner side.
 #[derive(Clone, Copy)]
 struct Edge {
+    /// At the first pixel of the present row.
     value: i64,
+    /// Change to the next pixel on the right.
     right: i64,
+    /// Change to the next row.
     down: i64,
     /// Added before the test for `>= 0`: centres on edges that are not top or left are outside.
     bias: i64,
@@ -91,8 +97,8 @@ impl Edge {
     fn new(a: Point, b: Point, x: i64, y: i64) -> Self {
         let (dx, dy) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));
         let value = dx * (y - i64::from(a.y)) - dy * (x - i64::from(a.x));
-        // With the inner side at the right hand going along, an edge that goes up is left, one that
-        // goes right is top.
+        // The inner side is on the right: an edge that goes up is a left edge, one that goes right
+        // a top edge.
         let owns = dy < 0 || dy == 0 && dx > 0;
         let step = i64::from(SUBPIXELS);
         Self { value, right: -dy * step, down: dx * step, bias: if owns { 0 } else { -1 } }
@@ -162,7 +168,7 @@ fn scan_rows(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32
     }
     let center = |pixel: i32| i64::from(pixel) * i64::from(SUBPIXELS) + i64::from(SUBPIXELS / 2);
     let (x, y) = (center(window.left), center(window.top));
-    // Each edge weighs the corner opposite to it.
+    // Barycentric coordinates: the value of each edge is the weight of the corner opposite.
     let mut edges = [Edge::new(b, c, x, y), Edge::new(c, a, x, y), Edge::new(a, b, x, y)];
     // Everything below is a whole number less than 2^53 in pictures of up to 512 pixels, so no
     // order of sums matters.
@@ -178,7 +184,7 @@ fn scan_rows(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32
         }
         let mut sum = weighed(edges.map(|e| e.value + first * e.right));
         for column in window.left + first as i32..=window.left + last as i32 {
-            // Rounded by cutting off, which is one instruction where rounding is a call.
+            // Rounded by truncating, which is one instruction, while rounding may be a call.
             visit(
                 column,
                 row,
