@@ -1,12 +1,12 @@
-//! The arrays that a model stores in files besides mesh and sequence, and the errors of building a
-//! model from them.
+//! The arrays that a model stores in files besides the mesh and the collapse sequence, and the
+//! errors of building a model from them.
 
 use std::fmt;
 
 /// Width of the numbers in stored arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Layout {
-    /// As few bytes as hold them.
+    /// The fewest bytes that hold the largest number.
     #[default]
     Packed,
     /// A `u32` each where a graphics device uses them, so that nothing has to be unpacked.

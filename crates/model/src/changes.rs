@@ -14,7 +14,7 @@ pub trait Changes {
     fn added(&mut self, triangle: OrientedTriangle);
 }
 
-/// Listens to nothing.
+/// Ignores all changes.
 impl Changes for () {
     const REPORTED: bool = false;
     fn removed(&mut self, _: OrientedTriangle) {}
@@ -24,9 +24,11 @@ impl Changes for () {
 /// The difference between what some strips draw before a move and after it.
 #[derive(Clone, Debug, Default)]
 pub struct Difference {
-    /// Strip by strip.
+    /// The triangles before the move, strip by strip.
     before: Vec<OrientedTriangle>,
+    /// The end of each strip in `before`.
     ends: Vec<usize>,
+    /// A buffer for the triangles of one strip after the move.
     after: Vec<OrientedTriangle>,
 }
 

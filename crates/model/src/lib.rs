@@ -1,4 +1,6 @@
-//! Multiresolution models: the traits of models and cursors, and what they exchange.
+//! Multiresolution models: structures that show a mesh at any LOD (level of detail; LOD *k* is the
+//! mesh after the first *k* records of its collapse sequence). Here are the trait of models and the
+//! types that it exchanges.
 //!
 //! A [`Model`] is immutable and storable; what moves is its [`Model::Cursor`]. A move reports the
 //! triangles that it removes and adds to a [`Changes`]. What a model needs besides the mesh and the

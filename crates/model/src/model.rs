@@ -8,10 +8,10 @@ use std::sync::Arc;
 /// A multiresolution model of one mesh. It is immutable and storable; a cursor holds the current
 /// LOD and whatever has to change with it.
 ///
-/// At the end of every step, whichever way a cursor came there, a model shows exactly
-/// [`Simplified::triangles_at`] that LOD.
+/// A step is the records of one collapse, and only ends of steps are shown. Whichever way a cursor
+/// came to one, the model shows exactly [`Simplified::triangles_at`] that LOD.
 pub trait Model {
-    /// The moving part.
+    /// The state of one view of the model: its current LOD and what changes with it.
     type Cursor;
 
     /// Returns the model's name in options, files and reports.
@@ -31,19 +31,19 @@ pub trait Model {
     /// none that stays, none twice.
     fn seek(&self, cursor: &mut Self::Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic;
 
-    /// Bytes that a program which keeps the model on a GPU sends there for a move that cost
-    /// `traffic`: each rewritten element by itself, unless a model says otherwise.
+    /// Bytes that a program with the model on a GPU sends there for a move that cost `traffic`:
+    /// four for each rewritten element, unless a model says otherwise.
     fn sent(&self, _from: Lod, _to: Lod, traffic: Traffic) -> u64 {
         4 * traffic.rewritten
     }
 
-    /// Calls `see` with each triangle shown, in the order in which they would be drawn.
-    fn for_each_triangle(&self, cursor: &Self::Cursor, see: impl FnMut(OrientedTriangle));
+    /// Calls `visit` with each triangle shown, in the order in which they would be drawn.
+    fn for_each_triangle(&self, cursor: &Self::Cursor, visit: impl FnMut(OrientedTriangle));
 
     /// The triangles shown, in the order in which they would be drawn.
     fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle> {
-        let stated = self.simplified().collapses().triangles_at(self.lod(cursor));
-        let mut triangles = Vec::with_capacity(stated as usize);
+        let count = self.simplified().collapses().triangles_at(self.lod(cursor));
+        let mut triangles = Vec::with_capacity(count as usize);
         self.for_each_triangle(cursor, |t| triangles.push(t));
         triangles
     }
@@ -74,7 +74,7 @@ pub trait Model {
 /// The cost of one move of a cursor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Records that were passed.
+    /// Records of the collapse sequence between the two LODs.
     pub records: u32,
     /// Elements of the drawn data (vertices or indices) that were rewritten.
     pub rewritten: u64,

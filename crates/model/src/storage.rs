@@ -1,4 +1,5 @@
-//! Storage in the thesis's accounting: words of four bytes per vertex (tables 3.1, 4.2, 4.3, 5.1).
+//! Storage as Ripollés's thesis (2009) counts it: words of four bytes per vertex (tables 3.1, 4.2,
+//! 4.3, 5.1).
 
 use lodc_mesh::Simplified;
 
