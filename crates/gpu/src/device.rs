@@ -49,7 +49,7 @@ pub struct LimitOverrides {
     pub workgroups_per_dimension: Option<u32>,
 }
 
-/// An open device. Clones are the same one.
+/// An open device. Clones are handles of the same one.
 #[derive(Clone)]
 pub struct Device {
     adapter: Adapter,

@@ -5,7 +5,7 @@ use crate::{GpuError, Session};
 use lodc_plan::DrawInput;
 use std::num::NonZeroU64;
 
-/// Pixels across and down.
+/// Pixels across and down. Chosen by hand.
 pub(crate) const SIZE: u32 = 512;
 const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -140,7 +140,7 @@ impl Targets {
     }
 }
 
-/// Draws of triangles or strips with depth.
+/// Makes a pipeline that draws triangles or strips with depth.
 pub(crate) fn pipeline(
     gpu: &wgpu::Device,
     shader: &'static str,

@@ -8,7 +8,7 @@ use crate::{Device, GpuError};
 use std::ops::Range;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-/// The position and rotation of an instance.
+/// Where an instance is: its mesh rotated about the second axis, then moved.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Instance {
@@ -32,13 +32,13 @@ pub struct InstancedDraw {
 /// Everything that is sent and drawn for one frame.
 #[derive(Clone, Debug, Default)]
 pub struct InstancedFrame {
-    /// Of all draws: three for a triangle.
+    /// The indices of all draws, three for a triangle.
     pub indices: Vec<u32>,
     /// True if indices are those of strips instead, `u32::MAX` after each.
     pub strips: bool,
-    /// Of all draws.
+    /// The instances of all draws.
     pub instances: Vec<Instance>,
-    /// In order.
+    /// In the order in which they are drawn.
     pub draws: Vec<InstancedDraw>,
 }
 
@@ -144,7 +144,7 @@ impl<'d> Instanced<'d> {
     }
 }
 
-/// Makes a buffer with these bytes; of 64 zeros if there are none.
+/// Makes a buffer with these bytes; of 64 zeros if there are none, since no buffer may be empty.
 fn buffer(
     device: &Device,
     usage: wgpu::BufferUsages,

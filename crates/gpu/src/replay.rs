@@ -8,7 +8,7 @@ use std::fmt;
 /// The result of a plan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replayed {
-    /// At how many LODs or views the device was compared.
+    /// Number of LODs or views at which the device was compared.
     pub lods: u64,
     /// Words that were read back and compared.
     pub words: u64,
@@ -79,7 +79,8 @@ pub fn replay(device: &Device, plan: Plan<'_>) -> Result<Replayed, GpuError> {
     Ok(done)
 }
 
-/// The first word that differs: which check, which word of it, what was found.
+/// The first word that differs: the number of the check, the word of it, and what was found.
+/// [`Tolerance`] is for hardware only.
 fn first_difference(
     session: &mut Session,
     checks: &[Expected],

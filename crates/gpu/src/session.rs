@@ -53,7 +53,7 @@ impl Session {
         })
     }
 
-    /// Returns the same program once more: with copies of the buffers `own`, all others shared.
+    /// Returns the same program once more: with its own copies of some buffers, all others shared.
     ///
     /// # Errors
     /// If memory runs out.
@@ -255,9 +255,9 @@ impl Session {
         Ok(corners.as_chunks::<3>().0.to_vec())
     }
 
-    /// Shows ranges of buffers (buffer, first word, number of words) piece by piece, several at
-    /// once where they fit: the number of the range, the word in it at which the piece starts, the
-    /// piece. Ends early if `see` returns false.
+    /// Reads ranges of buffers piece by piece, several at once where they fit. `see` gets the
+    /// number of the range, the word in the range at which the piece starts, and the piece; if it
+    /// returns false, reading ends.
     ///
     /// # Errors
     /// If the device fails.
@@ -314,8 +314,8 @@ impl Session {
 }
 
 impl Device {
-    /// Lets `see` look at the first bytes of a buffer that can be mapped, once everything submitted
-    /// is done.
+    /// Waits until everything submitted is done, then passes the first `bytes` bytes of a mappable
+    /// buffer to `see`.
     pub(crate) fn map(
         &self,
         buffer: &wgpu::Buffer,
@@ -336,7 +336,8 @@ impl Device {
     }
 }
 
-/// Bytes of a buffer on the device: there is none without room for a vector of four words.
+/// Bytes of a buffer on the device: at least a vector of four words, the smallest that every kernel
+/// can bind.
 fn bytes_of(contents: &Contents) -> u64 {
     4 * contents.len().max(4) as u64
 }

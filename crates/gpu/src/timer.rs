@@ -88,7 +88,7 @@ impl Session {
 }
 
 impl Device {
-    /// Nanoseconds from submitting to being done.
+    /// Submits commands. Returns the nanoseconds from submitting to being done.
     pub(crate) fn submitted(
         &self,
         encoder: wgpu::CommandEncoder,
@@ -105,7 +105,7 @@ impl Device {
     }
 }
 
-/// Time stamps, in pairs.
+/// Time stamps of the device, in pairs: before and after something.
 pub(crate) struct Clock {
     pub(crate) queries: wgpu::QuerySet,
     count: u32,

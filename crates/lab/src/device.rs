@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 /// Returns the times and memory of each model that the device can show, and the times of draws of
-/// every subject over the LODs `stops` of a sweep; none if there is no such model.
+/// every structure over the LODs `stops` of a sweep; none if there is no such model.
 ///
 /// # Errors
 /// If the device fails or is too small.
@@ -121,7 +121,7 @@ fn primitives(
     whole.into_iter().zip(fifth).map(timed).collect()
 }
 
-/// Points of a curve on a device.
+/// Points of a curve on a device. Chosen by hand: more points take more draws and uploads.
 const POINTS: usize = 20;
 
 /// Times draws of every structure over some LODs, and the upload of the update that leads to each

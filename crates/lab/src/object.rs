@@ -99,7 +99,7 @@ impl Sweep {
     }
 }
 
-/// Times of everything that shows every LOD.
+/// Times of all structures that show every LOD.
 struct ObjectTimes {
     by_name: Vec<(&'static str, Times)>,
     /// Microseconds to make the far LOD's index list from scratch.

@@ -60,15 +60,15 @@ pub fn strips(mesh: &Mesh, strips: &StripSet) -> PrimitiveReport {
     Primitive { name: "strips", indices, strips: true }.report(mesh, mesh.triangles().len())
 }
 
-/// The LODs at which primitives are looked at: 0, and where a fifth of the triangles is left.
+/// The LODs at which primitives are measured: 0, and where a fifth of the triangles is left.
 pub(crate) fn lods(simplified: &Simplified) -> [Lod; 2] {
     let collapses = simplified.collapses();
     let fifth = collapses.lod_for_triangles(collapses.parts().triangles / SHARE);
     [Lod(0), fifth.min(collapses.last_visible())]
 }
 
-/// Every way to draw a level. Away from LOD 0 each is what that of LOD 0 has become: lists keep
-/// their order, strips are Speed Strips.
+/// Every way to draw a level. At other LODs than 0 each is what that of LOD 0 has become: lists
+/// keep their order, strips are Speed Strips.
 ///
 /// # Errors
 /// If strips cannot follow the sequence: a bug.

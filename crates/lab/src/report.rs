@@ -23,7 +23,7 @@ pub struct Settings {
 /// The figures of one object.
 #[derive(Debug, Serialize)]
 pub struct BenchObject {
-    /// All records of its sequence: what shares of the LODs are shares of.
+    /// All records of its sequence, of which shares of the LODs are counted.
     #[serde(skip)]
     pub(crate) records: u32,
     /// Updates of a sweep in each direction.
@@ -53,7 +53,7 @@ pub(crate) struct StreamReport {
     /// Of the lossless stream, its head included.
     pub(crate) bytes: u64,
     pub(crate) lossless: f64,
-    /// With each step in its order.
+    /// Of the lossless stream with every step in the order of the sequence.
     pub(crate) lossless_exact: f64,
     /// Positions in 16 bits, normals in 10, texture coordinates in 12.
     pub(crate) quantized: f64,
@@ -67,7 +67,7 @@ pub(crate) struct StreamReport {
     pub(crate) progressive_mesh_normals: f64,
     /// Null if nothing was timed.
     pub(crate) speed: Option<StreamTimings>,
-    /// Of the lossless stream.
+    /// Parts of the lossless stream, from its beginning.
     pub(crate) prefixes: Vec<PrefixReport>,
 }
 
@@ -89,8 +89,8 @@ pub(crate) struct PrefixReport {
     pub(crate) percent: u32,
     pub(crate) bytes: u64,
     pub(crate) triangles: u64,
-    /// In percent of the diagonal, the greater of both ways; null as all that follows while there
-    /// are no triangles.
+    /// Distances in percent of the diagonal, the greater of both ways. They and `image` are null
+    /// while there are no triangles.
     pub(crate) rms: Option<f64>,
     pub(crate) hausdorff: Option<f64>,
     /// Root mean square difference of grey (0 to 255) over 24 pictures.
@@ -109,7 +109,7 @@ pub(crate) struct GpuReport {
     pub(crate) models: IndexMap<&'static str, IndexMap<String, CaseReport>>,
     /// By name: `triangles`, `triangles_cache`, `stripe`, `cache`.
     pub(crate) primitives: IndexMap<&'static str, PrimitiveDraws>,
-    /// Everything over LODs, baselines as well.
+    /// Draws and uploads over LODs, of models and baselines.
     pub(crate) curve: DeviceCurve,
 }
 
@@ -134,16 +134,16 @@ pub(crate) struct DeviceCurve {
 /// One structure over LODs.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct DrawnCurve {
-    /// Drawing one LOD.
+    /// Of drawing the LOD.
     pub(crate) draw_ms: Vec<f64>,
     /// Bytes that the update before it sends.
     pub(crate) bytes: Vec<u64>,
-    /// Sending them, by the host's clock.
+    /// Of sending these bytes, by the host's clock.
     pub(crate) upload_ms: Vec<f64>,
-    /// Bytes of it as algorithm 1 of the thesis sends them: of Speed Strips single indices and
-    /// tails of strips, of other structures the same.
+    /// Bytes that algorithm 1 of the thesis sends for that update: of Speed Strips single indices
+    /// and tails of strips, of other structures the same as `bytes`.
     pub(crate) single_bytes: Vec<u64>,
-    /// Sending them, in one piece.
+    /// Of sending these bytes, in one piece.
     pub(crate) single_upload_ms: Vec<f64>,
 }
 
@@ -159,13 +159,13 @@ pub(crate) struct MemoryReport {
 pub(crate) struct CaseReport {
     /// Number of updates or views.
     pub(crate) runs: u64,
-    /// Of one, on average.
+    /// Of one run, on average.
     pub(crate) milliseconds: f64,
     /// The same over all rounds.
     pub(crate) spread: Spread,
-    /// That a host sends for one.
+    /// Bytes that a host sends for one run.
     pub(crate) bytes: f64,
-    /// Vertices looked at; null for draws and where none need be.
+    /// Vertices that kernels process; null for draws, and where kernels process none.
     pub(crate) million_vertices_per_second: Option<f64>,
 }
 
@@ -178,7 +178,7 @@ pub(crate) struct SubjectReport {
     pub(crate) drawn: Option<DrawnReport>,
     /// Null for what does not show every LOD.
     pub(crate) traffic: Option<TrafficReport>,
-    /// Null too if nothing was timed.
+    /// Null for what does not show every LOD, and if nothing was timed.
     pub(crate) extraction: Option<ExtractionReport>,
 }
 
@@ -187,10 +187,10 @@ pub(crate) struct SubjectReport {
 pub(crate) struct Bits {
     pub(crate) thesis: f64,
     pub(crate) thesis_normals: f64,
-    /// Down to 95 % of the LODs.
+    /// The same down to 95 % of the LODs.
     pub(crate) thesis_95: f64,
     pub(crate) thesis_normals_95: f64,
-    /// Null for what is not stored.
+    /// In a file; null for what is not stored.
     pub(crate) file: Option<f64>,
     /// The bits that the structure really holds; null where that is what `thesis` counts.
     pub(crate) tight: Option<f64>,

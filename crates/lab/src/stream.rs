@@ -103,15 +103,15 @@ fn timed<T>(rounds: u32, work: impl Fn() -> Result<T, LabError>) -> Result<Timin
     (0..rounds).map(round).collect()
 }
 
-/// A stream's bytes to the index list of what it shows.
+/// Decodes a stream to the index list of its finest level.
 fn index_list(bytes: &[u8]) -> Result<Vec<[u32; 3]>, FormatError> {
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
     unpacker.feed(bytes)?;
     Ok(unpacker.decoder(0).triangles().collect())
 }
 
-/// Measures the distance of the meshes of prefixes from the whole, in space and in pictures; shape
-/// only.
+/// Measures how far the mesh that each prefix of a stream shows is from the whole, in space and in
+/// pictures; shape only.
 fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
     let shown = |bytes: &[u8]| -> Result<Option<Mesh>, FormatError> {
         let mut unpacker = Unpacker::new(Limits::DEFAULT);

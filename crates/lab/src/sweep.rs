@@ -12,10 +12,10 @@ use std::time::Instant;
 /// A measurement of less time than this, in microseconds, is repeated until it has taken more:
 /// clocks and interruptions would blur it. Chosen by hand.
 const MIN_MICROS: f64 = 10_000.0;
-/// Jumps of each round; each is timed by itself.
+/// Jumps of each round; each is timed by itself. Chosen by hand.
 const JUMPS: u32 = 5;
 
-/// Points of a curve over LODs.
+/// The most points of a curve over LODs. Chosen by hand.
 const POINTS: usize = 100;
 
 /// Divides `of` samples into a range for each point of a curve, which is at the last of its range.

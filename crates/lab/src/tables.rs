@@ -147,7 +147,8 @@ fn of_rounds(spread: &Spread) -> String {
     format!("{:.1}{}", spread.mean, deviation.unwrap_or_default())
 }
 
-/// Rows that have at least one of the columns' numbers.
+/// Appends a table. Rows that have none of the columns' numbers are left out, and so is a table
+/// without rows.
 fn table<N: Display>(
     text: &mut String,
     title: &str,

@@ -1,14 +1,16 @@
-// Arguments of one indirect draw per submesh for strips that stand one behind the other, each
-// closed by a restart index.
+// Arguments of one indirect draw per submesh, for strips that follow one another in one index
+// buffer, each closed by a restart index. One thread per submesh.
+// `Thread`, `number_of` and `WORKGROUP` are in prelude.wgsl.
 
 struct Parameters { submeshes: u32 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-// First strip and number of strips of each submesh.
+// For each submesh x: its first strip, y: its number of strips.
 @group(0) @binding(1) var<storage, read> submeshes: array<vec2<u32>>;
-// Where each strip starts.
+// Where each strip starts in the index buffer, and where the last one ends.
 @group(0) @binding(2) var<storage, read> places: array<u32>;
-// Five words per submesh: index count, instance count, first index, base vertex, first instance.
+// Five words per submesh, the arguments of an indexed indirect draw: index count, instance count,
+// first index, base vertex, first instance.
 @group(0) @binding(3) var<storage, read_write> draws: array<u32>;
 
 @compute @workgroup_size(WORKGROUP)

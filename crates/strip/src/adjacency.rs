@@ -41,7 +41,7 @@ pub(crate) fn neighbours(triangles: &[[u32; 3]], vertex_count: usize) -> Neighbo
         bucket_start[v + 1] += bucket_start[v];
     }
     let mut next = bucket_start.clone();
-    // Larger vertex, then direction, then the slot: what sorting needs, in one word each.
+    // For each half-edge its larger vertex and its code, by which it is sorted.
     let mut half_edges = vec![(0u32, 0u32); bucket_start[vertex_count] as usize];
     for (i, &t) in with_area() {
         for (slot, (a, b)) in edges(t).into_iter().enumerate() {

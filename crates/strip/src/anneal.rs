@@ -3,13 +3,13 @@
 
 use lodc_mesh::SplitMix64;
 
-/// Returns the generator of a search. The multiplier (2⁶⁴ over the golden ratio) and the offset,
-/// any odd-looking one, spread consecutive numbers over all seeds.
+/// Returns the generator of a search with a number. Multiplier (2⁶⁴ over the golden ratio) and
+/// offset (chosen by hand, any irregular one does) spread consecutive numbers over all seeds.
 pub(crate) fn generator(number: u64) -> SplitMix64 {
     SplitMix64::new(number.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x2545_f491_4f6c_dd1d)
 }
 
-/// A number below `n` from the upper half of some random bits.
+/// A number below `n` from the upper half of 64 random bits.
 pub(crate) fn below(bits: u64, n: usize) -> usize {
     (((bits >> 32) * n as u64) >> 32) as usize
 }

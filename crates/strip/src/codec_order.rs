@@ -102,8 +102,8 @@ impl<'a> Codec<'a> {
         at > 0 && self.remembered_count - at < VERTICES
     }
 
-    /// The triangle at a recent edge with the lowest price, the latest edge's among equals; and
-    /// that edge.
+    /// Of the triangles at recent edges the one with the lowest price, among equals that at the
+    /// latest edge; and that edge.
     fn cheapest_at_recent_edge(&mut self) -> Option<(u32, Option<Edge>)> {
         let mut best: Option<(f32, u32, Edge)> = None;
         for (age, &edge) in self.recent.iter().rev().enumerate() {

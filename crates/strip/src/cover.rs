@@ -1,5 +1,6 @@
 //! A cover of the triangles by paths in their dual graph: strips before they are written as
-//! indices.
+//! indices. A slot is one of a triangle's three edges, a code is a triangle with a slot
+//! (`adjacency`).
 //!
 //! Following a path, each inner triangle turns left or right. Two inner triangles in a row that
 //! turn the same way need a *swap*: one repeated index. A path of n triangles becomes n + 2 indices
@@ -175,7 +176,7 @@ pub(crate) fn submesh_of(mesh: &Mesh) -> Vec<u32> {
     of
 }
 
-/// No neighbour, for tests of codes.
+/// Returns whether a code is [`NONE`]: there is no neighbour.
 pub(crate) fn is_none(code: u32) -> bool {
     code == NONE
 }

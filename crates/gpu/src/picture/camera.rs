@@ -1,7 +1,7 @@
 //! The camera of a picture: from a direction, at the distance at which everything just fits, or
 //! from a viewpoint.
 
-/// The direction that a picture calls up.
+/// The axis that points up in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Up {
     /// The second axis, as in glTF; the front of things looks along the third.

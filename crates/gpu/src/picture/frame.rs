@@ -13,7 +13,7 @@ const TRIANGLES_PER_DRAW: usize = 1 << 20;
 /// Pixels drawn for each one of the result, across and down.
 const OVERSAMPLING: u32 = 2;
 
-/// Linear colour of edges.
+/// Linear colour of edges. Chosen by hand.
 const WIRE: [f32; 3] = [0.01, 0.012, 0.02];
 /// Linear colour of back faces where they are marked.
 const WARNING: [f32; 3] = [0.9, 0.02, 0.45];

@@ -1,32 +1,40 @@
-// Corners as they come, three to a triangle; lit by lamps that stand with the camera.
+// Draws the triangles of a picture with their materials, lit by lamps that move with the camera,
+// and with the edges of triangles if asked for. Vertices are not indexed: three in a row are a
+// triangle.
 
+// The camera and the style of a picture, the same for all materials.
 struct Shot {
+    // From positions to clip space.
     matrix: mat4x4<f32>,
+    // Unit vectors of the camera, in the space of positions; w is unused except where it is named.
     right: vec4<f32>,
     up: vec4<f32>,
-    // Towards the camera; w: 1 with perspective.
+    // From the scene towards the camera; w: 1 with perspective, else 0.
     toward: vec4<f32>,
+    // The position of the camera, and the direction of the sky.
     eye: vec4<f32>,
     world_up: vec4<f32>,
-    // Colour of edges and, in w, their width in pixels of this picture.
+    // Edges of triangles: rgb: their colour, w: their width in pixels, 0 for none.
     wire: vec4<f32>,
-    // Colour of back faces, and their treatment: 0 as the material says, 1 shown, 2 hidden, 3 this
-    // colour.
+    // Back faces: rgb: a colour, w: their treatment: 0 as the material says, 1 drawn, 2 not drawn,
+    // 3 drawn in this colour.
     back: vec4<f32>,
 }
 
 struct Material {
+    // Multiplied by the texture and by the colour of vertices.
     colour: vec4<f32>,
-    // Two rows: from texture coordinates to those of this material.
+    // The two rows of the transform of texture coordinates (u, v, 1); w is unused.
     u: vec4<f32>,
     v: vec4<f32>,
-    // Cut-off of opacity (below 0: none), and whether back faces are drawn, light does not matter,
-    // opacity counts.
+    // x: the opacity below which nothing is drawn, -1 for none. The others are 0 or 1: y: back
+    // faces are drawn, z: unlit, w: opacity is used.
     flags: vec4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> shot: Shot;
 @group(1) @binding(0) var<uniform> material: Material;
+// The texture of base colours.
 @group(1) @binding(1) var base: texture_2d<f32>;
 @group(1) @binding(2) var base_sampler: sampler;
 
@@ -36,6 +44,7 @@ struct Varying {
     @location(1) normal: vec3<f32>,
     @location(2) uv: vec2<f32>,
     @location(3) colour: vec4<f32>,
+    // Barycentric coordinates: each falls from 1 at one corner to 0 at the opposite edge.
     @location(4) corner: vec3<f32>,
 }
 
@@ -59,8 +68,8 @@ fn vertex(
     return out;
 }
 
-// A key lamp at the upper left, a weak one at the right, light from the sky and some from the
-// ground.
+// A surface's colour in the light: a key lamp at the upper left, a weak one at the right, light
+// from the sky and some from the ground, and a faint highlight. All numbers are chosen by hand.
 fn lit(albedo: vec3<f32>, normal: vec3<f32>, toward_eye: vec3<f32>) -> vec3<f32> {
     let key = normalize(0.9 * shot.toward.xyz + 0.75 * shot.up.xyz - 0.6 * shot.right.xyz);
     let fill = normalize(0.6 * shot.toward.xyz + 0.05 * shot.up.xyz + 0.9 * shot.right.xyz);
@@ -75,7 +84,8 @@ fn lit(albedo: vec3<f32>, normal: vec3<f32>, toward_eye: vec3<f32>) -> vec3<f32>
 
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-    // Sampled before anything is thrown away: neighbours tell how far away the texture is.
+    // Both derivatives need the neighbouring pixels, so they are taken before any pixel is
+    // discarded.
     let texel = textureSample(base, base_sampler, in.uv);
     let spread = fwidth(in.corner);
     let mode = u32(shot.back.w);
@@ -105,12 +115,13 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
         shown = lit(colour.rgb, normal, toward_eye);
     }
     if (shot.wire.w > 0.0) {
-        // Distance from the nearest edge in pixels. Where triangles are hardly larger than the
-        // line, it fades.
+        // Distances from the three edges in pixels.
         let away = in.corner / max(spread, vec3<f32>(1e-6));
         let nearest = min(away.x, min(away.y, away.z));
         let half_width = 0.5 * shot.wire.w;
         let line = 1.0 - smoothstep(half_width - 0.5, half_width + 0.5, nearest);
+        // Where triangles are hardly larger than the line, it fades, or dense meshes would be all
+        // line. The numbers are chosen by hand.
         let largest = max(spread.x, max(spread.y, spread.z));
         let fade = clamp(1.6 - 2.4 * half_width * largest, 0.25, 1.0);
         shown = mix(shown, shot.wire.rgb, line * fade * 0.85);

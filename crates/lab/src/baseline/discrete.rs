@@ -10,8 +10,8 @@ pub const LEVELS: usize = 5;
 
 /// Five meshes out of one sequence, each complete in itself.
 ///
-/// Other than a continuous model it shows five LODs only. A cursor sent to any other LOD shows the
-/// finest of the five that has at most the detail asked for; beyond the coarsest of them it stays
+/// Unlike a continuous model it shows five LODs only. A cursor that seeks any other LOD shows the
+/// finest of the five that has at most the detail asked for; beyond the coarsest one it stays
 /// there.
 #[derive(Clone, Debug)]
 pub struct Discrete {
@@ -80,7 +80,7 @@ impl Model for Discrete {
     fn lod(&self, cursor: &Cursor) -> Lod {
         self.levels[cursor.0].lod
     }
-    /// Every level lies ready to be drawn, so a move costs nothing but telling which one.
+    /// Every level is ready to be drawn, so a move only chooses one.
     fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         let lod = self.simplified.collapses().floor(lod);
         let to = self.levels.partition_point(|l| l.lod < lod).min(LEVELS - 1);

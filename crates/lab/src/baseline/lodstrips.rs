@@ -1,5 +1,5 @@
-//! `LodStrips` (Ramos and Chover 2004, 2006): strips, and for each record a list of places that
-//! change.
+//! `LodStrips` (Ramos and Chover 2004, 2006): strips, and for each record a list of offsets that
+//! change. Record *k* of a collapse sequence removes vertex *k*, which becomes its target.
 //!
 //! The ancestor of Speed Strips: the same changes and repetitions of the same strips (dead ends,
 //! what comes before the first drawn triangle and after the last, stay), but each entry names its

@@ -9,7 +9,7 @@ use lodc_mesh::Lod;
 use lodc_scene::{Arrangement, Graph, Pose, posed};
 use std::collections::BTreeMap;
 
-/// Poses of an animation that a crowd shows at once.
+/// Poses of an animation that a crowd shows at once. Chosen by hand.
 const PHASES: usize = 8;
 
 /// An input as it walks.
@@ -54,7 +54,7 @@ impl<'a> Figure<'a> {
         Ok(Self { input, phases, levels: BTreeMap::new() })
     }
 
-    /// The parts of one of the crowd.
+    /// The parts of the input in a pose.
     pub(crate) fn parts(&self, phase: usize) -> &[Part] {
         &self.phases[phase]
     }
@@ -64,7 +64,8 @@ impl<'a> Figure<'a> {
         self.phases.len()
     }
 
-    /// The pose of one of the crowd in a frame, a tenth of a second each.
+    /// The pose of an instance in a frame, a tenth of a second each. The step of 5 from instance to
+    /// instance is chosen by hand, so that neighbours do not walk in step.
     pub(crate) fn phase(&self, instance: usize, frame: usize) -> usize {
         (instance * 5 + frame) % self.phases.len()
     }

@@ -37,7 +37,7 @@ use walk::{Crowd, FRAMES_PER_SECOND, WalkerPosition};
 /// A crowd, and how it is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct CrowdSettings {
-    /// Those that walk: the inputs in turn.
+    /// Number of walkers: the inputs in turn.
     pub instances: u32,
     /// The time that they walk, ten frames a second.
     pub seconds: u32,
@@ -218,7 +218,7 @@ fn names(inputs: &[Input], baselines: &[Vec<Vec<Baseline>>]) -> Vec<&'static str
     })
 }
 
-/// The places of everyone in every frame, the start included.
+/// Where everyone is in every frame, the start included.
 fn positions(instances: u32, frames: u32, seed: u64) -> Vec<Vec<WalkerPosition>> {
     let mut crowd = Crowd::new(instances, seed);
     let mut all = vec![crowd.positions()];
@@ -245,7 +245,7 @@ fn of_five(collapses: &CollapseSequence, distance: f64) -> Lod {
     Discrete::lod(collapses, level)
 }
 
-/// A level at a distance from 0 to 1.
+/// Chooses the LOD of an object at a distance from 0 to 1.
 type Policy = fn(&CollapseSequence, f64) -> Lod;
 
 /// The levels of everyone in a frame by a policy.
@@ -288,7 +288,7 @@ fn levels(inputs: &[Input], positions: &[Vec<WalkerPosition>], policy: Policy) -
     CrowdLevels { lods, triangles, frames }
 }
 
-/// Milliseconds, by frame, in which every cursor of a structure goes where its instance is.
+/// Milliseconds, by frame, of moving every cursor of a structure to the level of its instance.
 fn extraction(
     name: &str,
     inputs: &[Input],
@@ -307,7 +307,7 @@ fn extraction(
         black_box(everyone.map(|(cursor, &lod)| cursor.seek(lod).rewritten).sum::<u64>());
         start.elapsed().as_secs_f64() * 1e3
     };
-    // The way to where everyone starts is no part of it.
+    // Moves to the levels of the start are not timed.
     move_all(&levels.lods[0]);
     levels.lods[1..].iter().map(|frame| move_all(frame)).collect()
 }

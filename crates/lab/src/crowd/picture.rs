@@ -13,9 +13,9 @@ use lodc_mesh::Lod;
 use lodc_report::text::count;
 use lodc_scene::{Image, Material, to_linear};
 
-/// Pixels of each half, across and down.
+/// Pixels of each half, across and down. Chosen by hand.
 const SIZE: [u32; 2] = [800, 640];
-/// Degrees of view, from the upper to the lower edge.
+/// Degrees of view, from the upper to the lower edge. Chosen by hand.
 const DEGREES: f64 = 30.0;
 
 /// The camera that sees all of a crowd in all its frames.
@@ -25,7 +25,8 @@ pub(crate) fn camera(figures: &[Figure<'_>], positions: &[Vec<WalkerPosition>]) 
     Camera::around(&points(figures, positions.iter().flatten()), &framing, 1.0)
 }
 
-/// The camera behind and above the viewer.
+/// The camera behind and above the viewer, so far away that most of the crowd is seen; the shares
+/// are chosen by hand.
 fn behind(figures: &[Figure<'_>], positions: &[WalkerPosition]) -> Camera {
     let points = points(figures, positions.iter());
     let far = points.iter().flatten().fold(1.0, |a: f64, c| a.max(c.abs()));
@@ -34,7 +35,7 @@ fn behind(figures: &[Figure<'_>], positions: &[WalkerPosition]) -> Camera {
     Camera::at(&points, &view, f64::from(SIZE[0]) / f64::from(SIZE[1]))
 }
 
-/// Boxes around everyone.
+/// Corners of a box around each walker.
 fn points<'a>(
     figures: &[Figure<'_>],
     positions: impl Iterator<Item = &'a WalkerPosition>,
@@ -86,7 +87,7 @@ pub(crate) fn picture(
     Ok(Sheet { pictures, columns: None, labels, background }.compose(None))
 }
 
-/// The triangles of one of the crowd.
+/// The triangles of a walker.
 fn corners(
     figure: &mut Figure<'_>,
     phase: usize,

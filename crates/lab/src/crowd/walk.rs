@@ -18,13 +18,13 @@ pub(crate) struct Crowd {
     walkers: Vec<Walker>,
 }
 
-/// One of a crowd.
+/// One of a crowd. Positions are relative to the viewer.
 struct Walker {
     place: [f64; 2],
     goal: [f64; 2],
 }
 
-/// The place of one of a crowd in a frame.
+/// Where a walker is in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WalkerPosition {
     /// Relative to the viewer.

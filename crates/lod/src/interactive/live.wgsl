@@ -1,7 +1,8 @@
-// How many triangles of each submesh are drawn, as arguments of an indexed indirect draw. Live
-// triangles are the first of their submesh, so their number is found by bisection, one thread per
-// submesh: a triangle is dead if two of its corners are drawn at one position. Nothing is stored
-// for this and nothing is read back.
+// How many triangles of each submesh are drawn, as arguments of an indexed indirect draw. A
+// triangle is dead if two of its corners are drawn at one position, else live. Triangles are sorted
+// so that the live ones of every LOD come first in their submesh: bisection finds their number, one
+// thread per submesh. Nothing is stored for this and nothing is read back.
+// `Thread`, `number_of` and `WORKGROUP` are in prelude.wgsl.
 
 struct Parameters {
     submeshes: u32,
@@ -10,14 +11,18 @@ struct Parameters {
 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-// First triangle and number of triangles of each submesh.
+// For each submesh x: its first triangle, y: its number of triangles.
 @group(0) @binding(1) var<storage, read> submeshes: array<vec2<u32>>;
+// Three vertices per triangle.
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
+// Vertex records as they are drawn.
 @group(0) @binding(3) var<storage, read> vertices: array<u32>;
-// Five words per submesh: index count, instance count, first index, base vertex, first instance.
+// Five words per submesh, the arguments of an indexed indirect draw: index count, instance count,
+// first index, base vertex, first instance.
 @group(0) @binding(4) var<storage, read_write> draws: array<u32>;
 
-// Positions are the same if their bits are, or if both are zero of either sign.
+// Whether two vertices are at one position. Coordinates are equal if their bits are, or if both are
+// zero, of either sign.
 fn same(a: u32, b: u32) -> bool {
     for (var c = 0u; c < 3u; c++) {
         let x = vertices[a * p.stride + c];

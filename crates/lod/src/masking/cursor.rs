@@ -15,11 +15,12 @@ use std::ops::Range;
 const LONGEST: usize = Masking::LONGEST_STRIP;
 /// Words in a cache line of most machines.
 const CACHE_LINE_WORDS: usize = 16;
-/// Number of copies whose cache lines are prefetched together, about as many misses as a core has
-/// under way at a time. Moves on meshes beyond the cache take a third less with it.
+/// Number of copies whose cache lines are prefetched together: about the number of cache misses
+/// that a core has under way at a time. With it, moves on meshes larger than the cache take a third
+/// less.
 const PREFETCHED_COPIES: usize = 16;
 
-/// The moving part of [`Masking`] strips.
+/// The moving part of [`Masking`]: the strips as they are at its LOD.
 #[derive(Clone, Debug)]
 pub struct Cursor {
     lod: u32,
@@ -34,9 +35,9 @@ pub struct Cursor {
     /// copy without it; and how many are.
     is_full_stale: Vec<bool>,
     stale_count: usize,
-    /// A buffer for far jumps: the vertex that each removed one has become.
+    /// For far jumps: the vertex that each removed one has become. Kept to save allocating.
     vertices_at_lod: Vec<u32>,
-    /// A buffer.
+    /// For reports of changes. Kept to save allocating.
     difference: Difference,
 }
 
@@ -118,7 +119,8 @@ impl Cursor {
         traffic(rewritten)
     }
 
-    /// Returns how many indices were written, without those of full strips.
+    /// Moves to the end of a step, past `records`. Returns how many indices were written, without
+    /// those of full strips.
     fn move_to(&mut self, model: &Masking, to: u32, records: &Range<u32>) -> u64 {
         let run = model.updates.of(records);
         // Far: with more updates than strips it costs less to make each strip once.
@@ -140,7 +142,7 @@ impl Cursor {
                 buffer[offset as usize] = target;
             }
         } else {
-            // Of several vertices for one offset the first stays.
+            // In reverse: of several vertices for one offset the first is written last.
             for (&offset, &vertex) in run.offsets.iter().zip(run.vertices).rev() {
                 buffer[offset as usize] = vertex;
             }
@@ -206,8 +208,8 @@ impl Cursor {
         }
     }
 
-    /// Makes the filtered copy of a strip at a LOD by `vertices_at_lod`, if any of the records
-    /// passed has changed it. Returns how many indices were written.
+    /// Makes the filtered copy of a strip at a LOD from `vertices_at_lod`, if any of `records` has
+    /// changed the strip. Returns how many indices were written.
     fn remake_copy(&mut self, model: &Masking, strip: usize, to: u32, records: &Range<u32>) -> u64 {
         if model.removal_lods[strip] <= to {
             // A strip that is dead at the finer LOD, too, has been emptied already.
@@ -238,7 +240,8 @@ impl Cursor {
         u64::from(filter.count_ones())
     }
 
-    /// Marks the full strip as stale after its filtered copy, of `count` indices, was made without.
+    /// Marks a full strip as stale after its filtered copy, of `count` indices, was made without
+    /// it.
     fn mark_stale(&mut self, strip: usize, count: u8) {
         self.counts[strip] = count;
         self.stale_count += usize::from(!std::mem::replace(&mut self.is_full_stale[strip], true));

@@ -72,7 +72,7 @@ pub(super) fn storage(model: &Masking, lod: Lod) -> StorageCost {
     let of_strip = |strip: usize| {
         let history = &model.entries[model.history(strip)];
         let entries = history.partition_point(|entry| entry.record < lod.0) as u64;
-        // A strip that ends needs no masks: nothing of it changes or is drawn.
+        // The entry with which a strip ends needs no masks: nothing of it is drawn any more.
         let masked =
             history[..entries as usize].iter().filter(|entry| entry.filter != 0).count() as u64;
         4 * entries + 2 * masked * model.strips.range(strip).len().div_ceil(8) as u64

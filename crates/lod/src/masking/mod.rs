@@ -1,11 +1,13 @@
 //! Masking Strips (thesis chapter 4): strips of constant length, of which every level of detail
 //! draws a filtered copy.
 //!
-//! Each record has a *position mask* for every strip that holds its vertex: the positions that
-//! become its target. A *filter mask* says which positions of the strip are drawn after it: the
-//! fewest that draw exactly its live triangles. Filters do not depend on each other, so a far jump
-//! needs only the last one of each strip; going back, the filter is that of the strip's entry
-//! before. A strip without live triangles has no further entries.
+//! Record *k* of a collapse sequence removes vertex *k*, which becomes its target; a step is the
+//! records of one collapse. A strip has an *entry* for each record that changes it, with two masks
+//! of a bit for each position of the strip. The *position mask* says which positions hold the
+//! removed vertex; they get its target. The *filter mask* says which positions are drawn
+//! afterwards: the fewest that draw exactly the live triangles of the strip. Filters do not depend
+//! on each other, so a far jump needs only the last one of each strip, and undoing an entry brings
+//! back the filter of the entry before. A strip without live triangles has no further entries.
 //!
 //! Both masks fit into one word: strips of more than 16 vertices are cut. Everything but the strips
 //! follows from them and the collapse sequence, so that nothing else is stored in a file. In memory

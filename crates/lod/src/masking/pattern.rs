@@ -66,7 +66,8 @@ impl Pattern {
     }
 
     /// The triangle of three consecutive drawn labels, unless it is degenerate: corners
-    /// counter-clockwise, least first.
+    /// counter-clockwise, the least label first. `odd` says that it is every second triangle of the
+    /// strip, which is turned.
     pub(super) fn triangle(&self, [a, b, c]: [u8; 3], odd: bool) -> Option<[u8; 3]> {
         let [x, y, z] = [a, b, c].map(|label| self.point_of(label));
         if x == y || y == z || z == x {
@@ -98,7 +99,7 @@ impl Pattern {
         corners.enumerate().filter_map(|(k, corners)| self.triangle(corners, k % 2 == 1))
     }
 
-    /// Returns the pattern in two words and a length.
+    /// Returns the pattern as a key for a hash table.
     pub(super) fn key(&self) -> PatternKey {
         let pack = |numbers: &[u8]| numbers.iter().fold(0, |key, &n| key << 4 | u64::from(n));
         PatternKey {
@@ -120,7 +121,7 @@ pub(super) struct PatternKey {
 }
 
 impl PatternKey {
-    /// That of no pattern.
+    /// The key of no pattern.
     pub(super) const NONE: Self = Self { labels: 0, points: 0, len: 0 };
 
     pub(super) fn hash(self) -> usize {

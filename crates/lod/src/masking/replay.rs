@@ -17,7 +17,7 @@ const MASKS_WRITE: Shader = Shader { name: "masks_write", wgsl: include_str!("ma
 /// The kernels, for replay and for engines.
 pub const SHADERS: [Shader; 5] = [MASKS, SCAN, SCAN_ADD, MASKS_WRITE, STRIP_DRAWS];
 
-/// Buffers and kernels.
+/// Buffers and kernels; the bindings in masks.wgsl say what each buffer holds.
 #[derive(Clone, Debug)]
 pub(super) struct Device {
     starts: BufferId,
@@ -146,8 +146,8 @@ impl Masking {
     }
 }
 
-/// The state that the kernel keeps from move to move: full strips to which masks are applied one by
-/// one.
+/// The CPU code that does the same as the kernel `masks`, with the state that the kernel keeps from
+/// move to move: full strips to which position masks are applied one by one.
 #[derive(Debug)]
 struct Twin {
     full: Vec<u32>,

@@ -242,7 +242,8 @@ impl Search {
         }
     }
 
-    /// Adds a node, unless it leads nowhere or its state was reached as early.
+    /// Adds a node, unless it leads nowhere or its state was reached at an earlier or the same
+    /// position. Returns its index.
     fn add(&mut self, node: Node) -> Option<u32> {
         if node.remaining != 0 && !self.can_finish(&node) {
             return None;
@@ -260,8 +261,8 @@ impl Search {
         Some(index)
     }
 
-    /// Returns whether every triangle that is left can still be drawn, as far as each by itself can
-    /// tell.
+    /// Returns whether each remaining triangle, by itself, can still be drawn. False is certain;
+    /// true is not, since triangles may exclude each other.
     fn can_finish(&self, node: &Node) -> bool {
         let mut last_chance = node.remaining & self.unreachable[node.at as usize];
         while last_chance != 0 {
@@ -280,7 +281,7 @@ impl Search {
         true
     }
 
-    /// Returns whether a node's state was not reached earlier in the strip since.
+    /// Returns whether a node is still the one that reached its state at the earliest position.
     fn is_best(&self, index: u32) -> bool {
         self.slots[self.slot(&self.nodes[index as usize])] == index
     }

@@ -7,8 +7,8 @@
 
 use super::pattern::Pattern;
 
-/// The positions of a filter that draws exactly the live triangles; 0 if there are none. Looks at
-/// each position at most as often as there are positions.
+/// The positions of a filter that draws exactly the live triangles; 0 if there are none. Takes time
+/// quadratic in the length of the strip.
 pub(super) fn trimmed(pattern: &Pattern) -> u64 {
     let labels = pattern.labels();
     let live =
@@ -23,13 +23,13 @@ pub(super) fn trimmed(pattern: &Pattern) -> u64 {
     kept.iter().fold(0, |mask, &at| mask | 1 << at)
 }
 
-/// The first two neighbours that can go: they are in no triangle, nor is one drawn when what is
-/// before them meets what is after them.
+/// The first two neighbours in `kept` that can be left out: the same triangles are drawn without
+/// them.
 fn superfluous_pair(pattern: &Pattern, kept: &[usize]) -> Option<usize> {
     let label = |i: usize| pattern.labels()[kept[i]];
     let drawn = |i: [usize; 3], first: usize| pattern.triangle(i.map(label), first % 2 == 1);
     (0..kept.len() - 1).find(|&pair| {
-        // Triangles are named by the place of their first corner among the kept positions.
+        // Triangles are numbered by their first corner among the kept positions.
         let (from, to) = (pair.saturating_sub(2), (pair + 2).min(kept.len() - 2));
         let drawn_with = (from..to).filter_map(|k| drawn([k, k + 1, k + 2], k));
         let skip = |i: usize| if i < pair { i } else { i + 2 };

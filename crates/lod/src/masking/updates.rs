@@ -14,7 +14,7 @@ use std::ops::Range;
 /// its filtered copy.
 pub(super) const SLOT_WORDS: usize = 2 * LONGEST;
 
-/// Start of a record's share of each list; it ends where the next record's starts.
+/// Where a record's elements start in each list; they end where the next record's start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Starts {
     strips: u32,
@@ -22,7 +22,7 @@ struct Starts {
     copies: u32,
 }
 
-/// A filter that changes.
+/// A change of a strip's filter: its filtered copy is made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Refiltered {
     pub(super) strip: u32,
@@ -50,7 +50,7 @@ pub(super) struct Updates {
     copies: Vec<Refiltered>,
 }
 
-/// The changes of some consecutive records.
+/// The changes of some consecutive records: slices of the lists of [`Updates`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run<'a> {
     pub(super) strips: &'a [u32],
@@ -105,7 +105,8 @@ impl Updates {
         updates
     }
 
-    /// Adds what an entry writes: to the full strip, and to the filtered copy whose filter stays.
+    /// Adds what an entry writes: to the full strip, and to the filtered copy where `kept_filter`
+    /// is the filter before and after; 0 if it changes.
     fn write(&mut self, strip: u32, entry: &Entry, kept_filter: u16, target: u32) {
         let full = strip * SLOT_WORDS as u32;
         for at in (0..LONGEST as u32).filter(|at| entry.positions >> at & 1 == 1) {
@@ -119,7 +120,7 @@ impl Updates {
         self.vertices.resize(self.offsets.len(), entry.record);
     }
 
-    /// Records up to a number start where the lists end now, unless they have started before.
+    /// Lets the records below `count` start where the lists end now, unless they have a start.
     fn start_records(&mut self, count: usize) {
         let [strips, writes, copies] =
             [self.strips.len(), self.offsets.len(), self.copies.len()].map(|n| n as u32);

@@ -1,35 +1,48 @@
-// Speed Strips, direct (thesis 3.5.2): every strip is taken to a LOD in place, one thread per
-// strip, by applying or undoing the changes between. Twin: apply.rs, where what goes at the ends
-// stays in the strip's room; here its values are kept. For moves past so many changes that a kernel
-// may not loop that often, the host takes `values` and `rewrite` instead.
+// Speed Strips, the variant *direct* (thesis of Ripollés, 3.5.2): takes every strip to a
+// LOD in place, one thread per strip. A strip has an entry for each record that changes it: record
+// k makes vertex k its target. Applying an entry replaces indices (its changes) and then closes the
+// gaps of indices that are no longer needed (its removals); undoing it is the reverse. Removed
+// indices repeat the ones before them and are made anew from those, except at the ends of a strip,
+// where their values are stored. CPU code that does the same: apply.rs, which leaves what is
+// removed at an end where it is. For moves past more entries than a kernel may loop over, the host
+// runs the kernels `values` and `rewrite` instead.
+// `Thread`, `number_of` and `WORKGROUP` are in prelude.wgsl.
 
 struct Parameters {
     strips: u32,
+    // The new LOD: records below it are applied, all others are not.
     lod: u32,
 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-// Two words per strip and one pair more: where its indices and its entries start.
+// For each strip x: where its indices start in `strips`, y: where its entries start in `entries`;
+// and where those of the last strip end.
 @group(0) @binding(1) var<storage, read> starts: array<vec2<u32>>;
-// Four words per entry and one entry more: record, where its changes start, where its removals
-// start, where what goes at the ends of the strip is kept among the changes.
+// An entry is x: its record, y: where its changes start, z: where its removals start, w: where the
+// values that it removes at the ends of the strip start in `changes`. One entry more ends the last.
 @group(0) @binding(2) var<storage, read> entries: array<vec4<u32>>;
-// Changes: places that get the target of the record, or the record's vertex back.
+// Positions in the strip that get the target of the record, or the record's vertex when it is
+// undone. Behind those of all entries, the values that are removed at ends of strips.
 @group(0) @binding(3) var<storage, read> changes: array<u32>;
-// Removals: where, and how many: positive for repetitions of one index, negative for those of two;
-// further from 0 by AT_END for what goes at an end of the strip.
+// A removal is x: its position in the strip, y: its number of indices as a signed number: positive
+// where one index repeats, negative where two alternate; further from 0 by AT_END at an end of the
+// strip.
 @group(0) @binding(4) var<storage, read> removals: array<vec2<u32>>;
+// Record k makes vertex k its target, collapse_to[k].
 @group(0) @binding(5) var<storage, read> collapse_to: array<u32>;
+// The indices of all strips; each has the room that it needs at LOD 0.
 @group(0) @binding(6) var<storage, read_write> strips: array<u32>;
-// Two words per strip: the first entry that is not applied, and the length.
+// For each strip x: its first entry that is not applied, y: its present number of indices.
 @group(0) @binding(7) var<storage, read_write> heads: array<vec2<u32>>;
 
 const AT_END = 0x40000000u;
 
+// The signed number of a removal without its sign; whether it is at an end; its number of indices.
 fn magnitude(removal: vec2<u32>) -> u32 { return u32(abs(bitcast<i32>(removal.y))); }
 fn is_end(removal: vec2<u32>) -> bool { return magnitude(removal) > AT_END; }
 fn size_of(removal: vec2<u32>) -> u32 { return magnitude(removal) & (AT_END - 1u); }
 
+// Applies an entry to the strip of `length` indices that starts at `base`; returns its new length.
 fn coarsen(base: u32, length: u32, entry: u32) -> u32 {
     let e = entries[entry];
     let after = entries[entry + 1u];
@@ -49,11 +62,13 @@ fn coarsen(base: u32, length: u32, entry: u32) -> u32 {
     return write;
 }
 
+// Undoes an entry of the strip of `length` indices that starts at `base`; returns its new length.
 fn refine(base: u32, length: u32, entry: u32) -> u32 {
     let e = entries[entry];
     let after = entries[entry + 1u];
     var read = length;
     var write = length;
+    // Behind the values in `changes` that go back to the ends.
     var kept = e.w;
     for (var i = e.z; i < after.z; i++) {
         write += size_of(removals[i]);
@@ -72,9 +87,12 @@ fn refine(base: u32, length: u32, entry: u32) -> u32 {
         write = r.x;
         if (is_end(r)) {
             kept -= size_of(r);
-            for (var k = 0u; k < size_of(r); k++) { strips[base + write + k] = changes[kept + k]; }
+            for (var k = 0u; k < size_of(r); k++) {
+                strips[base + write + k] = changes[kept + k];
+            }
             continue;
         }
+        // The indices before repeat.
         var period = 2u;
         if (bitcast<i32>(r.y) > 0) { period = 1u; }
         for (var k = 0u; k < size_of(r); k++) {

@@ -1,5 +1,5 @@
 //! Simulated annealing on a stretch of the drawing order: strips take triangles from others, or
-//! turn round. The cost of a change, in fetched vertices and indices, is counted by sending the
+//! are reversed. The cost of a change, in fetched vertices and indices, is counted by sending the
 //! changed stretch through the cache again, until the cache holds what it held before.
 
 use super::paths::{Strip, Surface};
@@ -28,7 +28,7 @@ const TURN_ONE_IN: u64 = 16;
 /// lost more than that and than chance allows, it is refused before the rest is counted: counting
 /// to the end takes a seventh more time and gains nothing that can be measured.
 const MAX_REGAINED: f32 = 1.0;
-/// The number of temperatures, which fall linearly.
+/// The number of temperatures, which fall linearly. Chosen by hand.
 const STAGES: usize = 16;
 
 /// The cache at some point: when each vertex was fetched last.
@@ -233,7 +233,12 @@ impl<'w, 'a> Stretch<'w, 'a> {
     fn reverse(&self, path: &[u32], reversed: &mut Vec<u32>) {
         self.shared.surface.reverse(path, reversed);
     }
-    /// Links an end of a strip to a neighbour in another, which is cut there if it goes on.
+    /// Links an end of strip `a` to a neighbouring triangle, the target, in another strip `b`,
+    /// which is cut there if it goes on.
+    ///
+    /// Of the random bits (lowest first) bit 0 chooses the end of `a`, bits 1 and 2 its slot, bit 3
+    /// which part of `b` is joined, bit 4 which of the two comes first, and bits 5 and 6 where the
+    /// result goes in the drawing order.
     fn propose_link(&mut self, a_position: usize, bits: u64) -> Option<NewStrips> {
         let a = self.sequence[a_position];
         let from_end = bits & 1 == 0;
@@ -252,7 +257,7 @@ impl<'w, 'a> Stretch<'w, 'a> {
         let b_path = self.path(b);
         let target_index =
             b_path.iter().position(|&target_code| decode(target_code).0 == target)?;
-        // What follows y, or what comes before it, goes along.
+        // What follows the target in `b`, or what comes before it, is joined with it.
         let length = b_path.len();
         let forward =
             length == 1 || target_index == 0 || (target_index + 1 < length && bits & 8 == 0);
@@ -390,7 +395,7 @@ fn ends_alike(a: &[u32], b: &[u32], size: usize) -> bool {
     a[tail(a)..] == b[tail(b)..]
 }
 
-/// Appends a part of a path, which ends there.
+/// Appends a part of a path as the end of a path: its last triangle is not left through any slot.
 fn push_last(path: &mut Vec<u32>, part: &[u32]) {
     path.extend(part);
     if let Some(last) = path.last_mut() {

@@ -81,7 +81,8 @@ impl Greedy<'_> {
             current = next;
         }
     }
-    /// The slot of the neighbour to continue with: of the fewest free neighbours, a swap included.
+    /// The slot of the neighbour to continue with: the one with the fewest free neighbours, a swap
+    /// counted in.
     fn best_exit(&self, current: u32) -> Option<u32> {
         let links = self.cover.links(current);
         let entered = (links != 0).then(|| links.trailing_zeros());

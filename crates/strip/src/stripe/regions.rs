@@ -12,10 +12,11 @@ use crate::meter::Meter;
 use lodc_mesh::NONE;
 use rayon::prelude::*;
 
-/// Triangles of a region, about: with 13 bytes each they fit a second-level cache. Not tuned
-/// further.
+/// Triangles of a region, roughly: with 13 bytes each they fit a second-level cache. Chosen by
+/// hand.
 const REGION_TRIANGLES: usize = 1 << 13;
-/// Shares of the list of strips at which rounds begin.
+/// The list of strips is divided into this many equal shares; each pair of rounds begins at another
+/// one. Chosen by hand.
 const START_SHARES: usize = 7;
 
 /// Runs all rounds.

@@ -8,7 +8,7 @@ use lodc_model::{Changes, Traffic};
 /// The moving part of a [`ProgressiveMesh`](super::ProgressiveMesh).
 #[derive(Clone, Debug)]
 pub struct Cursor {
-    /// Steps that are done.
+    /// Number of steps (collapses) that are done.
     steps: usize,
     faces: Faces,
     /// Number of triangles of each submesh that are drawn: its first ones.

@@ -7,7 +7,7 @@
 //! Hoppe's `flclw` and its rotation codes, made to hold for any sequence: a record may have several
 //! fans (borders, seams, edges of more than two triangles), and all records of a step apply
 //! together. The index list that would be drawn is up to date after every step: triangles are in
-//! the order of their removal_lod, so the live ones are the first of each submesh.
+//! reverse order of their removal LODs, so the live ones are the first of each submesh.
 
 mod connect;
 mod cursor;
@@ -30,7 +30,7 @@ pub struct ProgressiveMesh {
 }
 
 impl ProgressiveMesh {
-    /// Makes the records by walking down the sequence once: linear but for sorting edges.
+    /// Makes the records by walking down the sequence once. Linear, except for sorting edges.
     ///
     /// # Errors
     /// If the triangles of a submesh are not in reverse order of their disappearance.

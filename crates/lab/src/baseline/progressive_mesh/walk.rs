@@ -33,8 +33,8 @@ pub(super) fn records(simplified: &Simplified) -> Records {
     .all(&by_removal)
 }
 
-/// The corners that show each vertex, as lists that are joined in constant time. Dead triangles
-/// leave late.
+/// For each vertex the list of corners that are at it. Corners of dead triangles stay in the list
+/// until it is taken.
 struct CornerLists {
     first: Vec<u32>,
     last: Vec<u32>,

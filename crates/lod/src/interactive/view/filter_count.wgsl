@@ -1,6 +1,7 @@
-// Degenerate filter, first of three: which triangles are drawn. One thread looks at eight. Twin:
-// filter.rs. A triangle is not drawn if two of its corners are drawn at one position, which is so
-// exactly if they share the entry they show, the one they move towards, and how far they are.
+// Degenerate filter, first of three kernels: decides which triangles are drawn: all but those of
+// which two corners are at one position. One thread decides eight. CPU code that does the same:
+// filter.rs.
+// `Thread`, `number_of` and `WORKGROUP` are in prelude.wgsl.
 
 // Words of a vertex record; the first three are the position.
 override stride: u32 = 3u;
@@ -11,22 +12,24 @@ struct Parameters {
 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-// Eight triangles are six vectors; the last ones are filled up with zeros, which no triangle that
-// is drawn has.
+// Three vertices per triangle, so that eight triangles are six vectors. The last eight are filled
+// up with triangles of three times vertex 0, which are never drawn.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
+// Vertex records as they are drawn.
 @group(0) @binding(2) var<storage, read> vertices: array<u32>;
-// A bit for each of a thread's triangles.
+// A word per eight triangles: bit j is 1 if the j-th of them is drawn.
 @group(0) @binding(3) var<storage, read_write> live: array<u32>;
-// Their number, and 0 behind the last: after the prefix sums, where each thread's triangles go, and
-// how many there are.
+// Per eight triangles the number that is drawn, then 0: prefix sums make this the number of
+// triangles that are drawn before each eight, and of all.
 @group(0) @binding(4) var<storage, read_write> places: array<u32>;
 
-// Coordinates are the same if their bits are, or if both are zero of either sign.
+// Which coordinates are equal: those of the same bits, and zeros of either sign.
 fn same(x: vec3<u32>, y: vec3<u32>) -> vec3<bool> {
     return (x == y) | (((x | y) << vec3<u32>(1u)) == vec3<u32>(0u));
 }
 
-// 1 unless two corners are at one position. Most triangles are decided by the first coordinate.
+// 1 if triangle `t` is drawn, 0 if two of its corners are at one position. Most triangles are
+// decided by the first coordinate.
 fn drawn(t: vec3<u32>) -> u32 {
     let at = t * stride;
     var equal = vec3<bool>(true);
@@ -38,6 +41,7 @@ fn drawn(t: vec3<u32>) -> u32 {
     return 0u;
 }
 
+// The bits of the four triangles in the three vectors from `first` on.
 fn four(first: u32) -> u32 {
     let a = triangles[first];
     let b = triangles[first + 1u];

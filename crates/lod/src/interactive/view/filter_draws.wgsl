@@ -1,17 +1,21 @@
-// Degenerate filter, last of three: the arguments of one indirect draw per submesh. Twin:
-// filter.rs.
+// Degenerate filter, last of three kernels: the arguments of one indirect draw per submesh. One
+// thread per submesh. CPU code that does the same: filter.rs.
+// `Thread`, `number_of` and `WORKGROUP` are in prelude.wgsl.
 
 struct Parameters { submeshes: u32 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-// First triangle and number of triangles of each submesh.
+// For each submesh x: its first triangle, y: its number of triangles.
 @group(0) @binding(1) var<storage, read> submeshes: array<vec2<u32>>;
+// A word per eight triangles: bit j is 1 if the j-th of them is drawn.
 @group(0) @binding(2) var<storage, read> live: array<u32>;
+// Per eight triangles the number of triangles that are drawn before them, then the number of all.
 @group(0) @binding(3) var<storage, read> places: array<u32>;
-// Five words per submesh: index count, instance count, first index, base vertex, first instance.
+// Five words per submesh, the arguments of an indexed indirect draw: index count, instance count,
+// first index, base vertex, first instance.
 @group(0) @binding(4) var<storage, read_write> draws: array<u32>;
 
-// How many triangles before this one are drawn.
+// The number of triangles before this one that are drawn.
 fn before(triangle: u32) -> u32 {
     let count = places[triangle / 8u];
     let rest = triangle % 8u;

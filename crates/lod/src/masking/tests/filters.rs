@@ -16,7 +16,7 @@ fn drawn(pattern: &Pattern, mask: u64) -> Vec<[u8; 3]> {
 }
 
 /// Returns the triangles of a strip, straight from the definition: window by window, by vertex and
-/// place.
+/// position.
 fn naive(strip: &[u32], position_of: impl Fn(u32) -> u32) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
     for k in 0..strip.len().saturating_sub(2) {
