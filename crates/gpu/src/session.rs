@@ -181,7 +181,7 @@ impl Session {
         let mut words = vec![0u32; PARAMETER_SLOT as usize / 4 * passes.len().max(1)];
         for (slot, pass) in words.chunks_mut(PARAMETER_SLOT as usize / 4).zip(passes) {
             debug_assert!(
-                pass.parameters.len() <= Pass::MOST_PARAMETERS,
+                pass.parameters.len() <= Pass::MAX_PARAMETERS,
                 "a pass has too many parameters"
             );
             slot[..pass.parameters.len()].copy_from_slice(&pass.parameters);

@@ -23,9 +23,9 @@ pub struct Case {
     pub name: &'static str,
     /// Passes of each run; runs follow one another.
     pub runs: Vec<Vec<Pass>>,
-    /// Number of vertices that all runs together process.
+    /// Number of vertices that all runs together process, for rates.
     pub vertices: u64,
-    /// If set, drawing what the passes have made is timed instead of the passes.
+    /// If set, drawing is timed instead of the passes, which prepare it.
     pub drawn: Option<DrawInput>,
 }
 

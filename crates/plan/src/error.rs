@@ -6,14 +6,14 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// A buffer would be larger than words can be numbered.
+    /// A buffer would have too many words for 32-bit numbers.
     TooLarge {
         /// The content.
         what: &'static str,
         /// Number of words.
         words: u64,
     },
-    /// A chain of collapses is longer than a kernel may loop on every device.
+    /// A vertex collapses more times in a row than a kernel may loop on every device.
     TooDeep {
         /// Its length.
         length: u32,

@@ -1,8 +1,8 @@
 //! Work on a graphics device as plain data: words, WGSL, and what must come out.
 //!
 //! A model that can live on a graphics device says so by making a [`Plan`]. `lodc-gpu` runs any
-//! plan and knows no model; nothing here knows a graphics API. Every kernel is beside its twin,
-//! the Rust code that does the same.
+//! plan and knows no model; nothing here knows a graphics API. Every kernel (compute shader) is
+//! beside its twin, the Rust code that does the same.
 //!
 //! ```
 //! use lodc_plan::{Expected, Pass, Program, Scan};
@@ -26,7 +26,7 @@ mod schedule;
 
 pub use benchmark::{Benchmark, Case, DrawInput, Memory};
 pub use error::{LONGEST_LOOP, PlanError};
-pub use packed::{Packed, RESTART, STRIP_DRAWS};
+pub use packed::{PackedStrips, RESTART, STRIP_DRAWS};
 pub use plan::{Plan, Step};
 pub use program::{
     Buffer, BufferId, Contents, Expected, Kernel, KernelId, Pass, Program, Shader, Tolerance,
@@ -34,4 +34,4 @@ pub use program::{
 };
 pub use records::VertexRecords;
 pub use scan::{SCAN, SCAN_ADD, Scan};
-pub use schedule::{DRAWS, SWEEP, schedule, stops, sweep};
+pub use schedule::{DRAWN_UPDATES, SWEEP_UPDATES, schedule, stops, sweep};

@@ -1,5 +1,5 @@
-//! Strips packed into one index buffer that one draw per submesh shows: one behind the other, each
-//! closed by a restart index, those without triangles left out.
+//! Strips packed into one index buffer that one draw per submesh shows: one after another, each
+//! closed by a restart index; strips without triangles are left out.
 
 use crate::benchmark::DrawInput;
 use crate::program::{BufferId, Expected, KernelId, Pass, Program, Shader};
@@ -16,7 +16,8 @@ pub const RESTART: u32 = NONE;
 
 /// Buffers and kernels of packed strips.
 #[derive(Clone, Debug)]
-pub struct Packed {
+pub struct PackedStrips {
+    /// First strip and number of strips of each submesh.
     submeshes: BufferId,
     /// One word per strip and one more: a pass writes the length of each with its restart index, or
     /// 0; prefix sums make it the offset of each in `drawn`.
@@ -25,13 +26,16 @@ pub struct Packed {
     pub drawn: BufferId,
     /// Arguments of one indirect draw per submesh, five words each.
     pub draws: BufferId,
+    /// [`STRIP_DRAWS`].
     arguments: KernelId,
+    /// Prefix sums of `places`.
     scan: Scan,
+    /// Number of submeshes.
     count: u32,
 }
 
-impl Packed {
-    /// Makes room for strips that are never longer than these.
+impl PackedStrips {
+    /// Adds buffers for strips, each never longer than the one of `strips`, and the kernels.
     pub fn new(program: &mut Program, strips: &StripSet) -> Self {
         let ranges = (0..strips.submesh_count()).map(|s| strips.submesh(s));
         let ranges: Vec<u32> =
@@ -48,8 +52,8 @@ impl Packed {
         }
     }
 
-    /// Returns the passes between the pass that writes lengths and `write`, which writes strips to
-    /// their offsets; and what follows.
+    /// Returns the passes that follow the one that writes lengths: prefix sums, `write`, which
+    /// writes strips to their offsets, and the arguments of draws.
     #[must_use]
     pub fn around(&self, write: Pass) -> Vec<Pass> {
         let arguments = Pass {
@@ -61,7 +65,7 @@ impl Packed {
         self.scan.passes().into_iter().chain([write, arguments]).collect()
     }
 
-    /// Returns their draw, with positions in `vertices`.
+    /// Returns the draw of the packed strips, with positions in `vertices`.
     #[must_use]
     pub fn drawing(&self, vertices: BufferId, bounds: ([f32; 3], [f32; 3])) -> DrawInput {
         let count = self.count as usize;

@@ -20,8 +20,8 @@ pub struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// A plan of `moves`, between a look at what was uploaded and one at what no pass may have
-    /// written to: all of that but `written`.
+    /// A plan of `moves`. Before them all uploaded words are checked; after them again those of all
+    /// buffers but `written`, as no pass may have changed them.
     pub fn of_moves(
         [model, name]: [&'static str; 2],
         program: Program,

@@ -54,7 +54,8 @@ pub struct Shader {
     pub wgsl: &'static str,
 }
 
-/// The end of every kernel's text, the same in all: how a thread finds its number.
+/// The end of every kernel's text, the same in all: the constant `WORKGROUP`, the struct `Thread`
+/// and the function `number_of`, by which a thread finds its number.
 const SHARED: &str = include_str!("prelude.wgsl");
 
 impl Shader {
@@ -80,9 +81,9 @@ pub struct Kernel {
 /// Threads in a workgroup of every kernel: what every device allows.
 pub const WORKGROUP: u32 = 256;
 
-/// One kernel over one range of threads. A kernel may be run with more threads than these, to fill
-/// workgroups and rows of workgroups, and in two dimensions, so each thread numbers itself and
-/// looks whether it is needed.
+/// One run of a kernel over a number of threads. More threads than these may run, to fill
+/// workgroups and rows of workgroups, so each thread finds its number (`prelude.wgsl`) and ends if
+/// that is too large.
 #[derive(Clone, Debug)]
 pub struct Pass {
     /// The kernel.
@@ -91,13 +92,13 @@ pub struct Pass {
     pub buffers: Vec<BufferId>,
     /// Number of threads.
     pub threads: u32,
-    /// Words of the uniform buffer, at most [`Self::MOST_PARAMETERS`].
+    /// Words of the uniform buffer, at most [`Self::MAX_PARAMETERS`].
     pub parameters: Vec<u32>,
 }
 
 impl Pass {
-    /// Words that the uniform buffer of a pass has room for.
-    pub const MOST_PARAMETERS: usize = 60;
+    /// Words that the uniform buffer of a pass has room for. Chosen by hand.
+    pub const MAX_PARAMETERS: usize = 60;
 }
 
 /// Words that a buffer must hold.
@@ -113,8 +114,8 @@ pub struct Expected {
     pub tolerance: Option<Tolerance>,
 }
 
-/// The words that are results of floating-point arithmetic. Adapters that are software must agree
-/// in them bit for bit, too; of hardware WGSL does not demand it.
+/// The words that are results of floating-point arithmetic. Software adapters must give the same
+/// bits; WGSL does not demand that of hardware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tolerance {
     /// Words of a record.
@@ -140,7 +141,7 @@ pub struct Program {
 }
 
 impl Program {
-    /// Adds a buffer with something in it.
+    /// Adds a buffer with these words in it.
     pub fn words(&mut self, name: &'static str, words: impl Into<Arc<[u32]>>) -> BufferId {
         self.buffer(name, Contents::Words(words.into()))
     }
@@ -169,8 +170,8 @@ impl Program {
             self.kernels.len() - 1
         }))
     }
-    /// Returns the words of every buffer that something is uploaded to, except those that passes
-    /// write to.
+    /// Returns the words of every buffer with given words, except the buffers `written`, which
+    /// passes write to.
     #[must_use]
     pub fn uploaded(&self, written: &[BufferId]) -> Vec<Expected> {
         let buffers = (0..self.buffers.len()).map(BufferId).filter(|id| !written.contains(id));

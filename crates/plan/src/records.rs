@@ -15,7 +15,7 @@ pub struct VertexRecords {
 }
 
 impl VertexRecords {
-    /// Records of positions only: what the thesis counts in chapters 3 and 5.
+    /// Records of positions only: what Ripollés's thesis (2009) counts in chapters 3 and 5.
     #[must_use]
     pub fn positions(mesh: &Mesh) -> Self {
         let words = mesh.positions().iter().flatten().map(|c| c.to_bits()).collect();

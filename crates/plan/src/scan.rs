@@ -1,5 +1,5 @@
-//! Prefix sums on a device, for any number of words and in one fixed order: what ordered compaction
-//! is made of.
+//! Prefix sums on a device, for any number of words and in one fixed order. They are how kernels
+//! compact lists without changing their order.
 
 use crate::program::{BufferId, KernelId, Pass, Program, Shader};
 
@@ -14,9 +14,12 @@ const BLOCK: usize = 1024;
 /// Exclusive prefix sums of one buffer, in place.
 #[derive(Clone, Debug)]
 pub struct Scan {
+    /// [`SCAN`].
     block: KernelId,
+    /// [`SCAN_ADD`].
     add: KernelId,
-    /// The buffer, then the sums of its blocks, then the sums of their blocks, and so on.
+    /// Buffers and their numbers of words: the data, the sums of its blocks, the sums of blocks of
+    /// those, and so on.
     levels: Vec<(BufferId, usize)>,
 }
 
@@ -42,8 +45,8 @@ impl Scan {
         self.levels[self.levels.len() - 1].0
     }
 
-    /// Returns the passes: sums within blocks, level by level; then, from the last level back, what
-    /// is before each block.
+    /// Returns the passes: sums within blocks, level by level; then, from the last level back,
+    /// additions of the sums before each block.
     #[must_use]
     pub fn passes(&self) -> Vec<Pass> {
         let pass = |kernel, pair: &[(BufferId, usize)], threads: usize| {

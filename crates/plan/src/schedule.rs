@@ -1,17 +1,18 @@
-//! The LODs at which a device is compared with the CPU: both ends, a grid going coarser and finer,
-//! and random jumps; and the linear sweep that is timed.
+//! The LODs (levels of detail) at which a device is compared with the CPU: both ends, evenly spread
+//! steps going coarser and finer, and random jumps; and the linear sweep that is timed.
 
 use lodc_mesh::{CollapseSequence, Lod, Simplified, SplitMix64};
 
-/// Triangles that all comparisons together look at: some seconds for a software adapter.
-const AFFORDABLE: usize = 40_000_000;
+/// Triangles that all comparisons together look at, about: some seconds for a software adapter.
+/// Chosen by hand.
+const MAX_TRIANGLES: usize = 40_000_000;
 
 /// The schedule of a verification: every 0.1 % of the steps down and up and a hundred jumps, fewer
 /// (but at least 16 each) on large meshes.
 #[must_use]
 pub fn stops(simplified: &Simplified) -> Vec<Lod> {
-    let affordable = (AFFORDABLE / simplified.mesh().triangles().len().max(1)).max(16) as u32;
-    schedule(simplified.collapses(), affordable.min(1000), affordable.min(100), 1)
+    let max_stops = (MAX_TRIANGLES / simplified.mesh().triangles().len().max(1)).max(16) as u32;
+    schedule(simplified.collapses(), max_stops.min(1000), max_stops.min(100), 1)
 }
 
 /// The LODs at which whole states are compared: LOD 0, some `grid` steps evenly spread going
@@ -30,11 +31,12 @@ pub fn schedule(collapses: &CollapseSequence, grid: u32, jumps: u32, seed: u64) 
     down.iter().copied().chain(up).chain(far).collect()
 }
 
-/// Updates of the thesis's linear sweep down (3.5.2: steps of 0.1 %); as many up.
-pub const SWEEP: u32 = 1000;
+/// Updates of a linear sweep to the coarsest LOD in Ripollés's thesis (2009, section 3.5.2: 0.1 %
+/// of the records each); then the same number back.
+pub const SWEEP_UPDATES: u32 = 1000;
 
-/// Updates between draws that are timed. Chosen by hand.
-pub const DRAWS: u32 = 10;
+/// Updates of the sweep whose draws are timed, each way. Chosen by hand.
+pub const DRAWN_UPDATES: u32 = 10;
 
 /// A linear sweep over all LODs in `updates` updates, coarser and then finer again, LOD 0 at both
 /// ends.

@@ -2,6 +2,7 @@
 // buffer, each closed by a restart index. One thread per submesh.
 // `Thread`, `number_of` and `WORKGROUP` are in prelude.wgsl.
 
+// submeshes: their number.
 struct Parameters { submeshes: u32 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;

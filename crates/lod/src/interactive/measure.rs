@@ -6,8 +6,8 @@ use super::{CollapseLists, Continuous, Counting, Interactive, replay};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_model::Model;
 use lodc_plan::{
-    Benchmark, BufferId, Case, DRAWS, DrawInput, Memory, Pass, PlanError, Program, SWEEP,
-    VertexRecords, sweep,
+    Benchmark, BufferId, Case, DRAWN_UPDATES, DrawInput, Memory, Pass, PlanError, Program,
+    SWEEP_UPDATES, VertexRecords, sweep,
 };
 use lodc_strip::order;
 
@@ -56,11 +56,11 @@ impl Passes<'_> {
         let moves = |stops: &[Lod]| {
             stops.windows(2).map(|pair| vec![base.extraction(pair[0], pair[1])]).collect()
         };
-        let steps = sweep(collapses, SWEEP);
+        let steps = sweep(collapses, SWEEP_UPDATES);
         let touched = steps.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum();
         let coarse = self.coarse();
         let jumps: Vec<Lod> = (0..9).map(|i| if i % 2 == 0 { Lod(0) } else { coarse }).collect();
-        let shown = sweep(collapses, DRAWS)
+        let shown = sweep(collapses, DRAWN_UPDATES)
             .windows(2)
             .map(|pair| vec![base.extraction(pair[0], pair[1]), counting.pass()])
             .collect();

@@ -2,7 +2,9 @@
 
 use super::{Masking, replay::Device};
 use lodc_mesh::Lod;
-use lodc_plan::{Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep};
+use lodc_plan::{
+    Benchmark, Case, DRAWN_UPDATES, Memory, PlanError, Program, SWEEP_UPDATES, VertexRecords, sweep,
+};
 
 impl Masking {
     /// The linear sweep over all LODs, down and up, and draws on the way.
@@ -19,13 +21,13 @@ impl Masking {
             let runs = stops[1..].iter().map(|&lod| device.passes(lod)).collect();
             (runs, stops.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum())
         };
-        let (runs, vertices) = moves(SWEEP);
+        let (runs, vertices) = moves(SWEEP_UPDATES);
         let drawing = device.packed().drawing(positions, mesh.bounds());
         let cases = vec![
             Case::new("masks, linear sweep", runs, vertices),
             // What has to be done however little changes.
             Case::new("masks, standing still", vec![device.passes(Lod(0)); 8], 0),
-            Case::drawing("draw, over the LODs", moves(DRAWS).0, drawing),
+            Case::drawing("draw, over the LODs", moves(DRAWN_UPDATES).0, drawing),
         ];
         let (positions, normals) = program.words_with_normals(mesh.vertex_count());
         let memory = vec![Memory { variant: "masks", positions, normals }];

@@ -7,7 +7,7 @@ use crate::twin::move_and_compare;
 use lodc_mesh::Lod;
 use lodc_model::Model;
 use lodc_plan::{
-    BufferId, Expected, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN,
+    BufferId, Expected, KernelId, LONGEST_LOOP, PackedStrips, Pass, Plan, PlanError, Program, SCAN,
     SCAN_ADD, STRIP_DRAWS, Shader, Step,
 };
 
@@ -27,7 +27,7 @@ pub(super) struct Device {
     full: BufferId,
     states: BufferId,
     error_flag: BufferId,
-    packed: Packed,
+    packed: PackedStrips,
     masks: KernelId,
     write: KernelId,
     strips: u32,
@@ -35,7 +35,7 @@ pub(super) struct Device {
 
 impl Device {
     /// The strips as they are drawn.
-    pub(super) fn packed(&self) -> &Packed {
+    pub(super) fn packed(&self) -> &PackedStrips {
         &self.packed
     }
 
@@ -60,7 +60,7 @@ impl Device {
             full: program.words("full", model.strips.indices()),
             states: program.words("states", states),
             error_flag: program.zeros("error_flag", 1),
-            packed: Packed::new(program, &model.strips),
+            packed: PackedStrips::new(program, &model.strips),
             masks: program.kernel(MASKS),
             write: program.kernel(MASKS_WRITE),
             strips: strips as u32,

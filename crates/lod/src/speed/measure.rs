@@ -4,7 +4,9 @@
 
 use super::{Speed, replay::Device};
 use lodc_mesh::Lod;
-use lodc_plan::{Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep};
+use lodc_plan::{
+    Benchmark, Case, DRAWN_UPDATES, Memory, PlanError, Program, SWEEP_UPDATES, VertexRecords, sweep,
+};
 
 impl Speed {
     /// The linear sweep over all LODs, down and up, and draws on the way.
@@ -22,13 +24,13 @@ impl Speed {
             let runs = stops.windows(2).map(|pair| device.passes(self, pair[0], pair[1])).collect();
             (runs, stops.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum())
         };
-        let (runs, vertices) = moves(SWEEP);
+        let (runs, vertices) = moves(SWEEP_UPDATES);
         let drawing = device.packed().drawing(positions, mesh.bounds());
         let cases = vec![
             Case::new("direct, linear sweep", runs, vertices),
             // What has to be done however little changes.
             Case::new("direct, standing still", vec![device.passes(self, Lod(0), Lod(0)); 8], 0),
-            Case::drawing("draw, over the LODs", moves(DRAWS).0, drawing),
+            Case::drawing("draw, over the LODs", moves(DRAWN_UPDATES).0, drawing),
         ];
         let (positions, normals) = program.words_with_normals(mesh.vertex_count());
         let memory = vec![Memory { variant: "direct", positions, normals }];

@@ -6,7 +6,7 @@ use crate::twin::move_and_compare;
 use lodc_mesh::{Lod, NONE};
 use lodc_model::Model;
 use lodc_plan::{
-    BufferId, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD,
+    BufferId, KernelId, LONGEST_LOOP, PackedStrips, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD,
     STRIP_DRAWS, Shader, Step,
 };
 
@@ -40,7 +40,7 @@ pub(super) struct Device {
     strips: BufferId,
     /// Two words for each strip: the entry that is next, and how many indices it has now.
     heads: BufferId,
-    packed: Packed,
+    packed: PackedStrips,
     kernels: [KernelId; 5],
     strip_count: u32,
     index_count: u32,
@@ -48,7 +48,7 @@ pub(super) struct Device {
 
 impl Device {
     /// The strips as they are drawn.
-    pub(super) fn packed(&self) -> &Packed {
+    pub(super) fn packed(&self) -> &PackedStrips {
         &self.packed
     }
 
@@ -79,7 +79,7 @@ impl Device {
             values: program.zeros("values", set.indices().len()),
             strips: program.words("strips", set.indices()),
             heads: program.words("heads", heads),
-            packed: Packed::new(program, set),
+            packed: PackedStrips::new(program, set),
             kernels: [EDITS, VALUES, REWRITE, LENGTHS, PACK].map(|shader| program.kernel(shader)),
             strip_count: set.len() as u32,
             index_count: set.indices().len() as u32,
