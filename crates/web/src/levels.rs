@@ -1,4 +1,6 @@
-//! Objects with all their levels as one GLB, and the order in which they give up triangles.
+//! Objects with all their levels as one GLB, and the order in which they lose triangles. A *turn*
+//! is a LOD of one object and its rank in the order over all objects: with a budget of triangles,
+//! the objects are coarsened by rank.
 
 use lodc_formats::gltf::{LevelsObject, export_levels};
 use lodc_formats::images::Textures;
@@ -9,8 +11,8 @@ use lodc_select::turns;
 use std::path::Path;
 
 /// Makes a GLB with all levels ([`export_levels`]), and a warning for each texture that is missing.
-/// Its levels by triangles are those of `lodc extract`: several objects have their order with them.
-/// `strips` may say the strip of each triangle of an object.
+/// The GLB has the order of several objects, so that their levels for a number of triangles are
+/// those of `lodc extract`. `strips` may say the strip of each triangle of an object.
 ///
 /// # Errors
 /// If the document is damaged, or glTF cannot hold the scene.
@@ -23,7 +25,7 @@ pub fn levels<M>(
     limits: &Limits,
 ) -> Result<(OutputFile, Vec<String>), FormatError> {
     let strips: Vec<Option<Vec<u32>>> = objects.iter().map(strips).collect();
-    let turns = order(document, objects, limits)?;
+    let turns = turns_of_objects(document, objects, limits)?;
     let object = |((object, strips), turns)| {
         let (object, strips): (&LodObject<M>, &Option<Vec<u32>>) = (object, strips);
         let turns: &Vec<(u32, u32)> = turns;
@@ -38,8 +40,8 @@ pub fn levels<M>(
     export_levels(path, document, &objects, textures)
 }
 
-/// The turns of each object, none for a single one.
-fn order<M>(
+/// The turns of each object as rank and LOD; none for a single object.
+fn turns_of_objects<M>(
     document: &Document,
     objects: &[LodObject<M>],
     limits: &Limits,
@@ -51,8 +53,8 @@ fn order<M>(
     let graph = scene_graph(document, &infos, limits)?;
     let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
     let simplified: Vec<_> = objects.iter().map(|o| &*o.simplified).collect();
-    let of_object = |turns: Vec<lodc_select::Turn>| {
+    let as_pairs = |turns: Vec<lodc_select::Turn>| {
         turns.into_iter().map(|turn| (turn.rank, turn.lod.0)).collect()
     };
-    Ok(turns(&simplified, &scene).into_iter().map(of_object).collect())
+    Ok(turns(&simplified, &scene).into_iter().map(as_pairs).collect())
 }

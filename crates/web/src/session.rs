@@ -41,7 +41,7 @@ impl Session {
 
     /// Takes the input as the next bytes of a `.lods` stream. The output is the progress as JSON:
     /// `{"complete", "bytes", "objects": [{"vertices", "triangles", "steps", "error",
-    /// "rms"}]}`, each count so far and in all.
+    /// "rms"}]}`, each count as `[so far, in all]`.
     pub fn feed(&mut self) -> Status {
         let stream = self.stream.get_or_insert_with(|| Unpacker::new(Limits::DEFAULT));
         let fed = stream.feed(&self.input);
@@ -69,6 +69,7 @@ impl Session {
     }
 }
 
+/// A file as a GLB with all levels.
 fn levels(file: &LodFile) -> Result<Vec<u8>, FormatError> {
     // A browser has no folder: images of other files cannot be read.
     let (path, textures) = (Path::new("levels.glb"), Textures::default());
@@ -77,6 +78,7 @@ fn levels(file: &LodFile) -> Result<Vec<u8>, FormatError> {
     Ok(glb.bytes)
 }
 
+/// The scene of a stream so far as a GLB; empty before its first object.
 fn mesh(stream: &Unpacker) -> Result<Vec<u8>, FormatError> {
     let Some(arrived) = stream.arrived()? else { return Ok(Vec::new()) };
     if stream.objects() == 0 && !stream.is_complete() {
@@ -94,6 +96,7 @@ fn mesh(stream: &Unpacker) -> Result<Vec<u8>, FormatError> {
     Ok(files.into_iter().next().map(|file| file.bytes).unwrap_or_default())
 }
 
+/// The JSON of [`Session::feed`].
 fn progress(stream: &Unpacker) -> String {
     let mut json = format!(
         "{{\"complete\":{},\"bytes\":{},\"objects\":[",
@@ -102,14 +105,16 @@ fn progress(stream: &Unpacker) -> String {
     );
     for object in 0..stream.objects() {
         let p = stream.progress(object);
-        let ([v, vs], [t, ts], [s, ss]) = (p.vertices, p.triangles, p.steps);
+        let ([vertices, all_vertices], [triangles, all_triangles], [steps, all_steps]) =
+            (p.vertices, p.triangles, p.steps);
         let comma = if object > 0 { "," } else { "" };
         let error = if p.error.is_finite() { p.error } else { f32::MAX };
         let rms = p.rms.map_or("null".to_owned(), |rms| rms.min(f32::MAX).to_string());
         // Writing to a string cannot fail.
         let _ = write!(
             json,
-            "{comma}{{\"vertices\":[{v},{vs}],\"triangles\":[{t},{ts}],\"steps\":[{s},{ss}],\
+            "{comma}{{\"vertices\":[{vertices},{all_vertices}],\
+             \"triangles\":[{triangles},{all_triangles}],\"steps\":[{steps},{all_steps}],\
              \"error\":{error},\"rms\":{rms}}}"
         );
     }

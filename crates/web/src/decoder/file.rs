@@ -29,6 +29,7 @@ pub(super) fn message(bytes: &[u8]) -> Result<Message, FormatError> {
     Ok(out)
 }
 
+/// Appends all vertices in stream order, which is the reverse of the collapse order.
 fn vertices(out: &mut Message, object: u32, simplified: &Simplified) {
     let mesh = simplified.mesh();
     out.words([object, 0, mesh.vertex_count() as u32]);
@@ -52,7 +53,7 @@ fn all_levels(simplified: &Simplified) -> Vec<Level> {
         let level = level(simplified, lod);
         let triangles = collapses.triangles_at(lod);
         levels.push(level);
-        let next = collapses.lod_for_triangles(levels::coarser(triangles));
+        let next = collapses.lod_for_triangles(levels::max_coarser(triangles));
         if triangles == 0 || collapses.triangles_at(next) == 0 {
             break;
         }
@@ -62,15 +63,17 @@ fn all_levels(simplified: &Simplified) -> Vec<Level> {
     levels
 }
 
+/// The triangles of a LOD, with vertices in stream order.
 fn level(simplified: &Simplified, lod: Lod) -> Level {
     let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
-    let shown = collapses.resolve_all(lod);
+    let vertex_at_lod = collapses.resolve_all(lod);
     let last = collapses.records();
     let position = |v: u32| position_key(mesh.positions()[v as usize]);
     let live = (0..).zip(mesh.submeshes()).flat_map(|(number, submesh)| {
-        // The first dead triangle ends its submesh.
+        // Triangles are in the order of their removal, the last first: after the first degenerate
+        // one all are.
         let corners = mesh.triangles()[submesh.triangles()].iter();
-        let corners = corners.map(|t| t.map(|v| shown[v as usize]));
+        let corners = corners.map(|t| t.map(|v| vertex_at_lod[v as usize]));
         let live = corners.take_while(|t| !is_degenerate(t.map(position)));
         live.map(move |t| (number, t.map(|v| last - v)))
     });

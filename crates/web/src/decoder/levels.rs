@@ -2,20 +2,21 @@
 
 use super::message::{Message, Tag};
 
-/// A level has at least this many times the triangles of the one before: all lists together are at
-/// most three times as long as that of the finest level, and a third of what is drawn is too much.
-const FACTOR: f64 = 1.5;
+/// A level has at least this many times the triangles of the one before, so all lists together are
+/// at most three times as long as that of the finest level. Where a level in between would do, up
+/// to a third of the triangles drawn are too many.
+const TRIANGLE_FACTOR: f64 = 1.5;
 
-/// Returns the most triangles of the next coarser level.
+/// Returns the largest number of triangles of the next coarser level.
 #[cfg(feature = "file")]
-pub(super) fn coarser(triangles: u32) -> u32 {
-    (f64::from(triangles) / FACTOR) as u32
+pub(super) fn max_coarser(triangles: u32) -> u32 {
+    (f64::from(triangles) / TRIANGLE_FACTOR) as u32
 }
 
-/// Returns the least triangles of the next finer level.
+/// Returns the smallest number of triangles of the next finer level.
 #[cfg(feature = "stream")]
-pub(super) fn finer(triangles: u32) -> u32 {
-    (f64::from(triangles) * FACTOR).ceil() as u32
+pub(super) fn min_finer(triangles: u32) -> u32 {
+    (f64::from(triangles) * TRIANGLE_FACTOR).ceil() as u32
 }
 
 /// The indices of a level.
@@ -25,12 +26,12 @@ pub(super) struct Level {
     pub(super) error: f32,
     /// Triangles of each submesh.
     pub(super) triangles: Vec<u32>,
-    /// Three for each of them, by submesh.
+    /// Three indices for each triangle, by submesh: vertices in stream order.
     pub(super) indices: Vec<u32>,
 }
 
 impl Level {
-    /// A level of triangles whose corners are vertices in stream order.
+    /// A level of triangles: each its submesh and its corners, vertices in stream order.
     pub(super) fn new(
         error: f32,
         submeshes: usize,
@@ -40,23 +41,23 @@ impl Level {
         for (submesh, _) in triangles.clone() {
             counts[submesh as usize] += 1;
         }
-        let mut place = vec![0; submeshes];
+        let mut next_index = vec![0; submeshes];
         for submesh in 1..submeshes {
-            place[submesh] = place[submesh - 1] + 3 * counts[submesh - 1] as usize;
+            next_index[submesh] = next_index[submesh - 1] + 3 * counts[submesh - 1] as usize;
         }
         let mut indices = vec![0; 3 * counts.iter().sum::<u32>() as usize];
         for (submesh, corners) in triangles {
-            let at = &mut place[submesh as usize];
-            indices[*at..*at + 3].copy_from_slice(&corners);
-            *at += 3;
+            let next = &mut next_index[submesh as usize];
+            indices[*next..*next + 3].copy_from_slice(&corners);
+            *next += 3;
         }
         Self { error, triangles: counts, indices }
     }
 }
 
-/// Appends levels of an object, whose indices begin behind `first` others: the object's number, the
-/// number of levels, for each its error (f32) and the triangles of each submesh; `first`; all
-/// indices. What was there from `first` on is no longer.
+/// Appends a chunk with levels of an object: the object's number, the number of levels, for each
+/// its error (f32) and the triangles of each submesh; `first`; all indices. They replace the
+/// indices of the object from the index `first` on.
 pub(super) fn put(out: &mut Message, object: u32, first: usize, levels: &[Level]) {
     out.chunk(Tag::Levels, |m| {
         m.words([object, levels.len() as u32]);

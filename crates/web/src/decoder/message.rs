@@ -10,20 +10,21 @@ use lodc_mesh::{Attribute, Component, Semantic};
 /// Tags of chunks.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Tag {
-    /// The text of a glTF document, behind the number of objects and the bytes of buffer 0.
+    /// The number of objects, the length of buffer 0 in bytes, and the text of a glTF document.
     Json = 1,
-    /// Materials of other documents, behind the number of objects: for each its name, number of
+    /// The number of objects, and the materials of an OBJ's document: for each its name, number of
     /// lines, lines.
     Materials = 2,
-    /// Bytes of buffer 0: where they begin, in bytes; the bytes.
+    /// Bytes of buffer 0: their offset in it, in bytes; the bytes.
     Buffer = 3,
     /// An object: see [`Message::object`].
     Object = 4,
-    /// Vertices: object, first vertex, number; then each stream, padded.
+    /// Vertices: object, first vertex, number; then the positions, and each attribute of the
+    /// object, padded.
     Vertices = 5,
     /// Levels: see `levels.rs`.
     Levels = 6,
-    /// The whole has come.
+    /// The end: everything has arrived. No content.
     Complete = 7,
 }
 
@@ -53,19 +54,19 @@ impl Message {
         words.into_iter().for_each(|word| self.word(word));
     }
 
-    /// Zeros up to a multiple of four bytes.
+    /// Appends zeros up to a multiple of four bytes.
     pub(super) fn pad(&mut self) {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
     }
 
-    /// A text: its bytes in UTF-8, as many as a word in front says, padded.
+    /// Appends a text: its length in bytes, and its bytes in UTF-8, padded.
     pub(super) fn text(&mut self, text: &str) {
         self.word(text.len() as u32);
         self.bytes.extend_from_slice(text.as_bytes());
         self.pad();
     }
 
-    /// Appends what a document says, without buffer 0, of `buffer` bytes.
+    /// Appends a document without its buffer 0, which has `buffer` bytes.
     pub(super) fn document(&mut self, document: &Document, objects: u32, buffer: u32) {
         match document {
             Document::Gltf(gltf) => self.chunk(Tag::Json, |m| {

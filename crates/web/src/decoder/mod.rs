@@ -1,7 +1,9 @@
-//! What the loader of the npm package runs: bytes in, typed arrays out, as much as has come.
+//! What the loader of the npm package runs: bytes of a file or stream in, typed arrays out, as far
+//! as the bytes go.
 //!
-//! The output is a message of chunks (`message.rs`), which `js/message.js` reads. Vertices are in
-//! stream order, of files, too: those of a coarse level come first, so that arrays only grow.
+//! The output is a message of chunks (`message.rs`), which `loader/message.js` reads. Vertices are
+//! in stream order, those of files too: the vertices of a coarse level come first, so that arrays
+//! only grow.
 
 #[cfg(feature = "file")]
 mod file;
@@ -14,7 +16,7 @@ use crate::Status;
 use lodc_formats::FormatError;
 use message::Message;
 #[cfg(feature = "stream")]
-use stream::Growing;
+use stream::StreamReader;
 
 /// A `.lodc` file, or a `.lods` stream that is fed piece by piece.
 #[derive(Debug, Default)]
@@ -22,7 +24,7 @@ pub struct Decoder {
     input: Vec<u8>,
     output: Vec<u8>,
     #[cfg(feature = "stream")]
-    stream: Option<Box<Growing>>,
+    stream: Option<Box<StreamReader>>,
 }
 
 impl Decoder {
@@ -39,7 +41,7 @@ impl Decoder {
         &self.output
     }
 
-    /// Takes the input as a whole `.lodc` file. The output has all of it.
+    /// Takes the input as a whole `.lodc` file. The output is a message with all of it.
     #[cfg(feature = "file")]
     pub fn open(&mut self) -> Status {
         let input = std::mem::take(&mut self.input);
@@ -54,7 +56,7 @@ impl Decoder {
         self.answer(fed.map(|()| Message::default()))
     }
 
-    /// The output has everything of the stream that no output had so far.
+    /// The output is a message with everything of the stream that no message had so far.
     #[cfg(feature = "stream")]
     pub fn grown(&mut self) -> Status {
         let message = self.stream.as_mut().map(|stream| stream.message());
