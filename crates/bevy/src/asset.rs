@@ -1,6 +1,6 @@
 //! A `.lodc` file as an asset.
 
-use crate::mesh::part;
+use crate::mesh::submesh_mesh;
 use bevy_asset::io::Reader;
 use bevy_asset::{Asset, AssetLoader, Handle, LoadContext};
 use bevy_ecs::error::BevyError;
@@ -59,8 +59,8 @@ pub struct LodcPlacement {
     pub transform: Transform,
 }
 
-/// A level that is wanted, as `lodc extract` takes it. Over several objects triangles are given up
-/// where least is lost.
+/// A level that is wanted, as options of `lodc extract` say it. Of several objects, those lose
+/// triangles first that lose least by it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LevelWish {
     /// At most this share of the triangles.
@@ -71,7 +71,7 @@ pub enum LevelWish {
     Error(f64),
 }
 
-/// The levels that are made of a file as it is loaded, the finest first.
+/// The levels that a file is loaded with, the finest first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LodcSettings {
     /// Each takes the memory of its meshes.
@@ -105,7 +105,8 @@ impl AssetLoader for LodcLoader {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
         let file = lodc::read(&bytes)?;
-        let objects = file.objects.iter().map(|o| empty(&o.info, o.simplified.mesh()));
+        let objects =
+            file.objects.iter().map(|o| object_without_levels(&o.info, o.simplified.mesh()));
         let mut objects: Vec<LodcObject> = objects.collect();
         for (number, wish) in settings.levels.iter().enumerate() {
             add_level(&file, number, *wish, &mut objects, context)?;
@@ -120,7 +121,7 @@ impl AssetLoader for LodcLoader {
 }
 
 /// An object without levels.
-pub(crate) fn empty(info: &ObjectInfo, mesh: &lodc::mesh::Mesh) -> LodcObject {
+pub(crate) fn object_without_levels(info: &ObjectInfo, mesh: &lodc::mesh::Mesh) -> LodcObject {
     let (low, high) = mesh.bounds();
     let [low, high] = [low, high].map(Vec3::from_array);
     LodcObject {
@@ -132,6 +133,7 @@ pub(crate) fn empty(info: &ObjectInfo, mesh: &lodc::mesh::Mesh) -> LodcObject {
     }
 }
 
+/// Adds a level of each object, with meshes as assets labelled by the level's `number`.
 fn add_level(
     file: &LodFile,
     number: usize,
@@ -146,7 +148,7 @@ fn add_level(
     };
     let scene = scene_levels(&file.objects, &file.document, &Limits::DEFAULT)?;
     let lods = scene.select(select, false)?.lods;
-    let upright = matches!(file.document, Document::Obj(_));
+    let v_is_upward = matches!(file.document, Document::Obj(_));
     let levels = meshes(&file.objects, &lods, MeshOptions::default())?;
     for (at, (object, level)) in objects.iter_mut().zip(levels).enumerate() {
         let mesh = &level.mesh;
@@ -154,7 +156,7 @@ fn add_level(
             0 => Handle::default(),
             _ => {
                 let label = format!("object{at}/level{number}/submesh{submesh}");
-                context.add_labeled_asset(label, part(mesh, submesh, upright))
+                context.add_labeled_asset(label, submesh_mesh(mesh, submesh, v_is_upward))
             }
         };
         object.levels.push(LodcLevel {
@@ -173,11 +175,11 @@ pub(crate) fn placements(
 ) -> Result<Vec<LodcPlacement>, BevyError> {
     let graph = scene_graph(document, infos, &Limits::DEFAULT)?;
     let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
-    let one = |placement: &Placement| {
+    let as_transform = |placement: &Placement| {
         let columns = placement.transform.to_cols_array_2d().map(|c| c.map(|v| v as f32));
         let [x, y, z, t] = columns.map(|[x, y, z]| Vec3::new(x, y, z));
         let matrix = Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), t.extend(1.0));
         LodcPlacement { object: placement.object, transform: Transform::from_matrix(matrix) }
     };
-    Ok(scene.placements().iter().map(one).collect())
+    Ok(scene.placements().iter().map(as_transform).collect())
 }

@@ -1,7 +1,7 @@
-//! A GLB of `lodc chain` as an asset of the same kind.
+//! A GLB of `lodc chain`, which has several levels of a scene, as a [`Lodc`] asset.
 
-use crate::asset::{Lodc, LodcLevel, LodcObject, empty, placements};
-use crate::mesh::part;
+use crate::asset::{Lodc, LodcLevel, LodcObject, object_without_levels, placements};
+use crate::mesh::submesh_mesh;
 use bevy_asset::io::Reader;
 use bevy_asset::{AssetLoader, Handle, LoadContext};
 use bevy_ecs::error::BevyError;
@@ -34,7 +34,7 @@ impl AssetLoader for ChainLoader {
         let chain = levels_in(bytes, Path::new("chain.glb"), &ImportOptions::default())?;
         let Some(finest) = chain.levels.first() else { return Err("no level".into()) };
         let mut objects: Vec<LodcObject> =
-            finest.objects.iter().map(|o| empty(&o.info, &o.mesh)).collect();
+            finest.objects.iter().map(|o| object_without_levels(&o.info, &o.mesh)).collect();
         let keys = |object: &SceneObject, document: &Document| {
             let materials = materials(document);
             let mesh = object.info.document_mesh as usize;
@@ -54,7 +54,7 @@ impl AssetLoader for ChainLoader {
                     let found = submeshes.next_if(|(_, own)| *own == key);
                     let Some(((found, _), own)) = found.zip(own) else { return Handle::default() };
                     let label = format!("object{at}/level{number}/submesh{submesh}");
-                    context.add_labeled_asset(label, part(&own.mesh, found, false))
+                    context.add_labeled_asset(label, submesh_mesh(&own.mesh, found, false))
                 };
                 let all = keys(whole, &finest.document);
                 object.levels.push(LodcLevel {

@@ -17,20 +17,20 @@ pub struct LevelOfDetail {
     pub object: usize,
     /// Index of the submesh.
     pub submesh: usize,
-    /// Index of the level that is shown; none until the file has come.
+    /// Index of the level that is shown; none until the file is loaded.
     pub level: Option<usize>,
 }
 
 impl LevelOfDetail {
-    /// Nothing, until the file has come.
+    /// Shows nothing until the file is loaded.
     #[must_use]
     pub fn new(file: Handle<Lodc>, object: usize, submesh: usize) -> Self {
         Self { file, object, submesh, level: None }
     }
 }
 
-/// An eye that levels are chosen for; put it beside a camera. Of several, each may see no more than
-/// its error; without one everything is at its finest level.
+/// An eye that levels are chosen for; put it beside a camera. With several, no error is too large
+/// for any of them; without one everything is at its finest level.
 #[derive(Component, Clone, Copy, Debug)]
 #[require(Transform)]
 pub struct LodEye {
@@ -71,46 +71,47 @@ impl Lodc {
 }
 
 impl LodcObject {
-    /// Index of the coarsest level whose error no eye can see where the object stands.
+    /// Index of the coarsest level whose error no eye can see, with the object at `transform`.
     #[must_use]
     pub fn seen<'a>(
         &self,
-        place: &GlobalTransform,
+        transform: &GlobalTransform,
         eyes: impl Iterator<Item = (&'a LodEye, &'a GlobalTransform)>,
     ) -> usize {
-        let matrix = place.affine().matrix3;
+        let matrix = transform.affine().matrix3;
         let scale = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.length());
         let scale = scale.into_iter().fold(0.0, f32::max);
-        let centre = place.transform_point(self.centre);
+        let centre = transform.transform_point(self.centre);
         let allowed = |(eye, at): (&LodEye, &GlobalTransform)| {
             // To the nearest point of the object, or nearer.
             let distance = at.translation().distance(centre) - scale * self.radius;
             eye.allowed(distance.max(0.0))
         };
         let allowed = eyes.map(allowed).reduce(f32::min).unwrap_or(0.0);
-        let within = self.levels.partition_point(|level| scale * level.error <= allowed);
-        within.saturating_sub(1)
+        let levels_within = self.levels.partition_point(|level| scale * level.error <= allowed);
+        levels_within.saturating_sub(1)
     }
 }
 
-/// Gives every entity the mesh of its level. What stays as it is counts as unchanged.
+/// Gives every entity the mesh of its level. Entities whose level stays are not marked as changed.
 #[expect(clippy::needless_pass_by_value, reason = "systems take what they ask for by value")]
 pub(crate) fn choose(
     files: Res<Assets<Lodc>>,
     eyes: Query<(&LodEye, &GlobalTransform)>,
-    mut shown: Query<(&mut LevelOfDetail, &GlobalTransform, &mut Mesh3d)>,
+    mut entities: Query<(&mut LevelOfDetail, &GlobalTransform, &mut Mesh3d)>,
 ) {
-    for (mut of, place, mut mesh) in &mut shown {
-        let Some(object) = files.get(&of.file).and_then(|file| file.objects.get(of.object)) else {
+    for (mut lod, transform, mut mesh) in &mut entities {
+        let Some(object) = files.get(&lod.file).and_then(|file| file.objects.get(lod.object))
+        else {
             continue;
         };
-        let level = object.seen(place, eyes.iter());
-        let Some(found) = object.levels.get(level).and_then(|l| l.meshes.get(of.submesh)) else {
+        let level = object.seen(transform, eyes.iter());
+        let Some(chosen) = object.levels.get(level).and_then(|l| l.meshes.get(lod.submesh)) else {
             continue;
         };
-        if of.level != Some(level) || mesh.0 != *found {
-            of.level = Some(level);
-            mesh.0 = found.clone();
+        if lod.level != Some(level) || mesh.0 != *chosen {
+            lod.level = Some(level);
+            mesh.0 = chosen.clone();
         }
     }
 }

@@ -4,9 +4,9 @@ use bevy_asset::RenderAssetUsages;
 use bevy_mesh::{Indices, Mesh, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues};
 use lodc::mesh::{Attribute, Semantic};
 
-/// A submesh of a level, with the vertices that it uses. `upright` says that texture coordinates
-/// have V from the bottom up, as in an OBJ.
-pub(crate) fn part(level: &lodc::mesh::Mesh, submesh: usize, upright: bool) -> Mesh {
+/// A submesh of a level, with the vertices that it uses. `v_is_upward` says that texture
+/// coordinates have V from the bottom up, as in an OBJ.
+pub(crate) fn submesh_mesh(level: &lodc::mesh::Mesh, submesh: usize, v_is_upward: bool) -> Mesh {
     let submesh = &level.submeshes()[submesh];
     let triangles = &level.triangles()[submesh.triangles()];
     let mut vertices: Vec<u32> = triangles.as_flattened().to_vec();
@@ -22,7 +22,7 @@ pub(crate) fn part(level: &lodc::mesh::Mesh, submesh: usize, upright: bool) -> M
     for &number in &submesh.attributes {
         let attribute = &level.attributes()[number as usize];
         if attribute.morph_target.is_none()
-            && let Some((meaning, values)) = values(attribute, &vertices, upright)
+            && let Some((meaning, values)) = values(attribute, &vertices, v_is_upward)
         {
             mesh.insert_attribute(meaning, values);
         }
@@ -30,18 +30,18 @@ pub(crate) fn part(level: &lodc::mesh::Mesh, submesh: usize, upright: bool) -> M
     mesh
 }
 
-/// The values of an attribute that Bevy knows.
+/// Bevy's name of an attribute and its values; none if Bevy has no such attribute.
 fn values(
     a: &Attribute,
     vertices: &[u32],
-    upright: bool,
+    v_is_upward: bool,
 ) -> Option<(MeshVertexAttribute, VertexAttributeValues)> {
     Some(match a.semantic {
         Semantic::Normal => (Mesh::ATTRIBUTE_NORMAL, rows::<3>(a, vertices, 0.0).into()),
         Semantic::Tangent => (Mesh::ATTRIBUTE_TANGENT, rows::<4>(a, vertices, 1.0).into()),
         Semantic::TexCoord(set @ (0 | 1)) => {
             let mut uv = rows::<2>(a, vertices, 0.0);
-            if upright {
+            if v_is_upward {
                 uv.iter_mut().for_each(|uv| uv[1] = 1.0 - uv[1]);
             }
             ([Mesh::ATTRIBUTE_UV_0, Mesh::ATTRIBUTE_UV_1][set as usize], uv.into())
@@ -56,8 +56,8 @@ fn values(
     })
 }
 
-/// Components as numbers, filled up with `rest`.
-fn rows<const N: usize>(a: &Attribute, vertices: &[u32], rest: f32) -> Vec<[f32; N]> {
-    let value = |v: u32, i: usize| if i < usize::from(a.components) { a.value(v, i) } else { rest };
+/// The first `N` components of each vertex as numbers; those that the attribute lacks are `fill`.
+fn rows<const N: usize>(a: &Attribute, vertices: &[u32], fill: f32) -> Vec<[f32; N]> {
+    let value = |v: u32, i: usize| if i < usize::from(a.components) { a.value(v, i) } else { fill };
     vertices.iter().map(|&v| std::array::from_fn(|i| value(v, i))).collect()
 }
