@@ -6,7 +6,8 @@ use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_graph};
 use lodc_scene::{Arrangement, Graph};
 use lodc_select::{ObjectLevels, SceneLevels};
 
-/// The levels of a scene: those of all its objects, placed as the document has them in the rest pose.
+/// The levels of a scene: those of all its objects, placed as the document has them in the rest
+/// pose.
 ///
 /// # Errors
 /// If the stored document is damaged.

@@ -37,8 +37,8 @@ pub(crate) struct Faces {
     pub(crate) runs: Vec<Run>,
     /// Names of materials in order of appearance.
     pub(crate) materials: Vec<String>,
-    /// Names of the parts that become submeshes (groups and objects of an OBJ, solids of an STL), in
-    /// order of appearance.
+    /// Names of the parts that become submeshes (groups and objects of an OBJ, solids of an STL),
+    /// in order of appearance.
     pub(crate) labels: Vec<String>,
     /// Names of the objects in the file. If there is only one, its name becomes that of the scene's
     /// object, and submeshes are not named by it.

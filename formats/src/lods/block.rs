@@ -1,5 +1,5 @@
-//! Blocks of a `.lods` stream: a header (tag, number of steps, length), its checksum, the payload and
-//! its checksum, so that a reader can use each block as soon as it has arrived.
+//! Blocks of a `.lods` stream: a header (tag, number of steps, length), its checksum, the payload
+//! and its checksum, so that a reader can use each block as soon as it has arrived.
 
 use super::VERSION;
 use crate::file_header::FileHeader;
@@ -25,8 +25,8 @@ const PAYLOAD_CHECKSUM_BYTES: usize = 4;
 /// A block whose checksums are right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Block<'a> {
-    /// 0: the head, a piece of the document, or the end of the stream; else one more than the number
-    /// of an object.
+    /// 0: the head, a piece of the document, or the end of the stream; else one more than the
+    /// number of an object.
     pub(super) tag: u32,
     /// Number of refinement steps in the payload.
     pub(super) steps: u32,

@@ -107,8 +107,8 @@ pub(super) type MovingMesh<'a> = (&'a Mesh, &'a Mesh, Range<u32>);
 
 /// How far each level is from the next once it has moved, over the poses that errors are over, the
 /// largest of all objects; none of levels without skins and targets, and of the last. `ways` are by
-/// level and object. With `joints` vertices follow the joints of those that they become, which moves
-/// them before any target does: that is part of it.
+/// level and object. With `joints` vertices follow the joints of those that they become, which
+/// moves them before any target does: that is part of it.
 ///
 /// # Errors
 /// If the document is damaged.

@@ -1,7 +1,7 @@
-//! Configuration files, `lodc.toml`: options for the assets in the same folder and below. A file has
-//! layers: its options for all commands, for one command, of a profile, and overrides for the inputs
-//! that a glob matches. A layer may have *parts*: options for objects or materials of an asset, as
-//! `--part` has them. Those of all layers add up; where several match, the last one wins.
+//! Configuration files, `lodc.toml`: options for the assets in the same folder and below. A file
+//! has layers: its options for all commands, for one command, of a profile, and overrides for the
+//! inputs that a glob matches. A layer may have *parts*: options for objects or materials of an
+//! asset, as `--part` has them. Those of all layers add up; where several match, the last one wins.
 
 mod file;
 mod find;
@@ -76,8 +76,8 @@ impl<'a> Configs<'a> {
 
     /// Adds the options of configurations to those that assets already have, which win. An asset
     /// that has a collapse sequence gets no options that decide one. `given` returns the long names
-    /// of the options that the command line has, or that conflict with those; it is called only if there
-    /// are parts.
+    /// of the options that the command line has, or that conflict with those; it is called only if
+    /// there are parts.
     ///
     /// # Errors
     /// As for [`Self::layers`].

@@ -79,12 +79,13 @@ pub fn measured(
 /// time. Chosen by hand.
 const MAX_POSE_SAMPLES: usize = 20_000;
 /// Points of a surface for each of its triangles, where it has few: a scene may have thousands of
-/// such objects. At least the others, by which a mean is known to about a hundredth. Chosen by hand.
+/// such objects. At least the others, by which a mean is known to about a hundredth. Chosen by
+/// hand.
 const SAMPLES_PER_TRIANGLE: usize = 100;
 const MIN_SAMPLES: usize = 4_096;
 
-/// The points by which a surface of some number of triangles is measured, at most `max_samples` of them.
-/// There is no lattice: the largest distance is searched for.
+/// The points by which a surface of some number of triangles is measured, at most `max_samples` of
+/// them. There is no lattice: the largest distance is searched for.
 fn sampling(triangles: usize, max_samples: usize) -> Sampling {
     let samples = triangles.saturating_mul(SAMPLES_PER_TRIANGLE).clamp(MIN_SAMPLES, max_samples);
     Sampling { samples, lattice: 0, ..Sampling::DEFAULT }

@@ -32,8 +32,8 @@ pub struct FileReport {
 pub struct CheckReport {
     /// The object; none for the whole file.
     pub object: Option<String>,
-    /// What was checked: a structure (`speed`, `masking`, `interactive`), `sequence` for facts stored
-    /// with the collapse sequence, `source` for `--source`, `levels` for exported levels.
+    /// What was checked: a structure (`speed`, `masking`, `interactive`), `sequence` for facts
+    /// stored with the collapse sequence, `source` for `--source`, `levels` for exported levels.
     pub model: &'static str,
     /// Name of the check.
     pub check: &'static str,

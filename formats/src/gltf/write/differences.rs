@@ -13,8 +13,8 @@ pub struct MovedStreams {
     pub texture_coordinates: bool,
     /// Colours.
     pub colours: bool,
-    /// No target can move joints and weights: if this is true, a vertex is written with those of the
-    /// vertex that it becomes, at the level where it moves.
+    /// No target can move joints and weights: if this is true, a vertex is written with those of
+    /// the vertex that it becomes, at the level where it moves.
     pub joints: bool,
 }
 

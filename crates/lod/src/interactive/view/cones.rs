@@ -128,9 +128,9 @@ fn face_cones(mesh: &Mesh, shape: &[[f32; 3]], groups: &WedgeGroups) -> Vec<Opti
     (0..axes.len()).map(|g| has_faces[g].then(|| cone(g))).collect()
 }
 
-/// Widens the cone of each group to hold those of the groups that collapse into it. Record *i* moves
-/// vertex *i* to its target, a step is a run of records that move one position. They come in order,
-/// so whatever collapses into a group has done so before the group itself does.
+/// Widens the cone of each group to hold those of the groups that collapse into it. Record *i*
+/// moves vertex *i* to its target, a step is a run of records that move one position. They come in
+/// order, so whatever collapses into a group has done so before the group itself does.
 fn widen_by_collapses(
     cones: &mut [Option<Cone>],
     groups: &WedgeGroups,
