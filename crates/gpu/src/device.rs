@@ -5,9 +5,9 @@ use crate::GpuError;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// The wait for an answer after which a device counts as lost: longer than the slowest pass on a
-/// software adapter.
-const PATIENCE: Duration = Duration::from_secs(120);
+/// The wait for an answer after which a device counts as lost. Chosen by hand: longer than the
+/// slowest pass on a software adapter.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(120);
 
 /// The description of an adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -184,7 +184,7 @@ impl Device {
 
     /// Waits until everything submitted is done.
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
-        let poll = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+        let poll = wgpu::PollType::Wait { submission_index: None, timeout: Some(ANSWER_TIMEOUT) };
         self.device.poll(poll).map_err(|e| GpuError::Lost { why: e.to_string() })?;
         self.check()
     }
@@ -239,6 +239,7 @@ impl Device {
     }
 }
 
+/// Adapters are preferred by this number, the lowest first: the most capable kind.
 fn rank(kind: wgpu::DeviceType) -> u8 {
     match kind {
         wgpu::DeviceType::DiscreteGpu => 0,

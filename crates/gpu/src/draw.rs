@@ -49,6 +49,7 @@ impl Canvas {
         let (low, high) = drawn.bounds;
         let centre: [f32; 3] = std::array::from_fn(|i| f32::midpoint(low[i], high[i]));
         let radius = (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f32>().sqrt() / 2.0;
+        // `Scene` in draw.wgsl.
         let words = [centre[0], centre[1], centre[2], 1.0 / radius.max(1e-20)];
         session.device.queue.write_buffer(&scene, 0, bytemuck::cast_slice(&words));
         let resource = wgpu::BufferBinding { buffer: &scene, offset: 0, size: NonZeroU64::new(16) };

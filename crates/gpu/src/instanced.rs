@@ -12,10 +12,10 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Instance {
-    /// Added to the positions of the mesh, after the rotation; relative to the camera's centre.
-    pub place: [f32; 3],
+    /// The origin of the mesh, relative to the camera's centre.
+    pub origin: [f32; 3],
     /// Cosine and sine of the rotation about the second axis.
-    pub turn: [f32; 2],
+    pub rotation: [f32; 2],
 }
 
 /// One draw: some instances of some triangles.

@@ -10,8 +10,8 @@ use crate::picture::{Framing, Lens, Up, read_back};
 fn grey(stage: &Instanced<'_>, across: f32) -> u8 {
     let picture = &stage.targets.picture;
     let pixels = read_back(stage.device, picture, [SIZE; 2]).expect("a picture");
-    let place = SIZE / 2 * SIZE + (across * SIZE as f32) as u32;
-    pixels[4 * place as usize]
+    let pixel = SIZE / 2 * SIZE + (across * SIZE as f32) as u32;
+    pixels[4 * pixel as usize]
 }
 
 #[test]
@@ -42,9 +42,9 @@ fn instances_stand_where_they_are_put_and_turned_and_take_time() {
     };
     let start = std::time::Instant::now();
     let now = || start.elapsed();
-    let ahead = Instance { place: [0.0; 3], turn: [1.0, 0.0] };
-    let back = Instance { turn: [-1.0, 0.0], ..ahead };
-    let moved = Instance { place: [-0.6, 0.0, 0.0], ..ahead };
+    let ahead = Instance { origin: [0.0; 3], rotation: [1.0, 0.0] };
+    let back = Instance { rotation: [-1.0, 0.0], ..ahead };
+    let moved = Instance { origin: [-0.6, 0.0, 0.0], ..ahead };
     for (instances, lit) in [
         (vec![ahead], [false, false, true]),
         (vec![ahead, back], [true, false, true]),

@@ -5,8 +5,9 @@ use crate::{Device, GpuError, Session};
 use lodc_plan::{Benchmark, Case};
 use std::time::Duration;
 
-/// A case is not repeated once it has taken this long. Chosen by hand.
-const ENOUGH: Duration = Duration::from_secs(4);
+/// A case is not repeated once it has taken this long. Chosen by hand: enough rounds for a mean,
+/// few enough that a benchmark takes minutes.
+const MAX_CASE_TIME: Duration = Duration::from_secs(4);
 
 /// The time of one case.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,23 +41,29 @@ pub fn measure(
     let canvases: Vec<Option<Canvas>> = (benchmark.cases.iter())
         .map(|case| case.drawn.as_ref().map(|drawn| Canvas::new(&session, drawn)).transpose())
         .collect::<Result<_, _>>()?;
-    let mut taken = vec![(Duration::ZERO, Vec::new()); benchmark.cases.len()];
+    // For each case the time spent on it, and the nanoseconds of each round.
+    let mut timings = vec![(Duration::ZERO, Vec::new()); benchmark.cases.len()];
     for round in 0..=repeats.max(1) {
         for ((case, canvas), (spent, rounds)) in
-            benchmark.cases.iter().zip(&canvases).zip(&mut taken)
+            benchmark.cases.iter().zip(&canvases).zip(&mut timings)
         {
-            if *spent > ENOUGH {
+            if *spent > MAX_CASE_TIME {
                 continue;
             }
             let start = now();
             let nanoseconds = session.timed(&case.runs, canvas.as_ref(), now)?;
             *spent += now().saturating_sub(start);
-            if round > 0 || *spent > ENOUGH {
+            if round > 0 || *spent > MAX_CASE_TIME {
                 rounds.push(nanoseconds);
             }
         }
     }
-    Ok(benchmark.cases.iter().zip(taken).map(|(case, (_, rounds))| figure(case, &rounds)).collect())
+    Ok(benchmark
+        .cases
+        .iter()
+        .zip(timings)
+        .map(|(case, (_, rounds))| figure(case, &rounds))
+        .collect())
 }
 
 /// The figure of a case, of the nanoseconds that all its runs took in each round.

@@ -1,6 +1,7 @@
 //! Runs a plan on a device step by step, and reports the first word that differs from what the plan
 //! expects.
 
+use crate::session::WordRange;
 use crate::{Device, GpuError, Session};
 use lodc_plan::{Expected, Plan, Tolerance};
 use std::fmt;
@@ -57,8 +58,9 @@ pub fn replay(device: &Device, plan: Plan<'_>) -> Result<Replayed, GpuError> {
             break;
         }
         session.run(&step.passes)?;
+        let is_hardware = !device.adapter().software;
         if let Some((check, word, found)) =
-            first_difference(&mut session, &step.checks, !device.adapter().software)?
+            first_difference(&mut session, &step.checks, is_hardware)?
         {
             let buffer = step.checks[check].buffer;
             let at = step.checks[check].first + word;
@@ -84,18 +86,19 @@ pub fn replay(device: &Device, plan: Plan<'_>) -> Result<Replayed, GpuError> {
 fn first_difference(
     session: &mut Session,
     checks: &[Expected],
-    hardware: bool,
+    is_hardware: bool,
 ) -> Result<Option<(usize, usize, u32)>, GpuError> {
-    let ranges: Vec<_> = checks.iter().map(|c| (c.buffer, c.first, c.words.len())).collect();
+    let range = |c: &Expected| WordRange { buffer: c.buffer, first: c.first, count: c.words.len() };
+    let ranges: Vec<_> = checks.iter().map(range).collect();
     let mut difference = None;
     session.read_ranges(&ranges, |check, start, words| {
         let expected = &checks[check].words[start..start + words.len()];
         // Comparing whole slices is much faster than word by word, and nearly all are equal.
         if expected != words {
-            let tolerance = checks[check].tolerance.filter(|_| hardware);
+            let tolerance = checks[check].tolerance.filter(|_| is_hardware);
             let differs = |i: usize| {
                 expected[i] != words[i]
-                    && !tolerance.is_some_and(|t| tolerated(t, start + i, expected[i], words[i]))
+                    && !tolerance.is_some_and(|t| is_tolerated(t, start + i, expected[i], words[i]))
             };
             difference =
                 (0..words.len()).find(|&i| differs(i)).map(|i| (check, start + i, words[i]));
@@ -106,7 +109,7 @@ fn first_difference(
 }
 
 /// Returns whether a word is a computed float that is off by one unit in the last place.
-fn tolerated(tolerance: Tolerance, word: usize, expected: u32, found: u32) -> bool {
+fn is_tolerated(tolerance: Tolerance, word: usize, expected: u32, found: u32) -> bool {
     let same_sign = (expected ^ found) >> 31 == 0;
     word % tolerance.stride < tolerance.floats && same_sign && expected.abs_diff(found) <= 1
 }
@@ -119,9 +122,9 @@ mod tests {
     fn only_computed_floats_may_be_off_and_only_by_one() {
         let tolerance = Tolerance { stride: 5, floats: 3 };
         let one = 1.0f32.to_bits();
-        assert!(tolerated(tolerance, 7, one, one + 1));
-        assert!(!tolerated(tolerance, 7, one, one + 2));
-        assert!(!tolerated(tolerance, 8, one, one + 1));
-        assert!(!tolerated(tolerance, 5, one, one ^ 1 << 31));
+        assert!(is_tolerated(tolerance, 7, one, one + 1));
+        assert!(!is_tolerated(tolerance, 7, one, one + 2));
+        assert!(!is_tolerated(tolerance, 8, one, one + 1));
+        assert!(!is_tolerated(tolerance, 5, one, one ^ 1 << 31));
     }
 }

@@ -10,15 +10,28 @@ const PARAMETER_SLOT: u64 = 256;
 /// Bytes that are read back at once. Chosen by hand.
 const STAGING_BYTES: u64 = 32 << 20;
 
+/// A range of a buffer that is read back.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WordRange {
+    pub(crate) buffer: BufferId,
+    /// The first word.
+    pub(crate) first: usize,
+    /// Number of words.
+    pub(crate) count: usize,
+}
+
 /// A program on a device.
 pub struct Session {
     pub(crate) device: Device,
+    /// By buffer, for messages.
     names: Vec<&'static str>,
     pub(crate) buffers: Vec<wgpu::Buffer>,
+    /// Number of words of each buffer.
     lengths: Vec<usize>,
     kernels: Vec<Kernel>,
     /// Made when they are first used.
     pipelines: Vec<OnceCell<wgpu::ComputePipeline>>,
+    /// What is read back is copied here first.
     staging: wgpu::Buffer,
 }
 
@@ -57,11 +70,11 @@ impl Session {
     ///
     /// # Errors
     /// If memory runs out.
-    pub fn sharing(&self, own: &[BufferId]) -> Result<Self, GpuError> {
+    pub fn sharing(&self, copied: &[BufferId]) -> Result<Self, GpuError> {
         let device = self.device.clone();
         let mut buffers = self.buffers.clone();
         let mut encoder = device.encoder();
-        for &id in own {
+        for &id in copied {
             let (from, size) = (&self.buffers[id.0], self.buffers[id.0].size());
             buffers[id.0] = empty(&device, self.names[id.0], size);
             encoder.copy_buffer_to_buffer(from, 0, &buffers[id.0], 0, size);
@@ -139,7 +152,7 @@ impl Session {
         let mut compute = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
         for (i, pass) in passes.iter().enumerate() {
-            let Some((x, y)) = self.groups(pass)? else { continue };
+            let Some((x, y)) = self.workgroups(pass)? else { continue };
             let pipeline = self.pipeline(pass.kernel)?;
             let uniform = wgpu::BufferBinding {
                 buffer: &parameters,
@@ -196,8 +209,9 @@ impl Session {
         buffer
     }
 
-    /// Workgroups in two dimensions; none if there is nothing to do.
-    fn groups(&self, pass: &Pass) -> Result<Option<(u32, u32)>, GpuError> {
+    /// Workgroups across and down, since one row has a limited number; none if there is nothing to
+    /// do.
+    fn workgroups(&self, pass: &Pass) -> Result<Option<(u32, u32)>, GpuError> {
         let groups = pass.threads.div_ceil(WORKGROUP);
         let max_groups = self.device.device.limits().max_compute_workgroups_per_dimension;
         let rows = groups.div_ceil(max_groups);
@@ -231,8 +245,8 @@ impl Session {
     /// If the device fails.
     pub fn read(&mut self, buffer: BufferId) -> Result<Vec<u32>, GpuError> {
         let mut words = Vec::with_capacity(self.lengths[buffer.0]);
-        let whole = self.lengths[buffer.0];
-        self.read_ranges(&[(buffer, 0, whole)], |_, _, part| {
+        let whole = WordRange { buffer, first: 0, count: self.lengths[buffer.0] };
+        self.read_ranges(&[whole], |_, _, part| {
             words.extend_from_slice(part);
             true
         })?;
@@ -249,8 +263,8 @@ impl Session {
         let corner = |&v: &u32| -> [f32; 3] {
             std::array::from_fn(|i| f32::from_bits(records[v as usize * drawn.stride + i]))
         };
-        let of_submesh = |draw: &[u32; 5]| &indices[draw[2] as usize..][..draw[0] as usize];
-        let corners = draws.as_chunks::<5>().0.iter().flat_map(of_submesh);
+        let indices_of_draw = |draw: &[u32; 5]| &indices[draw[2] as usize..][..draw[0] as usize];
+        let corners = draws.as_chunks::<5>().0.iter().flat_map(indices_of_draw);
         let corners: Vec<[f32; 3]> = corners.map(corner).collect();
         Ok(corners.as_chunks::<3>().0.to_vec())
     }
@@ -263,16 +277,17 @@ impl Session {
     /// If the device fails.
     pub(crate) fn read_ranges(
         &mut self,
-        ranges: &[(BufferId, usize, usize)],
+        ranges: &[WordRange],
         mut see: impl FnMut(usize, usize, &[u32]) -> bool,
     ) -> Result<(), GpuError> {
         let capacity = (self.staging.size() / 4) as usize;
+        // The number of the range, the word in it at which the piece starts, and its words.
         let mut pieces: Vec<(usize, usize, usize)> = Vec::new();
-        for (range, &(_, _, words)) in ranges.iter().enumerate() {
+        for (range, &WordRange { count, .. }) in ranges.iter().enumerate() {
             pieces.extend(
-                (0..words)
+                (0..count)
                     .step_by(capacity)
-                    .map(|start| (range, start, capacity.min(words - start))),
+                    .map(|start| (range, start, capacity.min(count - start))),
             );
         }
         let mut pending = pieces.as_slice();
@@ -281,7 +296,7 @@ impl Session {
             let mut encoder = self.device.encoder();
             while batch < pending.len() && used + pending[batch].2 <= capacity {
                 let (range, start, words) = pending[batch];
-                let (buffer, first, _) = ranges[range];
+                let WordRange { buffer, first, .. } = ranges[range];
                 let from = 4 * (first + start) as u64;
                 let (from_buffer, size) = (&self.buffers[buffer.0], 4 * words as u64);
                 encoder.copy_buffer_to_buffer(

@@ -35,6 +35,7 @@ impl Session {
         Ok(nanoseconds)
     }
 
+    /// Runs with time stamps around each.
     fn timed_batch(
         &mut self,
         runs: &[Vec<Pass>],
@@ -137,6 +138,7 @@ impl Clock {
         }
     }
 
+    /// Copies the time stamps to where they can be read, once all are taken.
     pub(crate) fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.resolve_query_set(&self.queries, 0..self.count, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(

@@ -132,7 +132,7 @@ fn extraction(c: &mut Criterion) {
         let mut rebuild = Rebuild::new(&simplified);
         let far = simplified.collapses().lod_for_triangles(mesh.triangles().len() as u32 / 100);
         group.bench_function(BenchmarkId::new("baseline_rebuild", name), |b| {
-            b.iter(|| rebuild.at(far).len());
+            b.iter(|| rebuild.indices_at(far).len());
         });
         baselines.iter().filter(|b| b.continuous()).for_each(|b| jump(&mut group, name, b));
         models.iter().for_each(|m| jump(&mut group, name, m));

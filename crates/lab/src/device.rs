@@ -4,7 +4,7 @@
 use crate::error::LabError;
 use crate::primitives::Primitive;
 use crate::report::{CaseReport, DeviceCurve, DrawnCurve, GpuReport, MemoryReport, PrimitiveDraws};
-use crate::subject::Subject;
+use crate::structures::Measured;
 use crate::timings::Timings;
 use indexmap::IndexMap;
 use lodc::LodObject;
@@ -25,7 +25,7 @@ pub(crate) fn measure(
     device: &Device,
     object: &LodObject,
     levels: [Vec<Primitive>; 2],
-    subjects: &mut [Subject<'_>],
+    structures: &mut [Measured<'_>],
     stops: &[Lod],
     rounds: u32,
 ) -> Result<Option<GpuReport>, LabError> {
@@ -62,7 +62,7 @@ pub(crate) fn measure(
     }
     let stage = Stage::new(device, simplified, rounds)?;
     report.primitives = primitives(&stage, levels)?;
-    report.curve = curve(&stage, simplified, subjects, stops)?;
+    report.curve = curve(&stage, simplified, structures, stops)?;
     Ok((!object.models.is_empty()).then_some(report))
 }
 
@@ -84,8 +84,8 @@ impl<'d> Stage<'d> {
         let lens = Lens::Orthographic;
         let framing = Framing { up: Up::Y, azimuth: 30.0, elevation: 20.0, lens, zoom: 1.0 };
         let camera = Camera::around(&wide, &framing, 1.0);
-        let place = camera.centre.map(|c| -c as f32);
-        let instance = Instance { place, turn: [1.0, 0.0] };
+        let origin = camera.centre.map(|c| -c as f32);
+        let instance = Instance { origin, rotation: [1.0, 0.0] };
         let drawn = Instanced::new(device, &[positions], &camera)?;
         Ok(Self { drawn, instance, rounds, start: Instant::now() })
     }
@@ -129,33 +129,33 @@ const POINTS: usize = 20;
 fn curve(
     stage: &Stage<'_>,
     simplified: &Simplified,
-    subjects: &mut [Subject<'_>],
+    structures: &mut [Measured<'_>],
     stops: &[Lod],
 ) -> Result<DeviceCurve, LabError> {
     let count = stops.len().min(POINTS);
-    let at: Vec<usize> = (1..=count).map(|i| i * stops.len() / count - 1).collect();
+    let stop_numbers: Vec<usize> = (1..=count).map(|i| i * stops.len() / count - 1).collect();
     let collapses = simplified.collapses();
     let mut curve = DeviceCurve {
-        lods: at.iter().map(|&i| stops[i].0).collect(),
-        triangles: at.iter().map(|&i| collapses.triangles_at(stops[i])).collect(),
+        lods: stop_numbers.iter().map(|&i| stops[i].0).collect(),
+        triangles: stop_numbers.iter().map(|&i| collapses.triangles_at(stops[i])).collect(),
         structures: BTreeMap::new(),
     };
-    for subject in subjects.iter_mut().filter(|s| s.continuous) {
+    for structure in structures.iter_mut().filter(|s| s.continuous) {
         let mut drawn = DrawnCurve::default();
-        for &i in &at {
-            subject.runner.seek(if i == 0 { Lod(0) } else { stops[i - 1] });
-            let (traffic, bytes) = subject.runner.send(stops[i]);
+        for &i in &stop_numbers {
+            structure.runner.seek(if i == 0 { Lod(0) } else { stops[i - 1] });
+            let (traffic, bytes) = structure.runner.send(stops[i]);
             // What an upload of nothing but the indices that change would send, four bytes each.
             let single = bytes.min(4 * traffic.rewritten);
-            let (indices, strips) = subject.runner.indices();
+            let (indices, strips) = structure.runner.indices();
             drawn.draw_ms.push(stage.draw_ms(indices, strips)?);
             drawn.bytes.push(bytes);
             drawn.upload_ms.push(stage.best(&|now| stage.drawn.upload(bytes, now))?);
             drawn.single_bytes.push(single);
             drawn.single_upload_ms.push(stage.best(&|now| stage.drawn.upload(single, now))?);
         }
-        subject.runner.seek(Lod(0));
-        curve.structures.insert(subject.name.to_owned(), drawn);
+        structure.runner.seek(Lod(0));
+        curve.structures.insert(structure.name.to_owned(), drawn);
     }
     Ok(curve)
 }

@@ -3,7 +3,7 @@
 use crate::error::LabError;
 use crate::primitives::Primitive;
 use crate::report::GpuReport;
-use crate::subject::Subject;
+use crate::structures::Measured;
 use lodc::LodObject;
 use lodc_mesh::Lod;
 
@@ -16,7 +16,7 @@ pub(crate) fn measure(
     device: &Device,
     _: &LodObject,
     _: [Vec<Primitive>; 2],
-    _: &mut [Subject<'_>],
+    _: &mut [Measured<'_>],
     _: &[Lod],
     _: u32,
 ) -> Result<Option<GpuReport>, LabError> {

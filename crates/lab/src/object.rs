@@ -6,10 +6,10 @@ use crate::prepared::Prepared;
 use crate::primitives;
 use crate::report::{
     BenchObject, Bits, CurveReport, DrawnReport, ExtractionReport, ExtractionSpread, Settings,
-    SubjectReport, TrafficReport,
+    StructureReport, TrafficReport,
 };
 use crate::stream;
-use crate::subject::{Subject, baselines, plain, subjects};
+use crate::structures::{Measured, all_measured, baselines, plain};
 use crate::sweep::{Counts, Times, counts, points, stops, times};
 use crate::timings::Timings;
 use indexmap::IndexMap;
@@ -30,18 +30,18 @@ pub fn measure(
     let collapses = object.simplified.collapses();
     let sweep = Sweep::new(collapses, settings.steps);
     let baselines = baselines(object, long)?;
-    let mut subjects = subjects(object, &baselines);
+    let mut structures = all_measured(object, &baselines);
     // Before anything is timed: a jump leaves work for later moves.
     let moved: Vec<Counts> =
-        subjects.iter_mut().map(|s| counts(s.runner.as_mut(), &sweep.stops)).collect();
+        structures.iter_mut().map(|s| counts(s.runner.as_mut(), &sweep.stops)).collect();
     let times = settings
         .rounds
         .filter(|_| !sweep.stops.is_empty())
-        .map(|rounds| ObjectTimes::new(&mut subjects, &object.simplified, &sweep, rounds));
+        .map(|rounds| ObjectTimes::new(&mut structures, &object.simplified, &sweep, rounds));
     let mut models = IndexMap::new();
-    for (subject, moved) in subjects.iter().zip(&moved) {
-        let row = subject_report(subject, moved, &sweep, times.as_ref());
-        models.insert(subject.name, row);
+    for (structure, moved) in structures.iter().zip(&moved) {
+        let row = structure_report(structure, moved, &sweep, times.as_ref());
+        models.insert(structure.name, row);
     }
     for (name, cost) in plain(&object.simplified, long) {
         models.insert(name, plain_report(cost));
@@ -66,7 +66,7 @@ pub fn measure(
     }
     if let (Some(device), Some(rounds)) = (device, settings.rounds) {
         report.gpu =
-            device::measure(device, object, [whole, fifth], &mut subjects, &sweep.stops, rounds)?;
+            device::measure(device, object, [whole, fifth], &mut structures, &sweep.stops, rounds)?;
     }
     Ok(report)
 }
@@ -108,92 +108,96 @@ struct ObjectTimes {
 
 impl ObjectTimes {
     fn new(
-        subjects: &mut [Subject<'_>],
+        structures: &mut [Measured<'_>],
         simplified: &Simplified,
         sweep: &Sweep,
         rounds: u32,
     ) -> Self {
-        let continuous = subjects.iter_mut().filter(|s| s.continuous);
+        let continuous = structures.iter_mut().filter(|s| s.continuous);
         let (names, mut runners): (Vec<_>, Vec<_>) =
             continuous.map(|s| (s.name, &mut s.runner)).unzip();
         let (all, rebuild) = times(&mut runners, simplified, &sweep.stops, sweep.far, rounds);
         Self { by_name: names.into_iter().zip(all).collect(), rebuild }
     }
 
-    fn of(&self, name: &str) -> Option<&Times> {
+    /// The times of a structure.
+    fn times(&self, name: &str) -> Option<&Times> {
         self.by_name.iter().find(|(other, _)| *other == name).map(|(_, times)| times)
     }
 
+    /// The times of a structure as the report has them.
     fn extraction(&self, name: &str) -> Option<ExtractionReport> {
-        let own = self.of(name)?;
-        let per = |baseline: &str| self.of(baseline).map(|b| own.both_ways() / b.both_ways());
+        let times = self.times(name)?;
+        let per = |baseline: &str| self.times(baseline).map(|b| times.both_ways() / b.both_ways());
         Some(ExtractionReport {
-            coarser_us: own.coarser.best(),
-            finer_us: own.finer.best(),
-            mean_us: own.both_ways(),
+            coarser_us: times.coarser.best(),
+            finer_us: times.finer.best(),
+            mean_us: times.both_ways(),
             per_progressive_mesh: per("progressive_mesh"),
             per_lodstrips: per("lodstrips"),
-            jump_us: own.jump.best(),
-            jump_per_rebuild: own.jump.best() / self.rebuild.best(),
-            curve_us: own.curve.clone(),
+            jump_us: times.jump.best(),
+            jump_per_rebuild: times.jump.best() / self.rebuild.best(),
+            curve_us: times.curve.clone(),
             spread: ExtractionSpread {
-                coarser: own.coarser.spread(),
-                finer: own.finer.spread(),
-                jump: own.jump.spread(),
+                coarser: times.coarser.spread(),
+                finer: times.finer.spread(),
+                jump: times.jump.spread(),
             },
         })
     }
 }
 
-/// The row of a model or baseline that has levels of detail.
-fn subject_report(
-    subject: &Subject<'_>,
+/// The row of a model or baseline that has levels of detail. `moved` are the counts of its sweep.
+fn structure_report(
+    structure: &Measured<'_>,
     moved: &Counts,
     sweep: &Sweep,
     times: Option<&ObjectTimes>,
-) -> SubjectReport {
+) -> StructureReport {
     let per = |all: u64, each: u64| all as f64 / each.max(1) as f64;
     let (updates, drawn) = (sweep.stops.len() as u64, moved.drawn.iter().sum());
-    SubjectReport {
-        baseline: subject.baseline,
-        bits_per_vertex: of_cost(subject.storage, subject.file_bytes, subject.tight_bytes),
+    StructureReport {
+        baseline: structure.baseline,
+        bits_per_vertex: bits(structure.storage, structure.file_bytes, structure.tight_bytes),
         drawn: Some(DrawnReport {
             indices_per_lod: per(drawn, updates),
             indices_per_triangle: per(drawn, sweep.triangles),
             curve: points(&moved.drawn),
-            degenerates_removed: subject.degenerates_removed,
+            degenerates_removed: structure.degenerates_removed,
         }),
-        traffic: subject.continuous.then(|| TrafficReport {
+        traffic: structure.continuous.then(|| TrafficReport {
             bytes_per_update: per(moved.bytes, 2 * updates),
             upload_bytes_per_update: per(
-                if subject.sends_strips() { moved.one_by_one } else { moved.bytes },
+                if structure.sends_strips() { moved.one_by_one } else { moved.bytes },
                 2 * updates,
             ),
             rewritten_per_update: per(moved.rewritten, 2 * updates),
-            length_changes: subject.length_changes,
+            length_changes: structure.length_changes,
         }),
-        extraction: times.and_then(|times| times.extraction(subject.name)),
+        extraction: times.and_then(|times| times.extraction(structure.name)),
     }
 }
 
 /// The row of what has no levels of detail: its storage.
-fn plain_report(cost: StorageCost) -> SubjectReport {
-    SubjectReport {
+fn plain_report(cost: StorageCost) -> StructureReport {
+    StructureReport {
         baseline: true,
-        bits_per_vertex: of_cost([cost, cost], None, None),
+        bits_per_vertex: bits([cost, cost], None, None),
         drawn: None,
         traffic: None,
         extraction: None,
     }
 }
 
-fn of_cost([all, most]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>) -> Bits {
+/// Bits per vertex: of the storage of all LODs and down to 95 % of them, and of bytes in a file and
+/// really held.
+fn bits([all, to_95_percent]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>) -> Bits {
     let per_vertex = |bytes: Option<u64>| bytes.map(|b| all.bits_per_vertex(b));
     Bits {
         thesis: all.thesis(),
         thesis_normals: all.thesis_normals(),
-        thesis_95: most.thesis(),
-        thesis_normals_95: most.thesis_normals(),
+        thesis_95: to_95_percent.thesis(),
+        thesis_normals_95: to_95_percent.thesis_normals(),
         file: per_vertex(file),
         tight: per_vertex(tight),
     }

@@ -11,7 +11,7 @@ use serde_json::Value;
 pub fn charts(object: &BenchObject) -> [(&'static str, String); 3] {
     let records = f64::from(object.records.max(1));
     let share = |lod: u32| 100.0 * f64::from(lod) / records;
-    let of_models = |path: &str| -> Vec<(String, Vec<f64>)> {
+    let curves_of_models = |path: &str| -> Vec<(String, Vec<f64>)> {
         let list = |row: &Value| -> Option<Vec<f64>> {
             row.pointer(path)?.as_array()?.iter().map(Value::as_f64).collect()
         };
@@ -26,8 +26,11 @@ pub fn charts(object: &BenchObject) -> [(&'static str, String); 3] {
     let draws = draws.map(|(name, drawn)| (name.clone(), drawn.draw_ms.clone())).collect();
     let linear = Scale::Linear;
     [
-        ("indices", chart("indices drawn", linear, &curve, of_models("/drawn/curve"))),
-        ("extraction", chart("update, µs", Scale::Log, &curve, of_models("/extraction/curve_us"))),
+        ("indices", chart("indices drawn", linear, &curve, curves_of_models("/drawn/curve"))),
+        (
+            "extraction",
+            chart("update, µs", Scale::Log, &curve, curves_of_models("/extraction/curve_us")),
+        ),
         ("draw", chart("draw, ms", linear, &on_device, draws)),
     ]
 }

@@ -26,8 +26,8 @@ pub struct PrimitiveReport {
 /// Vertices that the simulated cache holds.
 const CACHE: u32 = 16;
 
-/// The share of the triangles at which primitives are looked at besides all of them.
-const SHARE: u32 = 5;
+/// Besides LOD 0, primitives are measured where one triangle in this many is left.
+const ONE_TRIANGLE_IN: u32 = 5;
 
 /// One way to draw a level.
 pub(crate) struct Primitive {
@@ -63,7 +63,7 @@ pub fn strips(mesh: &Mesh, strips: &StripSet) -> PrimitiveReport {
 /// The LODs at which primitives are measured: 0, and where a fifth of the triangles is left.
 pub(crate) fn lods(simplified: &Simplified) -> [Lod; 2] {
     let collapses = simplified.collapses();
-    let fifth = collapses.lod_for_triangles(collapses.parts().triangles / SHARE);
+    let fifth = collapses.lod_for_triangles(collapses.parts().triangles / ONE_TRIANGLE_IN);
     [Lod(0), fifth.min(collapses.last_visible())]
 }
 
@@ -76,9 +76,9 @@ pub(crate) fn all(prepared: &Prepared, lod: Lod) -> Result<Vec<Primitive>, LabEr
     let simplified = &prepared.object.simplified;
     let mesh = simplified.mesh();
     let positions = PositionIds::new(mesh.positions());
-    let shown = simplified.collapses().resolve_all(lod);
+    let resolved = simplified.collapses().resolve_all(lod);
     let list = |name, triangles: &[[u32; 3]]| {
-        let level = triangles.iter().map(|t| t.map(|v| shown[v as usize]));
+        let level = triangles.iter().map(|t| t.map(|v| resolved[v as usize]));
         let live = level.filter(|t| !is_degenerate(t.map(|v| positions.of_vertex[v as usize])));
         Primitive { name, indices: live.flatten().collect(), strips: false }
     };

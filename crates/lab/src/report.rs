@@ -40,7 +40,7 @@ pub struct BenchObject {
     /// The same where a fifth of the triangles is left.
     pub(crate) primitives_20: IndexMap<&'static str, PrimitiveReport>,
     /// By name: models, baselines, then `triangles` and `strips` for storage.
-    pub(crate) models: IndexMap<&'static str, SubjectReport>,
+    pub(crate) models: IndexMap<&'static str, StructureReport>,
     /// Null if nothing was timed on a GPU.
     pub(crate) gpu: Option<GpuReport>,
     /// Null if streams were not asked for.
@@ -52,6 +52,7 @@ pub struct BenchObject {
 pub(crate) struct StreamReport {
     /// Of the lossless stream, its head included.
     pub(crate) bytes: u64,
+    /// Of the lossless stream.
     pub(crate) lossless: f64,
     /// Of the lossless stream with every step in the order of the sequence.
     pub(crate) lossless_exact: f64,
@@ -86,6 +87,7 @@ pub(crate) struct StreamTimings {
 /// The mesh that the first bytes of a stream show.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct PrefixReport {
+    /// Of the bytes.
     pub(crate) percent: u32,
     pub(crate) bytes: u64,
     pub(crate) triangles: u64,
@@ -171,7 +173,7 @@ pub(crate) struct CaseReport {
 
 /// One model or baseline.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct SubjectReport {
+pub(crate) struct StructureReport {
     pub(crate) baseline: bool,
     pub(crate) bits_per_vertex: Bits,
     /// Null for what has no levels of detail.
@@ -185,6 +187,7 @@ pub(crate) struct SubjectReport {
 /// Bits per vertex of LOD 0.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Bits {
+    /// As the thesis counts them, with positions only and with normals.
     pub(crate) thesis: f64,
     pub(crate) thesis_normals: f64,
     /// The same down to 95 % of the LODs.

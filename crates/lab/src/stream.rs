@@ -19,8 +19,10 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Shares of the bytes at which a mesh is looked at, in percent.
-const SHARES: [u32; 6] = [1, 2, 5, 10, 25, 50];
+/// Parts of the stream, in percent of its bytes, whose meshes are measured. Chosen by hand.
+const PERCENTS: [u32; 6] = [1, 2, 5, 10, 25, 50];
+/// How distances of such meshes are sampled. The numbers are chosen by hand: more
+/// samples take more time.
 const SAMPLING: Sampling = Sampling { samples: 50_000, lattice: 50_000, ..Sampling::DEFAULT };
 
 /// Measures the streams of an object: lossless in batches and in the exact order, and quantised.
@@ -29,7 +31,7 @@ const SAMPLING: Sampling = Sampling { samples: 50_000, lattice: 50_000, ..Sampli
 /// If one cannot be packed or unpacked: a bug.
 pub(crate) fn measure(prepared: &Prepared, rounds: Option<u32>) -> Result<StreamReport, LabError> {
     let object = &prepared.object;
-    let file = alone(object);
+    let file = file_of(object);
     let bug = |e: FormatError| LabError::Bug(format!("{}: {e}", object.info.name));
     let packed = |bits: Option<u8>, exact: bool| {
         let quantize = Quantize {
@@ -44,11 +46,13 @@ pub(crate) fn measure(prepared: &Prepared, rounds: Option<u32>) -> Result<Stream
     let vertices = object.simplified.mesh().vertex_count().max(1) as f64;
     let bits = |bytes: u64| 8.0 * bytes as f64 / vertices;
     let speed = |rounds: u32| -> Result<StreamTimings, LabError> {
-        let one = ThreadPoolBuilder::new().num_threads(1).build();
-        let one = one.map_err(|e| LabError::Limit(format!("no thread to work with: {e}")))?;
+        let one_thread = ThreadPoolBuilder::new().num_threads(1).build();
+        let one_thread =
+            one_thread.map_err(|e| LabError::Limit(format!("no thread to work with: {e}")))?;
         let encode =
-            one.install(|| timed(rounds, || packed(None, false).map(|p| p.bytes.len())))?;
-        let decode = one.install(|| timed(rounds, || index_list(&whole.bytes).map_err(bug)))?;
+            one_thread.install(|| timed(rounds, || packed(None, false).map(|p| p.bytes.len())))?;
+        let decode =
+            one_thread.install(|| timed(rounds, || index_list(&whole.bytes).map_err(bug)))?;
         let triangles = object.simplified.mesh().triangles().len() as f64;
         let rate = |timings: &Timings| triangles / timings.best() / 1e3;
         Ok(StreamTimings {
@@ -76,8 +80,8 @@ pub(crate) fn measure(prepared: &Prepared, rounds: Option<u32>) -> Result<Stream
     })
 }
 
-/// The object as a file of its own.
-fn alone(object: &LodObject) -> LodFile {
+/// An object as a file of its own, without models.
+fn file_of(object: &LodObject) -> LodFile {
     let object = LodObject {
         info: object.info.clone(),
         simplified: Arc::clone(&object.simplified),
@@ -113,18 +117,18 @@ fn index_list(bytes: &[u8]) -> Result<Vec<[u32; 3]>, FormatError> {
 /// Measures how far the mesh that each prefix of a stream shows is from the whole, in space and in
 /// pictures; shape only.
 fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
-    let shown = |bytes: &[u8]| -> Result<Option<Mesh>, FormatError> {
+    let mesh_of = |bytes: &[u8]| -> Result<Option<Mesh>, FormatError> {
         let mut unpacker = Unpacker::new(Limits::DEFAULT);
         unpacker.feed(bytes)?;
         (unpacker.objects() > 0).then(|| unpacker.mesh(0).map(|(mesh, _)| mesh)).transpose()
     };
-    let Some(whole) = shown(bytes)?.as_ref().map(surface) else { return Ok(Vec::new()) };
+    let Some(whole) = mesh_of(bytes)?.as_ref().map(surface) else { return Ok(Vec::new()) };
     let diagonal = whole.diagonal();
-    let (cameras, looks) = (Viewing::DEFAULT.cameras(&whole), ShadingOptions::default());
-    let taken = pictures(&whole, &cameras, looks);
+    let (cameras, shading) = (Viewing::DEFAULT.cameras(&whole), ShadingOptions::default());
+    let whole_pictures = pictures(&whole, &cameras, shading);
     let report = |percent: u32| {
         let cut = (bytes.len() as u64 * u64::from(percent)).div_ceil(100);
-        let part = shown(&bytes[..cut as usize])?
+        let part = mesh_of(&bytes[..cut as usize])?
             .as_ref()
             .map(surface)
             .filter(|s| !s.triangles.is_empty());
@@ -139,19 +143,20 @@ fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
                 image: None,
             });
         };
-        let space = distances(&whole, &part, &SAMPLING);
-        let share = |d: [f64; 2]| Some(100.0 * d[0].max(d[1]) / diagonal);
-        let image = Some(compare_pictures(&taken, &pictures(&part, &cameras, looks)).rmse);
+        let both_ways = distances(&whole, &part, &SAMPLING);
+        let percent_of_diagonal = |d: [f64; 2]| Some(100.0 * d[0].max(d[1]) / diagonal);
+        let image =
+            Some(compare_pictures(&whole_pictures, &pictures(&part, &cameras, shading)).rmse);
         Ok(PrefixReport {
             percent,
             bytes: cut,
             triangles,
-            rms: share(space.rms),
-            hausdorff: share(space.hausdorff),
+            rms: percent_of_diagonal(both_ways.rms),
+            hausdorff: percent_of_diagonal(both_ways.hausdorff),
             image,
         })
     };
-    SHARES.into_iter().map(report).collect()
+    PERCENTS.into_iter().map(report).collect()
 }
 
 fn surface(mesh: &Mesh) -> Surface {

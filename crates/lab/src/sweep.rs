@@ -2,7 +2,7 @@
 //! back (thesis 3.5.2).
 
 use crate::baseline::Rebuild;
-use crate::subject::Runner;
+use crate::structures::Runner;
 use crate::timings::Timings;
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use std::hint::black_box;
@@ -18,15 +18,18 @@ const JUMPS: u32 = 5;
 /// The most points of a curve over LODs. Chosen by hand.
 const POINTS: usize = 100;
 
-/// Divides `of` samples into a range for each point of a curve, which is at the last of its range.
-fn parts(of: usize) -> Vec<Range<usize>> {
-    let count = of.min(POINTS);
-    (0..count).map(|i| i * of / count..(i + 1) * of / count).collect()
+/// Divides `samples` samples into a range for each point of a curve, which is at the last of its
+/// range.
+fn parts(samples: usize) -> Vec<Range<usize>> {
+    let count = samples.min(POINTS);
+    (0..count).map(|i| i * samples / count..(i + 1) * samples / count).collect()
 }
 
-/// The points of a curve: LODs at equal intervals, the last one included.
-pub(crate) fn points<T: Copy>(of_stops: &[T]) -> Vec<T> {
-    parts(of_stops.len()).into_iter().map(|part| of_stops[part.end - 1]).collect()
+/// The points of a curve, from the values at all stops of a sweep: at equal intervals, the last one
+/// included.
+pub(crate) fn points<T: Copy>(values_at_stops: &[T]) -> Vec<T> {
+    let last_of = |part: Range<usize>| values_at_stops[part.end - 1];
+    parts(values_at_stops.len()).into_iter().map(last_of).collect()
 }
 
 /// The points of a curve: the mean of the values of each of its ranges.
@@ -64,20 +67,20 @@ pub(crate) struct Counts {
 /// Counts over one sweep. The cursor is at LOD 0 before and after.
 pub(crate) fn counts(runner: &mut dyn Runner, stops: &[Lod]) -> Counts {
     let mut counts = Counts::default();
-    let mut seek = |lod: Lod, draw: bool| {
+    let mut seek = |lod: Lod, is_way_down: bool| {
         let (traffic, bytes) = runner.send(lod);
         counts.bytes += bytes;
         counts.one_by_one += bytes.min(4 * traffic.rewritten);
         counts.rewritten += traffic.rewritten;
-        counts.drawn.extend(draw.then(|| runner.drawn()));
+        counts.drawn.extend(is_way_down.then(|| runner.drawn()));
     };
     stops.iter().for_each(|&lod| seek(lod, true));
-    back(stops).for_each(|lod| seek(lod, false));
+    stops_back(stops).for_each(|lod| seek(lod, false));
     counts
 }
 
-/// The way up again, to LOD 0.
-fn back(stops: &[Lod]) -> impl Iterator<Item = Lod> {
+/// The stops on the way up again, to LOD 0.
+fn stops_back(stops: &[Lod]) -> impl Iterator<Item = Lod> {
     stops.iter().rev().skip(1).copied().chain([Lod(0)])
 }
 
@@ -131,7 +134,7 @@ pub(crate) fn times(
             }
         }
         for _ in 0..JUMPS {
-            scratch.add(micros(|| rebuild.at(far).len()));
+            scratch.add(micros(|| rebuild.indices_at(far).len()));
         }
     }
     (all, scratch)
@@ -150,20 +153,20 @@ fn sweeps(runner: &mut dyn Runner, stops: &[Lod]) -> Sweeps {
     let parts = parts(stops.len());
     let mut curve = vec![0.0; parts.len()];
     let (mut down, mut up, mut sweeps) = (0.0, 0.0, 0.0);
-    let way_back: Vec<Lod> = back(stops).collect();
+    let way_back: Vec<Lod> = stops_back(stops).collect();
     while down < MIN_MICROS || up < MIN_MICROS {
-        let mut part = |lods: &[Lod], sum: &mut f64, at: &mut f64| {
+        let mut time_part = |lods: &[Lod], sum: &mut f64, point: &mut f64| {
             let time = micros(|| lods.iter().map(|&lod| runner.seek(lod).rewritten).sum::<u64>());
             *sum += time;
-            *at += time;
+            *point += time;
         };
-        for (range, at) in parts.iter().zip(&mut curve) {
-            part(&stops[range.clone()], &mut down, at);
+        for (range, point) in parts.iter().zip(&mut curve) {
+            time_part(&stops[range.clone()], &mut down, point);
         }
         // The way back leaves the stops of a part in the opposite order.
-        for (range, at) in parts.iter().zip(&mut curve).rev() {
+        for (range, point) in parts.iter().zip(&mut curve).rev() {
             let range = stops.len() - range.end..stops.len() - range.start;
-            part(&way_back[range], &mut up, at);
+            time_part(&way_back[range], &mut up, point);
         }
         sweeps += 1.0;
     }

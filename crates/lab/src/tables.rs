@@ -108,6 +108,7 @@ fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
     }
 }
 
+/// Appends the figures of streams.
 fn streams(text: &mut String, stream: &StreamReport) {
     let StreamReport {
         lossless,
@@ -133,16 +134,16 @@ fn streams(text: &mut String, stream: &StreamReport) {
             text,
             "  encoded {encode:.2}, decoded {decode:.2} \
              million triangles per second\n  encoded in {} ms, decoded in {} ms (mean ± deviation)",
-            of_rounds(&speed.encode_spread),
-            of_rounds(&speed.decode_spread)
+            mean_and_deviation(&speed.encode_spread),
+            mean_and_deviation(&speed.decode_spread)
         );
     }
     let row = |p: &PrefixReport| (format!("{} %", p.percent), *p);
     table(text, "of the stream's bytes", &stream.prefixes.iter().map(row).collect(), PREFIXES);
 }
 
-/// Mean and deviation of timings.
-fn of_rounds(spread: &Spread) -> String {
+/// Mean and deviation of timings as text.
+fn mean_and_deviation(spread: &Spread) -> String {
     let deviation = spread.deviation.map(|d| format!(" ± {d:.1}"));
     format!("{:.1}{}", spread.mean, deviation.unwrap_or_default())
 }
@@ -169,11 +170,11 @@ fn table<N: Display>(
     text.push('\n');
     for (name, row) in rows {
         let _ = write!(text, "    {name:<24}");
-        for &(_, path, places) in columns {
+        for &(_, path, decimals) in columns {
             let cell = match number(&row, path) {
                 None => "-".to_owned(),
-                Some(n) if places == 0 => grouped(n.round() as u64),
-                Some(n) => format!("{n:.places$}"),
+                Some(n) if decimals == 0 => grouped(n.round() as u64),
+                Some(n) => format!("{n:.decimals$}"),
             };
             let _ = write!(text, "{cell:>13}");
         }

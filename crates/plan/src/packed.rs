@@ -19,9 +19,9 @@ pub const RESTART: u32 = NONE;
 pub struct PackedStrips {
     /// First strip and number of strips of each submesh.
     submeshes: BufferId,
-    /// One word per strip and one more: a pass writes the length of each with its restart index, or
-    /// 0; prefix sums make it the offset of each in `drawn`.
-    pub places: BufferId,
+    /// One word per strip and one more. A pass writes the length of each strip with its restart
+    /// index, 0 if it draws nothing; prefix sums make that the offset of each in `drawn`.
+    pub offsets: BufferId,
     /// The packed strips.
     pub drawn: BufferId,
     /// Arguments of one indirect draw per submesh, five words each.
@@ -40,14 +40,14 @@ impl PackedStrips {
         let ranges = (0..strips.submesh_count()).map(|s| strips.submesh(s));
         let ranges: Vec<u32> =
             ranges.flat_map(|range| [range.start as u32, range.len() as u32]).collect();
-        let places = program.zeros("places", strips.len() + 1);
+        let offsets = program.zeros("offsets", strips.len() + 1);
         Self {
             submeshes: program.words("submeshes", ranges),
-            places,
+            offsets,
             drawn: program.zeros("drawn", strips.indices().len() + strips.len()),
             draws: program.zeros("draws", 5 * strips.submesh_count()),
             arguments: program.kernel(STRIP_DRAWS),
-            scan: Scan::new(program, places, strips.len() + 1),
+            scan: Scan::new(program, offsets, strips.len() + 1),
             count: strips.submesh_count() as u32,
         }
     }
@@ -58,7 +58,7 @@ impl PackedStrips {
     pub fn around(&self, write: Pass) -> Vec<Pass> {
         let arguments = Pass {
             kernel: self.arguments,
-            buffers: vec![self.submeshes, self.places, self.draws],
+            buffers: vec![self.submeshes, self.offsets, self.draws],
             threads: self.count,
             parameters: vec![self.count],
         };
@@ -86,7 +86,7 @@ impl PackedStrips {
         set: &StripSet,
         drawn: impl Fn(usize) -> &'a [u32],
     ) -> [Expected; 3] {
-        let (mut indices, mut places, mut draws) = (Vec::new(), vec![0], Vec::new());
+        let (mut indices, mut offsets, mut draws) = (Vec::new(), vec![0], Vec::new());
         for submesh in 0..set.submesh_count() {
             let first = indices.len() as u32;
             for strip in set.submesh(submesh) {
@@ -95,13 +95,13 @@ impl PackedStrips {
                     indices.extend_from_slice(drawn);
                     indices.push(RESTART);
                 }
-                places.push(indices.len() as u32);
+                offsets.push(indices.len() as u32);
             }
             draws.extend([indices.len() as u32 - first, 1, first, 0, 0]);
         }
         [
             Expected::new(self.drawn, indices),
-            Expected::new(self.places, places),
+            Expected::new(self.offsets, offsets),
             Expected::new(self.draws, draws),
         ]
     }

@@ -14,10 +14,10 @@ struct Parameters {
 @group(0) @binding(2) var<storage, read_write> sums: array<u32>;
 
 // For each thread of a workgroup the sum of its words and of those of all threads before it.
-var<workgroup> upto: array<u32, 256>;
+var<workgroup> inclusive_sums: array<u32, 256>;
 
 @compute @workgroup_size(WORKGROUP)
-fn main(thread: Thread, @builtin(local_invocation_index) l: u32) {
+fn main(thread: Thread, @builtin(local_invocation_index) local: u32) {
     let block = number_of(thread) / WORKGROUP;
     let first = number_of(thread) * 4u;
     // What this thread's words before each of them add up to.
@@ -27,19 +27,19 @@ fn main(thread: Thread, @builtin(local_invocation_index) l: u32) {
         before[k] = sum;
         if (first + k < p.count) { sum += data[first + k]; }
     }
-    upto[l] = sum;
+    inclusive_sums[local] = sum;
     for (var distance = 1u; distance < 256u; distance <<= 1u) {
         workgroupBarrier();
-        var x = upto[l];
-        if (l >= distance) { x += upto[l - distance]; }
+        var x = inclusive_sums[local];
+        if (local >= distance) { x += inclusive_sums[local - distance]; }
         workgroupBarrier();
-        upto[l] = x;
+        inclusive_sums[local] = x;
     }
     workgroupBarrier();
     for (var k = 0u; k < 4u; k++) {
         if (first + k < p.count) {
-            data[first + k] = upto[l] - sum + before[k];
+            data[first + k] = inclusive_sums[local] - sum + before[k];
         }
     }
-    if (l == 255u && block * 1024u < p.count) { sums[block] = upto[l]; }
+    if (local == 255u && block * 1024u < p.count) { sums[block] = inclusive_sums[local]; }
 }

@@ -9,7 +9,7 @@ struct Parameters { submeshes: u32 }
 // For each submesh x: its first strip, y: its number of strips.
 @group(0) @binding(1) var<storage, read> submeshes: array<vec2<u32>>;
 // Where each strip starts in the index buffer, and where the last one ends.
-@group(0) @binding(2) var<storage, read> places: array<u32>;
+@group(0) @binding(2) var<storage, read> offsets: array<u32>;
 // Five words per submesh, the arguments of an indexed indirect draw: index count, instance count,
 // first index, base vertex, first instance.
 @group(0) @binding(3) var<storage, read_write> draws: array<u32>;
@@ -18,8 +18,8 @@ struct Parameters { submeshes: u32 }
 fn main(thread: Thread) {
     let s = number_of(thread);
     if (s >= p.submeshes) { return; }
-    let first = places[submeshes[s].x];
-    draws[5u * s] = places[submeshes[s].x + submeshes[s].y] - first;
+    let first = offsets[submeshes[s].x];
+    draws[5u * s] = offsets[submeshes[s].x + submeshes[s].y] - first;
     draws[5u * s + 1u] = 1u;
     draws[5u * s + 2u] = first;
     draws[5u * s + 3u] = 0u;

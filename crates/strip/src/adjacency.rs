@@ -31,8 +31,9 @@ pub(crate) fn decode(code: u32) -> (u32, u32) {
 pub(crate) fn neighbours(triangles: &[[u32; 3]], vertex_count: usize) -> Neighbours {
     let mut bucket_start = vec![0u32; vertex_count + 1];
     let edges = |t: [u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
-    let with_area = || triangles.iter().enumerate().filter(|(_, t)| !is_degenerate(**t));
-    for (_, &t) in with_area() {
+    let with_distinct_corners =
+        || triangles.iter().enumerate().filter(|(_, t)| !is_degenerate(**t));
+    for (_, &t) in with_distinct_corners() {
         for (a, b) in edges(t) {
             bucket_start[a.min(b) as usize + 1] += 1;
         }
@@ -43,7 +44,7 @@ pub(crate) fn neighbours(triangles: &[[u32; 3]], vertex_count: usize) -> Neighbo
     let mut next = bucket_start.clone();
     // For each half-edge its larger vertex and its code, by which it is sorted.
     let mut half_edges = vec![(0u32, 0u32); bucket_start[vertex_count] as usize];
-    for (i, &t) in with_area() {
+    for (i, &t) in with_distinct_corners() {
         for (slot, (a, b)) in edges(t).into_iter().enumerate() {
             let end = &mut next[a.min(b) as usize];
             half_edges[*end as usize] = (a.max(b), code(i as u32, slot as u32));

@@ -8,16 +8,16 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 
 /// Recent edges that the codec can name (its edge FIFO has 16 entries, one code is taken).
-const EDGES: usize = 15;
+const MAX_RECENT_EDGES: usize = 15;
 /// Recent vertices that the codec can name.
-const VERTICES: u32 = 12;
+const MAX_RECENT_VERTICES: u32 = 12;
 
 // The price of a triangle: about the bytes that the codec takes for it, and what it may cost later.
 // Found by trying, on four models.
 /// A vertex that has not been seen yet, or is no longer remembered.
 const NOT_REMEMBERED: f32 = 1.5;
 /// Per edge that is more recent than the triangle's.
-const AGE: f32 = 0.5;
+const EDGE_AGE: f32 = 0.5;
 /// Gain for each vertex without triangles to be coded.
 const FINISHED: f32 = 0.8;
 /// For each triangle that a corner has yet to be in, up to [`MAX_REMAINING`] of them.
@@ -92,14 +92,14 @@ impl<'a> Codec<'a> {
             remaining,
             remembered_at: vec![0; vertices],
             remembered_count: 0,
-            recent: VecDeque::with_capacity(EDGES + 3),
+            recent: VecDeque::with_capacity(MAX_RECENT_EDGES + 3),
             older: Vec::new(),
         }
     }
 
     fn is_remembered(&self, v: u32) -> bool {
         let at = self.remembered_at[v as usize];
-        at > 0 && self.remembered_count - at < VERTICES
+        at > 0 && self.remembered_count - at < MAX_RECENT_VERTICES
     }
 
     /// Of the triangles at recent edges the one with the lowest price, among equals that at the
@@ -108,7 +108,7 @@ impl<'a> Codec<'a> {
         let mut best: Option<(f32, u32, Edge)> = None;
         for (age, &edge) in self.recent.iter().rev().enumerate() {
             let Some(t) = self.edges.first_undone(edge, &self.done) else { continue };
-            let price = self.price(t) + AGE * age as f32;
+            let price = self.price(t) + EDGE_AGE * age as f32;
             if best.is_none_or(|(lowest, ..)| price < lowest) {
                 best = Some((price, t, edge));
             }
@@ -116,6 +116,7 @@ impl<'a> Codec<'a> {
         best.map(|(_, t, edge)| (t, Some(edge)))
     }
 
+    /// The price of a triangle by its corners, see the constants above.
     fn price(&self, t: u32) -> f32 {
         let corner = |v: u32| {
             let remaining = self.remaining[v as usize];
@@ -157,7 +158,7 @@ impl<'a> Codec<'a> {
             self.recent.push_back([b, a]);
         }
         self.recent.extend([[c, b], [a, c]]);
-        while self.recent.len() > EDGES {
+        while self.recent.len() > MAX_RECENT_EDGES {
             self.older.extend(self.recent.pop_front());
         }
     }
@@ -234,8 +235,8 @@ mod tests {
         let order = codec_order(&mesh);
         let shares =
             |pair: &&[[u32; 3]]| pair[0].iter().filter(|v| pair[1].contains(v)).count() == 2;
-        let near = order.windows(2).filter(shares).count();
-        assert!(near * 10 > order.len() * 8, "{near} of {}", order.len());
+        let sharing = order.windows(2).filter(shares).count();
+        assert!(sharing * 10 > order.len() * 8, "{sharing} of {}", order.len());
     }
 
     #[test]

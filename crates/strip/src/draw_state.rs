@@ -37,7 +37,7 @@ pub(crate) enum Reference {
 pub(crate) struct DrawState<'a> {
     pub(crate) triangles: &'a [[u32; 3]],
     /// Number of vertices that the cache holds.
-    pub(crate) size: u32,
+    pub(crate) cache_size: u32,
     pub(crate) vertices: Vec<Vertex>,
     /// The triangles of each vertex, those with an area, vertex by vertex.
     incident: Vec<u32>,
@@ -58,7 +58,7 @@ pub(crate) struct DrawState<'a> {
 }
 
 impl<'a> DrawState<'a> {
-    pub(crate) fn new(triangles: &'a [[u32; 3]], vertex_count: usize, size: u32) -> Self {
+    pub(crate) fn new(triangles: &'a [[u32; 3]], vertex_count: usize, cache_size: u32) -> Self {
         let mut vertices = vec![Vertex::default(); vertex_count];
         let with_area = || triangles.iter().enumerate().filter(|(_, t)| !is_degenerate(**t));
         for v in with_area().flat_map(|(_, t)| t) {
@@ -80,7 +80,7 @@ impl<'a> DrawState<'a> {
         }
         Self {
             triangles,
-            size,
+            cache_size,
             vertices,
             incident,
             next_unfinished,
@@ -94,14 +94,14 @@ impl<'a> DrawState<'a> {
     }
     pub(crate) fn is_cached(&self, v: u32) -> bool {
         let fetched = self.vertices[v as usize].fetched;
-        fetched != 0 && self.history.len() as u32 - fetched < self.size
+        fetched != 0 && self.history.len() as u32 - fetched < self.cache_size
     }
     /// Numbers of the misses whose vertices may still be cached.
     pub(crate) fn recent(&self) -> std::ops::Range<usize> {
-        self.history.len().saturating_sub(self.size as usize)..self.history.len()
+        self.history.len().saturating_sub(self.cache_size as usize)..self.history.len()
     }
     /// The vertex of a miss, if it has triangles to be drawn.
-    pub(crate) fn live(&self, miss: usize) -> Option<u32> {
+    pub(crate) fn unfinished_at(&self, miss: usize) -> Option<u32> {
         let v = self.history[miss];
         (self.vertices[v as usize].remaining > 0).then_some(v)
     }
@@ -136,8 +136,8 @@ impl<'a> DrawState<'a> {
             return Reference::Hit;
         }
         let mut effect = Reference::Miss;
-        // The vertex that leaves is that of `size` misses ago.
-        if let Some(evicted_miss) = self.history.len().checked_sub(self.size as usize)
+        // The vertex that leaves is that of `cache_size` misses ago.
+        if let Some(evicted_miss) = self.history.len().checked_sub(self.cache_size as usize)
             && self.vertices[self.history[evicted_miss] as usize].remaining > 0
         {
             effect = Reference::MissEvicting;

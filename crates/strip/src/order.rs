@@ -16,7 +16,7 @@ const TRIANGLE: f32 = 0.5;
 const AGE: f32 = 0.1;
 /// Number of vertices that are tried, those that leave the cache first. More gain nothing that can
 /// be measured on three scans.
-const TRIED: usize = 6;
+const MAX_TRIED: usize = 6;
 
 /// The mesh's triangles in an order in which a first-in first-out cache of `cache_size` vertices (4
 /// to 64; the nearest of those otherwise) seldom fetches a vertex twice. Triangles stay in their
@@ -62,9 +62,9 @@ fn greedy_order(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> Vec
         let recent = state.recent();
         let mut tried = 0;
         for miss in recent.clone() {
-            let Some(v) = state.live(miss) else { continue };
+            let Some(v) = state.unfinished_at(miss) else { continue };
             tried += 1;
-            if tried > TRIED {
+            if tried > MAX_TRIED {
                 break;
             }
             let mut cost = AGE * (miss - recent.start) as f32;

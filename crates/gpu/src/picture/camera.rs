@@ -61,9 +61,10 @@ impl Viewpoint {
         };
         let toward: [f64; 3] = std::array::from_fn(|i| self.eye[i] - self.target[i]);
         let toward = normalised(toward).unwrap_or(up);
-        let level =
+        // None where the view is along `up`, as nearly as doubles can tell.
+        let right_of =
             |up| normalised(cross(up, toward)).filter(|_| dot(up, toward).abs() < 1.0 - 1e-9);
-        let right = level(up).or_else(|| level(ahead)).unwrap_or([1.0, 0.0, 0.0]);
+        let right = right_of(up).or_else(|| right_of(ahead)).unwrap_or([1.0, 0.0, 0.0]);
         [right, cross(toward, right), toward]
     }
 }
@@ -150,20 +151,21 @@ impl Camera {
         let axes = axes(framing);
         let in_view = PointsInView::new(points, axes);
         let size = in_view.size();
-        let (near, far) = in_view.along(2);
-        let (near, far) = if near <= far { (near, far) } else { (0.0, 0.0) };
+        let (farthest, nearest) = in_view.along(2);
+        let (farthest, nearest) =
+            if farthest <= nearest { (farthest, nearest) } else { (0.0, 0.0) };
         let (eye, half) = match framing.lens {
             Lens::Perspective(degrees) => {
                 let tangent = (degrees.to_radians() / 2.0).tan();
                 let half = [tangent * aspect, tangent];
                 let mut eye = perspective_eye(&in_view, half);
-                eye[2] = eye[2].max(far + size * 0.01);
-                // Nearer makes larger; what lies in front of the eye's new position is cut off.
+                eye[2] = eye[2].max(nearest + size * 0.01);
+                // Zoom narrows the view; the eye stays where it is.
                 (eye, half.map(|h| h / framing.zoom))
             }
             Lens::Orthographic => {
                 let (mut eye, half) = orthographic_eye(&in_view, aspect);
-                eye[2] = far + size;
+                eye[2] = nearest + size;
                 let half = if half > 0.0 { half } else { size } / framing.zoom;
                 (eye, [half * aspect, half])
             }
@@ -175,7 +177,10 @@ impl Camera {
             eye,
             half,
             perspective: matches!(framing.lens, Lens::Perspective(_)),
-            depth: [(eye[2] - far - size * 1e-3).max(size * 1e-4), eye[2] - near + size * 1e-3],
+            depth: [
+                (eye[2] - nearest - size * 1e-3).max(size * 1e-4),
+                eye[2] - farthest + size * 1e-3,
+            ],
         }
     }
 
@@ -197,9 +202,10 @@ impl Camera {
         let eye = in_view.axes.map(|axis| dot(axis, from_centre));
         let tangent = (view.degrees.to_radians() / 2.0).tan() / view.zoom;
         let size = in_view.size();
-        let (low, high) = in_view.along(2);
-        let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
-        let near = (eye[2] - high - size * 1e-3).max(size * 1e-3);
+        let (farthest, nearest) = in_view.along(2);
+        let (farthest, nearest) =
+            if farthest <= nearest { (farthest, nearest) } else { (0.0, 0.0) };
+        let near = (eye[2] - nearest - size * 1e-3).max(size * 1e-3);
         Self {
             centre: in_view.centre,
             axes: in_view.axes,
@@ -207,7 +213,7 @@ impl Camera {
             eye,
             half: [tangent * aspect, tangent],
             perspective: true,
-            depth: [near, (eye[2] - low + size * 1e-3).max(near + size * 1e-3)],
+            depth: [near, (eye[2] - farthest + size * 1e-3).max(near + size * 1e-3)],
         }
     }
 

@@ -15,8 +15,8 @@ const OVERSAMPLING: u32 = 2;
 
 /// Linear colour of edges. Chosen by hand.
 const WIRE: [f32; 3] = [0.01, 0.012, 0.02];
-/// Linear colour of back faces where they are marked.
-const WARNING: [f32; 3] = [0.9, 0.02, 0.45];
+/// Linear colour of back faces where they are marked. Chosen by hand.
+const MARKED_BACK_FACES: [f32; 3] = [0.9, 0.02, 0.45];
 
 /// A picture that is being drawn.
 pub struct Frame<'p> {
@@ -24,6 +24,7 @@ pub struct Frame<'p> {
     size: [u32; 2],
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
+    /// The picture with one sample for each pixel, once it is finished.
     resolved: wgpu::Texture,
     /// Camera and style.
     shot: wgpu::BindGroup,
@@ -186,7 +187,7 @@ fn shot(painter: &Painter<'_>, camera: &Camera, style: &Style) -> wgpu::BindGrou
         with(camera.eye(), 1.0),
         with(camera.world_up(), 0.0),
         with(WIRE, style.wire * OVERSAMPLING as f32),
-        with(WARNING, back),
+        with(MARKED_BACK_FACES, back),
     ]);
     let bytes: &[u8] = bytemuck::cast_slice(&words);
     let buffer = painter.device.device.create_buffer(&wgpu::BufferDescriptor {

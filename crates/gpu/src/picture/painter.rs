@@ -16,6 +16,7 @@ pub struct Painter<'d> {
     pub(super) materials: Vec<wgpu::BindGroup>,
 }
 
+/// Samples of a pixel while it is drawn: what every device can.
 pub(super) const SAMPLES: u32 = 4;
 pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -70,6 +71,7 @@ impl<'d> Painter<'d> {
     }
 }
 
+/// Makes the layout of a bind group, whose bindings are numbered in this order.
 fn layout(gpu: &wgpu::Device, label: &str, entries: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = (0..)
         .zip(entries)
@@ -86,6 +88,7 @@ fn layout(gpu: &wgpu::Device, label: &str, entries: &[wgpu::BindingType]) -> wgp
     })
 }
 
+/// Makes the pipeline of opaque or of blended materials.
 fn pipeline(
     gpu: &wgpu::Device,
     layouts: &[&wgpu::BindGroupLayout],
@@ -192,6 +195,7 @@ fn sampler(device: &Device, texture: Option<Texture>) -> wgpu::Sampler {
     })
 }
 
+/// Uploads a material and binds it with its texture.
 fn bind(
     device: &Device,
     layout: &wgpu::BindGroupLayout,

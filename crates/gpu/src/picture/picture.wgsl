@@ -45,7 +45,7 @@ struct Varying {
     @location(2) uv: vec2<f32>,
     @location(3) colour: vec4<f32>,
     // Barycentric coordinates: each falls from 1 at one corner to 0 at the opposite edge.
-    @location(4) corner: vec3<f32>,
+    @location(4) barycentric: vec3<f32>,
 }
 
 @vertex
@@ -60,11 +60,11 @@ fn vertex(
     out.clip = shot.matrix * vec4<f32>(position, 1.0);
     out.position = position;
     out.normal = normal;
-    let at = vec3<f32>(uv, 1.0);
-    out.uv = vec2<f32>(dot(material.u.xyz, at), dot(material.v.xyz, at));
+    let uv1 = vec3<f32>(uv, 1.0);
+    out.uv = vec2<f32>(dot(material.u.xyz, uv1), dot(material.v.xyz, uv1));
     out.colour = colour;
     let k = index % 3u;
-    out.corner = vec3<f32>(f32(k == 0u), f32(k == 1u), f32(k == 2u));
+    out.barycentric = vec3<f32>(f32(k == 0u), f32(k == 1u), f32(k == 2u));
     return out;
 }
 
@@ -87,9 +87,9 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     // Both derivatives need the neighbouring pixels, so they are taken before any pixel is
     // discarded.
     let texel = textureSample(base, base_sampler, in.uv);
-    let spread = fwidth(in.corner);
-    let mode = u32(shot.back.w);
-    if (!front && (mode == 2u || (mode == 0u && material.flags.y < 0.5))) {
+    let barycentric_per_pixel = fwidth(in.barycentric);
+    let back_faces = u32(shot.back.w);
+    if (!front && (back_faces == 2u || (back_faces == 0u && material.flags.y < 0.5))) {
         discard;
     }
     var colour = material.colour * in.colour * texel;
@@ -99,7 +99,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     if (material.flags.w < 0.5) {
         colour.a = 1.0;
     }
-    if (!front && mode == 3u) {
+    if (!front && back_faces == 3u) {
         colour = vec4<f32>(shot.back.rgb, 1.0);
     }
     var toward_eye = shot.toward.xyz;
@@ -110,23 +110,24 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     if (!front) {
         normal = -normal;
     }
-    var shown = colour.rgb;
+    var rgb = colour.rgb;
     if (material.flags.z < 0.5) {
-        shown = lit(colour.rgb, normal, toward_eye);
+        rgb = lit(colour.rgb, normal, toward_eye);
     }
     if (shot.wire.w > 0.0) {
         // Distances from the three edges in pixels.
-        let away = in.corner / max(spread, vec3<f32>(1e-6));
-        let nearest = min(away.x, min(away.y, away.z));
+        let distances = in.barycentric / max(barycentric_per_pixel, vec3<f32>(1e-6));
+        let nearest = min(distances.x, min(distances.y, distances.z));
         let half_width = 0.5 * shot.wire.w;
         let line = 1.0 - smoothstep(half_width - 0.5, half_width + 0.5, nearest);
         // Where triangles are hardly larger than the line, it fades, or dense meshes would be all
         // line. The numbers are chosen by hand.
-        let largest = max(spread.x, max(spread.y, spread.z));
+        let largest = max(
+            barycentric_per_pixel.x, max(barycentric_per_pixel.y, barycentric_per_pixel.z));
         let fade = clamp(1.6 - 2.4 * half_width * largest, 0.25, 1.0);
-        shown = mix(shown, shot.wire.rgb, line * fade * 0.85);
+        rgb = mix(rgb, shot.wire.rgb, line * fade * 0.85);
         colour.a = max(colour.a, line * fade);
     }
-    shown = min(shown, vec3<f32>(1.0));
-    return vec4<f32>(shown * colour.a, colour.a);
+    rgb = min(rgb, vec3<f32>(1.0));
+    return vec4<f32>(rgb * colour.a, colour.a);
 }

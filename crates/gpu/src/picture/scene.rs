@@ -104,6 +104,7 @@ impl Scene<'_> {
     }
 }
 
+/// The depth of a triangle, for sorting.
 fn depth(camera: &Camera, t: &[Corner; 3]) -> f32 {
     t.iter().map(|c| camera.distance(c.position)).sum()
 }
@@ -120,6 +121,7 @@ struct Part<'a> {
 /// The looks that a submesh gives its corners.
 struct SubmeshStyle<'a> {
     material: usize,
+    /// True if the file has normals.
     normals: bool,
     uv: Option<&'a Attribute>,
     colour: Option<&'a Attribute>,
@@ -134,7 +136,7 @@ impl Part<'_> {
         let posed = posed(mesh, self.placement);
         let indices: Vec<[u32; 3]> = triangles.iter().map(|t| t.corners).collect();
         let styles: Vec<SubmeshStyle<'_>> =
-            (0..mesh.submeshes().len()).map(|s| self.look(mesh, s, matte)).collect();
+            (0..mesh.submeshes().len()).map(|s| self.submesh_style(mesh, s, matte)).collect();
         let computed: Vec<[[f32; 3]; 3]> = if self.scene.smooth {
             let smooth = smooth_normals(&indices, &posed.positions, self.points);
             smooth.into_iter().map(|t| t.map(Into::into)).collect()
@@ -168,7 +170,8 @@ impl Part<'_> {
         runs
     }
 
-    fn look<'a>(&self, mesh: &'a Mesh, submesh: usize, matte: usize) -> SubmeshStyle<'a> {
+    /// How the corners of a submesh look.
+    fn submesh_style<'a>(&self, mesh: &'a Mesh, submesh: usize, matte: usize) -> SubmeshStyle<'a> {
         let object = self.placement.object;
         let normals = stream(mesh, submesh, &Semantic::Normal).is_some();
         let looks = match self.scene.colours {
@@ -185,17 +188,19 @@ impl Part<'_> {
         SubmeshStyle { material, normals, uv, colour, fixed: None }
     }
 
+    /// A corner at vertex `v`. `fixed` is a colour instead of that of the mesh, `computed` a normal
+    /// for where the file has none.
     fn corner(
         &self,
         posed: &PosedVertices,
-        look: &SubmeshStyle<'_>,
+        style: &SubmeshStyle<'_>,
         fixed: Option<[f32; 3]>,
         v: u32,
         computed: [f32; 3],
     ) -> Corner {
         let p = posed.positions[v as usize];
         let file_normal = posed.normals[v as usize].as_vec3().to_array();
-        let usable = look.normals
+        let usable = style.normals
             && file_normal.iter().all(|c| c.is_finite())
             && file_normal.iter().any(|c| c.abs() > 1e-6);
         let normal = if self.scene.smooth && usable { file_normal } else { computed };
@@ -203,7 +208,7 @@ impl Part<'_> {
             let value = if i < usize::from(a.components) { a.value(v, i) } else { default };
             if value.is_finite() { value } else { default }
         };
-        let colour = match (fixed, look.colour) {
+        let colour = match (fixed, style.colour) {
             (Some([r, g, b]), _) => [r, g, b, 1.0],
             (None, Some(stream)) => {
                 std::array::from_fn(|i| component(stream, i, 1.0).clamp(0.0, 1.0))
@@ -213,7 +218,7 @@ impl Part<'_> {
         Corner {
             position: std::array::from_fn(|i| (p[i] - self.camera.centre[i]) as f32),
             normal,
-            uv: look
+            uv: style
                 .uv
                 .map_or([0.0; 2], |stream| std::array::from_fn(|i| component(stream, i, 0.0))),
             colour,

@@ -29,6 +29,7 @@ pub struct Legend<'a> {
 }
 
 impl Sheet<'_> {
+    /// Pictures in a row.
     fn columns(&self) -> usize {
         let count = self.pictures.len();
         self.columns.map_or_else(|| count.div_ceil(count.div_ceil(4)), |c| c.min(count))
@@ -38,13 +39,13 @@ impl Sheet<'_> {
         Lettering::new((self.pictures[0].width as f32 / 24.0).max(12.0), self.background)
     }
 
-    /// Pixels of the text below each picture, and of that below the sheet.
-    fn text(&self, legend: bool) -> [usize; 2] {
+    /// Pixels down of the text below each picture, and of that below the sheet.
+    fn text_heights(&self, has_legend: bool) -> [usize; 2] {
         let line = self.lettering().line_height();
-        let shown = !self.labels.is_empty();
+        let has_labels = !self.labels.is_empty();
         [
-            if shown { LINES * line + line / 2 } else { 0 },
-            if shown && legend { 3 * line } else { 0 },
+            if has_labels { LINES * line + line / 2 } else { 0 },
+            if has_labels && has_legend { 3 * line } else { 0 },
         ]
     }
 
@@ -53,8 +54,8 @@ impl Sheet<'_> {
     /// # Panics
     /// If there is no picture.
     #[must_use]
-    pub fn size(&self, legend: bool) -> [usize; 2] {
-        let [label, legend_height] = self.text(legend);
+    pub fn size(&self, has_legend: bool) -> [usize; 2] {
+        let [label, legend_height] = self.text_heights(has_legend);
         let (width, height) = (self.pictures[0].width as usize, self.pictures[0].height as usize);
         let columns = self.columns();
         [columns * width, self.pictures.len().div_ceil(columns) * (height + label) + legend_height]
@@ -66,7 +67,7 @@ impl Sheet<'_> {
     /// If there is no picture.
     #[must_use]
     pub fn compose(&self, legend: Option<Legend<'_>>) -> Image {
-        let [label, legend_height] = self.text(legend.is_some());
+        let [label, legend_height] = self.text_heights(legend.is_some());
         let [across, down] = self.size(legend.is_some());
         let (columns, lettering) = (self.columns(), self.lettering());
         let mut sheet = Image::filled(across as u32, down as u32, self.background);
@@ -86,6 +87,7 @@ impl Sheet<'_> {
     }
 }
 
+/// Copies a picture to pixel (`x`, `y`) of a sheet.
 fn copy_into(sheet: &mut Image, picture: &Image, x: usize, y: usize) {
     let row = 4 * picture.width as usize;
     for (i, from) in picture.bytes.chunks_exact(row).enumerate() {

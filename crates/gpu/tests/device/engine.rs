@@ -171,7 +171,8 @@ fn the_guide_leads_to_views() {
     padded.resize(padded.len().next_multiple_of(24), 0);
     let eights = f.div_ceil(8);
     let triangles = &gpu.words(&padded);
-    let (live, places, indices) = (&gpu.zeros(eights), &gpu.zeros(eights + 1), &gpu.zeros(3 * f));
+    let (live, drawn_before, indices) =
+        (&gpu.zeros(eights), &gpu.zeros(eights + 1), &gpu.zeros(3 * f));
     let ranges = ranges(mesh);
     let count = ranges.len() / 2;
     let (submeshes, draws) = (&gpu.words(&ranges), &gpu.zeros(5 * count));
@@ -186,11 +187,11 @@ fn the_guide_leads_to_views() {
         let buffers = [points, links, by_error, source, vertices];
         gpu.run("view", &[criterion, stride], v, &parameters, &buffers);
         let eight = [eights as u32];
-        let buffers = [triangles, vertices, live, places];
+        let buffers = [triangles, vertices, live, drawn_before];
         gpu.run("filter_count", &[stride], eights + 1, &eight, &buffers);
-        gpu.scan(places, eights + 1);
-        gpu.run("filter_write", &[], eights, &eight, &[triangles, live, places, indices]);
-        let buffers = [submeshes, live, places, draws];
+        gpu.scan(drawn_before, eights + 1);
+        gpu.run("filter_write", &[], eights, &eight, &[triangles, live, drawn_before, indices]);
+        let buffers = [submeshes, live, drawn_before, draws];
         gpu.run("filter_draws", &[], count, &[count as u32], &buffers);
         let (records_drawn, indices) = (read(&gpu, vertices), read(&gpu, indices));
         let shown = drawn(&read(&gpu, draws), &indices, &records_drawn, records.stride);

@@ -27,7 +27,7 @@ fn plans(model: &AnyModel) -> Vec<Plan<'_>> {
 
 /// Buffers that only hold what passes put there and that are not compared themselves: what is made
 /// of them is.
-const SCRATCH: &[&str] = &["sums of blocks", "live", "values", "strips", "heads"];
+const SCRATCH: &[&str] = &["sums of blocks", "live", "values", "strips", "strip_states"];
 
 /// One bit of one word wrong, or a word lost, in whatever is uploaded.
 #[test]
@@ -77,7 +77,7 @@ const FAULTS: &[(&str, &str, &str)] = &[
     ("lists_fill", "current[v] = first;", "current[v] = first + 1u;"),
     ("lists_fill", "entries[i] = entry;", "entries[i] = v;"),
     ("scan", "distance < 256u", "distance < 128u"),
-    ("scan", "upto[l] - sum + before[k]", "upto[l] + before[k]"),
+    ("scan", "inclusive_sums[local] - sum + before[k]", "inclusive_sums[local] + before[k]"),
     // Continuous extraction.
     ("extract", "v >= p.touched", "v + 1u >= p.touched"),
     (
@@ -103,31 +103,31 @@ const FAULTS: &[(&str, &str, &str)] = &[
     ("masks", "put(base, entries[next].y & 0xffffu, entries[next].x);", ""),
     ("masks", "mask = entries[next - 1u].y >> 16u", "mask = entries[next].y >> 16u"),
     ("masks", "count + select(0u, 1u, count > 0u)", "count"),
-    ("masks_write", "firstTrailingBit(left)", "firstLeadingBit(left)"),
+    ("masks_write", "firstTrailingBit(bits)", "firstLeadingBit(bits)"),
     ("masks_write", "0xffffffffu", "0xfffffffeu"),
     ("strip_draws", "draws[5u * s + 2u] = first", "draws[5u * s + 2u] = 0u"),
     // Speed Strips.
     ("edits", "collapse_to[e.x]", "collapse_to[e.x] + 1u"),
     ("edits", "strips[base + changes[i]] = e.x", "strips[base + changes[i]] = e.x + 1u"),
     ("edits", "read - period + k % period", "read - period"),
-    ("edits", "changes[kept + k]", "changes[kept]"),
-    ("edits", "kept -= size_of(r);", ""),
+    ("edits", "changes[ends_end + k]", "changes[ends_end]"),
+    ("edits", "ends_end -= size_of(r);", ""),
     ("edits", "return write;", "return length;"),
     ("values", "v < limit", "v <= limit"),
     ("rewrite", "index_removal_lods[i] > limit", "index_removal_lods[i] >= limit"),
     ("rewrite", "entries[middle].x < p.lod", "entries[middle].x <= p.lod"),
-    ("lengths", "heads[s].y + 1u", "heads[s].y"),
+    ("lengths", "strip_states[s].y + 1u", "strip_states[s].y"),
     ("lengths", "p.lod < removal_lods[s]", "p.lod <= removal_lods[s]"),
     ("pack", "i + 1u < end", "i + 2u < end"),
     // Views.
     ("view", "if (link.y > lod) { break; }", ""),
     ("view", "while (entry < lod)", "while (entry < lod && entry == v)"),
     ("view", ">> 14u", ">> 15u"),
-    ("view", "- r(complement(angle) * sine)", ""),
+    ("view", "- r(complement(cosine) * sine)", ""),
     ("view", "square <= p.a", "square >= p.a"),
     ("view", "position.x <= p.a", "position.x > p.a"),
     ("view", "return select(p.lod_b, p.lod_a, inside);", "return p.lod_a;"),
-    ("view", "leaves - length)", "leaves)"),
+    ("view", "removal_lod - length)", "removal_lod)"),
     ("view", "/ 8u + 1u", "/ 4u + 1u"),
     ("view", "bitcast<vec3<f32>>(entry_position(link.x))", "a"),
     ("view", "current = link.x;", "break;"),
@@ -137,12 +137,12 @@ const FAULTS: &[(&str, &str, &str)] = &[
     ("filter_count", "equal & same(c, c.yzx)", "equal & same(c, c.yyx)"),
     ("filter_count", "drawn(c.yzw) << 3u", "drawn(c.yzw) << 2u"),
     ("filter_count", "countOneBits(bits)", "countOneBits(bits) + 1u"),
-    ("filter_write", "3u * places[i]", "3u * places[i] + 3u"),
+    ("filter_write", "3u * drawn_before[i]", "3u * drawn_before[i] + 3u"),
     ("filter_write", "indices[to + 2u]", "indices[to + 1u]"),
     ("filter_write", "bits >> 4u", "bits"),
     ("filter_draws", "draws[5u * s + 2u] = 3u * first", "draws[5u * s + 2u] = first"),
     ("filter_draws", "let rest = triangle % 8u", "let rest = 0u"),
-    ("filter_draws", "places[triangle / 8u]", "places[0]"),
+    ("filter_draws", "drawn_before[triangle / 8u]", "drawn_before[0]"),
 ];
 
 #[test]

@@ -85,7 +85,7 @@ impl Model for Discrete {
         let lod = self.simplified.collapses().floor(lod);
         let to = self.levels.partition_point(|l| l.lod < lod).min(LEVELS - 1);
         let [from, now] = [cursor.0, to].map(|level| &self.levels[level]);
-        tell(&from.triangles, &now.triangles, changes);
+        report_difference(&from.triangles, &now.triangles, changes);
         cursor.0 = to;
         Traffic { records: from.lod.0.abs_diff(now.lod.0), rewritten: 0 }
     }
@@ -112,8 +112,12 @@ impl Model for Discrete {
     }
 }
 
-/// Tells the difference of two multisets.
-fn tell<C: Changes>(from: &[OrientedTriangle], to: &[OrientedTriangle], changes: &mut C) {
+/// Reports the difference of two multisets of triangles.
+fn report_difference<C: Changes>(
+    from: &[OrientedTriangle],
+    to: &[OrientedTriangle],
+    changes: &mut C,
+) {
     if !C::REPORTED {
         return;
     }

@@ -18,8 +18,8 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     strip: u32,
-    place: u32,
-    /// 0: the index at `place` changes. Else the number of elements of a repetition that is
+    offset: u32,
+    /// 0: the index at `offset` changes. Else the number of elements of a repetition that is
     /// removed, of a vertex (positive) or an edge (negative).
     repetitions: i32,
 }
@@ -35,7 +35,7 @@ pub struct LodStrips {
     /// For each strip the first LOD at which it draws nothing.
     removal_lods: Vec<u32>,
     /// Start of each record's entries, and end of the last one's.
-    first: Vec<u32>,
+    entry_starts: Vec<u32>,
     /// In the order in which coarsening applies them: of each strip changes first, then what goes,
     /// from the back.
     entries: Vec<Entry>,
@@ -59,14 +59,15 @@ impl LodStrips {
         let positions = PositionIds::new(simplified.mesh().positions());
         let with_dead_ends = false;
         let histories = trace::histories(simplified, &strips, &positions, with_dead_ends)?;
-        let (first, entries) = by_record(&histories, simplified.collapses().records() as usize);
+        let (entry_starts, entries) =
+            by_record(&histories, simplified.collapses().records() as usize);
         Ok(Self {
             simplified: Arc::clone(simplified),
             submeshes: strips.submeshes().collect(),
             strips,
             positions: Arc::new(positions),
             removal_lods: histories.iter().flat_map(|h| &h.removal_lods).copied().collect(),
-            first,
+            entry_starts,
             entries,
         })
     }
@@ -74,8 +75,9 @@ impl LodStrips {
     /// Bytes that the structure really holds, positions only: three words for each entry.
     #[must_use]
     pub fn tight_bytes(&self) -> u64 {
-        let words =
-            3 * self.simplified.mesh().vertex_count() + self.first.len() + 3 * self.entries.len();
+        let words = 3 * self.simplified.mesh().vertex_count()
+            + self.entry_starts.len()
+            + 3 * self.entries.len();
         4 * (words as u64
             + u64::from(self.simplified.collapses().records())
             + self.strips.separate_indices())
@@ -93,21 +95,21 @@ impl LodStrips {
     }
 
     fn entries(&self, record: u32) -> &[Entry] {
-        &self.entries
-            [self.first[record as usize] as usize..self.first[record as usize + 1] as usize]
+        &self.entries[self.entry_starts[record as usize] as usize
+            ..self.entry_starts[record as usize + 1] as usize]
     }
 
     fn coarsen(&self, cursor: &mut Cursor, record: u32) -> u64 {
         let target = self.simplified.collapses().targets()[record as usize];
         let mut written = 0;
         for entry in self.entries(record) {
-            let (strip, place) = (&mut cursor.strips[entry.strip as usize], entry.place as usize);
+            let (strip, offset) = (&mut cursor.strips[entry.strip as usize], entry.offset as usize);
             if entry.repetitions == 0 {
-                strip[place] = target;
+                strip[offset] = target;
                 written += 1;
             } else {
-                strip.drain(place..place + entry.repetitions.unsigned_abs() as usize);
-                written += (strip.len() - place) as u64;
+                strip.drain(offset..offset + entry.repetitions.unsigned_abs() as usize);
+                written += (strip.len() - offset) as u64;
             }
         }
         written
@@ -116,20 +118,20 @@ impl LodStrips {
     fn refine(&self, cursor: &mut Cursor, record: u32) -> u64 {
         let mut written = 0;
         for entry in self.entries(record).iter().rev() {
-            let (strip, place) = (&mut cursor.strips[entry.strip as usize], entry.place as usize);
+            let (strip, offset) = (&mut cursor.strips[entry.strip as usize], entry.offset as usize);
             if entry.repetitions == 0 {
-                strip[place] = record;
+                strip[offset] = record;
                 written += 1;
             } else {
                 // The last vertex goes on, or the last two (an edge).
                 let (count, period) =
                     (entry.repetitions.unsigned_abs(), if entry.repetitions > 0 { 1 } else { 2 });
-                let pattern = [strip[place.saturating_sub(2)], strip[place - 1]];
+                let pattern = [strip[offset.saturating_sub(2)], strip[offset - 1]];
                 strip.splice(
-                    place..place,
+                    offset..offset,
                     (0..count as usize).map(|i| pattern[i % period + 2 - period]),
                 );
-                written += (strip.len() - place) as u64;
+                written += (strip.len() - offset) as u64;
             }
         }
         written
@@ -137,8 +139,8 @@ impl LodStrips {
 
     /// The strips that some records change.
     fn affected(&self, fine: u32, coarse: u32) -> Vec<u32> {
-        let entries =
-            &self.entries[self.first[fine as usize] as usize..self.first[coarse as usize] as usize];
+        let entries = &self.entries[self.entry_starts[fine as usize] as usize
+            ..self.entry_starts[coarse as usize] as usize];
         let mut strips: Vec<u32> = entries.iter().map(|e| e.strip).collect();
         let died = |s: &u32| (fine + 1..=coarse).contains(&self.removal_lods[*s as usize]);
         strips.extend((0..self.removal_lods.len() as u32).filter(died));
@@ -211,13 +213,13 @@ impl Model for LodStrips {
         let plain = StorageCost::of_triangles(&self.simplified);
         let geometry = 12 * (plain.vertices + plain.fakes);
         let records = self.simplified.collapses().floor(lod).0;
-        let of_record = |record| {
+        let bytes_of_record = |record| {
             let entries = self.entries(record);
             let strips = entries.chunk_by(|a, b| a.strip == b.strip).count() as u64;
             let words: u64 = entries.iter().map(|e| if e.repetitions == 0 { 1 } else { 2 }).sum();
             5 * strips + 4 * words
         };
-        let structures = 8 * u64::from(records) + (0..records).map(of_record).sum::<u64>();
+        let structures = 8 * u64::from(records) + (0..records).map(bytes_of_record).sum::<u64>();
         let primitives = 4 * self.strips.separate_indices();
         StorageCost { positions: geometry, normals: geometry, primitives, structures, ..plain }
     }
@@ -229,33 +231,35 @@ impl Model for LodStrips {
 
 /// All entries in order of records (a counting sort).
 fn by_record(histories: &[History], records: usize) -> (Vec<u32>, Vec<Entry>) {
-    let mut first = vec![0u32; records + 1];
+    let mut entry_starts = vec![0u32; records + 1];
     for event in histories.iter().flat_map(|h| &h.events) {
-        first[event.record as usize + 1] += event.changes + event.removals;
+        entry_starts[event.record as usize + 1] += event.changes + event.removals;
     }
     for k in 0..records {
-        first[k + 1] += first[k];
+        entry_starts[k + 1] += entry_starts[k];
     }
-    let mut place = first.clone();
-    let mut entries = vec![Entry { strip: 0, place: 0, repetitions: 0 }; first[records] as usize];
+    let mut next_slots = entry_starts.clone();
+    let mut entries =
+        vec![Entry { strip: 0, offset: 0, repetitions: 0 }; entry_starts[records] as usize];
     for history in histories {
         let (mut changes, mut removals) = (history.changes.iter(), history.removals.iter());
         for event in &history.events {
             let strip = event.strip;
             let change = changes.by_ref().take(event.changes as usize);
-            let mut of_event: Vec<Entry> =
-                change.map(|&place| Entry { strip, place, repetitions: 0 }).collect();
+            let mut event_entries: Vec<Entry> =
+                change.map(|&offset| Entry { strip, offset, repetitions: 0 }).collect();
             let gone = removals.by_ref().take(event.removals as usize);
             let repetitions = |r: &Removal| {
                 if r.kind == RemovalKind::Edge { -(r.count as i32) } else { r.count as i32 }
             };
-            let gone = gone.map(|r| Entry { strip, place: r.offset, repetitions: repetitions(r) });
+            let gone = gone.map(|r| Entry { strip, offset: r.offset, repetitions: repetitions(r) });
             let gone: Vec<Entry> = gone.collect();
-            of_event.extend(gone.into_iter().rev());
-            let slot = &mut place[event.record as usize];
-            entries[*slot as usize..*slot as usize + of_event.len()].copy_from_slice(&of_event);
-            *slot += of_event.len() as u32;
+            event_entries.extend(gone.into_iter().rev());
+            let slot = &mut next_slots[event.record as usize];
+            entries[*slot as usize..*slot as usize + event_entries.len()]
+                .copy_from_slice(&event_entries);
+            *slot += event_entries.len() as u32;
         }
     }
-    (first, entries)
+    (entry_starts, entries)
 }

@@ -10,7 +10,8 @@ pub struct Rebuild<'a> {
     simplified: &'a Simplified,
     /// The position of each vertex.
     positions: Vec<u32>,
-    shown: Vec<u32>,
+    /// What each vertex has become at the LOD.
+    resolved: Vec<u32>,
     indices: Vec<u32>,
 }
 
@@ -22,25 +23,25 @@ impl<'a> Rebuild<'a> {
         Self {
             simplified,
             positions: PositionIds::new(mesh.positions()).of_vertex,
-            shown: vec![0; mesh.vertex_count()],
+            resolved: vec![0; mesh.vertex_count()],
             indices: Vec::with_capacity(3 * mesh.triangles().len()),
         }
     }
 
     /// The live triangles at the LOD shown for `lod`, three vertices each, in the order of the
     /// mesh.
-    pub fn at(&mut self, lod: Lod) -> &[u32] {
+    pub fn indices_at(&mut self, lod: Lod) -> &[u32] {
         let collapses = self.simplified.collapses();
         let end = collapses.floor(lod).0 as usize;
-        for (v, shown) in self.shown.iter_mut().enumerate().skip(end) {
-            *shown = v as u32;
+        for (v, resolved) in self.resolved.iter_mut().enumerate().skip(end) {
+            *resolved = v as u32;
         }
         for (v, &target) in collapses.targets()[..end].iter().enumerate().rev() {
-            self.shown[v] = self.shown[target as usize];
+            self.resolved[v] = self.resolved[target as usize];
         }
         self.indices.clear();
         for triangle in self.simplified.mesh().triangles() {
-            let corners = triangle.map(|v| self.shown[v as usize]);
+            let corners = triangle.map(|v| self.resolved[v as usize]);
             let [a, b, c] = corners.map(|v| self.positions[v as usize]);
             if a != b && b != c && c != a {
                 self.indices.extend_from_slice(&corners);

@@ -151,7 +151,7 @@ fn rebuilding_gives_the_reference() {
         for _ in 0..20 {
             let lod = collapses.floor(Lod(rng.below(collapses.records() as usize + 1) as u32));
             let submesh = |v: u32| simplified.mesh().vertex_submesh()[v as usize];
-            let triangles = rebuild.at(lod).chunks_exact(3);
+            let triangles = rebuild.indices_at(lod).chunks_exact(3);
             let triangles = triangles
                 .map(|t| OrientedTriangle::new(submesh(t[0]), [t[0], t[1], t[2]]))
                 .collect();

@@ -1,7 +1,7 @@
 //! Draws a crowd on a GPU: all characters with the same level in the same pose are one instanced
 //! draw call.
 
-use super::figures::{Figure, place, turn};
+use super::figures::{Figure, ground_position, rotation};
 use super::report::{CrowdOnDevice, DrawnFrames};
 use super::walk::WalkerPosition;
 use super::{CrowdLevels, picture};
@@ -14,10 +14,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// Frames that are drawn, evenly over the time.
-const DRAWN: usize = 25;
-/// No further round starts once drawing has taken so long.
-const ENOUGH: Duration = Duration::from_secs(20);
+/// Frames that are drawn at most, evenly over the time. Chosen by hand.
+const MAX_DRAWN_FRAMES: usize = 25;
+/// No further round starts once drawing has taken so long. Chosen by hand.
+const MAX_DRAWING_TIME: Duration = Duration::from_secs(20);
 
 /// Draws frames of each way to choose levels: continuous, discrete, none.
 ///
@@ -34,12 +34,12 @@ pub(crate) fn measure(
     let mut buffers = Buffers::default();
     let meshes = buffers.all(figures);
     let frames = positions.len() - 1;
-    let count = frames.min(DRAWN);
-    let drawn: Vec<usize> = (1..=count).map(|i| i * frames / count).collect();
+    let count = frames.min(MAX_DRAWN_FRAMES);
+    let frame_numbers: Vec<usize> = (1..=count).map(|i| i * frames / count).collect();
     let stage = Instanced::new(device, &meshes, &camera)?;
     let start = Instant::now();
-    let mut one = |levels: &CrowdLevels| -> Result<DrawnFrames, GpuError> {
-        let frames: Vec<InstancedFrame> = drawn
+    let mut drawn_frames = |levels: &CrowdLevels| -> Result<DrawnFrames, GpuError> {
+        let frames: Vec<InstancedFrame> = frame_numbers
             .iter()
             .map(|&f| buffers.frame(figures, &positions[f], &levels.lods[f], f, &camera))
             .collect();
@@ -51,19 +51,19 @@ pub(crate) fn measure(
             for frame in &frames {
                 sum += stage.timed(frame, &|| start.elapsed())?;
             }
-            if round > 0 || start.elapsed().saturating_sub(begun) > ENOUGH {
+            if round > 0 || start.elapsed().saturating_sub(begun) > MAX_DRAWING_TIME {
                 best = f64::min(best, sum);
             }
-            if start.elapsed().saturating_sub(begun) > ENOUGH {
+            if start.elapsed().saturating_sub(begun) > MAX_DRAWING_TIME {
                 break;
             }
         }
-        let mean = |of: fn(&InstancedFrame) -> usize| {
-            frames.iter().map(of).sum::<usize>() as f64 / frames.len() as f64
+        let mean = |value: fn(&InstancedFrame) -> usize| {
+            frames.iter().map(value).sum::<usize>() as f64 / frames.len() as f64
         };
         let triangles = |frame: &InstancedFrame| {
-            let of = |d: &InstancedDraw| d.indices.len() / 3 * d.instances.len();
-            frame.draws.iter().map(of).sum()
+            let drawn = |d: &InstancedDraw| d.indices.len() / 3 * d.instances.len();
+            frame.draws.iter().map(drawn).sum()
         };
         Ok(DrawnFrames {
             draw_ms_per_frame: best / 1e6 / frames.len() as f64,
@@ -72,7 +72,7 @@ pub(crate) fn measure(
             triangles_per_frame: mean(triangles),
         })
     };
-    let [continuous, discrete, none] = levels.map(&mut one);
+    let [continuous, discrete, none] = levels.map(&mut drawn_frames);
     Ok(CrowdOnDevice {
         adapter: device.adapter().to_string(),
         clock: if device.has_clock() { "device" } else { "host" },
@@ -120,9 +120,9 @@ impl Buffers {
         for (i, (walker, lods)) in positions.iter().zip(lods).enumerate() {
             let f = i % figures.len();
             let phase = figures[f].phase(i, number);
-            let at = place(walker);
-            let place = std::array::from_fn(|k| (at[k] - camera.centre[k]) as f32);
-            let instance = Instance { place, turn: turn(walker) };
+            let position = ground_position(walker);
+            let origin = std::array::from_fn(|k| (position[k] - camera.centre[k]) as f32);
+            let instance = Instance { origin, rotation: rotation(walker) };
             for (p, part) in figures[f].parts(phase).iter().enumerate() {
                 same.entry(((f, phase, p), lods[part.object])).or_default().push(instance);
             }

@@ -120,13 +120,13 @@ fn put_on_ground(phases: &mut [Vec<Part>]) {
     }
 }
 
-/// Cosine and sine of the turn that makes a figure, whose front looks along the third axis, look
-/// along its way.
-pub(crate) fn turn(walker: &WalkerPosition) -> [f32; 2] {
-    [walker.ahead[1] as f32, walker.ahead[0] as f32]
+/// Cosine and sine of the rotation that makes a figure, whose front looks along the third axis,
+/// look where it walks.
+pub(crate) fn rotation(walker: &WalkerPosition) -> [f32; 2] {
+    [walker.direction[1] as f32, walker.direction[0] as f32]
 }
 
-/// The place of one of a crowd on the ground.
-pub(crate) fn place(walker: &WalkerPosition) -> [f64; 3] {
-    [walker.place[0], 0.0, walker.place[1]]
+/// The position of a walker on the ground, as a point in space.
+pub(crate) fn ground_position(walker: &WalkerPosition) -> [f64; 3] {
+    [walker.position[0], 0.0, walker.position[1]]
 }

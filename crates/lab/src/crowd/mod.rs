@@ -18,7 +18,7 @@ use crate::baseline::{Baseline, Discrete, LEVELS};
 use crate::device::Device;
 use crate::error::LabError;
 use crate::prepared::{Input, Prepared};
-use crate::subject::{Runner, Structure, baselines, structures};
+use crate::structures::{Runner, Structure, baselines, structures};
 use crate::sweep::{means, points};
 use crate::timings::Timings;
 use lodc::LodObject;
@@ -70,23 +70,23 @@ pub fn crowd(
 ) -> Result<CrowdReport, LabError> {
     let CrowdSettings { instances, seconds, seed, rounds, .. } = *settings;
     let frames = seconds * FRAMES_PER_SECOND;
-    let strips = |o: &Prepared| baselines(&o.object, o.strips(StripKind::LONGEST));
-    let of_input = |input: &Input| input.objects.iter().map(strips).collect();
+    let object_baselines = |o: &Prepared| baselines(&o.object, o.strips(StripKind::LONGEST));
+    let baselines_of = |input: &Input| input.objects.iter().map(object_baselines).collect();
     let baselines: Vec<Vec<Vec<Baseline>>> =
-        inputs.iter().map(of_input).collect::<Result<_, LabError>>()?;
+        inputs.iter().map(baselines_of).collect::<Result<_, LabError>>()?;
     let positions = positions(instances, frames, seed);
-    let [continuous, discrete, none] = [at_distance, of_five, |_: &CollapseSequence, _| Lod(0)]
-        .map(|policy: Policy| levels(inputs, &positions, policy));
+    let [continuous, discrete, none] =
+        [continuous_lod, discrete_lod, |_: &CollapseSequence, _| Lod(0)]
+            .map(|policy: Policy| levels(inputs, &positions, policy));
     let mut models = BTreeMap::new();
     for name in names(inputs, &baselines) {
-        let frames = || Timed { levels: Vec::new() };
-        models.insert(name, [frames(), frames()]);
+        models.insert(name, [FrameTimes::default(), FrameTimes::default()]);
     }
     // All structures take turns, round after round: a busy machine is busy for all of them.
     for _ in 0..rounds.unwrap_or(0) {
         for (name, timed) in &mut models {
             for (timed, levels) in timed.iter_mut().zip([&continuous, &discrete]) {
-                timed.levels.push(extraction(name, inputs, &baselines, levels));
+                timed.rounds.push(extraction(name, inputs, &baselines, levels));
             }
         }
     }
@@ -113,19 +113,21 @@ pub fn crowd(
     Ok(CrowdReport { instances, frames, seed, models, none, curve, by_distance, gpu })
 }
 
-/// Milliseconds of every frame, by round.
-struct Timed {
-    levels: Vec<Vec<f64>>,
+/// Milliseconds of moving all cursors.
+#[derive(Default)]
+struct FrameTimes {
+    /// By round, then by frame.
+    rounds: Vec<Vec<f64>>,
 }
 
-impl Timed {
+impl FrameTimes {
     /// Figures of frames, with what they took if they were timed.
     fn frames(&self, untimed: &Frames) -> Frames {
-        let Some(first) = self.levels.first() else { return untimed.clone() };
-        let of = |round: &Vec<f64>| round.iter().sum::<f64>() / round.len() as f64;
-        let rounds: Timings = self.levels.iter().map(of).collect();
+        let Some(first) = self.rounds.first() else { return untimed.clone() };
+        let mean = |round: &Vec<f64>| round.iter().sum::<f64>() / round.len() as f64;
+        let rounds: Timings = self.rounds.iter().map(mean).collect();
         let least =
-            |f: usize| self.levels.iter().map(|round| round[f]).fold(f64::INFINITY, f64::min);
+            |f: usize| self.rounds.iter().map(|round| round[f]).fold(f64::INFINITY, f64::min);
         let times: Vec<f64> = (0..first.len()).map(least).collect();
         Frames {
             extraction_ms_per_frame: Some(rounds.best()),
@@ -140,7 +142,7 @@ impl Timed {
 fn by_distance(inputs: &[Input]) -> DistanceCurve {
     const POINTS: usize = 100;
     let distance: Vec<f64> = (0..=POINTS).map(|i| i as f64 / POINTS as f64).collect();
-    let of = |policy: Policy| -> Vec<f64> {
+    let triangles_by = |policy: Policy| -> Vec<f64> {
         let at = |&distance: &f64| -> f64 {
             let objects = inputs.iter().flat_map(|input| &input.objects);
             let triangles = objects.map(|o| {
@@ -151,8 +153,8 @@ fn by_distance(inputs: &[Input]) -> DistanceCurve {
         };
         distance.iter().map(at).collect()
     };
-    let (continuous, discrete) = (of(at_distance), of(of_five));
-    DistanceCurve { none: of(|_, _| Lod(0)), continuous, discrete, distance }
+    let (continuous, discrete) = (triangles_by(continuous_lod), triangles_by(discrete_lod));
+    DistanceCurve { none: triangles_by(|_, _| Lod(0)), continuous, discrete, distance }
 }
 
 /// Times draws of frames.
@@ -195,7 +197,8 @@ pub fn crowd_picture(
     let frames = settings.seconds * FRAMES_PER_SECOND;
     let all = positions(settings.instances, frames, settings.seed);
     let now = all.len() / 2;
-    let policies: [(&str, Policy); 2] = [("continuous", at_distance), ("five levels", of_five)];
+    let policies: [(&str, Policy); 2] =
+        [("continuous", continuous_lod), ("five levels", discrete_lod)];
     let policies = policies.map(|(name, policy)| (name, lods(inputs, &all[now], policy)));
     let mut figures = figures::all(inputs, &settings.limits)?;
     Ok(picture::picture(device, &mut figures, &all[now], &policies, now)?)
@@ -223,24 +226,24 @@ fn positions(instances: u32, frames: u32, seed: u64) -> Vec<Vec<WalkerPosition>>
     let mut crowd = Crowd::new(instances, seed);
     let mut all = vec![crowd.positions()];
     for _ in 0..frames {
-        crowd.step();
+        crowd.advance();
         all.push(crowd.positions());
     }
     all
 }
 
-/// The LOD at a distance from 0 to 1: that of a discrete level where this one begins, and linear in
-/// records (the criterion of 3.1) from one to the next.
-fn at_distance(collapses: &CollapseSequence, distance: f64) -> Lod {
-    let place = distance * LEVELS as f64;
-    let level = (place as usize).min(LEVELS - 1);
+/// The LOD at a distance from 0 to 1: where a discrete level begins, that level; from there to
+/// where the next begins, linear in records (thesis 3.1).
+fn continuous_lod(collapses: &CollapseSequence, distance: f64) -> Lod {
+    let position = distance * LEVELS as f64;
+    let level = (position as usize).min(LEVELS - 1);
     let [from, to] = [level, level + 1].map(|level| f64::from(Discrete::lod(collapses, level).0));
-    let lod = from + (to - from) * (place - level as f64).clamp(0.0, 1.0);
+    let lod = from + (to - from) * (position - level as f64).clamp(0.0, 1.0);
     collapses.floor(Lod(lod as u32)).min(collapses.last_visible())
 }
 
 /// The discrete level at a distance, each for a fifth of it.
-fn of_five(collapses: &CollapseSequence, distance: f64) -> Lod {
+fn discrete_lod(collapses: &CollapseSequence, distance: f64) -> Lod {
     let level = ((distance * LEVELS as f64) as usize).min(LEVELS - 1);
     Discrete::lod(collapses, level)
 }
@@ -250,11 +253,11 @@ type Policy = fn(&CollapseSequence, f64) -> Lod;
 
 /// The levels of everyone in a frame by a policy.
 fn lods(inputs: &[Input], positions: &[WalkerPosition], policy: Policy) -> Vec<Vec<Lod>> {
-    let of = |(i, walker): (usize, &WalkerPosition)| {
+    let lods_of = |(i, walker): (usize, &WalkerPosition)| {
         let objects = inputs[i % inputs.len()].objects.iter();
         objects.map(|o| policy(o.object.simplified.collapses(), walker.distance)).collect()
     };
-    positions.iter().enumerate().map(of).collect()
+    positions.iter().enumerate().map(lods_of).collect()
 }
 
 /// The levels of everyone in all frames by a policy.
@@ -266,8 +269,8 @@ fn levels(inputs: &[Input], positions: &[Vec<WalkerPosition>], policy: Policy) -
         let mut drawn = 0;
         for (i, (before, now)) in pair[0].iter().zip(&pair[1]).enumerate() {
             let input = i % inputs.len();
-            let of = inputs[input].objects.iter().zip(now);
-            drawn += of
+            let objects = inputs[input].objects.iter().zip(now);
+            drawn += objects
                 .map(|(o, &lod)| u64::from(o.object.simplified.collapses().triangles_at(lod)))
                 .sum::<u64>();
             changed += u64::from(before != now);

@@ -1,7 +1,7 @@
 //! A picture of a crowd in the middle of its time, coloured by level: by all levels, and beside it
 //! by five (thesis fig. 4.12).
 
-use super::figures::{Figure, place, turn};
+use super::figures::{Figure, ground_position, rotation};
 use super::walk::WalkerPosition;
 use crate::device::Device;
 use lodc_gpu::GpuError;
@@ -44,7 +44,7 @@ fn points<'a>(
     let high = high.flat_map(|part| &part.positions).map(|p| f64::from(p[1])).fold(0.0, f64::max);
     let mut points = Vec::new();
     for walker in positions {
-        let [x, _, z] = place(walker);
+        let [x, _, z] = ground_position(walker);
         for (dx, dz) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
             points.extend([[x + dx, 0.0, z + dz], [x + dx, high, z + dz]]);
         }
@@ -95,8 +95,8 @@ fn corners(
     lods: &[Lod],
     camera: &Camera,
 ) -> Vec<Corner> {
-    let [cos, sin] = turn(walker);
-    let at = place(walker);
+    let [cos, sin] = rotation(walker);
+    let ground = ground_position(walker);
     let mut corners = Vec::new();
     for p in 0..figure.parts(phase).len() {
         let object = figure.parts(phase)[p].object;
@@ -107,8 +107,8 @@ fn corners(
         let part = &figure.parts(phase)[p];
         let vertex = |v: u32| -> [f32; 3] {
             let [x, y, z] = part.positions[v as usize];
-            let turned = [cos * x + sin * z, y, cos * z - sin * x];
-            std::array::from_fn(|k| (at[k] - camera.centre[k]) as f32 + turned[k])
+            let rotated = [cos * x + sin * z, y, cos * z - sin * x];
+            std::array::from_fn(|k| (ground[k] - camera.centre[k]) as f32 + rotated[k])
         };
         for [a, b_, c] in triangles {
             let [p, q, s] = (if part.mirrored { [a, c, b_] } else { [a, b_, c] }).map(vertex);

@@ -5,7 +5,7 @@
 //! the full strip when it is needed.
 
 use super::Masking;
-use super::updates::{Refiltered, SLOT_WORDS, whole_strip};
+use super::updates::{FilterChange, SLOT_WORDS, whole_strip};
 use lodc_mesh::{Lod, OrientedTriangle};
 use lodc_model::{Changes, Difference, Traffic};
 use lodc_strip::live_triangles;
@@ -103,7 +103,7 @@ impl Cursor {
         if !C::REPORTED {
             return traffic(self.move_to(model, to, &records));
         }
-        let mut strips = model.updates.of(&records).strips.to_vec();
+        let mut strips = model.updates.in_records(&records).strips.to_vec();
         strips.sort_unstable();
         strips.dedup();
         let mut difference = std::mem::take(&mut self.difference);
@@ -122,7 +122,7 @@ impl Cursor {
     /// Moves to the end of a step, past `records`. Returns how many indices were written, without
     /// those of full strips.
     fn move_to(&mut self, model: &Masking, to: u32, records: &Range<u32>) -> u64 {
-        let run = model.updates.of(records);
+        let run = model.updates.in_records(records);
         // Far: with more updates than strips it costs less to make each strip once.
         if run.strips.len() > self.counts.len() {
             model.simplified.collapses().resolve_gone(Lod(to), &mut self.vertices_at_lod);
@@ -148,19 +148,19 @@ impl Cursor {
             }
         }
         let mut rewritten = run.offsets.len() as u64;
-        for block in run.copies.chunks(PREFETCHED_COPIES) {
+        for block in run.filter_changes.chunks(PREFETCHED_COPIES) {
             if block.len() == PREFETCHED_COPIES {
                 self.prefetch(block);
             }
-            for copy in block {
-                // The last change of a strip's filter on the way alone copies it.
-                let (last, filter) = if coarsens {
-                    (copy.next >= to, copy.filter)
+            for change in block {
+                // Only the last of a strip's changes on the way makes its copy.
+                let (is_last, filter) = if coarsens {
+                    (change.next >= to, change.filter)
                 } else {
-                    (copy.since <= to, copy.previous_filter)
+                    (change.since <= to, change.previous_filter)
                 };
-                if last {
-                    rewritten += self.copy_filtered(copy.strip as usize, filter);
+                if is_last {
+                    rewritten += self.copy_filtered(change.strip as usize, filter);
                 }
             }
         }
@@ -169,12 +169,12 @@ impl Cursor {
 
     /// Reads a word of each cache line that some copies are going to need: all at once is faster
     /// than one after the other.
-    fn prefetch(&self, copies: &[Refiltered]) {
-        let lines = |copy: &Refiltered| {
-            let index = self.padding + SLOT_WORDS * copy.strip as usize;
+    fn prefetch(&self, changes: &[FilterChange]) {
+        let lines = |change: &FilterChange| {
+            let index = self.padding + SLOT_WORDS * change.strip as usize;
             self.buffer[index] ^ self.buffer[index + LONGEST]
         };
-        black_box(copies.iter().fold(0, |all, copy| all ^ lines(copy)));
+        black_box(changes.iter().fold(0, |all, change| all ^ lines(change)));
     }
 
     /// Copies what a filter keeps of a full strip. Returns how many indices that are.
@@ -221,8 +221,9 @@ impl Cursor {
         let (entries, input) = (&model.entries[model.history(strip)], model.strips.strip(strip));
         let next = entries.partition_point(|entry| entry.record < to);
         let previous = next.checked_sub(1).map(|index| entries[index]);
-        let passed = if to == records.end { previous } else { entries.get(next).copied() };
-        if !passed.is_some_and(|entry| records.contains(&entry.record)) {
+        // Of the entries between the two LODs, if there are any, the one next to the new LOD.
+        let nearest = if to == records.end { previous } else { entries.get(next).copied() };
+        if !nearest.is_some_and(|entry| records.contains(&entry.record)) {
             return 0;
         }
         let filter = previous.map_or(whole_strip(input.len()), |entry| entry.filter);

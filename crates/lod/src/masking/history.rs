@@ -22,16 +22,17 @@ pub(super) struct Entry {
 #[derive(Clone, Debug)]
 pub(super) struct Histories {
     /// Start of each strip's entries, and end of the last one's.
-    pub(super) firsts: Vec<u32>,
+    pub(super) entry_starts: Vec<u32>,
     /// Strip by strip, in order of records.
     pub(super) entries: Vec<Entry>,
 }
 
-/// The most entries that all strips may have: for each index of a strip and each record, and
-/// besides. Sequences of real meshes make about two for each index; one in which a vertex of
-/// thousands of triangles moves on and on makes far more. Chosen by hand.
+/// All strips together may have this many entries for each of their indices and each record, and
+/// [`ENTRIES_OF_ANY_MESH`] more. Sequences of real meshes make about two for each index; one in
+/// which a vertex of thousands of triangles moves on and on makes far more. Chosen by hand.
 const MAX_ENTRIES_PER_INDEX: u64 = 32;
-const MAX_ENTRIES_BESIDES: u64 = 1_000_000;
+/// So that small meshes are never refused. Chosen by hand.
+const ENTRIES_OF_ANY_MESH: u64 = 1_000_000;
 
 /// Strips that one thread works on at a time, with patterns remembered from one to the next. Chosen
 /// by hand.
@@ -49,7 +50,7 @@ pub(super) fn histories(
     let step_end_of = step_ends(simplified);
     let targets = simplified.collapses().targets();
     let max_entries = MAX_ENTRIES_PER_INDEX * (strips.indices().len() + targets.len()) as u64
-        + MAX_ENTRIES_BESIDES;
+        + ENTRIES_OF_ANY_MESH;
     let entries = AtomicU64::new(0);
     let blocks: Vec<_> = (0..strips.len().div_ceil(STRIPS_PER_BLOCK)).collect();
     let blocks = blocks.into_par_iter().map_init(Filters::new, |filters, block| {
@@ -69,18 +70,18 @@ pub(super) fn histories(
         Some((counts, tracer.entries))
     });
     let blocks: Vec<_> = blocks.collect::<Option<_>>()?;
-    let mut firsts = Vec::with_capacity(strips.len() + 1);
+    let mut entry_starts = Vec::with_capacity(strips.len() + 1);
     let mut all = Vec::with_capacity(blocks.iter().map(|(_, entries)| entries.len()).sum());
     let mut first = 0;
-    firsts.push(first);
+    entry_starts.push(first);
     for (counts, entries) in blocks {
-        firsts.extend(counts.iter().map(|&count| {
+        entry_starts.extend(counts.iter().map(|&count| {
             first += count as u32;
             first
         }));
         all.extend(entries);
     }
-    Some(Histories { firsts, entries: all })
+    Some(Histories { entry_starts, entries: all })
 }
 
 /// Returns for each record the end of its step.
@@ -92,8 +93,10 @@ fn step_ends(simplified: &Simplified) -> Vec<u32> {
     step_end_of
 }
 
+/// Follows strips through the sequence and writes down their entries.
 struct Tracer<'a> {
     targets: &'a [u32],
+    /// For each record the end of its step.
     step_end_of: &'a [u32],
     positions: &'a PositionIds,
     filters: &'a mut Filters,
@@ -149,8 +152,9 @@ impl Tracer<'_> {
         for index in first..self.entries.len() {
             let entry = self.entries[index];
             let end = |entry: &Entry| self.step_end_of[entry.record as usize];
-            let closes = self.entries.get(index + 1).is_none_or(|next| end(next) != end(&entry));
-            if entry.positions != 0 || (closes && entry.filter != filter) {
+            let is_last_of_step =
+                self.entries.get(index + 1).is_none_or(|next| end(next) != end(&entry));
+            if entry.positions != 0 || (is_last_of_step && entry.filter != filter) {
                 filter = entry.filter;
                 self.entries[written] = entry;
                 written += 1;
@@ -159,6 +163,7 @@ impl Tracer<'_> {
         self.entries.truncate(written);
     }
 
+    /// Returns the filter of a strip whose vertices are these.
     fn filter(&mut self, state: &[u32]) -> u16 {
         let position_id = |v: u32| self.positions.of_vertex[v as usize];
         self.filters.filter(&Pattern::new(state, position_id))

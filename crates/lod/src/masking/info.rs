@@ -38,7 +38,7 @@ impl Masking {
         let mut ends = parts.step_ends.iter().copied().peekable();
         parts.targets.iter().enumerate().flat_map(move |(record, &vertex)| {
             let next_update = ends.next_if_eq(&(record as u32 + 1)).is_none();
-            let strips = self.updates.of(&(record as u32..record as u32 + 1)).strips.len();
+            let strips = self.updates.in_records(&(record as u32..record as u32 + 1)).strips.len();
             (0..=strips / 255).map(move |entry| {
                 let strips_affected = (strips - 255 * entry).min(255) as u8;
                 InfoUpdate { vertex, strips_affected, next_update }
@@ -52,7 +52,7 @@ impl Masking {
     /// # Panics
     /// If there is no such record.
     pub fn info_strips(&self, record: u32) -> impl ExactSizeIterator<Item = InfoStrip> {
-        self.updates.of(&(record..record + 1)).strips.iter().map(move |&strip| {
+        self.updates.in_records(&(record..record + 1)).strips.iter().map(move |&strip| {
             let history = &self.entries[self.history(strip as usize)];
             let entry = history[history.partition_point(|entry| entry.record < record)];
             InfoStrip { strip, position_mask: entry.positions, filter_mask: entry.filter }
@@ -65,11 +65,11 @@ impl Masking {
 pub(super) fn storage(model: &Masking, lod: Lod) -> StorageCost {
     let plain = StorageCost::of_triangles(&model.simplified);
     let geometry = 12 * (plain.vertices + plain.fakes);
-    let counts =
-        (0..lod.0).map(|record| model.updates.of(&(record..record + 1)).strips.len() as u64);
-    // Five bytes a record, and five more whenever 255 is not enough.
+    let counts = (0..lod.0)
+        .map(|record| model.updates.in_records(&(record..record + 1)).strips.len() as u64);
+    // An `InfoUpdate` is five bytes, and 255 strips need another one.
     let updates: u64 = counts.map(|strips| 5 * (1 + strips / 255)).sum();
-    let of_strip = |strip: usize| {
+    let bytes_of_strip = |strip: usize| {
         let history = &model.entries[model.history(strip)];
         let entries = history.partition_point(|entry| entry.record < lod.0) as u64;
         // The entry with which a strip ends needs no masks: nothing of it is drawn any more.
@@ -77,7 +77,7 @@ pub(super) fn storage(model: &Masking, lod: Lod) -> StorageCost {
             history[..entries as usize].iter().filter(|entry| entry.filter != 0).count() as u64;
         4 * entries + 2 * masked * model.strips.range(strip).len().div_ceil(8) as u64
     };
-    let strips: u64 = (0..model.strips.len()).map(of_strip).sum();
+    let strips: u64 = (0..model.strips.len()).map(bytes_of_strip).sum();
     let primitives = 4 * model.strips.separate_indices();
     StorageCost {
         positions: geometry,

@@ -16,7 +16,7 @@ struct Parameters {
 // Where each strip starts in `full`, and where the last one ends.
 @group(0) @binding(1) var<storage, read> starts: array<u32>;
 // Where each strip's entries start in `entries`, and where the last one's end.
-@group(0) @binding(2) var<storage, read> firsts: array<u32>;
+@group(0) @binding(2) var<storage, read> entry_starts: array<u32>;
 // An entry is x: its record, y: its position mask (low half) and filter mask (high half).
 @group(0) @binding(3) var<storage, read> entries: array<vec2<u32>>;
 // Record k makes vertex k its target, collapse_to[k].
@@ -33,10 +33,10 @@ struct Parameters {
 
 // Writes a vertex to all positions in a mask, of the strip that starts at `base`.
 fn put(base: u32, mask: u32, vertex: u32) {
-    var left = mask;
-    while (left != 0u) {
-        full[base + firstTrailingBit(left)] = vertex;
-        left &= left - 1u;
+    var bits = mask;
+    while (bits != 0u) {
+        full[base + firstTrailingBit(bits)] = vertex;
+        bits &= bits - 1u;
     }
 }
 
@@ -45,8 +45,8 @@ fn main(thread: Thread) {
     let s = number_of(thread);
     if (s >= p.strips) { return; }
     let base = starts[s];
-    let first = firsts[s];
-    let end = firsts[s + 1u];
+    let first = entry_starts[s];
+    let end = entry_starts[s + 1u];
     var next = states[s].x;
     if (next < first || next > end) { atomicMax(&error_flag[0], s + 1u); return; }
     while (next < end && entries[next].x < p.lod) {

@@ -14,7 +14,7 @@ struct Parameters { strips: u32 }
 @group(0) @binding(3) var<storage, read> states: array<vec2<u32>>;
 // Where each strip starts in `drawn`, and where the last one ends. One that draws nothing ends
 // where it starts.
-@group(0) @binding(4) var<storage, read> places: array<u32>;
+@group(0) @binding(4) var<storage, read> offsets: array<u32>;
 // The index buffer that is drawn.
 @group(0) @binding(5) var<storage, read_write> drawn: array<u32>;
 
@@ -22,12 +22,12 @@ struct Parameters { strips: u32 }
 fn main(thread: Thread) {
     let s = number_of(thread);
     if (s >= p.strips) { return; }
-    var to = places[s];
-    if (places[s + 1u] == to) { return; }
-    var left = states[s].y;
-    while (left != 0u) {
-        drawn[to] = full[starts[s] + firstTrailingBit(left)];
-        left &= left - 1u;
+    var to = offsets[s];
+    if (offsets[s + 1u] == to) { return; }
+    var bits = states[s].y;
+    while (bits != 0u) {
+        drawn[to] = full[starts[s] + firstTrailingBit(bits)];
+        bits &= bits - 1u;
         to++;
     }
     // The restart index.

@@ -48,9 +48,9 @@ pub struct Masking {
     positions: PositionIds,
     /// The submesh of each strip.
     submeshes: Vec<u32>,
-    /// Start of each strip's entries, and end of the last one's.
-    firsts: Vec<u32>,
-    /// Strip by strip, in order of records: the entry before one is what going back needs.
+    /// Start of each strip's entries in `entries`, and end of the last one's.
+    entry_starts: Vec<u32>,
+    /// Strip by strip, in order of records.
     entries: Vec<Entry>,
     /// For each strip the first LOD at which it draws nothing.
     removal_lods: Vec<u32>,
@@ -80,17 +80,17 @@ impl Masking {
         })?;
         let lengths: Vec<_> = strips.iter().map(<[u32]>::len).collect();
         let updates = Updates::new(&histories, &lengths, simplified.collapses().targets());
-        let removal_lod = |ends: &[u32]| {
-            let last = histories.entries[ends[0] as usize..ends[1] as usize].last();
+        let removal_lod = |range: &[u32]| {
+            let last = histories.entries[range[0] as usize..range[1] as usize].last();
             last.filter(|entry| entry.filter == 0).map_or(NONE, |entry| entry.record + 1)
         };
         Ok(Self {
             simplified: Arc::clone(simplified),
-            removal_lods: histories.firsts.windows(2).map(removal_lod).collect(),
+            removal_lods: histories.entry_starts.windows(2).map(removal_lod).collect(),
             submeshes: strips.submeshes().collect(),
             strips,
             positions,
-            firsts: histories.firsts,
+            entry_starts: histories.entry_starts,
             entries: histories.entries,
             updates,
         })
@@ -126,7 +126,7 @@ impl Masking {
 
     /// Returns the range of a strip's entries.
     fn history(&self, strip: usize) -> std::ops::Range<usize> {
-        self.firsts[strip] as usize..self.firsts[strip + 1] as usize
+        self.entry_starts[strip] as usize..self.entry_starts[strip + 1] as usize
     }
 }
 

@@ -13,10 +13,9 @@ pub(super) struct Pattern {
     labels: [u8; LONGEST],
     /// For each label the first label that is at the same point in space.
     points: [u8; LONGEST],
-    /// Number of labels.
-    count: usize,
+    label_count: usize,
     /// True if no two labels are at one point.
-    distinct: bool,
+    has_distinct_points: bool,
 }
 
 impl Pattern {
@@ -27,35 +26,37 @@ impl Pattern {
             len: strip.len(),
             labels: [0; LONGEST],
             points: [0; LONGEST],
-            count: 0,
-            distinct: true,
+            label_count: 0,
+            has_distinct_points: true,
         };
         let (mut vertices, mut label_points) = ([0; LONGEST], [0; LONGEST]);
         for (index, &v) in strip.iter().enumerate() {
-            let existing = vertices[..pattern.count].iter().position(|&w| w == v);
+            let existing = vertices[..pattern.label_count].iter().position(|&w| w == v);
             pattern.labels[index] = existing.unwrap_or_else(|| {
-                let label = pattern.count;
+                let label = pattern.label_count;
                 (vertices[label], label_points[label]) = (v, point_of(v));
                 let same_point =
                     label_points[..label].iter().position(|&p| p == label_points[label]);
-                pattern.distinct &= same_point.is_none();
+                pattern.has_distinct_points &= same_point.is_none();
                 pattern.points[label] = same_point.unwrap_or(label) as u8;
-                pattern.count += 1;
+                pattern.label_count += 1;
                 label
             }) as u8;
         }
         pattern
     }
 
+    /// Returns the label at each position of the strip.
     pub(super) fn labels(&self) -> &[u8] {
         &self.labels[..self.len]
     }
 
     /// Returns the number of different labels.
-    pub(super) fn count(&self) -> usize {
-        self.count
+    pub(super) fn label_count(&self) -> usize {
+        self.label_count
     }
 
+    /// Returns the first label that is at the same point in space.
     pub(super) fn point_of(&self, label: u8) -> u8 {
         self.points[label as usize]
     }
@@ -104,7 +105,11 @@ impl Pattern {
         let pack = |numbers: &[u8]| numbers.iter().fold(0, |key, &n| key << 4 | u64::from(n));
         PatternKey {
             labels: pack(self.labels()),
-            points: if self.distinct { 0 } else { pack(&self.points[..self.count]) },
+            points: if self.has_distinct_points {
+                0
+            } else {
+                pack(&self.points[..self.label_count])
+            },
             len: self.len,
         }
     }
@@ -124,6 +129,7 @@ impl PatternKey {
     /// The key of no pattern.
     pub(super) const NONE: Self = Self { labels: 0, points: 0, len: 0 };
 
+    /// Mixes all bits; the multiplier is 2⁶⁴ over the golden ratio, the rotation chosen by hand.
     pub(super) fn hash(self) -> usize {
         let mixed = (self.labels ^ self.points.rotate_left(11) ^ self.len as u64)
             .wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -21,7 +21,7 @@ pub const SHADERS: [Shader; 5] = [MASKS, SCAN, SCAN_ADD, MASKS_WRITE, STRIP_DRAW
 #[derive(Clone, Debug)]
 pub(super) struct Device {
     starts: BufferId,
-    firsts: BufferId,
+    entry_starts: BufferId,
     entries: BufferId,
     collapse_to: BufferId,
     full: BufferId,
@@ -40,8 +40,10 @@ impl Device {
     }
 
     pub(super) fn new(program: &mut Program, model: &Masking) -> Result<Self, PlanError> {
-        let longest = model.firsts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
-        // Every entry puts some positions besides.
+        let longest =
+            model.entry_starts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
+        // Every entry also loops over the positions in its mask, usually a few of 16: a quarter is
+        // chosen by hand.
         if longest > LONGEST_LOOP / 4 {
             return Err(PlanError::TooDeep { length: longest });
         }
@@ -51,10 +53,10 @@ impl Device {
         let starts =
             (0..strips).map(|s| model.strips.range(s).start).chain([model.strips.indices().len()]);
         let states: Vec<u32> =
-            model.firsts[..strips].iter().flat_map(|&first| [first, 0]).collect();
+            model.entry_starts[..strips].iter().flat_map(|&first| [first, 0]).collect();
         Ok(Self {
             starts: program.words("starts", starts.map(|start| start as u32).collect::<Vec<_>>()),
-            firsts: program.words("firsts", model.firsts.as_slice()),
+            entry_starts: program.words("entry_starts", model.entry_starts.as_slice()),
             entries: program.words("entries", entries.collect::<Vec<_>>()),
             collapse_to: program.words("collapse_to", model.simplified.collapses().targets()),
             full: program.words("full", model.strips.indices()),
@@ -73,12 +75,12 @@ impl Device {
             kernel: self.masks,
             buffers: vec![
                 self.starts,
-                self.firsts,
+                self.entry_starts,
                 self.entries,
                 self.collapse_to,
                 self.full,
                 self.states,
-                self.packed.places,
+                self.packed.offsets,
                 self.error_flag,
             ],
             threads: self.strips,
@@ -90,7 +92,7 @@ impl Device {
                 self.starts,
                 self.full,
                 self.states,
-                self.packed.places,
+                self.packed.offsets,
                 self.packed.drawn,
             ],
             threads: self.strips,
@@ -151,13 +153,14 @@ impl Masking {
 #[derive(Debug)]
 struct Twin {
     full: Vec<u32>,
+    /// Two words for each strip: its first entry that is not applied, and its filter mask.
     states: Vec<u32>,
 }
 
 impl Twin {
     fn new(model: &Masking) -> Self {
         let states =
-            model.firsts[..model.strips.len()].iter().flat_map(|&first| [first, 0]).collect();
+            model.entry_starts[..model.strips.len()].iter().flat_map(|&first| [first, 0]).collect();
         Self { full: model.strips.indices().to_vec(), states }
     }
 

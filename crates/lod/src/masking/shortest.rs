@@ -33,8 +33,8 @@ pub(super) struct Search {
     /// Open addressing: the best node of each state.
     slots: Vec<u32>,
     /// The entries of `slots` to clear after a search.
-    used: Vec<u32>,
-    /// Nodes of the present layer that are not expanded, and those that are.
+    used_slots: Vec<u32>,
+    /// Nodes of the present layer of equal waste that are not expanded yet, and those that are.
     open: Vec<u32>,
     expanded: Vec<u32>,
 }
@@ -68,7 +68,7 @@ impl Search {
             unreachable: [0; LONGEST],
             nodes: Vec::new(),
             slots: vec![NONE; SLOTS],
-            used: Vec::new(),
+            used_slots: Vec::new(),
             open: Vec::new(),
             expanded: Vec::new(),
         }
@@ -85,15 +85,16 @@ impl Search {
         self.triangles.sort_unstable();
         self.fill_tables(pattern);
         let found = self.search(pattern, limit.min(Self::LIMIT));
-        for slot in self.used.drain(..) {
+        for slot in self.used_slots.drain(..) {
             self.slots[slot as usize] = NONE;
         }
         found
     }
 
+    /// Fills what depends on the pattern and its live triangles only.
     fn fill_tables(&mut self, pattern: &Pattern) {
         for table in [&mut self.triangles_with, &mut self.positions, &mut self.positions_at] {
-            table[..pattern.count()].fill(0);
+            table[..pattern.label_count()].fill(0);
         }
         for (bit, triangle) in self.triangles.iter().enumerate() {
             for &corner in triangle {
@@ -113,6 +114,7 @@ impl Search {
         }
     }
 
+    /// Searches layer by layer.
     fn search(&mut self, pattern: &Pattern, limit: usize) -> Option<u64> {
         self.nodes.clear();
         self.open.clear();
@@ -250,7 +252,7 @@ impl Search {
         }
         let slot = self.slot(&node);
         match self.slots[slot] {
-            NONE => self.used.push(slot as u32),
+            NONE => self.used_slots.push(slot as u32),
             best if self.nodes[best as usize].at <= node.at => return None,
             _ => {}
         }

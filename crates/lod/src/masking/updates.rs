@@ -19,12 +19,12 @@ pub(super) const SLOT_WORDS: usize = 2 * LONGEST;
 struct Starts {
     strips: u32,
     writes: u32,
-    copies: u32,
+    filter_changes: u32,
 }
 
 /// A change of a strip's filter: its filtered copy is made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Refiltered {
+pub(super) struct FilterChange {
     pub(super) strip: u32,
     /// The record with which the strip's filter changes again, [`NONE`] for none.
     pub(super) next: u32,
@@ -47,17 +47,17 @@ pub(super) struct Updates {
     /// The target that is written there, and the vertex that the record removes.
     targets: Vec<u32>,
     vertices: Vec<u32>,
-    copies: Vec<Refiltered>,
+    filter_changes: Vec<FilterChange>,
 }
 
 /// The changes of some consecutive records: slices of the lists of [`Updates`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run<'a> {
+pub(super) struct UpdatesOfRecords<'a> {
     pub(super) strips: &'a [u32],
     pub(super) offsets: &'a [u32],
     pub(super) targets: &'a [u32],
     pub(super) vertices: &'a [u32],
-    pub(super) copies: &'a [Refiltered],
+    pub(super) filter_changes: &'a [FilterChange],
 }
 
 /// The filter of a strip while its entries are sorted.
@@ -66,8 +66,8 @@ struct LatestFilter {
     filter: u16,
     /// The LOD from which on it holds.
     since: u32,
-    /// The index in [`Updates::copies`] of the copy that it is of; none at first.
-    copy: usize,
+    /// The index of its change in [`Updates::filter_changes`]; `usize::MAX` before the first.
+    change: usize,
 }
 
 impl Updates {
@@ -77,22 +77,26 @@ impl Updates {
         updates.strips.reserve_exact(histories.entries.len());
         let mut latest: Vec<LatestFilter> = lengths
             .iter()
-            .map(|&length| LatestFilter { filter: whole_strip(length), since: 0, copy: usize::MAX })
+            .map(|&length| LatestFilter {
+                filter: whole_strip(length),
+                since: 0,
+                change: usize::MAX,
+            })
             .collect();
         for (strip, entry) in by_record(histories, targets.len()) {
             updates.start_records(entry.record as usize + 1);
             updates.strips.push(strip);
-            let LatestFilter { filter: previous_filter, since, copy } = latest[strip as usize];
+            let LatestFilter { filter: previous_filter, since, change } = latest[strip as usize];
             let kept_filter = if previous_filter == entry.filter { previous_filter } else { 0 };
             updates.write(strip, entry, kept_filter, targets[entry.record as usize]);
             if previous_filter != entry.filter {
                 let filter = entry.filter;
-                if let Some(copy) = updates.copies.get_mut(copy) {
-                    copy.next = entry.record;
+                if let Some(change) = updates.filter_changes.get_mut(change) {
+                    change.next = entry.record;
                 }
-                let (since_next, copy) = (entry.record + 1, updates.copies.len());
-                latest[strip as usize] = LatestFilter { filter, since: since_next, copy };
-                updates.copies.push(Refiltered {
+                let (holds_since, change) = (entry.record + 1, updates.filter_changes.len());
+                latest[strip as usize] = LatestFilter { filter, since: holds_since, change };
+                updates.filter_changes.push(FilterChange {
                     strip,
                     next: NONE,
                     since,
@@ -122,23 +126,24 @@ impl Updates {
 
     /// Lets the records below `count` start where the lists end now, unless they have a start.
     fn start_records(&mut self, count: usize) {
-        let [strips, writes, copies] =
-            [self.strips.len(), self.offsets.len(), self.copies.len()].map(|n| n as u32);
+        let [strips, writes, filter_changes] =
+            [self.strips.len(), self.offsets.len(), self.filter_changes.len()].map(|n| n as u32);
         if self.starts.len() < count {
-            self.starts.resize(count, Starts { strips, writes, copies });
+            self.starts.resize(count, Starts { strips, writes, filter_changes });
         }
     }
 
     /// Returns the changes of some records.
-    pub(super) fn of(&self, records: &Range<u32>) -> Run<'_> {
+    pub(super) fn in_records(&self, records: &Range<u32>) -> UpdatesOfRecords<'_> {
         let [a, b] = [records.start, records.end].map(|k| self.starts[k as usize]);
         let writes = a.writes as usize..b.writes as usize;
-        Run {
+        UpdatesOfRecords {
             strips: &self.strips[a.strips as usize..b.strips as usize],
             offsets: &self.offsets[writes.clone()],
             targets: &self.targets[writes.clone()],
             vertices: &self.vertices[writes],
-            copies: &self.copies[a.copies as usize..b.copies as usize],
+            filter_changes: &self.filter_changes
+                [a.filter_changes as usize..b.filter_changes as usize],
         }
     }
 }
@@ -158,7 +163,7 @@ fn by_record(histories: &Histories, records: usize) -> impl Iterator<Item = (u32
         next_slots[record + 1] += next_slots[record];
     }
     let mut order = vec![(0u32, 0u32); histories.entries.len()];
-    for (strip, ends) in (0..).zip(histories.firsts.windows(2)) {
+    for (strip, ends) in (0..).zip(histories.entry_starts.windows(2)) {
         for at in ends[0]..ends[1] {
             let slot = &mut next_slots[histories.entries[at as usize].record as usize];
             order[*slot as usize] = (strip, at);

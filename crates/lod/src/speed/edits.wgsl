@@ -33,7 +33,7 @@ struct Parameters {
 // The indices of all strips; each has the room that it needs at LOD 0.
 @group(0) @binding(6) var<storage, read_write> strips: array<u32>;
 // For each strip x: its first entry that is not applied, y: its present number of indices.
-@group(0) @binding(7) var<storage, read_write> heads: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read_write> strip_states: array<vec2<u32>>;
 
 const AT_END = 0x40000000u;
 
@@ -69,12 +69,12 @@ fn refine(base: u32, length: u32, entry: u32) -> u32 {
     var read = length;
     var write = length;
     // Behind the values in `changes` that go back to the ends.
-    var kept = e.w;
+    var ends_end = e.w;
     for (var i = e.z; i < after.z; i++) {
         write += size_of(removals[i]);
-        if (is_end(removals[i])) { kept += size_of(removals[i]); }
+        if (is_end(removals[i])) { ends_end += size_of(removals[i]); }
     }
-    let longer = write;
+    let new_length = write;
     // From the back, so that nothing is overwritten before it has moved.
     for (var i = after.z; i > e.z; i--) {
         let r = removals[i - 1u];
@@ -86,9 +86,9 @@ fn refine(base: u32, length: u32, entry: u32) -> u32 {
         }
         write = r.x;
         if (is_end(r)) {
-            kept -= size_of(r);
+            ends_end -= size_of(r);
             for (var k = 0u; k < size_of(r); k++) {
-                strips[base + write + k] = changes[kept + k];
+                strips[base + write + k] = changes[ends_end + k];
             }
             continue;
         }
@@ -100,7 +100,7 @@ fn refine(base: u32, length: u32, entry: u32) -> u32 {
         }
     }
     for (var i = e.y; i < after.y; i++) { strips[base + changes[i]] = e.x; }
-    return longer;
+    return new_length;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -108,8 +108,8 @@ fn main(thread: Thread) {
     let s = number_of(thread);
     if (s >= p.strips) { return; }
     let base = starts[s].x;
-    var next = heads[s].x;
-    var length = heads[s].y;
+    var next = strip_states[s].x;
+    var length = strip_states[s].y;
     while (next < starts[s + 1u].y && entries[next].x < p.lod) {
         length = coarsen(base, length, next);
         next++;
@@ -118,5 +118,5 @@ fn main(thread: Thread) {
         next--;
         length = refine(base, length, next);
     }
-    heads[s] = vec2<u32>(next, length);
+    strip_states[s] = vec2<u32>(next, length);
 }

@@ -12,7 +12,7 @@ struct Parameters {
 // For each strip the first LOD at which it draws nothing.
 @group(0) @binding(1) var<storage, read> removal_lods: array<u32>;
 // For each strip x: its first entry that is not applied, y: its present number of indices.
-@group(0) @binding(2) var<storage, read> heads: array<vec2<u32>>;
+@group(0) @binding(2) var<storage, read> strip_states: array<vec2<u32>>;
 // A length for each strip, then 0.
 @group(0) @binding(3) var<storage, read_write> lengths: array<u32>;
 
@@ -22,6 +22,6 @@ fn main(thread: Thread) {
     // The word behind the last strip: after the prefix sums it says where the last one ends.
     if (s > p.strips) { return; }
     var length = 0u;
-    if (s < p.strips && p.lod < removal_lods[s]) { length = heads[s].y + 1u; }
+    if (s < p.strips && p.lod < removal_lods[s]) { length = strip_states[s].y + 1u; }
     lengths[s] = length;
 }

@@ -11,7 +11,7 @@ struct Parameters { strips: u32 }
 @group(0) @binding(2) var<storage, read> strips: array<u32>;
 // Where each strip starts in `drawn`, and where the last one ends. One that draws nothing ends
 // where it starts.
-@group(0) @binding(3) var<storage, read> places: array<u32>;
+@group(0) @binding(3) var<storage, read> offsets: array<u32>;
 // The index buffer that is drawn.
 @group(0) @binding(4) var<storage, read_write> drawn: array<u32>;
 
@@ -19,8 +19,8 @@ struct Parameters { strips: u32 }
 fn main(thread: Thread) {
     let s = number_of(thread);
     if (s >= p.strips) { return; }
-    let first = places[s];
-    let end = places[s + 1u];
+    let first = offsets[s];
+    let end = offsets[s + 1u];
     if (first == end) { return; }
     for (var i = first; i + 1u < end; i++) { drawn[i] = strips[starts[s].x + i - first]; }
     drawn[end - 1u] = 0xffffffffu;

@@ -38,8 +38,9 @@ pub(super) struct Device {
     index_removal_lods: BufferId,
     values: BufferId,
     strips: BufferId,
-    /// Two words for each strip: the entry that is next, and how many indices it has now.
-    heads: BufferId,
+    /// Two words for each strip: its first entry that is not applied, and its present number of
+    /// indices.
+    strip_states: BufferId,
     packed: PackedStrips,
     kernels: [KernelId; 5],
     strip_count: u32,
@@ -59,11 +60,11 @@ impl Device {
             return Err(PlanError::TooDeep { length: longest });
         }
         let EditsByStrip { starts, entries, changes, removals } = EditsByStrip::new(model);
-        let heads = starts
+        let strip_states = starts
             .chunks_exact(2)
             .zip(set.iter())
             .flat_map(|(start, strip)| [start[1], strip.len() as u32]);
-        let heads: Vec<u32> = heads.collect();
+        let strip_states: Vec<u32> = strip_states.collect();
         let strip_of: Vec<u32> =
             (0..set.len()).flat_map(|s| set.range(s).map(move |_| s as u32)).collect();
         Ok(Self {
@@ -78,7 +79,7 @@ impl Device {
             index_removal_lods: program.words("index_removal_lods", model.index_removal_lods()),
             values: program.zeros("values", set.indices().len()),
             strips: program.words("strips", set.indices()),
-            heads: program.words("heads", heads),
+            strip_states: program.words("strip_states", strip_states),
             packed: PackedStrips::new(program, set),
             kernels: [EDITS, VALUES, REWRITE, LENGTHS, PACK].map(|shader| program.kernel(shader)),
             strip_count: set.len() as u32,
@@ -101,7 +102,7 @@ impl Device {
                 self.removals,
                 self.collapse_to,
                 self.strips,
-                self.heads,
+                self.strip_states,
             ];
             vec![pass(edits, strips, buffers, vec![strips, to.0])]
         } else {
@@ -114,24 +115,24 @@ impl Device {
                 self.index_removal_lods,
                 self.values,
                 self.strips,
-                self.heads,
+                self.strip_states,
             ];
             vec![
                 pass(values, indices, value_buffers, vec![indices, to.0]),
                 pass(rewrite, strips, rewrite_buffers, vec![strips, to.0]),
             ]
         };
-        let places = self.packed.places;
+        let offsets = self.packed.offsets;
         passes.push(pass(
             lengths,
             strips + 1,
-            vec![self.removal_lods, self.heads, places],
+            vec![self.removal_lods, self.strip_states, offsets],
             vec![strips, to.0],
         ));
         let write = pass(
             pack,
             strips,
-            vec![self.starts, self.strips, places, self.packed.drawn],
+            vec![self.starts, self.strips, offsets, self.packed.drawn],
             vec![strips],
         );
         passes.extend(self.packed.around(write));
@@ -275,11 +276,12 @@ impl Speed {
     pub fn replay(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
-        let (drawn, heads, strips) = (device.packed.drawn, device.heads, device.strips);
+        let (drawn, strip_states, strips) =
+            (device.packed.drawn, device.strip_states, device.strips);
         let locate = move |buffer, word: usize| {
             if buffer == drawn {
                 format!("index {word} of all that are drawn")
-            } else if buffer == heads {
+            } else if buffer == strip_states {
                 format!("strip {} of submesh {}", word / 2, self.submesh_of(word / 2))
             } else {
                 format!("word {word}")
@@ -287,7 +289,7 @@ impl Speed {
         };
         let mut cursor = self.cursor();
         let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, lod));
-        Ok(Plan::of_moves([self.name(), "direct"], program, &[strips, heads], moves, locate))
+        Ok(Plan::of_moves([self.name(), "direct"], program, &[strips, strip_states], moves, locate))
     }
 
     fn step(&self, device: &Device, cursor: &mut Cursor, wanted: Lod) -> Step {

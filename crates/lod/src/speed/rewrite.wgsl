@@ -23,7 +23,7 @@ struct Parameters {
 // The indices of all strips; each has the room that it needs at LOD 0.
 @group(0) @binding(6) var<storage, read_write> strips: array<u32>;
 // For each strip x: its first entry that is not applied, y: its present number of indices.
-@group(0) @binding(7) var<storage, read_write> heads: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read_write> strip_states: array<vec2<u32>>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(thread: Thread) {
@@ -46,5 +46,5 @@ fn main(thread: Thread) {
         let middle = (low + high) / 2u;
         if (entries[middle].x < p.lod) { low = middle + 1u; } else { high = middle; }
     }
-    heads[s] = vec2<u32>(low, write - starts[s].x);
+    strip_states[s] = vec2<u32>(low, write - starts[s].x);
 }

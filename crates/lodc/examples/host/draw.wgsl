@@ -4,7 +4,7 @@
 @group(0) @binding(0) var<uniform> camera: mat4x4<f32>;
 
 struct Corner {
-    @builtin(position) place: vec4<f32>,
+    @builtin(position) clip: vec4<f32>,
     // In world space.
     @location(0) position: vec3<f32>,
 }

@@ -23,12 +23,12 @@ pub(crate) struct Weights {
     /// Gain for each triangle.
     pub(crate) triangle: f32,
     /// Longest strip, in triangles.
-    pub(crate) longest: usize,
-    /// Number of corners of the first triangle that must be in the cache.
-    pub(crate) cached: usize,
-    /// Number of first triangles that are tried, those at the vertices that leave the cache next
-    /// first: more gain nothing that can be measured.
-    pub(crate) tried: usize,
+    pub(crate) max_length: usize,
+    /// Number of corners of the first triangle that must be in the cache, at least.
+    pub(crate) min_cached: usize,
+    /// Number of first triangles that are tried, in the order in which their vertices will leave
+    /// the cache: more gain nothing that can be measured.
+    pub(crate) max_tried: usize,
 }
 
 /// A straight strip that could be drawn next.
@@ -45,15 +45,15 @@ struct Greedy<'a> {
     state: DrawState<'a>,
     cover: &'a Cover,
     weights: Weights,
-    /// For each triangle, the number of the search that has tried it.
-    tried: Vec<u32>,
+    /// For each triangle, the number of the search that has tried it last.
+    tried_by: Vec<u32>,
 }
 
 /// Makes strips of a part; returns their paths in drawing order, as codes of the mesh.
 pub(super) fn paths(part: &Part, size: u32, weights: Weights) -> Vec<Vec<u32>> {
     let state = DrawState::new(&part.triangles, part.vertex_count, size);
-    let tried = vec![0; part.triangles.len()];
-    let mut greedy = Greedy { state, cover: &part.cover, weights, tried };
+    let tried_by = vec![0; part.triangles.len()];
+    let mut greedy = Greedy { state, cover: &part.cover, weights, tried_by };
     let mut paths = Vec::new();
     let mut cursor = 0;
     for search in 1.. {
@@ -65,7 +65,7 @@ pub(super) fn paths(part: &Part, size: u32, weights: Weights) -> Vec<Vec<u32>> {
         }
         while best.is_none() && cursor < part.triangles.len() {
             if !greedy.state.done[cursor] {
-                best = greedy.try_from(cursor as u32, None);
+                best = greedy.try_start(cursor as u32, None);
             }
             cursor += 1;
         }
@@ -79,41 +79,44 @@ pub(super) fn paths(part: &Part, size: u32, weights: Weights) -> Vec<Vec<u32>> {
 }
 
 impl Greedy<'_> {
+    /// The best candidate that starts at a cached vertex. `search` numbers the calls, from 1.
     fn best_near_cache(&mut self, search: u32) -> Option<Candidate> {
         let mut best = None;
         let mut count = 0;
         for miss in self.state.recent() {
-            let Some(v) = self.state.live(miss) else { continue };
-            if count >= self.weights.tried {
+            let Some(v) = self.state.unfinished_at(miss) else { continue };
+            if count >= self.weights.max_tried {
                 break;
             }
             for i in self.state.unfinished(v) {
                 let t = self.state.incident(i);
-                if self.state.done[t as usize] || self.tried[t as usize] == search {
+                if self.state.done[t as usize] || self.tried_by[t as usize] == search {
                     continue;
                 }
-                self.tried[t as usize] = search;
+                self.tried_by[t as usize] = search;
                 let corners = self.state.triangles[t as usize];
                 let cached = corners.iter().filter(|&&v| self.state.is_cached(v)).count();
-                if cached >= self.weights.cached {
-                    best = self.try_from(t, best);
+                if cached >= self.weights.min_cached {
+                    best = self.try_start(t, best);
                     count += 1;
                 }
             }
         }
         best
     }
+    /// The best candidate that starts at a vertex.
     fn best_near_vertex(&mut self, v: u32) -> Option<Candidate> {
         let mut best = None;
         for i in self.state.unfinished(v) {
             let t = self.state.incident(i);
             if !self.state.done[t as usize] {
-                best = self.try_from(t, best);
+                best = self.try_start(t, best);
             }
         }
         best
     }
-    fn try_from(&mut self, t: u32, mut best: Option<Candidate>) -> Option<Candidate> {
+    /// Tries the three candidates that start with a triangle; returns the best so far.
+    fn try_start(&mut self, t: u32, mut best: Option<Candidate>) -> Option<Candidate> {
         for exit in 0..3 {
             self.simulate(t, exit, &mut best);
         }
@@ -136,7 +139,7 @@ impl Greedy<'_> {
                 *best = Some(Candidate { score: cost, start, exit, length });
             }
             let next = self.cover.neighbour(current, slot);
-            if length >= weights.longest
+            if length >= weights.max_length
                 || is_none(next)
                 || self.state.done[decode(next).0 as usize]
             {

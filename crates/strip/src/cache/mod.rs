@@ -64,10 +64,10 @@ pub(crate) fn cache_reporting(mesh: &Mesh, options: &CacheOptions, report: Repor
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);
     let mut strips = Vec::with_capacity(refined.len());
-    for (first, strip) in &refined {
+    for strip in &refined {
         let start = indices.len();
-        indices.extend(strip);
-        strips.push((submesh[*first as usize], start..indices.len()));
+        indices.extend(&strip.indices);
+        strips.push((submesh[strip.first_triangle as usize], start..indices.len()));
     }
     StripSet::new(mesh.submeshes().len(), &strips, &indices)
 }
@@ -76,8 +76,18 @@ pub(crate) fn cache_reporting(mesh: &Mesh, options: &CacheOptions, report: Repor
 fn schedules(effort: Effort) -> &'static [Schedule] {
     match effort {
         Effort::Fast => &[],
-        Effort::Default => &[Schedule { proposals: 2.5, stretch: 200, warm: 0.3, cold: 0.05 }],
-        Effort::Thorough => &[Schedule { proposals: 80.0, stretch: 400, warm: 0.4, cold: 0.05 }],
+        Effort::Default => &[Schedule {
+            proposals: 2.5,
+            stretch: 200,
+            start_temperature: 0.3,
+            end_temperature: 0.05,
+        }],
+        Effort::Thorough => &[Schedule {
+            proposals: 80.0,
+            stretch: 400,
+            start_temperature: 0.4,
+            end_temperature: 0.05,
+        }],
     }
 }
 
@@ -88,12 +98,14 @@ fn weights(effort: Effort) -> Weights {
         evicted: 0.28,
         finished: 0.56,
         triangle: 0.87,
-        longest: 14,
-        cached: 2,
-        tried: 12,
+        max_length: 14,
+        min_cached: 2,
+        max_tried: 12,
     };
     match effort {
         Effort::Fast | Effort::Default => default,
-        Effort::Thorough => Weights { longest: 20, cached: 1, tried: usize::MAX, ..default },
+        Effort::Thorough => {
+            Weights { max_length: 20, min_cached: 1, max_tried: usize::MAX, ..default }
+        }
     }
 }

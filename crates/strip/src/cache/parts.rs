@@ -67,10 +67,10 @@ pub(super) fn divide(
 
 /// The triangles that have an area, in breadth-first order over the surface.
 fn breadth_first(triangles: &[[u32; 3]], neighbours: &Neighbours) -> Vec<u32> {
-    let mut taken: Vec<bool> = triangles.iter().map(|&t| is_degenerate(t)).collect();
+    let mut visited: Vec<bool> = triangles.iter().map(|&t| is_degenerate(t)).collect();
     let (mut order, mut waiting) = (Vec::with_capacity(triangles.len()), VecDeque::new());
     for seed in 0..triangles.len() as u32 {
-        if std::mem::replace(&mut taken[seed as usize], true) {
+        if std::mem::replace(&mut visited[seed as usize], true) {
             continue;
         }
         waiting.push_back(seed);
@@ -78,7 +78,7 @@ fn breadth_first(triangles: &[[u32; 3]], neighbours: &Neighbours) -> Vec<u32> {
             order.push(t);
             for &c in neighbours[t as usize].iter().filter(|&&c| c != NONE) {
                 let (u, _) = decode(c);
-                if !std::mem::replace(&mut taken[u as usize], true) {
+                if !std::mem::replace(&mut visited[u as usize], true) {
                     waiting.push_back(u);
                 }
             }

@@ -19,12 +19,13 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    pub(crate) fn indices(&self, path: &[u32], indices: &mut Vec<u32>) {
+    /// Appends the indices of a path.
+    pub(crate) fn write_indices(&self, path: &[u32], indices: &mut Vec<u32>) {
         let neighbour = |t: u32, slot: u32| self.neighbours[t as usize][slot as usize];
         write_path(path, &self.triangles, neighbour, indices);
     }
-    /// Appends the same triangles from the other end.
-    pub(crate) fn reverse(&self, path: &[u32], reversed: &mut Vec<u32>) {
+    /// Appends to `reversed` the path with the same triangles from the other end.
+    pub(crate) fn write_reversed(&self, path: &[u32], reversed: &mut Vec<u32>) {
         // The slot through which a triangle is left is that through which it was entered.
         let mut entered = 3;
         let first = reversed.len();

@@ -12,15 +12,15 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// Triangles of a chunk, about: what a thread works on at a time, small enough for its cache.
-/// Strips never cross chunks. Not tuned further.
-const CHUNK: usize = 1 << 12;
+/// Triangles of a chunk, roughly: what a thread works on at a time, small enough for its cache.
+/// Strips never cross chunks. Chosen by hand.
+const CHUNK_TRIANGLES: usize = 1 << 12;
 /// Indices that are drawn before a stretch so that the cache holds what it would: ten caches' worth
 /// at the default size, since most indices are hits. Not exact for larger caches, which only makes
 /// the search aim a little off.
-const HEAD: usize = 160;
+const MIN_HEAD: usize = 160;
 /// Indices after a stretch whose misses count for it: three caches' worth at the default size.
-const TAIL: usize = 48;
+const TAIL_INDICES: usize = 48;
 
 /// The drawing order that is improved: strips as paths.
 pub(crate) struct Drawing<'a> {
@@ -38,8 +38,11 @@ pub(crate) struct Goal {
     pub(crate) schedules: &'static [Schedule],
 }
 
-/// A finished strip: its first triangle and its indices.
-pub(crate) type FinishedStrip = (u32, Vec<u32>);
+/// A finished strip, in the numbers of the mesh.
+pub(crate) struct FinishedStrip {
+    pub(crate) first_triangle: u32,
+    pub(crate) indices: Vec<u32>,
+}
 
 /// Improves strips and returns them as indices.
 pub(crate) fn refine(drawing: &Drawing<'_>, goal: &Goal, meter: &Meter<'_>) -> Vec<FinishedStrip> {
@@ -73,7 +76,7 @@ impl<'a> Chunks<'a> {
         let (mut ranges, mut start, mut triangles) = (Vec::new(), 0, 0);
         for (i, path) in drawing.paths.iter().enumerate() {
             triangles += path.len();
-            if triangles >= CHUNK || i + 1 == drawing.paths.len() {
+            if triangles >= CHUNK_TRIANGLES || i + 1 == drawing.paths.len() {
                 ranges.push(start..i + 1);
                 (start, triangles) = (i + 1, 0);
             }
@@ -97,20 +100,20 @@ impl<'a> Chunks<'a> {
         indices
     }
 
-    /// The indices of at least [`HEAD`] triangles drawn before a path, as far as there are any.
+    /// The indices of at least [`MIN_HEAD`] triangles drawn before a path, as far as there are any.
     fn head(&self, path: usize) -> Vec<u32> {
         let (mut first, mut length) = (path, 0);
-        while first > 0 && length < HEAD {
+        while first > 0 && length < MIN_HEAD {
             first -= 1;
             length += self.drawing.paths[first].len();
         }
         self.drawing.paths[first..path].iter().flat_map(|path| self.indices(path)).collect()
     }
 
-    /// The [`TAIL`] indices that are drawn from a path on.
+    /// The [`TAIL_INDICES`] indices that are drawn from a path on.
     fn tail(&self, path: usize) -> Vec<u32> {
-        let paths = self.drawing.paths[path..].iter().take(TAIL);
-        paths.flat_map(|path| self.indices(path)).take(TAIL).collect()
+        let paths = self.drawing.paths[path..].iter().take(TAIL_INDICES);
+        paths.flat_map(|path| self.indices(path)).take(TAIL_INDICES).collect()
     }
 
     /// A chunk, with triangles and vertices numbered by itself.
@@ -142,7 +145,7 @@ impl<'a> Chunks<'a> {
                 |&c: &u32| code(self.index_in_chunk[decode(c).0 as usize], decode(c).1);
             let path: Vec<u32> = path.iter().map(renumbered).collect();
             let mut indices = Vec::with_capacity(path.len() + 4);
-            surface.indices(&path, &mut indices);
+            surface.write_indices(&path, &mut indices);
             Strip { path, indices }
         };
         let strips = paths.iter().map(strip).collect();
@@ -198,17 +201,18 @@ impl Chunk {
     /// The strips with the numbers of the mesh.
     fn in_mesh_numbers(&self) -> Vec<FinishedStrip> {
         let in_mesh_numbers = |s: &Strip| {
-            let first = self.triangles[decode(s.path[0]).0 as usize];
-            (first, s.indices.iter().map(|&v| self.vertices[v as usize]).collect())
+            let first_triangle = self.triangles[decode(s.path[0]).0 as usize];
+            let indices = s.indices.iter().map(|&v| self.vertices[v as usize]).collect();
+            FinishedStrip { first_triangle, indices }
         };
         self.strips.iter().map(in_mesh_numbers).collect()
     }
 }
 
-/// At least [`HEAD`] indices drawn before a stretch, as far as there are any.
+/// At least [`MIN_HEAD`] indices drawn before a stretch, as far as there are any.
 fn head_of(done: &[Strip], head: &[u32]) -> Vec<u32> {
     let (mut first, mut length) = (done.len(), 0);
-    while first > 0 && length < HEAD {
+    while first > 0 && length < MIN_HEAD {
         first -= 1;
         length += done[first].indices.len();
     }
@@ -216,8 +220,8 @@ fn head_of(done: &[Strip], head: &[u32]) -> Vec<u32> {
     head.iter().chain(done[first..].iter().flat_map(|s| &s.indices)).copied().collect()
 }
 
-/// The [`TAIL`] indices that are drawn after a stretch.
+/// The [`TAIL_INDICES`] indices that are drawn after a stretch.
 fn tail_of(waiting: &VecDeque<Strip>, tail: &[u32]) -> Vec<u32> {
-    let strips = waiting.iter().take(TAIL).flat_map(|s| &s.indices);
-    strips.chain(tail).take(TAIL).copied().collect()
+    let strips = waiting.iter().take(TAIL_INDICES).flat_map(|s| &s.indices);
+    strips.chain(tail).take(TAIL_INDICES).copied().collect()
 }

@@ -16,14 +16,15 @@ pub(crate) struct Schedule {
     /// Triangles of a stretch, roughly.
     pub(crate) stretch: usize,
     /// Temperature at the start, in fetched vertices.
-    pub(crate) warm: f64,
-    /// Temperature at the end.
-    pub(crate) cold: f64,
+    pub(crate) start_temperature: f64,
+    /// Temperature at the end, in the same unit.
+    pub(crate) end_temperature: f64,
 }
 
-/// One proposal in this many turns a strip round, all others link two strips. Proposals that only
-/// cut a strip, or move it among the others, never paid: links do both on the way.
-const TURN_ONE_IN: u64 = 16;
+/// One proposal in this many reverses a strip, all others link two strips. Proposals that only cut
+/// a strip, or move it among the others, never paid: links do both on the way. The share is chosen
+/// by hand.
+const REVERSE_ONE_IN: u64 = 16;
 /// Fetched vertices that a change may still save after the strips that it changes. Where it has
 /// lost more than that and than chance allows, it is refused before the rest is counted: counting
 /// to the end takes a seventh more time and gains nothing that can be measured.
@@ -33,8 +34,11 @@ const STAGES: usize = 16;
 
 /// The cache at some point: when each vertex was fetched last.
 pub(crate) struct Fifo {
+    /// For each vertex the number of the fetch that brought it last.
     fetched: Vec<u32>,
+    /// The number of the last fetch.
     clock: u32,
+    /// Number of vertices that the cache holds.
     size: u32,
 }
 
@@ -42,14 +46,15 @@ impl Fifo {
     pub(crate) fn new(vertices: usize, size: u32) -> Self {
         Self { fetched: vec![0; vertices], clock: size, size }
     }
-    /// Forgets everything, then fetches these.
-    fn restart(&mut self, with: &[u32]) {
+    /// Forgets everything, then fetches some vertices.
+    fn restart(&mut self, contents: &[u32]) {
         self.clock += self.size;
-        for &v in with {
+        for &v in contents {
             self.clock += 1;
             self.fetched[v as usize] = self.clock;
         }
     }
+    /// Draws indices and appends the vertices that are fetched for them.
     fn draw(&mut self, indices: &[u32], misses: &mut Vec<u32>) {
         for &v in indices {
             if self.clock - self.fetched[v as usize] >= self.size {
@@ -67,7 +72,7 @@ pub(crate) struct Workspace<'a> {
     fifo: Fifo,
     random: &'a mut SplitMix64,
     /// The price of an index, in fetched vertices.
-    price: f32,
+    index_price: f32,
     /// The strip of each triangle of the surface; [`NONE`] outside of the stretch.
     strip_of: Vec<u32>,
 }
@@ -78,11 +83,11 @@ impl<'a> Workspace<'a> {
         surface: &'a Surface,
         vertices: usize,
         size: u32,
-        price: f32,
+        index_price: f32,
         random: &'a mut SplitMix64,
     ) -> Self {
         let strip_of = vec![NONE; surface.triangles.len()];
-        Self { surface, fifo: Fifo::new(vertices, size), random, price, strip_of }
+        Self { surface, fifo: Fifo::new(vertices, size), random, index_price, strip_of }
     }
 }
 
@@ -163,9 +168,10 @@ impl<'w, 'a> Stretch<'w, 'a> {
         let proposals = (triangles as f64 * schedule.proposals) as usize;
         for stage in 0..STAGES {
             let share = stage as f64 / (STAGES - 1) as f64;
-            let temperature = schedule.warm + (schedule.cold - schedule.warm) * share;
+            let temperature = schedule.start_temperature
+                + (schedule.end_temperature - schedule.start_temperature) * share;
             for _ in proposals * stage / STAGES..proposals * (stage + 1) / STAGES {
-                self.step(temperature);
+                self.try_change(temperature);
             }
         }
         for s in &self.sequence {
@@ -176,12 +182,13 @@ impl<'w, 'a> Stretch<'w, 'a> {
         let mut strips = self.strips;
         self.sequence.iter().map(|&s| std::mem::take(&mut strips[s as usize])).collect()
     }
-    fn step(&mut self, temperature: f64) {
+    /// Proposes a random change, and makes it if it is accepted.
+    fn try_change(&mut self, temperature: f64) {
         let bits = self.shared.random.bits();
         let position = below(bits, self.sequence.len());
         self.trial.clone_from(&self.sequence);
-        let proposed = if bits.is_multiple_of(TURN_ONE_IN) {
-            self.propose_turn(position)
+        let proposed = if bits.is_multiple_of(REVERSE_ONE_IN) {
+            self.propose_reversal(position)
         } else {
             self.propose_link(position, bits >> 4 & 0xff)
         };
@@ -214,24 +221,25 @@ impl<'w, 'a> Stretch<'w, 'a> {
         path.clear();
         write(self, &mut path);
         indices.clear();
-        self.shared.surface.indices(&path, &mut indices);
+        self.shared.surface.write_indices(&path, &mut indices);
         self.strips[s as usize] = Strip { path, indices };
         s
     }
     fn path(&self, s: u32) -> &[u32] {
         &self.strips[s as usize].path
     }
-    fn propose_turn(&mut self, position: usize) -> Option<NewStrips> {
-        let turned = self.sequence[position];
-        if self.path(turned).len() == 1 {
+    /// Reverses a strip.
+    fn propose_reversal(&mut self, position: usize) -> Option<NewStrips> {
+        let old = self.sequence[position];
+        if self.path(old).len() == 1 {
             return None;
         }
-        let s = self.add(|stretch, path| stretch.reverse(stretch.path(turned), path));
+        let s = self.add(|stretch, path| stretch.write_reversed(stretch.path(old), path));
         self.trial[position] = s;
         Some(NewStrips::one(s))
     }
-    fn reverse(&self, path: &[u32], reversed: &mut Vec<u32>) {
-        self.shared.surface.reverse(path, reversed);
+    fn write_reversed(&self, path: &[u32], reversed: &mut Vec<u32>) {
+        self.shared.surface.write_reversed(path, reversed);
     }
     /// Links an end of strip `a` to a neighbouring triangle, the target, in another strip `b`,
     /// which is cut there if it goes on.
@@ -270,35 +278,39 @@ impl<'w, 'a> Stretch<'w, 'a> {
             (self.sequence.iter().position(|&s| s == b)?, bits & 16 != 0);
         // From the far end of one strip to that of the other, or back.
         let joined = self.add(|stretch, path| {
-            let (mine, taken) = (stretch.path(a), &stretch.path(b)[part.clone()]);
-            let push_mine = |path: &mut Vec<u32>, turned: bool| {
-                if turned { stretch.reverse(mine, path) } else { path.extend(mine) }
+            let (whole_a, part_of_b) = (stretch.path(a), &stretch.path(b)[part.clone()]);
+            let push_a = |path: &mut Vec<u32>, reversed: bool| {
+                if reversed { stretch.write_reversed(whole_a, path) } else { path.extend(whole_a) }
             };
-            let push_taken = |path: &mut Vec<u32>, turned: bool| {
-                if turned { stretch.reverse(taken, path) } else { push_last(path, taken) }
+            let push_b = |path: &mut Vec<u32>, reversed: bool| {
+                if reversed {
+                    stretch.write_reversed(part_of_b, path);
+                } else {
+                    push_last(path, part_of_b);
+                }
             };
             // The first of the two is linked to the second through its last slot.
             let link = if target_first { decode(target_code).1 } else { slot };
             if target_first {
-                push_taken(path, forward);
+                push_b(path, forward);
             } else {
-                push_mine(path, !from_end);
+                push_a(path, !from_end);
             }
             if let Some(last) = path.last_mut() {
                 *last = *last & !3 | link;
             }
             if target_first {
-                push_mine(path, from_end);
+                push_a(path, from_end);
             } else {
-                push_taken(path, !forward);
+                push_b(path, !forward);
             }
         });
         let mut new = NewStrips::one(joined);
         if rest.is_empty() {
-            let (stay, go) =
+            let (replaced, removed) =
                 if bits & 32 == 0 { (a_position, b_position) } else { (b_position, a_position) };
-            self.trial[stay] = joined;
-            self.trial.remove(go);
+            self.trial[replaced] = joined;
+            self.trial.remove(removed);
         } else {
             let rest = self.add(|stretch, path| push_last(path, &stretch.path(b)[rest]));
             new = NewStrips::two(joined, rest);
@@ -352,10 +364,10 @@ impl<'w, 'a> Stretch<'w, 'a> {
         // The mark in the old history at which both caches are alike.
         let mut rejoins = None;
         // Drawn once, so that refusing early and in the end agree.
-        let luck = (self.shared.random.bits() >> 32) as f64;
+        let random = (self.shared.random.bits() >> 32) as f64;
         let refuses = |misses: f32| {
-            let delta = f64::from(misses + self.shared.price * indices);
-            delta > 0.0 && luck >= exp_minus(delta / temperature) * 4_294_967_296.0
+            let delta = f64::from(misses + self.shared.index_price * indices);
+            delta > 0.0 && random >= exp_minus(delta / temperature) * 4_294_967_296.0
         };
         for i in first..=new.len() {
             let old_strip = (i as isize + shift) as usize;

@@ -11,24 +11,24 @@ const SWAP_WEIGHT: u32 = 2;
 /// Links triangles to strips, starting each at the triangle with the fewest neighbours left.
 pub(crate) fn cover(cover: &mut Cover) {
     let mut greedy =
-        Greedy { buckets: Default::default(), free: vec![0; cover.nodes.len()], cover };
+        Greedy { buckets: Default::default(), free_neighbours: vec![0; cover.nodes.len()], cover };
     // Pushed in reverse, so that the first triangle lies on top.
-    for t in (0..greedy.free.len() as u32).rev() {
+    for t in (0..greedy.free_neighbours.len() as u32).rev() {
         let neighbours = &greedy.cover.nodes[t as usize][..3];
         let count = neighbours.iter().filter(|&&c| !is_none(c)).count() as u32;
-        greedy.free[t as usize] = count as u8;
+        greedy.free_neighbours[t as usize] = count as u8;
         greedy.buckets[count as usize].push(t);
     }
     while let Some(start) = greedy.next_start() {
-        greedy.take(start);
+        greedy.add_to_strip(start);
         greedy.extend(start);
         // A second time from the same triangle: backwards, if it has another free neighbour.
         greedy.extend(start);
     }
 }
 
-/// The value of `free` of a triangle that is in a strip.
-const TAKEN: u8 = u8::MAX;
+/// The value of `free_neighbours` for a triangle that is in a strip.
+const IN_STRIP: u8 = u8::MAX;
 
 struct Greedy<'a> {
     cover: &'a mut Cover,
@@ -36,7 +36,7 @@ struct Greedy<'a> {
     /// that are out of date are skipped when they are taken.
     buckets: [Vec<u32>; 4],
     /// Number of free neighbours of each triangle.
-    free: Vec<u8>,
+    free_neighbours: Vec<u8>,
 }
 
 impl Greedy<'_> {
@@ -44,7 +44,7 @@ impl Greedy<'_> {
     fn next_start(&mut self) -> Option<u32> {
         for (count, bucket) in self.buckets.iter_mut().enumerate() {
             while let Some(t) = bucket.pop() {
-                if self.free[t as usize] as usize == count {
+                if self.free_neighbours[t as usize] as usize == count {
                     return Some(t);
                 }
             }
@@ -52,11 +52,11 @@ impl Greedy<'_> {
         None
     }
     /// Puts a triangle into a strip: it is no free neighbour any more.
-    fn take(&mut self, t: u32) {
-        self.free[t as usize] = TAKEN;
+    fn add_to_strip(&mut self, t: u32) {
+        self.free_neighbours[t as usize] = IN_STRIP;
         for slot in 0..3 {
             if let Some(u) = self.free_neighbour(t, slot) {
-                let free = &mut self.free[u as usize];
+                let free = &mut self.free_neighbours[u as usize];
                 // Doubled edges count twice: never below zero.
                 *free = free.saturating_sub(1);
                 self.buckets[*free as usize].push(u);
@@ -69,7 +69,7 @@ impl Greedy<'_> {
             return None;
         }
         let (u, _) = decode(c);
-        (self.free[u as usize] != TAKEN).then_some(u)
+        (self.free_neighbours[u as usize] != IN_STRIP).then_some(u)
     }
     /// Continues a strip at one of its ends until that has no free neighbour.
     fn extend(&mut self, end: u32) {
@@ -77,7 +77,7 @@ impl Greedy<'_> {
         while let Some(slot) = self.best_exit(current) {
             let (next, _) = decode(self.cover.neighbour(current, slot));
             self.cover.toggle(current, slot);
-            self.take(next);
+            self.add_to_strip(next);
             current = next;
         }
     }
@@ -96,7 +96,8 @@ impl Greedy<'_> {
                 let (u, f) = decode(self.cover.neighbour(current, entered));
                 self.cover.would_swap((slot + 3 - entered) % 3, u, f)
             });
-            let score = u32::from(self.free[next as usize]) * 2 + u32::from(swap) * SWAP_WEIGHT;
+            let score =
+                u32::from(self.free_neighbours[next as usize]) * 2 + u32::from(swap) * SWAP_WEIGHT;
             let key = (score, swap, self.fewest_beyond(next), slot);
             if best_exit.is_none_or(|b| key < b) {
                 best_exit = Some(key);
@@ -108,7 +109,7 @@ impl Greedy<'_> {
     fn fewest_beyond(&self, t: u32) -> u8 {
         (0..3)
             .filter_map(|slot| self.free_neighbour(t, slot))
-            .map(|u| self.free[u as usize])
+            .map(|u| self.free_neighbours[u as usize])
             .min()
             .unwrap_or(0)
     }

@@ -42,6 +42,7 @@ pub(crate) fn stripe_reporting(mesh: &Mesh, effort: Effort, report: Report<'_>) 
     StripSet::new(mesh.submeshes().len(), &strips, &indices)
 }
 
+/// The rounds of the search, by effort.
 fn schedule(effort: Effort) -> &'static [search::Round] {
     match effort {
         Effort::Fast => FAST,
@@ -53,18 +54,52 @@ fn schedule(effort: Effort) -> &'static [search::Round] {
 /// Chosen by indices per triangle on three scans (bunny, cow, igea). Two indices are what a strip
 /// costs by itself, three with a restart index. Starting with three would freeze early, ending with
 /// it costs nothing.
-const FAST: &[search::Round] =
-    &[search::Round { proposals: 1.5, warm: 0.25, cold: 0.15, strip_cost: 2 }];
+const FAST: &[search::Round] = &[search::Round {
+    proposals: 1.5,
+    start_temperature: 0.25,
+    end_temperature: 0.15,
+    strip_cost: 2,
+}];
 const DEFAULT: &[search::Round] = &[
-    search::Round { proposals: 4.0, warm: 0.6, cold: 0.4, strip_cost: 2 },
-    search::Round { proposals: 4.0, warm: 0.4, cold: 0.2, strip_cost: 2 },
-    search::Round { proposals: 4.0, warm: 0.35, cold: 0.15, strip_cost: 3 },
+    search::Round { proposals: 4.0, start_temperature: 0.6, end_temperature: 0.4, strip_cost: 2 },
+    search::Round { proposals: 4.0, start_temperature: 0.4, end_temperature: 0.2, strip_cost: 2 },
+    search::Round { proposals: 4.0, start_temperature: 0.35, end_temperature: 0.15, strip_cost: 3 },
 ];
 const THOROUGH: &[search::Round] = &[
-    search::Round { proposals: 78.0, warm: 0.55, cold: 0.45, strip_cost: 2 },
-    search::Round { proposals: 78.0, warm: 0.45, cold: 0.38, strip_cost: 2 },
-    search::Round { proposals: 78.0, warm: 0.38, cold: 0.32, strip_cost: 2 },
-    search::Round { proposals: 78.0, warm: 0.32, cold: 0.27, strip_cost: 2 },
-    search::Round { proposals: 78.0, warm: 0.27, cold: 0.22, strip_cost: 2 },
-    search::Round { proposals: 78.0, warm: 0.25, cold: 0.15, strip_cost: 3 },
+    search::Round {
+        proposals: 78.0,
+        start_temperature: 0.55,
+        end_temperature: 0.45,
+        strip_cost: 2,
+    },
+    search::Round {
+        proposals: 78.0,
+        start_temperature: 0.45,
+        end_temperature: 0.38,
+        strip_cost: 2,
+    },
+    search::Round {
+        proposals: 78.0,
+        start_temperature: 0.38,
+        end_temperature: 0.32,
+        strip_cost: 2,
+    },
+    search::Round {
+        proposals: 78.0,
+        start_temperature: 0.32,
+        end_temperature: 0.27,
+        strip_cost: 2,
+    },
+    search::Round {
+        proposals: 78.0,
+        start_temperature: 0.27,
+        end_temperature: 0.22,
+        strip_cost: 2,
+    },
+    search::Round {
+        proposals: 78.0,
+        start_temperature: 0.25,
+        end_temperature: 0.15,
+        strip_cost: 3,
+    },
 ];

@@ -87,14 +87,14 @@ fn divide(cover: &Cover, round: usize) -> (Vec<u32>, Vec<usize>) {
     }
     let first = seeds.len() / START_SHARES * (round / 2 % START_SHARES);
     seeds.rotate_left(first);
-    let mut taken = vec![false; n];
+    let mut visited = vec![false; n];
     let mut path = Vec::new();
     let mut start = 0;
     let mut queue = std::collections::VecDeque::new();
     for seed in seeds {
         queue.push_back(seed);
         while let Some(t) = queue.pop_front() {
-            if taken[t as usize] {
+            if visited[t as usize] {
                 continue;
             }
             if order.len() - start >= REGION_TRIANGLES - REGION_TRIANGLES / 8 * (round % 4) {
@@ -107,14 +107,14 @@ fn divide(cover: &Cover, round: usize) -> (Vec<u32>, Vec<usize>) {
             cover.path(end_of(cover, t), &mut path);
             for &c in &path {
                 let (u, _) = decode(c);
-                taken[u as usize] = true;
+                visited[u as usize] = true;
                 order.push(u);
             }
             for &c in &path {
                 let (u, _) = decode(c);
                 for slot in 0..3 {
                     let c = cover.neighbour(u, slot);
-                    if !is_none(c) && !taken[decode(c).0 as usize] {
+                    if !is_none(c) && !visited[decode(c).0 as usize] {
                         queue.push_back(decode(c).0);
                     }
                 }

@@ -13,9 +13,9 @@ pub(crate) struct Round {
     /// Changes to try, per triangle.
     pub(crate) proposals: f64,
     /// Temperature at the start, in indices.
-    pub(crate) warm: f64,
-    /// Temperature at the end.
-    pub(crate) cold: f64,
+    pub(crate) start_temperature: f64,
+    /// Temperature at the end, in the same unit.
+    pub(crate) end_temperature: f64,
     /// Indices that a strip costs beyond its triangles and swaps.
     pub(crate) strip_cost: i32,
 }
@@ -25,21 +25,22 @@ pub(crate) struct Round {
 const LONGEST_WALK: usize = 4096;
 /// The number of temperatures of a round, which fall linearly. Chosen by hand.
 const STAGES: usize = 64;
-/// Kinds of proposals are drawn from this many, of which [`DIVIDE`] divide a strip, [`ANYWHERE`]
-/// link two triangles anywhere, and all others link an end of a strip to a neighbour.
-const KINDS: u64 = 16;
+/// Of this many proposals [`DIVIDING`] divide a strip, [`LINKING_ANYWHERE`] link two triangles
+/// anywhere, and all others link an end of a strip to a neighbour.
+const ALL_PROPOSALS: u64 = 16;
 /// Dividing and linking anywhere make ends, which cost a little and then wander from triangle to
 /// triangle until two meet: without them, swaps far from any end could never be removed. Proposals
 /// at ends are the ones that pay, so they are most. The shares were chosen on three scans.
-const DIVIDE: u64 = 1;
-/// See [`DIVIDE`].
-const ANYWHERE: u64 = 4;
+const DIVIDING: u64 = 1;
+/// See [`DIVIDING`].
+const LINKING_ANYWHERE: u64 = 4;
 
-/// Triangles with their neighbours among them, as codes of a neighbour and its slot that leads
-/// back, and the links of a cover by paths: bit
-/// `slot` of a triangle's links says that the neighbour there follows or precedes it in its path.
+/// Some triangles, numbered by themselves, and a cover of them by paths.
 pub(super) struct Region {
+    /// For each slot of a triangle the neighbour there, with its slot that leads back, as a code.
     pub(super) neighbours: Vec<[u32; 3]>,
+    /// Bit `slot` of a triangle's links says that the neighbour there follows or precedes it in its
+    /// path.
     pub(super) links: Vec<u8>,
 }
 
@@ -62,9 +63,11 @@ pub(super) fn search(region: &mut Region, round: &Round, seed: u64) {
     let proposals = (count as f64 * round.proposals) as usize;
     for stage in 0..STAGES {
         let share = stage as f64 / (STAGES - 1) as f64;
-        search.set_temperature(round.warm + (round.cold - round.warm) * share);
+        search.set_temperature(
+            round.start_temperature + (round.end_temperature - round.start_temperature) * share,
+        );
         for _ in proposals * stage / STAGES..proposals * (stage + 1) / STAGES {
-            search.step();
+            search.try_change();
         }
     }
 }
@@ -130,8 +133,8 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn set_temperature(&mut self, t: f64) {
-        for (i, l) in self.acceptance.iter_mut().enumerate() {
-            *l = (exp_minus(i as f64 / t) * 4_294_967_296.0) as u64;
+        for (i, probability) in self.acceptance.iter_mut().enumerate() {
+            *probability = (exp_minus(i as f64 / t) * 4_294_967_296.0) as u64;
         }
     }
     /// The most indices that a change may cost to be accepted, by random bits: the rule of
@@ -142,19 +145,20 @@ impl Search<'_> {
         if bits >= self.acceptance[1] {
             return 0;
         }
-        self.acceptance[1..].iter().take_while(|&&l| bits < l).count() as i32
+        self.acceptance[1..].iter().take_while(|&&probability| bits < probability).count() as i32
     }
-    fn step(&mut self) {
+    /// Proposes a random change, and makes it if it is accepted.
+    fn try_change(&mut self) {
         let bits = self.random.bits();
         let choices = self.random.bits();
-        let kind = (choices >> 40) % KINDS;
+        let kind = (choices >> 40) % ALL_PROPOSALS;
         let count = self.region.links.len();
-        if kind < DIVIDE {
+        if kind < DIVIDING {
             let t = below(bits, count) as u32;
             self.divide(t, choices >> 8, bits);
             return;
         }
-        let from = if kind < DIVIDE + ANYWHERE {
+        let from = if kind < DIVIDING + LINKING_ANYWHERE {
             below(bits, count) as u32
         } else if self.ends.is_empty() {
             return;
@@ -211,13 +215,13 @@ impl Search<'_> {
             * (i32::from(given_by_from.is_some()) + i32::from(given_by_to.is_some()) - 1);
         let mut affected = [from, to, 0, 0];
         let mut n = 2;
-        for (_, z) in given_by_from.into_iter().chain(given_by_to) {
-            if z == from || z == to {
+        for (_, other) in given_by_from.into_iter().chain(given_by_to) {
+            if other == from || other == to {
                 // Linked to each other already, by another edge.
                 return;
             }
-            if !(n == 3 && affected[2] == z) {
-                affected[n] = z;
+            if !(n == 3 && affected[2] == other) {
+                affected[n] = other;
                 n += 1;
             }
         }
@@ -229,8 +233,8 @@ impl Search<'_> {
             return;
         }
         let change = |region: &mut Region| {
-            given_by_from.into_iter().for_each(|(g, _)| region.toggle(from, g));
-            given_by_to.into_iter().for_each(|(g, _)| region.toggle(to, g));
+            given_by_from.into_iter().for_each(|(slot, _)| region.toggle(from, slot));
+            given_by_to.into_iter().for_each(|(slot, _)| region.toggle(to, slot));
             region.toggle(from, slot);
         };
         change(self.region);
@@ -246,11 +250,11 @@ impl Search<'_> {
         let closing = code(from, slot);
         let (mut current, mut exit) = (from, self.region.other(from, slot));
         for _ in 0..LONGEST_WALK {
-            let Some(l) = exit else { return false };
-            let (next, entered) = decode(self.region.neighbour(current, l));
+            let Some(slot) = exit else { return false };
+            let (next, entered) = decode(self.region.neighbour(current, slot));
             exit = self.region.other(next, entered);
             current = next;
-            if exit.is_some_and(|l| self.region.neighbour(current, l) == closing) {
+            if exit.is_some_and(|slot| self.region.neighbour(current, slot) == closing) {
                 return true;
             }
         }

@@ -19,15 +19,19 @@ pub struct Cursor {
 /// Triangles as they were before a move changed them; empty while changes are ignored.
 #[derive(Clone, Debug, Default)]
 struct Touched {
-    /// The move that last changed each triangle.
-    stamp: Vec<u32>,
-    now: u32,
+    /// The number of the move that last changed each triangle.
+    last_move: Vec<u32>,
+    /// The number of the present move.
+    present_move: u32,
+    /// Triangles that the present move has changed, with their corners before it.
     before: Vec<(u32, [u32; 3])>,
 }
 
 impl Watch for Touched {
     fn changes(&mut self, faces: &Faces, triangle: u32) {
-        if std::mem::replace(&mut self.stamp[triangle as usize], self.now) != self.now {
+        if std::mem::replace(&mut self.last_move[triangle as usize], self.present_move)
+            != self.present_move
+        {
             self.before.push((triangle, corners(faces, triangle)));
         }
     }
@@ -69,20 +73,20 @@ impl Cursor {
 
     pub(super) fn seek<C: Changes>(
         &mut self,
-        s: &Simplified,
-        r: &Records,
+        simplified: &Simplified,
+        records: &Records,
         lod: Lod,
         changes: &mut C,
     ) -> Traffic {
-        let (from, to) = (self.lod(s), s.collapses().floor(lod));
+        let (from, to) = (self.lod(simplified), simplified.collapses().floor(lod));
         let rewritten = if C::REPORTED {
             let mut touched = std::mem::take(&mut self.touched);
-            touched.stamp.resize(r.removal_lods.len(), 0);
-            touched.now += 1;
-            let rewritten = self.walk(s, r, to, &mut touched);
+            touched.last_move.resize(records.removal_lods.len(), 0);
+            touched.present_move += 1;
+            let rewritten = self.walk(simplified, records, to, &mut touched);
             for (triangle, before) in touched.before.drain(..) {
                 let (submesh, removal_lod) =
-                    (submesh_of(s, triangle), r.removal_lods[triangle as usize]);
+                    (submesh_of(simplified, triangle), records.removal_lods[triangle as usize]);
                 if removal_lod > from.0 {
                     changes.removed(OrientedTriangle::new(submesh, before));
                 }
@@ -93,37 +97,43 @@ impl Cursor {
             self.touched = touched;
             rewritten
         } else {
-            self.walk(s, r, to, &mut ())
+            self.walk(simplified, records, to, &mut ())
         };
         Traffic { records: from.0.abs_diff(to.0), rewritten }
     }
 
-    fn walk(&mut self, s: &Simplified, r: &Records, to: Lod, watch: &mut impl Watch) -> u64 {
-        let targets = s.collapses().targets();
-        let ends = &s.collapses().parts().step_ends;
+    fn walk(
+        &mut self,
+        simplified: &Simplified,
+        records: &Records,
+        to: Lod,
+        watch: &mut impl Watch,
+    ) -> u64 {
+        let targets = simplified.collapses().targets();
+        let ends = &simplified.collapses().parts().step_ends;
         let mut rewritten = 0;
-        let mut here = end_of(s, self.steps);
-        while here < to.0 {
+        let mut lod = end_of(simplified, self.steps);
+        while lod < to.0 {
             let end = ends[self.steps];
             rewritten +=
-                self.faces.collapse(r, self.steps, here..end, |v| targets[v as usize], watch);
+                self.faces.collapse(records, self.steps, lod..end, |v| targets[v as usize], watch);
             self.steps += 1;
-            here = end;
+            lod = end;
         }
-        while here > to.0 {
+        while lod > to.0 {
             self.steps -= 1;
-            let start = end_of(s, self.steps);
-            rewritten += self.faces.split(r, self.steps, start..here, watch);
-            here = start;
+            let start = end_of(simplified, self.steps);
+            rewritten += self.faces.split(records, self.steps, start..lod, watch);
+            lod = start;
         }
-        self.count(s, r, to);
+        self.update_live(simplified, records, to);
         rewritten
     }
 
     /// Moves the end of the drawn triangles of each submesh.
-    fn count(&mut self, s: &Simplified, r: &Records, lod: Lod) {
-        for (live, submesh) in self.live.iter_mut().zip(s.mesh().submeshes()) {
-            let removal_lods = &r.removal_lods[submesh.triangles()];
+    fn update_live(&mut self, simplified: &Simplified, records: &Records, lod: Lod) {
+        for (live, submesh) in self.live.iter_mut().zip(simplified.mesh().submeshes()) {
+            let removal_lods = &records.removal_lods[submesh.triangles()];
             while *live > 0 && removal_lods[*live as usize - 1] <= lod.0 {
                 *live -= 1;
             }
@@ -139,6 +149,6 @@ fn end_of(simplified: &Simplified, steps: usize) -> u32 {
     if steps == 0 { 0 } else { simplified.collapses().parts().step_ends[steps - 1] }
 }
 
-fn submesh_of(s: &Simplified, triangle: u32) -> u32 {
-    s.mesh().vertex_submesh()[s.mesh().triangles()[triangle as usize][0] as usize]
+fn submesh_of(simplified: &Simplified, triangle: u32) -> u32 {
+    simplified.mesh().vertex_submesh()[simplified.mesh().triangles()[triangle as usize][0] as usize]
 }

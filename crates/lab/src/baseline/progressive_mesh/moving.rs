@@ -28,25 +28,25 @@ impl Faces {
         Self { corners: mesh.triangles().as_flattened().to_vec(), opposite: opposite.to_vec() }
     }
 
-    /// One step coarser: rewrites the fans of its records, then takes the dying triangles out from
-    /// between their neighbours. Returns how many corners were rewritten.
+    /// One step coarser: rewrites the fans of its records (`numbers`), then takes the dying
+    /// triangles out from between their neighbours. Returns how many corners were rewritten.
     pub(super) fn collapse(
         &mut self,
-        r: &Records,
+        records: &Records,
         step: usize,
-        records: Range<u32>,
+        numbers: Range<u32>,
         target: impl Fn(u32) -> u32,
         watch: &mut impl Watch,
     ) -> u64 {
         let mut rewritten = 0;
-        for record in records.clone() {
+        for record in numbers.clone() {
             let mut to = target(record);
-            while to < records.end {
+            while to < numbers.end {
                 to = target(to);
             }
-            rewritten += self.rewrite(r, record, to, watch);
+            rewritten += self.rewrite(records, record, to, watch);
         }
-        for &edge in r.lost_in(step) {
+        for &edge in records.lost_in(step) {
             watch.changes(self, edge / 3);
             let [a, b] = [next(edge), previous(edge)].map(|h| self.opposite[h as usize]);
             self.join(a, b);
@@ -58,20 +58,20 @@ impl Faces {
     /// Undoes [`Self::collapse`].
     pub(super) fn split(
         &mut self,
-        r: &Records,
+        records: &Records,
         step: usize,
-        records: Range<u32>,
+        numbers: Range<u32>,
         watch: &mut impl Watch,
     ) -> u64 {
         // A dead triangle still points at its neighbours; taken in the opposite order they are the
         // right ones.
-        for &edge in r.lost_in(step).iter().rev() {
+        for &edge in records.lost_in(step).iter().rev() {
             watch.changes(self, edge / 3);
             for h in [next(edge), previous(edge)] {
                 self.join(self.opposite[h as usize], h);
             }
         }
-        records.map(|record| self.rewrite(r, record, record, watch)).sum()
+        numbers.map(|record| self.rewrite(records, record, record, watch)).sum()
     }
 
     fn join(&mut self, a: u32, b: u32) {
@@ -81,9 +81,15 @@ impl Faces {
     }
 
     /// Writes a vertex into the corners of a record's fans.
-    fn rewrite(&mut self, r: &Records, record: u32, vertex: u32, watch: &mut impl Watch) -> u64 {
+    fn rewrite(
+        &mut self,
+        records: &Records,
+        record: u32,
+        vertex: u32,
+        watch: &mut impl Watch,
+    ) -> u64 {
         let mut rewritten = 0;
-        for fan in r.fans_of(record) {
+        for fan in records.fans_of(record) {
             let mut corner = fan.corner;
             watch.changes(self, corner / 3);
             self.corners[corner as usize] = vertex;

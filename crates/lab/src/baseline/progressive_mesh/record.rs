@@ -20,10 +20,10 @@ pub(super) struct Records {
     /// record has one fan, or none if all its triangles die.
     pub(super) first_fan: Vec<u32>,
     pub(super) fans: Vec<Fan>,
-    /// The edge that each triangle loses when it dies, in the order of removal_lod.
-    pub(super) collapsed: Vec<u32>,
-    /// Number of those in `collapsed` that are lost by the end of each step.
-    pub(super) lost: Vec<u32>,
+    /// The half-edge that each triangle loses when it dies, in the order of removal LODs.
+    pub(super) lost_edges: Vec<u32>,
+    /// Where the edges of each step (all records of one collapse) end in `lost_edges`.
+    pub(super) lost_ends: Vec<u32>,
     /// For each triangle the LOD from which on it is not drawn.
     pub(super) removal_lods: Vec<u32>,
 }
@@ -37,7 +37,7 @@ impl Records {
 
     /// The edges that triangles lose in a step, counted from 0.
     pub(super) fn lost_in(&self, step: usize) -> &[u32] {
-        let start = if step == 0 { 0 } else { self.lost[step - 1] };
-        &self.collapsed[start as usize..self.lost[step] as usize]
+        let start = if step == 0 { 0 } else { self.lost_ends[step - 1] };
+        &self.lost_edges[start as usize..self.lost_ends[step] as usize]
     }
 }

@@ -17,20 +17,20 @@ pub(super) fn records(simplified: &Simplified) -> Records {
         opposite: opposites(mesh, &positions),
         first_fan: vec![0],
         fans: Vec::new(),
-        collapsed: Vec::with_capacity(removal_lods.len()),
-        lost: Vec::with_capacity(simplified.collapses().steps()),
+        lost_edges: Vec::with_capacity(removal_lods.len()),
+        lost_ends: Vec::with_capacity(simplified.collapses().steps()),
         removal_lods,
     };
     let faces = Faces::new(mesh, &records.opposite);
     Walk {
         simplified,
         positions,
-        around: CornerLists::new(mesh),
+        corner_lists: CornerLists::new(mesh),
         fan_of: vec![NONE; faces.corners.len()],
         faces,
         records,
     }
-    .all(&by_removal)
+    .finish(&by_removal)
 }
 
 /// For each vertex the list of corners that are at it. Corners of dead triangles stay in the list
@@ -55,6 +55,7 @@ impl CornerLists {
         around
     }
 
+    /// Appends a corner to the list of a vertex.
     fn push(&mut self, vertex: u32, corner: u32) {
         let v = vertex as usize;
         self.next[corner as usize] = NONE;
@@ -65,6 +66,7 @@ impl CornerLists {
         self.last[v] = corner;
     }
 
+    /// Moves the list of a vertex to `corners`, which is emptied before.
     fn take(&mut self, vertex: u32, corners: &mut Vec<u32>) {
         corners.clear();
         let mut corner = std::mem::replace(&mut self.first[vertex as usize], NONE);
@@ -81,35 +83,36 @@ struct Walk<'a> {
     simplified: &'a Simplified,
     positions: PositionIds,
     faces: Faces,
-    around: CornerLists,
+    corner_lists: CornerLists,
     /// The record whose fans a corner is to be put into.
     fan_of: Vec<u32>,
     records: Records,
 }
 
 impl Walk<'_> {
-    fn all(mut self, by_removal: &[u32]) -> Records {
+    /// Walks down. `by_removal` are the triangles in the order of their removal LODs.
+    fn finish(mut self, by_removal: &[u32]) -> Records {
         let mut corners = Vec::new();
         let (mut start, mut lost) = (0, 0);
         for &end in &self.simplified.collapses().parts().step_ends {
             for record in start..end {
-                self.around.take(record, &mut corners);
+                self.corner_lists.take(record, &mut corners);
                 corners.retain(|&c| self.records.removal_lods[c as usize / 3] > end);
-                self.fans(record, &corners);
+                self.add_fans(record, &corners);
                 let target = self.target(record, end);
-                corners.iter().for_each(|&c| self.around.push(target, c));
+                corners.iter().for_each(|&c| self.corner_lists.push(target, c));
             }
             let dying = lost
                 + by_removal[lost..]
                     .partition_point(|&t| self.records.removal_lods[t as usize] <= end);
             for &t in &by_removal[lost..dying] {
                 let edge = self.collapsed_edge(t, end);
-                self.records.collapsed.push(edge);
+                self.records.lost_edges.push(edge);
             }
-            self.records.lost.push(dying as u32);
+            self.records.lost_ends.push(dying as u32);
             self.faces.collapse(
                 &self.records,
-                self.records.lost.len() - 1,
+                self.records.lost_ends.len() - 1,
                 start..end,
                 |v| self.simplified.collapses().targets()[v as usize],
                 &mut (),
@@ -129,7 +132,7 @@ impl Walk<'_> {
     }
 
     /// Puts the surviving corners of a record into fans.
-    fn fans(&mut self, record: u32, corners: &[u32]) {
+    fn add_fans(&mut self, record: u32, corners: &[u32]) {
         for &c in corners {
             self.fan_of[c as usize] = record;
         }

@@ -12,10 +12,10 @@ pub struct Filter {
     pub triangles: BufferId,
     vertices: BufferId,
     submeshes: BufferId,
-    /// For each eight triangles a bit for each that is drawn.
+    /// A word per eight triangles: bit `j` is 1 if the `j`-th of them is drawn.
     live: BufferId,
-    /// For each eight triangles how many are drawn before them, and how many of all.
-    pub places: BufferId,
+    /// Per eight triangles the number of triangles that are drawn before them; then that of all.
+    pub drawn_before: BufferId,
     /// Corners of the triangles that are drawn.
     pub indices: BufferId,
     /// Arguments of one indirect draw per submesh.
@@ -45,20 +45,19 @@ impl Filter {
         // Filled up with triangles that are never drawn.
         let mut padded = triangles.as_flattened().to_vec();
         padded.resize(24 * eights, 0);
-        // The last sum is the number of all.
-        let places = program.zeros("places", eights + 1);
+        let drawn_before = program.zeros("drawn_before", eights + 1);
         Self {
             triangles: program.words("triangles", padded),
             vertices,
             submeshes: program.words("submeshes", ranges),
             live: program.zeros("live", eights),
-            places,
+            drawn_before,
             indices: program.zeros("indices", 3 * triangles.len()),
             draws: program.zeros("draws", 5 * mesh.submeshes().len()),
             count: program.kernel_with(shaders::FILTER_COUNT, &[("stride", stride as u32)]),
             write: program.kernel(shaders::FILTER_WRITE),
             arguments: program.kernel(shaders::FILTER_DRAWS),
-            scan: Scan::new(program, places, eights + 1),
+            scan: Scan::new(program, drawn_before, eights + 1),
             eights: eights as u32,
             submesh_count: mesh.submeshes().len() as u32,
         }
@@ -70,19 +69,19 @@ impl Filter {
         let (eights, submeshes) = (self.eights, self.submesh_count);
         let count = Pass {
             kernel: self.count,
-            buffers: vec![self.triangles, self.vertices, self.live, self.places],
+            buffers: vec![self.triangles, self.vertices, self.live, self.drawn_before],
             threads: eights + 1,
             parameters: vec![eights],
         };
         let write = Pass {
             kernel: self.write,
-            buffers: vec![self.triangles, self.live, self.places, self.indices],
+            buffers: vec![self.triangles, self.live, self.drawn_before, self.indices],
             threads: eights,
             parameters: vec![eights],
         };
         let arguments = Pass {
             kernel: self.arguments,
-            buffers: vec![self.submeshes, self.live, self.places, self.draws],
+            buffers: vec![self.submeshes, self.live, self.drawn_before, self.draws],
             threads: submeshes,
             parameters: vec![submeshes],
         };
@@ -97,8 +96,8 @@ pub struct Filtered {
     pub indices: Vec<u32>,
     /// Arguments of one draw per submesh, five words each.
     pub draws: Vec<u32>,
-    /// Number of triangles that are drawn before every eighth, and of all.
-    pub places: Vec<u32>,
+    /// As [`Filter::drawn_before`].
+    pub drawn_before: Vec<u32>,
 }
 
 /// Filters on the CPU: the twin of the kernels.
@@ -115,7 +114,7 @@ pub fn filtered(mesh: &Mesh, triangles: &[[u32; 3]], vertices: &[u32], stride: u
         let first = remaining.indices.len() as u32;
         for t in submesh.triangles() {
             if t % 8 == 0 {
-                remaining.places.push(remaining.indices.len() as u32 / 3);
+                remaining.drawn_before.push(remaining.indices.len() as u32 / 3);
             }
             let [a, b, c] = triangles[t].map(key);
             if a != b && b != c && c != a {
@@ -124,6 +123,6 @@ pub fn filtered(mesh: &Mesh, triangles: &[[u32; 3]], vertices: &[u32], stride: u
         }
         remaining.draws.extend([remaining.indices.len() as u32 - first, 1, first, 0, 0]);
     }
-    remaining.places.push(remaining.indices.len() as u32 / 3);
+    remaining.drawn_before.push(remaining.indices.len() as u32 / 3);
     remaining
 }

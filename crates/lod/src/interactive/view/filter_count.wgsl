@@ -21,7 +21,7 @@ struct Parameters {
 @group(0) @binding(3) var<storage, read_write> live: array<u32>;
 // Per eight triangles the number that is drawn, then 0: prefix sums make this the number of
 // triangles that are drawn before each eight, and of all.
-@group(0) @binding(4) var<storage, read_write> places: array<u32>;
+@group(0) @binding(4) var<storage, read_write> drawn_before: array<u32>;
 
 // Which coordinates are equal: those of the same bits, and zeros of either sign.
 fn same(x: vec3<u32>, y: vec3<u32>) -> vec3<bool> {
@@ -31,10 +31,11 @@ fn same(x: vec3<u32>, y: vec3<u32>) -> vec3<bool> {
 // 1 if triangle `t` is drawn, 0 if two of its corners are at one position. Most triangles are
 // decided by the first coordinate.
 fn drawn(t: vec3<u32>) -> u32 {
-    let at = t * stride;
+    let offsets = t * stride;
     var equal = vec3<bool>(true);
     for (var i = 0u; i < 3u; i++) {
-        let c = vec3<u32>(vertices[at.x + i], vertices[at.y + i], vertices[at.z + i]);
+        let at = offsets + i;
+        let c = vec3<u32>(vertices[at.x], vertices[at.y], vertices[at.z]);
         equal = equal & same(c, c.yzx);
         if (!any(equal)) { return 1u; }
     }
@@ -59,5 +60,5 @@ fn main(thread: Thread) {
         bits = four(6u * i) | (four(6u * i + 3u) << 4u);
         live[i] = bits;
     }
-    places[i] = countOneBits(bits);
+    drawn_before[i] = countOneBits(bits);
 }

@@ -10,14 +10,14 @@ struct Parameters { submeshes: u32 }
 // A word per eight triangles: bit j is 1 if the j-th of them is drawn.
 @group(0) @binding(2) var<storage, read> live: array<u32>;
 // Per eight triangles the number of triangles that are drawn before them, then the number of all.
-@group(0) @binding(3) var<storage, read> places: array<u32>;
+@group(0) @binding(3) var<storage, read> drawn_before: array<u32>;
 // Five words per submesh, the arguments of an indexed indirect draw: index count, instance count,
 // first index, base vertex, first instance.
 @group(0) @binding(4) var<storage, read_write> draws: array<u32>;
 
 // The number of triangles before this one that are drawn.
 fn before(triangle: u32) -> u32 {
-    let count = places[triangle / 8u];
+    let count = drawn_before[triangle / 8u];
     let rest = triangle % 8u;
     if (rest == 0u) { return count; }
     return count + countOneBits(live[triangle / 8u] & ((1u << rest) - 1u));

@@ -107,7 +107,7 @@ impl Interactive {
             let tolerance = view.morph.then_some(Tolerance { stride, floats: 3 });
             let checks = vec![
                 Expected { tolerance, ..Expected::new(vertices, shown.vertices) },
-                Expected::new(filter.places, remaining.places),
+                Expected::new(filter.drawn_before, remaining.drawn_before),
                 Expected::new(filter.indices, remaining.indices),
                 Expected::new(filter.draws, remaining.draws),
             ];

@@ -45,14 +45,15 @@ struct Parameters {
 // For each vertex x: its target, y: the LOD from which on the target is shown in its place, the end
 // of a step (all records of one collapse).
 @group(0) @binding(2) var<storage, read> links: array<vec2<u32>>;
-// Words of `by_error`: 14 powers of two, 512 errors of each (`ByError` in select.rs).
-const ERRORS = 7168u;
 // The coarsest LOD for each of `ERRORS` errors in rising order.
 @group(0) @binding(3) var<storage, read> by_error: array<u32>;
 // Vertex records of LOD 0.
 @group(0) @binding(4) var<storage, read> source: array<u32>;
 // Vertex records as they are drawn.
 @group(0) @binding(5) var<storage, read_write> vertices: array<u32>;
+
+// Words of `by_error`: 14 powers of two, 512 errors of each (`ByError` in select.rs).
+const ERRORS = 7168u;
 
 // Returns its argument, in a way that keeps the compiler from fusing or reordering the operations
 // before and after: each is rounded by itself, as on the CPU.
@@ -64,19 +65,20 @@ fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
 
 // One step of Newton's method towards the inverse square root of x, from an estimate y; `half` is
 // x / 2.
-fn nearer(y: f32, half: f32) -> f32 { return r(y * r(1.5 - r(r(half * y) * y))); }
+fn newton_step(y: f32, half: f32) -> f32 { return r(y * r(1.5 - r(r(half * y) * y))); }
 
 // 1 / sqrt(x), the same on every device, which the built-in `inverseSqrt` need not be. The constant
 // is the usual first estimate by the bits of a float.
 fn rsqrt(x: f32) -> f32 {
     let half = r(0.5 * x);
-    return nearer(nearer(bitcast<f32>(0x5f3759dfu - (bitcast<u32>(x) >> 1u)), half), half);
+    let estimate = bitcast<f32>(0x5f3759dfu - (bitcast<u32>(x) >> 1u));
+    return newton_step(newton_step(estimate, half), half);
 }
 
 // The sine of an angle from its cosine, or the cosine from its sine; both from 0 to 1.
 fn complement(cosine: f32) -> f32 {
-    let rest = max(r(1.0 - r(cosine * cosine)), 1e-20);
-    return r(rest * rsqrt(rest));
+    let squared = max(r(1.0 - r(cosine * cosine)), 1e-20);
+    return r(squared * rsqrt(squared));
 }
 
 // From 0, where some normal of the cone is seen edge-on, to 1, where all are seen face-on. `square`
@@ -85,8 +87,8 @@ fn facing(cone: u32, to_eye: vec3<f32>, square: f32) -> f32 {
     let bytes = vec3<u32>(cone << 24u, cone << 16u, cone << 8u);
     let axis = vec3<f32>(vec3<i32>(bytes) >> vec3<u32>(24u));
     let sine = r(f32(cone >> 24u) * p.b);
-    let angle = min(r(abs(dot3(axis, to_eye)) * rsqrt(r(dot3(axis, axis) * square))), 1.0);
-    return max(r(r(angle * complement(sine)) - r(complement(angle) * sine)), 0.0);
+    let cosine = min(r(abs(dot3(axis, to_eye)) * rsqrt(r(dot3(axis, axis) * square))), 1.0);
+    return max(r(r(cosine * complement(sine)) - r(complement(cosine) * sine)), 0.0);
 }
 
 fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
@@ -101,8 +103,8 @@ fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 fn on_screen(position: vec3<f32>) -> bool {
     let d = vec3<f32>(r(position.x - p.x), r(position.y - p.y), r(position.z - p.z));
     let rotation = vec3<f32>(p.a, p.b, p.c);
-    let rest = max(r(1.0 - dot3(rotation, rotation)), 1e-20);
-    let w = r(rest * rsqrt(rest));
+    let squared = max(r(1.0 - dot3(rotation, rotation)), 1e-20);
+    let w = r(squared * rsqrt(squared));
     // Rotated by the unit quaternion (rotation, w).
     let doubled = 2.0 * cross3(rotation, d);
     let second = cross3(rotation, doubled);
@@ -147,15 +149,15 @@ fn entry_position(v: u32) -> vec3<u32> {
 }
 
 // The part of its move, in 1/65536, that a vertex has made at a LOD. It disappears at
-// `leaves`, the end of a step, and begins to move n/8 records before, n being the number of
+// `removal_lod`, the end of a step, and begins to move n/8 records before, n being the number of
 // vertices that remain longer.
 //
 // Integers, because division of integers is exact; both fit 16 bits after the shift.
-fn morph_progress(leaves: u32, lod: u32) -> u32 {
-    let length = min(leaves, (p.vertices - min(leaves, p.vertices)) / 8u + 1u);
-    let records_gone = lod - min(lod, leaves - length);
+fn morph_progress(removal_lod: u32, lod: u32) -> u32 {
+    let length = min(removal_lod, (p.vertices - min(removal_lod, p.vertices)) / 8u + 1u);
+    let records_moved = lod - min(lod, removal_lod - length);
     let shift = 16u - min(16u, countLeadingZeros(length));
-    return min(((records_gone >> shift) << 16u) / (length >> shift), 65535u);
+    return min(((records_moved >> shift) << 16u) / (length >> shift), 65535u);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -180,9 +182,9 @@ fn main(thread: Thread) {
         var position_now = bitcast<vec3<f32>>(position);
         loop {
             let link = links[current];
-            let records_gone = morph_progress(link.y, lod);
-            if (records_gone == 0u) { break; }
-            share = r(share * (f32(records_gone) * (1.0 / 65536.0)));
+            let progress = morph_progress(link.y, lod);
+            if (progress == 0u) { break; }
+            share = r(share * (f32(progress) * (1.0 / 65536.0)));
             // Too small to change the result, as are all moves that follow.
             if (share < 1e-7) { break; }
             let a = bitcast<vec3<f32>>(entry_position(current));

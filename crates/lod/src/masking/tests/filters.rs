@@ -104,19 +104,19 @@ fn no_subsequence_is_shorter_than_the_shortest_filter() {
         assert_eq!(
             naive(&choose(&strip, mask), position_of),
             wanted,
-            "{strip:?}, {positions} places"
+            "{strip:?}, {positions} positions"
         );
         assert_eq!(
             mask.count_ones(),
             brute_force(&strip, position_of),
-            "{strip:?}, {positions} places"
+            "{strip:?}, {positions} positions"
         );
         assert_eq!(u64::from(filters.filter(&pattern)), mask, "{strip:?}");
         let other = trimmed(&pattern);
         assert_eq!(
             naive(&choose(&strip, other), position_of),
             wanted,
-            "{strip:?}, {positions} places"
+            "{strip:?}, {positions} positions"
         );
     }
 }

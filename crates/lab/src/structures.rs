@@ -24,6 +24,7 @@ pub(crate) trait Runner {
     fn indices(&self) -> (Vec<u32>, bool);
 }
 
+/// A [`Runner`] of any model.
 struct Run<'a, M: Model> {
     model: &'a M,
     cursor: M::Cursor,
@@ -49,25 +50,28 @@ impl<M: Model> Runner for Run<'_, M> {
     }
 }
 
-/// One row of the tables.
-pub(crate) struct Subject<'a> {
+/// A model or baseline that is measured: one row of the tables.
+pub(crate) struct Measured<'a> {
     pub(crate) name: &'static str,
-    /// For comparison only: never stored.
+    /// True if it is a baseline: for comparison only, never stored.
     pub(crate) baseline: bool,
     /// True if it shows every LOD.
     pub(crate) continuous: bool,
     /// All LODs, and those down to 95 % of them (thesis eq. 5.5).
     pub(crate) storage: [StorageCost; 2],
-    /// Bytes in a file; of baselines, what the structure really holds where that is known.
+    /// Bytes in a file; none for baselines.
     pub(crate) file_bytes: Option<u64>,
+    /// Bytes that a baseline really holds, where the thesis counts them differently.
     pub(crate) tight_bytes: Option<u64>,
-    /// Of Speed Strips.
+    /// Of Speed Strips the share of the strips' degenerate triangles that is taken out.
     pub(crate) degenerates_removed: Option<f64>,
+    /// Of Speed Strips the share of the records that change the length of a strip.
     pub(crate) length_changes: Option<f64>,
+    /// A cursor on it.
     pub(crate) runner: Box<dyn Runner + 'a>,
 }
 
-impl Subject<'_> {
+impl Measured<'_> {
     /// Returns whether it sends whole strips: Speed Strips do.
     pub(crate) fn sends_strips(&self) -> bool {
         self.length_changes.is_some()
@@ -75,20 +79,21 @@ impl Subject<'_> {
 }
 
 /// The LOD at which eq. 5.5 of the thesis stops.
-fn most(model: &impl Model) -> Lod {
+fn lod_at_95_percent(model: &impl Model) -> Lod {
     let collapses = model.simplified().collapses();
     collapses.floor(Lod((u64::from(collapses.records()) * 95 / 100) as u32))
 }
 
-fn subject<'a, M: Model>(model: &'a M, baseline: bool) -> Subject<'a>
+/// What is measured of every model and baseline; the rest is left out.
+fn measured<'a, M: Model>(model: &'a M, baseline: bool) -> Measured<'a>
 where
     M::Cursor: 'a,
 {
-    Subject {
+    Measured {
         name: model.name(),
         baseline,
         continuous: true,
-        storage: [model.storage(), model.storage_to(most(model))],
+        storage: [model.storage(), model.storage_to(lod_at_95_percent(model))],
         file_bytes: None,
         tight_bytes: None,
         degenerates_removed: None,
@@ -97,9 +102,12 @@ where
     }
 }
 
-/// Every row that has levels of detail: the models of an object, then the baselines.
-pub(crate) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> Vec<Subject<'a>> {
-    let models = object.models.iter().map(|m| Subject {
+/// Everything that has levels of detail: the models of an object, then the baselines.
+pub(crate) fn all_measured<'a>(
+    object: &'a LodObject,
+    baselines: &'a [Baseline],
+) -> Vec<Measured<'a>> {
+    let models = object.models.iter().map(|m| Measured {
         file_bytes: Some(stored_bytes(m, Layout::Packed)),
         degenerates_removed: match m {
             AnyModel::Speed(speed) => Some(speed.degenerates_removed()),
@@ -109,12 +117,12 @@ pub(crate) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> 
             AnyModel::Speed(speed) => Some(speed.length_changes()),
             _ => None,
         },
-        ..subject(m, false)
+        ..measured(m, false)
     });
-    let baselines = baselines.iter().map(|b| Subject {
+    let baselines = baselines.iter().map(|b| Measured {
         continuous: b.continuous(),
         tight_bytes: b.tight_bytes(),
-        ..subject(b, true)
+        ..measured(b, true)
     });
     models.chain(baselines).collect()
 }
