@@ -108,7 +108,9 @@ impl Original<'_> {
         let Self { input, simplified, corner_vertices, search } = self;
         let vertex_at_lod = simplified.collapses().resolve_all(lod);
         let mut level = Level { input, faces: vec![] };
-        // Triangles that both surfaces have are nowhere apart.
+        // Triangles that both surfaces have are nowhere apart. Their corners are points of `Input`:
+        // a position of the mesh, by which triangles are degenerate, and its coordinates in the
+        // shape.
         let (mut only_original, mut only_level) = (Difference::default(), Difference::default());
         for (&points, vertices) in input.triangles.iter().zip(*corner_vertices) {
             let level_points =
@@ -138,7 +140,8 @@ impl Original<'_> {
         let (to_level, to_original) =
             rayon::join(|| only_original.sample(&level), || only_level.sample(&original));
         let mean_square = to_level.mean_square.max(to_original.mean_square);
-        // The distance of a sample is a lower bound.
+        // The distance of a sample is a lower bound. A known upper bound is up to the tolerance
+        // above the distance that it is of.
         let known_distance = to_level
             .max_distance
             .max(to_original.max_distance)

@@ -119,8 +119,8 @@ impl Cursor {
         traffic(rewritten)
     }
 
-    /// Moves to the end of a step, past `records`. Returns how many indices were written, without
-    /// those of full strips.
+    /// Moves to the end of a step, past `records`. Returns how many indices were written; those of
+    /// stale full strips that are made anew are not counted.
     fn move_to(&mut self, model: &Masking, to: u32, records: &Range<u32>) -> u64 {
         let run = model.updates.in_records(records);
         // Far: with more updates than strips it costs less to make each strip once.
@@ -136,6 +136,8 @@ impl Cursor {
         }
         self.lod = to;
         let coarsens = to == records.end;
+        // Offsets are of indices of full strips, and of their copies where they have no filter
+        // change.
         let buffer = &mut self.buffer[self.padding..];
         if coarsens {
             for (&offset, &target) in run.offsets.iter().zip(run.targets) {

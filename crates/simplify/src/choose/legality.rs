@@ -64,7 +64,7 @@ pub(crate) struct Rules {
     pub(crate) preserve_topology: bool,
     /// Groups that come to share a position and a face may be united. False in rounds of several
     /// regions, as the groups may have neighbours in another one.
-    pub(crate) unites: bool,
+    pub(crate) may_unite_groups: bool,
 }
 
 impl Rules {
@@ -122,7 +122,7 @@ impl Rules {
                 return None;
             }
         }
-        if !self.unites && mesh.twins(from, to).next().is_some() {
+        if !self.may_unite_groups && mesh.twins(from, to).next().is_some() {
             return None;
         }
         let factor = if changes_topology { TOPOLOGY_FACTOR } else { 1.0 };

@@ -121,10 +121,10 @@ impl Reprice for QuadricOnly {
     fn is_active(&self) -> bool {
         false
     }
-    fn should_toggle(&self, _mesh: &WorkingMesh) -> bool {
+    fn activity_changes(&self, _mesh: &WorkingMesh) -> bool {
         false
     }
-    fn toggle(&mut self, _mesh: &WorkingMesh, _legal: bool) {}
+    fn update_activity(&mut self, _mesh: &WorkingMesh, _legal: bool) {}
     fn reprice(
         &self,
         _: &WorkingMesh,

@@ -20,11 +20,11 @@ pub(crate) trait Reprice: Sync {
     fn is_active(&self) -> bool;
 
     /// Returns whether repricing should start or end now. Called after each collapse.
-    fn should_toggle(&self, mesh: &WorkingMesh) -> bool;
+    fn activity_changes(&self, mesh: &WorkingMesh) -> bool;
 
-    /// Starts or ends repricing. `legal` says that the legal phase is on, in which every rule
-    /// holds.
-    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool);
+    /// Starts or ends repricing, if that is due now. `legal` says that the legal phase is on, in
+    /// which every rule holds.
+    fn update_activity(&mut self, mesh: &WorkingMesh, legal: bool);
 
     /// The collapse that is to be the `i`-th one whatever the prices are, if one is given.
     fn given(&self, _mesh: &WorkingMesh, _i: usize) -> Option<RecordedCollapse> {

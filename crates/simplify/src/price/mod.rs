@@ -85,7 +85,7 @@ pub(crate) struct Pricer<'a, M> {
     pub(crate) region: &'a Region,
     pub(crate) metric: &'a M,
     /// Borders and seams may be left, and what is locked may move.
-    pub(crate) leaves_features: bool,
+    pub(crate) features_may_go: bool,
 }
 
 /// A cost as a key of the queue: scaled, in single precision, and finite.
@@ -252,7 +252,7 @@ impl<M: Reprice> Pricer<'_, M> {
     /// the numbers of borders and seams that end at it. A group on one line of them may follow it;
     /// where several meet (a corner) it may move along any feature, at a price.
     fn permitted(&self, from: u32, borders: u32, seams: u32) -> Option<Permitted> {
-        if self.leaves_features {
+        if self.features_may_go {
             return Some(Permitted::All);
         }
         if self.is_locked(from) {
@@ -305,7 +305,7 @@ mod tests {
             context: &context,
             region: &region,
             metric: &QuadricOnly,
-            leaves_features: false,
+            features_may_go: false,
         })
     }
 

@@ -132,7 +132,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             pool: ScratchPool::new(M::REPRICES),
             ..LoopState::default()
         };
-        let rules = Rules { stage: Stage::Legal, preserve_topology, unites: true };
+        let rules = Rules { stage: Stage::Legal, preserve_topology, may_unite_groups: true };
         Self { context, region, metric, rules, log: CollapseLog::default(), state }
     }
 
@@ -146,17 +146,18 @@ impl<'a, M: Reprice> Engine<'a, M> {
         for stage in Stage::ALL {
             self.rules.stage = stage;
             if M::REPRICES {
-                self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
+                self.metric.update_activity(&self.region.mesh, stage == Stage::Legal);
                 if stage == Stage::Legal {
+                    // These may end where repricing begins or ends.
                     self.collapse_as_given();
-                    self.metric.toggle(&self.region.mesh, true);
+                    self.metric.update_activity(&self.region.mesh, true);
                 }
             }
             while self.region.mesh.live_faces > 0 {
                 let (before, faces) = (self.log.steps.len(), self.region.mesh.live_faces as usize);
                 self.rank_all();
                 if !self.run_queue(Queue::All, progress) {
-                    self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
+                    self.metric.update_activity(&self.region.mesh, stage == Stage::Legal);
                 } else if (self.log.steps.len() - before) * REFILL_PART <= faces {
                     // What is still refused stays so: hardly anything has changed.
                     break;
@@ -181,7 +182,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
 
     /// Collapses what costs at most `limit`, as far as it is this region's alone.
     pub(super) fn run_round(mut self, limit: f32, progress: &Progress<'_>) -> CollapseLog {
-        self.rules.unites = false;
+        self.rules.may_unite_groups = false;
         for group in 0..self.region.own_groups() as u32 {
             let choice = self.region.choices[group as usize];
             let restricted = self.region.mesh.has(group, RESTRICTED);
@@ -200,7 +201,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             context,
             region,
             metric: &**metric,
-            leaves_features: rules.stage >= Stage::Seams,
+            features_may_go: rules.stage >= Stage::Seams,
         };
         (Selector { pricer, rules: *rules }, state)
     }
@@ -277,7 +278,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             if self.log.steps.len().is_multiple_of(report_interval) {
                 progress.report(self.log.steps.len() as u64);
             }
-            if M::REPRICES && self.metric.should_toggle(&self.region.mesh) {
+            if M::REPRICES && self.metric.activity_changes(&self.region.mesh) {
                 self.rerank_waiting(&mut heap);
                 return false;
             }

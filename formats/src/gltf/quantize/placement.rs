@@ -1,6 +1,7 @@
 //! Dequantisation of positions by nodes: a mesh with quantised positions moves to a new child node
 //! whose translation and scale are those of its grid, so that the node's own transform, its
-//! animations and its other children stay as they are.
+//! animations and its other children stay as they are. A mesh with a skin is not placed by its
+//! node: there the grid goes into the inverse bind matrices of the skin.
 
 use super::grid::Grid;
 use super::skins;
@@ -8,13 +9,14 @@ use crate::gltf::extensions::{animation_pointer, of_node};
 use crate::gltf::json::{Json, Object};
 use std::collections::BTreeMap;
 
-/// Places all meshes of the document that are on a grid.
+/// Lets the document undo the grids of its meshes, given by mesh.
 pub(super) fn move_to_grids(root: &mut Object, blob: &mut [u8], grids: &BTreeMap<usize, Grid<3>>) {
+    // By accessor of matrices. Meshes that share one have the same grid (`positions::groups`).
     let skinned: BTreeMap<usize, Grid<3>> = skins::skinned_meshes(root)
-        .filter_map(|(mesh, matrices)| Some((matrices, *grids.get(&mesh)?)))
+        .filter_map(|(mesh, accessor)| Some((accessor, *grids.get(&mesh)?)))
         .collect();
-    for (matrices, grid) in &skinned {
-        skins::transform(root, blob, *matrices, grid);
+    for (accessor, grid) in &skinned {
+        skins::transform(root, blob, *accessor, grid);
     }
     let mut children = BTreeMap::new();
     for node in 0..root.list("nodes").len() {

@@ -179,17 +179,17 @@ impl Reprice for HybridMetric<'_> {
         self.active
     }
 
-    fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
+    fn activity_changes(&self, mesh: &WorkingMesh) -> bool {
         let faces = f64::from(mesh.live_faces);
         let within = |&[upper, lower]: &[f64; 2]| faces > lower && faces <= upper;
         let decides = self.samples_follow && self.hybrid_ranges.iter().any(within);
         decides != self.active
     }
 
-    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
+    fn update_activity(&mut self, mesh: &WorkingMesh, legal: bool) {
         let faces = f64::from(mesh.live_faces);
         self.samples_follow = legal && self.hybrid_ranges.iter().any(|range| faces > range[1]);
-        if self.should_toggle(mesh) {
+        if self.activity_changes(mesh) {
             self.active = !self.active;
         }
     }

@@ -111,7 +111,7 @@ fn a_commit_costs_what_the_look_said() {
         let mut metric =
             HybridMetric::new(&mesh, Some(&colours), &region, input.size, &options, known);
         let Region { mesh: mut working, wedges, .. } = region;
-        metric.toggle(&working, true);
+        metric.update_activity(&working, true);
         let mut random = shapes::Rng::new(5);
         for _ in 0..60 {
             let from = random.below(working.group_positions.len()) as u32;

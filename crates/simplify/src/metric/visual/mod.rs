@@ -221,13 +221,13 @@ impl Reprice for VisualMetric {
         !self.views.is_empty()
     }
 
-    fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
+    fn activity_changes(&self, mesh: &WorkingMesh) -> bool {
         !self.is_active() && !self.is_finished && u64::from(mesh.live_faces) <= self.face_limit
     }
 
-    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
+    fn update_activity(&mut self, mesh: &WorkingMesh, legal: bool) {
         if legal {
-            if self.should_toggle(mesh) {
+            if self.activity_changes(mesh) {
                 self.start(mesh);
             }
         } else {
