@@ -21,7 +21,10 @@ impl Shard {
         let numbers = text.split_once('/').and_then(|(i, n)| Some((number(i)?, number(n)?)));
         match numbers {
             Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, count }),
-            _ => Err("a part and their number, such as 1/4 (parts count from 1)".to_owned()),
+            _ => {
+                Err("a shard and the number of shards, such as 1/4 (shards count from 1)"
+                    .to_owned())
+            }
         }
     }
 

@@ -120,7 +120,8 @@ impl Strips {
         (triangles, strips)
     }
 
-    /// The strip that draws each triangle of the mesh; 0 where none does.
+    /// The strip that draws each triangle of the mesh, which must be the one that the strips draw;
+    /// of equal triangles the lowest strip.
     #[must_use]
     pub fn of_triangles(&self, mesh: &Mesh) -> Vec<u32> {
         let sorted = |mut corners: [u32; 3]| {

@@ -10,7 +10,8 @@ use crate::difference::Failure;
 use lodc_mesh::{Lod, PositionIds, Simplified};
 
 /// Checks that every step moves one position onto one position, and that every fake first appears
-/// as a target beside a vertex that was in use at its position.
+/// as the target of a step that also has a target in use before, with the same joints, weights and
+/// morph displacements.
 pub(super) fn check(simplified: &Simplified, positions: &PositionIds) -> [Check; 2] {
     let sequence = simplified.collapses();
     let mut apart = None;
@@ -40,7 +41,8 @@ pub(super) fn check(simplified: &Simplified, positions: &PositionIds) -> [Check;
 
 /// Largest number of pairs of a new and an old target of one step that are compared. Chosen by
 /// hand, to bound the time that crafted files take: steps of real meshes have a handful of fakes.
-/// Beyond it positions of fakes are not compared; models are replayed in any case.
+/// Beyond it joints, weights and morph displacements of fakes are not compared; models are replayed
+/// in any case.
 const MAX_PAIRS: usize = 1_000_000;
 
 /// Checks fakes, step by step.
@@ -93,8 +95,8 @@ impl<'a> Fakes<'a> {
         }
     }
 
-    /// Returns whether two vertices have the same position and, where both have such data, the same
-    /// joints, weights and morph displacements.
+    /// Returns whether two targets of a step have the same joints, weights and morph displacements,
+    /// where both have such data. That they are at one position is the other check's.
     fn same_spatial_data(&self, a: u32, b: u32) -> bool {
         let mesh = self.simplified.mesh();
         let [streams_a, streams_b] =

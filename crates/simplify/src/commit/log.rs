@@ -12,7 +12,7 @@ pub(crate) struct Step {
     /// The greatest cost of this collapse and all before it that touched the same groups: sorted by
     /// stamp, no step comes before one that it builds on.
     pub(crate) stamp: f32,
-    /// In working units.
+    /// In units of the scaled mesh that the simplifier works on.
     pub(crate) error: f32,
     /// End of its records in [`CollapseLog::wedges`]; they begin at the end of the step before.
     record_end: u32,
@@ -24,14 +24,16 @@ pub(crate) struct Step {
 /// Collapses in the order in which they happened.
 #[derive(Default)]
 pub(crate) struct CollapseLog {
-    /// The collapses for another run to repeat; empty for the quadric.
+    /// The collapses for another run by `hybrid` to begin with, as a build makes it where pictures
+    /// of this one's levels look worse. Empty for the quadric, which alone has rounds of several
+    /// regions: `append` has none to join.
     pub(crate) recorded: RecordedCollapses,
     pub(crate) steps: Vec<Step>,
     /// The wedge that disappears with each record.
     pub(crate) wedges: Vec<u32>,
     /// The wedge that each becomes.
     pub(crate) targets: Vec<u32>,
-    /// Triangles that die.
+    /// Triangles that are removed, step by step.
     pub(super) dead: Vec<u32>,
 }
 
@@ -84,7 +86,7 @@ impl CollapseLog {
         self.before(step, |s| s.record_end) as usize..self.steps[step].record_end as usize
     }
 
-    /// The triangles that die in a step.
+    /// The triangles that are removed in a step.
     pub(crate) fn removals(&self, step: usize) -> &[u32] {
         &self.dead
             [self.before(step, |s| s.removal_end) as usize..self.steps[step].removal_end as usize]
