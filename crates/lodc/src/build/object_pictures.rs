@@ -42,12 +42,13 @@ impl ObjectPictures {
         let scene_surface = surface(mesh, &appearance, noise);
         let all = scene_surface.common_looks(&scene_surface);
         let shaded = ShadingOptions { materials: false, ..all };
+        let checkerboard = ShadingOptions { checkerboard: scene_surface.all_textured, ..shaded };
         let mut kinds = vec![shaded];
         if all.materials {
             kinds.push(all);
-            kinds.push(ShadingOptions { checkerboard: scene_surface.all_textured, ..shaded });
+            // Where a submesh has no texture coordinates, it would be the first kind again.
+            kinds.extend(Some(checkerboard).filter(|kind| *kind != shaded));
         }
-        kinds.dedup();
         let references = kinds
             .into_iter()
             .map(|shading| ReferencePictures::new(&scene_surface.surface, VIEWING, shading))
