@@ -64,16 +64,21 @@ impl Block {
         self.targets.clear();
     }
 
+    /// Returns a step, by its index.
+    pub(crate) fn view(&self, index: usize) -> StepView<'_> {
+        let step = self.steps[index];
+        let [touched_start, targets_start] = match index {
+            0 => [0, 0],
+            _ => [self.steps[index - 1].touched_end, self.steps[index - 1].targets_end],
+        };
+        StepView {
+            step,
+            touched: &self.touched[touched_start as usize..step.touched_end as usize],
+            targets: &self.targets[targets_start as usize..step.targets_end as usize],
+        }
+    }
+
     pub(crate) fn views(&self) -> impl Iterator<Item = StepView<'_>> {
-        let mut starts = [0, 0];
-        self.steps.iter().map(move |&step| {
-            let ends = [step.touched_end as usize, step.targets_end as usize];
-            let [touched, targets] = std::mem::replace(&mut starts, ends);
-            StepView {
-                step,
-                touched: &self.touched[touched..ends[0]],
-                targets: &self.targets[targets..ends[1]],
-            }
-        })
+        (0..self.steps.len()).map(|index| self.view(index))
     }
 }

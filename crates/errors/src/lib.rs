@@ -19,6 +19,7 @@
 
 mod backward;
 mod block;
+mod components;
 mod faces;
 mod floor;
 mod forward;
@@ -28,7 +29,6 @@ mod levels;
 mod origin;
 mod pass;
 mod remaining_steps;
-mod runner;
 mod samples;
 mod settings;
 mod step_errors;
@@ -63,7 +63,7 @@ pub type Tick<'a> = dyn Fn() + Sync + 'a;
 /// Measures every step of a sequence. `posed` is the surface that is compared: a position for each
 /// vertex of the mesh, in the mesh's units, all finite.
 ///
-/// Two threads share the work; the result is the same with one.
+/// All threads share the work; the result is the same with any number.
 ///
 /// # Panics
 /// If there are not as many positions as vertices.
@@ -95,7 +95,7 @@ pub fn measure_over<S: AsRef<[[f32; 3]]> + Send>(
 /// Shapes of large effect come first. Two at a time are measured, and none after two that raise no
 /// error of a level above 1 % of the triangles by more than a twentieth. Returns how many were.
 ///
-/// Two threads share the work; the result is the same with one.
+/// All threads share the work; the result is the same with any number.
 ///
 /// # Panics
 /// If there are not as many distances as steps, or not as many positions as vertices in a shape.
@@ -110,13 +110,12 @@ pub fn raise<S: AsRef<[[f32; 3]]> + Send>(
     let coarsest = collapses.lod_for_triangles(triangles as u32 / COARSEST_DIVISOR);
     let counted_steps = collapses.steps_at(coarsest);
     let in_pairs = triangles <= MAX_TRIANGLES_IN_PAIRS;
-    // Two shapes at once share the threads.
-    let settings = Settings { min_threads: if in_pairs { 4 } else { 2 }, ..Settings::IN_POSES };
     let noticeable = NOTICEABLE_SHARE * simplified.mesh().diagonal();
     let mut measured_shapes = 0;
     while let Some(first) = shapes.next() {
         let second = shapes.next();
-        let one = |shape: S| measure_above(errors, simplified, shape.as_ref(), settings, tick);
+        let one =
+            |shape: S| measure_above(errors, simplified, shape.as_ref(), Settings::IN_POSES, tick);
         let (first, second) = if in_pairs {
             rayon::join(|| one(first), || second.map(one))
         } else {
@@ -149,7 +148,6 @@ fn measure_above(
     assert_eq!(posed.len(), simplified.mesh().vertex_count(), "a position for each vertex");
     let (input, corner_vertices) = input::Input::new(simplified, posed);
     let floor = Floor::new(&before.error, input.mesh_scale);
-    // Within the pool, whose number of threads decides whether a pass has two.
     rayon::scope(|_| {
         let pass = Pass { input: &input, simplified, floor, settings, tick };
         let mut errors = pass.run(corner_vertices);

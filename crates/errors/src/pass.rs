@@ -2,13 +2,13 @@
 //! is `max_squared`), and states the error of each step from it.
 //!
 //! ```text
-//!   forward    | block 1 | block 2 | block 3 | block 4 | ...    block 4 knows what the backward
-//!   backward             | block 1 | block 2 | ...               pass has found in block 1
+//!   forward    | block 1 | block 2 | block 3 | block 4 | ...    block 3 knows what the backward
+//!   backward             | block 1 | block 2 | block 3 | ...    pass has found in block 1
 //! ```
 //!
 //! The forward pass measures from the input to the level, the backward pass from the level to the
-//! input. Both run at once, some blocks of steps apart, and the forward pass always learns of a
-//! block the same number of blocks later: so nothing depends on their speed.
+//! input, one block of steps later and at the same time; it follows the components of a block in
+//! parallel. What either knows follows from the blocks alone: so nothing depends on the threads.
 
 use crate::Tick;
 use crate::backward::{Backward, FollowedBlock};
@@ -16,25 +16,17 @@ use crate::block::Block;
 use crate::floor::{Floor, MARGIN};
 use crate::forward::Forward;
 use crate::input::Input;
-use crate::runner::{InlineRunner, Runner, ThreadRunner};
 use crate::settings::Settings;
 use crate::step_errors::StepErrors;
 use crate::work::ROUNDING_SQUARED;
 use lodc_mesh::Simplified;
 
 /// A block has the steps done, or those to come if they are fewer, divided by this: E grows fast at
-/// both ends. Between two bounds, which keep blocks worth handing over, and short enough that the
-/// backward pass is never far behind. Chosen by hand.
-const BLOCK_DIVISOR: u32 = 16;
+/// both ends, and the passes hear of it a block or two late. Between two bounds, which keep blocks
+/// worth sharing out, and their memory small. Chosen by hand.
+const BLOCK_DIVISOR: u32 = 32;
 const MIN_BLOCK_STEPS: u32 = 32;
 const MAX_BLOCK_STEPS: u32 = 2_048;
-
-/// Blocks that the forward pass is ahead of the backward pass. With fewer, threads wait for each
-/// other; with more, the forward pass hears of a larger E late. Chosen by hand.
-const BLOCKS_AHEAD: usize = 3;
-
-/// Meshes of fewer steps are followed on one thread: starting another takes as long.
-const MIN_STEPS_FOR_THREAD: u32 = 1_000;
 
 /// What a pass works on.
 #[derive(Clone, Copy)]
@@ -52,52 +44,37 @@ impl Pass<'_> {
     /// floor. `corner_vertices` has the vertices of the input's triangles.
     pub(crate) fn run(self, corner_vertices: Vec<[u32; 3]>) -> StepErrors {
         let Self { input, floor, settings, .. } = self;
+        let (sequence, steps) = (self.simplified.collapses(), self.steps());
         (self.tick)();
-        let (forward, backward) = rayon::join(
+        let (mut forward, mut backward) = rayon::join(
             || Forward::new(input, corner_vertices, floor, settings),
             || Backward::new(input, settings),
         );
-        let threads = rayon::current_num_threads();
-        if threads < settings.min_threads || self.steps() < MIN_STEPS_FOR_THREAD {
-            return self.follow(forward, InlineRunner::new(backward));
+        let mut stated = StatedErrors::new(&self, forward.point_area_share());
+        // The block that the forward pass follows, and the one before it.
+        let (mut block, mut previous) = (Block::default(), Block::default());
+        let mut steps_done = 0;
+        loop {
+            (self.tick)();
+            let count = (steps_done.min(steps - steps_done) / BLOCK_DIVISOR)
+                .clamp(MIN_BLOCK_STEPS, MAX_BLOCK_STEPS);
+            let range = steps_done..(steps_done + count).min(steps);
+            steps_done = range.end;
+            let ((), followed) = rayon::join(
+                || forward.run(sequence, range, &mut block),
+                || backward.run(&previous),
+            );
+            stated.push(&previous, &followed);
+            forward.learn(followed.max_squared, followed.work);
+            if block.steps.is_empty() {
+                return stated.errors;
+            }
+            std::mem::swap(&mut block, &mut previous);
         }
-        std::thread::scope(|scope| self.follow(forward, ThreadRunner::spawn(scope, backward)))
     }
 
     fn steps(&self) -> u32 {
         self.simplified.collapses().steps() as u32
-    }
-
-    /// Follows all steps block by block.
-    fn follow(&self, mut forward: Forward, mut backward: impl Runner) -> StepErrors {
-        let (sequence, steps) = (self.simplified.collapses(), self.steps());
-        let mut stated = StatedErrors::new(self, forward.point_area_share());
-        let (mut blocks_under_way, mut steps_done) = (0, 0);
-        loop {
-            (self.tick)();
-            let mut block = Block::default();
-            if blocks_under_way == BLOCKS_AHEAD {
-                let Some(followed) = backward.receive() else { break };
-                stated.push(&followed);
-                forward.learn(followed.max_squared, followed.work);
-                block = followed.block;
-                blocks_under_way -= 1;
-            }
-            let count = (steps_done.min(steps - steps_done) / BLOCK_DIVISOR)
-                .clamp(MIN_BLOCK_STEPS, MAX_BLOCK_STEPS);
-            let range = steps_done..(steps_done + count).min(steps);
-            forward.run(sequence, range.clone(), &mut block);
-            if block.steps.is_empty() {
-                break;
-            }
-            steps_done = range.end;
-            backward.send(block);
-            blocks_under_way += 1;
-        }
-        for _ in 0..blocks_under_way {
-            backward.receive().iter().for_each(|followed| stated.push(followed));
-        }
-        stated.errors
     }
 }
 
@@ -122,8 +99,8 @@ impl<'a> StatedErrors<'a> {
     }
 
     /// Adds the steps of a block, as far as both passes have followed them.
-    fn push(&mut self, FollowedBlock { block, distances, .. }: &FollowedBlock) {
-        for (view, distances) in block.views().zip(distances) {
+    fn push(&mut self, block: &Block, followed: &FollowedBlock) {
+        for (view, distances) in block.views().zip(&followed.distances) {
             self.moving_steps += u32::from(!view.touched.is_empty());
             if self.input.triangles.is_empty() {
                 self.errors.push(0.0, 0.0);

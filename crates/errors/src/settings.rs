@@ -2,8 +2,6 @@
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
-    /// The backward pass has a thread of its own where the pool has at least this many.
-    pub(crate) min_threads: usize,
     /// Samples that a mesh of few triangles gets in all.
     pub(crate) few_triangles_samples: f64,
     /// Samples that all faces together keep where few faces are left.
@@ -19,16 +17,14 @@ pub(crate) struct Settings {
 impl Settings {
     /// For the shape in which all steps are measured.
     pub(crate) const AT_REST: Self = Self {
-        min_threads: 2,
         few_triangles_samples: 30_000.0,
-        few_faces_samples: 10_000,
+        few_faces_samples: 3_000,
         exhaustive_triangles: 512,
         look_up_means: true,
     };
 
     /// For shapes of which only what exceeds the errors of another one matters.
     pub(crate) const IN_POSES: Self = Self {
-        min_threads: 4,
         few_triangles_samples: 5_000.0,
         few_faces_samples: 2_000,
         exhaustive_triangles: 0,

@@ -13,7 +13,7 @@ use lodc_mesh::NONE;
 /// (1.07 stated, 1.41 measured on a cone of 100,000 needles): hence the outermost ones below.
 const MIN_KEPT: usize = 16;
 /// The most that it keeps besides the outermost, where few faces are left. Chosen by hand.
-const MAX_KEPT: usize = 256;
+const MAX_KEPT: usize = 64;
 
 /// A face keeps the outermost samples, too, if a squared distance is beyond this share of E² (half
 /// of E), and the area of its samples is more than this many times a mean face's; unless it keeps
