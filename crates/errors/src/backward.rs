@@ -124,8 +124,8 @@ impl<'a> Backward<'a> {
             tasks.push((start[0], faces, steps));
             (faces_left, start) = (others, end);
         }
-        let follow = |searcher: &mut (TriangleSearcher, Vec<DVec3>), (first_face, faces, steps)| {
-            let (searcher, link) = searcher;
+        type Buffers = (TriangleSearcher, Vec<DVec3>);
+        let follow = |(searcher, link): &mut Buffers, (first_face, faces, steps)| {
             let component = Component {
                 input,
                 settings: *settings,
@@ -139,9 +139,8 @@ impl<'a> Backward<'a> {
             };
             component.follow_all(block, &components.face_indices, steps)
         };
-        let buffers = || {
-            (TriangleSearcher::new(FarthestSearch::for_size(input.diagonal)), Vec::<DVec3>::new())
-        };
+        let search = FarthestSearch::for_size(input.diagonal);
+        let buffers = || (TriangleSearcher::new(search), Vec::new());
         let followed: Vec<FollowedComponent> =
             tasks.into_par_iter().map_init(buffers, follow).collect();
         for (&face, after) in components.faces.iter().zip(faces) {

@@ -36,10 +36,9 @@ impl Components {
         self.ends.clear();
         self.component_of_root.clear();
         self.component_of_root.resize(self.parents.len(), NONE);
-        for &[step, first_face] in &touched_by_step {
+        for &[_, first_face] in &touched_by_step {
             let component = self.component_of(first_face);
             self.ends[component as usize][1] += 1;
-            self.steps.push(step);
         }
         for face in 0..self.parents.len() as u32 {
             let component = self.component_of(face);
@@ -52,6 +51,7 @@ impl Components {
             sum = [sum[0] + end[0], sum[1] + end[1]];
             *end = sum;
         }
+        self.steps.resize(touched_by_step.len(), 0);
         for &[step, first_face] in &touched_by_step {
             let start = &mut starts[self.component_of(first_face) as usize];
             self.steps[start[1] as usize] = step;
@@ -71,20 +71,20 @@ impl Components {
         for (step, view) in (0..).zip(block.views()) {
             let mut first_face = NONE;
             for touched in view.touched {
-                let index = &mut self.index_of_face[touched.face as usize];
-                if *index == NONE {
-                    *index = self.faces.len() as u32;
+                let new_index = self.faces.len() as u32;
+                let slot = &mut self.index_of_face[touched.face as usize];
+                if *slot == NONE {
+                    *slot = new_index;
                     self.faces.push(touched.face);
-                    self.parents.push(*index);
+                    self.parents.push(new_index);
                 }
-                self.face_indices.push(*index);
+                let index = *slot;
+                self.face_indices.push(index);
                 if first_face == NONE {
-                    first_face = *index;
-                } else {
-                    let (a, b) = (root(&mut self.parents, first_face), *index);
-                    let b = root(&mut self.parents, b);
-                    self.parents[a.max(b) as usize] = a.min(b);
+                    first_face = index;
                 }
+                let roots = [first_face, index].map(|face| root(&mut self.parents, face));
+                self.parents[roots[0].max(roots[1]) as usize] = roots[0].min(roots[1]);
             }
             if first_face != NONE {
                 touched_by_step.push([step, first_face]);
