@@ -20,8 +20,8 @@ const NEAR_ENOUGH: f64 = 0.39;
 const SEARCHED_BEYOND: f64 = 0.6;
 
 /// Where no more faces than this are left, every one is searched as a whole: faces are large there,
-/// and four points say little of them. Four times as many find nothing more, and take a tenth more
-/// time.
+/// and four points say little of them. Four times as many find nothing more, and take a twentieth
+/// more time.
 const FEW_FACES: u32 = 150;
 
 /// Bounds on distances are rounded up by this, more than an `f32` loses.
@@ -114,15 +114,15 @@ impl<'a> Backward<'a> {
     pub(crate) fn run(&mut self, block: &Block) -> FollowedBlock {
         let Self { input, settings, components, .. } = self;
         components.find(block);
-        let mut faces: Vec<Face> =
-            components.faces.iter().map(|&face| self.faces[face as usize]).collect();
-        let mut tasks = Vec::with_capacity(components.ends.len());
-        let (mut faces_left, mut start) = (&mut faces[..], [0, 0]);
-        for &end in &components.ends {
-            let (faces, others) = faces_left.split_at_mut((end[0] - start[0]) as usize);
-            let steps = &components.steps[start[1] as usize..end[1] as usize];
-            tasks.push((start[0], faces, steps));
-            (faces_left, start) = (others, end);
+        let face_of = |&face: &u32| self.faces[face as usize];
+        let mut faces: Vec<Face> = components.faces.values.iter().map(face_of).collect();
+        let mut tasks = Vec::with_capacity(components.faces.rows());
+        let mut faces_left = &mut faces[..];
+        for component in 0..components.faces.rows() as u32 {
+            let range = components.faces.range(component);
+            let (faces, others) = faces_left.split_at_mut(range.len());
+            tasks.push((range.start as u32, faces, components.steps.row(component)));
+            faces_left = others;
         }
         type Buffers = (TriangleSearcher, Vec<DVec3>);
         let follow = |(searcher, link): &mut Buffers, (first_face, faces, steps)| {
@@ -143,7 +143,7 @@ impl<'a> Backward<'a> {
         let buffers = || (TriangleSearcher::new(search), Vec::new());
         let followed: Vec<FollowedComponent> =
             tasks.into_par_iter().map_init(buffers, follow).collect();
-        for (&face, after) in components.faces.iter().zip(faces) {
+        for (&face, after) in components.faces.values.iter().zip(faces) {
             self.faces[face as usize] = after;
         }
         self.join(block, followed)

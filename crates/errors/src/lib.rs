@@ -148,6 +148,7 @@ fn measure_above(
     assert_eq!(posed.len(), simplified.mesh().vertex_count(), "a position for each vertex");
     let (input, corner_vertices) = input::Input::new(simplified, posed);
     let floor = Floor::new(&before.error, input.mesh_scale);
+    // Within the pool: else each block would wait for a thread of it to wake.
     rayon::scope(|_| {
         let pass = Pass { input: &input, simplified, floor, settings, tick };
         let mut errors = pass.run(corner_vertices);

@@ -338,12 +338,13 @@ const DEFECTS: &[Defect] = &[
     ("errors of four times the size", |p| p.scale_errors(4.0), "the error is 0.30"),
     ("errors of ten times the size", |p| p.scale_errors(10.0), "the error is 0.76"),
     (
-        "the error of one step as large as that of a later one",
+        "the errors of three steps as large as that of a later one",
         |p| {
             let i = p.step();
-            p.sequence.step_errors[i] = p.sequence.step_errors[i + 3];
+            let later = p.sequence.step_errors[i + 3];
+            p.sequence.step_errors[i..i + 3].fill(later);
         },
-        "step 120 does not follow the one before it",
+        "LOD 120: the error is 0.076",
     ),
     (
         "the error of one step as small as that before it",

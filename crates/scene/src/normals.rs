@@ -6,7 +6,7 @@
 //! not depend on how a face is cut into triangles.
 
 use glam::{DVec3, Vec3};
-use lodc_mesh::{Csr, PositionIds};
+use lodc_mesh::{Csr, DisjointSets, PositionIds};
 use rayon::prelude::*;
 
 /// Cosine of the angle between two triangles' normals beyond which their edge is sharp: 60°. Chosen
@@ -86,8 +86,8 @@ impl Stars<'_> {
             spokes.extend([(end(b), i, true), (end(c), i, false)]);
         }
         spokes.sort_unstable();
-        // Disjoint sets of corners that share a normal: for each corner another one of its set.
-        let mut sets: Vec<usize> = (0..corners.len()).collect();
+        // Corners that share a normal.
+        let mut sets = DisjointSets::new(corners.len());
         for edge in spokes.chunk_by(|a, b| a.0 == b.0) {
             for (i, &(_, one, outward)) in edge.iter().enumerate() {
                 for &(_, other, other_outward) in edge[i + 1..].iter().take(MAX_COMPARED) {
@@ -96,18 +96,18 @@ impl Stars<'_> {
                     // of a surface: beyond a sharp edge, the back of a two-sided sheet may have
                     // nearly the normal of the front's neighbour.
                     if outward != other_outward && n.dot(m) > CREASE_COSINE {
-                        let [a, b] = [one, other].map(|k| root(&mut sets, k));
-                        sets[a.max(b)] = a.min(b);
+                        sets.join(one as u32, other as u32);
                     }
                 }
             }
         }
         let mut sums = vec![DVec3::ZERO; corners.len()];
         for (i, &corner) in corners.iter().enumerate() {
-            sums[root(&mut sets, i)] += self.flat[corner as usize / 3] * self.angle(corner);
+            sums[sets.find(i as u32) as usize] +=
+                self.flat[corner as usize / 3] * self.angle(corner);
         }
         let normal = |(i, &corner): (usize, &u32)| {
-            let mean = unit(sums[root(&mut sets, i)]);
+            let mean = unit(sums[sets.find(i as u32) as usize]);
             let flat = self.flat[corner as usize / 3];
             (if mean == DVec3::ZERO { flat } else { mean }).as_vec3()
         };
@@ -126,15 +126,6 @@ impl Stars<'_> {
         let [a, b, c] = self.vertices_from(corner).map(|v| self.positions[v as usize]);
         arc_cosine(unit(b - a).dot(unit(c - a)).clamp(-1.0, 1.0))
     }
-}
-
-/// Returns the representative of the set of `i`, and halves the path to it.
-fn root(sets: &mut [usize], mut i: usize) -> usize {
-    while sets[i] != i {
-        sets[i] = sets[sets[i]];
-        i = sets[i];
-    }
-    i
 }
 
 /// Returns the arc cosine with an error below 0.0001, by operations that every machine rounds alike
