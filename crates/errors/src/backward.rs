@@ -20,9 +20,9 @@ const NEAR_ENOUGH: f64 = 0.39;
 const SEARCHED_BEYOND: f64 = 0.6;
 
 /// Where no more faces than this are left, every one is searched as a whole: faces are large there,
-/// and four points say little of them. Four times as many find nothing more, and take a twentieth
-/// more time.
-const FEW_FACES: u32 = 150;
+/// and four points say little of them. With 150, three of 5,000 mutated meshes have levels up to
+/// 1.24 times as far as they state; doing so always takes twice the time on the bunny.
+const FEW_FACES: u32 = 600;
 
 /// Bounds on distances are rounded up by this, more than an `f32` loses.
 const ROUND_UP: f64 = 1.0 + 1e-6;
@@ -267,7 +267,7 @@ impl Component<'_> {
                         && !self.is_far_at_points(touched, face, corners) => {}
                 _ => self.search_face(touched, face, corners),
             }
-            let is_small = self.input.triangles.len() <= self.settings.exhaustive_triangles;
+            let is_small = self.settings.is_exhaustive(self.input.triangles.len());
             let mean_square = match f64::from(touched.mean_square) {
                 _ if is_small => Some(self.mean_square_at(face, corners, &NINE_POINTS)),
                 mean if !mean.is_nan() => Some(mean),

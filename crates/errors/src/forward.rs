@@ -90,7 +90,8 @@ impl<'a> Forward<'a> {
     ) -> Self {
         let mut faces = Faces::new(input, &corner_vertices);
         drop(corner_vertices);
-        let samples = Samples::new(input, &mut faces.all, settings.few_triangles_samples);
+        let few_triangles_samples = settings.few_triangles_samples(input.triangles.len());
+        let samples = Samples::new(input, &mut faces.all, few_triangles_samples);
         Self {
             input,
             floor,
@@ -201,7 +202,7 @@ impl<'a> Forward<'a> {
             let (samples, faces) = (&mut self.samples, &mut self.faces.all);
             self.thinning.thin(samples, faces, face, live_faces, self.max_squared);
         }
-        if self.input.triangles.len() <= self.settings.exhaustive_triangles {
+        if self.settings.is_exhaustive(self.input.triangles.len()) {
             self.search_all_around();
         }
     }

@@ -23,9 +23,9 @@ const AREA_PER_SAMPLE: f64 = 2.0;
 /// one for each half of that length. Chosen by hand.
 const LONG_EDGE_RATIO: f64 = 6.0;
 
-/// Most samples that one triangle of a mesh of few gets. Chosen by hand: the mean distance of cubes
-/// is known to a few hundredths. A `u8` holds the number.
-const MAX_SAMPLES_OF_FEW: f64 = 48.0;
+/// Most samples that one triangle of a mesh of few gets, as a share of the mesh's: 160 of 30,000.
+/// Chosen by hand; a `u8` holds the number.
+const MAX_SHARE_OF_SAMPLES: f64 = 1.0 / 187.5;
 
 /// The samples of a face represent it if the areas that belong to them are this many times its own:
 /// then its mean distance is theirs. Where they are more, some come from parts that are gone: these
@@ -234,7 +234,7 @@ fn extra_counts(
         // Half of them by area, half by length.
         let for_few = if has_few_triangles && total_length > 0.0 && total_area > 0.0 {
             (0.5 * few_triangles_samples * (area / total_area + length / total_length))
-                .min(MAX_SAMPLES_OF_FEW)
+                .min(few_triangles_samples * MAX_SHARE_OF_SAMPLES)
         } else {
             0.0
         };

@@ -333,8 +333,8 @@ const DEFECTS: &[Defect] = &[
     // Curves.
     ("errors that are 0", |p| p.scale_errors(0.0), "the error is 0, measured are 0.07"),
     ("errors of half the size", |p| p.scale_errors(0.5), "the error is 0.038"),
-    ("errors of 0.9 of the size", |p| p.scale_errors(0.9), "the error is 0.000000059"),
-    ("errors of 1.5 times the size", |p| p.scale_errors(1.5), "the error is 0.000000099"),
+    ("errors of 0.9 of the size", |p| p.scale_errors(0.9), "the error is 0.000000054"),
+    ("errors of 1.5 times the size", |p| p.scale_errors(1.5), "the error is 0.000000091"),
     ("errors of four times the size", |p| p.scale_errors(4.0), "the error is 0.30"),
     ("errors of ten times the size", |p| p.scale_errors(10.0), "the error is 0.76"),
     (
@@ -355,7 +355,7 @@ const DEFECTS: &[Defect] = &[
             errors[i] = errors[i - 1];
             p.scale_rms(1.0);
         },
-        "LOD 358: the error is 2.7038429, measured are 3.1",
+        "LOD 358: the error is 2.711824, measured are 3.1",
     ),
     (
         "errors a step later",
@@ -380,7 +380,7 @@ const DEFECTS: &[Defect] = &[
     (
         "root mean squares of 0.9 of the size",
         |p| p.scale_rms(0.9),
-        "the root mean square distance is 0.0000000023",
+        "the root mean square distance is 0.0000000021",
     ),
     (
         "root mean squares of twelve times the size",
