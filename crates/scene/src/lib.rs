@@ -50,7 +50,7 @@ pub use image::Image;
 pub use material::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 pub use motion::Motion;
 pub use normals::{flat_normals, smooth_normals};
-pub use placement::{Arrangement, Placement};
+pub use placement::{Arrangement, Placement, evenly_spread, share_in_pictures};
 pub use pose::Pose;
 pub use posed::{PosedVertices, posed, posed_positions, stream};
 pub use scale::{ObjectInScene, object_in_scene, placement_scales, representative};

@@ -56,8 +56,31 @@ impl Arrangement {
         if placements.is_empty() {
             placements.extend((0..objects).map(Placement::as_modelled));
         }
+        Self::from_placements(placements, objects)
+    }
+
+    fn from_placements(placements: Vec<Placement>, objects: usize) -> Self {
         let numbers = placements.iter().zip(0..).map(|(p, i)| (p.object as u32, i));
         Self { of_object: Csr::new(objects, numbers), placements }
+    }
+
+    /// Counts the triangles of all placements, where `triangles` tells those of an object.
+    pub fn triangles(&self, triangles: impl Fn(usize) -> usize) -> usize {
+        let counts = self.placements.iter().map(|p| triangles(p.object));
+        counts.fold(0, usize::saturating_add)
+    }
+
+    /// Returns a share of each object's placements: [`evenly_spread`] over them.
+    #[must_use]
+    pub fn thinned(&self, share: f64) -> Self {
+        let objects = self.of_object.rows();
+        let mut is_kept = vec![false; self.placements.len()];
+        for object in 0..objects as u32 {
+            let all = self.of_object.row(object);
+            evenly_spread(all.len(), share).for_each(|i| is_kept[all[i] as usize] = true);
+        }
+        let kept = self.placements.iter().zip(is_kept).filter(|&(_, is_kept)| is_kept);
+        Self::from_placements(kept.map(|(p, _)| p.clone()).collect(), objects)
     }
 
     /// Every placement, in the order of the nodes.
@@ -70,6 +93,22 @@ impl Arrangement {
     pub fn of(&self, object: usize) -> impl Iterator<Item = &Placement> {
         self.of_object.row(object as u32).iter().map(|&p| &self.placements[p as usize])
     }
+}
+
+/// Returns the share of each object's placements that pictures of a scene need to show, from its
+/// number of triangles, instances counted: in a crowd each instance is smaller than a pixel.
+#[must_use]
+pub fn share_in_pictures(triangles: usize) -> f64 {
+    /// All are shown up to here. Chosen by hand.
+    const THINNED_FROM: usize = 1 << 20;
+    (THINNED_FROM as f64 / triangles as f64).min(1.0)
+}
+
+/// Returns a share (above 0, up to 1) of some numbers below `count`, evenly spread and rising; at
+/// least one if there is any.
+pub fn evenly_spread(count: usize, share: f64) -> impl Iterator<Item = usize> {
+    let chosen = (count as f64 * share).ceil() as usize;
+    (0..chosen).map(move |i| i * count / chosen)
 }
 
 impl Graph {
@@ -159,6 +198,26 @@ mod tests {
         assert_eq!(graph.placement_count(), 3);
         pose.locals[0] = moved(10.0);
         assert_eq!(at(&pose), [(0, 12.0), (1, 14.25), (1, 14.5)]);
+    }
+
+    #[test]
+    fn of_many_placements_a_share_of_each_object_stays() {
+        let shown = |x: u32, object| Node {
+            local: moved(f64::from(x)),
+            objects: vec![object],
+            ..Node::default()
+        };
+        let nodes = (0..12).map(|x| shown(x, u32::from(x == 4))).collect();
+        let graph = Graph { nodes, roots: (0..12).collect(), skins: Vec::new() };
+        let all = Arrangement::new(&graph, &graph.rest_pose(), 3);
+        let nodes = |share| -> Vec<Option<u32>> {
+            all.thinned(share).placements().iter().map(|p| p.node).collect()
+        };
+        assert_eq!(nodes(0.3), [0, 2, 4, 6, 9].map(Some));
+        assert_eq!(nodes(1e-9), [0, 4].map(Some));
+        assert_eq!(nodes(1.0), (0..12).map(Some).collect::<Vec<_>>());
+        let thinned = all.thinned(0.3);
+        assert_eq!([0, 1, 2].map(|object| thinned.of(object).count()), [4, 1, 0]);
     }
 
     #[test]

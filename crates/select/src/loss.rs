@@ -5,14 +5,16 @@ use crate::quadric::accumulated_error;
 use crate::visibility::{Part, visible_areas};
 use glam::DVec3;
 use lodc_mesh::{PositionIds, Simplified};
-use lodc_scene::{Arrangement, Placement, placement_scales, posed_positions};
+use lodc_scene::{
+    Arrangement, Placement, evenly_spread, placement_scales, posed_positions, share_in_pictures,
+};
 use rayon::prelude::*;
 
 /// Weight of the area of a face that is not visible. Chosen by hand: small, but not nothing, since
 /// pictures from outside do not show what a camera inside sees.
 const HIDDEN_WEIGHT: f64 = 0.03;
-/// With more triangles than this, instances counted, no pictures are taken and all count as
-/// visible. Chosen by hand.
+/// If pictures had to show more triangles than this, none are taken and all count as visible.
+/// Chosen by hand.
 const MAX_TRIANGLES: usize = 1 << 24;
 
 /// Returns for each object the loss after each of its steps, never falling.
@@ -38,18 +40,24 @@ pub(crate) struct Visibility {
 
 impl Visibility {
     pub(crate) fn new(objects: &[&Simplified], scene: &Arrangement) -> Self {
-        let triangles = |p: &Placement| objects[p.object].mesh().triangles().len();
-        let triangles = scene.placements().iter().map(triangles).fold(0, usize::saturating_add);
-        let with_pictures = triangles <= MAX_TRIANGLES;
+        let triangles = |object: usize| objects[object].mesh().triangles().len();
+        let share = share_in_pictures(scene.triangles(triangles));
+        let has_pictures = scene.thinned(share).triangles(triangles) <= MAX_TRIANGLES;
+        Self::in_pictures(objects, scene, has_pictures.then_some(share))
+    }
+
+    /// As [`Self::new`], by pictures of a share of each object's placements; of none without.
+    fn in_pictures(objects: &[&Simplified], scene: &Arrangement, share: Option<f64>) -> Self {
         let placed: Vec<PlacedObject> = objects
             .par_iter()
             .enumerate()
-            .map(|(o, s)| place_object(o, s, scene, with_pictures))
+            .map(|(o, s)| PlacedObject::new(o, s, scene, share))
             .collect();
         let mut parts = Vec::new();
         for (simplified, placed) in objects.iter().zip(&placed) {
             let triangles = simplified.mesh().triangles();
-            parts.extend(placed.pictured().iter().map(|positions| Part { positions, triangles }));
+            let positions = placed.pictured().iter().map(|shown| shown.vertices.as_slice());
+            parts.extend(positions.map(|positions| Part { positions, triangles }));
         }
         let mut areas = visible_areas(&parts).into_iter();
         let areas =
@@ -80,62 +88,80 @@ impl Visibility {
 /// An object with all its placements.
 #[derive(Debug)]
 struct PlacedObject {
-    /// The vertices of each placement; only of that of largest scale if it is in no pictures.
-    vertices: Vec<Vec<DVec3>>,
-    /// True if it is in the pictures.
-    is_pictured: bool,
     /// World units per mesh unit of each placement.
     scales: Vec<f64>,
-    /// The placement of largest scale.
+    /// The placements that are shown in pictures, and that of largest scale.
+    shown: Vec<ShownPlacement>,
+    /// The index in `shown` of that of largest scale.
     largest: usize,
+    /// True if it is in the pictures.
+    is_pictured: bool,
 }
 
-/// Places an object where the scene shows it, or as it was modelled.
-fn place_object(
-    object: usize,
-    simplified: &Simplified,
-    scene: &Arrangement,
-    with_pictures: bool,
-) -> PlacedObject {
-    let mesh = simplified.mesh();
-    let usable = |s: f64| s.is_finite() && s > 0.0;
-    let as_modelled = Placement::as_modelled(object);
-    let mut placed = placement_scales(mesh, object, scene);
-    placed.retain(|(_, scale)| usable(*scale));
-    let is_in_scene = !placed.is_empty();
-    if !is_in_scene {
-        placed.push((&as_modelled, 1.0));
-    }
-    let mut largest = 0;
-    for (i, (_, scale)) in placed.iter().enumerate() {
-        if *scale > placed[largest].1 {
-            largest = i;
-        }
-    }
-    let scales = placed.iter().map(|p| p.1).collect();
-    // An object that the scene does not show must not hide others in the pictures.
-    let is_pictured = with_pictures && is_in_scene;
-    if !is_pictured {
-        placed = vec![placed[largest]];
-    }
-    let vertices = placed.iter().map(|(placement, _)| posed_positions(mesh, placement)).collect();
-    PlacedObject { vertices, is_pictured, scales, largest }
+#[derive(Debug)]
+struct ShownPlacement {
+    vertices: Vec<DVec3>,
+    /// World units per mesh unit.
+    scale: f64,
 }
 
 impl PlacedObject {
-    /// The vertices of the placements that are in pictures.
-    fn pictured(&self) -> &[Vec<DVec3>] {
-        if self.is_pictured { &self.vertices } else { &[] }
+    /// Places an object where the scene shows it, or as it was modelled; in the pictures a `share`
+    /// of its placements, if there are pictures.
+    fn new(
+        object: usize,
+        simplified: &Simplified,
+        scene: &Arrangement,
+        share: Option<f64>,
+    ) -> Self {
+        let mesh = simplified.mesh();
+        let usable = |s: f64| s.is_finite() && s > 0.0;
+        let as_modelled = Placement::as_modelled(object);
+        let mut placed = placement_scales(mesh, object, scene);
+        placed.retain(|(_, scale)| usable(*scale));
+        let is_in_scene = !placed.is_empty();
+        if !is_in_scene {
+            placed.push((&as_modelled, 1.0));
+        }
+        let mut largest = 0;
+        for (i, (_, scale)) in placed.iter().enumerate() {
+            if *scale > placed[largest].1 {
+                largest = i;
+            }
+        }
+        // An object that the scene does not show must not hide others in the pictures.
+        let share = share.filter(|_| is_in_scene);
+        let mut shown: Vec<usize> =
+            share.map_or(vec![], |share| evenly_spread(placed.len(), share).collect());
+        let largest = shown.binary_search(&largest).unwrap_or_else(|place| {
+            shown.insert(place, largest);
+            place
+        });
+        let show = |&i: &usize| {
+            let (placement, scale) = placed[i];
+            ShownPlacement { vertices: posed_positions(mesh, placement), scale }
+        };
+        Self {
+            scales: placed.iter().map(|p| p.1).collect(),
+            shown: shown.iter().map(show).collect(),
+            largest,
+            is_pictured: share.is_some(),
+        }
+    }
+
+    /// The placements that are in pictures.
+    fn pictured(&self) -> &[ShownPlacement] {
+        if self.is_pictured { &self.shown } else { &[] }
     }
 
     /// Vertices of the placement of largest scale.
     fn positions(&self) -> &[DVec3] {
-        &self.vertices[if self.is_pictured { self.largest } else { 0 }]
+        &self.shown[self.largest].vertices
     }
 
     /// Scales of the placements, relative to the largest.
     fn relative_scales(&self) -> impl Iterator<Item = f64> {
-        self.scales.iter().map(|s| s / self.scales[self.largest])
+        self.scales.iter().map(|s| s / self.shown[self.largest].scale)
     }
 
     /// The area of all placements together, relative to that of the largest.
@@ -143,8 +169,8 @@ impl PlacedObject {
         self.relative_scales().map(|r| r * r).sum()
     }
 
-    /// The visible area of a triangle in the placement of largest scale, averaged over all
-    /// placements (`visible`, empty without pictures: then all of it), and the rest of its area
+    /// The visible area of a triangle in the placement of largest scale, averaged over those in
+    /// pictures (`visible`, empty without pictures: then all of it), and the rest of its area
     /// weighted by `hidden_weight`.
     fn area(&self, t: usize, triangle: &[u32; 3], visible: &[Vec<f64>], hidden_weight: f64) -> f64 {
         let [a, b, c] = triangle.map(|v| self.positions()[v as usize]);
@@ -152,7 +178,10 @@ impl PlacedObject {
         if visible.is_empty() {
             return area;
         }
-        let visible = visible.iter().map(|part| part[t]).sum::<f64>() / self.squared_scales();
+        let largest_scale = self.shown[self.largest].scale;
+        let squared_scales: f64 =
+            self.shown.iter().map(|p| (p.scale / largest_scale).powi(2)).sum();
+        let visible = visible.iter().map(|part| part[t]).sum::<f64>() / squared_scales;
         hidden_weight * area + (1.0 - hidden_weight) * visible.min(area)
     }
 
@@ -177,5 +206,42 @@ impl PlacedObject {
         let power =
             |w: f64| if total > 0.0 { (w / total).sqrt() * (w / total).sqrt().sqrt() } else { 0.0 };
         error.into_iter().map(|w| instances * total * power(w)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Visibility;
+    use glam::DVec3;
+    use lodc_scene::{Arrangement, Graph, LocalTransform, Node, Transform};
+
+    /// Ten cubes in two rows, and a sphere apart.
+    #[test]
+    fn a_share_of_the_instances_tells_what_is_seen_of_all() {
+        let simplified = ["cube", "icosphere"].map(|name| {
+            let mesh = lodc_fixtures::named(name).expect("a shape");
+            lodc_simplify::simplify(&mesh, &lodc_simplify::Options::default(), &|_, _| ())
+        });
+        let objects = [&simplified[0], &simplified[1]];
+        let node = |object: u32, x: i32, y: i32| Node {
+            local: LocalTransform::Matrix(Transform::from_translation(
+                4.0 * DVec3::new(x.into(), y.into(), 0.0),
+            )),
+            objects: vec![object],
+            ..Node::default()
+        };
+        let mut nodes: Vec<Node> = (0..10).map(|i| node(0, i / 2, i % 2)).collect();
+        nodes.push(node(1, 2, 3));
+        let graph = Graph { roots: (0..11).collect(), nodes, skins: Vec::new() };
+        let scene = Arrangement::new(&graph, &graph.rest_pose(), 2);
+        let seen = |share| -> Vec<f64> {
+            let areas = Visibility::in_pictures(&objects, &scene, share).areas(&objects);
+            areas.iter().map(|areas| areas.iter().sum()).collect()
+        };
+        let (all, some, whole) = (seen(Some(1.0)), seen(Some(0.2)), seen(None));
+        for object in 0..2 {
+            assert!((some[object] / all[object] - 1.0).abs() < 0.05, "{all:?} {some:?}");
+            assert!(all[object] > 0.8 * whole[object], "{all:?} {whole:?}");
+        }
     }
 }

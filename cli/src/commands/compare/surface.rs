@@ -95,8 +95,7 @@ impl ComparedScene {
         let arrangement = Arrangement::new(&graph, &pose, infos.len());
         let meshes = self.meshes(choice, args)?;
         let meshes: Vec<&Mesh> = meshes.iter().map(AsRef::as_ref).collect();
-        let counts = arrangement.placements().iter().map(|p| meshes[p.object].triangles().len());
-        let triangles = counts.fold(0, usize::saturating_add);
+        let triangles = arrangement.triangles(|object| meshes[object].triangles().len());
         if triangles == 0 {
             let message = format!("{name}: has no triangles: there is nothing to compare");
             return Err(Failure::new(Status::Input, message));

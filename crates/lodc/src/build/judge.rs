@@ -7,7 +7,7 @@ use crate::{Error, LodObject, scene_levels};
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
 use lodc_measure::{ReferencePictures, SceneSurface, ShadingOptions, Surface, Viewing};
 use lodc_mesh::Mesh;
-use lodc_scene::{Appearance, Arrangement};
+use lodc_scene::{Appearance, Arrangement, share_in_pictures};
 use lodc_select::Target;
 use std::sync::Arc;
 
@@ -25,8 +25,8 @@ const MIN_TRIANGLES: f64 = 16.0;
 /// The pictures: fewer and smaller than those of `compare`, to save time, and from other sides, so
 /// that levels are not chosen by the pictures that measure them. Chosen by hand.
 const VIEWING: Viewing = Viewing { views: 12, size: 160 };
-/// Scenes with more triangles than this, instances counted, are simplified without comparing: a
-/// bound on time, chosen by hand.
+/// Scenes whose pictures show more triangles than this are simplified without comparing: a bound on
+/// time, chosen by hand.
 const MAX_TRIANGLES: usize = 1 << 23;
 
 /// The levels on the way to which `hybrid` chooses collapses; on the way to the others the quadric
@@ -79,7 +79,8 @@ pub(super) fn share_at_start(level: usize) -> f32 {
 /// A scene, and reference pictures of it.
 pub(super) struct Judge<'a> {
     context: SceneContext<'a>,
-    scene: Arrangement,
+    /// The placements that pictures show.
+    shown: Arrangement,
     reference: ReferencePictures,
     /// Triangles of the scene, instances counted.
     triangles: usize,
@@ -100,23 +101,27 @@ impl<'a> Judge<'a> {
         let graph = scene_graph(context.document, &infos, &context.limits)?;
         let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
         let count = |object: usize| objects[object].mesh.triangles().len();
-        let counts = scene.placements().iter().map(|p| count(p.object));
-        let triangles = counts.fold(0, usize::saturating_add);
-        if triangles == 0 || triangles > MAX_TRIANGLES {
+        let triangles = scene.triangles(count);
+        let shown = scene.thinned(share_in_pictures(triangles));
+        if triangles == 0 || shown.triangles(count) > MAX_TRIANGLES {
             return Ok(None);
         }
         let meshes: Vec<&Mesh> = objects.iter().map(|o| &o.mesh).collect();
-        let scene_surface = surface(&meshes, &scene, context);
+        let shown_surface = surface(&meshes, &shown, context);
         // Without colours for the metric the pictures show shapes alone.
         let shading = context
             .colours
-            .map_or(ShadingOptions::default(), |_| scene_surface.common_looks(&scene_surface));
-        let reference = ReferencePictures::new(&scene_surface.surface, VIEWING, shading);
-        let areas = areas(&scene_surface.surface, &scene, objects);
-        Ok(Some(Self { context, scene, reference, triangles, areas }))
+            .map_or(ShadingOptions::default(), |_| shown_surface.common_looks(&shown_surface));
+        let reference = ReferencePictures::new(&shown_surface.surface, VIEWING, shading);
+        let mut areas = shown_areas(&shown_surface.surface, &shown, objects);
+        for (object, area) in areas.iter_mut().enumerate() {
+            *area *= scene.of(object).count() as f64 / shown.of(object).count().max(1) as f64;
+        }
+        Ok(Some(Self { context, shown, reference, triangles, areas }))
     }
 
-    /// The areas that the scene shows of its objects, instances together.
+    /// The areas that the scene shows of its objects, instances together; those that pictures leave
+    /// out are taken to be as large as the others.
     pub(super) fn areas(&self) -> &[f64] {
         &self.areas
     }
@@ -175,7 +180,7 @@ impl<'a> Judge<'a> {
             let lods = levels.select(Target::Ratio(share), false)?.lods;
             let meshes = level_mesh::reference_meshes(&objects, &lods)?;
             let scene_surface =
-                surface(&meshes.iter().collect::<Vec<_>>(), &self.scene, self.context);
+                surface(&meshes.iter().collect::<Vec<_>>(), &self.shown, self.context);
             if !visit(level, self.reference.compare(&scene_surface.surface).rmse) {
                 break;
             }
@@ -184,14 +189,14 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The area of each object on the surface of a scene.
-fn areas(scene_surface: &Surface, scene: &Arrangement, objects: &[SceneObject]) -> Vec<f64> {
+/// The area of each object on the surface of the placements that pictures show.
+fn shown_areas(surface: &Surface, shown: &Arrangement, objects: &[SceneObject]) -> Vec<f64> {
     let mut areas = vec![0.0; objects.len()];
     let mut first = 0;
-    for placement in scene.placements() {
+    for placement in shown.placements() {
         let end = first + objects[placement.object].mesh.triangles().len();
         let area = |t: usize| {
-            let [a, b, c] = scene_surface.corners(t);
+            let [a, b, c] = surface.corners(t);
             0.5 * (b - a).cross(c - a).length()
         };
         areas[placement.object] += (first..end).map(area).sum::<f64>();
