@@ -2,6 +2,7 @@
 //! triangles are known.
 
 use crate::Tick;
+use crate::cover::Cover;
 use crate::input::Input;
 use crate::step_errors::round_up;
 use glam::DVec3;
@@ -12,8 +13,11 @@ use lodc_nearest::{
 };
 use rayon::prelude::*;
 
-/// Points on either surface whose distances make the mean, at least: it is known to about 1 %.
-const SAMPLES: f64 = 4_096.0;
+/// Points on either surface whose distances make the mean, at least: two for each triangle of LOD
+/// 0, within these limits. Over levels of 650 objects the mean is known to 0.02 % in the median, to
+/// 2 % for 99 of 100 objects and to 5 % at worst.
+const MIN_SAMPLES: usize = 1_024;
+const MAX_SAMPLES: usize = 4_096;
 
 /// Triangles, or runs of triangles of which one is sampled, that one thread samples one after the
 /// other, with random numbers of their own. Results depend on this. Chosen by hand.
@@ -112,6 +116,7 @@ impl Original<'_> {
         // a position of the mesh, by which triangles are degenerate, and its coordinates in the
         // shape.
         let (mut only_original, mut only_level) = (Difference::default(), Difference::default());
+        let mut changed_faces = vec![];
         for (&points, vertices) in input.triangles.iter().zip(*corner_vertices) {
             let level_points =
                 vertices.map(|v| input.point_of_vertex[vertex_at_lod[v as usize] as usize]);
@@ -119,6 +124,7 @@ impl Original<'_> {
             only_original.add(input.corners_of(points), has_changed);
             if !is_degenerate(level_points.map(|p| input.position_ids[p as usize])) {
                 level.faces.push(level_points);
+                changed_faces.extend(has_changed.then_some(level_points));
                 only_level.add(input.corners_of(level_points), has_changed);
             }
         }
@@ -137,8 +143,11 @@ impl Original<'_> {
         let level = MovingSurface { triangles: &level, tree: &tree };
         let original = MovingSurface { triangles: *input, tree: &input.tree };
 
-        let (to_level, to_original) =
-            rayon::join(|| only_original.sample(&level), || only_level.sample(&original));
+        let samples = (2 * input.triangles.len()).clamp(MIN_SAMPLES, MAX_SAMPLES) as f64;
+        let (to_level, to_original) = rayon::join(
+            || only_original.sample(&level, samples),
+            || only_level.sample(&original, samples),
+        );
         let mean_square = to_level.mean_square.max(to_original.mean_square);
         // The distance of a sample is a lower bound. A known upper bound is up to the tolerance
         // above the distance that it is of.
@@ -146,11 +155,13 @@ impl Original<'_> {
             .max_distance
             .max(to_original.max_distance)
             .max(known_distance / (1.0 + search.tolerance));
+        let accepted = known_distance * (1.0 + search.tolerance) + search.floor;
+        let covered_bound = only_level.leave_out_covered(input, &changed_faces, accepted);
         let (to_level, to_original) = rayon::join(
             || search.farthest_beyond(known_distance, &only_original.triangles, &level),
             || search.farthest_beyond(known_distance, &only_level.triangles, &original),
         );
-        let error = to_level.upper.max(to_original.upper).min(input.diagonal);
+        let error = to_level.upper.max(to_original.upper).max(covered_bound).min(input.diagonal);
         let rms = mean_square.sqrt().min(error);
         LevelDistances { error, rms, boxes: to_level.opened_boxes + to_original.opened_boxes }
     }
@@ -197,10 +208,21 @@ impl Difference {
         }
     }
 
-    /// Samples the distance to the other surface: a random point in each of equal parts of a
-    /// triangle, their number by its share of the area. Of very many triangles some stand for all.
-    fn sample(&self, other: &(impl Surface + Sync)) -> SampledDistances {
-        let stride = ((self.triangles.len() as f64 / SAMPLES) as usize).max(1);
+    /// Leaves out triangles of a level, `faces` by their points, of which it is known how far they
+    /// are from the input, up to `limit`. Returns the largest bound of those.
+    fn leave_out_covered(&mut self, input: &Input, faces: &[[u32; 3]], limit: f64) -> f64 {
+        let bound = |cover: &mut Cover, &face: &[u32; 3]| cover.bound(input, face, limit);
+        let bounds: Vec<Option<f64>> = faces.par_iter().map_init(Cover::default, bound).collect();
+        let mut is_covered = bounds.iter().map(Option::is_some);
+        self.triangles.retain(|_| is_covered.next() == Some(false));
+        bounds.into_iter().flatten().fold(0.0, f64::max)
+    }
+
+    /// Samples the distance to the other surface at `samples` points or more: a random point in
+    /// each of equal parts of a triangle, their number by its share of the area. Of very many
+    /// triangles some stand for all.
+    fn sample(&self, other: &(impl Surface + Sync), samples: f64) -> SampledDistances {
+        let stride = ((self.triangles.len() as f64 / samples) as usize).max(1);
         let count = self.triangles.len().div_ceil(stride);
         let sample_task = |start: usize| {
             let mut random = SplitMix64::new(start as u64);
@@ -211,7 +233,7 @@ impl Difference {
                 let represented = stride.min(self.triangles.len() - i * stride);
                 let corners = self.triangles[i * stride + random.below(represented)];
                 let area = area(corners) * represented as f64;
-                let n = (area / self.surface_area * SAMPLES).sqrt().ceil().clamp(1.0, MAX_PARTS);
+                let n = (area / self.surface_area * samples).sqrt().ceil().clamp(1.0, MAX_PARTS);
                 let part_area = area / (n * n);
                 for (row, column) in triangle_parts(n as u32) {
                     let point = point_at(corners, random_in_part(n, row, column, &mut random));

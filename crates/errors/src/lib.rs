@@ -20,6 +20,7 @@
 mod backward;
 mod block;
 mod components;
+mod cover;
 mod faces;
 mod floor;
 mod forward;

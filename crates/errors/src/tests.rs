@@ -30,7 +30,11 @@ fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
 }
 
 /// A mesh whose vertices collapse in the order of their numbers, one in each step.
-fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> Simplified {
+pub(crate) fn sequence(
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    targets: &[u32],
+) -> Simplified {
     let mesh = mesh(positions, triangles);
     let records = targets.len();
     let parts = SequenceParts {

@@ -12,8 +12,9 @@ use lodc_mesh::NONE;
 /// Samples that a face keeps, at least, once it has half as many more. Alone, 16 are not enough
 /// (1.07 stated, 1.41 measured on a cone of 100,000 needles): hence the outermost ones below.
 const MIN_KEPT: usize = 16;
-/// The most that it keeps besides the outermost, where few faces are left. With 64, the mean distance
-/// of the last two triangles of a height field of 288 is 15 % above the measured one; with 128, 8 %.
+/// The most that it keeps besides the outermost, where few faces are left. With 64, the mean
+/// distance of the last two triangles of a height field of 288 is 15 % above the measured one; with
+/// 128, 8 %.
 const MAX_KEPT: usize = 128;
 
 /// A face keeps the outermost samples, too, if a squared distance is beyond this share of E² (half

@@ -23,6 +23,9 @@ use std::collections::BinaryHeap;
 const ROWS_PER_BATCH: usize = 512;
 const TRIANGLES_PER_ROW: usize = 32;
 
+/// Triangles found near others of a row before that one is tried on. Chosen by hand.
+const RECENT_TRIANGLES: usize = 4;
+
 /// Triangles, spread evenly, whose middles are measured first, for a lower bound. Chosen by hand.
 const INITIAL_TRIANGLES: usize = 1_024;
 
@@ -119,9 +122,14 @@ impl FarthestSearch {
         for batch in from.chunks(ROWS_PER_BATCH * TRIANGLES_PER_ROW) {
             let row = |row: &[[DVec3; 3]]| {
                 let mut state = SearchState::new(*self, state.lower);
-                let mut hint = NONE;
+                // Triangles that were near the last ones, the latest first.
+                let mut recent = [NONE; RECENT_TRIANGLES];
                 for &corners in row {
-                    hint = state.add_triangle(corners, hint, to, MAX_BOXES_AT_FIRST);
+                    if let Some(near) = state.add_triangle(corners, &recent, to, MAX_BOXES_AT_FIRST)
+                    {
+                        recent.rotate_right(1);
+                        recent[0] = near;
+                    }
                     state.divide_parts(to, state.opened_boxes + FIRST_TURN_BOXES);
                 }
                 state
@@ -174,7 +182,7 @@ impl TriangleSearcher {
     ) -> Farthest {
         let Self(state) = self;
         state.clear(known_distance);
-        state.add_triangle(corners, hint, to, MAX_BOXES);
+        state.add_triangle(corners, &[hint], to, MAX_BOXES);
         state.divide_parts(to, max_boxes);
         state.bounds()
     }
@@ -281,22 +289,23 @@ impl SearchState {
         self.queue.push(QueueEntry { upper: part.upper, index });
     }
 
-    /// Adds a triangle as a part. Returns a triangle of the other surface near it.
+    /// Adds a triangle as a part. `hints` are triangles that are probably near, or [`NONE`].
+    /// Returns a triangle of the other surface near it, if none of the hints was near enough.
     fn add_triangle(
         &mut self,
         corners: [DVec3; 3],
-        hint: u32,
+        hints: &[u32],
         to: &impl Surface,
         max_boxes: u32,
-    ) -> u32 {
+    ) -> Option<u32> {
         let limits = self.limits();
-        if limits.accept(corners, hint, to) {
+        if hints.iter().any(|&hint| limits.accept(corners, hint, to)) {
             self.done_upper = self.done_upper.max(limits.accepted);
-            return hint;
+            return None;
         }
-        let part = Part::measure(Polygon::triangle(corners), hint, to, limits, max_boxes);
+        let part = Part::measure(Polygon::triangle(corners), hints[0], to, limits, max_boxes);
         self.add_part(&part);
-        part.0.near_triangle
+        Some(part.0.near_triangle)
     }
 
     /// Divides parts, the farthest first, until all are near enough or `max_boxes` were opened.

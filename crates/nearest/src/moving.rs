@@ -220,10 +220,15 @@ impl<T: Triangles> Search<'_, T> {
     /// Searches a subtree, the nearer of two boxes first.
     fn descend(&mut self, root: usize) {
         let boxes = &self.tree.boxes;
+        let squared = boxes[root].distance_squared(self.point);
+        // Before the stack is made: of most subtrees on the way up nothing is near enough.
+        if squared >= self.nearest.squared {
+            return;
+        }
         // Squared distances and boxes: one entry for each level that was passed, of 31 at most,
         // and one more.
         let mut stack = [(0.0, 0usize); 40];
-        stack[0] = (boxes[root].distance_squared(self.point), root);
+        stack[0] = (squared, root);
         let mut depth = 1;
         while depth > 0 && !self.is_done() {
             depth -= 1;
