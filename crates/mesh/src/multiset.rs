@@ -54,16 +54,17 @@ impl FromIterator<OrientedTriangle> for TriangleHash {
     }
 }
 
+/// Three rounds of a Feistel network (Luby and Rackoff 1988) around [`mix`]: a bijection, so that
+/// two triangles never have one hash.
 #[inline]
 fn hash(t: OrientedTriangle) -> u128 {
-    let a = u64::from(t.submesh) << 32 | u64::from(t.corners[0]);
-    let b = u64::from(t.corners[1]) << 32 | u64::from(t.corners[2]);
-    // The seeds are the first 128 bits of the fraction of π, as good as any.
-    let half = |seed: u64| {
-        mix(mix(a ^ seed).wrapping_add(b).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-            ^ seed.rotate_left(17))
-    };
-    u128::from(half(0x243f_6a88_85a3_08d3)) << 64 | u128::from(half(0x1319_8a2e_0370_7344))
+    let mut a = u64::from(t.submesh) << 32 | u64::from(t.corners[0]);
+    let mut b = u64::from(t.corners[1]) << 32 | u64::from(t.corners[2]);
+    // The keys are the first 192 bits of the fraction of π, as good as any.
+    b ^= mix(a ^ 0x243f_6a88_85a3_08d3);
+    a ^= mix(b ^ 0x1319_8a2e_0370_7344);
+    b ^= mix(a ^ 0xa409_3822_299f_31d0);
+    u128::from(a) << 64 | u128::from(b)
 }
 
 /// A bijection of 64 bits in which every input bit changes about half of the output (the finaliser
