@@ -316,6 +316,26 @@ mod tests {
     }
 
     #[test]
+    fn a_part_over_the_face_is_no_higher_than_its_triangle_however_thin() {
+        let mut random = SplitMix64::new(9);
+        // Many corners nearly on the edges of the face, where rounding decides.
+        let near = [-1.0, -1e-17, 0.0, 1e-17, 1e-9, 1.0 / 3.0, 0.5, 1.0, 1.0 + 1e-16, 2.0];
+        for _ in 0..200_000 {
+            let triangle = [0; 3].map(|_| {
+                let [v, w] = [0; 2].map(|_| {
+                    near[random.below(near.len())] + 1e-16 * f64::from(random.unit() - 0.5)
+                });
+                Seen { at: [1.0 - v - w, v, w], height: f64::from(random.unit() - 0.5) }
+            });
+            assert!(height_over_face(triangle) <= height(&triangle) * (1.0 + 1e-9));
+        }
+        let at = |v: f64, w: f64, height| Seen { at: [1.0 - v - w, v, w], height };
+        // Half of it is over the face, up to half its height.
+        let half = [at(0.0, 0.0, 0.0), at(2.0, 0.0, 1.0), at(0.0, 0.5, 0.0)];
+        assert!((height_over_face(half) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_face_is_as_far_as_what_is_over_it_and_a_hole_is_not_covered() {
         let bound = bound_over_sheet(None).expect("it is covered");
         assert!((bound - 0.25).abs() < 0.01, "{bound}");
