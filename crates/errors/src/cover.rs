@@ -50,6 +50,8 @@ struct Base {
     normal: DVec3,
     /// Barycentric coordinates of what is left of the face are at least this.
     margin: f64,
+    /// No point of the face is farther from what is left of it.
+    margin_width: f64,
 }
 
 impl Base {
@@ -64,12 +66,14 @@ impl Base {
         if double_area_squared <= 1e-6 * longest_squared * longest_squared {
             return None;
         }
-        let margin = (MARGIN_OF_LIMIT * limit / longest_squared.sqrt()).min(MARGINS[1]);
+        let longest = longest_squared.sqrt();
+        let margin = (MARGIN_OF_LIMIT * limit / longest).min(MARGINS[1]);
         (margin >= MARGINS[0]).then(|| Self {
             corner: a,
             gradients: [ac.cross(normal), normal.cross(ab)].map(|g| g / double_area_squared),
             normal: normal / double_area_squared.sqrt(),
             margin,
+            margin_width: 2.0 * margin * longest,
         })
     }
 
@@ -154,62 +158,52 @@ fn height_over_face(triangle: [Seen; 3]) -> f64 {
     height(&polygon[..count])
 }
 
-/// Triangles over a face; kept to save allocating.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Cover {
-    triangles: Vec<u32>,
-}
-
-impl Cover {
-    /// Returns an upper bound, up to `limit`, of how far points of a face are from the input, if
-    /// the triangles of the input around its first corner and others next to them cover it within
-    /// that. `face` has the points of its corners.
-    pub(crate) fn bound(&mut self, input: &Input, face: [u32; 3], limit: f64) -> Option<f64> {
-        let corners = input.corners_of(face);
-        let base = Base::new(corners, limit)?;
-        let around = input.triangles_around.row(face[0]);
-        if around.len() > MAX_AROUND {
-            return None;
+/// Returns an upper bound, up to `limit`, of how far points of a face are from the input, if the
+/// triangles of the input around its first corner and others next to them cover it within that.
+/// `face` has the points of its corners; `triangles` is a buffer.
+pub(crate) fn cover_bound(
+    input: &Input,
+    face: [u32; 3],
+    limit: f64,
+    triangles: &mut Vec<u32>,
+) -> Option<f64> {
+    let base = Base::new(input.corners_of(face), limit)?;
+    let around = input.triangles_around.row(face[0]);
+    if around.len() > MAX_AROUND {
+        return None;
+    }
+    triangles.clear();
+    triangles.extend_from_slice(around);
+    let (mut highest, mut windings) = (0.0f64, 0);
+    let mut done = 0;
+    while let Some(&triangle) = triangles.get(done) {
+        done += 1;
+        let points = input.triangles[triangle as usize];
+        let seen = points.map(|p| base.see(input.point(p)));
+        if !base.are_beside(seen) {
+            let whole = height(&seen);
+            highest = highest.max(if whole > limit { height_over_face(seen) } else { whole });
+            if highest > limit {
+                return None;
+            }
         }
-        self.triangles.clear();
-        self.triangles.extend_from_slice(around);
-        let (mut highest, mut windings) = (0.0f64, 0);
-        let mut done = 0;
-        while let Some(&triangle) = self.triangles.get(done) {
-            done += 1;
-            let points = input.triangles[triangle as usize];
-            let seen = points.map(|p| base.see(input.point(p)));
-            if !base.are_beside(seen) {
-                let mut height = height(&seen);
-                if height > limit {
-                    height = height_over_face(seen);
-                }
-                highest = highest.max(height);
-                if highest > limit {
+        for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+            let edge = [seen[from], seen[to]];
+            windings += winding(edge);
+            if !base.may_cross(edge) {
+                continue;
+            }
+            let neighbour = neighbour(input, triangle, [points[from], points[to]])?;
+            if !triangles.contains(&neighbour) {
+                if triangles.len() == MAX_TRIANGLES {
                     return None;
                 }
-            }
-            for k in 0..3 {
-                let edge = [seen[k], seen[(k + 1) % 3]];
-                windings += winding(edge);
-                if base.may_cross(edge) {
-                    let neighbour = neighbour(input, triangle, [points[k], points[(k + 1) % 3]])?;
-                    if !self.triangles.contains(&neighbour) {
-                        if self.triangles.len() == MAX_TRIANGLES {
-                            return None;
-                        }
-                        self.triangles.push(neighbour);
-                    }
-                }
+                triangles.push(neighbour);
             }
         }
-        // No point of the face is farther from what is left of it than twice the margin's share of
-        // its longest edge.
-        let [a, b, c] = corners;
-        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-        let bound = highest + 2.0 * base.margin * longest;
-        (windings != 0 && bound <= limit).then_some(bound)
     }
+    let bound = highest + base.margin_width;
+    (windings != 0 && bound <= limit).then_some(bound)
 }
 
 /// Returns the triangle beyond an edge of another one, if there is just one and it is oriented the
@@ -257,7 +251,7 @@ mod tests {
                 continue;
             }
             faces += 1;
-            let bound = Cover::default().bound(&input, face, 0.3 * input.diagonal);
+            let bound = cover_bound(&input, face, 0.3 * input.diagonal, &mut vec![]);
             let Some(bound) = bound else { continue };
             covered += 1;
             for _ in 0..30 {
@@ -311,7 +305,7 @@ mod tests {
         let simplified = sequence(&positions, &triangles, &targets);
         let (input, _) = Input::new(&simplified, simplified.mesh().positions());
         let face = [0, 4, 24].map(|v| input.point_of_vertex[v]);
-        let bound = Cover::default().bound(&input, face, 0.1 * input.diagonal)?;
+        let bound = cover_bound(&input, face, 0.1 * input.diagonal, &mut vec![])?;
         Some(bound * input.mesh_scale)
     }
 

@@ -88,6 +88,13 @@ impl FarthestSearch {
         Self { tolerance: 0.02, floor: 1e-9 * length, boxes: [2_000, 3_000_000] }
     }
 
+    /// Returns the upper bound that is good enough where a distance of `lower` is known: nothing is
+    /// searched up to it.
+    #[must_use]
+    pub fn accepted(&self, lower: f64) -> f64 {
+        lower * (1.0 + self.tolerance) + self.floor
+    }
+
     /// Looks for the point of `from` that is farthest from `to`. Infinite if only `to` is empty.
     #[must_use]
     pub fn farthest(&self, from: &[[DVec3; 3]], to: &(impl Surface + Sync)) -> Farthest {
@@ -264,9 +271,12 @@ impl SearchState {
     }
 
     fn limits(&self) -> Limits {
-        let FarthestSearch { tolerance, floor, .. } = self.search;
-        let accepted = self.lower * (1.0 + tolerance) + floor;
-        Limits { lower: self.lower, accepted, slack: SLACK_OF_FLOOR * floor }
+        let Self { search, lower, .. } = self;
+        Limits {
+            lower: *lower,
+            accepted: search.accepted(*lower),
+            slack: SLACK_OF_FLOOR * search.floor,
+        }
     }
 
     fn record(&mut self, measured: Measured) {

@@ -33,9 +33,10 @@ pub fn losses(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<f64>> {
 #[derive(Debug)]
 pub(crate) struct Visibility {
     placed: Vec<PlacedObject>,
-    /// The visible area by object, placement and triangle. An object that the scene does not show,
-    /// or of a scene too large for pictures, has no entries: it counts with its whole area.
-    areas: Vec<Vec<Vec<f64>>>,
+    /// The visible area by object and triangle, in the placement of largest scale, averaged over
+    /// those in pictures. An object that the scene does not show, or of a scene too large for
+    /// pictures, has no entries: it counts with its whole area.
+    areas: Vec<Vec<f64>>,
 }
 
 impl Visibility {
@@ -59,18 +60,21 @@ impl Visibility {
             let positions = placed.pictured().iter().map(|shown| shown.vertices.as_slice());
             parts.extend(positions.map(|positions| Part { positions, triangles }));
         }
-        let mut areas = visible_areas(&parts).into_iter();
-        let areas =
-            placed.iter().map(|p| areas.by_ref().take(p.pictured().len()).collect()).collect();
+        let by_part = visible_areas(&parts);
+        let mut by_part = &by_part[..];
+        let areas = |placed: &PlacedObject| {
+            let parts = by_part.split_off(..placed.pictured().len()).expect("an entry for each");
+            placed.mean_visible_areas(parts)
+        };
+        let areas = placed.iter().map(areas).collect();
         Self { placed, areas }
     }
 
     /// The loss of each object after each of its steps, never falling: [`losses`].
     pub(crate) fn losses(&self, objects: &[&Simplified]) -> Vec<Vec<f64>> {
-        let loss =
-            |((simplified, placed), areas): ((&&Simplified, &PlacedObject), &Vec<Vec<f64>>)| {
-                placed.loss(simplified, areas)
-            };
+        let loss = |((simplified, placed), areas): ((&&Simplified, &PlacedObject), &Vec<f64>)| {
+            placed.loss(simplified, areas)
+        };
         objects.par_iter().zip(&self.placed).zip(&self.areas).map(loss).collect()
     }
 
@@ -169,24 +173,30 @@ impl PlacedObject {
         self.relative_scales().map(|r| r * r).sum()
     }
 
-    /// The visible area of a triangle in the placement of largest scale, averaged over those in
-    /// pictures (`visible`, empty without pictures: then all of it), and the rest of its area
-    /// weighted by `hidden_weight`.
-    fn area(&self, t: usize, triangle: &[u32; 3], visible: &[Vec<f64>], hidden_weight: f64) -> f64 {
+    /// The visible area of each triangle in the placement of largest scale, averaged over those in
+    /// pictures, from the areas in each of these; nothing without pictures.
+    fn mean_visible_areas(&self, by_placement: &[Vec<f64>]) -> Vec<f64> {
+        let largest_scale = self.shown[self.largest].scale;
+        let squared_scales: f64 =
+            self.pictured().iter().map(|p| (p.scale / largest_scale).powi(2)).sum();
+        let mean = |t| by_placement.iter().map(|areas| areas[t]).sum::<f64>() / squared_scales;
+        (0..by_placement.first().map_or(0, Vec::len)).map(mean).collect()
+    }
+
+    /// The visible area of a triangle in the placement of largest scale (`visible` has those of
+    /// all; empty without pictures: then all of it), and the rest of its area weighted by
+    /// `hidden_weight`.
+    fn area(&self, t: usize, triangle: &[u32; 3], visible: &[f64], hidden_weight: f64) -> f64 {
         let [a, b, c] = triangle.map(|v| self.positions()[v as usize]);
         let area = 0.5 * (b - a).cross(c - a).length();
         if visible.is_empty() {
             return area;
         }
-        let largest_scale = self.shown[self.largest].scale;
-        let squared_scales: f64 =
-            self.shown.iter().map(|p| (p.scale / largest_scale).powi(2)).sum();
-        let visible = visible.iter().map(|part| part[t]).sum::<f64>() / squared_scales;
-        hidden_weight * area + (1.0 - hidden_weight) * visible.min(area)
+        hidden_weight * area + (1.0 - hidden_weight) * visible[t].min(area)
     }
 
     /// The loss after each step: [`losses`].
-    fn loss(&self, simplified: &Simplified, visible: &[Vec<f64>]) -> Vec<f64> {
+    fn loss(&self, simplified: &Simplified, visible: &[f64]) -> Vec<f64> {
         let mesh = simplified.mesh();
         let weight = |(t, tri)| self.area(t, tri, visible, HIDDEN_WEIGHT);
         let weights: Vec<f64> = mesh.triangles().iter().enumerate().map(weight).collect();
