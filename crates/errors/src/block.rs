@@ -10,8 +10,6 @@ pub(crate) struct TouchedFace {
     pub(crate) is_live: bool,
     /// Its corners, as points of the input.
     pub(crate) points: [u32; 3],
-    /// Mean squared distance of its samples from it; NaN if they do not represent the face.
-    pub(crate) mean_square: f32,
     /// Origin of the sample nearest to its centroid; [`Origin::NONE`] if it has no samples.
     pub(crate) origin: Origin,
 }
@@ -19,7 +17,7 @@ pub(crate) struct TouchedFace {
 impl TouchedFace {
     /// A face that became degenerate.
     pub(crate) fn dead(face: u32, points: [u32; 3]) -> Self {
-        Self { face, is_live: false, points, mean_square: f32::NAN, origin: Origin::NONE }
+        Self { face, is_live: false, points, origin: Origin::NONE }
     }
 }
 

@@ -3,15 +3,17 @@
 use crate::input::Input;
 use glam::DVec3;
 use lodc_mesh::{NONE, is_degenerate};
-use lodc_nearest::{MovingTree, Triangles, morton_order};
+use lodc_nearest::{MovingTree, Triangles};
 use std::ops::Range;
 
 /// Faces around a vertex that are read ahead: one more than most vertices have. Chosen by hand.
 const FACES_READ_AHEAD: usize = 7;
 
-/// Targets of a step up to which a face's tree box grows only by the points that moved; beyond,
-/// looking for them takes longer than growing by all. Chosen by hand.
-const FEW_TARGETS: usize = 8;
+/// The tree is built anew when half of its faces have gone; or when its boxes have grown this much
+/// and, so that building takes no more than a share of the work, at least its faces divided by this
+/// have moved. Chosen by hand.
+const MAX_GROWTH: f64 = 1.5;
+const MOVED_DIVISOR: u32 = 8;
 
 /// A face of the current level, half a cache line.
 #[derive(Clone, Debug)]
@@ -57,8 +59,9 @@ pub(crate) struct Faces {
     corner_list_ends: Vec<[u32; 2]>,
     pub(crate) live_count: u32,
     tree: MovingTree,
-    /// Live faces when the tree was built.
+    /// Live faces when the tree was built, and faces that have moved since.
     live_in_tree: u32,
+    moved: u32,
 }
 
 /// Changes of a step.
@@ -96,8 +99,8 @@ impl Faces {
             }
         }
         let live_count = all.len() as u32;
-        let tree = input.tree.clone();
-        Self { all, corner_list_ends, live_count, tree, live_in_tree: live_count }
+        let tree = input.tree.clone().for_moving(all.len());
+        Self { all, corner_list_ends, live_count, tree, live_in_tree: live_count, moved: 0 }
     }
 
     /// Reads what the steps of some records will need: their faces are anywhere in memory, and many
@@ -150,14 +153,13 @@ impl Faces {
                 continue;
             }
             changes.surviving.push(t);
-            let has_few_targets = changes.targets.len() <= FEW_TARGETS;
-            for point in points {
-                if !has_few_targets || changes.targets.contains(&point) {
-                    self.tree.grow(t, input.coordinates[point as usize]);
-                }
-            }
+            self.tree.grow(t, &points.map(|p| input.coordinates[p as usize]));
         }
-        if self.live_count > 0 && self.live_count <= self.live_in_tree / 2 {
+        self.moved += changes.surviving.len() as u32;
+        let has_grown =
+            self.moved >= self.live_in_tree / MOVED_DIVISOR && self.tree.growth() > MAX_GROWTH;
+        let has_shrunk = self.live_count <= self.live_in_tree / 2;
+        if self.live_count > 0 && (has_grown || has_shrunk) {
             self.rebuild_tree(input);
         }
     }
@@ -206,10 +208,9 @@ impl Faces {
 
     fn rebuild_tree(&mut self, input: &Input) {
         let corners = |t: u32| self.all[t as usize].points.map(|p| input.coordinates[p as usize]);
-        let live = self.tree.triangles().filter(|&t| self.all[t as usize].is_live());
-        let order = morton_order(live, corners);
-        self.tree = MovingTree::of(order, self.all.len(), corners);
-        self.live_in_tree = self.live_count;
+        let live = (0..self.all.len() as u32).filter(|&t| self.all[t as usize].is_live());
+        self.tree = MovingTree::of(live, self.all.len(), corners);
+        (self.live_in_tree, self.moved) = (self.live_count, 0);
     }
 
     /// The current level and a tree over it.

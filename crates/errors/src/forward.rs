@@ -7,6 +7,7 @@ use crate::faces::{Changes, Faces};
 use crate::floor::Floor;
 use crate::gap::{Moved, fan_gap};
 use crate::input::Input;
+use crate::rough::RoughSquare;
 use crate::samples::{Sample, SampleOnFace, Samples};
 use crate::settings::Settings;
 use crate::thinning::Thinning;
@@ -90,8 +91,7 @@ impl<'a> Forward<'a> {
     ) -> Self {
         let mut faces = Faces::new(input, &corner_vertices);
         drop(corner_vertices);
-        let few_triangles_samples = settings.few_triangles_samples(input.triangles.len());
-        let samples = Samples::new(input, &mut faces.all, few_triangles_samples);
+        let samples = Samples::new(input, &mut faces.all, settings.few_triangles_samples);
         Self {
             input,
             floor,
@@ -114,9 +114,19 @@ impl<'a> Forward<'a> {
         }
     }
 
-    /// Returns the share of the area that belongs to samples at points.
-    pub(crate) fn point_area_share(&self) -> f64 {
-        self.samples.point_area_share
+    /// Returns about how far each triangle of the input is: the largest distance of its samples.
+    pub(crate) fn triangle_distances(&self) -> Vec<RoughSquare> {
+        let mut distances = vec![RoughSquare::ZERO; self.input.triangles.len()];
+        for sample in &self.samples.all {
+            let rough = RoughSquare::new(sample.squared_distance);
+            if rough > RoughSquare::ZERO {
+                for &t in sample.origin.triangles(self.input).as_slice() {
+                    let distance = &mut distances[t as usize];
+                    *distance = rough.max(*distance);
+                }
+            }
+        }
+        distances
     }
 
     /// Takes over what the backward pass has found: the largest squared distance, and its work.
@@ -135,8 +145,9 @@ impl<'a> Forward<'a> {
     ) {
         let (targets, ends) = (sequence.targets(), &sequence.parts().step_ends);
         block.clear();
+        let max_work = self.settings.limits.max_work(self.input.triangles.len());
         for step in steps {
-            if (self.work + self.backward_work).exceeds_limit(self.input) {
+            if (self.work + self.backward_work).0 > max_work {
                 break;
             }
             self.max_squared = self.max_squared.max(self.floor.squared(step as usize));
@@ -202,9 +213,6 @@ impl<'a> Forward<'a> {
             let (samples, faces) = (&mut self.samples, &mut self.faces.all);
             self.thinning.thin(samples, faces, face, live_faces, self.max_squared);
         }
-        if self.settings.is_exhaustive(self.input.triangles.len()) {
-            self.search_all_around();
-        }
     }
 
     /// Finds a face for each sample of the touched faces.
@@ -217,14 +225,17 @@ impl<'a> Forward<'a> {
         self.work.0 += moved.len() as u64;
         for &SampleOnFace { sample, face } in &moved {
             let p = self.samples.all[sample as usize].position();
-            let hit = self.find_face(p, face, self.max_squared * (TAKEN_WITHIN * TAKEN_WITHIN));
+            let (hit, is_finished) =
+                self.find_face(p, face, self.max_squared * (TAKEN_WITHIN * TAKEN_WITHIN));
             let searched_at = f64::from(self.samples.all[sample as usize].searched_at_squared);
             if hit.squared > self.searched_beyond_squared()
                 && hit.squared > SEARCHED_AGAIN_RATIO * searched_at
             {
                 self.far_samples.push(SampleOnFace { sample, face: hit.triangle });
             }
-            self.max_squared = self.max_squared.max(hit.squared);
+            if is_finished {
+                self.max_squared = self.max_squared.max(hit.squared);
+            }
             self.samples.set_squared_distance(sample, hit.squared);
             self.samples.link(&mut self.faces.all, hit.triangle, sample);
         }
@@ -251,7 +262,7 @@ impl<'a> Forward<'a> {
                     k => (corners[k] + corners[(k + 1) % 3]) * 0.5,
                 };
                 let kept_beyond = self.max_squared * KEPT_BEYOND_SQUARED;
-                let hit = self.find_face(p, t, kept_beyond);
+                let (hit, is_finished) = self.find_face(p, t, kept_beyond);
                 if hit.squared <= kept_beyond.max(ROUNDING_SQUARED) || hit.triangle == NONE {
                     continue;
                 }
@@ -261,14 +272,17 @@ impl<'a> Forward<'a> {
                 if hit.squared > self.searched_beyond_squared() {
                     self.far_samples.push(SampleOnFace { sample, face: hit.triangle });
                 }
-                self.max_squared = self.max_squared.max(hit.squared);
+                if is_finished {
+                    self.max_squared = self.max_squared.max(hit.squared);
+                }
             }
         }
     }
 
     /// Returns a live face near a point, one found in the tree if the others are too far: `face` if
-    /// it is live, or the first surviving face within the squared distance `taken_within`.
-    fn find_face(&mut self, p: DVec3, face: u32, taken_within: f64) -> Hit {
+    /// it is live, or the first surviving face within the squared distance `taken_within`. And
+    /// whether the search for it was finished, so that no other is nearer as far as that matters.
+    fn find_face(&mut self, p: DVec3, face: u32, taken_within: f64) -> (Hit, bool) {
         let mut hit = Hit::NONE;
         let taken_within = taken_within.max(ROUNDING_SQUARED);
         if self.faces.all[face as usize].is_live() {
@@ -288,11 +302,13 @@ impl<'a> Forward<'a> {
         let enough = self.searched_beyond_squared();
         if hit.squared > enough {
             let (level, tree) = self.faces.level_and_tree(self.input);
-            let max_boxes = (self.work + self.backward_work).boxes_nearest(self.input);
+            let max_boxes = self.settings.limits.boxes_nearest;
             let query = Query { point: p, hint: hit.triangle, enough, max_boxes };
-            self.work.0 += u64::from(tree.search(&level, query, &mut hit));
+            let opened_boxes = tree.search(&level, query, &mut hit);
+            self.work.0 += u64::from(opened_boxes);
+            return (hit, opened_boxes < max_boxes);
         }
-        hit
+        (hit, true)
     }
 
     /// The squared distance within which nothing is searched; see [`SEARCHED_BEYOND`].
@@ -355,24 +371,6 @@ impl<'a> Forward<'a> {
         fan_gap(input, Moved { source, targets: &changes.targets }, touched, link).is_some()
     }
 
-    /// Searches all triangles of the input whose nearest face the step may have taken away: those
-    /// within E of the old faces.
-    fn search_all_around(&mut self) {
-        let (input, Self { faces, changes, .. }) = (self.input, &*self);
-        let touched = changes.touched.iter().flat_map(|&t| faces.all[t as usize].points);
-        let points = touched.chain(changes.sources.iter().copied()).map(|p| input.point(p));
-        let (low, high) = extent(points);
-        let distance = self.max_squared.max(ROUNDING_SQUARED).sqrt();
-        for t in 0..input.triangles.len() as u32 {
-            let (triangle_low, triangle_high) = extent(input.corners(t).into_iter());
-            let is_near = (triangle_low - distance).cmple(high).all()
-                && (triangle_high + distance).cmpge(low).all();
-            if is_near {
-                self.search_triangle(t, t);
-            }
-        }
-    }
-
     /// Looks for a point of a triangle of the input that is beyond E, and raises E to its distance.
     /// `hint` is a face that is probably near.
     fn search_triangle(&mut self, triangle: u32, hint: u32) {
@@ -380,17 +378,11 @@ impl<'a> Forward<'a> {
         let (level, tree) = faces.level_and_tree(input);
         let level = MovingSurface { triangles: &level, tree };
         let distance = max_squared.max(ROUNDING_SQUARED).sqrt();
-        let max_boxes = (*work + self.backward_work).boxes_farthest(input);
+        let max_boxes = self.settings.limits.boxes_farthest;
         let found = searcher.search(distance, input.corners(triangle), hint, &level, max_boxes);
         if found.lower > distance {
             *max_squared = found.lower * found.lower;
         }
         work.0 += found.opened_boxes;
     }
-}
-
-/// The corners of a bounding box.
-fn extent(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
-    let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    points.fold(empty, |(low, high), p| (low.min(p), high.max(p)))
 }

@@ -19,27 +19,34 @@
 
 mod backward;
 mod block;
+mod check;
 mod components;
 mod cover;
+mod difference;
 mod faces;
 mod floor;
 mod forward;
 mod gap;
 mod input;
-mod levels;
+mod ladder;
+mod level;
 mod origin;
 mod pass;
-mod remaining_steps;
+mod rough;
 mod samples;
 mod settings;
 mod step_errors;
 mod thinning;
 mod work;
 
-pub use levels::{LevelError, at_levels};
+pub use check::check;
+pub use level::{LevelError, at_levels};
 pub use step_errors::StepErrors;
 
 use floor::Floor;
+use input::Input;
+use ladder::{Ladder, planned};
+use level::Original;
 use lodc_mesh::Simplified;
 use pass::Pass;
 use settings::Settings;
@@ -147,14 +154,19 @@ fn measure_above(
     tick: &Tick<'_>,
 ) -> StepErrors {
     assert_eq!(posed.len(), simplified.mesh().vertex_count(), "a position for each vertex");
-    let (input, corner_vertices) = input::Input::new(simplified, posed);
+    let (input, corner_vertices) = Input::new(simplified, posed);
     let floor = Floor::new(&before.error, input.mesh_scale);
     // Within the pool: else each block would wait for a thread of it to wake.
     rayon::scope(|_| {
         let pass = Pass { input: &input, simplified, floor, settings, tick };
-        let mut errors = pass.run(corner_vertices);
-        remaining_steps::complete(&mut errors, &input, simplified, posed, tick);
-        errors
+        let sequence = simplified.collapses();
+        let planned = planned(sequence);
+        let proposals = &pass.run(corner_vertices, &planned);
+        // Made again, since the pass has dropped them to save memory.
+        let (_, corner_vertices) = Input::new(simplified, posed);
+        let limits = settings.limits;
+        let original = Original::new(&input, simplified, &corner_vertices, limits);
+        Ladder { original, sequence, proposals, floor, limits, tick }.complete(&planned)
     })
 }
 

@@ -8,7 +8,6 @@ use crate::origin::Origin;
 use glam::DVec3;
 use lodc_mesh::{NONE, SplitMix64};
 use lodc_nearest::{Triangles, area, centroid};
-use std::ops::RangeInclusive;
 
 /// Most samples put inside a large or long triangle. Where they do not suffice, the triangle is
 /// searched as a whole. Chosen by hand: more take time in every step.
@@ -26,13 +25,6 @@ const LONG_EDGE_RATIO: f64 = 6.0;
 /// Most samples that one triangle of a mesh of few gets, as a share of the mesh's: 160 of 30,000.
 /// Chosen by hand; a `u8` holds the number.
 const MAX_SHARE_OF_SAMPLES: f64 = 1.0 / 187.5;
-
-/// The samples of a face represent it if the areas that belong to them are this many times its own:
-/// then its mean distance is theirs. Where they are more, some come from parts that are gone: these
-/// are far from the face, not it from the input (folds of noise that became flat are no more than
-/// about three times as large). Where they are fewer, the face is larger than what it came from: it
-/// spans a gap or is a needle.
-const RELIABLE_AREA_RATIO: RangeInclusive<f64> = 0.25..=4.0;
 
 /// A position on the surface of the input, in units of [`Input::coordinates`]; half a cache line.
 #[derive(Clone, Debug)]
@@ -74,8 +66,6 @@ pub(crate) struct Samples {
     pub(crate) area_times_squared: f64,
     /// The sum of areas: that of the input.
     pub(crate) area: f64,
-    /// The share of it that belongs to samples at points.
-    pub(crate) point_area_share: f64,
 }
 
 impl Samples {
@@ -90,7 +80,6 @@ impl Samples {
             all: Vec::with_capacity(input.coordinates.len() + extra as usize),
             area_times_squared: 0.0,
             area: areas.iter().copied().map(f64::from).sum(),
-            point_area_share: 0.0,
         };
         // A triangle's area is shared equally by its corners and the samples inside of it.
         let share = |(&area, &n): (&f32, &u8)| (f64::from(area) / (3.0 + f64::from(n))) as f32;
@@ -99,7 +88,6 @@ impl Samples {
             let around = input.triangles_around.row(point);
             if let Some(&t) = around.first() {
                 let area = around.iter().map(|&t| shares[t as usize]).sum();
-                samples.point_area_share += f64::from(area) / samples.area.max(f64::MIN_POSITIVE);
                 samples.add(faces, t, Sample::new(position, Origin::point(point), area));
             }
         }
@@ -178,21 +166,14 @@ impl Samples {
     /// Returns what the backward pass has to know of a live face, `index`, at its corners.
     pub(crate) fn touched_face(&self, corners: [DVec3; 3], index: u32, face: &Face) -> TouchedFace {
         let centroid = centroid(corners);
-        let (mut area_times_squared, mut sample_area) = (0.0, 0.0);
         let (mut least, mut origin) = (f64::INFINITY, Origin::NONE);
         for sample in self.of_face(face).map(|s| &self.all[s as usize]) {
-            area_times_squared += f64::from(sample.area) * f64::from(sample.squared_distance);
-            sample_area += f64::from(sample.area);
             let to_centroid = (sample.position() - centroid).length_squared();
             if to_centroid < least {
                 (least, origin) = (to_centroid, sample.origin);
             }
         }
-        let face_area = f64::from(area(corners) as f32);
-        let is_represented = RELIABLE_AREA_RATIO.contains(&(sample_area / face_area));
-        let mean_square =
-            if is_represented { (area_times_squared / sample_area) as f32 } else { f32::NAN };
-        TouchedFace { face: index, is_live: true, points: face.points, mean_square, origin }
+        TouchedFace { face: index, is_live: true, points: face.points, origin }
     }
 }
 

@@ -1,51 +1,69 @@
-//! How closely a pass searches.
+//! How closely a pass searches, and the limits of all work.
 
+/// How closely a pass searches.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
-    /// Samples that a mesh of few triangles gets in all; and one that is searched exhaustively,
-    /// whose samples tell mean distances alone (those of cubes to 2 %).
-    few_triangles_samples: f64,
-    exhaustive_samples: f64,
+    /// Samples that a mesh of few triangles gets in all.
+    pub(crate) few_triangles_samples: f64,
     /// Samples that all faces together keep where few faces are left.
     pub(crate) few_faces_samples: usize,
-    /// In meshes of up to this many triangles, all that a step may concern are searched, and mean
-    /// distances are those of points spread over the faces. Of 10,000 mutated meshes two stated
-    /// 6 % too little without.
-    exhaustive_triangles: usize,
-    /// Whether the mean distance of faces that samples do not represent is looked up.
-    pub(crate) look_up_means: bool,
+    pub(crate) limits: Limits,
 }
 
 impl Settings {
     /// For the shape in which all steps are measured.
-    pub(crate) const AT_REST: Self = Self {
-        few_triangles_samples: 30_000.0,
-        exhaustive_samples: 9_000.0,
-        few_faces_samples: 3_000,
-        exhaustive_triangles: 512,
-        look_up_means: true,
-    };
+    pub(crate) const AT_REST: Self =
+        Self { few_triangles_samples: 5_000.0, few_faces_samples: 2_000, limits: Limits::DEFAULT };
 
     /// For shapes of which only what exceeds the errors of another one matters.
-    pub(crate) const IN_POSES: Self = Self {
-        few_triangles_samples: 5_000.0,
-        exhaustive_samples: 5_000.0,
-        few_faces_samples: 2_000,
-        exhaustive_triangles: 0,
-        look_up_means: false,
+    pub(crate) const IN_POSES: Self = Self { few_triangles_samples: 3_000.0, ..Self::AT_REST };
+}
+
+/// Limits of the work that any mesh may take. Where one is met, an answer is not given: another way
+/// is taken to it, or what is stated is a bound that holds all the same.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Work of a pass ([`Work`](crate::work::Work)): for each triangle of the input, and besides.
+    /// After that levels are measured one by one.
+    pub(crate) work: [u64; 2],
+    /// Boxes that one search of a pass for a near triangle may open. What it finds then raises
+    /// nothing. And for the farthest point of a triangle.
+    pub(crate) boxes_nearest: u32,
+    pub(crate) boxes_farthest: u64,
+    /// Boxes that the search for the farthest point of a level may open: for each triangle that is
+    /// searched, for each of the input, and besides. Beyond, its bounds stay apart, and the upper
+    /// one is stated.
+    pub(crate) boxes_per_level: [u32; 3],
+    /// Most levels that are measured, and boxes that may be opened for them: for each triangle of
+    /// the input, and besides. After that no level is measured between two that were.
+    pub(crate) max_levels: usize,
+    pub(crate) boxes: [u64; 2],
+    /// Samples on either surface that tell the mean distance of a level: one that is measured by
+    /// itself, and one between which others are interpolated.
+    pub(crate) samples: usize,
+    pub(crate) rung_samples: usize,
+}
+
+impl Limits {
+    /// Chosen by hand. Real meshes need less than a third of the work.
+    pub(crate) const DEFAULT: Self = Self {
+        work: [600, 3_000_000],
+        boxes_nearest: 4_000,
+        boxes_farthest: 4_000,
+        boxes_per_level: [200, 50, 500_000],
+        max_levels: 100,
+        boxes: [500, 5_000_000],
+        samples: 4_096,
+        rung_samples: 1_024,
     };
 
-    /// Returns whether all that a step may concern is searched in a mesh of `triangles` triangles.
-    pub(crate) fn is_exhaustive(&self, triangles: usize) -> bool {
-        triangles <= self.exhaustive_triangles
+    /// Returns how many boxes may be opened for levels of a mesh of some triangles.
+    pub(crate) fn max_boxes(&self, triangles: usize) -> u64 {
+        self.boxes[0] * triangles as u64 + self.boxes[1]
     }
 
-    /// Returns how many samples a mesh of `triangles` triangles gets in all if that is few.
-    pub(crate) fn few_triangles_samples(&self, triangles: usize) -> f64 {
-        if self.is_exhaustive(triangles) {
-            self.exhaustive_samples
-        } else {
-            self.few_triangles_samples
-        }
+    /// Returns how much work a pass over a mesh of some triangles may take.
+    pub(crate) fn max_work(&self, triangles: usize) -> u64 {
+        self.work[0] * triangles as u64 + self.work[1]
     }
 }

@@ -466,14 +466,14 @@ fn curves_that_are_too_small_or_too_large_are_refused() {
             let error: Vec<f32> = error.iter().map(scaled).collect();
             let rms = rms.iter().zip(&error).map(|(rms, &error)| rms.min(error)).collect();
             let stated = simplified.clone().with_distances(error, rms).expect("they never fall");
-            let (levels, wrong) = lodc_measure::check_errors(&stated, &[shape]);
+            let (levels, wrong) = crate::check(&stated, &[shape]);
             assert!(levels > 4);
             assert_eq!(wrong.is_none(), holds, "{name} × {scale}: {wrong:?}");
         }
     }
 }
 
-/// Found by fuzzing: each of the twenty was counted by `check_errors`, one of them here.
+/// Found by fuzzing: each of the twenty was counted by `check`, one of them here.
 #[test]
 fn faces_that_lie_on_each_other_count_once_on_both_sides() {
     let (low, high) = (-0.5, 0.5);
@@ -485,7 +485,7 @@ fn faces_that_lie_on_each_other_count_once_on_both_sides() {
     let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
     let StepErrors { error, rms } = measured(&simplified);
     let stated = simplified.with_distances(error, rms).expect("they never fall");
-    let (levels, wrong) = lodc_measure::check_errors(&stated, &[stated.mesh().positions()]);
+    let (levels, wrong) = crate::check(&stated, &[stated.mesh().positions()]);
     assert_eq!((levels > 0, wrong), (true, None));
 }
 

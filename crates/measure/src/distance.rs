@@ -21,10 +21,6 @@ const WORST_SAMPLES: usize = 256;
 /// together. Chosen by hand.
 const BOX_BUDGET: [u32; 2] = [500, 30_000];
 
-/// Samples farther than this share of a bound are searched around: their triangles may reach beyond
-/// the bound. Chosen by hand.
-const NEAR_SHARE: f64 = 0.8;
-
 /// Density of samples on surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
@@ -184,12 +180,6 @@ impl Samples {
     }
 }
 
-/// The mean squared distance from points of one surface, each in a slice of equal area, to another;
-/// 0 without area.
-pub(crate) fn mean_square(from: &Surface, to: &TriangleTree, samples: usize, seed: u64) -> f64 {
-    Points::new(over_area(from, samples, seed)).mean_square(to)
-}
-
 fn mean(squares: &[f64]) -> f64 {
     if squares.is_empty() { 0.0 } else { squares.iter().sum::<f64>() / squares.len() as f64 }
 }
@@ -236,40 +226,4 @@ fn squares(points: &Points, to: &TriangleTree) -> Vec<f64> {
         squares[i as usize] = squared;
     }
     squares
-}
-
-/// Returns the largest distance found from one surface to another, if it is more than `bound`.
-/// Samples the same points as [`distances`], but measures only those that are not clearly within
-/// the bound, and searches their triangles.
-#[must_use]
-pub fn farther_than(
-    from: &Surface,
-    to: &TriangleTree,
-    bound: f64,
-    sampling: &Sampling,
-) -> Option<f64> {
-    let Samples { area, lattice } = Samples::new(from, sampling);
-    let near_bound = NEAR_SHARE * bound;
-    let far_samples = |points: &Points| {
-        let far_of_run = |run: &[u32]| {
-            let mut hint = NONE;
-            let is_far = |&&i: &&u32| {
-                !to.may_be_within(points.positions[i as usize], near_bound * near_bound, &mut hint)
-            };
-            let far_points: Vec<u32> = run.iter().filter(is_far).copied().collect();
-            let squared = |i: u32| to.distance_squared(points.positions[i as usize]);
-            far_points
-                .into_iter()
-                .map(|i| (squared(i), points.triangles[i as usize]))
-                .collect::<Vec<_>>()
-        };
-        points.order.par_chunks(TASK_POINTS).flat_map_iter(far_of_run).collect::<Vec<_>>()
-    };
-    let mut far_points = far_samples(&area);
-    far_points.extend(far_samples(&lattice));
-    if far_points.is_empty() {
-        return None;
-    }
-    let largest = search_worst(far_points, to, |t| from.corners(t as usize));
-    (largest > bound).then_some(largest)
 }

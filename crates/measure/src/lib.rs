@@ -32,21 +32,19 @@ mod picture;
 mod reference;
 mod scene;
 mod spread;
-mod stated;
 mod surface;
 mod texture;
 
 pub use baseline::{Numbers, Recorded, Regression};
 pub use beyond::share_beyond;
 pub use colours::{distinct, heat};
-pub use distance::{Distances, Original, Sampling, distances, farther_than};
+pub use distance::{Distances, Original, Sampling, distances};
 pub use field::DistanceField;
 pub use heat::heat_sheet;
 pub use lodc_nearest::TriangleTree;
 pub use picture::{ImageError, Picture, ShadingOptions, Viewing, compare_pictures, pictures};
 pub use reference::ReferencePictures;
 pub use scene::SceneSurface;
-pub use stated::check_errors;
 pub use surface::Surface;
 pub use texture::Pyramid;
 

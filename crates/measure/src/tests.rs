@@ -1,6 +1,5 @@
 use crate::{
-    Pyramid, Sampling, ShadingOptions, Surface, Viewing, compare_pictures, distances, farther_than,
-    pictures,
+    Pyramid, Sampling, ShadingOptions, Surface, Viewing, compare_pictures, distances, pictures,
 };
 use glam::{Vec2, Vec3};
 use lodc_scene::{Image, Material, Texture, Wrap};
@@ -47,20 +46,6 @@ fn a_surface_is_nowhere_from_itself() {
     let error = compare_pictures(&p, &p);
     assert_eq!((error.rmse, error.silhouette), (0.0, 0.0));
     assert!(p.iter().all(|p| p.colours.iter().any(|c| c[0] > 200.0)));
-}
-
-#[test]
-fn the_question_for_more_than_a_bound_agrees_with_the_distance() {
-    let (a, b) = (sphere(12, 1.0, Vec3::ZERO), sphere(9, 1.1, Vec3::new(0.02, 0.0, 0.01)));
-    let tree = b.tree();
-    let exact = distances(&a, &b, &Sampling::DEFAULT).hausdorff[0];
-    for (bound, wanted) in [(1.001 * exact, None), (0.999 * exact, Some(exact)), (0.0, Some(exact))]
-    {
-        assert_eq!(farther_than(&a, &tree, bound, &Sampling::DEFAULT), wanted, "{bound}");
-    }
-    let none = Surface::default().tree();
-    assert_eq!(farther_than(&a, &none, 1e9, &Sampling::DEFAULT), Some(f64::INFINITY));
-    assert_eq!(farther_than(&Surface::default(), &none, 0.0, &Sampling::DEFAULT), None);
 }
 
 #[test]

@@ -39,8 +39,35 @@ impl Bounds {
         self.low[0] > self.high[0]
     }
 
+    pub(crate) fn new(low: [f32; 3], high: [f32; 3]) -> Self {
+        Self { low, high }
+    }
+
+    /// Returns the box of some points.
+    #[inline]
+    pub(crate) fn of(points: &[[f32; 3]]) -> Self {
+        let mut bounds = Self::EMPTY;
+        for &p in points {
+            bounds.include(p);
+        }
+        bounds
+    }
+
+    #[inline]
     pub(crate) fn low(&self) -> [f32; 3] {
         self.low
+    }
+
+    #[inline]
+    pub(crate) fn high(&self) -> [f32; 3] {
+        self.high
+    }
+
+    /// Returns half the area of its sides; 0 if it is empty.
+    #[inline]
+    pub(crate) fn half_area(&self) -> f32 {
+        let [x, y, z] = std::array::from_fn(|i| self.high[i] - self.low[i]);
+        if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
     }
 
     /// Returns the longest extent along an axis.

@@ -110,42 +110,64 @@ impl FarthestSearch {
         from: &[[DVec3; 3]],
         to: &(impl Surface + Sync),
     ) -> Farthest {
-        let Some(&[p, ..]) = from.first() else {
+        self.farthest_with_hints(known_distance, from.len(), |i| (from[i], NONE), to)
+    }
+
+    /// The same for `count` triangles, neighbours near each other, of which `from` returns the
+    /// corners and a triangle of the other surface that is probably near, or [`NONE`].
+    #[must_use]
+    pub fn farthest_with_hints(
+        &self,
+        known_distance: f64,
+        count: usize,
+        from: impl Fn(usize) -> ([DVec3; 3], u32) + Sync,
+        to: &(impl Surface + Sync),
+    ) -> Farthest {
+        if count == 0 {
             return Farthest { lower: known_distance, upper: known_distance, opened_boxes: 0 };
-        };
-        let any = Query { point: p, hint: NONE, enough: 0.0, max_boxes: MAX_BOXES_AT_FIRST };
+        }
+        let point = from(0).0[0];
+        let any = Query { point, hint: NONE, enough: f64::MAX, max_boxes: MAX_BOXES_AT_FIRST };
         if to.near(any).0.triangle == NONE {
             return Farthest { lower: f64::INFINITY, upper: f64::INFINITY, opened_boxes: 0 };
         }
         let mut state = SearchState::new(*self, known_distance);
-        let limits = state.limits();
-        let has_bound = known_distance > 0.0;
-        let stride = if has_bound { from.len() } else { (from.len() / INITIAL_TRIANGLES).max(1) };
-        let initial = |chunk: &[[DVec3; 3]]| {
-            Part::measure(Polygon::triangle(chunk[0]), NONE, to, limits, MAX_BOXES_AT_FIRST).1
-        };
-        let initial: Vec<Measured> = from.par_chunks(stride).map(initial).collect();
-        initial.into_iter().for_each(|measured| state.record(measured));
-        for batch in from.chunks(ROWS_PER_BATCH * TRIANGLES_PER_ROW) {
-            let row = |row: &[[DVec3; 3]]| {
+        if known_distance == 0.0 {
+            let limits = state.limits();
+            let stride = (count / INITIAL_TRIANGLES).max(1);
+            let initial = |i: usize| {
+                let (corners, hint) = from(i * stride);
+                Part::measure(Polygon::triangle(corners), hint, to, limits, MAX_BOXES_AT_FIRST).1
+            };
+            let initial: Vec<Measured> =
+                (0..count.div_ceil(stride)).into_par_iter().map(initial).collect();
+            initial.into_iter().for_each(|measured| state.record(measured));
+        }
+        let batch_triangles = ROWS_PER_BATCH * TRIANGLES_PER_ROW;
+        for first in (0..count).step_by(batch_triangles) {
+            let end = (first + batch_triangles).min(count);
+            let row = |start: usize| {
                 let mut state = SearchState::new(*self, state.lower);
-                // Triangles that were near the last ones, the latest first.
-                let mut recent = [NONE; RECENT_TRIANGLES];
-                for &corners in row {
-                    if let Some(near) = state.add_triangle(corners, &recent, to, MAX_BOXES_AT_FIRST)
+                // Triangles that were near the last ones, the latest first; the hint comes before.
+                let mut hints = [NONE; RECENT_TRIANGLES + 1];
+                for i in start..(start + TRIANGLES_PER_ROW).min(end) {
+                    let (corners, hint) = from(i);
+                    hints[0] = hint;
+                    if let Some(near) = state.add_triangle(corners, &hints, to, MAX_BOXES_AT_FIRST)
                     {
-                        recent.rotate_right(1);
-                        recent[0] = near;
+                        hints[1..].rotate_right(1);
+                        hints[1] = near;
                     }
                     state.divide_parts(to, state.opened_boxes + FIRST_TURN_BOXES);
                 }
                 state
             };
-            let rows: Vec<SearchState> = batch.par_chunks(TRIANGLES_PER_ROW).map(row).collect();
+            let starts: Vec<usize> = (first..end).step_by(TRIANGLES_PER_ROW).collect();
+            let rows: Vec<SearchState> = starts.into_par_iter().map(row).collect();
             rows.into_iter().for_each(|row| state.join(row));
         }
         let [per_triangle, more] = self.boxes.map(u64::from);
-        let max_boxes = state.opened_boxes + per_triangle * from.len() as u64 + more;
+        let max_boxes = state.opened_boxes + per_triangle * count as u64 + more;
         while state.opened_boxes < max_boxes {
             let farthest_parts = state.pop_parts(ROWS_PER_BATCH);
             if farthest_parts.is_empty() {
@@ -313,7 +335,8 @@ impl SearchState {
             self.done_upper = self.done_upper.max(limits.accepted);
             return None;
         }
-        let part = Part::measure(Polygon::triangle(corners), hints[0], to, limits, max_boxes);
+        let hint = hints.iter().copied().find(|&hint| hint != NONE).unwrap_or(NONE);
+        let part = Part::measure(Polygon::triangle(corners), hint, to, limits, max_boxes);
         self.add_part(&part);
         Some(part.0.near_triangle)
     }
@@ -427,7 +450,7 @@ impl Part {
             let is_small = self.polygon.disc().1 <= limits.slack;
             done_upper = if is_small { self.upper } else { 0.0 };
             if !is_small {
-                pieces.extend(self.polygon.halves());
+                pieces.extend(self.polygon.halves(triangle));
             }
         }
         let mut add_polygon = |polygon: Polygon| {

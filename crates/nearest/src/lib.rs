@@ -15,10 +15,12 @@
 //! ```
 
 mod bounds;
+mod capsule;
 mod farthest;
 mod morton;
 mod moving;
 mod polygon;
+mod sah;
 mod surface;
 mod tree;
 mod triangle;

@@ -1,14 +1,12 @@
 //! A search tree for the nearest triangle of a mesh under simplification, whose triangles move and
-//! disappear: an implicit binary tree of boxes over the Morton order. Boxes grow when a triangle
-//! moves and are closed when their triangles are gone.
+//! disappear. Boxes grow when a triangle moves and are closed when their triangles are gone.
 
 use crate::bounds::Bounds;
+use crate::capsule::Capsule;
+use crate::sah::{self, Child, MAX_STACK, Node, WIDTH};
 use crate::triangle;
 use glam::DVec3;
 use lodc_mesh::NONE;
-
-/// Triangles in one leaf. Chosen by hand: fewer take more memory, more take longer to look at.
-const LEAF_TRIANGLES: usize = 4;
 
 /// A set of triangles as a tree sees it.
 pub trait Triangles {
@@ -60,201 +58,457 @@ impl Hit {
 /// died; dead ones are passed over.
 #[derive(Clone, Debug)]
 pub struct MovingTree {
-    /// The triangles in the order of leaves, and the index of each in it, [`NONE`] if the tree does
-    /// not hold it; both empty if the order is that of their numbers.
-    order: Vec<u32>,
-    order_index: Vec<u32>,
-    count: u32,
-    /// Box 1 is the root, boxes 2i and 2i + 1 are the children of box i. The last half of them are
-    /// the leaves, of which the first ones may be a level higher than the others.
-    boxes: Vec<Bounds>,
-    first_leaf: usize,
+    /// The root is the first; none without triangles.
+    nodes: Vec<Node>,
+    /// The triangle in each slot of a leaf. Large ones are in several leaves.
+    slots: Vec<u32>,
+    /// Capsules of nodes whose boxes are far larger than what is in them.
+    capsules: Vec<[Capsule; WIDTH]>,
+    /// The box of the first leaf of each triangle ([`WIDTH`] × node + index), which grows with it;
+    /// [`NONE`] if the tree does not hold it. Empty for triangles that stay.
+    box_of: Vec<u32>,
+    /// Half the area of all boxes: what searches cost, by the heuristic. When the tree was built,
+    /// and now.
+    built_area: f64,
+    area: f64,
 }
 
 impl MovingTree {
-    /// Builds the tree of the triangles 0 to `count` (exclusive), whose numbers rise along a curve
-    /// through them. `corners` returns the positions of a triangle's corners.
+    /// Builds a tree of the triangles 0 to `count` (exclusive), which stay as they are. `corners`
+    /// returns the positions of a triangle's corners.
     #[must_use]
     pub fn of_all(count: u32, corners: impl Fn(u32) -> [[f32; 3]; 3]) -> Self {
-        Self::build(vec![], vec![], count, corners)
+        Self::of_some(0..count, corners)
     }
 
-    /// Builds the tree of some triangles, given in an order in which neighbours are near each
-    /// other, out of `all_count` triangles.
+    /// Builds a tree of some triangles, which stay as they are.
     #[must_use]
-    pub fn of(order: Vec<u32>, all_count: usize, corners: impl Fn(u32) -> [[f32; 3]; 3]) -> Self {
-        let mut order_index = vec![NONE; all_count];
-        for (&t, index) in order.iter().zip(0..) {
-            order_index[t as usize] = index;
-        }
-        let count = order.len() as u32;
-        Self::build(order, order_index, count, corners)
-    }
-
-    fn build(
-        order: Vec<u32>,
-        order_index: Vec<u32>,
-        count: u32,
+    pub fn of_some(
+        triangles: impl Iterator<Item = u32>,
         corners: impl Fn(u32) -> [[f32; 3]; 3],
     ) -> Self {
-        let first_leaf = (count as usize).div_ceil(LEAF_TRIANGLES).max(1);
-        let boxes = vec![Bounds::EMPTY; 2 * first_leaf];
-        let mut tree = Self { order, order_index, count, boxes, first_leaf };
-        for leaf in 0..(count as usize).div_ceil(LEAF_TRIANGLES) {
-            let mut bounds = Bounds::EMPTY;
-            for p in tree.leaf(leaf).flat_map(&corners) {
-                bounds.include(p);
+        let sah::Tree { nodes, slots, capsules } = sah::build(triangles, corners);
+        Self { nodes, slots, capsules, box_of: vec![], built_area: 0.0, area: 0.0 }
+    }
+
+    /// Builds the tree of some triangles, which may move, out of `all_count`.
+    #[must_use]
+    pub fn of(
+        triangles: impl Iterator<Item = u32>,
+        all_count: usize,
+        corners: impl Fn(u32) -> [[f32; 3]; 3],
+    ) -> Self {
+        Self::of_some(triangles, corners).for_moving(all_count)
+    }
+
+    /// Returns the tree after triangles have moved or gone, in linear time, with the same shape:
+    /// searches in it take longer than in one that is built anew, the longer the more has changed.
+    /// `corners` returns where a triangle is now, whether it has moved; `None` if it is gone.
+    #[must_use]
+    pub fn refitted(&self, corners: impl Fn(u32) -> Option<([[f32; 3]; 3], bool)>) -> Self {
+        let mut tree = Self { box_of: vec![], ..self.clone() };
+        // Children come after their parents.
+        for i in (0..tree.nodes.len()).rev() {
+            for k in 0..WIDTH {
+                let child = tree.nodes[i].child[k];
+                let mut bounds = Bounds::EMPTY;
+                match child.as_node() {
+                    Some(index) => {
+                        let node = &tree.nodes[index];
+                        bounds =
+                            (0..WIDTH).fold(bounds, |all, k| Bounds::union(&all, &node.bounds(k)));
+                    }
+                    None => {
+                        // A box may be of parts of large triangles: it stays if none has moved.
+                        let before = tree.nodes[i].bounds(k);
+                        for &t in &tree.slots[child.slots()] {
+                            match corners(t) {
+                                Some((corners, true)) => {
+                                    corners.into_iter().for_each(|p| _ = bounds.include(p));
+                                }
+                                Some((_, false)) => bounds = Bounds::union(&bounds, &before),
+                                None => {}
+                            }
+                        }
+                    }
+                }
+                tree.nodes[i].set_bounds(k, &bounds);
             }
-            tree.boxes[first_leaf + leaf] = bounds;
         }
-        for i in (1..first_leaf).rev() {
-            tree.boxes[i] = Bounds::union(&tree.boxes[2 * i], &tree.boxes[2 * i + 1]);
+        if !tree.capsules.is_empty() {
+            tree.refit_capsules(corners);
         }
         tree
     }
 
-    /// Returns the triangles that the tree holds, dead ones too.
-    pub fn triangles(&self) -> impl Iterator<Item = u32> + Clone {
-        (0..self.count).map(|index| self.triangle(index))
+    fn refit_capsules(&mut self, corners: impl Fn(u32) -> Option<([[f32; 3]; 3], bool)>) {
+        for i in 0..self.nodes.len() {
+            for k in 0..WIDTH {
+                let child = self.nodes[i].child[k];
+                if child.as_node().is_some() {
+                    continue;
+                }
+                for &t in &self.slots[child.slots()] {
+                    let Some((corners, true)) = corners(t) else { continue };
+                    let mut parent = (WIDTH * i + k) as u32;
+                    while parent != NONE {
+                        let node = &self.nodes[parent as usize / WIDTH];
+                        if let Some(capsules) = self.capsules.get_mut(node.capsules as usize) {
+                            capsules[parent as usize % WIDTH].include(&corners);
+                        }
+                        parent = node.parent;
+                    }
+                }
+            }
+        }
     }
 
-    /// Returns the triangles of a leaf.
-    #[inline]
-    fn leaf(&self, leaf: usize) -> impl Iterator<Item = u32> {
-        let start = ((LEAF_TRIANGLES * leaf) as u32).min(self.count);
-        (start..(start + LEAF_TRIANGLES as u32).min(self.count)).map(|index| self.triangle(index))
+    /// Prepares a tree for triangles that move, out of `all_count`.
+    #[must_use]
+    pub fn for_moving(mut self, all_count: usize) -> Self {
+        self.box_of = vec![NONE; all_count];
+        let mut area = 0.0;
+        for (node, index) in self.nodes.iter().zip(0..) {
+            for k in 0..WIDTH {
+                area += f64::from(node.bounds(k).half_area());
+                if node.child[k].as_node().is_none() {
+                    for &triangle in &self.slots[node.child[k].slots()] {
+                        let leaf = &mut self.box_of[triangle as usize];
+                        *leaf = (*leaf).min((WIDTH * index + k) as u32);
+                    }
+                }
+            }
+        }
+        (self.built_area, self.area) = (area, area);
+        self
     }
 
-    #[inline]
-    fn triangle(&self, index: u32) -> u32 {
-        if self.order.is_empty() { index } else { self.order[index as usize] }
+    /// Returns how many times as much searches cost as when the tree was built, by the areas of
+    /// boxes, which have grown since.
+    #[must_use]
+    pub fn growth(&self) -> f64 {
+        if self.built_area > 0.0 { self.area / self.built_area } else { 1.0 }
     }
 
-    /// Returns the leaf of a triangle, if the tree holds it.
-    #[inline]
-    fn leaf_of(&self, triangle: u32) -> Option<usize> {
-        let index = if self.order_index.is_empty() {
-            triangle
-        } else {
-            self.order_index[triangle as usize]
-        };
-        (index != NONE).then_some(index as usize / LEAF_TRIANGLES)
-    }
-
-    /// Returns a word of a triangle's leaf, to load its cache line early.
+    /// Returns a word of a triangle's box, to load its cache line early.
     #[inline]
     pub fn touch(&self, triangle: u32) -> u32 {
-        let leaf = self.leaf_of(triangle).and_then(|leaf| self.boxes.get(self.first_leaf + leaf));
-        leaf.map_or(0, |b| b.low()[0].to_bits())
+        let leaf = self.box_of.get(triangle as usize).copied().unwrap_or(NONE);
+        let node = self.nodes.get(leaf as usize / WIDTH);
+        node.map_or(0, |node| node.low[0][0].to_bits() ^ node.high[2][3].to_bits())
     }
 
-    /// Grows the boxes around a triangle to take in a new corner.
-    pub fn grow(&mut self, triangle: u32, p: [f32; 3]) {
-        let Some(leaf) = self.leaf_of(triangle) else { return };
-        let mut i = self.first_leaf + leaf;
-        while i > 0 && self.boxes[i].include(p) {
-            i /= 2;
+    /// Grows the boxes around a triangle to take in its new corners.
+    pub fn grow(&mut self, triangle: u32, corners: &[[f32; 3]; 3]) {
+        let mut leaf = self.box_of[triangle as usize];
+        while leaf != NONE {
+            let (node, k) = (&mut self.nodes[leaf as usize / WIDTH], leaf as usize % WIDTH);
+            let mut bounds = node.bounds(k);
+            let before = bounds.half_area();
+            // All corners have to be tried.
+            let has_grown = corners.iter().fold(false, |grown, &p| bounds.include(p) | grown);
+            // Capsules of parents may be too small even where a box is not.
+            if let Some(capsules) = self.capsules.get_mut(node.capsules as usize) {
+                capsules[k].include(corners);
+            } else if !has_grown && self.capsules.is_empty() {
+                return;
+            }
+            self.area += f64::from(bounds.half_area() - before);
+            node.set_bounds(k, &bounds);
+            leaf = node.parent;
         }
     }
 
     /// Empties the boxes that hold no live triangle any more, after `triangle` has died.
     pub fn remove(&mut self, triangle: u32, is_live: impl Fn(u32) -> bool) {
-        let Some(leaf) = self.leaf_of(triangle) else { return };
-        if self.leaf(leaf).any(is_live) {
+        let mut leaf = self.box_of[triangle as usize];
+        if leaf == NONE {
             return;
         }
-        let mut i = self.first_leaf + leaf;
-        self.boxes[i] = Bounds::EMPTY;
-        while i > 1 && self.boxes[i ^ 1].is_empty() {
-            i /= 2;
-            self.boxes[i] = Bounds::EMPTY;
+        let child = self.nodes[leaf as usize / WIDTH].child[leaf as usize % WIDTH];
+        if self.slots[child.slots()].iter().any(|&t| is_live(t)) {
+            return;
+        }
+        while leaf != NONE {
+            let (node, k) = (&mut self.nodes[leaf as usize / WIDTH], leaf as usize % WIDTH);
+            self.area -= f64::from(node.bounds(k).half_area());
+            node.set_bounds(k, &Bounds::EMPTY);
+            if (0..WIDTH).any(|k| !node.bounds(k).is_empty()) {
+                return;
+            }
+            leaf = node.parent;
         }
     }
 
-    /// Looks for a triangle nearer than `nearest`, from the leaf of the hint upwards. Returns how
-    /// many boxes it has opened.
+    /// Looks for a triangle nearer than `nearest`. Returns how many boxes it has opened.
     pub fn search(&self, triangles: &impl Triangles, query: Query, nearest: &mut Hit) -> u32 {
         let Query { point, hint, enough, max_boxes } = query;
-        let mut search =
-            Search { tree: self, triangles, point, enough, nearest, boxes_left: max_boxes };
-        match (hint != NONE).then(|| self.leaf_of(hint)).flatten() {
-            Some(leaf) => {
-                let mut i = self.first_leaf + leaf;
-                search.visit_leaf(i);
-                while i > 1 && !search.is_done() {
-                    search.descend(i ^ 1);
-                    i /= 2;
+        if hint != NONE && hint != nearest.triangle && triangles.is_live(hint) {
+            nearest.replace_if_nearer(point, triangles.corners(hint), hint);
+        }
+        if self.nodes.is_empty() || nearest.squared <= enough {
+            return 0;
+        }
+        let point_f32 = PointF32::new(point);
+        // Squared distances of boxes, below what they are, and what they hold, the nearest last.
+        let mut stack = [(0.0f32, Child::NOTHING); MAX_STACK];
+        let mut depth = 0;
+        let mut node = &self.nodes[0];
+        let mut opened_boxes = 0;
+        loop {
+            opened_boxes += 1;
+            let mut distances = point_f32.distances_squared(node);
+            if let Some(capsules) = self.capsules.get(node.capsules as usize) {
+                for (distance, capsule) in distances.iter_mut().zip(capsules) {
+                    if f64::from(*distance) < nearest.squared {
+                        *distance = distance.max(capsule.distance_squared(point) as f32);
+                    }
                 }
             }
-            None => search.descend(1),
+            let first = depth;
+            for k in 0..WIDTH {
+                let distance = distances[k];
+                if f64::from(distance) < nearest.squared {
+                    // Inserted so that the nearest is the last.
+                    let mut i = depth;
+                    while i > first && stack[i - 1].0 < distance {
+                        stack[i] = stack[i - 1];
+                        i -= 1;
+                    }
+                    stack[i] = (distance, node.child[k]);
+                    depth += 1;
+                }
+            }
+            loop {
+                if depth == 0 || opened_boxes >= max_boxes && nearest.triangle != NONE {
+                    return opened_boxes;
+                }
+                depth -= 1;
+                let (distance, child) = stack[depth];
+                if f64::from(distance) >= nearest.squared {
+                    continue;
+                }
+                if let Some(index) = child.as_node() {
+                    node = &self.nodes[index];
+                    break;
+                }
+                opened_boxes += 1;
+                for &t in &self.slots[child.slots()] {
+                    if triangles.is_live(t) {
+                        nearest.replace_if_nearer(point, triangles.corners(t), t);
+                    }
+                }
+                if nearest.squared <= enough {
+                    return opened_boxes;
+                }
+            }
         }
-        max_boxes - search.boxes_left
     }
 }
 
-struct Search<'a, T> {
-    tree: &'a MovingTree,
-    triangles: &'a T,
-    point: DVec3,
-    enough: f64,
-    nearest: &'a mut Hit,
-    boxes_left: u32,
+/// A point between two of single precision on every axis.
+#[derive(Clone, Copy)]
+struct PointF32 {
+    below: [f32; 3],
+    above: [f32; 3],
 }
 
-impl<T: Triangles> Search<'_, T> {
-    fn is_done(&self) -> bool {
-        self.nearest.squared <= self.enough || self.boxes_left == 0 && self.nearest.triangle != NONE
+impl PointF32 {
+    #[inline]
+    fn new(p: DVec3) -> Self {
+        let p = p.to_array();
+        let nearest = p.map(|x| x as f32);
+        let below = |i: usize| match nearest[i] {
+            x if f64::from(x) > p[i] => x.next_down(),
+            x => x,
+        };
+        let above = |i: usize| match nearest[i] {
+            x if f64::from(x) < p[i] => x.next_up(),
+            x => x,
+        };
+        Self { below: std::array::from_fn(below), above: std::array::from_fn(above) }
     }
 
-    fn visit_leaf(&mut self, i: usize) {
-        for t in self.tree.leaf(i - self.tree.first_leaf) {
-            if self.triangles.is_live(t) {
-                self.nearest.replace_if_nearer(self.point, self.triangles.corners(t), t);
-                if self.nearest.squared <= self.enough {
-                    return;
+    /// Returns the squared distances to the boxes of a node, no more than they are; infinite for
+    /// empty ones.
+    #[inline]
+    fn distances_squared(self, node: &Node) -> [f32; WIDTH] {
+        let mut squared = [0.0f32; WIDTH];
+        for axis in 0..3 {
+            let (below, above) = (self.below[axis], self.above[axis]);
+            for k in 0..WIDTH {
+                let under = node.low[axis][k] - above;
+                let over = below - node.high[axis][k];
+                let outside = if under > over { under } else { over };
+                let outside = if outside > 0.0 { outside } else { 0.0 };
+                squared[k] += outside * outside;
+            }
+        }
+        // By more than five roundings.
+        squared.map(|x| x * (1.0 - 1e-6))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_mesh::SplitMix64;
+
+    struct Corners(Vec<[[f32; 3]; 3]>, Vec<bool>);
+
+    impl Triangles for Corners {
+        fn corners(&self, triangle: u32) -> [DVec3; 3] {
+            self.0[triangle as usize].map(|p| DVec3::from(p.map(f64::from)))
+        }
+        fn is_live(&self, triangle: u32) -> bool {
+            self.1[triangle as usize]
+        }
+    }
+
+    fn nearest(tree: &MovingTree, triangles: &Corners, point: DVec3) -> f64 {
+        let query = Query { point, hint: NONE, enough: 0.0, max_boxes: u32::MAX };
+        let mut hit = Hit::NONE;
+        tree.search(triangles, query, &mut hit);
+        hit.squared
+    }
+
+    /// Triangles of very unlike size, some long and askew, some in a fan.
+    fn unlike(count: usize, random: &mut SplitMix64) -> Vec<[[f32; 3]; 3]> {
+        let mut point = |s: f32| [0; 3].map(|_| (random.unit() - 0.5) * s);
+        let mut triangles = Vec::new();
+        for i in 0..count {
+            let a = point(4.0);
+            let near = |s: f32, q: [f32; 3]| std::array::from_fn(|k| a[k] + s * q[k]);
+            let (b, c) = (near(1.0, point(1.0)), near(1.0, point(1.0)));
+            triangles.push(match i % 5 {
+                0 => [a, near(40.0, point(1.0)), near(0.001, point(1.0))],
+                1 => [[1.0, 1.0, 1.0], point(8.0), point(8.0)],
+                2 => [a, b, b],
+                3 => [a, near(0.01, point(1.0)), near(0.01, point(1.0))],
+                _ => [a, b, c],
+            });
+        }
+        triangles
+    }
+
+    #[test]
+    fn searches_find_the_nearest_of_triangles_that_move_and_die() {
+        let mut random = SplitMix64::new(3);
+        for count in [0usize, 1, 4, 5, 17, 300, 3_000] {
+            let corners = unlike(count, &mut random);
+            let mut all = Corners(corners, vec![true; count]);
+            let mut tree = MovingTree::of(0..count as u32, count, |t| all.0[t as usize]);
+            for round in 0..6 {
+                for _ in 0..40 {
+                    let p = DVec3::from([0; 3].map(|_| 12.0 * f64::from(random.unit() - 0.5)));
+                    let slow = (0..count as u32)
+                        .filter(|&t| all.is_live(t))
+                        .map(|t| triangle::distance_squared(p, all.corners(t)))
+                        .fold(f64::INFINITY, f64::min);
+                    assert_eq!(nearest(&tree, &all, p), slow, "{count} {round}");
+                }
+                for _ in 0..count / 6 {
+                    let t = random.below(count) as u32;
+                    if round % 2 == 0 {
+                        all.1[t as usize] = false;
+                        tree.remove(t, |t| all.1[t as usize]);
+                    } else {
+                        let to = random.below(count);
+                        all.0[t as usize][1] = all.0[to][0];
+                        tree.grow(t, &all.0[t as usize]);
+                    }
                 }
             }
         }
     }
 
-    /// Searches a subtree, the nearer of two boxes first.
-    fn descend(&mut self, root: usize) {
-        let boxes = &self.tree.boxes;
-        let squared = boxes[root].distance_squared(self.point);
-        // Before the stack is made: of most subtrees on the way up nothing is near enough.
-        if squared >= self.nearest.squared {
-            return;
+    #[test]
+    fn a_tree_says_how_much_it_has_grown() {
+        let row = |t: u32| [0.0, 0.4, 0.8].map(|x| [t as f32 + x, 0.5 * x, 0.0]);
+        let mut tree = MovingTree::of(0..100, 100, row);
+        assert_eq!(tree.growth(), 1.0);
+        for t in 0..100 {
+            tree.grow(t, &[[0.0; 3], [100.0, 0.0, 0.0], [50.0, 50.0, 0.0]]);
         }
-        // Squared distances and boxes: one entry for each level that was passed, of 31 at most,
-        // and one more.
-        let mut stack = [(0.0, 0usize); 40];
-        stack[0] = (squared, root);
-        let mut depth = 1;
-        while depth > 0 && !self.is_done() {
-            depth -= 1;
-            let (squared, i) = stack[depth];
-            if squared >= self.nearest.squared {
-                continue;
+        assert!(tree.growth() > 5.0, "{}", tree.growth());
+    }
+
+    #[test]
+    fn few_boxes_are_opened_beside_triangles_that_are_huge_or_askew() {
+        // A plane of two triangles below many small ones, and needles across.
+        let mut random = SplitMix64::new(5);
+        let mut corners = vec![
+            [[-500.0, -500.0, -0.5], [500.0, -500.0, -0.5], [500.0, 500.0, -0.5]],
+            [[-500.0, -500.0, -0.5], [500.0, 500.0, -0.5], [-500.0, 500.0, -0.5]],
+        ];
+        for _ in 0..20_000 {
+            let a = [0; 3].map(|_| random.unit() - 0.5);
+            let near = |s: f32| std::array::from_fn(|k| a[k] + s * [0.01, -0.007, 0.003][k]);
+            corners.push([a, near(1.0), [a[0], a[1] + 0.005, a[2]]]);
+        }
+        for _ in 0..40 {
+            let a = [0; 3].map(|_| random.unit() - 0.5);
+            corners.push([a, a.map(|x| x + 0.6), [a[0] + 1e-3, a[1], a[2]]]);
+        }
+        let count = corners.len();
+        let all = Corners(corners, vec![true; count]);
+        let tree = MovingTree::of_all(count as u32, |t| all.0[t as usize]);
+        let mut boxes = 0;
+        for _ in 0..1_000 {
+            let point = DVec3::from([0; 3].map(|_| f64::from(random.unit() - 0.5)));
+            let query = Query { point, hint: NONE, enough: 0.0, max_boxes: u32::MAX };
+            boxes += tree.search(&all, query, &mut Hit::NONE.clone());
+        }
+        assert!(boxes < 60 * 1_000, "{boxes}");
+    }
+}
+
+#[cfg(test)]
+mod fans {
+    use super::*;
+    use crate::{Farthest, FarthestSearch, MovingSurface, TriangleSearcher};
+
+    struct Fan(Vec<[[f32; 3]; 3]>);
+    impl Triangles for Fan {
+        fn corners(&self, triangle: u32) -> [DVec3; 3] {
+            self.0[triangle as usize].map(|p| DVec3::from(p.map(f64::from)))
+        }
+        fn is_live(&self, _: u32) -> bool {
+            true
+        }
+    }
+
+    fn cone(n: usize) -> Fan {
+        let rim = |i: usize| {
+            let (s, c) = (i as f64 / n as f64 * std::f64::consts::TAU).sin_cos();
+            [c as f32, s as f32, 0.0]
+        };
+        Fan((0..n).map(|i| [rim(i), rim(i + 1), [0.0, 0.0, 0.5]]).collect())
+    }
+
+    #[test]
+    fn tens_of_boxes_are_opened_in_a_fan() {
+        for (n, m) in [(3000, 1000), (30_000, 1_000), (30_000, 10_000)] {
+            let (fine, coarse) = (cone(n), cone(m));
+            let tree = MovingTree::of_all(m as u32, |t| coarse.0[t as usize]);
+            let to = MovingSurface { triangles: &coarse, tree: &tree };
+            let mut searcher = TriangleSearcher::new(FarthestSearch::for_size(1.0));
+            let known = 1.0 - (std::f64::consts::PI / m as f64).cos();
+            let (mut all, mut worst, mut at) = (0, 0, 0);
+            let mut upper = 0.0f64;
+            for t in 0..n as u32 {
+                let Farthest { opened_boxes, upper: u, .. } =
+                    searcher.search(known, fine.corners(t), NONE, &to, u64::MAX);
+                all += opened_boxes;
+                upper = upper.max(u);
+                if opened_boxes > worst {
+                    (worst, at) = (opened_boxes, t);
+                }
             }
-            self.boxes_left = self.boxes_left.saturating_sub(1);
-            if i >= self.tree.first_leaf {
-                self.visit_leaf(i);
-                continue;
-            }
-            let mut nearer = (boxes[2 * i].distance_squared(self.point), 2 * i);
-            let mut farther = (boxes[2 * i + 1].distance_squared(self.point), 2 * i + 1);
-            // The nearer one is opened first, so it is pushed last.
-            if farther.0 < nearer.0 {
-                (nearer, farther) = (farther, nearer);
-            }
-            if farther.0 < self.nearest.squared {
-                stack[depth] = farther;
-                depth += 1;
-            }
-            if nearer.0 < self.nearest.squared {
-                stack[depth] = nearer;
-                depth += 1;
-            }
+            println!(
+                "{n} {m}: mean {} worst {worst} at {at} known {known} upper {upper}",
+                all / n as u64
+            );
         }
     }
 }

@@ -16,6 +16,9 @@ const MAX_CORNERS_BEFORE_CUTS: usize = 6;
 /// the distance is cut: higher leaves less margin beside the triangle. Chosen by hand.
 const MIN_CUT_HEIGHT: f64 = 0.8;
 
+/// A triangle that is more times as long as wide is a sliver. Chosen by hand.
+const SLIVER_RATIO: f64 = 8.0;
+
 /// A convex polygon.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polygon {
@@ -185,8 +188,33 @@ impl Polygon {
         parts
     }
 
-    /// Returns two parts, cut across the middle of the longest diagonal or edge.
-    pub(crate) fn halves(&self) -> [Self; 2] {
+    /// Returns two parts: cut along a triangle's longest edge where the polygon is more times as wide
+    /// as the triangle than as long, else across the middle of the longest diagonal or edge. A wide
+    /// part beside slivers would else be divided into pieces as short as they are thin.
+    pub(crate) fn halves(&self, [a, b, c]: [DVec3; 3]) -> [Self; 2] {
+        let edges = [b - a, c - b, a - c];
+        let along = edges.into_iter().fold(DVec3::ZERO, |longest, edge| {
+            if edge.length_squared() > longest.length_squared() { edge } else { longest }
+        });
+        let length = along.length();
+        let normal = (b - a).cross(c - a);
+        let across = normal.cross(along).normalize_or_zero();
+        let width = if length > 0.0 { normal.length() / length } else { 0.0 };
+        if length > SLIVER_RATIO * width && width > 0.0 {
+            let extent = |direction: DVec3| {
+                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+                for p in self.corners() {
+                    let at = (*p - a).dot(direction);
+                    (low, high) = (low.min(at), high.max(at));
+                }
+                (high - low, a + direction * (0.5 * low + 0.5 * high))
+            };
+            let (own_width, middle) = extent(across);
+            let (own_length, _) = extent(along / length);
+            if own_width * length > own_length * width {
+                return self.cut(middle, across, 0.0);
+            }
+        }
         let mut longest = (0.0, DVec3::ZERO, DVec3::ZERO);
         for (i, &a) in self.corners().iter().enumerate() {
             for &b in &self.corners()[i + 1..] {

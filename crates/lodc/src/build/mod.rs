@@ -25,7 +25,7 @@ pub use scene_context::{Importance, SceneContext};
 pub use simplify::simplify_all;
 pub use watch::Watch;
 
-pub use lodc_errors::{Tick, measure_over as step_errors};
+pub use lodc_errors::{Tick, check as check_errors, measure_over as step_errors};
 
 use lodc_formats::ObjectInfo;
 use lodc_mesh::Simplified;

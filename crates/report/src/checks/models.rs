@@ -2,13 +2,13 @@
 //! ones, LOD 0 against the source.
 
 use super::report::CheckReport;
+use lodc::build::check_errors;
 use lodc::build::step_errors;
 use lodc::{LodFile, LodObject, stated_shapes};
 use lodc_formats::import::{ImportOptions, document_difference, import};
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, Scene, animation_names};
 use lodc_lod::AnyModel;
-use lodc_measure::check_errors;
 use lodc_mesh::Posture;
 use lodc_scene::Shape;
 use lodc_verify::{Check, Reference, VerifyOptions, source_difference, verify};

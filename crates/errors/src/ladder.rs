@@ -1,0 +1,275 @@
+//! What is stated of every step: the proposals of the pass, held against levels that are measured.
+//!
+//! ```text
+//!   error │                          ●          ● measured levels: bounds that hold
+//!         │                 ● ┄┄┄┄┄┄┄           ┄ proposed by the pass, raised by what measured
+//!         │        ● ┄┄┄┄┄┄┄                      levels beside exceed it, never above the coarser
+//!         └────────┴────────┴────────┴── steps
+//! ```
+//!
+//! Where a measured level is farther than the pass says, or the pass did not come to it, levels
+//! between are measured, too, until neighbours are alike. Mean distances follow the proposals, too,
+//! corrected by the ratio of measured to proposed ones.
+
+use crate::Tick;
+use crate::floor::{Floor, MARGIN};
+use crate::level::Original;
+use crate::rough::RoughSquare;
+use crate::settings::Limits;
+use crate::step_errors::StepErrors;
+use lodc_mesh::CollapseSequence;
+
+/// Levels that are measured in any case have these shares of the triangles, in percent, and below
+/// the last of them an eighth of the one before. Chosen by hand.
+const PERCENTAGES: [u64; 7] = [70, 50, 25, 15, 10, 5, 1];
+const DIVISOR: u64 = 8;
+
+/// Two measured levels are alike in their errors if these differ by no more than this factor. So
+/// are those at which the pass proposed no less than is found, up to the second factor. Chosen by
+/// hand.
+const ALIKE: f64 = 1.15;
+const PROPOSED: f64 = 1.1;
+
+/// And in their mean distances if the ratios of measured to proposed ones differ by no more than
+/// this factor. Chosen by hand.
+const ALIKE_RATIOS: f64 = 1.35;
+
+/// No level is measured between two whose numbers of triangles differ by no more than this factor.
+/// Chosen by hand.
+const NEIGHBOURS: f64 = 1.15;
+
+/// Distances below this share of the diagonal are alike whatever they are. Chosen by hand.
+const TINY_SHARE: f64 = 1e-6;
+
+/// Distances that the pass proposes, in units of the input's coordinates: of each step that it has
+/// followed the largest that it found so far, and the root mean square distance of its samples.
+#[derive(Default)]
+pub(crate) struct Proposals {
+    pub(crate) largest: Vec<f32>,
+    pub(crate) rms: Vec<f32>,
+    /// After some numbers of steps, about how far each triangle of the input is.
+    pub(crate) distances: Vec<(usize, Vec<RoughSquare>)>,
+}
+
+impl Proposals {
+    /// About how far triangles of the input are after a number of steps, or after the next number
+    /// that is known.
+    fn distances_after(&self, steps: usize) -> Option<&[RoughSquare]> {
+        let known = self.distances.partition_point(|known| known.0 < steps);
+        self.distances.get(known).map(|known| &known.1[..])
+    }
+
+    fn after(distances: &[f32], steps: usize) -> f64 {
+        let last = steps.min(distances.len());
+        last.checked_sub(1).map_or(0.0, |i| f64::from(distances[i]))
+    }
+}
+
+/// A measured level, with distances in units of the input's coordinates.
+#[derive(Clone, Copy, Debug)]
+struct Rung {
+    /// Steps before it.
+    steps: usize,
+    triangles: u32,
+    /// What is stated of it: the largest bound so far.
+    upper: f64,
+    /// The largest distance found so far.
+    lower: f64,
+    rms: f64,
+    /// How many times the proposal the bound is, at least 1; and the ratio of mean distances.
+    excess: f64,
+    rms_ratio: f64,
+}
+
+/// Returns after how many steps levels are measured in any case, in rising order: the last is the
+/// coarsest level that has triangles.
+pub(crate) fn planned(sequence: &CollapseSequence) -> Vec<usize> {
+    let all = u64::from(sequence.parts().triangles);
+    let last = sequence.steps_at(sequence.last_visible());
+    let shares = PERCENTAGES.map(|percent| all * percent / 100);
+    let below = std::iter::successors(shares.last().copied(), |t| Some(t / DIVISOR)).skip(1);
+    let mut planned: Vec<usize> = shares
+        .into_iter()
+        .chain(below.take_while(|&triangles| triangles > 0))
+        .map(|triangles| sequence.steps_at(sequence.lod_for_triangles(triangles as u32)))
+        .filter(|steps| (1..last).contains(steps))
+        .chain((last > 0).then_some(last))
+        .collect();
+    planned.sort_unstable();
+    planned.dedup();
+    planned
+}
+
+/// Measures levels of a sequence beside what a pass proposes for its steps.
+pub(crate) struct Ladder<'a> {
+    pub(crate) original: Original<'a>,
+    pub(crate) sequence: &'a CollapseSequence,
+    pub(crate) proposals: &'a Proposals,
+    pub(crate) floor: Floor<'a>,
+    pub(crate) limits: Limits,
+    pub(crate) tick: &'a Tick<'a>,
+}
+
+impl Ladder<'_> {
+    /// Returns the errors of all steps, in the mesh's units. Measures the levels after the numbers of
+    /// steps in `planned`, which rise to that of the last level, and others between them.
+    pub(crate) fn complete(&self, planned: &[usize]) -> StepErrors {
+        let (sequence, input) = (self.sequence, self.original.input);
+        let mut errors = StepErrors::with_capacity(sequence.steps());
+        let all = input.triangles.len() as u32;
+        let mut finer = Rung {
+            steps: 0,
+            triangles: all,
+            upper: 0.0,
+            lower: 0.0,
+            rms: 0.0,
+            excess: 1.0,
+            rms_ratio: 1.0,
+        };
+        for (i, rung) in self.measure(planned).into_iter().enumerate() {
+            if i == 0 {
+                (finer.excess, finer.rms_ratio) = (rung.excess, rung.rms_ratio);
+            }
+            while errors.error.len() < rung.steps {
+                let step = errors.error.len();
+                let [error, rms] = self.between(&finer, &rung, step + 1);
+                let [error, rms] = [error, rms].map(|d| d * input.mesh_scale);
+                let error = error.max(self.floor.stated(step));
+                errors.push(error, rms.min(error));
+            }
+            finer = rung;
+        }
+        let lost = if input.triangles.is_empty() { 0.0 } else { f64::INFINITY };
+        while errors.error.len() < sequence.steps() {
+            errors.push(lost, lost);
+        }
+        errors
+    }
+
+    /// Returns the error and the mean distance after a number of steps, between two rungs.
+    fn between(&self, finer: &Rung, coarser: &Rung, steps: usize) -> [f64; 2] {
+        if steps == coarser.steps {
+            return [coarser.upper, coarser.rms];
+        }
+        let excess = finer.excess.max(coarser.excess);
+        let proposed = Proposals::after(&self.proposals.largest, steps);
+        let tiny = self.original.rounding();
+        let error = if proposed > tiny { proposed * MARGIN * excess } else { 0.0 };
+        let proposed = Proposals::after(&self.proposals.rms, steps);
+        let triangles = f64::from(self.sequence.step(steps - 1).triangles.max(1));
+        let [from, to] = [finer, coarser].map(|rung| f64::from(rung.triangles.max(1)).ln());
+        let share = if from > to { (from - triangles.ln()) / (from - to) } else { 1.0 };
+        let rms = if finer.rms_ratio > 0.0 && coarser.rms_ratio > 0.0 {
+            let ratio = finer.rms_ratio.ln() * (1.0 - share) + coarser.rms_ratio.ln() * share;
+            proposed * ratio.exp()
+        } else {
+            finer.rms + (coarser.rms - finer.rms) * share
+        };
+        [error.clamp(finer.upper, coarser.upper), rms.clamp(finer.rms, coarser.rms)]
+    }
+
+    /// Measures the planned levels and those between them that it takes, fine to coarse.
+    fn measure(&self, planned: &[usize]) -> Vec<Rung> {
+        let mut work = Work { levels: planned.len(), boxes: 0 };
+        let mut rungs: Vec<Rung> = Vec::with_capacity(planned.len());
+        for &steps in planned {
+            let rung = self.rung(steps, rungs.last(), &mut work);
+            self.add_between(rungs.last().copied(), rung, &mut rungs, &mut work);
+        }
+        rungs
+    }
+
+    /// Adds a rung, and before it those between it and the finer one until neighbours are alike.
+    fn add_between(
+        &self,
+        finer: Option<Rung>,
+        mut coarser: Rung,
+        rungs: &mut Vec<Rung>,
+        work: &mut Work,
+    ) {
+        if let Some(steps) = self.middle(finer.as_ref(), &coarser)
+            && work.levels < self.limits.max_levels
+            && work.boxes < self.limits.max_boxes(self.original.input.triangles.len())
+        {
+            work.levels += 1;
+            let middle = self.rung(steps, finer.as_ref(), work);
+            self.add_between(finer, middle, rungs, work);
+            let before = rungs.last().copied();
+            coarser.follow(before.as_ref());
+            self.add_between(before, coarser, rungs, work);
+        } else {
+            rungs.push(coarser);
+        }
+    }
+
+    /// Returns the number of steps of the level to measure between two, if they are not alike.
+    fn middle(&self, finer: Option<&Rung>, coarser: &Rung) -> Option<usize> {
+        let all = self.sequence.parts().triangles;
+        let (steps, triangles) = finer.map_or((0, all), |rung| (rung.steps, rung.triangles));
+        let [from, to] = [triangles, coarser.triangles].map(f64::from);
+        if coarser.steps <= steps + 1 || from <= NEIGHBOURS * to {
+            return None;
+        }
+        let tiny = TINY_SHARE * self.original.input.diagonal;
+        let excess = coarser.excess.max(finer.map_or(1.0, |rung| rung.excess));
+        let [error, rms] = finer.map_or([0.0; 2], |rung| [rung.upper, rung.rms]);
+        let is_alike = |a: f64, b: f64, factor: f64| b.max(tiny) <= factor * a.max(tiny);
+        let errors_are_alike = excess <= PROPOSED || is_alike(error, coarser.upper, ALIKE);
+        let ratio = finer.map_or(coarser.rms_ratio, |rung| rung.rms_ratio);
+        let ratios = [ratio, coarser.rms_ratio];
+        let ratios_are_alike = ratios[0].max(ratios[1]) <= ALIKE_RATIOS * ratios[0].min(ratios[1]);
+        let means_are_alike = ratios_are_alike || is_alike(rms, coarser.rms, ALIKE);
+        if errors_are_alike && means_are_alike {
+            return None;
+        }
+        let middle = (from * to.max(1.0)).sqrt() as u32;
+        let sequence = self.sequence;
+        let middle = sequence.steps_at(sequence.lod_for_triangles(middle));
+        Some(middle.clamp(steps + 1, coarser.steps - 1))
+    }
+
+    /// Measures the level after some steps; `finer` is a rung before it.
+    fn rung(&self, steps: usize, finer: Option<&Rung>, work: &mut Work) -> Rung {
+        (self.tick)();
+        let step = self.sequence.step(steps - 1);
+        let proposed = Proposals::after(&self.proposals.largest, steps);
+        let known = proposed.max(finer.map_or(0.0, |rung| rung.lower));
+        let rough = self.proposals.distances_after(steps);
+        let found = self.original.measure(step.lod, known, self.limits.rung_samples, rough);
+        work.boxes += found.boxes;
+        let accepted = self.original.accepted(known);
+        let proposed_rms = Proposals::after(&self.proposals.rms, steps);
+        let mut rung = Rung {
+            steps,
+            triangles: step.triangles,
+            upper: found.upper,
+            lower: found.lower,
+            rms: found.rms,
+            excess: if found.upper > accepted {
+                found.upper / self.original.accepted(proposed)
+            } else {
+                1.0
+            },
+            rms_ratio: if proposed_rms > 0.0 { found.rms / proposed_rms } else { 0.0 },
+        };
+        rung.follow(finer);
+        rung
+    }
+}
+
+impl Rung {
+    /// Raises what is stated to that of a finer level: it never falls.
+    fn follow(&mut self, finer: Option<&Self>) {
+        if let Some(finer) = finer {
+            self.upper = self.upper.max(finer.upper);
+            self.lower = self.lower.max(finer.lower);
+            self.rms = self.rms.max(finer.rms);
+        }
+    }
+}
+
+/// Work done on levels.
+struct Work {
+    levels: usize,
+    boxes: u64,
+}
