@@ -48,13 +48,13 @@ pub use animation::{Animation, Channel, Interpolation, Property};
 pub use graph::{Graph, Node, Skin};
 pub use image::Image;
 pub use material::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
-pub use motion::Motion;
+pub use motion::{MeasuredPlacement, MeasuredPlacements, Motion, ObjectShapes};
 pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement, evenly_spread, share_in_pictures};
 pub use pose::Pose;
 pub use posed::{PosedVertices, posed, posed_positions, stream};
 pub use scale::{ObjectInScene, object_in_scene, placement_scales, representative};
-pub use shape::{Shape, shape_in_scene};
+pub use shape::Shape;
 pub use srgb::{srgb_value, to_linear, to_srgb};
 pub use transform::{
     LocalTransform, Transform, largest_stretch, transform_from_columns, transform_normal,

@@ -5,7 +5,7 @@ use crate::placement::{Arrangement, Placement};
 use crate::posed::{Streams, posed_positions};
 use crate::transform::{Transform, largest_stretch};
 use glam::DVec3;
-use lodc_mesh::Mesh;
+use lodc_mesh::{Mesh, Posture};
 use std::sync::Arc;
 
 /// An object in the placement where the scene shows it largest.
@@ -47,38 +47,66 @@ pub fn representative<'a>(
     best.map_or((None, 1.0), |(placement, scale)| (Some(placement), scale))
 }
 
-/// Returns every placement of an object with the largest factor by which it stretches the object:
-/// the largest singular value of its transform. With a skin, it is the largest one of the joints
-/// that lead some vertex (have the most weight there), and of the node's transform if some vertex
-/// has no weight.
+/// Returns every placement of an object with its scale: [`PlacementScales::of`].
 #[must_use]
 pub fn placement_scales<'a>(
     mesh: &Mesh,
     object: usize,
     scene: &'a Arrangement,
 ) -> Vec<(&'a Placement, f64)> {
-    let mut leading: Option<LeadingJoints> = None;
-    // The latest skinned placement and its joints' scale: instances share their joints.
-    let mut latest: Option<(&Placement, f64)> = None;
-    let mut scales = Vec::new();
-    for placement in scene.of(object) {
+    let mut scales = PlacementScales::new(mesh);
+    scene.of(object).map(|placement| (placement, scales.of(placement))).collect()
+}
+
+/// The scales of an object's placements.
+pub(crate) struct PlacementScales<'a> {
+    mesh: &'a Mesh,
+    leading: Option<LeadingJoints>,
+    /// The latest joints with their scale: instances share their joints.
+    latest: Option<(Arc<[Transform]>, f64)>,
+}
+
+impl<'a> PlacementScales<'a> {
+    pub(crate) fn new(mesh: &'a Mesh) -> Self {
+        Self { mesh, leading: None, latest: None }
+    }
+
+    /// Returns the largest factor by which a placement stretches the object: the largest singular
+    /// value of its transform. With a skin, it is the largest one of the joints that lead some
+    /// vertex (have the most weight there), and of the node's transform if some vertex has no
+    /// weight.
+    pub(crate) fn of(&mut self, placement: &Placement) -> f64 {
         let node_scale = largest_stretch(&placement.transform.matrix3);
         if placement.joints.is_empty() {
-            scales.push((placement, node_scale));
-            continue;
+            return node_scale;
         }
-        let leading = leading.get_or_insert_with(|| LeadingJoints::of(mesh, placement));
-        let joint_scale = match latest {
-            Some((p, scale)) if Arc::ptr_eq(&p.joints, &placement.joints) => scale,
+        let leading = self.leading.get_or_insert_with(|| LeadingJoints::of(self.mesh, placement));
+        let joint_scale = match &self.latest {
+            Some((joints, scale)) if Arc::ptr_eq(joints, &placement.joints) => *scale,
             _ => leading.scale(&placement.joints),
         };
-        latest = Some((placement, joint_scale));
+        self.latest = Some((Arc::clone(&placement.joints), joint_scale));
         let node_moves_some = leading.leave_some_to_node(&placement.joints);
-        let scale = if node_moves_some { joint_scale.max(node_scale) } else { joint_scale };
-        scales.push((placement, scale));
+        if node_moves_some { joint_scale.max(node_scale) } else { joint_scale }
     }
-    scales
+
+    /// Returns the moment at which some joint that leads a vertex stretches it most, given that of
+    /// each joint of the placement's skin; none if that is no more than at rest.
+    pub(crate) fn largest_moment(
+        &mut self,
+        placement: &Placement,
+        joints: &[Option<(f64, Posture)>],
+    ) -> Option<Posture> {
+        let at_rest = self.of(placement);
+        let leading = self.leading.as_ref()?;
+        let of_leading = leading.joints.iter().filter_map(|&j| *joints.get(j)?);
+        let largest = of_leading.reduce(|a, b| if b.0 > a.0 { b } else { a });
+        largest.filter(|(scale, _)| *scale > at_rest * (1.0 + MAX_ROUNDING)).map(|(_, at)| at)
+    }
 }
+
+/// Stretches that differ by a smaller share are the same. Chosen by hand.
+const MAX_ROUNDING: f64 = 1e-4;
 
 /// The joints that lead some vertex: have the most weight there.
 struct LeadingJoints {

@@ -1,11 +1,12 @@
 //! Checks that the node hierarchy is a forest (no cycles, one parent each), and computes the
-//! largest scale at which its nodes show each mesh, which turns world-space errors into those of
-//! the mesh.
+//! largest scale at which its nodes ever show each mesh, which turns errors in world units into
+//! those of the mesh.
 
+use crate::gltf::animations::sound_animations;
 use crate::gltf::graph::{Numbers, gltf_graph};
 use crate::gltf::json::{Json, Object, malformed};
 use crate::{FormatError, SceneObject};
-use lodc_scene::{Arrangement, representative};
+use lodc_scene::Motion;
 
 /// Checks that no node has two parents and none is its own ancestor, without recursion.
 /// Returns the nodes, parents before their children.
@@ -54,7 +55,7 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
 }
 
 /// Sets the world scale of every object: how much larger the default scene shows it than it was
-/// modelled.
+/// modelled, at rest or at any moment of the animations.
 pub(super) fn set_world_scales(
     root: &Object,
     objects: &mut [SceneObject],
@@ -62,9 +63,9 @@ pub(super) fn set_world_scales(
 ) -> Result<(), FormatError> {
     let meshes: Vec<u32> = objects.iter().map(|o| o.info.document_mesh).collect();
     let graph = gltf_graph(root, &meshes, numbers)?;
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    let motion = Motion::new(graph, sound_animations(root, numbers), objects.len());
     for (number, object) in objects.iter_mut().enumerate() {
-        object.info.world_scale = representative(&object.mesh, number, &scene).1;
+        object.info.world_scale = motion.measured_placements(&object.mesh, number).scale;
     }
     Ok(())
 }
