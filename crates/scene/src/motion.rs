@@ -14,6 +14,7 @@ use crate::shape::Shape;
 use crate::transform::{Transform, largest_stretch};
 use glam::{DMat3, DVec3};
 use lodc_mesh::{Mesh, Posture};
+use std::collections::BTreeMap;
 use stretching::Stretching;
 
 /// A scene at rest, and its animations.
@@ -23,6 +24,10 @@ pub struct Motion {
     animations: Vec<Animation>,
     rest: Arrangement,
     stretching: Stretching,
+    /// By node the one above it.
+    parents: Vec<Option<usize>>,
+    /// The channels of an animation and a node, by their indices.
+    channels: BTreeMap<(u32, u32), Vec<usize>>,
 }
 
 /// The shapes of an object that its errors are the largest over, in mesh units: world units divided
@@ -59,7 +64,17 @@ impl Motion {
     pub fn new(graph: Graph, animations: Vec<Animation>, objects: usize) -> Self {
         let rest = Arrangement::new(&graph, &graph.rest_pose(), objects);
         let stretching = Stretching::new(&graph, &animations);
-        Self { graph, animations, rest, stretching }
+        let mut parents = vec![None; graph.nodes.len()];
+        for visit in graph.walk(graph.topmost().into_iter()) {
+            parents[visit.node] = visit.parent;
+        }
+        let mut channels: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
+        for (animation, number) in animations.iter().zip(0..) {
+            for (i, channel) in animation.channels.iter().enumerate() {
+                channels.entry((number, channel.node)).or_default().push(i);
+            }
+        }
+        Self { graph, animations, rest, stretching, parents, channels }
     }
 
     /// The objects at rest.
@@ -104,28 +119,33 @@ impl Motion {
             all.push(Shape::AS_MODELLED);
         }
         let of_placements = all.len();
-        if let Some(rest) = self.before_posture(object, &measured) {
+        if let Some((rest, growth)) = self.before_posture(object, &measured) {
             let placed = |&posture: &Posture| self.placed(&rest, posture);
-            let shape = |placement| Shape::placed(mesh, placement, measured.scale);
+            let shape = |placement| Shape::placed(mesh, placement, measured.scale / growth);
             all.extend(postures.iter().filter_map(placed).filter_map(shape));
         }
         ObjectShapes { all, of_placements }
     }
 
-    /// The placement of an object that postures change: the one of largest scale. An object without
-    /// joints that has unlike placements is there as it was modelled, in its largest scale, which
-    /// stretches no posture less than any placement does.
-    fn before_posture(&self, object: usize, measured: &MeasuredPlacements) -> Option<Placement> {
+    /// The placement of an object that postures change, the one of largest scale, and what distances
+    /// in it are to be multiplied by. An object without joints that has unlike placements is there
+    /// as it was modelled, in its largest scale, which stretches no posture less than any placement
+    /// does.
+    fn before_posture(
+        &self,
+        object: usize,
+        measured: &MeasuredPlacements,
+    ) -> Option<(Placement, f64)> {
         let first = measured.placements.first()?;
         let rest = self.rest.of(object).nth(first.rest)?;
         if !rest.joints.is_empty() {
-            return Some(rest.clone());
+            return Some((rest.clone(), first.growth));
         }
-        let transform = match measured.placements.len() {
-            1 => first.placement.transform,
-            _ => Transform::from_scale(DVec3::splat(measured.scale)),
+        let (transform, growth) = match measured.placements.len() {
+            1 => (first.placement.transform, first.growth),
+            _ => (Transform::from_scale(DVec3::splat(measured.scale)), 1.0),
         };
-        Some(Placement { transform, ..rest.clone() })
+        Some((Placement { transform, ..rest.clone() }, growth))
     }
 
     /// Returns a rest placement changed by a posture; none if the posture does not apply.
@@ -150,13 +170,30 @@ impl Motion {
     /// stay as at rest. None if the posture is no moment of an animation that exists.
     #[must_use]
     pub fn shown_at(&self, rest: &Placement, moment: Posture) -> Option<Placement> {
-        let Posture::Moment { animation, seconds } = moment else { return None };
-        let animation = self.animations.get(animation as usize)?;
-        let moment = self.moment(animation, seconds);
+        let Posture::Moment { animation: number, seconds } = moment else { return None };
+        let animation = self.animations.get(number as usize)?;
         let Some(node) = rest.node else { return Some(rest.clone()) };
-        let transform = moment.world[node as usize] * self.instance(rest);
-        let at = moment.placed(&self.graph, rest);
+        let transform = self.node_at(node as usize, number, seconds) * self.instance(rest);
+        if rest.joints.is_empty() {
+            return Some(Placement { transform, ..rest.clone() });
+        }
+        let at = self.moment(animation, seconds).placed(&self.graph, rest);
         Some(Placement { transform, weights: rest.weights.clone(), ..at })
+    }
+
+    /// The world transform of one node at a moment of an animation.
+    fn node_at(&self, node: usize, animation: u32, seconds: f64) -> Transform {
+        let mut world = Transform::IDENTITY;
+        let mut at = Some(node);
+        while let Some(node) = at {
+            let mut local = self.graph.nodes[node].local;
+            for &channel in self.channels.get(&(animation, node as u32)).into_iter().flatten() {
+                self.animations[animation as usize].channels[channel].apply_to(&mut local, seconds);
+            }
+            world = local.matrix() * world;
+            at = self.parents[node];
+        }
+        world
     }
 
     /// The transform of a placement relative to its node.

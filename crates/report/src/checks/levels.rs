@@ -10,9 +10,7 @@ use lodc_formats::{
 };
 use lodc_measure::{Original, Sampling, Surface};
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
-use lodc_scene::{
-    Arrangement, MeasuredPlacement, Motion, Placement, posed_positions, representative,
-};
+use lodc_scene::{Arrangement, MeasuredPlacement, Motion, Placement, posed_positions};
 use rayon::prelude::*;
 
 /// A measured distance may be at most this many times the error that a level states. Chosen by
@@ -163,7 +161,7 @@ impl<'a> Measure<'a> {
             return Ok(Some(format!("the error is {stated}, measured are {largest}")));
         }
         let allowed = |distance| {
-            let rounding = self.rounding(level, shown.rest());
+            let rounding = self.rounding(level, &shown);
             MAX_STATED * self.looseness * distance + rounding + negligible
         };
         // Errors may be the largest over poses that are not known, as in an OBJ.
@@ -181,13 +179,14 @@ impl<'a> Measure<'a> {
 
     /// Half the diagonal of a cell of the coarsest grid that a level's vertices are on, which
     /// stated errors include.
-    fn rounding(&self, level: &Scene, shown: &Arrangement) -> f64 {
+    fn rounding(&self, level: &Scene, shown: &Motion) -> f64 {
         if !has_own_grids(level, self.source) {
             return 0.0;
         }
         // Coordinates are whole numbers, so the scale of an object's placement is the step of its
         // grid.
-        let step = |(o, object): (usize, &SceneObject)| representative(&object.mesh, o, shown).1;
+        let step =
+            |(o, object): (usize, &SceneObject)| shown.measured_placements(&object.mesh, o).scale;
         let largest = level.objects.iter().enumerate().map(step).fold(0.0, f64::max);
         0.5 * 3f64.sqrt() * largest
     }

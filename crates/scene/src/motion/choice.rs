@@ -65,7 +65,7 @@ impl Motion {
             return None;
         }
         let measured = self.measured_placements(mesh, object);
-        let rest = self.before_posture(object, &measured)?;
+        let (rest, _) = self.before_posture(object, &measured)?;
         Some(Deformable { mesh, rest, scale: measured.scale, targets })
     }
 
