@@ -25,8 +25,10 @@ const MAX_STATED: f64 = 1.5;
 /// hand.
 const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x1e7e1 };
 
-/// Samples of each kind on each of many objects, at least. Chosen by hand.
+/// Samples of each kind on each of many objects, at least, and by how many times these may be more
+/// than those of one surface of as many triangles. Chosen by hand.
 const MIN_SAMPLES: usize = 64;
+const MAX_DENSITY: f64 = 10.0;
 
 /// Distances below this share of the diagonal are rounding errors, or not worth a refusal. Chosen
 /// by hand.
@@ -149,9 +151,8 @@ impl<'a> Measure<'a> {
         let shown = motion(level, limits)?;
         let pairs = self.pairs(level, &shown);
         let triangles: usize = pairs.iter().map(|[from, _]| from.triangles.len()).sum();
-        let original = |from: &Surface| {
-            Original::new(from, &sampling(from.triangles.len() as f64 / triangles as f64))
-        };
+        let original =
+            |from: &Surface| Original::new(from, &sampling(from.triangles.len(), triangles));
         let measured = |[from, to]: &[Surface; 2]| {
             original(from).distances(to).hausdorff.into_iter().fold(0.0, f64::max)
         };
@@ -310,9 +311,14 @@ fn scene_box(scene: &Scene, arrangement: &Arrangement) -> [DVec3; 2] {
     )
 }
 
-/// The samples of an object that has a share of all triangles.
-fn sampling(share: f64) -> Sampling {
-    let part = |of: usize| ((of as f64 * share) as usize).max(MIN_SAMPLES);
+/// The samples of a surface of some triangles out of `all` that are measured: a part of those of one
+/// surface of `all`, more where that is less than one for each triangle.
+fn sampling(triangles: usize, all: usize) -> Sampling {
+    let part = |of: usize| {
+        let share = of as f64 * triangles as f64 / all.max(1) as f64;
+        let dense = (MAX_DENSITY * share).min(triangles as f64);
+        (share.max(dense) as usize).clamp(MIN_SAMPLES, of)
+    };
     Sampling { samples: part(SAMPLING.samples), lattice: part(SAMPLING.lattice), ..SAMPLING }
 }
 
