@@ -13,9 +13,7 @@ pub(crate) use lodc_select::{bound, share, size};
 pub(crate) struct SelectorArgs {
     #[command(flatten)]
     target: TargetArgs,
-    /// Distance of the eye for --pixels
-    ///
-    /// In the units of errors.
+    /// Distance of the eye for --pixels, in world units
     #[arg(long, value_name = "D", value_parser = positive, requires = "pixels",
           help_heading = LEVEL)]
     distance: Option<f64>,
@@ -45,12 +43,12 @@ struct TargetArgs {
     /// a triangle, with a warning (as with every selector but --lod).
     #[arg(long, value_name = "N", value_parser = count)]
     triangles: Option<u64>,
-    /// Error of at most E, in the input's units, or E%
+    /// Error of at most E, in world units, or E%
     ///
     /// The coarsest level whose error is at most E. The error is the largest distance between the
-    /// surfaces of level and input, measured from both; a percentage is of the input's diagonal. Of
-    /// several objects it is met by each, in world units; the diagonal is that of the largest
-    /// object's bounding box as the scene shows it.
+    /// surfaces of level and input, measured from both, wherever the scene shows them; a percentage
+    /// is of the diagonal of the largest object's bounding box as the scene shows it. Several
+    /// objects meet it each.
     #[arg(long, value_name = "E", value_parser = bound)]
     error: Option<Target>,
     /// The same for the root mean square distance

@@ -10,7 +10,7 @@ use lodc_mesh::Posture;
 pub struct LevelFacts {
     /// Its number of records; none if several objects each have their own.
     pub lod: Option<u32>,
-    /// Its error, in mesh units for one object, in world units for several.
+    /// Its error, in world units.
     pub error: f64,
     /// Its root mean square distance, in the same units, if it was measured.
     pub rms: Option<f64>,

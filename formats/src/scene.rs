@@ -75,7 +75,8 @@ pub struct ObjectInfo {
     pub name: String,
     /// One per submesh of the mesh.
     pub submeshes: Vec<SubmeshInfo>,
-    /// The largest scale at which a node of the scene shows it; 1 where no node does.
+    /// World units per mesh unit: the largest scale at which a node of the scene shows it, at rest
+    /// or at any moment of its animations; 1 where no node does.
     pub world_scale: f64,
     /// glTF: its index in the document's `meshes`. Others: 0.
     pub document_mesh: u32,

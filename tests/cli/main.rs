@@ -26,6 +26,7 @@ mod limits;
 mod output;
 mod parts;
 mod paths;
+mod placements;
 mod pose;
 mod poses;
 mod readme;

@@ -23,6 +23,8 @@ pub(super) fn reports(unpacker: &Unpacker, infos: &[ObjectInfo]) -> Vec<Unpacked
             of_steps,
             error: decimal(progress.error),
             rms: progress.rms.map(decimal),
+            world_error: info.world_scale * decimal(progress.error),
+            world_rms: progress.rms.map(|rms| info.world_scale * decimal(rms)),
             errors_over: ErrorsOver::of([info]),
         }
     };

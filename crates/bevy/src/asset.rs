@@ -41,7 +41,8 @@ pub struct LodcObject {
 /// An object at one level.
 #[derive(Debug)]
 pub struct LodcLevel {
-    /// Largest distance from LOD 0, in the mesh's units.
+    /// Largest distance from LOD 0, in the mesh's units: times the scale of any placement a bound of
+    /// what that placement errs.
     pub error: f32,
     /// Triangles of all submeshes.
     pub triangles: u32,
@@ -148,6 +149,7 @@ fn add_level(
     };
     let scene = scene_levels(&file.objects, &file.document, &Limits::DEFAULT)?;
     let lods = scene.select(select, false)?.lods;
+    let unevenness: Vec<f64> = scene.objects().iter().map(|o| o.unevenness).collect();
     let v_is_upward = matches!(file.document, Document::Obj(_));
     let levels = meshes(&file.objects, &lods, MeshOptions::default())?;
     for (at, (object, level)) in objects.iter_mut().zip(levels).enumerate() {
@@ -160,7 +162,7 @@ fn add_level(
             }
         };
         object.levels.push(LodcLevel {
-            error: level.error as f32,
+            error: (unevenness[at] * level.error) as f32,
             triangles: mesh.triangles().len() as u32,
             meshes: (0..mesh.submeshes().len()).map(&mut handle).collect(),
         });

@@ -8,7 +8,7 @@ use bevy_ecs::error::BevyError;
 use bevy_mesh::Mesh;
 use bevy_reflect::TypePath;
 use lodc::formats::import::{ImportOptions, levels_in};
-use lodc::formats::{Document, ObjectInfo, SceneObject};
+use lodc::formats::{Document, Limits, ObjectInfo, SceneObject, scene_motion};
 use serde_json::Value;
 use std::path::Path;
 
@@ -35,6 +35,12 @@ impl AssetLoader for ChainLoader {
         let Some(finest) = chain.levels.first() else { return Err("no level".into()) };
         let mut objects: Vec<LodcObject> =
             finest.objects.iter().map(|o| object_without_levels(&o.info, &o.mesh)).collect();
+        let infos: Vec<&ObjectInfo> = finest.objects.iter().map(|o| &o.info).collect();
+        let motion = scene_motion(&finest.document, &infos, &Limits::DEFAULT)?;
+        let unevenness = |at: usize| {
+            motion.measured_placements(&finest.objects[at].mesh, at).unevenness
+        };
+        let unevenness: Vec<f64> = (0..infos.len()).map(unevenness).collect();
         let keys = |object: &SceneObject, document: &Document| {
             let materials = materials(document);
             let mesh = object.info.document_mesh as usize;
@@ -58,13 +64,12 @@ impl AssetLoader for ChainLoader {
                 };
                 let all = keys(whole, &finest.document);
                 object.levels.push(LodcLevel {
-                    error: (stated.error / whole.info.world_scale) as f32,
+                    error: (unevenness[at] * stated.error / whole.info.world_scale) as f32,
                     triangles: own.map_or(0, |own| own.mesh.triangles().len() as u32),
                     meshes: all.iter().enumerate().map(&mut mesh).collect(),
                 });
             }
         }
-        let infos: Vec<&ObjectInfo> = finest.objects.iter().map(|o| &o.info).collect();
         Ok(Lodc { objects, placements: placements(&finest.document, &infos)? })
     }
 

@@ -113,8 +113,7 @@ impl<'a> Level<'a> {
         self.meshes.iter().map(|m| m.mesh.triangles().len()).sum()
     }
 
-    /// Upper bound of the Hausdorff distance from the input: in mesh units for one object, in world
-    /// units for several.
+    /// Upper bound of the Hausdorff distance from the input, in world units.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.error
@@ -211,7 +210,8 @@ impl<'a> LevelObject<'a> {
         self.lod.0
     }
 
-    /// Upper bound of the distance from the input, in the mesh's units.
+    /// Upper bound of the distance from the input, in the mesh's units: times
+    /// [`ObjectInfo::world_scale`](lodc_formats::ObjectInfo::world_scale) it is one in world units.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.level.error

@@ -100,29 +100,23 @@ fn extracted(object: &LodObject, lod: Lod, options: MeshOptions) -> Result<Level
     Ok(LevelMesh { mesh, error: decimal(error), rms: rms.map(decimal) })
 }
 
-/// The largest error and root mean square distance of all meshes: in mesh units for one object, in
-/// world units for several.
+/// The largest error and root mean square distance of all meshes, in world units.
 pub fn largest_of_meshes(objects: &[LodObject], meshes: &[LevelMesh]) -> (f64, Option<f64>) {
     largest_distance(objects, meshes.iter().map(|m| (m.error, m.rms)))
 }
 
-/// The largest of errors and root mean square distances, given by object in mesh units: in mesh
-/// units for one object, in world units for several.
+/// The largest of errors and root mean square distances in world units, given by object in mesh
+/// units.
 pub fn largest_distance(
     objects: &[LodObject],
     distances: impl Iterator<Item = (f64, Option<f64>)>,
 ) -> (f64, Option<f64>) {
     let larger = |(error, rms): (f64, Option<f64>),
                   (o, (e, r)): (&LodObject, (f64, Option<f64>))| {
-        let unit = object_unit(objects, o);
+        let unit = o.info.world_scale;
         (error.max(unit * e), rms.zip(r).map(|(rms, r)| rms.max(unit * r)))
     };
     objects.iter().zip(distances).fold((0.0, Some(0.0)), larger)
-}
-
-/// Units of scene distances for each mesh unit of an object.
-fn object_unit(objects: &[LodObject], object: &LodObject) -> f64 {
-    if objects.len() > 1 { object.info.world_scale } else { 1.0 }
 }
 
 /// Returns how far quantising moves vertices of exported meshes at most. A level's error grows by
@@ -140,7 +134,7 @@ pub fn rounding<'a>(
     let one = |(o, mesh): (&'a LodObject, &'a Mesh)| ExportObject { info: &o.info, mesh };
     let exported: Vec<ExportObject<'_>> = objects.iter().zip(meshes).map(one).collect();
     let by_object = lodc_formats::export::rounding(document, &exported, precision)?;
-    let scaled = |(o, moved): (&LodObject, &f64)| object_unit(objects, o) * moved;
+    let scaled = |(o, moved): (&LodObject, &f64)| o.info.world_scale * moved;
     let largest = objects.iter().zip(&by_object).map(scaled).fold(0.0, f64::max);
     Ok(Rounding { by_object, largest })
 }
@@ -151,7 +145,7 @@ pub fn rounding<'a>(
 pub struct Rounding {
     /// By object, in mesh units.
     pub by_object: Vec<f64>,
-    /// Of all objects, in the units of [`largest_of_meshes`].
+    /// Of all objects, in world units.
     pub largest: f64,
 }
 

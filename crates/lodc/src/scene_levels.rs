@@ -1,13 +1,12 @@
-//! Joins the levels of a file's objects into levels of the scene, ordered by world error, to choose
-//! from.
+//! Joins the levels of a file's objects into levels of the scene, ordered by error in world units,
+//! to choose from.
 
 use crate::LodObject;
-use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_graph};
-use lodc_scene::{Arrangement, Graph};
+use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
 use lodc_select::{ObjectLevels, SceneLevels};
 
-/// The levels of a scene: those of all its objects, placed as the document has them in the rest
-/// pose.
+/// The levels of a scene: those of all its objects, placed as the document has them at rest, or where
+/// an animation shows them larger.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -17,16 +16,13 @@ pub fn scene_levels<'a>(
     limits: &Limits,
 ) -> Result<SceneLevels<'a>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
-    let graph = match objects {
-        // Where objects are matters only for choosing among several.
-        [] | [_] => Graph::of_objects(objects.len() as u32),
-        _ => scene_graph(document, &infos, limits)?,
-    };
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
-    let object = |o: &'a LodObject| ObjectLevels {
+    let motion = scene_motion(document, &infos, limits)?;
+    let object = |(number, o): (usize, &'a LodObject)| ObjectLevels {
         name: &o.info.name,
         simplified: &o.simplified,
         scale: o.info.world_scale,
+        unevenness: motion.measured_placements(o.simplified.mesh(), number).unevenness,
     };
-    Ok(SceneLevels::new(objects.iter().map(object).collect(), scene))
+    let levels = objects.iter().enumerate().map(object).collect();
+    Ok(SceneLevels::new(levels, motion.largest()))
 }

@@ -234,9 +234,13 @@ pub struct ListsToReport {
 pub struct LodReport {
     pub lod: u32,
     pub triangles: u32,
+    /// In the object's own units.
     pub error: f64,
-    /// Null if it was not measured.
+    /// Likewise; null if it was not measured.
     pub rms: Option<f64>,
+    /// The same in world units.
+    pub world_error: f64,
+    pub world_rms: Option<f64>,
 }
 
 /// Strips as they are stored.
@@ -279,10 +283,9 @@ pub struct ExtractReport {
     /// Share of the triangles of LOD 0.
     pub kept_share: f64,
     pub vertices: u64,
-    /// The largest error of an object: in mesh units for one object, in world units for several;
-    /// null if infinite, and of a view.
+    /// The largest error of an object, in world units; null if infinite.
     pub error: Option<f64>,
-    /// The largest root mean square distance of an object, in the same units; null if it was not
+    /// The largest root mean square distance of an object, in world units; null if it was not
     /// measured.
     pub rms: Option<f64>,
     /// The poses that both hold in.
@@ -306,10 +309,13 @@ pub struct ExtractedObject {
     pub lod: Option<u32>,
     pub triangles: u64,
     pub vertices: u64,
-    /// In the object's own units; null if infinite, and in a view.
+    /// In the object's own units; null if infinite.
     pub error: Option<f64>,
     /// In the object's own units; null if it was not measured.
     pub rms: Option<f64>,
+    /// The same in world units.
+    pub world_error: Option<f64>,
+    pub world_rms: Option<f64>,
 }
 
 /// `pack --json`.
@@ -414,5 +420,8 @@ pub struct UnpackedReport {
     pub error: f64,
     /// Likewise; none if the stream has none.
     pub rms: Option<f64>,
+    /// The same in world units.
+    pub world_error: f64,
+    pub world_rms: Option<f64>,
     pub errors_over: ErrorsOver,
 }

@@ -85,22 +85,25 @@ impl Animation {
 
 impl Channel {
     fn apply(&self, pose: &mut Pose, seconds: f64) {
-        let Some(value) = self.at(seconds) else { return };
         let node = self.node as usize;
         if self.property == Property::Weights {
-            if let Some(weights) = pose.weights.get_mut(node) {
+            if let Some((weights, value)) = pose.weights.get_mut(node).zip(self.at(seconds)) {
                 *weights = value;
             }
-            return;
+        } else if let Some(local) = pose.locals.get_mut(node) {
+            self.apply_to(local, seconds);
         }
-        let Some(LocalTransform::Trs { translation, rotation, scale }) = pose.locals.get_mut(node)
-        else {
-            return;
-        };
+    }
+
+    /// Changes the transform of its node to that of a moment.
+    pub(crate) fn apply_to(&self, local: &mut LocalTransform, seconds: f64) {
+        let LocalTransform::Trs { translation, rotation, scale } = local else { return };
+        let Some(value) = self.at(seconds) else { return };
         let part: &mut [f64] = match self.property {
             Property::Translation => translation,
             Property::Rotation => rotation,
-            Property::Scale | Property::Weights => scale,
+            Property::Scale => scale,
+            Property::Weights => return,
         };
         part.iter_mut().zip(value).for_each(|(component, v)| *component = v);
     }

@@ -8,11 +8,12 @@
 //! [`Placement`]s: an object, the transform of the node that shows it, its joints' matrices and its
 //! morph weights.
 //!
-//! The *surface of a scene* is what the default scene shows in its rest pose. Errors, pictures,
-//! comparisons and world scales all mean this surface.
+//! The *surface of a scene* is what the default scene shows in its rest pose. Pictures and
+//! comparisons mean this surface; errors and world scales count all placements, and the moments at
+//! which animations stretch them ([`Motion`]).
 //!
 //! ```
-//! use lodc_scene::{Arrangement, Graph, LocalTransform, Node, object_in_scene};
+//! use lodc_scene::{Graph, LocalTransform, Motion, Node, posed_positions};
 //!
 //! let mesh = lodc_fixtures::named("cube").expect("a shape");
 //! // A node twice as large as the object that it shows.
@@ -24,10 +25,10 @@
 //! let node = Node { local: scale, objects: vec![0], ..Node::default() };
 //! let graph = Graph { nodes: vec![node], roots: vec![0], skins: Vec::new() };
 //!
-//! let scene = Arrangement::new(&graph, &graph.rest_pose(), 1);
-//! let shown = object_in_scene(&mesh, 0, &scene);
-//! assert_eq!(shown.scale, 2.0);
-//! assert_eq!(shown.positions[0], 2.0 * glam::Vec3::from(mesh.positions()[0]).as_dvec3());
+//! let scene = Motion::new(graph, Vec::new(), 1);
+//! assert_eq!(scene.measured_placements(&mesh, 0).scale, 2.0);
+//! let shown = posed_positions(&mesh, &scene.rest().placements()[0]);
+//! assert_eq!(shown[0], 2.0 * glam::Vec3::from(mesh.positions()[0]).as_dvec3());
 //! ```
 
 mod animation;
@@ -48,13 +49,13 @@ pub use animation::{Animation, Channel, Interpolation, Property};
 pub use graph::{Graph, Node, Skin};
 pub use image::Image;
 pub use material::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
-pub use motion::Motion;
+pub use motion::{MeasuredPlacement, MeasuredPlacements, Motion, ObjectShapes};
 pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement, evenly_spread, share_in_pictures};
 pub use pose::Pose;
 pub use posed::{PosedVertices, posed, posed_positions, stream};
-pub use scale::{ObjectInScene, object_in_scene, placement_scales, representative};
-pub use shape::{Shape, shape_in_scene};
+pub use scale::placement_scales;
+pub use shape::Shape;
 pub use srgb::{srgb_value, to_linear, to_srgb};
 pub use transform::{
     LocalTransform, Transform, largest_stretch, transform_from_columns, transform_normal,

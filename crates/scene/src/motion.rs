@@ -1,15 +1,21 @@
-//! The shapes that a scene gives an object: at rest, and in its postures, the moments of animations
-//! and the morph targets that change it.
+//! The shapes that a scene gives an object: in its placements, at rest and where animations stretch
+//! it, and in its postures, the moments of animations and the morph targets that change it.
 
 mod choice;
+mod measured;
+mod stretching;
+
+pub use measured::{MeasuredPlacement, MeasuredPlacements};
 
 use crate::animation::Animation;
 use crate::graph::Graph;
 use crate::placement::{Arrangement, Placement};
-use crate::scale::representative;
 use crate::shape::Shape;
-use crate::transform::Transform;
+use crate::transform::{Transform, largest_stretch};
+use glam::{DMat3, DVec3};
 use lodc_mesh::{Mesh, Posture};
+use std::collections::BTreeMap;
+use stretching::Stretching;
 
 /// A scene at rest, and its animations.
 #[derive(Clone, Debug)]
@@ -17,6 +23,39 @@ pub struct Motion {
     graph: Graph,
     animations: Vec<Animation>,
     rest: Arrangement,
+    stretching: Stretching,
+    /// By node the one above it.
+    parents: Vec<Option<usize>>,
+    /// The channels of an animation and a node, by their indices.
+    channels: BTreeMap<(u32, u32), Vec<usize>>,
+}
+
+/// The shapes of an object that its errors are the largest over, in mesh units: world units divided
+/// by its world scale.
+#[derive(Clone, Debug)]
+pub struct ObjectShapes {
+    all: Vec<Shape>,
+    of_placements: usize,
+}
+
+impl ObjectShapes {
+    /// All of them, those of placements first.
+    #[must_use]
+    pub fn all(&self) -> &[Shape] {
+        &self.all
+    }
+
+    /// Those of placements: at least one.
+    #[must_use]
+    pub fn of_placements(&self) -> &[Shape] {
+        &self.all[..self.of_placements]
+    }
+
+    /// Those of postures.
+    #[must_use]
+    pub fn of_postures(&self) -> &[Shape] {
+        &self.all[self.of_placements..]
+    }
 }
 
 impl Motion {
@@ -24,7 +63,18 @@ impl Motion {
     #[must_use]
     pub fn new(graph: Graph, animations: Vec<Animation>, objects: usize) -> Self {
         let rest = Arrangement::new(&graph, &graph.rest_pose(), objects);
-        Self { graph, animations, rest }
+        let stretching = Stretching::new(&graph, &animations);
+        let mut parents = vec![None; graph.nodes.len()];
+        for visit in graph.walk(graph.topmost().into_iter()) {
+            parents[visit.node] = visit.parent;
+        }
+        let mut channels: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
+        for (animation, number) in animations.iter().zip(0..) {
+            for (i, channel) in animation.channels.iter().enumerate() {
+                channels.entry((number, channel.node)).or_default().push(i);
+            }
+        }
+        Self { graph, animations, rest, stretching, parents, channels }
     }
 
     /// The objects at rest.
@@ -33,18 +83,69 @@ impl Motion {
         &self.rest
     }
 
-    /// The shapes of an object: at rest, then in each posture at the same placement and scale.
-    /// Postures that do not apply, such as one of an animation that does not exist, are skipped.
-    /// `mesh` is the object at full detail.
+    /// The objects at rest, those excepted that an animation shows larger: each placement of these
+    /// is there at the moment when it is largest.
     #[must_use]
-    pub fn shapes(&self, mesh: &Mesh, object: usize, postures: &[Posture]) -> Vec<Shape> {
-        let mut shapes = vec![Shape::at_rest(mesh, object, &self.rest)];
-        if let (Some(rest), scale) = representative(mesh, object, &self.rest) {
-            let placed = |&posture: &Posture| self.placed(rest, posture);
-            let shape = |placement| Shape::placed(mesh, placement, scale);
-            shapes.extend(postures.iter().filter_map(placed).filter_map(shape));
+    pub fn largest(&self) -> Arrangement {
+        let largest = |placement: &Placement| {
+            let moments = placement.node.and_then(|node| self.stretching.nodes.get(&node))?;
+            if !placement.joints.is_empty() {
+                return None;
+            }
+            let instance = self.instance(placement).matrix3;
+            let at_rest = largest_stretch(&placement.transform.matrix3);
+            let scale = |linear: DMat3| largest_stretch(&(linear * instance));
+            let of_moments = moments.iter().map(|m| (scale(m.linear), m.moment));
+            let most = of_moments.reduce(|a, b| if b.0 > a.0 { b } else { a });
+            let (_, moment) = most.filter(|(scale, _)| *scale > at_rest)?;
+            self.shown_at(placement, moment?)
+        };
+        if self.stretching.nodes.is_empty() {
+            return self.rest.clone();
         }
-        shapes
+        let at = |placement: &Placement| largest(placement).unwrap_or_else(|| placement.clone());
+        self.rest.mapped(at)
+    }
+
+    /// The shapes of an object: in its [measured placements](Self::measured_placements), and in
+    /// each posture, in the same units. Postures that do not apply, such as one of an animation
+    /// that does not exist, are skipped. `mesh` is the object at full detail.
+    #[must_use]
+    pub fn shapes(&self, mesh: &Mesh, object: usize, postures: &[Posture]) -> ObjectShapes {
+        let measured = self.measured_placements(mesh, object);
+        let shape = |at: &MeasuredPlacement| at.shape(mesh, measured.scale);
+        let mut all: Vec<Shape> = measured.placements.iter().filter_map(shape).collect();
+        if all.is_empty() {
+            all.push(Shape::AS_MODELLED);
+        }
+        let of_placements = all.len();
+        if let Some((rest, growth)) = self.before_posture(object, &measured) {
+            let placed = |&posture: &Posture| self.placed(&rest, posture);
+            let shape = |placement| Shape::placed(mesh, placement, measured.scale / growth);
+            all.extend(postures.iter().filter_map(placed).filter_map(shape));
+        }
+        ObjectShapes { all, of_placements }
+    }
+
+    /// The placement of an object that postures change, the one of largest scale, and what distances
+    /// in it are to be multiplied by. An object without joints that has unlike placements is there
+    /// as it was modelled, in its largest scale, which stretches no posture less than any placement
+    /// does.
+    fn before_posture(
+        &self,
+        object: usize,
+        measured: &MeasuredPlacements,
+    ) -> Option<(Placement, f64)> {
+        let first = measured.placements.first()?;
+        let rest = self.rest.of(object).nth(first.rest)?;
+        if !rest.joints.is_empty() {
+            return Some((rest.clone(), first.growth));
+        }
+        let (transform, growth) = match measured.placements.len() {
+            1 => (first.placement.transform, first.growth),
+            _ => (Transform::from_scale(DVec3::splat(measured.scale)), 1.0),
+        };
+        Some((Placement { transform, ..rest.clone() }, growth))
     }
 
     /// Returns a rest placement changed by a posture; none if the posture does not apply.
@@ -63,6 +164,44 @@ impl Motion {
                 Some(Placement { weights: weights.into(), ..rest.clone() })
             }
         }
+    }
+
+    /// Returns a rest placement at a moment, moved and stretched as a whole, too; its morph weights
+    /// stay as at rest. None if the posture is no moment of an animation that exists.
+    #[must_use]
+    pub fn shown_at(&self, rest: &Placement, moment: Posture) -> Option<Placement> {
+        let Posture::Moment { animation: number, seconds } = moment else { return None };
+        let animation = self.animations.get(number as usize)?;
+        let Some(node) = rest.node else { return Some(rest.clone()) };
+        let transform = self.node_at(node as usize, number, seconds) * self.instance(rest);
+        if rest.joints.is_empty() {
+            return Some(Placement { transform, ..rest.clone() });
+        }
+        let at = self.moment(animation, seconds).placed(&self.graph, rest);
+        Some(Placement { transform, weights: rest.weights.clone(), ..at })
+    }
+
+    /// The world transform of one node at a moment of an animation.
+    fn node_at(&self, node: usize, animation: u32, seconds: f64) -> Transform {
+        let mut world = Transform::IDENTITY;
+        let mut at = Some(node);
+        while let Some(node) = at {
+            let mut local = self.graph.nodes[node].local;
+            for &channel in self.channels.get(&(animation, node as u32)).into_iter().flatten() {
+                self.animations[animation as usize].channels[channel].apply_to(&mut local, seconds);
+            }
+            world = local.matrix() * world;
+            at = self.parents[node];
+        }
+        world
+    }
+
+    /// The transform of a placement relative to its node.
+    fn instance(&self, placement: &Placement) -> Transform {
+        let instances = |node: u32| self.graph.nodes[node as usize].instances.as_ref();
+        let instances = placement.node.and_then(instances);
+        let own = instances.and_then(|all| all.get(placement.instance as usize));
+        own.copied().unwrap_or(Transform::IDENTITY)
     }
 
     fn moment(&self, animation: &Animation, seconds: f64) -> Moment {

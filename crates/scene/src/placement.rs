@@ -14,6 +14,8 @@ pub struct Placement {
     pub object: usize,
     /// Index of the node; none for an object as it was modelled, in a scene that shows nothing.
     pub node: Option<u32>,
+    /// The number of the node's instance; 0 for a node without instances.
+    pub instance: u32,
     /// From the object's space to world space. Vertices that joints move do not use it.
     pub transform: Transform,
     /// The skinning matrix of every joint (world transform times inverse bind matrix; glTF 2.0,
@@ -30,6 +32,7 @@ impl Placement {
         Self {
             object,
             node: None,
+            instance: 0,
             transform: Transform::IDENTITY,
             joints: Arc::default(),
             weights: Arc::default(),
@@ -81,6 +84,14 @@ impl Arrangement {
         }
         let kept = self.placements.iter().zip(is_kept).filter(|&(_, is_kept)| is_kept);
         Self::from_placements(kept.map(|(p, _)| p.clone()).collect(), objects)
+    }
+
+    /// Returns the same placements of the same objects, each changed.
+    pub(crate) fn mapped(&self, change: impl Fn(&Placement) -> Placement) -> Self {
+        Self {
+            placements: self.placements.iter().map(change).collect(),
+            of_object: self.of_object.clone(),
+        }
     }
 
     /// Every placement, in the order of the nodes.
@@ -135,14 +146,15 @@ impl Graph {
             let weights = pose.weights.get(number as usize).map_or(&[][..], Vec::as_slice);
             let weights: Arc<[f64]> = weights.into();
             let single = [Transform::IDENTITY];
-            for instance in node.instances.as_deref().unwrap_or(&single) {
-                let transform = world[number as usize] * *instance;
+            for (instance, local) in (0..).zip(node.instances.as_deref().unwrap_or(&single)) {
+                let transform = world[number as usize] * *local;
                 // A transform that overflows is ignored: the object stays as it was modelled.
                 let finite = transform.is_finite();
                 let transform = if finite { transform } else { Transform::IDENTITY };
                 placements.extend(node.objects.iter().map(|&object| Placement {
                     object: object as usize,
                     node: Some(number),
+                    instance,
                     transform,
                     joints: Arc::clone(&joints),
                     weights: Arc::clone(&weights),

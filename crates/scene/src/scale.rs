@@ -2,83 +2,72 @@
 //! unit).
 
 use crate::placement::{Arrangement, Placement};
-use crate::posed::{Streams, posed_positions};
+use crate::posed::Streams;
 use crate::transform::{Transform, largest_stretch};
-use glam::DVec3;
-use lodc_mesh::Mesh;
+use lodc_mesh::{Mesh, Posture};
 use std::sync::Arc;
 
-/// An object in the placement where the scene shows it largest.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ObjectInScene {
-    /// The placement of largest scale, the first of equals; none if nothing shows the object.
-    pub placement: Option<Placement>,
-    /// The positions of all vertices in that placement, in world units.
-    pub positions: Vec<DVec3>,
-    /// World units per mesh unit: finite and above 0.
-    pub scale: f64,
-}
-
-/// Returns an object at the placement that shows it largest; as it was modelled and with scale 1 if
-/// none shows it, or none at a scale that is a finite number above 0.
-#[must_use]
-pub fn object_in_scene(mesh: &Mesh, object: usize, scene: &Arrangement) -> ObjectInScene {
-    let (placement, scale) = representative(mesh, object, scene);
-    let as_modelled = Placement::as_modelled(object);
-    let positions = posed_positions(mesh, placement.unwrap_or(&as_modelled));
-    ObjectInScene { placement: placement.cloned(), positions, scale }
-}
-
-/// Returns the placement that shows an object largest, and its scale; 1 without one.
-#[must_use]
-pub fn representative<'a>(
-    mesh: &Mesh,
-    object: usize,
-    scene: &'a Arrangement,
-) -> (Option<&'a Placement>, f64) {
-    let mut best: Option<(&Placement, f64)> = None;
-    for (placement, scale) in placement_scales(mesh, object, scene) {
-        // A scale of 0 or infinity says nothing about where detail is needed.
-        let is_usable = scale.is_finite() && scale > 0.0;
-        if is_usable && best.is_none_or(|(_, largest)| scale > largest) {
-            best = Some((placement, scale));
-        }
-    }
-    best.map_or((None, 1.0), |(placement, scale)| (Some(placement), scale))
-}
-
-/// Returns every placement of an object with the largest factor by which it stretches the object:
-/// the largest singular value of its transform. With a skin, it is the largest one of the joints
-/// that lead some vertex (have the most weight there), and of the node's transform if some vertex
-/// has no weight.
+/// Returns every placement of an object with its scale: the largest factor by which it stretches the
+/// object, with a skin that of the joints that lead its vertices (have the most weight there).
 #[must_use]
 pub fn placement_scales<'a>(
     mesh: &Mesh,
     object: usize,
     scene: &'a Arrangement,
 ) -> Vec<(&'a Placement, f64)> {
-    let mut leading: Option<LeadingJoints> = None;
-    // The latest skinned placement and its joints' scale: instances share their joints.
-    let mut latest: Option<(&Placement, f64)> = None;
-    let mut scales = Vec::new();
-    for placement in scene.of(object) {
+    let mut scales = PlacementScales::new(mesh);
+    scene.of(object).map(|placement| (placement, scales.of(placement))).collect()
+}
+
+/// The scales of an object's placements.
+pub(crate) struct PlacementScales<'a> {
+    mesh: &'a Mesh,
+    leading: Option<LeadingJoints>,
+    /// The latest joints with their scale: instances share their joints.
+    latest: Option<(Arc<[Transform]>, f64)>,
+}
+
+impl<'a> PlacementScales<'a> {
+    pub(crate) fn new(mesh: &'a Mesh) -> Self {
+        Self { mesh, leading: None, latest: None }
+    }
+
+    /// Returns the largest factor by which a placement stretches the object: the largest singular
+    /// value of its transform. With a skin, it is the largest one of the joints that lead some
+    /// vertex (have the most weight there), and of the node's transform if some vertex has no
+    /// weight.
+    pub(crate) fn of(&mut self, placement: &Placement) -> f64 {
         let node_scale = largest_stretch(&placement.transform.matrix3);
         if placement.joints.is_empty() {
-            scales.push((placement, node_scale));
-            continue;
+            return node_scale;
         }
-        let leading = leading.get_or_insert_with(|| LeadingJoints::of(mesh, placement));
-        let joint_scale = match latest {
-            Some((p, scale)) if Arc::ptr_eq(&p.joints, &placement.joints) => scale,
+        let leading = self.leading.get_or_insert_with(|| LeadingJoints::of(self.mesh, placement));
+        let joint_scale = match &self.latest {
+            Some((joints, scale)) if Arc::ptr_eq(joints, &placement.joints) => *scale,
             _ => leading.scale(&placement.joints),
         };
-        latest = Some((placement, joint_scale));
+        self.latest = Some((Arc::clone(&placement.joints), joint_scale));
         let node_moves_some = leading.leave_some_to_node(&placement.joints);
-        let scale = if node_moves_some { joint_scale.max(node_scale) } else { joint_scale };
-        scales.push((placement, scale));
+        if node_moves_some { joint_scale.max(node_scale) } else { joint_scale }
     }
-    scales
+
+    /// Returns the moment at which some joint that leads a vertex stretches it most, given that of
+    /// each joint of the placement's skin; none if that is no more than at rest.
+    pub(crate) fn largest_moment(
+        &mut self,
+        placement: &Placement,
+        joints: &[Option<(f64, Posture)>],
+    ) -> Option<Posture> {
+        let at_rest = self.of(placement);
+        let leading = self.leading.as_ref()?;
+        let of_leading = leading.joints.iter().filter_map(|&j| *joints.get(j)?);
+        let largest = of_leading.reduce(|a, b| if b.0 > a.0 { b } else { a });
+        largest.filter(|(scale, _)| *scale > at_rest * (1.0 + MAX_ROUNDING)).map(|(_, at)| at)
+    }
 }
+
+/// Stretches that differ by a smaller share are the same. Chosen by hand.
+const MAX_ROUNDING: f64 = 1e-4;
 
 /// The joints that lead some vertex: have the most weight there.
 struct LeadingJoints {
@@ -127,6 +116,7 @@ impl LeadingJoints {
 mod tests {
     use super::*;
     use crate::{Graph, LocalTransform, Node, Skin};
+    use glam::DVec3;
     use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
 
     fn bytes(semantic: Semantic, values: &[[u8; 4]; 3]) -> Attribute {
@@ -157,8 +147,8 @@ mod tests {
         .expect("a triangle")
     }
 
-    /// One object at a node that scales by 1000, with joints of these scales.
-    fn skinned(scales: [f64; 4]) -> Arrangement {
+    /// The scale of one object at a node that scales by 1000, with joints of these scales.
+    fn skinned(mesh: &Mesh, scales: [f64; 4]) -> f64 {
         let scale = |s| LocalTransform::Matrix(Transform::from_scale(DVec3::splat(s)));
         let shows =
             Node { local: scale(1000.0), objects: vec![0], skin: Some(0), ..Node::default() };
@@ -168,7 +158,8 @@ mod tests {
             roots: vec![0],
             skins: vec![Skin { joints: vec![1, 2, 3, 4], inverse_bind: Vec::new() }],
         };
-        Arrangement::new(&graph, &graph.rest_pose(), 1)
+        let scene = Arrangement::new(&graph, &graph.rest_pose(), 1);
+        placement_scales(mesh, 0, &scene)[0].1
     }
 
     #[test]
@@ -176,41 +167,19 @@ mod tests {
         // A helper joint of a rig, 105 times as large, to which nothing is weighted; and the node,
         // which does not move what joints move.
         let mesh = triangle([[255, 0, 0, 0], [0, 255, 0, 0], [128, 127, 0, 0]]);
-        let shown = object_in_scene(&mesh, 0, &skinned([0.01, 0.02, 1.05, 9.0]));
-        assert!((shown.scale - 0.02).abs() < 1e-12, "{}", shown.scale);
-        assert!(shown.positions[1].abs_diff_eq(DVec3::new(0.02, 0.0, 0.0), 1e-9));
+        let scale = skinned(&mesh, [0.01, 0.02, 1.05, 9.0]);
+        assert!((scale - 0.02).abs() < 1e-12, "{scale}");
     }
 
     #[test]
     fn a_trace_of_weight_does_not_count() {
         let mesh = triangle([[255, 0, 0, 0], [255, 0, 0, 0], [254, 0, 0, 1]]);
-        assert_eq!(object_in_scene(&mesh, 0, &skinned([1.0, 1.0, 1.0, 50.0])).scale, 1.0);
+        assert_eq!(skinned(&mesh, [1.0, 1.0, 1.0, 50.0]), 1.0);
     }
 
     #[test]
     fn a_vertex_without_weights_follows_its_node() {
         let mesh = triangle([[255, 0, 0, 0], [255, 0, 0, 0], [0; 4]]);
-        assert_eq!(object_in_scene(&mesh, 0, &skinned([1.0; 4])).scale, 1000.0);
-    }
-
-    #[test]
-    fn the_largest_placement_represents_an_object() {
-        let mesh = triangle([[0; 4]; 3]);
-        let at = |object, scale| Node {
-            local: LocalTransform::Matrix(Transform::from_scale(DVec3::splat(scale))),
-            objects: vec![object],
-            ..Node::default()
-        };
-        let scene = |nodes: &[Node]| {
-            let roots = (0..nodes.len() as u32).collect();
-            let graph = Graph { nodes: nodes.to_vec(), roots, skins: Vec::new() };
-            Arrangement::new(&graph, &graph.rest_pose(), 3)
-        };
-        let nodes = [at(1, 9.0), at(0, 0.0), at(0, 2.0), at(0, -3.0), at(0, 3.0)];
-        let all = scene(&nodes);
-        let (placement, scale) = representative(&mesh, 0, &all);
-        assert_eq!((placement.and_then(|p| p.node), scale), (Some(3), 3.0));
-        assert_eq!(representative(&mesh, 0, &scene(&nodes[..2])), (None, 1.0));
-        assert_eq!(object_in_scene(&mesh, 2, &all).positions[1], DVec3::X);
+        assert_eq!(skinned(&mesh, [1.0; 4]), 1000.0);
     }
 }

@@ -1,9 +1,8 @@
 //! The shape of an object in one pose of the scene, in the object's own units: what errors are
 //! measured on.
 
-use crate::placement::{Arrangement, Placement};
+use crate::placement::Placement;
 use crate::posed::posed_positions;
-use crate::scale::representative;
 use glam::{DMat3, DVec3};
 use lodc_mesh::{Mesh, Semantic};
 use std::borrow::Cow;
@@ -12,37 +11,33 @@ use std::borrow::Cow;
 /// hand, between the rounding of floats in files and any stretch that is meant.
 const MAX_ROUNDING: f64 = 1e-6;
 
-/// The shape that a scene gives an object in one pose. It maps the positions of the object, or of a
-/// level of it, to mesh units: world positions relative to the middle of the object's box, divided
-/// by the scale at rest.
+/// The shape that a placement gives an object. It maps the positions of the object, or of a level of
+/// it, to mesh units: world positions relative to the middle of the object's box, divided by the
+/// world scale of the object.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// None for an object that keeps its positions.
     placement: Option<Placement>,
-    /// World units per mesh unit at rest.
+    /// World units per unit of the shape.
     scale: f64,
     /// The middle of the object's bounding box, in world units.
     middle: DVec3,
 }
 
 impl Shape {
-    const AS_MODELLED: Self = Self { placement: None, scale: 1.0, middle: DVec3::ZERO };
+    pub(crate) const AS_MODELLED: Self = Self { placement: None, scale: 1.0, middle: DVec3::ZERO };
 
-    /// The shape that a scene gives an object at rest, in the placement that shows it largest. The
-    /// object keeps its positions if the scene only moves, turns, mirrors and scales it as a whole.
-    #[must_use]
-    pub fn at_rest(mesh: &Mesh, object: usize, scene: &Arrangement) -> Self {
-        let (Some(placement), scale) = representative(mesh, object, scene) else {
-            return Self::AS_MODELLED;
-        };
+    /// The shape of an object in a placement, `scale` world units being one unit. The object keeps
+    /// its positions if the placement only moves, turns, mirrors and scales it as a whole by
+    /// `scale`. None if coordinates are not finite.
+    pub(crate) fn shown(mesh: &Mesh, placement: &Placement, scale: f64) -> Option<Self> {
         if !bends(mesh, placement) && is_similarity(&placement.transform.matrix3, scale) {
-            return Self::AS_MODELLED;
+            return Some(Self::AS_MODELLED);
         }
-        Self::placed(mesh, placement.clone(), scale).unwrap_or(Self::AS_MODELLED)
+        Self::placed(mesh, placement.clone(), scale)
     }
 
-    /// The shape of an object in a placement. `scale` is its scale at rest, so that all its shapes
-    /// have the same units. None if coordinates are not finite.
+    /// As [`Self::shown`], with the positions of the placement in any case.
     pub(crate) fn placed(mesh: &Mesh, placement: Placement, scale: f64) -> Option<Self> {
         let posed = posed_positions(mesh, &placement);
         let (low, high) = posed
@@ -66,16 +61,6 @@ impl Shape {
     }
 }
 
-/// Returns the surface of an object [at rest](Shape::at_rest). All finite if its positions are.
-#[must_use]
-pub fn shape_in_scene<'a>(
-    mesh: &'a Mesh,
-    object: usize,
-    scene: &Arrangement,
-) -> Cow<'a, [[f32; 3]]> {
-    Shape::at_rest(mesh, object, scene).of(mesh)
-}
-
 /// Returns whether a placement may move vertices by more than one transform: by joints or morph
 /// targets.
 fn bends(mesh: &Mesh, placement: &Placement) -> bool {
@@ -96,37 +81,40 @@ fn is_similarity(m: &DMat3, scale: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Graph, LocalTransform, Node};
+    use crate::{LocalTransform, Transform};
 
-    fn shown(scale: [f64; 3]) -> (Mesh, Arrangement) {
+    fn shown(scale: [f64; 3]) -> (Mesh, Placement) {
         let local = LocalTransform::Trs {
             translation: [1000.0, 0.0, 0.0],
             rotation: [0.6, 0.0, 0.0, 0.8],
             scale,
         };
-        let node = Node { local, objects: vec![0], ..Node::default() };
-        let graph = Graph { nodes: vec![node], roots: vec![0], skins: Vec::new() };
-        let scene = Arrangement::new(&graph, &graph.rest_pose(), 1);
-        (lodc_fixtures::named("cube").expect("a shape"), scene)
+        let transform: Transform = local.matrix();
+        let placement = Placement { transform, ..Placement::as_modelled(0) };
+        (lodc_fixtures::named("cube").expect("a shape"), placement)
     }
 
     #[test]
     fn what_is_moved_as_a_whole_keeps_its_positions() {
-        let (mesh, scene) = shown([-3.0, 3.0, 3.0]);
-        assert!(matches!(shape_in_scene(&mesh, 0, &scene), Cow::Borrowed(_)));
-        assert_eq!(*shape_in_scene(&mesh, 0, &scene), *mesh.positions());
+        let (mesh, placement) = shown([-3.0, 3.0, 3.0]);
+        let shape = Shape::shown(&mesh, &placement, 3.0).expect("finite");
+        assert!(matches!(shape.of(&mesh), Cow::Borrowed(p) if p == mesh.positions()));
+        // In other units it does not.
+        let shape = Shape::shown(&mesh, &placement, 2.0).expect("finite");
+        assert!(matches!(shape.of(&mesh), Cow::Owned(_)));
     }
 
     #[test]
     fn what_is_stretched_is_as_large_as_the_mesh_along_its_longest_stretch() {
-        let (mesh, scene) = shown([4.0, 2.0, 2.0]);
+        let (mesh, placement) = shown([4.0, 2.0, 2.0]);
         let extent = |positions: &[[f32; 3]], axis: usize| {
             let along = positions.iter().map(|p| p[axis]);
             along.clone().fold(f32::MIN, f32::max) - along.fold(f32::MAX, f32::min)
         };
         let length =
             |positions: &[[f32; 3]]| (0..3).map(|k| extent(positions, k).powi(2)).sum::<f32>();
-        let shape = shape_in_scene(&mesh, 0, &scene);
+        let shape = Shape::shown(&mesh, &placement, 4.0).expect("finite");
+        let shape = shape.of(&mesh);
         assert!((extent(&shape, 0) - extent(mesh.positions(), 0)).abs() < 1e-4);
         assert!(length(&shape) < length(mesh.positions()));
     }

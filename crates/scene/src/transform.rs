@@ -84,7 +84,12 @@ pub fn largest_stretch(m: &DMat3) -> f64 {
     let axes = columns.map(|c| DVec3::from(c.map(|v| v / size)));
     let mut gram: [[f64; 3]; 3] = axes.map(|a| axes.map(|b| a.dot(b)));
     // Sweeps of three rotations: a few reach double precision; 16 is chosen by hand, to be safe.
+    let trace = gram[0][0] + gram[1][1] + gram[2][2];
+    let negligible = f64::EPSILON * f64::EPSILON * trace;
     for _ in 0..16 {
+        if gram[0][1].abs().max(gram[0][2].abs()).max(gram[1][2].abs()) <= negligible {
+            break;
+        }
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             rotate_to_zero(&mut gram, p, q);
         }

@@ -65,6 +65,10 @@ pub struct ObjectLevels<'a> {
     pub simplified: &'a Simplified,
     /// World units per mesh unit.
     pub scale: f64,
+    /// An error in mesh units times the scale of any one placement times this, at least 1, bounds
+    /// what that placement errs
+    /// ([`MeasuredPlacements::unevenness`](lodc_scene::MeasuredPlacements::unevenness)).
+    pub unevenness: f64,
 }
 
 /// Objects to choose levels of detail for, and the scene that shows them.
@@ -81,8 +85,8 @@ pub struct SceneLevels<'a> {
 }
 
 impl<'a> SceneLevels<'a> {
-    /// Objects, and the scene in its rest pose. For a single object any scene will do: its losses
-    /// do not depend on it.
+    /// Objects, and the scene that shows them where they are largest. For a single object any scene
+    /// will do: its losses do not depend on it.
     #[must_use]
     pub fn new(objects: Vec<ObjectLevels<'a>>, scene: Arrangement) -> Self {
         let (visibility, losses, visible_areas) = Default::default();

@@ -60,7 +60,7 @@ pub fn size(text: &str) -> Result<Target, String> {
     }
 }
 
-/// Reads a bound of the error, in mesh units or in percent of the diagonal: `0.5`, `0.5%`.
+/// Reads a bound of the error, as a distance or in percent of the diagonal: `0.5`, `0.5%`.
 ///
 /// # Errors
 /// If it is none.

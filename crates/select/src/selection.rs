@@ -14,7 +14,7 @@ pub enum Target {
     Ratio(f64),
     /// At most this many triangles.
     Triangles(u64),
-    /// At most this error, in mesh units (one object) or world units (a scene).
+    /// At most this error, in world units; where each object is chosen by itself, in its own.
     Error(f64),
     /// At most this share of the bounding box's diagonal.
     ErrorShare(f64),
@@ -38,14 +38,25 @@ pub struct Candidate<'a> {
     pub diagonal: f64,
 }
 
+impl Candidate<'_> {
+    /// A target in the object's own units, given one in world units.
+    fn own(&self, target: Target) -> Target {
+        match target {
+            Target::Error(e) => Target::Error(e / scale(self)),
+            Target::Rms(e) => Target::Rms(e / scale(self)),
+            other => other,
+        }
+    }
+}
+
 /// The levels that were chosen.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     /// One per object; always the end of a step.
     pub lods: Vec<Lod>,
-    /// The largest error of an object: in mesh units for one object, in world units for several.
+    /// The largest error of an object, in world units.
     pub error: f64,
-    /// The largest root mean square distance of an object, in the same units; none if it was not
+    /// The largest root mean square distance of an object, in world units; none if it was not
     /// measured.
     pub rms: Option<f64>,
     /// Targets that could not be met in full: one line each.
@@ -67,8 +78,8 @@ impl fmt::Display for RecordOfScene {
 
 impl std::error::Error for RecordOfScene {}
 
-/// Chooses one level of detail per object. Unless `per_object`, several objects meet an error each
-/// for itself in world units, and numbers of triangles together: triangles are removed where least
+/// Chooses one level of detail per object. Unless `per_object`, objects meet an error in world units
+/// each for itself, and several meet numbers of triangles together: triangles are removed where least
 /// is lost. `losses` returns for each object its loss after each step, never falling; it is called
 /// only if the target is a number of triangles for several objects.
 ///
@@ -81,13 +92,20 @@ pub fn select<L: AsRef<[Vec<f64>]>>(
     losses: impl FnOnce() -> L,
 ) -> Result<Selection, RecordOfScene> {
     let mut chosen = Selection::default();
-    if objects.len() <= 1 || per_object {
-        for object in objects {
-            let lod = level_of_object(object, target, &mut chosen.warnings);
+    match objects {
+        [one] if !per_object => {
+            let lod = level_of_object(one, one.own(target), &mut chosen.warnings);
             chosen.lods.push(lod);
         }
-    } else {
-        levels_of_scene(objects, target, losses, &mut chosen)?;
+        several if several.len() > 1 && !per_object => {
+            levels_of_scene(several, target, losses, &mut chosen)?;
+        }
+        each => {
+            for object in each {
+                let lod = level_of_object(object, target, &mut chosen.warnings);
+                chosen.lods.push(lod);
+            }
+        }
     }
     chosen.measure(objects);
     Ok(chosen)
@@ -116,11 +134,10 @@ impl Selection {
 
     /// Sets the error and the root mean square distance to those of the chosen levels.
     fn measure(&mut self, objects: &[Candidate<'_>]) {
-        let unit = |o: &Candidate<'_>| if objects.len() > 1 { scale(o) } else { 1.0 };
         let pairs = || objects.iter().zip(&self.lods);
-        let errors = pairs().map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * unit(o));
+        let errors = pairs().map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * scale(o));
         let error = errors.fold(0.0, f64::max);
-        let rms = pairs().map(|(o, &lod)| Some(decimal(o.collapses.rms_at(lod)?) * unit(o)));
+        let rms = pairs().map(|(o, &lod)| Some(decimal(o.collapses.rms_at(lod)?) * scale(o)));
         let rms: Option<Vec<f64>> = rms.collect();
         self.rms = rms.map(|all| all.into_iter().fold(0.0, f64::max));
         self.error = error;
@@ -210,14 +227,11 @@ fn levels_of_scene<L: AsRef<[Vec<f64>]>>(
     Ok(())
 }
 
-/// The diagonal that percentages refer to: an object's own for one object, that of the largest as
-/// the scene shows it for several.
+/// The diagonal that percentages refer to: that of the largest object as the scene shows it, in
+/// world units.
 #[must_use]
 pub fn scene_diagonal(objects: &[Candidate<'_>]) -> f64 {
-    match objects {
-        [one] => one.diagonal,
-        several => several.iter().map(|o| o.diagonal * scale(o)).fold(0.0, f64::max),
-    }
+    objects.iter().map(|o| o.diagonal * scale(o)).fold(0.0, f64::max)
 }
 
 /// Finds the coarsest level within a distance in mesh units.

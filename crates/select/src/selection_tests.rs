@@ -46,7 +46,10 @@ fn one_object_is_met_as_the_contract_says() {
     assert_eq!(lods(&o, Target::Ratio(1.0)), [0]);
     assert_eq!(lods(&o, Target::Ratio(0.59)), [3], "floor(5.9) is 5");
     assert_eq!(lods(&o, Target::Triangles(6)), [2]);
-    assert_eq!(lods(&o, Target::Error(0.2)), [3], "mesh units, whatever the node's scale");
+    assert_eq!(lods(&o, Target::Error(0.61)), [3], "world units: three for each of the mesh");
+    let own = select(&o, Target::Error(0.2), true, || losses(&o)).expect("a target that fits");
+    assert_eq!(own.lods, [Lod(3)], "its own units");
+    assert!((own.error - 0.6).abs() < 1e-9, "world units");
     assert_eq!(lods(&o, Target::ErrorShare(0.04)), [4]);
     assert_eq!(lods(&o, Target::Error(0.0)), [0]);
 }

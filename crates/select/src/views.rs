@@ -77,7 +77,8 @@ impl ViewOptions {
         self.coarse.unwrap_or(default).min(self.fine)
     }
 
-    /// The criteria of a scene of this extent for objects whose mesh unit is `scale` world units.
+    /// The criteria of a scene of this extent for an object whose error in mesh units is at most
+    /// `scale` times that in world units.
     fn family(&self, scene: &Extent, scale: f64) -> Family {
         let centre = self.target.unwrap_or_else(|| scene.middle());
         let quarter = scene.diagonal() / 4.0;
@@ -166,9 +167,13 @@ impl<'a> SceneViews<'a> {
         }
         let shapes = shapes(objects, &placements);
         let extent = extent(&shapes);
-        let surface = |(o, (shape, &(_, scale))): (usize, (&Vec<[f32; 3]>, &(_, f64)))| Surface {
-            selector: Selector::in_shape(objects[o].simplified, shape),
-            family: options.family(&extent, if scale > 0.0 { scale } else { 1.0 }),
+        let surface = |(o, (shape, &(_, scale))): (usize, (&Vec<[f32; 3]>, &(_, f64)))| {
+            // What a placement errs is at most this for each mesh unit of the object's error. (A
+            // pose may show it larger than the scene does at any moment that was measured.)
+            let ObjectLevels { simplified, unevenness, .. } = objects[o];
+            let error_scale = if scale > 0.0 { scale * unevenness } else { 1.0 };
+            let selector = Selector::in_shape(simplified, shape);
+            Surface { selector, family: options.family(&extent, error_scale) }
         };
         let surfaces =
             shapes.par_iter().zip(&placements).enumerate().map(|(o, (shapes, placements))| {

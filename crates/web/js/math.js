@@ -46,6 +46,20 @@ export function determinant3(m) {
   return dot([m[0], m[1], m[2]], cross([m[4], m[5], m[6]], [m[8], m[9], m[10]]));
 }
 
+/** The largest factor by which the upper 3 × 3 part of a matrix stretches a vector. */
+export function stretch(m) {
+  const columns = [[m[0], m[1], m[2]], [m[4], m[5], m[6]], [m[8], m[9], m[10]]];
+  const gram = columns.map((a) => columns.map((b) => dot(a, b)));
+  // The largest eigenvalue of a symmetric matrix (Smith 1961).
+  const mean = (gram[0][0] + gram[1][1] + gram[2][2]) / 3;
+  const rest = gram.map((row, i) => row.map((x, j) => (i === j ? x - mean : x)));
+  const spread = Math.sqrt(rest.flat().reduce((sum, x) => sum + x * x, 0) / 6);
+  if (!(spread > 1e-12 * mean)) return Math.sqrt(mean);
+  const [a, b, c] = rest.map((row) => scaled(row, 1 / spread));
+  const angle = Math.acos(clamp(dot(a, cross(b, c)) / 2, -1, 1)) / 3;
+  return Math.sqrt(mean + 2 * spread * Math.cos(angle));
+}
+
 /** The inverse of an affine matrix; of one without an inverse the identity. */
 export function inverted(m) {
   const [x, y, z] = [[m[0], m[1], m[2]], [m[4], m[5], m[6]], [m[8], m[9], m[10]]];

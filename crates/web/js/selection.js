@@ -8,8 +8,6 @@ export class Selection {
   constructor(objects) {
     this.objects = objects.filter((levels) => levels.triangles > 0);
     this.all = objects;
-    // Errors of one object are stated in its own units, of several in world units.
-    this.unit = objects.length === 1 ? objects[0].scale : 1;
     this.triangles = sum(objects, (o) => o.triangles);
     this.least = sum(this.objects, (o) => o.trianglesAt(o.lastVisible()));
     this.largest = this.objects.reduce((most, o) => (

@@ -5,8 +5,7 @@
 use lodc_formats::gltf::{LevelsObject, export_levels};
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::LodObject;
-use lodc_formats::{Document, FormatError, Limits, ObjectInfo, OutputFile, scene_graph};
-use lodc_scene::Arrangement;
+use lodc_formats::{Document, FormatError, Limits, ObjectInfo, OutputFile, scene_motion};
 use lodc_select::turns;
 use std::path::Path;
 
@@ -50,8 +49,7 @@ fn turns_of_objects<M>(
         return Ok(vec![Vec::new(); objects.len()]);
     }
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(document, &infos, limits)?;
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    let scene = scene_motion(document, &infos, limits)?.largest();
     let simplified: Vec<_> = objects.iter().map(|o| &*o.simplified).collect();
     let as_pairs = |turns: Vec<lodc_select::Turn>| {
         turns.into_iter().map(|turn| (turn.rank, turn.lod.0)).collect()

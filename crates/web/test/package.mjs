@@ -49,11 +49,30 @@ test('levels are those of extract', () => {
     for (const lod of [0, 7, 50, 100, 1e6]) compare(selection.byLod(lod), '--lod', String(lod));
     compare(selection.byTriangles(half), '--triangles', String(half));
     compare(selection.byTriangles(9), '--triangles', '9');
-    compare(selection.byError(0.01 * selection.unit), '--error', '0.01');
+    compare(selection.byError(0.01), '--error', '0.01');
     const parts = ({ objects }) => objects.map((object) => object.parts);
     const gpu = parts(lodc.open(built(input, '--layout', 'gpu')));
     assert.deepEqual(gpu, parts(lodc.open(built(input))), `${input} of the gpu layout`);
   }
+});
+
+test('placements err by their own stretch only if the largest is even', async () => {
+  const [{ composed, stretch }, { errorScales }] = [
+    await module('math.js'), await module('viewdependent.js'),
+  ];
+  const placed = (object, ...scale) => ({
+    object, world: composed([1, 2, 3], [0.5, 0.5, -0.5, 0.5], scale),
+  });
+  const near = (a, b) => assert.ok(Math.abs(a - b) < 1e-9, `${a} ${b}`);
+  near(stretch(placed(null, 2, -7, 3).world), 7);
+  near(stretch([1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]), (1 + Math.sqrt(5)) / 2);
+  const [even, flat] = [{ levels: { scale: 4 } }, { levels: { scale: 1 } }];
+  const placements = [
+    placed(even, 4, -4, 4), placed(even, 1, 0.5, 2), placed(flat, 1, 0.001, 1),
+    placed(flat, 0.2, 0.2, 0.2),
+  ];
+  const scaleOf = errorScales(placements);
+  placements.map(scaleOf).forEach((scale, i) => near(scale, [4, 2, 1, 1][i]));
 });
 
 test('a stream grows to the whole, whatever its pieces', () => {

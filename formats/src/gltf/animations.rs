@@ -1,7 +1,7 @@
 //! The animations of a glTF document as keyframes: channels, samplers, times and values, checked.
 
 use super::document::Stored;
-use super::graph::scene_graph;
+use super::graph::{Numbers, scene_graph};
 use super::json::{Object, malformed};
 use crate::{Document, FormatError, Limits, ObjectInfo};
 use lodc_scene::{Animation, Channel, Interpolation, Motion, Property};
@@ -34,7 +34,7 @@ pub fn animation(
     Stored::read(gltf, limits, |stored, root| {
         let missing = || malformed(&*location, "is not there");
         let animation = root.entries("animations").nth(number).ok_or_else(missing)?;
-        read_animation(stored, animation, &location)
+        read_animation(&|accessor| stored.numbers(accessor), animation, &location)
     })
 }
 
@@ -45,11 +45,16 @@ pub fn animation(
 fn animations(document: &Document, limits: &Limits) -> Result<Vec<Animation>, FormatError> {
     let Document::Gltf(gltf) = document else { return Ok(Vec::new()) };
     Stored::read(gltf, limits, |stored, root| {
-        let read = |(i, animation): (usize, _)| {
-            read_animation(stored, animation, &format!("animations[{i}]")).unwrap_or_default()
-        };
-        Ok((0..).zip(root.entries("animations")).map(read).collect())
+        Ok(sound_animations(root, &|accessor| stored.numbers(accessor)))
     })
+}
+
+/// Reads all animations of a glTF document, in order; damaged ones move nothing.
+pub(super) fn sound_animations(root: &Object, read: &Numbers<'_>) -> Vec<Animation> {
+    let animation = |(i, animation): (usize, _)| {
+        read_animation(read, animation, &format!("animations[{i}]")).unwrap_or_default()
+    };
+    (0..).zip(root.entries("animations")).map(animation).collect()
 }
 
 /// Reads a scene at rest and its animations, as [`scene_graph`] and [`animation`] do; damaged
@@ -67,7 +72,7 @@ pub fn scene_motion(
 }
 
 fn read_animation(
-    stored: &Stored<'_>,
+    read: &Numbers<'_>,
     animation: &Object,
     location: &str,
 ) -> Result<Animation, FormatError> {
@@ -78,14 +83,14 @@ fn read_animation(
         let target = source["target"].as_object();
         let (Some(sampler), Some(target)) = (sampler, target) else { continue };
         let location = format!("{location}.channels[{i}]");
-        channels.extend(read_channel(stored, sampler, target, &location)?);
+        channels.extend(read_channel(read, sampler, target, &location)?);
     }
     Ok(Animation { name: name(animation), channels })
 }
 
 /// Reads a channel; none if it changes neither a node nor its morph weights.
 fn read_channel(
-    stored: &Stored<'_>,
+    read: &Numbers<'_>,
     sampler: &Object,
     target: &Object,
     location: &str,
@@ -104,7 +109,7 @@ fn read_channel(
         _ => Interpolation::Linear,
     };
     let numbers = |key: &str| match sampler[key].as_index() {
-        Some(accessor) => stored.numbers(accessor),
+        Some(accessor) => read(accessor),
         None => Err(malformed(location, format!("its sampler has no {key}"))),
     };
     let ((times, _), (values, components)) = (numbers("input")?, numbers("output")?);

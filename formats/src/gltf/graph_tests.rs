@@ -2,7 +2,7 @@ use super::*;
 use crate::Scene;
 use crate::export::{ExportFormat, ExportObject, export};
 use crate::gltf::read::tests::{Builder, sound};
-use lodc_scene::{Arrangement, object_in_scene};
+use lodc_scene::{Motion, posed_positions};
 use serde_json::json;
 use std::path::Path;
 
@@ -45,10 +45,11 @@ fn a_rigged_object_has_the_scale_of_the_joints_that_move_it() {
     // The stored document says the same as the one that was read.
     let graph = scene_graph(&scene.document, &[&object.info], &Limits::DEFAULT);
     let graph = graph.expect("a sound document");
-    let arrangement = Arrangement::new(&graph, &graph.rest_pose(), 1);
-    let shown = object_in_scene(&object.mesh, 0, &arrangement);
-    assert_eq!(shown.scale, object.info.world_scale);
-    for (found, wanted) in shown.positions.iter().zip(SHOWN) {
+    let motion = Motion::new(graph, Vec::new(), 1);
+    let measured = motion.measured_placements(&object.mesh, 0);
+    assert_eq!(measured.scale, object.info.world_scale);
+    let positions = posed_positions(&object.mesh, &measured.placements[0].placement);
+    for (found, wanted) in positions.iter().zip(SHOWN) {
         assert!(found.abs_diff_eq(wanted.into(), 1e-6), "{found} {wanted:?}");
     }
 }

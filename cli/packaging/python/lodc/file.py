@@ -65,7 +65,8 @@ class LodFile:
         wish = selector(lod=lod, ratio=ratio, triangles=triangles, error=error, rms=rms)
         origin = Origin("extract", self.data, self.folder)
         if len(self.objects) == 1:
-            lods = [self.objects[0].chosen(wish)]
+            [only] = self.objects
+            lods = [only.chosen(wish.scaled(only.world_scale))]
             words = ["--lod", str(lods[0])]
         elif wish.name == "lod":
             lods = [o.chosen(wish) for o in self.objects]
@@ -96,8 +97,8 @@ class LodFile:
             levels = [o.chosen(Selector("ratio", share)) for o in self.objects]
             steps = [int(np.searchsorted(o.lods, k)) for o, k in zip(self.objects, levels)]
             pairs = list(zip(self.objects, steps))
-            units = [o.world_scale if len(self.objects) > 1 else 1.0 for o in self.objects]
-            error = max((u * float(o.errors[s]) for u, (o, s) in zip(units, pairs)), default=0.0)
+            errors = (o.world_scale * float(o.errors[s]) for o, s in pairs)
+            error = max(errors, default=0.0)
             found.append((share, sum(int(o.counts[s]) for o, s in pairs), error))
         return found
 

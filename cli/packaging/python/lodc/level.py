@@ -41,8 +41,8 @@ class Level(Mapping[Name, NDArray[Any]]):
     """One level of a scene: ``objects`` are its meshes, in the order of the file.
 
     Of a scene with one object it has that object's arrays, too: ``level["POSITION"]``,
-    ``level.triangles``. ``error`` and ``rms`` are the largest distances from the input: in the
-    mesh's units for one object, in world units for several.
+    ``level.triangles``. ``error`` and ``rms`` are the largest distances from the input, in world
+    units.
     """
 
     def __init__(
@@ -51,10 +51,9 @@ class Level(Mapping[Name, NDArray[Any]]):
     ) -> None:  # fmt: skip
         self.objects, self.scene = objects, scene
         self._origin, self._words = origin, words
-        units = scales if len(objects) > 1 else [1.0]
-        pairs = list(zip(units, objects))
-        self.error: float = max((unit * o.error for unit, o in pairs), default=0.0)
-        means = [unit * o.rms for unit, o in pairs if o.rms is not None]
+        pairs = list(zip(scales, objects))
+        self.error: float = max((scale * o.error for scale, o in pairs), default=0.0)
+        means = [scale * o.rms for scale, o in pairs if o.rms is not None]
         self.rms: float | None = max(means, default=0.0) if len(means) == len(objects) else None
 
     @property

@@ -19,6 +19,12 @@ class Selector:
     value: float
     percent: bool = False
 
+    def scaled(self, factor: float) -> "Selector":
+        """With a distance in other units, of which one is ``factor`` of these."""
+        if self.name not in ("error", "rms") or self.percent:
+            return self
+        return Selector(self.name, self.value / factor)
+
     def words(self) -> list[str]:
         """As options of the program."""
         share = self.value * 100 if self.percent else self.value

@@ -119,8 +119,7 @@ pub(super) fn pose_errors(
     limits: &Limits,
 ) -> Outcome<Vec<Option<f64>>> {
     let shapes = lodc::stated_shapes(&asset.objects, &asset.document, limits)?;
-    let several = asset.objects.len() > 1;
-    let unit = |o: usize| if several { asset.objects[o].info.world_scale } else { 1.0 };
+    let unit = |o: usize| asset.objects[o].info.world_scale;
     let largest = |ways: &[MovingMesh<'_>], of: &dyn Fn(usize, &MovingMesh<'_>) -> f64| -> f64 {
         ways.iter().enumerate().map(|(o, way)| unit(o) * of(o, way)).fold(0.0, f64::max)
     };
@@ -130,7 +129,9 @@ pub(super) fn pose_errors(
         if !joints || k >= last {
             return 0.0;
         }
-        largest(&ways[k], &|o, (now, next, moving)| joints_error(&shapes[o], now, next, moving))
+        largest(&ways[k], &|o, (now, next, moving)| {
+            joints_error(shapes[o].all(), now, next, moving)
+        })
     };
     let mut errors = Vec::new();
     for (k, ways) in ways.iter().enumerate() {
@@ -138,7 +139,7 @@ pub(super) fn pose_errors(
         let is_stated = k < last && ways.iter().any(|(mesh, ..)| bends(mesh));
         errors.push(is_stated.then(|| {
             let moved = largest(ways, &|o, (now, next, moving)| {
-                pose_error(&shapes[o], now, next, moving, joints)
+                pose_error(shapes[o].all(), now, next, moving, joints)
             });
             // The next level has borrowed joints, too.
             moved + own + borrowed_joints_error(k + 1)

@@ -23,7 +23,7 @@ pub(super) struct LevelArgs {
     /// Shares (25%) or counts (10k) of triangles, finest first [default: 100%,50%,25%,10%]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = size, group = "which")]
     levels: Vec<Target>,
-    /// Errors, finest first, in mesh units or as E%
+    /// Errors, finest first, in world units or as E%
     ///
     /// A percentage is of the diagonal.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = bound, group = "which")]

@@ -115,8 +115,7 @@ fn by_distance(
     levels: &[Level],
 ) -> Vec<f64> {
     let object = &asset.objects[number];
-    let unit = if asset.objects.len() > 1 { object.info.world_scale } else { 1.0 };
-    let diagonal = unit * object.simplified.mesh().diagonal();
+    let diagonal = object.info.world_scale * object.simplified.mesh().diagonal();
     let next = levels.iter().skip(1).map(|level| {
         level.distance.map_or(0.0, |distance| args.levels.coverage(diagonal, distance))
     });

@@ -230,6 +230,8 @@ fn report(
             vertices: level.mesh.vertex_count() as u64,
             error: finite(level.error),
             rms: level.rms.and_then(finite),
+            world_error: finite(object.info.world_scale * level.error),
+            world_rms: level.rms.and_then(|rms| finite(object.info.world_scale * rms)),
         };
     let objects: Vec<_> =
         asset.objects.iter().zip(&level.lods).zip(&level.meshes).map(object).collect();

@@ -58,12 +58,18 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
 }
 
 fn object_report(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectReport> {
-    let collapses = o.simplified.collapses();
-    let lods = levels::table_lods(collapses).into_iter().map(|lod| LodReport {
-        lod: lod.0,
-        triangles: collapses.triangles_at(lod),
-        error: decimal(collapses.error_at(lod)),
-        rms: collapses.rms_at(lod).map(decimal),
+    let (collapses, scale) = (o.simplified.collapses(), o.info.world_scale);
+    let lods = levels::table_lods(collapses).into_iter().map(|lod| {
+        let (error, rms) = (collapses.error_at(lod), collapses.rms_at(lod).map(decimal));
+        let error = decimal(error);
+        LodReport {
+            lod: lod.0,
+            triangles: collapses.triangles_at(lod),
+            error,
+            rms,
+            world_error: scale * error,
+            world_rms: rms.map(|rms| scale * rms),
+        }
     });
     let mut models: IndexMap<_, _> =
         o.models.iter().map(|m| (m.name(), stored_model(m, layout))).collect();
@@ -188,16 +194,24 @@ pub(super) fn text(name: &str, report: &InfoReport) -> String {
 }
 
 fn write_levels(text: &mut String, o: &ObjectReport) {
-    let _ = writeln!(text, "         LOD   triangles       error   of the diagonal         rms");
+    let scaled = o.world_scale != 1.0;
+    let own = if scaled { "       in its own units" } else { "" };
+    let _ =
+        writeln!(text, "         LOD   triangles       error   of the diagonal         rms{own}");
     for lod in &o.lods {
         let share = if o.diagonal > 0.0 { lod.error / o.diagonal * 100.0 } else { 0.0 };
+        let rms = |rms: Option<f64>| rms.map_or("-".to_owned(), distance);
+        let own = match scaled {
+            true => format!("{:>12}{:>11}", distance(lod.error), rms(lod.rms)),
+            false => String::new(),
+        };
         let _ = writeln!(
             text,
-            "  {:>10}{:>12}{:>12}{share:16.3} %{:>12}",
+            "  {:>10}{:>12}{:>12}{share:16.3} %{:>12}{own}",
             grouped(u64::from(lod.lod)),
             grouped(u64::from(lod.triangles)),
-            distance(lod.error),
-            lod.rms.map_or("-".to_owned(), distance)
+            distance(lod.world_error),
+            rms(lod.world_rms),
         );
     }
     if o.errors_over != ErrorsOver::REST {

@@ -17,19 +17,19 @@ const SAMPLE_SPACING: f64 = 1.0 / 160.0;
 pub(super) struct Heat {
     /// By cell and object.
     fields: Vec<Vec<DistanceField>>,
-    /// World units per mesh unit of each object; 1 if there is one object only.
+    /// World units per mesh unit of each object.
     scales: Vec<f64>,
-    /// The distance of the last colour, in mesh units for one object, in world units for several:
-    /// the largest stated error; if none is stated, the largest distance.
+    /// The distance of the last colour, in world units: the largest stated error; if none is
+    /// stated, the largest distance.
     pub(super) largest: f64,
-    /// The diagonal of the input's largest object as the scene shows it, in the same units.
+    /// The diagonal of the input's largest object as the scene shows it, in world units.
     pub(super) diagonal: f64,
 }
 
 /// Measures the distances of every cell from the input.
 pub(super) fn measure(drawable: &DrawableScene, cells: &[Cell]) -> Heat {
     let objects = drawable.objects.len();
-    let scale = |o: usize| if objects > 1 { world_scale(drawable.objects.info(o)) } else { 1.0 };
+    let scale = |o: usize| world_scale(drawable.objects.info(o));
     let scales: Vec<f64> = (0..objects).map(scale).collect();
     let tree = |o: usize| {
         let mesh = drawable.objects.mesh(o);

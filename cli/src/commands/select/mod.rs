@@ -28,7 +28,7 @@ pub(crate) struct SelectArgs {
     #[arg(long, value_name = "P", value_parser = positive, help_heading = LEVEL,
           required_unless_present = "budget", conflicts_with = "budget")]
     pixels: Option<f32>,
-    /// Distance of the eye from the model's nearest point, in its units
+    /// Distance of the eye from the model's nearest point, in world units
     #[arg(long, value_name = "D", value_parser = positive, help_heading = LEVEL,
           required_unless_present = "scene", conflicts_with = "scene")]
     distance: Option<f32>,

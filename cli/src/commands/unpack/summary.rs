@@ -52,7 +52,7 @@ fn sentence(report: &UnpackReport) -> String {
         report.objects.iter().map(|o| u64::from(of(o))).sum::<u64>()
     };
     let (triangles, all) = (sum(|o| o.triangles), sum(|o| o.of_triangles));
-    let worst = report.objects.iter().map(|o| o.error).fold(0.0, f64::max);
+    let worst = report.objects.iter().map(|o| o.world_error).fold(0.0, f64::max);
     let bytes = size(report.bytes);
     if report.whole {
         return format!(

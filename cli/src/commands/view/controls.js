@@ -168,7 +168,7 @@ export class Controls {
   }
 
   /** What the slider stands for, and facts of a frame: rows of a name and a text. */
-  texts({ lods, triangles, drawn, error, inWorld, allowed, percent }) {
+  texts({ lods, triangles, drawn, error, allowed, percent }) {
     const { viewer } = this;
     const { selection } = viewer;
     const value = {
@@ -179,7 +179,7 @@ export class Controls {
     const rows = [
       ['Triangles', grouped(drawn)],
       ['Share', percent(drawn / Math.max(1, viewer.copies * selection.triangles))],
-      ['Error', `${length3(error)} (${percent(inWorld / (selection.diagonal || 1))} of the size)`],
+      ['Error', `${length3(error)} (${percent(error / (selection.diagonal || 1))} of the size)`],
       lods.length === 1 ? ['LOD', grouped(lods[0])] : ['Objects', grouped(lods.length)],
     ];
     return { value, rows };
@@ -191,11 +191,10 @@ export class Controls {
   }
 
   /** Tells what a frame has shown, to people and to programs. */
-  show({ lods, triangles: uniform, sparing, error: inWorld, crowd, views }) {
+  show({ lods, triangles: uniform, sparing, error, crowd, views }) {
     const { viewer } = this;
     const { selection } = viewer;
-    const error = inWorld / selection.unit;
-    const allowed = viewer.allowedError() / selection.unit;
+    const allowed = viewer.allowedError();
     if (viewer.asked) viewer.share = viewer.shareShown(uniform);
     this.level.value = viewer.share;
     this.level.style.setProperty('--fill', `${100 * viewer.share}%`);
@@ -203,7 +202,7 @@ export class Controls {
     const one = lods.length === 1;
     const triangles = views ?? uniform;
     const drawn = crowd ? crowd.triangles : sparing ?? triangles;
-    const shown = { lods, triangles, drawn, error, inWorld, allowed, percent };
+    const shown = { lods, triangles, drawn, error, allowed, percent };
     const { value, rows } = this.texts(shown);
     element('value').textContent = value;
     if (sparing) rows[0][1] += ' while moving';

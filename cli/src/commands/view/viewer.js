@@ -138,7 +138,7 @@ export class Viewer {
     const { asked, selection } = this;
     if (asked?.lod !== undefined) return selection.byLod(asked.lod);
     if (asked?.triangles !== undefined) return selection.byTriangles(asked.triangles);
-    if (asked?.error !== undefined) return selection.byError(asked.error * selection.unit);
+    if (asked?.error !== undefined) return selection.byError(asked.error);
     if (this.by === 'triangles') return selection.byTriangles(selection.ofShare(this.share));
     if (this.by === 'error') return selection.byError(this.allowedError());
     const { centre, radius } = this.orbit.home;

@@ -3,10 +3,10 @@
 use super::watch::run_stage;
 use super::{SimplifiedObjects, Watch};
 use crate::{LodObject, stated_shapes};
-use lodc_errors::{LevelError, Tick, at_levels};
+use lodc_errors::{LevelError, StepErrors, Tick, at_levels};
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
 use lodc_mesh::{Lod, Mesh, Simplified};
-use lodc_scene::Motion;
+use lodc_scene::{Motion, ObjectShapes, Shape};
 use lodc_select::decimal;
 use rayon::prelude::*;
 use std::mem::take;
@@ -17,8 +17,9 @@ use std::sync::Arc;
 pub const DEFAULT_POSES: usize = 8;
 
 /// Replaces the simplifier's estimates of errors by measured distances, several objects at once.
-/// Distances are the largest over the shape that the document's default scene gives an object and
-/// up to `poses` others, of its animations and morph targets; the object's description names these.
+/// Distances are the largest over the shapes that the document's default scene gives an object in its
+/// placements, and up to `poses` others, of its animations and morph targets; the object's
+/// description names these.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -34,10 +35,8 @@ pub fn measure_all(
     let units = counts_triangles.then(|| objects.iter().map(|(_, s)| triangles(s)).sum());
     let motion = choose_poses(&mut objects, document, limits, poses)?;
     let one = |(number, (mut info, simplified)): (usize, (ObjectInfo, Arc<Simplified>))| {
-        let mesh = simplified.mesh();
-        let shapes = motion.shapes(mesh, number, &info.poses);
-        let shapes = shapes.iter().map(|shape| shape.of(mesh));
-        let (distances, poses) = lodc_errors::measure_over(&simplified, shapes, &|| watch.add(0));
+        let shapes = motion.shapes(simplified.mesh(), number, &info.poses);
+        let (distances, poses) = step_errors(&simplified, &shapes, &|| watch.add(0));
         info.poses.truncate(poses);
         let measured = Arc::unwrap_or_clone(simplified)
             .with_distances(distances.error, distances.rms)
@@ -46,6 +45,30 @@ pub fn measure_all(
         (info, Arc::new(measured))
     };
     Ok(run_stage(watch, "errors", units, || objects.into_par_iter().enumerate().map(one).collect()))
+}
+
+/// Shapes of which all are measured at a time.
+const SHAPES_AT_ONCE: usize = 2;
+
+/// Measures every step of a sequence: the largest distances over all shapes of placements, and over
+/// those of postures until two of them raise no error noticeably. Returns how many of these were
+/// measured.
+#[must_use]
+pub fn step_errors(
+    simplified: &Simplified,
+    shapes: &ObjectShapes,
+    tick: &Tick<'_>,
+) -> (StepErrors, usize) {
+    let mesh = simplified.mesh();
+    let posed = |shape: &'_ Shape| shape.of(mesh).into_owned();
+    let (first, others) = shapes.of_placements().split_first().expect("a placement at least");
+    let mut errors = lodc_errors::measure(simplified, &first.of(mesh), tick);
+    for some in others.chunks(SHAPES_AT_ONCE) {
+        lodc_errors::raise(&mut errors, simplified, some.iter().map(posed), tick);
+    }
+    let postures = shapes.of_postures().iter().map(posed);
+    let measured = lodc_errors::raise(&mut errors, simplified, postures, tick);
+    (errors, measured)
 }
 
 /// Puts into the descriptions of objects the poses that their levels are to be measured over: up to
@@ -87,8 +110,8 @@ impl LevelDistance {
 
 /// Measures only some levels, where the whole sequence would take too long. `levels` are
 /// fine to coarse, each with a LOD for every object. Returns the distances of every level and
-/// object, the largest over the shape at rest and the poses of the object's description, none below
-/// that of a finer level.
+/// object, the largest over the object's placements and the poses of its description, none below that
+/// of a finer level.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -103,7 +126,7 @@ pub fn measure_levels(
     let of_object = |(number, object): (usize, &LodObject)| {
         let lods: Vec<Lod> = levels.iter().map(|lods| lods[number]).collect();
         let mesh = object.simplified.mesh();
-        let shapes = shapes[number].iter().map(|shape| shape.of(mesh));
+        let shapes = shapes[number].all().iter().map(|shape| shape.of(mesh));
         let not_below = |before: &mut LevelError, level: LevelError| {
             before.error = before.error.max(level.error);
             before.rms = before.rms.max(level.rms);

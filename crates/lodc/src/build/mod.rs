@@ -17,7 +17,9 @@ mod watch;
 
 pub use builder::Builder;
 pub use colours::{MetricColours, ObjectColours, SceneColours};
-pub use errors::{DEFAULT_POSES, LevelDistance, choose_poses, measure_all, measure_levels};
+pub use errors::{
+    DEFAULT_POSES, LevelDistance, choose_poses, measure_all, measure_levels, step_errors,
+};
 pub use estimate::{Need, Size};
 pub use models::{build_models, check_models, models};
 pub use refitted::{measured, refitted_meshes};
@@ -25,7 +27,7 @@ pub use scene_context::{Importance, SceneContext};
 pub use simplify::simplify_all;
 pub use watch::Watch;
 
-pub use lodc_errors::{Tick, check as check_errors, measure_over as step_errors};
+pub use lodc_errors::{Tick, check as check_errors};
 
 use lodc_formats::ObjectInfo;
 use lodc_mesh::Simplified;

@@ -9,7 +9,7 @@ use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
 use lodc_measure::{Original, Pyramid, Sampling, Surface, TriangleTree};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
-use lodc_scene::{Coordinates, Shape};
+use lodc_scene::{Coordinates, ObjectShapes, Shape};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -43,14 +43,13 @@ pub fn refitted_meshes(
     let coordinates = coordinates(document, &infos, limits)?;
     let shapes = stated_shapes(objects, document, limits)?;
     let noise = noise();
-    let one =
-        |((object, &lod), (coordinates, shapes)): ((&LodObject, &Lod), (&Vec<_>, &Vec<_>))| {
-            let texture = NoiseTexture { coordinates, noise: &noise };
-            let (mesh, as_modelled) = refitted(object, lod, texture, tick);
-            let Distances { bound, rms } =
-                largest_over_shapes(shapes, object.simplified.mesh(), &mesh, Some(as_modelled));
-            LevelMesh { mesh: ordered(mesh, order), error: bound, rms: Some(rms) }
-        };
+    let one = |((object, &lod), (coordinates, shapes)): (_, (&Vec<_>, &ObjectShapes))| {
+        let texture = NoiseTexture { coordinates, noise: &noise };
+        let (mesh, as_modelled) = refitted(object, lod, texture, tick);
+        let Distances { bound, rms } =
+            largest_over_shapes(shapes.all(), object.simplified.mesh(), &mesh, Some(as_modelled));
+        LevelMesh { mesh: ordered(mesh, order), error: bound, rms: Some(rms) }
+    };
     Ok(objects.par_iter().zip(lods).zip(coordinates.par_iter().zip(&shapes)).map(one).collect())
 }
 
@@ -67,9 +66,9 @@ pub fn measured(
     limits: &Limits,
 ) -> Result<Vec<LevelMesh>, Error> {
     let shapes = stated_shapes(objects, document, limits)?;
-    let one = |((object, mesh), shapes): ((&LodObject, Mesh), &Vec<Shape>)| {
+    let one = |((object, mesh), shapes): ((&LodObject, Mesh), &ObjectShapes)| {
         let Distances { bound, rms } =
-            largest_over_shapes(shapes, object.simplified.mesh(), &mesh, None);
+            largest_over_shapes(shapes.all(), object.simplified.mesh(), &mesh, None);
         LevelMesh { mesh, error: bound, rms: Some(rms) }
     };
     Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
@@ -107,9 +106,9 @@ impl Distances {
     }
 }
 
-/// The bound and the root mean square distance of a level, the largest over all shapes. The first
-/// shape is the surface at rest, which the pose of a skin at rest, default morph weights or an
-/// uneven scale may make another than that of the mesh as it is. `as_modelled` are the distances of
+/// The bound and the root mean square distance of a level, the largest over all shapes. A skin at
+/// rest, default morph weights or an uneven scale may make the first another than that of the mesh
+/// as it is. `as_modelled` are the distances of
 /// the meshes as they are, if they are known already.
 fn largest_over_shapes(
     shapes: &[Shape],

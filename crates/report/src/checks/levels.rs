@@ -10,7 +10,8 @@ use lodc_formats::{
 };
 use lodc_measure::{Original, Sampling, Surface};
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
-use lodc_scene::{Arrangement, Motion, Placement, posed, representative};
+use lodc_scene::{Arrangement, MeasuredPlacement, Motion, Placement, posed_positions};
+use rayon::prelude::*;
 
 /// A measured distance may be at most this many times the error that a level states. Chosen by
 /// hand: stated errors are made from samples.
@@ -23,6 +24,11 @@ const MAX_STATED: f64 = 1.5;
 /// Fewer samples than by default: around the farthest of them triangles are searched. Chosen by
 /// hand.
 const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x1e7e1 };
+
+/// Samples of each kind on each of many objects, at least, and by how many times these may be more
+/// than those of one surface of as many triangles. Chosen by hand.
+const MIN_SAMPLES: usize = 64;
+const MAX_DENSITY: f64 = 10.0;
 
 /// Distances below this share of the diagonal are rounding errors, or not worth a refusal. Chosen
 /// by hand.
@@ -97,17 +103,14 @@ struct Measure<'a> {
     motion: Motion,
     /// The poses of each object that its errors are the largest over; none if that is not known.
     poses: Option<&'a [Vec<Posture>]>,
-    units: Units,
-    diagonal: f64,
-}
-
-/// The units of what is compared: coordinates near the origin, in the units of stated errors.
-#[derive(Clone, Copy)]
-struct Units {
-    /// A point of the source, in world space.
+    /// The middle of the source's box, in world space.
     origin: DVec3,
-    /// World units per unit: one object states errors in its own.
-    world: f64,
+    /// The diagonal of that box.
+    diagonal: f64,
+    /// Whether an animation stretches an object otherwise than at rest.
+    stretches: bool,
+    /// At least 1: errors may be larger by this factor than they are in any placement and pose.
+    looseness: f64,
 }
 
 impl<'a> Measure<'a> {
@@ -117,18 +120,21 @@ impl<'a> Measure<'a> {
         limits: &Limits,
     ) -> Result<Self, FormatError> {
         let motion = motion(source, limits)?;
-        let world = match &source.objects[..] {
-            [one] => one.info.world_scale,
-            _ => 1.0,
+        let [low, high] = scene_box(source, motion.rest());
+        let (origin, diagonal) = match low.cmple(high).all() {
+            true => (low.midpoint(high), low.distance(high)),
+            false => (DVec3::ZERO, 0.0),
         };
-        let first_placement = motion.rest().placements().first();
-        let first_placement =
-            first_placement.map(|at| posed(&source.objects[at.object].mesh, at).positions);
-        let origin =
-            first_placement.and_then(|positions| positions.first().copied()).unwrap_or_default();
-        let units = Units { origin, world };
-        let diagonal = scene_surface(source, motion.rest(), units).diagonal();
-        Ok(Self { source, motion, poses, units, diagonal })
+        let (mut stretches, mut looseness) = (false, 1.0f64);
+        for (number, object) in source.objects.iter().enumerate() {
+            let measured = motion.measured_placements(&object.mesh, number);
+            stretches |= measured.placements.iter().any(|at| at.moment.is_some());
+            // Morph targets of what has unlike placements are measured in the largest scale.
+            if bends(&object.mesh) && measured.placements.len() > 1 {
+                looseness = looseness.max(measured.unevenness);
+            }
+        }
+        Ok(Self { source, motion, poses, origin, diagonal, stretches, looseness })
     }
 
     /// Returns a difference if a level has a larger error than it states, or a far smaller one.
@@ -144,42 +150,46 @@ impl<'a> Measure<'a> {
         }
         let shown = motion(level, limits)?;
         let pairs = self.pairs(level, &shown);
-        let pairs: Vec<_> =
-            pairs.iter().map(|[from, to]| (Original::new(from, &SAMPLING), to)).collect();
-        let measured = |(original, to): &(Original, &Surface)| {
-            original.distances(to).hausdorff.into_iter().fold(0.0, f64::max)
+        let triangles: usize = pairs.iter().map(|[from, _]| from.triangles.len()).sum();
+        let original =
+            |from: &Surface| Original::new(from, &sampling(from.triangles.len(), triangles));
+        let measured = |[from, to]: &[Surface; 2]| {
+            original(from).distances(to).hausdorff.into_iter().fold(0.0, f64::max)
         };
-        let largest = pairs.iter().map(measured).fold(0.0, f64::max);
+        let largest = pairs.par_iter().map(measured).reduce(|| 0.0, f64::max);
         let negligible = NEGLIGIBLE_SHARE * self.diagonal;
         if largest > MAX_MEASURED * stated + negligible {
             return Ok(Some(format!("the error is {stated}, measured are {largest}")));
         }
-        let allowed =
-            |distance| MAX_STATED * distance + self.rounding(level, shown.rest()) + negligible;
+        let allowed = |distance| {
+            let rounding = self.rounding(level, &shown);
+            MAX_STATED * self.looseness * distance + rounding + negligible
+        };
         // Errors may be the largest over poses that are not known, as in an OBJ.
-        let bends = self.source.objects.iter().any(|o| bends(&o.mesh));
+        let bends = self.stretches || self.source.objects.iter().any(|o| bends(&o.mesh));
         let poses_known = !bends || self.poses.is_some() && !self.is_flattened(level);
         if !poses_known || stated <= allowed(largest) || pairs.len() < self.source.objects.len() {
             return Ok(None);
         }
         // Samples may miss a small part, so only an upper bound shows that the error is too large.
-        let bound = pairs.iter().map(|(original, to)| original.bound_and_rms(to).0);
-        let bound = bound.fold(0.0, f64::max);
+        let bound = |[from, to]: &[Surface; 2]| original(from).bound_and_rms(to).0;
+        let bound = pairs.par_iter().map(bound).reduce(|| 0.0, f64::max);
         let what = || format!("the error is {stated}, no point is farther than {bound}");
         Ok((stated > allowed(bound)).then(what))
     }
 
     /// Half the diagonal of a cell of the coarsest grid that a level's vertices are on, which
     /// stated errors include.
-    fn rounding(&self, level: &Scene, shown: &Arrangement) -> f64 {
+    fn rounding(&self, level: &Scene, shown: &Motion) -> f64 {
         if !has_own_grids(level, self.source) {
             return 0.0;
         }
         // Coordinates are whole numbers, so the scale of an object's placement is the step of its
         // grid.
-        let step = |(o, object): (usize, &SceneObject)| representative(&object.mesh, o, shown).1;
+        let step =
+            |(o, object): (usize, &SceneObject)| shown.measured_placements(&object.mesh, o).scale;
         let largest = level.objects.iter().enumerate().map(step).fold(0.0, f64::max);
-        0.5 * 3f64.sqrt() * largest / self.units.world
+        0.5 * 3f64.sqrt() * largest
     }
 
     /// Returns whether a level does not have the source's objects one by one: it is one mesh, or
@@ -189,54 +199,127 @@ impl<'a> Measure<'a> {
         is_one || level.objects.len() != self.source.objects.len()
     }
 
-    /// Surfaces of the source and of a level that belong together: of each object at rest and in
-    /// the poses that its errors are the largest over.
+    /// Surfaces of the source and of a level that belong together: of each object in the placements
+    /// and the poses that its errors are the largest over.
     fn pairs(&self, level: &Scene, shown: &Motion) -> Vec<[Surface; 2]> {
         if self.is_flattened(level) {
             let [source, level] = [(self.source, &self.motion), (level, shown)];
-            let surface = |(scene, motion): (&Scene, &Motion)| {
-                scene_surface(scene, motion.rest(), self.units)
-            };
+            let surface =
+                |(scene, motion): (&Scene, &Motion)| self.scene_surface(scene, motion.rest());
             return vec![[source, level].map(surface)];
         }
         let object_pairs = |object: usize| {
             let meshes = [&self.source.objects[object].mesh, &level.objects[object].mesh];
             let as_modelled = Placement::as_modelled(object);
-            let (source_at, _) = representative(meshes[0], object, self.motion.rest());
-            let source_at = source_at.unwrap_or(&as_modelled);
-            let level_at = same_placement(source_at, self.motion.rest(), shown.rest());
-            let level_at = level_at.unwrap_or(&as_modelled);
-            let pair = |placements: [&Placement; 2]| {
+            let measured = self.motion.measured_placements(meshes[0], object).placements;
+            let at_rest = |motion: &Motion, number: usize| {
+                let mut all = motion.rest().of(object);
+                // An object on a grid has been moved to a child of its node: nodes come in the same
+                // order.
+                all.nth(number).or_else(|| motion.rest().of(object).next()).cloned()
+            };
+            let pair = |placements: [&Placement; 2], growth: f64| {
+                let posed = [0, 1].map(|side| posed_positions(meshes[side], placements[side]));
+                let origin = posed[0].first().copied().unwrap_or_default();
                 [0, 1].map(|side| {
                     let mut surface = Surface::default();
-                    add(&mut surface, meshes[side], placements[side], self.units);
+                    let about_origin = posed[side].iter().map(|&p| (p - origin) * growth);
+                    add(&mut surface, meshes[side], about_origin);
                     surface
                 })
             };
-            let in_pose = |&pose: &Posture| {
-                let placements =
-                    [self.motion.placed(source_at, pose)?, shown.placed(level_at, pose)?];
-                Some(pair(placements.each_ref()))
+            let in_placement = |at: &MeasuredPlacement| {
+                let level_rest = at_rest(shown, at.rest).unwrap_or_else(|| as_modelled.clone());
+                let level_at = match at.moment {
+                    Some(moment) => shown.shown_at(&level_rest, moment)?,
+                    None => level_rest,
+                };
+                Some(pair([&at.placement, &level_at], at.growth))
             };
             let poses =
                 self.poses.and_then(|poses| poses.get(object)).map_or(&[][..], Vec::as_slice);
-            std::iter::once(pair([source_at, level_at]))
-                .chain(poses.iter().filter_map(in_pose))
-                .collect::<Vec<_>>()
+            let in_pose = |(at, &pose): (&MeasuredPlacement, &Posture)| {
+                let rest = [at_rest(&self.motion, at.rest)?, at_rest(shown, at.rest)?];
+                // What has no joints is moved and stretched as in the placement.
+                let moved = |motion: &Motion, rest: &Placement| match at.moment {
+                    Some(moment) if rest.joints.is_empty() => motion.shown_at(rest, moment),
+                    _ => Some(rest.clone()),
+                };
+                let at_pose = |motion: &Motion, rest| motion.placed(&moved(motion, rest)?, pose);
+                let placements = [at_pose(&self.motion, &rest[0])?, at_pose(shown, &rest[1])?];
+                Some(pair(placements.each_ref(), at.growth))
+            };
+            // Joints move one placement at a time: poses are those of the first.
+            let has_joints = measured.first().is_some_and(|at| !at.placement.joints.is_empty());
+            let posed = if has_joints { &measured[..1] } else { &measured[..] };
+            let in_poses = posed.iter().flat_map(|at| poses.iter().map(move |pose| (at, pose)));
+            let mut pairs: Vec<_> = measured.iter().filter_map(in_placement).collect();
+            if measured.is_empty() {
+                pairs.push(pair([&as_modelled; 2], 1.0));
+            }
+            pairs.extend(in_poses.filter_map(in_pose));
+            pairs
         };
-        (0..level.objects.len()).flat_map(object_pairs).collect()
+        (0..level.objects.len()).into_par_iter().flat_map_iter(object_pairs).collect()
+    }
+
+    /// The surface of everything that a scene shows.
+    fn scene_surface(&self, scene: &Scene, arrangement: &Arrangement) -> Surface {
+        let mut all = Surface::default();
+        for placement in arrangement.placements() {
+            let mesh = &scene.objects[placement.object].mesh;
+            let positions = posed_positions(mesh, placement).into_iter();
+            add(&mut all, mesh, positions.map(|p| p - self.origin));
+        }
+        all
     }
 }
 
-/// The placement of a level's object that corresponds to one of the source. Their nodes come in the
-/// same order: an object on a grid has been moved to a child of its node.
-fn same_placement<'a>(
-    at: &Placement,
-    source: &Arrangement,
-    level: &'a Arrangement,
-) -> Option<&'a Placement> {
-    let number = source.of(at.object).position(|other| std::ptr::eq(other, at))?;
-    level.of(at.object).nth(number).or_else(|| level.of(at.object).next())
+/// Adds a mesh with its vertices at `positions`.
+fn add(surface: &mut Surface, mesh: &Mesh, positions: impl Iterator<Item = DVec3>) {
+    let first = surface.positions.len() as u32;
+    surface.positions.extend(positions.map(|p| p.as_vec3()));
+    surface.triangles.extend(mesh.triangles().iter().map(|t| t.map(|v| first + v)));
+}
+
+/// The lowest and the highest corner of a box around everything that a scene shows: of objects
+/// without joints and morph weights around their boxes.
+fn scene_box(scene: &Scene, arrangement: &Arrangement) -> [DVec3; 2] {
+    let of_placement = |placement: &Placement| {
+        let mesh = &scene.objects[placement.object].mesh;
+        let bends = !placement.joints.is_empty() || placement.weights.iter().any(|&w| w != 0.0);
+        let points = if bends {
+            posed_positions(mesh, placement)
+        } else {
+            let (low, high) = mesh.bounds();
+            let corner = |i: usize| {
+                let coordinate =
+                    |k: usize| f64::from(if i >> k & 1 == 0 { low[k] } else { high[k] });
+                DVec3::from(std::array::from_fn::<f64, 3, _>(coordinate))
+            };
+            (0..8).map(|i| placement.transform.transform_point3(corner(i))).collect()
+        };
+        let finite = points.into_iter().filter(|p| p.is_finite());
+        finite.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
+            [low.min(p), high.max(p)]
+        })
+    };
+    let boxes = arrangement.placements().par_iter().map(of_placement);
+    boxes.reduce(
+        || [DVec3::INFINITY, DVec3::NEG_INFINITY],
+        |[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)],
+    )
+}
+
+/// The samples of a surface of some triangles out of `all` that are measured: a part of those of one
+/// surface of `all`, more where that is less than one for each triangle.
+fn sampling(triangles: usize, all: usize) -> Sampling {
+    let part = |of: usize| {
+        let share = of as f64 * triangles as f64 / all.max(1) as f64;
+        let dense = (MAX_DENSITY * share).min(triangles as f64);
+        (share.max(dense) as usize).clamp(MIN_SAMPLES, of)
+    };
+    Sampling { samples: part(SAMPLING.samples), lattice: part(SAMPLING.lattice), ..SAMPLING }
 }
 
 fn motion(scene: &Scene, limits: &Limits) -> Result<Motion, FormatError> {
@@ -249,24 +332,6 @@ fn bends(mesh: &Mesh) -> bool {
     let moves =
         |a: &Attribute| matches!(a.semantic, Semantic::Joints(_)) || a.morph_target.is_some();
     mesh.attributes().iter().any(moves)
-}
-
-/// The surface of everything that a scene shows.
-fn scene_surface(scene: &Scene, arrangement: &Arrangement, units: Units) -> Surface {
-    let mut all = Surface::default();
-    for placement in arrangement.placements() {
-        add(&mut all, &scene.objects[placement.object].mesh, placement, units);
-    }
-    all
-}
-
-fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, units: Units) {
-    let first = surface.positions.len() as u32;
-    let positions = posed(mesh, placement).positions;
-    surface
-        .positions
-        .extend(positions.iter().map(|&p| ((p - units.origin) / units.world).as_vec3()));
-    surface.triangles.extend(mesh.triangles().iter().map(|t| t.map(|v| first + v)));
 }
 
 /// Returns whether the values of a level were put on grids that are not the source's.

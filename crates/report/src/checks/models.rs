@@ -10,7 +10,7 @@ use lodc_formats::lodc::MadeFrom;
 use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, Scene, animation_names};
 use lodc_lod::AnyModel;
 use lodc_mesh::Posture;
-use lodc_scene::Shape;
+use lodc_scene::ObjectShapes;
 use lodc_verify::{Check, Reference, VerifyOptions, source_difference, verify};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -28,8 +28,9 @@ pub fn check_models(
 ) -> Result<Vec<CheckReport>, FormatError> {
     let options = VerifyOptions { stride, ..VerifyOptions::default() };
     let shapes = stated_shapes(objects, document, limits)?;
-    let check = |(o, shapes): (&LodObject, &Vec<Shape>)| {
-        let shapes: Vec<_> = shapes.iter().map(|shape| shape.of(o.simplified.mesh())).collect();
+    let check = |(o, shapes): (&LodObject, &ObjectShapes)| {
+        let shapes = shapes.all().iter();
+        let shapes: Vec<_> = shapes.map(|shape| shape.of(o.simplified.mesh())).collect();
         check_object(o, &shapes, &options)
     };
     let animations = animation_names(document, limits)?.len();
@@ -114,13 +115,11 @@ pub fn check_errors_again(
     Ok(measured.map(|(o, shapes)| errors_again(o, shapes)).collect())
 }
 
-fn errors_again(object: &LodObject, shapes: &[Shape]) -> CheckReport {
+fn errors_again(object: &LodObject, shapes: &ObjectShapes) -> CheckReport {
     let simplified = &object.simplified;
-    let (collapses, shapes) = (simplified.collapses(), shapes.iter());
-    let (stored, (remeasured, _)) = (
-        collapses.parts(),
-        step_errors(simplified, shapes.map(|shape| shape.of(simplified.mesh())), &|| ()),
-    );
+    let collapses = simplified.collapses();
+    let stored = collapses.parts();
+    let (remeasured, _) = step_errors(simplified, shapes, &|| ());
     let differs = |stored: &[f32], remeasured: &[f32], what: &str| {
         let (step, (stored, remeasured)) = stored
             .iter()

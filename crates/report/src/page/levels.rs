@@ -27,9 +27,9 @@ pub struct PageLevel {
     pub triangles: u64,
     /// Share of the input's triangles.
     pub share: f64,
-    /// The error, in world units; of a single object in its own.
+    /// The error, in world units.
     pub error: f64,
-    /// Root mean square of the distances; none if they are not measured.
+    /// Root mean square of the distances, in world units; none if they are not measured.
     pub rms: Option<f64>,
     /// Difference of the pictures from those of the input.
     pub image: ImageError,
@@ -40,8 +40,6 @@ pub struct PageLevel {
     /// Pictures of the input with colours by the distance from the level, which show what the level
     /// has lost; none for the input.
     pub loss_pictures: Vec<Vec<u8>>,
-    /// The distance of the reddest colour: the error, in world units.
-    pub hottest: f64,
     /// The parts that it no longer shows.
     pub gone: Vec<MissingPart>,
 }
@@ -65,11 +63,6 @@ pub fn page_levels(
     let tree = input.surface.tree();
     let rounding = ROUNDING * input.surface.diagonal();
     let input_pictures = reference.pictures_of(&input.surface);
-    // The error of a single object is in its own units.
-    let unit = match objects {
-        [one] if one.info.world_scale.is_finite() => one.info.world_scale.abs(),
-        _ => 1.0,
-    };
     let mut levels: Vec<PageLevel> = Vec::new();
     for share in SHARES {
         let Selection { lods, error, rms, .. } = scene.select(Target::Ratio(share), false)?;
@@ -81,9 +74,8 @@ pub fn page_levels(
         let refs: Vec<&Mesh> = meshes.iter().collect();
         let surface = SceneSurface::new(&refs, arrangement, appearance).surface;
         let level_pictures = reference.pictures_of(&surface);
-        let hottest = unit * error;
         let by_distance = |pictures: &[Picture], from: &TriangleTree| -> Vec<Vec<u8>> {
-            let png = |p: &Picture| distance_png(p, &p.distances(from), hottest, rounding);
+            let png = |p: &Picture| distance_png(p, &p.distances(from), error, rounding);
             pictures.par_iter().map(png).collect()
         };
         let (distance_pictures, loss_pictures) = match levels.is_empty() {
@@ -101,7 +93,6 @@ pub fn page_levels(
             pictures: level_pictures.iter().map(plain_png).collect(),
             distance_pictures,
             loss_pictures,
-            hottest,
             gone: inventory.gone(&lods),
         });
     }
@@ -112,7 +103,8 @@ fn plain_png(picture: &Picture) -> Vec<u8> {
     png(&picture.image([0; 4], |_, colour| colour.map(|v| v as u8)).halved())
 }
 
-/// The picture with colours by the distances of its pixels; those up to `rounding` count as 0.
+/// The picture with colours by the distances of its pixels, that of `hottest` the reddest; those up to
+/// `rounding` count as 0.
 fn distance_png(picture: &Picture, distances: &[f64], hottest: f64, rounding: f64) -> Vec<u8> {
     let share = |pixel: usize| match distances[pixel] {
         distance if distance > rounding => distance / hottest,

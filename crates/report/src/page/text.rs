@@ -116,7 +116,7 @@ fn put_level(out: &mut String, level: &PageLevel, content: &PageContent<'_>) {
             let _ = writeln!(
                 out,
                 "<p class=\"scale\">{what}: <span>0</span><i></i><span>{}</span></p>",
-                distance(level.hottest)
+                distance(level.error)
             );
         }
     }

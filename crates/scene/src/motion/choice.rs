@@ -8,7 +8,6 @@
 use super::{Moment, Motion};
 use crate::placement::Placement;
 use crate::posed::{Streams, posed_vertex, transformed, vector};
-use crate::scale::representative;
 use crate::transform::Transform;
 use glam::DVec3;
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
@@ -60,10 +59,14 @@ impl Motion {
 
     /// Returns an object if its shape may change.
     fn deformable<'a>(&'a self, object: usize, mesh: &'a Mesh) -> Option<Deformable<'a>> {
-        let (Some(rest), scale) = representative(mesh, object, &self.rest) else { return None };
         let targets = morph_targets(mesh);
-        let deforms = !rest.joints.is_empty() || !targets.is_empty();
-        deforms.then_some(Deformable { mesh, rest, scale, targets })
+        let has_joints = self.rest.of(object).any(|placement| !placement.joints.is_empty());
+        if !has_joints && targets.is_empty() {
+            return None;
+        }
+        let measured = self.measured_placements(mesh, object);
+        let (rest, _) = self.before_posture(object, &measured)?;
+        Some(Deformable { mesh, rest, scale: measured.scale, targets })
     }
 
     /// Returns moments of all animations, evenly spread over each.
@@ -90,7 +93,7 @@ impl Motion {
     fn candidates(&self, object: &Deformable, moments: &[(Posture, Moment)]) -> Vec<Candidate> {
         let at_moment = |(posture, moment): &(Posture, Moment)| Candidate {
             posture: *posture,
-            distances: object.distances(&moment.placed(&self.graph, object.rest)),
+            distances: object.distances(&moment.placed(&self.graph, &object.rest)),
         };
         let rest = AtRest::new(object);
         let with_target = |(&target, deltas): (&u32, &Deltas<'_>)| Candidate {
@@ -106,8 +109,8 @@ impl Motion {
 struct Deformable<'a> {
     mesh: &'a Mesh,
     /// Its placement at rest.
-    rest: &'a Placement,
-    /// Its scale at rest, in world units per mesh unit.
+    rest: Placement,
+    /// World units per mesh unit.
     scale: f64,
     /// Its morph targets that move positions, by number.
     targets: BTreeMap<u32, Deltas<'a>>,
@@ -178,7 +181,7 @@ struct SampleVertex {
 
 impl<'a> AtRest<'a> {
     fn new(object: &'a Deformable<'a>) -> Self {
-        let (mesh, rest) = (object.mesh, object.rest);
+        let (mesh, rest) = (object.mesh, &object.rest);
         let streams = Streams::of(mesh, rest);
         let at_rest = |vertex: u32| SampleVertex {
             vertex,
@@ -217,7 +220,7 @@ fn choose_farthest(
     let is_finite = |c: &Candidate| c.distances.iter().all(|&d| d < f64::from(f32::MAX));
     let candidates: Vec<Candidate> = candidates.into_iter().filter(is_finite).collect();
     // The distances of the pose chosen last, at first those at rest.
-    let mut latest = object.distances(object.rest);
+    let mut latest = object.distances(&object.rest);
     let negligible = MIN_DIFFERENCE_SHARE * latest.iter().copied().fold(0.0, f64::max);
     // For each candidate its difference from the most similar one of rest and the chosen poses.
     let mut min_differences = vec![f64::INFINITY; candidates.len()];

@@ -82,6 +82,7 @@ fn morph_targets_are_poses_that_need_no_animation() {
     // The first moves z by itself, the second x by a half.
     assert_eq!(chosen, [Posture::Target(0), Posture::Target(1)]);
     let shapes = motion.shapes(&sphere, 0, &chosen);
+    let shapes = shapes.all();
     let height = |shape: &Shape| {
         let positions = shape.of(&sphere);
         positions.iter().map(|p| p[2]).fold(f32::MIN, f32::max)
@@ -94,7 +95,7 @@ fn morph_targets_are_poses_that_need_no_animation() {
 fn poses_are_as_large_as_at_rest() {
     let (mesh, mut motion) = tube(vec![turning(3)]);
     let chosen = motion.choose(&[&mesh], 1).remove(0);
-    let shape = |motion: &Motion| motion.shapes(&mesh, 0, &chosen)[1].of(&mesh).into_owned();
+    let shape = |motion: &Motion| motion.shapes(&mesh, 0, &chosen).all()[1].of(&mesh).into_owned();
     let before = shape(&motion);
     let Motion { mut graph, animations, .. } = motion;
     graph.nodes[0].local = LocalTransform::Matrix(Transform::from_scale(DVec3::splat(0.01)));

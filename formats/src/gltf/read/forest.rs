@@ -1,11 +1,15 @@
 //! Checks that the node hierarchy is a forest (no cycles, one parent each), and computes the
-//! largest scale at which its nodes show each mesh, which turns world-space errors into those of
-//! the mesh.
+//! largest scale at which its nodes ever show each mesh, which turns errors in world units into
+//! those of the mesh.
 
+use crate::gltf::animations::sound_animations;
 use crate::gltf::graph::{Numbers, gltf_graph};
 use crate::gltf::json::{Json, Object, malformed};
 use crate::{FormatError, SceneObject};
-use lodc_scene::{Arrangement, representative};
+use lodc_scene::Motion;
+
+/// Errors that are too large by less than this factor are no reason to warn. Chosen by hand.
+const NOTICEABLE: f64 = 1.1;
 
 /// Checks that no node has two parents and none is its own ancestor, without recursion.
 /// Returns the nodes, parents before their children.
@@ -54,17 +58,27 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
 }
 
 /// Sets the world scale of every object: how much larger the default scene shows it than it was
-/// modelled.
+/// modelled, at rest or at any moment of the animations. Warns of those that it shows in more unlike
+/// placements than errors are measured in.
 pub(super) fn set_world_scales(
     root: &Object,
     objects: &mut [SceneObject],
     numbers: &Numbers<'_>,
+    warnings: &mut Vec<String>,
 ) -> Result<(), FormatError> {
     let meshes: Vec<u32> = objects.iter().map(|o| o.info.document_mesh).collect();
     let graph = gltf_graph(root, &meshes, numbers)?;
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    let motion = Motion::new(graph, sound_animations(root, numbers), objects.len());
     for (number, object) in objects.iter_mut().enumerate() {
-        object.info.world_scale = representative(&object.mesh, number, &scene).1;
+        let measured = motion.measured_placements(&object.mesh, number);
+        object.info.world_scale = measured.scale;
+        if measured.looseness > NOTICEABLE {
+            warnings.push(format!(
+                "{}: it is shown in so many unlike placements that errors may be stated up to \
+                 {:.2} times too large",
+                object.info.name, measured.looseness
+            ));
+        }
     }
     Ok(())
 }
