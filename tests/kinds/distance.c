@@ -222,7 +222,7 @@ void distances(const Tree *tree, const double *points, int32_t n, double *found)
 }
 
 /* A piece of a triangle, what its corners are nearest to, and what none of its points is farther than, squared. */
-typedef struct { Point p[3]; double d[3], bound; int32_t nearest[3]; } Piece;
+typedef struct { Point p[3]; double d[3], bound; int32_t nearest[3], depth; } Piece;
 typedef struct { Piece *piece; size_t count, room; } Heap;
 
 static void push(Heap *heap, Piece piece) {
@@ -268,6 +268,27 @@ static void bound(const Tree *tree, Piece *piece, double *found) {
     piece->bound = fmin(piece->bound, fmin(most, simple * simple));
 }
 
+/* Where the longest edge of a piece that leads from what one triangle is nearest to to what another one is,
+passes from one to the other: cut there, each side has a triangle of its own to be measured from. */
+static void border(const Tree *tree, const Piece *piece, int *edge, Point *cut) {
+    double longest = 0;
+    for (int k = 0; k < 3; k++) {
+        int o = (k + 1) % 3;
+        Point from = piece->p[k], way = sub(piece->p[o], from);
+        const Triangle *a = &tree->triangle[piece->nearest[k]], *b = &tree->triangle[piece->nearest[o]];
+        double low = 0, high = 1;
+        if (a == b || dot(way, way) <= longest) continue;
+        if (from_triangle(from, b) <= piece->d[k] * 1.0001 || from_triangle(piece->p[o], a) <= piece->d[o] * 1.0001) continue;
+        for (int round = 0; round < 18; round++) {
+            double t = (low + high) / 2;
+            Point p = along(from, way, t);
+            if (from_triangle(p, a) < from_triangle(p, b)) low = t;
+            else high = t;
+        }
+        longest = dot(way, way), *edge = k, *cut = along(from, way, (low + high) / 2);
+    }
+}
+
 /* The largest distance of n triangles from a surface: at least low, at most high, which is within `tolerance`
 times low unless `most` pieces were looked at. What is below the low that is given does not matter. Returns
 the number of pieces. */
@@ -292,13 +313,16 @@ int64_t farthest(const Tree *tree, const double *corners, int32_t n, double tole
         if (first[i].bound > found * ratio) push(&heap, first[i]);
     }
     free(first);
-    while (heap.count && heap.piece[0].bound > found * ratio && seen < most) {
+    /* Surfaces that lie on each other end without a ratio: less is spent on them. */
+    double nothing = square(tree->node[0].low, tree->node[0].high) * 1e-20;
+    while (heap.count && heap.piece[0].bound > found * ratio && seen < (found > nothing ? most : most / 16)) {
         Piece piece = pop(&heap);
         int longest = 0;
         for (int k = 1; k < 3; k++)
             if (square(piece.p[k], piece.p[(k + 1) % 3]) > square(piece.p[longest], piece.p[(longest + 1) % 3])) longest = k;
+        Point m = middle(piece.p[longest], piece.p[(longest + 1) % 3]);
+        if (piece.depth++ % 2 == 0) border(tree, &piece, &longest, &m);
         int other = (longest + 1) % 3;
-        Point m = middle(piece.p[longest], piece.p[other]);
         nearest = piece.nearest[longest];
         double d = search(tree, m, &nearest);
         Piece left = piece, right = piece;
@@ -311,7 +335,8 @@ int64_t farthest(const Tree *tree, const double *corners, int32_t n, double tole
         seen += 2;
     }
     *low = sqrt(found);
-    *high = sqrt(heap.count ? fmax(heap.piece[0].bound, found) : found * ratio);
+    /* Pieces within the tolerance were dropped. */
+    *high = sqrt(fmax(found * ratio, heap.count ? heap.piece[0].bound : 0));
     free(heap.piece);
     return seen;
 }

@@ -167,7 +167,9 @@ def knot(rng, n):
     m = at_least(n / (2 * sides), 16)
     t = np.arange(m) * TAU / m
     r = 2 + np.cos(3 * t)
-    return tube(np.stack([r * np.cos(2 * t), r * np.sin(2 * t), np.sin(3 * t)], 1), 0.35, sides, True)
+    return tube(
+        np.stack([r * np.cos(2 * t), r * np.sin(2 * t), np.sin(3 * t)], 1), 0.35, sides, True
+    )
 
 
 @kind
@@ -208,7 +210,11 @@ def sea_shell(rng, n):
     u = np.linspace(0, 6 * TAU, 2 * m)[:, None]
     v = (np.arange(m // 2) * TAU / (m // 2))[None]
     r = np.exp(0.12 * u - 4.5)
-    body = [r * (1 + 0.6 * np.cos(v)) * np.cos(u), r * (1 + 0.6 * np.cos(v)) * np.sin(u), r * (np.sin(v) - 2)]
+    body = [
+        r * (1 + 0.6 * np.cos(v)) * np.cos(u),
+        r * (1 + 0.6 * np.cos(v)) * np.sin(u),
+        r * (np.sin(v) - 2),
+    ]
     return np.stack(body, -1).reshape(-1, 3), grid(2 * m, m // 2, False, True)
 
 
@@ -305,7 +311,11 @@ def bolts(rng, n):
     t = np.arange(m) * 8 / m
     profile = np.array([[1, 0], [1, 0.1], [0.8, 0.4], [0.8, 0.5], [1, 1]])
     a = TAU * t[:, None]
-    thread = [profile[:, 0] * np.cos(a), profile[:, 0] * np.sin(a), (t[:, None] + profile[:, 1]) / 4]
+    thread = [
+        profile[:, 0] * np.cos(a),
+        profile[:, 0] * np.sin(a),
+        (t[:, None] + profile[:, 1]) / 4,
+    ]
     bolt = welded((np.stack(thread, -1).reshape(-1, 3), grid(m, 5)), 5)
     hexagon = np.stack([np.cos(np.arange(6) * TAU / 6), np.sin(np.arange(6) * TAU / 6)], 1) * 1.8
     head = prism(hexagon, -0.9)
@@ -416,7 +426,9 @@ def coral(rng, n):
 def flower(rng, n):
     m = side(n / 24, 4)
     flat = square(m, 0.5) + [0.5, 0]
-    petal = np.column_stack([flat[:, 0], flat[:, 1] * np.sin(np.pi * flat[:, 0]), 0.5 * flat[:, 0] ** 2])
+    petal = np.column_stack(
+        [flat[:, 0], flat[:, 1] * np.sin(np.pi * flat[:, 0]), 0.5 * flat[:, 0] ** 2]
+    )
     turned = upright(np.arange(24) * TAU * 0.382, np.linspace(1, 0.2, 24))
     return copies((petal, grid(m, m)), np.outer(np.linspace(0, 0.5, 24), [0, 0, 1]), turned)
 
@@ -474,7 +486,9 @@ def pond(rng, n):
     m = side(n * 0.8)
     positions, triangles = sheet(m, lambda p: 0.02 * noise(p * 3, rng, 4))
     middle = positions[triangles].mean(1)
-    hole = np.hypot(middle[:, 0], middle[:, 1]) < 0.4 + 0.05 * np.sin(9 * np.arctan2(middle[:, 1], middle[:, 0]))
+    hole = np.hypot(middle[:, 0], middle[:, 1]) < 0.4 + 0.05 * np.sin(
+        9 * np.arctan2(middle[:, 1], middle[:, 0])
+    )
     k = side(n * 0.2)
     water = np.insert(square(k, 0.5), 2, -0.03, 1), grid(k, k)
     return join((positions, triangles[~hole]), water)
@@ -597,7 +611,9 @@ def own_quads(rng, n):
     quads = positions[corners]
     middle = quads.mean(1, keepdims=True)
     k = 4 * np.arange(q)[:, None]
-    return (middle + 0.97 * (quads - middle)).reshape(-1, 3), np.concatenate([k + [0, 1, 2], k + [0, 2, 3]])
+    return (middle + 0.97 * (quads - middle)).reshape(-1, 3), np.concatenate(
+        [k + [0, 1, 2], k + [0, 2, 3]]
+    )
 
 
 @kind
@@ -656,7 +672,9 @@ def springs(rng, n):
     m = at_least(n / (2 * sides * some), 30)
     t = np.linspace(0, 1, m)
     coil = np.stack([np.cos(8 * TAU * t), np.sin(8 * TAU * t), 4 * t], 1)
-    return copies(tube(coil, 0.1, sides, capped=True), rng.uniform(-8, 8, (some, 3)), turns(rng, some))
+    return copies(
+        tube(coil, 0.1, sides, capped=True), rng.uniform(-8, 8, (some, 3)), turns(rng, some)
+    )
 
 
 @kind
@@ -734,7 +752,9 @@ def stairs(rng, n):
     step = BOX[0] * [2, 0.4, 0.04], BOX[1]
     m = at_least(0.1 * n / 12, 3)
     t = np.linspace(0, a[-1], m)
-    rails = [tube(np.stack([r * np.cos(t), r * np.sin(t), t / 3 + 0.5], 1), 0.02, 6) for r in (2, 4)]
+    rails = [
+        tube(np.stack([r * np.cos(t), r * np.sin(t), t / 3 + 0.5], 1), 0.02, 6) for r in (2, 4)
+    ]
     return join(copies(step, places, upright(a)), *rails)
 
 
@@ -743,7 +763,9 @@ def shingles(rng, n):
     some = at_least(n / 12)
     wide = max(2, round(some**0.5))
     k = np.arange(some)
-    places = np.stack([k % wide + k // wide % 2 / 2, 0.7 * (k // wide), 0.02 * rng.normal(size=some)], 1)
+    places = np.stack(
+        [k % wide + k // wide % 2 / 2, 0.7 * (k // wide), 0.02 * rng.normal(size=some)], 1
+    )
     tilt = np.array([[1, 0, 0], [0, 0.98, -0.2], [0, 0.2, 0.98]])
     return copies((BOX[0] * [0.95, 1, 0.05], BOX[1]), places, np.broadcast_to(tilt, (some, 3, 3)))
 
@@ -785,7 +807,11 @@ def shards(rng, n):
 @kind
 def confetti(rng, n):
     some = at_least(n / 2)
-    return copies(QUAD, np.insert(rng.uniform(-1, 1, (some, 2)), 2, 0, 1), upright(rng.uniform(0, TAU, some), 0.02))
+    return copies(
+        QUAD,
+        np.insert(rng.uniform(-1, 1, (some, 2)), 2, 0, 1),
+        upright(rng.uniform(0, TAU, some), 0.02),
+    )
 
 
 @kind
@@ -915,9 +941,14 @@ def sky_box(rng, n):
 @kind
 def tiles(rng, n):
     some = at_least((n / 20) ** 0.5, 3)
-    places = np.array([(2 * x, 2 * y, -0.6 + 0.02 * rng.normal()) for x in range(some) for y in range(some)])
+    places = np.array(
+        [(2 * x, 2 * y, -0.6 + 0.02 * rng.normal()) for x in range(some) for y in range(some)]
+    )
     positions, triangles = lumpy(rng, 0.9 * n)
-    return join((positions / 2 + [some, some, 0], triangles), copies(QUAD, places, np.full(len(places), 1.99)))
+    return join(
+        (positions / 2 + [some, some, 0], triangles),
+        copies(QUAD, places, np.full(len(places), 1.99)),
+    )
 
 
 @kind
@@ -943,7 +974,10 @@ def islands(rng, n):
 
 @kind
 def one_huge(rng, n):
-    huge = np.array([[-900.0, -400, -0.5], [700, -500, -0.4], [100, 800, -0.7]]), np.array([[0, 1, 2]])
+    huge = (
+        np.array([[-900.0, -400, -0.5], [700, -500, -0.4], [100, 800, -0.7]]),
+        np.array([[0, 1, 2]]),
+    )
     corners = rng.uniform(-1, 1, (n, 1, 3)) + rng.normal(size=(n, 3, 3)) * 0.02
     tiny = corners.reshape(-1, 3), np.arange(3 * n).reshape(-1, 3)
     return join(tiny, huge)
@@ -956,7 +990,9 @@ def masts(rng, n):
     t = np.linspace(0, 1, m + 1)
     mast = tube(np.stack([0 * t, 0 * t, 20 * t], 1), 0.01, sides, capped=True)
     places = np.insert(rng.uniform(-10, 10, (some, 2)), 2, 0, 1)
-    return join(copies(mast, places), sheet(side(0.7 * n), lambda p: 0.5 * noise(p / 5, rng, 4), 10))
+    return join(
+        copies(mast, places), sheet(side(0.7 * n), lambda p: 0.5 * noise(p / 5, rng, 4), 10)
+    )
 
 
 @kind

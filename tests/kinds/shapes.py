@@ -7,12 +7,25 @@ BOX = (
     np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float) - 0.5,
     np.array(
         [
-            [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-            [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+            [0, 1, 3],
+            [0, 3, 2],
+            [4, 6, 7],
+            [4, 7, 5],
+            [0, 4, 5],
+            [0, 5, 1],
+            [2, 3, 7],
+            [2, 7, 6],
+            [0, 2, 6],
+            [0, 6, 4],
+            [1, 5, 7],
+            [1, 7, 3],
         ]  # fmt: skip
     ),
 )
-QUAD = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) / 2, np.array([[0, 1, 2], [0, 2, 3]])
+QUAD = (
+    np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) / 2,
+    np.array([[0, 1, 2], [0, 2, 3]]),
+)
 
 
 def join(*parts):
@@ -113,7 +126,9 @@ def sphere(triangles):
     ]
     ij = np.array([(i, j) for i in range(f + 1) for j in range(f + 1 - i)])
     number = {tuple(x): k for k, x in enumerate(ij)}
-    small = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i in range(f) for j in range(f - i)]
+    small = [
+        (number[i, j], number[i + 1, j], number[i, j + 1]) for i in range(f) for j in range(f - i)
+    ]
     small += [
         (number[i + 1, j], number[i + 1, j + 1], number[i, j + 1])
         for i in range(f - 1)
@@ -238,7 +253,9 @@ def surface_net(field, spacing):
         sound = (where[:, axis] < n[axis] - 1) & (where[:, u] > 0) & (where[:, v] > 0)
         sound &= (where[:, u] < n[u] - 1) & (where[:, v] < n[v] - 1)
         where = where[sound]
-        step = lambda du, dv: tuple((where - du * np.eye(3, dtype=int)[u] - dv * np.eye(3, dtype=int)[v]).T)
+        step = lambda du, dv: tuple(
+            (where - du * np.eye(3, dtype=int)[u] - dv * np.eye(3, dtype=int)[v]).T
+        )
         quad = np.stack([cell[step(0, 0)], cell[step(1, 0)], cell[step(1, 1)], cell[step(0, 1)]], 1)
         flip = ~inside[tuple(where.T)]
         quad[flip] = quad[flip][:, ::-1]
