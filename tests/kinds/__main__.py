@@ -367,15 +367,8 @@ class Case:
                     continue
                 surface = next(files.levels(out))
                 m = self.measured(surface)
-                count, best = chosen["triangles"], chosen["triangles"]
-                for more in COARSER:
-                    step = s.step(int(count / more))
-                    if s.counts[step] < 1:
-                        break
-                    other = self.measured(s.surface(step))
-                    if (other.low if name == "error" else other.rms) > wanted:
-                        break
-                    best = int(s.counts[step])
+                count = chosen["triangles"]
+                best = self.coarsest(count, wanted, "low" if name == "error" else "rms")
                 beyond, loose = (m.low if name == "error" else m.rms) / wanted, count / best
                 faults = []
                 if beyond > slack:
@@ -386,6 +379,20 @@ class Case:
                     "choice", level, lod=chosen["lod"], triangles=count, error=wanted, low=m.low, high=m.high,
                     true_rms=m.rms, fault="; ".join(faults), factor=beyond if beyond > slack else loose, note=f"{best} triangles would do",
                 )  # fmt: skip
+
+    def coarsest(self, count, wanted, key):
+        """The triangles of the coarsest level that keeps to a distance as all finer ones do: level
+        by level at first, then by shares."""
+        s, best = self.sequence, count
+        fewer = [c for c in sorted(set(s.counts.tolist()), reverse=True) if 0 < c < count]
+        for triangles in fewer[:8] + [int(count / more) for more in COARSER]:
+            if not 0 < triangles < best:
+                continue
+            step = s.step(triangles)
+            if s.counts[step] < 1 or getattr(self.measured(s.surface(step)), key) > wanted:
+                break
+            best = int(s.counts[step])
+        return best
 
     def run(self):
         self.stated, self.finer = {}, {}
