@@ -63,8 +63,8 @@ MARGIN = 1.06
 VIEWS = [("silhouette", 0.5), ("pixels", None), ("sphere", 0.05)]
 COLUMNS = ["kind", "size", "seed", "way", "level", "lod", "triangles", "error", "rms"]
 COLUMNS += ["low", "high", "true_rms", "fault", "factor", "note"]
-# Stated numbers are in single precision; this share of the diagonal is nothing.
-NOTHING = 1e-7
+# This share of the size is nothing: what sums in double precision leave.
+NOTHING = 1e-10
 
 
 class Case:
@@ -133,20 +133,21 @@ class Case:
         faults = []
         add = lambda name, ratio: faults.append((ratio, name))
         error, rms = row["error"], row["rms"]
-        error = math.inf if error is None else error
+        error, nothing = math.inf if error is None else error, NOTHING * self.diagonal
         if self.is_more(row["low"] / 1.05, error):
-            add("error too small", row["low"] / max(error, 1e-30))
-        high = max(m.high for m in finer)
+            add("error too small", row["low"] / max(error, nothing))
+        # Where bounds stay apart, what was found is near: a quarter more is allowed for.
+        high = max(min(m.high, 1.25 * m.low + nothing) for m in finer)
         if self.is_more(error / factor, high):
-            add("error too large", error / max(high, 1e-30))
+            add("error too large", error / max(high, nothing))
         if rms is None:
             add("no rms", math.inf)
         else:
             if self.is_more(row["true_rms"] / 1.1, rms):
-                add("rms too small", row["true_rms"] / max(rms, 1e-30))
+                add("rms too small", row["true_rms"] / max(rms, nothing))
             most = max(m.rms for m in finer)
             if self.is_more(rms / 1.1, most):
-                add("rms too large", rms / max(most, 1e-30))
+                add("rms too large", rms / max(most, nothing))
         faults.sort(reverse=True)
         row["fault"] = "; ".join(name for _, name in faults)
         row["factor"] = max([ratio for ratio, _ in faults], default="")
@@ -358,7 +359,7 @@ class Case:
                 if not (0 < values[a] and math.isfinite(values[b])):
                     continue
                 wanted = math.sqrt(values[a] * values[b])
-                if wanted < 10 * NOTHING * self.diagonal:
+                if wanted < 1000 * NOTHING * self.diagonal:
                     continue
                 out = self.folder / "choice.glb"
                 level = f"{name} {a}"

@@ -152,10 +152,10 @@ static int by_waste(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-/* Cuts the parts whose boxes are largest beside what is in them in halves, up to eight for each triangle. */
-static int32_t cut(Tree *tree, int32_t n) {
-    int32_t room = 8 * n, count = n;
-    for (int round = 0; round < 6 && count < room; round++) {
+/* Cuts the parts whose boxes are largest beside what is in them in halves, up to 32 for each triangle of small meshes. */
+static int32_t cut(Tree *tree, int32_t n, int32_t room) {
+    int32_t count = n;
+    for (int round = 0; round < 12 && count < room; round++) {
         qsort(tree->part, count, sizeof(Part), by_waste);
         int32_t end = count;
         for (int32_t i = 0; i < end && count < room && wasted(&tree->part[i].piece) > 0; i++) {
@@ -179,9 +179,10 @@ Tree *tree_new(const double *corners, int32_t n) {
     tree->nodes = 1;
     tree->triangle = malloc(n * sizeof(Triangle));
     memcpy(tree->triangle, corners, n * sizeof(Triangle));
-    tree->part = malloc(8 * (size_t)n * sizeof(Part));
+    int32_t room = n + (n < 12000 ? 31 * n : 372000);
+    tree->part = malloc(room * sizeof(Part));
     for (int32_t i = 0; i < n; i++) tree->part[i] = (Part){tree->triangle[i], i};
-    int32_t parts = cut(tree, n);
+    int32_t parts = cut(tree, n, room);
     tree->node = malloc((2 * (size_t)parts + 1) * sizeof(Node));
     tree->node[0] = (Node){.first = 0, .count = parts};
     divide(tree, 0, 0);
@@ -321,7 +322,7 @@ int64_t farthest(const Tree *tree, const double *corners, int32_t n, double tole
         for (int k = 1; k < 3; k++)
             if (square(piece.p[k], piece.p[(k + 1) % 3]) > square(piece.p[longest], piece.p[(longest + 1) % 3])) longest = k;
         Point m = middle(piece.p[longest], piece.p[(longest + 1) % 3]);
-        if (piece.depth++ % 2 == 0) border(tree, &piece, &longest, &m);
+        if (piece.depth++ % 16 != 15) border(tree, &piece, &longest, &m);
         int other = (longest + 1) % 3;
         nearest = piece.nearest[longest];
         double d = search(tree, m, &nearest);
@@ -372,7 +373,7 @@ double integral(const Tree *tree, const double *corners, int32_t n, double wante
     *error = 0;
     for (int round = 0; whole > 0; round++) {
         for (int32_t i = 0; i < n; i++) {
-            int64_t points = 4 + (int64_t)(20000 * area[i] / whole);
+            int64_t points = 4 + (int64_t)(10000 * area[i] / whole);
             if (round) {
                 double mean = sum[i] / count[i], scatter = sqrt(fmax(squares[i] / count[i] - mean * mean, 0));
                 points = (int64_t)(more * area[i] * scatter / shares + 0.5);
