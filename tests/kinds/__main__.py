@@ -63,8 +63,8 @@ MARGIN = 1.06
 VIEWS = [("silhouette", 0.5), ("pixels", None), ("sphere", 0.05)]
 COLUMNS = ["kind", "size", "seed", "way", "level", "lod", "triangles", "error", "rms"]
 COLUMNS += ["low", "high", "true_rms", "fault", "factor", "note"]
-# This share of the size is nothing: what sums in double precision leave.
-NOTHING = 1e-10
+# This share of the size is nothing: what single precision leaves of stated numbers.
+NOTHING = 3e-9
 
 
 class Case:
@@ -359,7 +359,7 @@ class Case:
                 if not (0 < values[a] and math.isfinite(values[b])):
                     continue
                 wanted = math.sqrt(values[a] * values[b])
-                if wanted < 1000 * NOTHING * self.diagonal:
+                if wanted < 100 * NOTHING * self.diagonal:
                     continue
                 out = self.folder / "choice.glb"
                 level = f"{name} {a}"
