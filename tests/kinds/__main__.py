@@ -225,7 +225,8 @@ class Case:
             numbers["note"] = "measured within bounds only"
         return self.row(
             way, share, lod=stated["lod"], triangles=surface.count,
-            error=math.inf if stated["error"] is None else stated["error"], rms=stated["rms"], **numbers,
+            error=math.inf if stated["error"] is None else stated["error"],
+            rms=stated["rms"], **numbers,
         )  # fmt: skip
 
     def single(self, way, input, *words, shares=None):
@@ -379,8 +380,9 @@ class Case:
                 if loose > 1.5 and count - best > 8:
                     faults.append("chosen level is too fine")
                 self.row(
-                    "choice", level, lod=chosen["lod"], triangles=count, error=wanted, low=m.low, high=m.high,
-                    true_rms=m.rms, fault="; ".join(faults), factor=beyond if beyond > slack else loose, note=f"{best} triangles would do",
+                    "choice", level, lod=chosen["lod"], triangles=count, error=wanted,
+                    low=m.low, high=m.high, true_rms=m.rms, fault="; ".join(faults),
+                    factor=beyond if beyond > slack else loose, note=f"{best} triangles would do",
                 )  # fmt: skip
 
     def coarsest(self, count, wanted, key):
@@ -468,7 +470,8 @@ def summary(rows, worst):
             by.setdefault((r["way"], fault), []).append(r)
     levels = sum(r["way"] in WAYS for r in rows)
     print(
-        f"{levels} cells of {len({(r['kind'], r['size']) for r in rows})} meshes, {len(bad)} beyond a bar"
+        f"{levels} cells of {len({(r['kind'], r['size']) for r in rows})} meshes, "
+        f"{len(bad)} beyond a bar"
     )
     for (way, fault), cells in sorted(by.items()):
         cells.sort(key=lambda r: -r["factor"])
@@ -480,12 +483,14 @@ def summary(rows, worst):
                 if isinstance(r.get(k), float)
             )
             print(
-                f"  {r['kind']:16} {r['size']:6} {r['level']!s:14} x {r['factor']:.3g}  {numbers}  {r.get('note', '')}"
+                f"  {r['kind']:16} {r['size']:6} {r['level']!s:14} x {r['factor']:.3g}  {numbers}  "
+                f"{r.get('note', '')}"
             )
     loose = sorted(r["factor"] for r in rows if r["way"] == "choice" and "beyond" not in r["fault"])
     if loose:
         print(
-            f"\nchoices: triangles x {loose[len(loose) // 2]:.3g} in the median, x {loose[-1]:.3g} at worst"
+            f"\nchoices: triangles x {loose[len(loose) // 2]:.3g} in the median, "
+            f"x {loose[-1]:.3g} at worst"
         )
     return bad
 

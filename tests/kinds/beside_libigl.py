@@ -75,7 +75,8 @@ def main():
                 ratios.append(m.rms / mean if mean > 1e-12 * size_of else 1)
                 if is_beyond or not 0.97 < ratios[-1] < 1.03 or not 0.9 < places[-1] < 1.03:
                     print(
-                        f"{name} {share}: {far:.6g} in [{m.low:.6g}, {m.high:.6g}], rms {m.rms:.6g} ({m.spread:.1%}) beside {mean:.6g}",
+                        f"{name} {share}: {far:.6g} in [{m.low:.6g}, {m.high:.6g}], "
+                        f"rms {m.rms:.6g} ({m.spread:.1%}) beside {mean:.6g}",
                         flush=True,
                     )
     spans = lambda x: f"{np.min(x):.4f} to {np.max(x):.4f}, median {np.median(x):.4f}"

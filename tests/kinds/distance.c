@@ -1,34 +1,61 @@
 /* Distances between two triangle meshes, for the campaign by kinds. Shares no code with lodc.
 
-The largest distance of a surface from another one is found by branch and bound: pieces of triangles are
-halved, those of the largest upper bound first, until no piece can be farther than `tolerance` times what was
-found. The mean of squared distances is sampled by area in strata: every triangle is one, and those whose
-contributions scatter most get the most points (Neyman 1934), until the standard error is small enough.
-Built by `cc -O2 -shared`, called by distance.py. */
+The largest distance of a surface from another one is found by branch and bound: pieces of triangles
+are halved, those of the largest upper bound first, until no piece can be farther than `tolerance`
+times what was found. The mean of squared distances is sampled by area in strata: every triangle is
+one, and those whose contributions scatter most get the most points (Neyman 1934), until the
+standard error is small enough. Built by `cc -O2 -shared`, called by distance.py. */
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct { double x, y, z; } Point;
-typedef struct { Point low, high; int32_t first, count; } Node; /* count 0: children at first, first + 1 */
-typedef struct { Point a, b, c; } Triangle;
-/* A piece of a triangle, by number: leaves hold pieces, as long triangles across the axes have large boxes. */
-typedef struct { Triangle piece; int32_t whole; } Part;
-typedef struct { int32_t nodes; Triangle *triangle; Part *part; Node *node; } Tree;
+typedef struct {
+    double x, y, z;
+} Point;
+typedef struct {
+    Point low, high;
+    int32_t first, count;
+} Node; /* count 0: children at first, first + 1 */
+typedef struct {
+    Point a, b, c;
+} Triangle;
+/* A piece of a triangle, by number: leaves hold pieces, as long triangles across the axes have
+ * large boxes. */
+typedef struct {
+    Triangle piece;
+    int32_t whole;
+} Part;
+typedef struct {
+    int32_t nodes;
+    Triangle *triangle;
+    Part *part;
+    Node *node;
+} Tree;
 
 static Point sub(Point a, Point b) { return (Point){a.x - b.x, a.y - b.y, a.z - b.z}; }
-static Point along(Point a, Point d, double t) { return (Point){a.x + t * d.x, a.y + t * d.y, a.z + t * d.z}; }
-static Point middle(Point a, Point b) { return (Point){(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2}; }
+static Point along(Point a, Point d, double t) {
+    return (Point){a.x + t * d.x, a.y + t * d.y, a.z + t * d.z};
+}
+static Point middle(Point a, Point b) {
+    return (Point){(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2};
+}
 static double dot(Point a, Point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static Point cross(Point a, Point b) {
     return (Point){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-static double square(Point a, Point b) { Point d = sub(a, b); return dot(d, d); }
+static double square(Point a, Point b) {
+    Point d = sub(a, b);
+    return dot(d, d);
+}
 static double axis(Point p, int k) { return k == 0 ? p.x : k == 1 ? p.y : p.z; }
-static Point lower(Point a, Point b) { return (Point){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)}; }
-static Point upper(Point a, Point b) { return (Point){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)}; }
+static Point lower(Point a, Point b) {
+    return (Point){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
+}
+static Point upper(Point a, Point b) {
+    return (Point){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+}
 
 /* Squared distance of a point from a segment. */
 static double from_segment(Point p, Point a, Point b) {
@@ -37,8 +64,8 @@ static double from_segment(Point p, Point a, Point b) {
     return square(p, along(a, d, t < 0 ? 0 : t > 1 ? 1 : t));
 }
 
-/* Squared distance of a point from a triangle, of any shape: inside the prism over it the distance from its
-plane, else that from the nearest edge. */
+/* Squared distance of a point from a triangle, of any shape: inside the prism over it the distance
+from its plane, else that from the nearest edge. */
 static double from_triangle(Point p, const Triangle *t) {
     Point u = sub(t->b, t->a), v = sub(t->c, t->b), w = sub(t->a, t->c), n = cross(u, v);
     double nn = dot(n, n);
@@ -81,7 +108,8 @@ static void divide(Tree *tree, int32_t at, int depth) {
     Node *node = &tree->node[at];
     Part *t = tree->part + node->first;
     int32_t n = node->count;
-    Point low = {DBL_MAX, DBL_MAX, DBL_MAX}, high = {-DBL_MAX, -DBL_MAX, -DBL_MAX}, mlow = low, mhigh = high;
+    Point low = {DBL_MAX, DBL_MAX, DBL_MAX}, high = {-DBL_MAX, -DBL_MAX, -DBL_MAX}, mlow = low,
+          mhigh = high;
     for (int32_t i = 0; i < n; i++) {
         Point l, h;
         bounds(&t[i].piece, &l, &h);
@@ -89,15 +117,18 @@ static void divide(Tree *tree, int32_t at, int depth) {
         mlow = lower(mlow, middle(l, h)), mhigh = upper(mhigh, middle(l, h));
     }
     node->low = low, node->high = high;
-    if (n <= LEAF || depth > 60) return;
+    if (n <= LEAF || depth > 60)
+        return;
     double best = DBL_MAX;
     int best_axis = -1, best_bin = 0;
     for (int k = 0; k < 3; k++) {
         double from = axis(mlow, k), width = axis(mhigh, k) - from;
-        if (!(width > 0)) continue;
+        if (!(width > 0))
+            continue;
         int32_t count[BINS] = {0};
         Point l[BINS], h[BINS];
-        for (int b = 0; b < BINS; b++) l[b] = (Point){DBL_MAX, DBL_MAX, DBL_MAX}, h[b] = (Point){-DBL_MAX, -DBL_MAX, -DBL_MAX};
+        for (int b = 0; b < BINS; b++)
+            l[b] = (Point){DBL_MAX, DBL_MAX, DBL_MAX}, h[b] = (Point){-DBL_MAX, -DBL_MAX, -DBL_MAX};
         for (int32_t i = 0; i < n; i++) {
             Point a, z;
             bounds(&t[i].piece, &a, &z);
@@ -107,7 +138,8 @@ static void divide(Tree *tree, int32_t at, int depth) {
         }
         double right[BINS];
         int32_t behind = 0;
-        Point rl = {DBL_MAX, DBL_MAX, DBL_MAX}, rh = {-DBL_MAX, -DBL_MAX, -DBL_MAX}, ll = rl, lh = rh;
+        Point rl = {DBL_MAX, DBL_MAX, DBL_MAX}, rh = {-DBL_MAX, -DBL_MAX, -DBL_MAX}, ll = rl,
+              lh = rh;
         for (int b = BINS - 1; b > 0; b--) {
             behind += count[b], rl = lower(rl, l[b]), rh = upper(rh, h[b]);
             right[b] = behind ? behind * half_area(rl, rh) : 0;
@@ -115,12 +147,15 @@ static void divide(Tree *tree, int32_t at, int depth) {
         int32_t before = 0;
         for (int b = 0; b < BINS - 1; b++) {
             before += count[b], ll = lower(ll, l[b]), lh = upper(lh, h[b]);
-            if (!before || before == n) continue;
+            if (!before || before == n)
+                continue;
             double cost = before * half_area(ll, lh) + right[b + 1];
-            if (cost < best) best = cost, best_axis = k, best_bin = b;
+            if (cost < best)
+                best = cost, best_axis = k, best_bin = b;
         }
     }
-    if (best_axis < 0) return; /* all in one place: a large leaf */
+    if (best_axis < 0)
+        return; /* all in one place: a large leaf */
     int32_t i = 0, j = n;
     double from = axis(mlow, best_axis), width = axis(mhigh, best_axis) - from;
     while (i < j) {
@@ -128,8 +163,13 @@ static void divide(Tree *tree, int32_t at, int depth) {
         bounds(&t[i].piece, &a, &z);
         int b = (int)(BINS * (axis(middle(a, z), best_axis) - from) / width);
         b = b < BINS ? b : BINS - 1;
-        if (b <= best_bin) i++;
-        else { Part moved = t[i]; t[i] = t[--j]; t[j] = moved; }
+        if (b <= best_bin)
+            i++;
+        else {
+            Part moved = t[i];
+            t[i] = t[--j];
+            t[j] = moved;
+        }
     }
     int32_t child = tree->nodes, first = node->first;
     tree->nodes += 2;
@@ -152,7 +192,8 @@ static int by_waste(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-/* Cuts the parts whose boxes are largest beside what is in them in halves, up to 32 for each triangle of small meshes. */
+/* Cuts the parts whose boxes are largest beside what is in them in halves, up to 32 for each
+ * triangle of small meshes. */
 static int32_t cut(Tree *tree, int32_t n, int32_t room) {
     int32_t count = n;
     for (int round = 0; round < 12 && count < room; round++) {
@@ -162,13 +203,16 @@ static int32_t cut(Tree *tree, int32_t n, int32_t room) {
             Triangle t = tree->part[i].piece;
             double ab = square(t.a, t.b), bc = square(t.b, t.c), ca = square(t.c, t.a);
             /* The longest edge becomes ab. */
-            if (bc >= ab && bc >= ca) t = (Triangle){t.b, t.c, t.a};
-            else if (ca > ab) t = (Triangle){t.c, t.a, t.b};
+            if (bc >= ab && bc >= ca)
+                t = (Triangle){t.b, t.c, t.a};
+            else if (ca > ab)
+                t = (Triangle){t.c, t.a, t.b};
             Point m = middle(t.a, t.b);
             tree->part[i].piece = (Triangle){t.a, m, t.c};
             tree->part[count++] = (Part){{m, t.b, t.c}, tree->part[i].whole};
         }
-        if (count == end) break;
+        if (count == end)
+            break;
     }
     return count;
 }
@@ -181,7 +225,8 @@ Tree *tree_new(const double *corners, int32_t n) {
     memcpy(tree->triangle, corners, n * sizeof(Triangle));
     int32_t room = n + (n < 12000 ? 31 * n : 372000);
     tree->part = malloc(room * sizeof(Part));
-    for (int32_t i = 0; i < n; i++) tree->part[i] = (Part){tree->triangle[i], i};
+    for (int32_t i = 0; i < n; i++)
+        tree->part[i] = (Part){tree->triangle[i], i};
     int32_t parts = cut(tree, n, room);
     tree->node = malloc((2 * (size_t)parts + 1) * sizeof(Node));
     tree->node[0] = (Node){.first = 0, .count = parts};
@@ -191,7 +236,8 @@ Tree *tree_new(const double *corners, int32_t n) {
 
 void tree_free(Tree *tree) { free(tree->triangle), free(tree->part), free(tree->node), free(tree); }
 
-/* Squared distance of a point from the nearest triangle; `nearest` names one to begin with, and then it. */
+/* Squared distance of a point from the nearest triangle; `nearest` names one to begin with, and
+ * then it. */
 static double search(const Tree *tree, Point p, int32_t *nearest) {
     double best = from_triangle(p, &tree->triangle[*nearest]);
     int32_t stack[128];
@@ -199,17 +245,20 @@ static double search(const Tree *tree, Point p, int32_t *nearest) {
     stack[depth++] = 0;
     while (depth) {
         const Node *node = &tree->node[stack[--depth]];
-        if (from_box(p, node) >= best) continue;
+        if (from_box(p, node) >= best)
+            continue;
         if (node->count) {
             for (int32_t i = node->first; i < node->first + node->count; i++) {
                 int32_t whole = tree->part[i].whole;
                 double d = from_triangle(p, &tree->triangle[whole]);
-                if (d < best) best = d, *nearest = whole;
+                if (d < best)
+                    best = d, *nearest = whole;
             }
             continue;
         }
         int32_t near = node->first, far = node->first + 1;
-        if (from_box(p, &tree->node[near]) > from_box(p, &tree->node[far])) near++, far--;
+        if (from_box(p, &tree->node[near]) > from_box(p, &tree->node[far]))
+            near++, far--;
         stack[depth++] = far, stack[depth++] = near;
     }
     return best;
@@ -219,17 +268,29 @@ static double search(const Tree *tree, Point p, int32_t *nearest) {
 void distances(const Tree *tree, const double *points, int32_t n, double *found) {
     int32_t nearest = 0;
     for (int32_t i = 0; i < n; i++)
-        found[i] = sqrt(search(tree, (Point){points[3 * i], points[3 * i + 1], points[3 * i + 2]}, &nearest));
+        found[i] = sqrt(
+            search(tree, (Point){points[3 * i], points[3 * i + 1], points[3 * i + 2]}, &nearest));
 }
 
-/* A piece of a triangle, what its corners are nearest to, and what none of its points is farther than, squared. */
-typedef struct { Point p[3]; double d[3], bound; int32_t nearest[3], depth; } Piece;
-typedef struct { Piece *piece; size_t count, room; } Heap;
+/* A piece of a triangle, what its corners are nearest to, and what none of its points is farther
+ * than, squared. */
+typedef struct {
+    Point p[3];
+    double d[3], bound;
+    int32_t nearest[3], depth;
+} Piece;
+typedef struct {
+    Piece *piece;
+    size_t count, room;
+} Heap;
 
 static void push(Heap *heap, Piece piece) {
-    if (heap->count == heap->room) heap->room = 2 * heap->room + 64, heap->piece = realloc(heap->piece, heap->room * sizeof(Piece));
+    if (heap->count == heap->room)
+        heap->room = 2 * heap->room + 64,
+        heap->piece = realloc(heap->piece, heap->room * sizeof(Piece));
     size_t at = heap->count++;
-    for (; at && heap->piece[(at - 1) / 2].bound < piece.bound; at = (at - 1) / 2) heap->piece[at] = heap->piece[(at - 1) / 2];
+    for (; at && heap->piece[(at - 1) / 2].bound < piece.bound; at = (at - 1) / 2)
+        heap->piece[at] = heap->piece[(at - 1) / 2];
     heap->piece[at] = piece;
 }
 
@@ -237,27 +298,36 @@ static Piece pop(Heap *heap) {
     Piece top = heap->piece[0], last = heap->piece[--heap->count];
     size_t at = 0, child;
     while ((child = 2 * at + 1) < heap->count) {
-        if (child + 1 < heap->count && heap->piece[child + 1].bound > heap->piece[child].bound) child++;
-        if (heap->piece[child].bound <= last.bound) break;
+        if (child + 1 < heap->count && heap->piece[child + 1].bound > heap->piece[child].bound)
+            child++;
+        if (heap->piece[child].bound <= last.bound)
+            break;
         heap->piece[at] = heap->piece[child], at = child;
     }
     heap->piece[at] = last;
     return top;
 }
 
-/* Bounds a piece: the distance from one triangle is convex, so no point is farther from the surface than the
-farthest corner is from that triangle; nor farther than the middle is, and the corner farthest from the middle. */
+/* Bounds a piece: the distance from one triangle is convex, so no point is farther from the surface
+than the farthest corner is from that triangle; nor farther than the middle is, and the corner
+farthest from the middle. */
 static void bound(const Tree *tree, Piece *piece, double *found) {
-    for (int k = 0; k < 3; k++) *found = fmax(*found, piece->d[k]);
+    for (int k = 0; k < 3; k++)
+        *found = fmax(*found, piece->d[k]);
     for (int k = 0; k < 3; k++) {
-        if (k && (piece->nearest[k] == piece->nearest[0] || (k == 2 && piece->nearest[2] == piece->nearest[1]))) continue;
+        if (k && (piece->nearest[k] == piece->nearest[0] ||
+                  (k == 2 && piece->nearest[2] == piece->nearest[1])))
+            continue;
         double most = 0;
-        for (int i = 0; i < 3; i++) most = fmax(most, from_triangle(piece->p[i], &tree->triangle[piece->nearest[k]]));
+        for (int i = 0; i < 3; i++)
+            most = fmax(most, from_triangle(piece->p[i], &tree->triangle[piece->nearest[k]]));
         piece->bound = fmin(piece->bound, most);
     }
     /* What stays open is looked at from the middle, too. */
-    if (piece->bound <= *found * 1.0201) return;
-    Point sum = along(along(piece->p[0], piece->p[1], 1), piece->p[2], 1), m = {sum.x / 3, sum.y / 3, sum.z / 3};
+    if (piece->bound <= *found * 1.0201)
+        return;
+    Point sum = along(along(piece->p[0], piece->p[1], 1), piece->p[2], 1),
+          m = {sum.x / 3, sum.y / 3, sum.z / 3};
     int32_t nearest = piece->nearest[0];
     double d = search(tree, m, &nearest), most = 0, reach = 0;
     *found = fmax(*found, d);
@@ -269,31 +339,39 @@ static void bound(const Tree *tree, Piece *piece, double *found) {
     piece->bound = fmin(piece->bound, fmin(most, simple * simple));
 }
 
-/* Where the longest edge of a piece that leads from what one triangle is nearest to to what another one is,
-passes from one to the other: cut there, each side has a triangle of its own to be measured from. */
+/* Where the longest edge of a piece that leads from what one triangle is nearest to to what another
+one is, passes from one to the other: cut there, each side has a triangle of its own to be measured
+from. */
 static void border(const Tree *tree, const Piece *piece, int *edge, Point *cut) {
     double longest = 0;
     for (int k = 0; k < 3; k++) {
         int o = (k + 1) % 3;
         Point from = piece->p[k], way = sub(piece->p[o], from);
-        const Triangle *a = &tree->triangle[piece->nearest[k]], *b = &tree->triangle[piece->nearest[o]];
+        const Triangle *a = &tree->triangle[piece->nearest[k]],
+                       *b = &tree->triangle[piece->nearest[o]];
         double low = 0, high = 1;
-        if (a == b || dot(way, way) <= longest) continue;
-        if (from_triangle(from, b) <= piece->d[k] * 1.0001 || from_triangle(piece->p[o], a) <= piece->d[o] * 1.0001) continue;
+        if (a == b || dot(way, way) <= longest)
+            continue;
+        if (from_triangle(from, b) <= piece->d[k] * 1.0001 ||
+            from_triangle(piece->p[o], a) <= piece->d[o] * 1.0001)
+            continue;
         for (int round = 0; round < 18; round++) {
             double t = (low + high) / 2;
             Point p = along(from, way, t);
-            if (from_triangle(p, a) < from_triangle(p, b)) low = t;
-            else high = t;
+            if (from_triangle(p, a) < from_triangle(p, b))
+                low = t;
+            else
+                high = t;
         }
         longest = dot(way, way), *edge = k, *cut = along(from, way, (low + high) / 2);
     }
 }
 
-/* The largest distance of n triangles from a surface: at least low, at most high, which is within `tolerance`
-times low unless `most` pieces were looked at. What is below the low that is given does not matter. Returns
-the number of pieces. */
-int64_t farthest(const Tree *tree, const double *corners, int32_t n, double tolerance, int64_t most, double *low, double *high) {
+/* The largest distance of n triangles from a surface: at least low, at most high, which is within
+`tolerance` times low unless `most` pieces were looked at. What is below the low that is given does
+not matter. Returns the number of pieces. */
+int64_t farthest(const Tree *tree, const double *corners, int32_t n, double tolerance, int64_t most,
+                 double *low, double *high) {
     Heap heap = {0};
     double found = *low * *low, ratio = tolerance * tolerance;
     int64_t seen = n;
@@ -311,18 +389,23 @@ int64_t farthest(const Tree *tree, const double *corners, int32_t n, double tole
     }
     for (int32_t i = 0; i < n; i++) {
         bound(tree, &first[i], &found);
-        if (first[i].bound > found * ratio) push(&heap, first[i]);
+        if (first[i].bound > found * ratio)
+            push(&heap, first[i]);
     }
     free(first);
     /* Surfaces that lie on each other end without a ratio: less is spent on them. */
     double nothing = square(tree->node[0].low, tree->node[0].high) * 1e-20;
-    while (heap.count && heap.piece[0].bound > found * ratio && seen < (found > nothing ? most : most / 16)) {
+    while (heap.count && heap.piece[0].bound > found * ratio &&
+           seen < (found > nothing ? most : most / 16)) {
         Piece piece = pop(&heap);
         int longest = 0;
         for (int k = 1; k < 3; k++)
-            if (square(piece.p[k], piece.p[(k + 1) % 3]) > square(piece.p[longest], piece.p[(longest + 1) % 3])) longest = k;
+            if (square(piece.p[k], piece.p[(k + 1) % 3]) >
+                square(piece.p[longest], piece.p[(longest + 1) % 3]))
+                longest = k;
         Point m = middle(piece.p[longest], piece.p[(longest + 1) % 3]);
-        if (piece.depth++ % 16 != 15) border(tree, &piece, &longest, &m);
+        if (piece.depth++ % 16 != 15)
+            border(tree, &piece, &longest, &m);
         int other = (longest + 1) % 3;
         nearest = piece.nearest[longest];
         double d = search(tree, m, &nearest);
@@ -331,8 +414,10 @@ int64_t farthest(const Tree *tree, const double *corners, int32_t n, double tole
         right.p[longest] = m, right.d[longest] = d, right.nearest[longest] = nearest;
         bound(tree, &left, &found);
         bound(tree, &right, &found);
-        if (left.bound > found * ratio) push(&heap, left);
-        if (right.bound > found * ratio) push(&heap, right);
+        if (left.bound > found * ratio)
+            push(&heap, left);
+        if (right.bound > found * ratio)
+            push(&heap, right);
         seen += 2;
     }
     *low = sqrt(found);
@@ -349,19 +434,23 @@ static uint64_t scrambled(uint64_t x) {
     return x ^ x >> 31;
 }
 
-/* Point number k of triangle i: an additive sequence in two dimensions (Roberts 2018), shifted at random. */
+/* Point number k of triangle i: an additive sequence in two dimensions (Roberts 2018), shifted at
+ * random. */
 static Point sample(const Triangle *t, uint64_t seed, uint64_t i, uint64_t k) {
     double u = (scrambled(seed ^ 2 * i) >> 11) * 0x1p-53 + 0.7548776662466927 * k;
     double v = (scrambled(seed ^ (2 * i + 1)) >> 11) * 0x1p-53 + 0.5698402909980532 * k;
     u -= floor(u), v -= floor(v);
-    if (u + v > 1) u = 1 - u, v = 1 - v;
+    if (u + v > 1)
+        u = 1 - u, v = 1 - v;
     return along(along(t->a, sub(t->b, t->a), u), sub(t->c, t->a), v);
 }
 
 /* The integral of the squared distance over n triangles, and its standard error. */
-double integral(const Tree *tree, const double *corners, int32_t n, double wanted, int64_t most, uint64_t seed, double *error) {
+double integral(const Tree *tree, const double *corners, int32_t n, double wanted, int64_t most,
+                uint64_t seed, double *error) {
     const Triangle *t = (const Triangle *)corners;
-    double *area = malloc(n * sizeof *area), *sum = calloc(n, sizeof *sum), *squares = calloc(n, sizeof *squares), whole = 0, value = 0;
+    double *area = malloc(n * sizeof *area), *sum = calloc(n, sizeof *sum),
+           *squares = calloc(n, sizeof *squares), whole = 0, value = 0;
     int64_t *count = calloc(n, sizeof *count), taken = 0;
     int32_t nearest = 0;
     for (int32_t i = 0; i < n; i++) {
@@ -375,7 +464,8 @@ double integral(const Tree *tree, const double *corners, int32_t n, double wante
         for (int32_t i = 0; i < n; i++) {
             int64_t points = 4 + (int64_t)(10000 * area[i] / whole);
             if (round) {
-                double mean = sum[i] / count[i], scatter = sqrt(fmax(squares[i] / count[i] - mean * mean, 0));
+                double mean = sum[i] / count[i],
+                       scatter = sqrt(fmax(squares[i] / count[i] - mean * mean, 0));
                 points = (int64_t)(more * area[i] * scatter / shares + 0.5);
             }
             for (int64_t end = count[i] + points; count[i] < end; count[i]++, taken++) {
@@ -392,7 +482,8 @@ double integral(const Tree *tree, const double *corners, int32_t n, double wante
             variance += area[i] * area[i] * scatter / count[i];
         }
         *error = sqrt(variance);
-        if (*error <= wanted * value || taken >= most) break;
+        if (*error <= wanted * value || taken >= most)
+            break;
         more = taken;
     }
     free(area), free(sum), free(squares), free(count);

@@ -1,4 +1,4 @@
-"""How far apart two triangle meshes are: the work is done by distance.c, which `cc` compiles once."""
+"""How far apart two meshes are: the work is done by distance.c, which `cc` compiles once."""
 
 import ctypes
 import hashlib

@@ -1,4 +1,4 @@
-"""Kinds of meshes: each a function of a seeded generator and about how many triangles are wanted."""
+"""Kinds of meshes: functions of a seeded generator and of about how many triangles are wanted."""
 
 import numpy as np
 

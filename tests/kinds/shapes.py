@@ -1,4 +1,4 @@
-"""What the kinds of meshes are made of. A part is a pair: positions (n x 3) and triangles (m x 3)."""
+"""What kinds of meshes are made of. A part is a pair: positions (n x 3) and triangles (m x 3)."""
 
 import numpy as np
 
