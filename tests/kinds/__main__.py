@@ -141,8 +141,9 @@ class Case:
         if self.is_more(row["low"] / 1.05, error):
             add("error too small", row["low"] / max(error, nothing))
         # Where bounds stay apart, what was found is near: a quarter more is allowed for.
+        far = max(m.low for m in finer)
         high = max(min(m.high, 1.25 * m.low + nothing) for m in finer)
-        if self.is_more(error / factor, high) and not self.is_flat(high, error):
+        if self.is_more(error / factor, high) and not self.is_flat(far, error):
             add("error too large", error / max(high, nothing))
         if rms is None:
             add("no rms", math.inf)
