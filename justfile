@@ -106,10 +106,19 @@ plots:
 growth *words: build
     python3 tests/growth.py target/release/lodc {{words}}
 
-# Kills, faults of system calls, determinism, clean files and the list of packages, with figures; then more mutated meshes through build and verify
-campaign *words: build
-    python3 tests/campaign.py target/release/lodc {{words}}
+# Kills, faults of system calls, determinism, clean files, what levels of many kinds of meshes state and the list of packages, with figures; then more mutated meshes through build and verify
+campaign *words: build numpy
+    LODC_PYTHON=target/numpy/bin/python python3 tests/campaign.py target/release/lodc {{words}}
     LODC_MUTATIONS=5000 cargo test --release -p lodc-report --test mutated
+
+# What levels state beside a second evaluator, for some kinds and sizes of meshes: [--kinds A,B] [--sizes N,N] [--ways W,W] [--seed N] [--csv FILE]
+kinds *words: build numpy
+    target/numpy/bin/python tests/kinds target/release/lodc {{words}}
+
+[private]
+numpy:
+    [ -x target/numpy/bin/python ] || python3 -m venv target/numpy
+    target/numpy/bin/python -m pip install --quiet --disable-pip-version-check numpy==2.2.1
 
 # Coverage-guided fuzzing of the readers, and of build and verify; runs and finds of each target: [--minutes N | --runs N] [TARGET...]
 fuzz *words:

@@ -1,10 +1,12 @@
 """Long tests of the program as a process, with figures: `just campaign`.
 
-campaign.py LODC [--only kills,faults,determinism,clean,sbom,large] [--short] [--seed N]
+campaign.py LODC [--only kills,faults,determinism,clean,kinds,sbom,large] [--short] [--seed N]
 
 Prints a line of figures for each, and ends with 1 if a promise of docs/RELIABILITY.md was broken.
-What is random follows from the seed, which is printed. Faults need strace.
+What is random follows from the seed, which is printed. Faults need strace, kinds a C compiler and
+a Python with numpy, which LODC_PYTHON names (else this one).
 """
+
 import argparse
 import array
 import concurrent.futures
@@ -224,6 +226,17 @@ def clean(lodc, asked):
     return len(alarms)
 
 
+def kinds(lodc, asked):
+    """Compares what levels of many kinds of meshes state with a second evaluator: tests/kinds."""
+    python = os.environ.get("LODC_PYTHON", sys.executable)
+    words = [python, ROOT / "tests/kinds", lodc, *(["--short"] if asked.short else [])]
+    if not asked.short:
+        words += ["--csv", ROOT / "target/kinds.csv"]
+    status = subprocess.run(words).returncode
+    print(f"kinds: status {status}")
+    return status
+
+
 def wavy(path, triangles):
     """Writes a wavy square as PLY. Returns its triangles."""
     side = math.isqrt(triangles // 2)
@@ -298,7 +311,7 @@ def sbom(_, asked):
 
 def main():
     """Runs what is asked for."""
-    usual = [kills, faults, determinism, clean, sbom]
+    usual = [kills, faults, determinism, clean, kinds, sbom]
     tests = {test.__name__: test for test in [*usual, large]}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("lodc", type=lambda path: str(pathlib.Path(path).resolve()))
