@@ -21,7 +21,7 @@ use lodc_mesh::CollapseSequence;
 
 /// Levels that are measured in any case have these shares of the triangles, in percent, and below
 /// the last of them an eighth of the one before. Chosen by hand.
-const PERCENTAGES: [u64; 7] = [70, 50, 25, 15, 10, 5, 1];
+const PERCENTAGES: [u64; 9] = [95, 85, 70, 50, 25, 15, 10, 5, 1];
 const DIVISOR: u64 = 8;
 
 /// Two measured levels are alike in their errors if these differ by no more than this factor. So
@@ -31,12 +31,16 @@ const ALIKE: f64 = 1.15;
 const PROPOSED: f64 = 1.1;
 
 /// And in their mean distances if the ratios of measured to proposed ones differ by no more than
-/// this factor. Chosen by hand.
-const ALIKE_RATIOS: f64 = 1.35;
+/// this factor; in meshes of few triangles, where a few steps change much, by no more than the
+/// second. Chosen by hand.
+const ALIKE_RATIOS: [f64; 2] = [1.35, 1.12];
 
-/// No level is measured between two whose numbers of triangles differ by no more than this factor.
-/// Chosen by hand.
-const NEIGHBOURS: f64 = 1.15;
+/// No level is measured between two whose numbers of triangles differ by no more than this factor;
+/// in meshes of few triangles the second. Chosen by hand.
+const NEIGHBOURS: [f64; 2] = [1.15, 1.06];
+
+/// Meshes of no more triangles than this have few.
+const FEW_TRIANGLES: u32 = 16_384;
 
 /// Distances below this share of the diagonal are alike whatever they are. Chosen by hand.
 const TINY_SHARE: f64 = 1e-6;
@@ -207,7 +211,8 @@ impl Ladder<'_> {
         let all = self.sequence.parts().triangles;
         let (steps, triangles) = finer.map_or((0, all), |rung| (rung.steps, rung.triangles));
         let [from, to] = [triangles, coarser.triangles].map(f64::from);
-        if coarser.steps <= steps + 1 || from <= NEIGHBOURS * to {
+        let few = usize::from(all <= FEW_TRIANGLES);
+        if coarser.steps <= steps + 1 || from <= NEIGHBOURS[few] * to {
             return None;
         }
         let tiny = TINY_SHARE * self.original.input.diagonal;
@@ -217,7 +222,8 @@ impl Ladder<'_> {
         let errors_are_alike = excess <= PROPOSED || is_alike(error, coarser.upper, ALIKE);
         let ratio = finer.map_or(coarser.rms_ratio, |rung| rung.rms_ratio);
         let ratios = [ratio, coarser.rms_ratio];
-        let ratios_are_alike = ratios[0].max(ratios[1]) <= ALIKE_RATIOS * ratios[0].min(ratios[1]);
+        let ratios_are_alike =
+            ratios[0].max(ratios[1]) <= ALIKE_RATIOS[few] * ratios[0].min(ratios[1]);
         let means_are_alike = ratios_are_alike || is_alike(rms, coarser.rms, ALIKE);
         if errors_are_alike && means_are_alike {
             return None;
