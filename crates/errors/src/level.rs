@@ -218,7 +218,10 @@ impl<'a> Original<'a> {
             lower: there.lower.max(back.lower).min(upper),
             upper,
             rms: mean_square.sqrt().min(upper),
-            boxes: there.opened_boxes + back.opened_boxes,
+            boxes: there.opened_boxes
+                + back.opened_boxes
+                + forward_sampled.boxes
+                + backward_sampled.boxes,
         }
     }
 }
