@@ -25,6 +25,10 @@ const MAX_STATED: f64 = 2.0;
 /// The same for root mean square distances, either way; both are from samples.
 const MAX_RMS_RATIO: f64 = 1.25;
 
+/// Root mean square distances that differ by no more than this share of the error are not refused: a
+/// small part of the surface decides them, and they are interpolated between measured levels.
+const RMS_SLACK: f64 = 0.04;
+
 /// Samples on either surface that tell a root mean square distance: at first, and before one is
 /// refused.
 const SAMPLES: [usize; 2] = [2_048, 32_768];
@@ -165,9 +169,10 @@ impl Checked {
             }
         }
         let stated_rms = self.stated_rms?;
+        let slack = RMS_SLACK * stated;
         let is_near = |rms: f64| {
-            rms <= MAX_RMS_RATIO * stated_rms + rounding
-                && stated_rms <= MAX_RMS_RATIO * rms + negligible
+            rms <= MAX_RMS_RATIO * stated_rms + rounding + slack
+                && stated_rms <= MAX_RMS_RATIO * rms + negligible + slack
         };
         if is_near(self.rms) {
             return None;
