@@ -6,9 +6,7 @@ use crate::{StepErrors, measure, raise};
 use glam::DVec3;
 use lodc_fixtures as fixtures;
 use lodc_measure::{Sampling, Surface, distances};
-use lodc_mesh::{
-    CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh,
-};
+use lodc_mesh::{CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh};
 use lodc_nearest::{FarthestSearch, TriangleTree};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
