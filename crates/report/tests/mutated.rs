@@ -1,7 +1,7 @@
 //! Whatever mesh is built, `verify` agrees with the file.
 
 use lodc::LodObject;
-use lodc::build::{build_models, step_errors};
+use lodc::build::build_models;
 use lodc_formats::{Document, GltfDocument, Limits, ObjectInfo, SubmeshInfo};
 use lodc_lod::ModelKind;
 use lodc_mesh::Mesh;
@@ -23,8 +23,7 @@ const ONCE_REFUSED: [u64; 11] = [229, 648, 1368, 3444, 4643, 6158, 6535, 6651, 8
 /// The objects that a build makes of a mesh.
 fn built(mesh: &Mesh) -> Vec<LodObject> {
     let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
-    let at_rest = std::iter::once(simplified.mesh().positions());
-    let (errors, _) = step_errors(&simplified, at_rest, &|| ());
+    let errors = lodc_errors::measure(&simplified, simplified.mesh().positions(), &|| ());
     let measured = simplified.with_distances(errors.error, errors.rms);
     let simplified = Arc::new(measured.expect("errors never fall"));
     let submesh = |s| SubmeshInfo { name: String::new(), material: None, document_primitive: s };
