@@ -41,8 +41,8 @@ pub struct LodcObject {
 /// An object at one level.
 #[derive(Debug)]
 pub struct LodcLevel {
-    /// Largest distance from LOD 0, in the mesh's units: times the scale of any placement a bound of
-    /// what that placement errs.
+    /// Largest distance from LOD 0, in the mesh's units: times the scale of any placement a bound
+    /// of what that placement errs.
     pub error: f32,
     /// Triangles of all submeshes.
     pub triangles: u32,

@@ -37,9 +37,8 @@ impl AssetLoader for ChainLoader {
             finest.objects.iter().map(|o| object_without_levels(&o.info, &o.mesh)).collect();
         let infos: Vec<&ObjectInfo> = finest.objects.iter().map(|o| &o.info).collect();
         let motion = scene_motion(&finest.document, &infos, &Limits::DEFAULT)?;
-        let unevenness = |at: usize| {
-            motion.measured_placements(&finest.objects[at].mesh, at).unevenness
-        };
+        let unevenness =
+            |at: usize| motion.measured_placements(&finest.objects[at].mesh, at).unevenness;
         let unevenness: Vec<f64> = (0..infos.len()).map(unevenness).collect();
         let keys = |object: &SceneObject, document: &Document| {
             let materials = materials(document);

@@ -18,15 +18,15 @@ const RISING: u32 = 3;
 /// A measured distance may be at most this many times the stated error.
 const MAX_MEASURED: f64 = 1.05;
 
-/// A stated error may be at most this many times the largest distance that is measured at the level,
-/// or at the finer one where the error rose to that.
+/// A stated error may be at most this many times the largest distance that is measured at the
+/// level, or at the finer one where the error rose to that.
 const MAX_STATED: f64 = 2.0;
 
 /// The same for root mean square distances, either way; both are from samples.
 const MAX_RMS_RATIO: f64 = 1.25;
 
-/// Root mean square distances that differ by no more than this share of the error are not refused: a
-/// small part of the surface decides them, and they are interpolated between measured levels.
+/// Root mean square distances that differ by no more than this share of the error are not refused:
+/// a small part of the surface decides them, and they are interpolated between measured levels.
 const RMS_SLACK: f64 = 0.04;
 
 /// Samples on either surface that tell a root mean square distance: at first, and before one is

@@ -1,5 +1,5 @@
-//! Triangles that one of two surfaces has and the other has not: about how far each is, and the mean
-//! squared distance over all.
+//! Triangles that one of two surfaces has and the other has not: about how far each is, and the
+//! mean squared distance over all.
 
 use crate::rough::RoughSquare;
 use glam::DVec3;
@@ -93,8 +93,8 @@ impl<F: Fn(usize) -> ([DVec3; 3], u32) + Sync> Difference<F> {
         starts.into_par_iter().flat_map_iter(task).collect()
     }
 
-    /// Chooses some of very many triangles: half of them the farthest by their estimates, the others
-    /// spread evenly over area and numbers. Returns their indices in order; `None` for all.
+    /// Chooses some of very many triangles: half of them the farthest by their estimates, the
+    /// others spread evenly over area and numbers. Returns their indices in order; `None` for all.
     pub(crate) fn choose(&self, estimates: &[Estimate]) -> Option<Vec<u32>> {
         if self.len() <= CHOSEN {
             return None;

@@ -120,8 +120,8 @@ pub(crate) struct Ladder<'a> {
 }
 
 impl Ladder<'_> {
-    /// Returns the errors of all steps, in the mesh's units. Measures the levels after the numbers of
-    /// steps in `planned`, which rise to that of the last level, and others between them.
+    /// Returns the errors of all steps, in the mesh's units. Measures the levels after the numbers
+    /// of steps in `planned`, which rise to that of the last level, and others between them.
     pub(crate) fn complete(&self, planned: &[usize]) -> StepErrors {
         let (sequence, input) = (self.sequence, self.original.input);
         let mut errors = StepErrors::with_capacity(sequence.steps());

@@ -126,8 +126,8 @@ impl<'a> Original<'a> {
     /// are not searched closely. `samples` points on either surface make the mean.
     ///
     /// `rough` may tell about how far each triangle of the input is: then of very many some are
-    /// searched, the farthest by it and others spread over the surface, and all only if one of those
-    /// is beyond the known distance.
+    /// searched, the farthest by it and others spread over the surface, and all only if one of
+    /// those is beyond the known distance.
     pub(crate) fn measure(
         &self,
         lod: Lod,

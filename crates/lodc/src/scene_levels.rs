@@ -5,8 +5,8 @@ use crate::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
 use lodc_select::{ObjectLevels, SceneLevels};
 
-/// The levels of a scene: those of all its objects, placed as the document has them at rest, or where
-/// an animation shows them larger.
+/// The levels of a scene: those of all its objects, placed as the document has them at rest, or
+/// where an animation shows them larger.
 ///
 /// # Errors
 /// If the stored document is damaged.

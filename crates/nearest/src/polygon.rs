@@ -188,9 +188,9 @@ impl Polygon {
         parts
     }
 
-    /// Returns two parts: cut along a triangle's longest edge where the polygon is more times as wide
-    /// as the triangle than as long, else across the middle of the longest diagonal or edge. A wide
-    /// part beside slivers would else be divided into pieces as short as they are thin.
+    /// Returns two parts: cut along a triangle's longest edge where the polygon is more times as
+    /// wide as the triangle than as long, else across the middle of the longest diagonal or edge. A
+    /// wide part beside slivers would else be divided into pieces as short as they are thin.
     pub(crate) fn halves(&self, [a, b, c]: [DVec3; 3]) -> [Self; 2] {
         let edges = [b - a, c - b, a - c];
         let along = edges.into_iter().fold(DVec3::ZERO, |longest, edge| {

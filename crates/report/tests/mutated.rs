@@ -1,11 +1,12 @@
 //! Whatever mesh is built, `verify` agrees with the file.
 
 use lodc::LodObject;
-use lodc::build::build_models;
+use lodc::build::{build_models, step_errors};
 use lodc_formats::{Document, GltfDocument, Limits, ObjectInfo, SubmeshInfo};
 use lodc_lod::ModelKind;
 use lodc_mesh::Mesh;
 use lodc_report::{CheckReport, check_models};
+use lodc_scene::{Graph, Motion};
 use lodc_simplify::{Options, simplify};
 use lodc_strip::StripOptions;
 use rayon::prelude::*;
@@ -23,7 +24,9 @@ const ONCE_REFUSED: [u64; 11] = [229, 648, 1368, 3444, 4643, 6158, 6535, 6651, 8
 /// The objects that a build makes of a mesh.
 fn built(mesh: &Mesh) -> Vec<LodObject> {
     let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
-    let errors = lodc_errors::measure(&simplified, simplified.mesh().positions(), &|| ());
+    let motion = Motion::new(Graph::of_objects(1), vec![], 1);
+    let shapes = motion.shapes(simplified.mesh(), 0, &[]);
+    let (errors, _) = step_errors(&simplified, &shapes, &|| ());
     let measured = simplified.with_distances(errors.error, errors.rms);
     let simplified = Arc::new(measured.expect("errors never fall"));
     let submesh = |s| SubmeshInfo { name: String::new(), material: None, document_primitive: s };

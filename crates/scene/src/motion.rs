@@ -127,10 +127,10 @@ impl Motion {
         ObjectShapes { all, of_placements }
     }
 
-    /// The placement of an object that postures change, the one of largest scale, and what distances
-    /// in it are to be multiplied by. An object without joints that has unlike placements is there
-    /// as it was modelled, in its largest scale, which stretches no posture less than any placement
-    /// does.
+    /// The placement of an object that postures change, the one of largest scale, and what
+    /// distances in it are to be multiplied by. An object without joints that has unlike placements
+    /// is there as it was modelled, in its largest scale, which stretches no posture less than any
+    /// placement does.
     fn before_posture(
         &self,
         object: usize,

@@ -7,8 +7,8 @@ use crate::transform::{Transform, largest_stretch};
 use lodc_mesh::{Mesh, Posture};
 use std::sync::Arc;
 
-/// Returns every placement of an object with its scale: the largest factor by which it stretches the
-/// object, with a skin that of the joints that lead its vertices (have the most weight there).
+/// Returns every placement of an object with its scale: the largest factor by which it stretches
+/// the object, with a skin that of the joints that lead its vertices (have the most weight there).
 #[must_use]
 pub fn placement_scales<'a>(
     mesh: &Mesh,

@@ -11,8 +11,8 @@ use std::borrow::Cow;
 /// hand, between the rounding of floats in files and any stretch that is meant.
 const MAX_ROUNDING: f64 = 1e-6;
 
-/// The shape that a placement gives an object. It maps the positions of the object, or of a level of
-/// it, to mesh units: world positions relative to the middle of the object's box, divided by the
+/// The shape that a placement gives an object. It maps the positions of the object, or of a level
+/// of it, to mesh units: world positions relative to the middle of the object's box, divided by the
 /// world scale of the object.
 #[derive(Clone, Debug)]
 pub struct Shape {

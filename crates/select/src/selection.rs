@@ -78,10 +78,10 @@ impl fmt::Display for RecordOfScene {
 
 impl std::error::Error for RecordOfScene {}
 
-/// Chooses one level of detail per object. Unless `per_object`, objects meet an error in world units
-/// each for itself, and several meet numbers of triangles together: triangles are removed where least
-/// is lost. `losses` returns for each object its loss after each step, never falling; it is called
-/// only if the target is a number of triangles for several objects.
+/// Chooses one level of detail per object. Unless `per_object`, objects meet an error in world
+/// units each for itself, and several meet numbers of triangles together: triangles are removed
+/// where least is lost. `losses` returns for each object its loss after each step, never falling;
+/// it is called only if the target is a number of triangles for several objects.
 ///
 /// # Errors
 /// If a record number is asked of several objects at once.

@@ -17,8 +17,8 @@ use std::sync::Arc;
 pub const DEFAULT_POSES: usize = 8;
 
 /// Replaces the simplifier's estimates of errors by measured distances, several objects at once.
-/// Distances are the largest over the shapes that the document's default scene gives an object in its
-/// placements, and up to `poses` others, of its animations and morph targets; the object's
+/// Distances are the largest over the shapes that the document's default scene gives an object in
+/// its placements, and up to `poses` others, of its animations and morph targets; the object's
 /// description names these.
 ///
 /// # Errors
@@ -110,8 +110,8 @@ impl LevelDistance {
 
 /// Measures only some levels, where the whole sequence would take too long. `levels` are
 /// fine to coarse, each with a LOD for every object. Returns the distances of every level and
-/// object, the largest over the object's placements and the poses of its description, none below that
-/// of a finer level.
+/// object, the largest over the object's placements and the poses of its description, none below
+/// that of a finer level.
 ///
 /// # Errors
 /// If the stored document is damaged.

@@ -311,8 +311,8 @@ fn scene_box(scene: &Scene, arrangement: &Arrangement) -> [DVec3; 2] {
     )
 }
 
-/// The samples of a surface of some triangles out of `all` that are measured: a part of those of one
-/// surface of `all`, more where that is less than one for each triangle.
+/// The samples of a surface of some triangles out of `all` that are measured: a part of those of
+/// one surface of `all`, more where that is less than one for each triangle.
 fn sampling(triangles: usize, all: usize) -> Sampling {
     let part = |of: usize| {
         let share = of as f64 * triangles as f64 / all.max(1) as f64;

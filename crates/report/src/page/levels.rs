@@ -103,8 +103,8 @@ fn plain_png(picture: &Picture) -> Vec<u8> {
     png(&picture.image([0; 4], |_, colour| colour.map(|v| v as u8)).halved())
 }
 
-/// The picture with colours by the distances of its pixels, that of `hottest` the reddest; those up to
-/// `rounding` count as 0.
+/// The picture with colours by the distances of its pixels, that of `hottest` the reddest; those up
+/// to `rounding` count as 0.
 fn distance_png(picture: &Picture, distances: &[f64], hottest: f64, rounding: f64) -> Vec<u8> {
     let share = |pixel: usize| match distances[pixel] {
         distance if distance > rounding => distance / hottest,

@@ -58,8 +58,8 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
 }
 
 /// Sets the world scale of every object: how much larger the default scene shows it than it was
-/// modelled, at rest or at any moment of the animations. Warns of those that it shows in more unlike
-/// placements than errors are measured in.
+/// modelled, at rest or at any moment of the animations. Warns of those that it shows in more
+/// unlike placements than errors are measured in.
 pub(super) fn set_world_scales(
     root: &Object,
     objects: &mut [SceneObject],
