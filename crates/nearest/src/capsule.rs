@@ -55,7 +55,7 @@ impl Capsule {
 
     /// Grows to include a triangle. Returns whether it has grown.
     pub(crate) fn include(&mut self, corners: &[[f32; 3]; 3]) -> bool {
-        let distance = |p: &[f32; 3]| self.from_axis(DVec3::from(p.map(f64::from)));
+        let distance = |p: &[f32; 3]| self.axis_distance(DVec3::from(p.map(f64::from)));
         let farthest = corners.iter().map(distance).fold(0.0, f64::max);
         if farthest <= f64::from(self.radius) {
             return false;
@@ -65,7 +65,7 @@ impl Capsule {
     }
 
     /// Returns the distance of a point from the segment.
-    fn from_axis(&self, p: DVec3) -> f64 {
+    fn axis_distance(&self, p: DVec3) -> f64 {
         let [a, b] = self.ends.map(|end| DVec3::from(end.map(f64::from)));
         let (edge, to_point) = (b - a, p - a);
         let length = edge.length_squared();
@@ -78,7 +78,7 @@ impl Capsule {
         if self.is_all() {
             return 0.0;
         }
-        let distance = (self.from_axis(p) - f64::from(self.radius)).max(0.0);
+        let distance = (self.axis_distance(p) - f64::from(self.radius)).max(0.0);
         distance * distance * (1.0 - 1e-9)
     }
 }
