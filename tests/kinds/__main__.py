@@ -321,7 +321,9 @@ class Case:
             self.judge(row, finer + self.finer.get(share, []))
         self.verify("chain", out, "--source", self.mesh)
         if "planted" in self.asked.ways:
-            for name, factor in PLANTED:
+            # `verify` does not compare the mean distances of shipped levels.
+            errors = [planted for planted in PLANTED if planted[0] == "error"]
+            for name, factor in errors if self.asked.short else PLANTED:
                 changed = self.folder / "changed.glb"
                 files.with_numbers(out, changed, **{name: factor})
                 self.refused(f"chain {name} x {factor}", changed, "--source", self.mesh)
@@ -522,6 +524,8 @@ def main():
     asked = parser.parse_args()
     if asked.short:
         asked.kinds, asked.sizes = ",".join(SHORT), "500"
+        # Refits and views sample their mean distances by area, and miss what is small.
+        asked.ways = "file,direct,chain,planted,choice"
     if asked.list:
         sys.exit(print(*kinds.KINDS, sep="\n"))
     asked.lodc = str(pathlib.Path(asked.lodc).resolve())

@@ -24,15 +24,14 @@ use lodc_mesh::CollapseSequence;
 const PERCENTAGES: [u64; 9] = [95, 85, 70, 50, 25, 15, 10, 5, 1];
 const DIVISOR: u64 = 8;
 
-/// Two measured levels are alike in their errors if these differ by no more than this factor. So
-/// are those at which the pass proposed no less than is found, up to the second factor. Chosen by
-/// hand.
-const ALIKE: f64 = 1.15;
-const PROPOSED: f64 = 1.1;
+/// Two measured levels are alike in their errors if these differ by no more than this factor; in
+/// meshes of few triangles, where a few steps change much, by no more than the second. So are those
+/// at which the pass proposed no less than is found, up to such factors. Chosen by hand.
+const ALIKE: [f64; 2] = [1.15, 1.05];
+const PROPOSED: [f64; 2] = [1.1, 1.0];
 
 /// And in their mean distances if the ratios of measured to proposed ones differ by no more than
-/// this factor; in meshes of few triangles, where a few steps change much, by no more than the
-/// second. Chosen by hand.
+/// this factor. Chosen by hand.
 const ALIKE_RATIOS: [f64; 2] = [1.35, 1.12];
 
 /// No level is measured between two whose numbers of triangles differ by no more than this factor;
@@ -224,12 +223,13 @@ impl Ladder<'_> {
         let excess = coarser.excess.max(finer.map_or(1.0, |rung| rung.excess));
         let [error, rms] = finer.map_or([0.0; 2], |rung| [rung.upper, rung.rms]);
         let is_alike = |a: f64, b: f64, factor: f64| b.max(tiny) <= factor * a.max(tiny);
-        let errors_are_alike = excess <= PROPOSED || is_alike(error, coarser.upper, ALIKE);
+        let errors_are_alike =
+            excess <= PROPOSED[few] || is_alike(error, coarser.upper, ALIKE[few]);
         let ratio = finer.map_or(coarser.rms_ratio, |rung| rung.rms_ratio);
         let ratios = [ratio, coarser.rms_ratio];
         let ratios_are_alike =
             ratios[0].max(ratios[1]) <= ALIKE_RATIOS[few] * ratios[0].min(ratios[1]);
-        let means_are_alike = ratios_are_alike || is_alike(rms, coarser.rms, ALIKE);
+        let means_are_alike = ratios_are_alike || is_alike(rms, coarser.rms, ALIKE[few]);
         if errors_are_alike && means_are_alike {
             return None;
         }
