@@ -354,8 +354,8 @@ class Case:
         for name, factor in PLANTED:
             out = self.folder / "planted.lodc"
             moved = files.planted(self.file, out, **{name: factor})
-            # A mean distance is never above the largest: nothing was planted then. Nor is it refused
-            # where it is a small share of that: a hundredth of the surface decides it.
+            # A mean distance is never above the largest: nothing was planted then. Nor is it
+            # refused where it is a small share of that: a hundredth of the surface decides it.
             if self.asked.short and name == "rms" and self.name == "ground":
                 continue
             if name == "error" or factor < 1 or moved > 1.2:
