@@ -85,12 +85,11 @@ impl<'a> Forward<'a> {
     /// Starts at LOD 0. `corner_vertices` has the corners of its triangles as vertices of the mesh.
     pub(crate) fn new(
         input: &'a Input,
-        corner_vertices: Vec<[u32; 3]>,
+        corner_vertices: &[[u32; 3]],
         floor: Floor<'a>,
         settings: Settings,
     ) -> Self {
-        let mut faces = Faces::new(input, &corner_vertices);
-        drop(corner_vertices);
+        let mut faces = Faces::new(input, corner_vertices);
         let samples = Samples::new(input, &mut faces.all, settings.few_triangles_samples);
         Self {
             input,

@@ -80,21 +80,6 @@ pub fn measure(simplified: &Simplified, posed: &[[f32; 3]], tick: &Tick<'_>) -> 
     measure_above(&StepErrors::default(), simplified, posed, Settings::AT_REST, tick)
 }
 
-/// Measures every step of a sequence in several shapes: as [`measure`] in the first, and as
-/// [`raise`] in the others. Returns how many others were measured, too.
-///
-/// # Panics
-/// If there is no shape, or not as many positions as vertices in one.
-pub fn measure_over<S: AsRef<[[f32; 3]]> + Send>(
-    simplified: &Simplified,
-    mut shapes: impl Iterator<Item = S>,
-    tick: &Tick<'_>,
-) -> (StepErrors, usize) {
-    let mut errors = measure(simplified, shapes.next().expect("a shape").as_ref(), tick);
-    let raised = raise(&mut errors, simplified, shapes, tick);
-    (errors, raised)
-}
-
 /// Raises what [`measure`] found to the distances of the same sequence in other shapes, each a
 /// position for every vertex, in the same units: the errors are those of the shape in which a step
 /// is farthest, the mean distances, too. Distances up to the errors so far are not searched
@@ -161,9 +146,7 @@ fn measure_above(
         let pass = Pass { input: &input, simplified, floor, settings, tick };
         let sequence = simplified.collapses();
         let planned = planned(sequence);
-        let proposals = &pass.run(corner_vertices, &planned);
-        // Made again, since the pass has dropped them to save memory.
-        let (_, corner_vertices) = Input::new(simplified, posed);
+        let proposals = &pass.run(&corner_vertices, &planned);
         let limits = settings.limits;
         let original = Original::new(&input, simplified, &corner_vertices, limits);
         Ladder { original, sequence, proposals, floor, limits, tick }.complete(&planned)

@@ -43,7 +43,7 @@ impl Pass<'_> {
     /// Runs through all steps, or as many as the limit of work allows. Proposes no less than the
     /// floor. `corner_vertices` has the vertices of the input's triangles; after the numbers of
     /// steps in `planned`, which rise, it notes how far points are.
-    pub(crate) fn run(self, corner_vertices: Vec<[u32; 3]>, planned: &[usize]) -> Proposals {
+    pub(crate) fn run(self, corner_vertices: &[[u32; 3]], planned: &[usize]) -> Proposals {
         let Self { input, floor, settings, .. } = self;
         let sequence = self.simplified.collapses();
         let steps = sequence.steps_at(sequence.last_visible()) as u32;
