@@ -164,7 +164,7 @@ fn read(
         sniff::Sniffed::Glb | sniff::Sniffed::Gltf => gltf::read::import(bytes, assets, options),
         sniff::Sniffed::Obj => obj::read::import(bytes, assets, options),
         sniff::Sniffed::Ply => ply::read::import(&bytes, assets, options),
-        sniff::Sniffed::Stl => stl::import(bytes, assets, options),
+        sniff::Sniffed::Stl => stl::read::import(bytes, assets, options),
         sniff::Sniffed::Other(kind) => {
             let problem = format!("{kind} cannot be read: convert it to glTF first");
             Err(FormatError::new(Fault::Unsupported, "", problem))

@@ -42,6 +42,8 @@ macro_rules! format {
 #[cfg(feature = "import")]
 mod appearance;
 mod assets;
+#[cfg(any(feature = "import", feature = "export"))]
+mod colours;
 mod error;
 #[cfg(feature = "export")]
 pub mod export;
@@ -92,12 +94,14 @@ mod requested_files;
 mod scene;
 #[cfg(feature = "import")]
 mod shipped;
-#[cfg(feature = "import")]
+#[cfg(any(feature = "import", feature = "export"))]
 mod stl;
 #[cfg(test)]
 mod testing;
 #[cfg(feature = "export")]
 mod textures;
+#[cfg(feature = "import")]
+mod words;
 mod write;
 
 #[cfg(feature = "import")]

@@ -18,7 +18,7 @@ use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic};
 #[derive(Debug, Default)]
 pub(crate) struct Faces {
     pub(crate) positions: Vec<[f32; 3]>,
-    /// Empty, or one per position; white where the file has none.
+    /// Empty, or one per position: sRGB values and opacity, white where the file has none.
     pub(crate) colors: Vec<[f32; 4]>,
     pub(crate) color_has_alpha: bool,
     pub(crate) texcoords: Vec<[f32; 2]>,
@@ -86,6 +86,9 @@ pub(crate) fn scene(
 ) -> Result<Scene, FormatError> {
     let FaceFile { mut assembled, name, source, document, mut warnings } = file;
     let mut parts = std::mem::take(&mut assembled.parts);
+    if assembled.byte_colors {
+        warnings.push("colours of vertices are numbers from 0 to 255, read as bytes".to_owned());
+    }
     let source_positions =
         clean_numbered(&mut parts, assembled.source_positions, options.weld, &mut warnings);
     let mesh =

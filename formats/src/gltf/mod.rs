@@ -16,10 +16,13 @@ mod appearance;
 mod budget;
 #[cfg(feature = "stream")]
 mod buffer_runs;
+#[cfg(feature = "gltf")]
+mod coordinates;
 #[cfg(feature = "import")]
 mod difference;
 #[cfg(feature = "gltf")]
 mod document;
+mod extension_table;
 mod extensions;
 #[cfg(feature = "export")]
 mod floats;
@@ -60,9 +63,11 @@ pub(crate) mod write;
 #[cfg(feature = "gltf")]
 pub use animations::{animation, animation_names, scene_motion};
 #[cfg(feature = "import")]
-pub(crate) use appearance::{appearance, coordinates};
+pub(crate) use appearance::appearance;
 #[cfg(feature = "stream")]
 pub(crate) use buffer_runs::{BufferRun, PartialBuffer, Purpose, buffer_runs};
+#[cfg(feature = "gltf")]
+pub(crate) use coordinates::coordinates;
 #[cfg(feature = "import")]
 pub(crate) use difference::difference;
 #[cfg(feature = "gltf")]

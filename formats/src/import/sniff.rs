@@ -1,6 +1,6 @@
 //! Recognises a file's format by its first bytes.
 
-use crate::stl;
+use crate::stl::read as stl;
 use std::path::Path;
 
 /// Kind that a file seems to be.
@@ -76,7 +76,7 @@ pub(super) fn format(bytes: &[u8], path: &Path) -> Sniffed {
         "3ds" => Sniffed::Other("a 3DS file"),
         "mtl" => Sniffed::Other("a material library by itself"),
         // An empty or broken one of these is reported by its own reader.
-        "glb" => Sniffed::Glb,
+        "glb" | "vrm" => Sniffed::Glb,
         "gltf" => Sniffed::Gltf,
         _ => Sniffed::Obj,
     }

@@ -90,7 +90,7 @@ fn every_bit_of_strange_values_comes_back() {
     let scratch = Scratch::new("obj-strange");
     let mut random = Random(17);
     let mut source = String::from(
-        "o only\nv -0 0 1e-45 1 nan -0\nv 3.4028235e38 1e-38 -1 0 0 0\nvn inf -inf -0\n\
+        "o only\nv -0 0 1e-45 1 0.5 1e-9\nv 3.4028235e38 1e-38 -1 0 0 0\nvn inf -inf -0\n\
             vt nan 1e-7 3\n",
     );
     for _ in 0..500 {
@@ -103,9 +103,9 @@ fn every_bit_of_strange_values_comes_back() {
             value(),
             value(),
             value(),
-            value(),
-            value(),
-            value()
+            (value().abs() % 1.0),
+            (value().abs() % 1.0),
+            (value().abs() % 1.0)
         );
         source += &format!(
             "vt {:e} {:e} {:e}\nvn {:e} {:e} {:e}\n",

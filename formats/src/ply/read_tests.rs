@@ -34,7 +34,8 @@ fn attributes_of_vertices_are_kept_and_the_rest_is_named() {
     assert_eq!(floats(&scene, &Semantic::Normal)[..3], [0.0, 0.0, 1.0]);
     assert_eq!(floats(&scene, &Semantic::TexCoord(0))[2..4], [1.0, 0.0]);
     assert_eq!(floats(&scene, &Semantic::Color(0))[..4], [1.0, 0.0, 0.0, 0.0]);
-    assert_eq!(floats(&scene, &Semantic::Color(0))[9], 0.2);
+    // 51 of 255 as linear light.
+    assert_eq!(floats(&scene, &Semantic::Color(0))[9], lodc_scene::to_linear(0.2));
     assert_eq!(
         scene.warnings,
         ["of each vertex was left out: `quality`", "1 polygons were triangulated"]

@@ -299,3 +299,19 @@ pub(crate) fn base64(bytes: &[u8]) -> String {
     }
     text
 }
+
+/// The bytes of text in base 64.
+pub(crate) fn unbase64(text: &str) -> Vec<u8> {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let sextets = text.bytes().filter_map(|b| LETTERS.iter().position(|&l| l == b));
+    let (mut bytes, mut word, mut bits) = (Vec::new(), 0usize, 0);
+    for sextet in sextets {
+        (word, bits) = (word << 6 | sextet, bits + 6);
+        if bits >= 8 {
+            bits -= 8;
+            bytes.push((word >> bits) as u8);
+            word &= (1 << bits) - 1;
+        }
+    }
+    bytes
+}

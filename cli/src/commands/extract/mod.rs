@@ -58,7 +58,7 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_parser = replays(), conflicts_with = "criterion", help_heading = BECOMES,
           display_order = 2, hide_short_help = true)]
     model: Option<Choice<ModelKind>>,
-    /// File (.glb, .gltf, .obj, .ply), or folder; - for standard output
+    /// File (.glb, .vrm, .gltf, .obj, .ply, .stl), or folder; - for standard output
     ///
     /// For several inputs always a folder. A folder that is there, or a name with / at its end,
     /// means a file inside it. Results of a folder keep its structure and the inputs' extensions

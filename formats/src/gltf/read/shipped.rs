@@ -9,7 +9,7 @@ use crate::gltf::extensions::{animation_pointer, forget_extra};
 use crate::gltf::glb;
 use crate::gltf::json::{self, Json, Object, malformed};
 use crate::gltf::prune;
-use crate::gltf::schema::{Pool, primitive_mut, retain};
+use crate::gltf::schema::{Pool, forget_references, primitive_mut, retain};
 use crate::gltf::views::Views;
 use crate::options::ImportOptions;
 use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
@@ -196,6 +196,8 @@ impl Chain {
                 });
             }
         }
+        forget_references(level_root, Pool::Meshes, &meshes_kept);
+        forget_references(level_root, Pool::Nodes, &nodes_kept);
         retain(level_root, Pool::Meshes, &meshes_kept);
         retain(level_root, Pool::Nodes, &nodes_kept);
     }

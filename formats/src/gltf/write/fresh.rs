@@ -59,10 +59,10 @@ struct Textures {
 }
 
 impl Textures {
-    /// The reference of a material to a texture; none for paths that no relative URI can name.
+    /// The reference of a material to a texture; none for a name that no file can have.
     fn info(&mut self, map: &TextureMap<'_>) -> Option<Json> {
         let path = map.file.replace('\\', "/");
-        if path.starts_with('/') || path.contains([':', '\0']) {
+        if path.contains('\0') {
             return None;
         }
         let image = self.images.insert_full(uri::of_path(&path)).0;

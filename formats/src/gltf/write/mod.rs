@@ -1,6 +1,7 @@
 //! Writes glTF 2.0 and GLB: the source's document as it was, its triangles at one level of detail;
 //! or a chain of levels, or all of them.
 
+mod avatars;
 mod chain;
 mod compressed;
 mod differences;

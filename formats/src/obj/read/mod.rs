@@ -37,7 +37,11 @@ pub(crate) fn import(
     // The text is the largest thing in memory, and is not needed any more.
     drop(bytes);
     let libraries = std::mem::take(&mut parsed.libraries);
-    let materials = libraries::Materials::read(&libraries, assets)?;
+    let materials = if libraries.is_empty() && !parsed.faces.materials.is_empty() {
+        libraries::Materials::beside(assets)?
+    } else {
+        libraries::Materials::read(&libraries, assets)?
+    };
 
     let mut warnings = materials.warnings;
     let assembled = faces::assemble(&parsed.faces, content_hash as u64);

@@ -22,6 +22,9 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
         "lines have more numbers than their meaning needs, the last ones were left out",
     );
     warn_lines(notes.weights, "positions have a weight, which was left out");
+    let [_, texcoords, normals] = notes.dangling;
+    warn_lines(texcoords, "corners name texture coordinates, of which the file has none");
+    warn_lines(normals, "corners name normals, of which the file has none");
     if !parsed.faces.colors.is_empty() {
         warn_lines(
             notes.uncolored,

@@ -1,7 +1,7 @@
 //! Parses an OBJ into arrays: chunks of lines in parallel, then relative indices and states
 //! (material, group) resolved in order.
 
-use super::chunk::{Chunk, Name, max_corners, max_vertices};
+use super::chunk::{Chunk, Name, max_corners, max_vertices, vertices};
 use super::parsed::{NONE, Parsed, Run};
 use crate::{Fault, FormatError, Limits};
 use rayon::prelude::*;
@@ -19,17 +19,34 @@ const MAX_LIBRARIES: usize = 1000;
 /// # Errors
 /// If a statement breaks the rules or a limit is reached: the first line that does.
 pub(super) fn parse(bytes: &[u8], limits: &Limits) -> Result<Parsed, FormatError> {
-    parse_chunks(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), CHUNK_BYTES, limits)
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let parsed = parse_chunks(bytes, CHUNK_BYTES, limits, [false; 3]);
+    match parsed {
+        Err(e) if e.fault == Fault::Malformed => {
+            // Some writers number normals and texture coordinates that they do not write.
+            let counts = vertices(bytes, limits).unwrap_or([1; 3]);
+            match [false, counts[1] == 0, counts[2] == 0] {
+                [_, false, false] => Err(e),
+                ignored => parse_chunks(bytes, CHUNK_BYTES, limits, ignored),
+            }
+        }
+        other => other,
+    }
 }
 
-fn parse_chunks(bytes: &[u8], size: usize, limits: &Limits) -> Result<Parsed, FormatError> {
+fn parse_chunks(
+    bytes: &[u8],
+    size: usize,
+    limits: &Limits,
+    ignored: [bool; 3],
+) -> Result<Parsed, FormatError> {
     let texts = chunks(bytes, size);
     let read: Result<Vec<Chunk>, FormatError> =
-        texts.par_iter().map(|text| Chunk::read(text, limits)).collect();
+        texts.par_iter().map(|text| Chunk::read(text, limits, ignored)).collect();
     // The file is read again as a whole to find the first line with a fault: a chunk may come after
     // it.
     let first_fault = || {
-        let whole = Chunk::read_file(bytes, limits);
+        let whole = Chunk::read_file(bytes, limits, ignored);
         whole.expect_err("what is wrong in a chunk is wrong in the file")
     };
     let Ok(read) = read else { return Err(first_fault()) };

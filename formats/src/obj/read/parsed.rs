@@ -31,6 +31,8 @@ pub(super) struct Notes {
     pub(super) extra_values: Count,
     /// Positions with a weight other than 1.
     pub(super) weights: Count,
+    /// Indices of texture coordinates (1) and normals (2) of which the file has none.
+    pub(super) dangling: [Count; 3],
     /// Positions without a colour.
     pub(super) uncolored: Count,
 }
@@ -48,6 +50,9 @@ impl Notes {
         self.free_form.append(more.free_form, lines_before);
         self.extra_values.append(more.extra_values, lines_before);
         self.weights.append(more.weights, lines_before);
+        for (count, more) in self.dangling.iter_mut().zip(more.dangling) {
+            count.append(more, lines_before);
+        }
         self.uncolored.append(more.uncolored, lines_before);
     }
 }
