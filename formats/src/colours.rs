@@ -50,22 +50,25 @@ fn shortest(light: f32, component: Component) -> f32 {
         _ => None,
     };
     let stored = |light: f32| match steps {
-        Some(steps) => (light * steps).round(),
-        None => light,
+        Some(steps) => (f64::from(light) * steps).round(),
+        None => f64::from(light),
     };
     let value = srgb_value(light);
     let reads_back = |v: &f32| stored(to_linear(*v)) == stored(light);
-    let rounded = |v: f32, digits: i32| {
+    let rounded = |v: f64, digits: i32| {
         let power = 10f64.powi(digits);
-        ((f64::from(v) * power).round() / power) as f32
+        ((v * power).round() / power) as f32
     };
-    // What is on a grid was a byte before, or is at least as near to one as to its neighbours.
-    let byte = (value * 255.0).round() / 255.0;
-    if steps.is_some() && reads_back(&byte) {
+    // What is on a grid was a byte before, perhaps of six digits, or is at least as near to one as
+    // to its neighbours. In 16 bits bytes are 20 steps apart.
+    let off = if component == Component::U16 { 1.0 } else { 0.0 };
+    let byte = f64::from((value * 255.0).round()) / 255.0;
+    let was_byte = (stored(to_linear(byte as f32)) - stored(light)).abs() <= off;
+    if steps.is_some() && was_byte {
         return rounded(byte, 6);
     }
     let neighbours = [value, value.next_up(), value.next_down()];
-    let mut candidates = (1..9).map(|digits| rounded(value, digits)).chain(neighbours);
+    let mut candidates = (1..9).map(|digits| rounded(value.into(), digits)).chain(neighbours);
     candidates.find(reads_back).unwrap_or(value)
 }
 

@@ -5,6 +5,7 @@ pub use crate::options::{Additions, ExportObject, Precision};
 pub use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
 
 use crate::flatten::{FileCoordinates, Placed, placed};
+use crate::loose::Loose;
 use crate::obj::write::Library;
 use crate::{
     Document, FormatError, Limits, ObjectInfo, OutputFile, gltf, obj, ply, scene_graph, stl,
@@ -60,12 +61,14 @@ pub fn export_with(
         ExportFormat::Obj => {
             let library = library(document, additions)?;
             let placed = all_placed(document, objects, true)?;
-            obj::write::export(path, &placed, &library, additions.provenance.as_ref())
+            let loose = loose(document)?;
+            obj::write::export(path, &placed, &library, &loose, additions.provenance.as_ref())
         }
         ExportFormat::Ply => {
             let library = library(document, additions)?;
             let placed = all_placed(document, objects, false)?;
-            ply::write::export(path, &placed, &library, additions.provenance.as_ref())?
+            let loose = loose(document)?;
+            ply::write::export(path, &placed, &library, &loose, additions.provenance.as_ref())?
         }
         ExportFormat::Stl => stl::write::export(path, &all_placed(document, objects, false)?)?,
     };
@@ -95,6 +98,7 @@ pub fn left_out(
         ("materials", document.has_materials()),
         ("joints", has(|s| matches!(s, Semantic::Joints(_)))),
         ("morph targets", objects.iter().any(|o| is_morphed(o.mesh))),
+        ("points and lines", loose(document).is_ok_and(|loose| !loose.is_empty())),
     ] {
         if there {
             kinds.push(kind);
@@ -106,6 +110,14 @@ pub fn left_out(
 
 fn is_morphed(mesh: &Mesh) -> bool {
     mesh.attributes().iter().any(|a| a.morph_target.is_some())
+}
+
+/// The points and lines of a document.
+fn loose(document: &Document) -> Result<Loose, FormatError> {
+    match document {
+        Document::Obj(obj) => Ok(Loose::read(&obj.loose)),
+        Document::Gltf(gltf) => gltf::loose(gltf),
+    }
 }
 
 /// The materials of a document as an OBJ has them.

@@ -74,6 +74,8 @@ pub mod lodc;
 #[cfg(feature = "stream")]
 pub mod lods;
 #[cfg(any(feature = "import", feature = "export"))]
+mod loose;
+#[cfg(any(feature = "import", feature = "export"))]
 #[cfg_attr(
     not(all(feature = "import", feature = "export", feature = "stream")),
     allow(

@@ -136,6 +136,8 @@ pub struct ObjDocument {
     pub libraries: Vec<String>,
     /// Materials, in the order of the libraries: name and the lines of their definition as read.
     pub materials: Vec<ObjMaterial>,
+    /// Points and lines: statements `v`, `p` and `l` of an OBJ by themselves.
+    pub loose: Vec<String>,
 }
 
 /// One material of an MTL file.

@@ -9,8 +9,7 @@ use walkdir::WalkDir;
 pub const MESH_EXTENSIONS: [&str; 6] = ["obj", "gltf", "glb", "vrm", "ply", "stl"];
 
 /// Extensions of the files that are taken from folders where stored levels serve as well as meshes.
-pub const LEVEL_EXTENSIONS: [&str; 7] =
-    ["obj", "gltf", "glb", "vrm", "ply", "stl", "lodc"];
+pub const LEVEL_EXTENSIONS: [&str; 7] = ["obj", "gltf", "glb", "vrm", "ply", "stl", "lodc"];
 
 /// Accepts files by their paths below a folder.
 #[derive(Debug)]

@@ -160,7 +160,8 @@ impl<'a> Level<'a> {
             "ply" => (ExportFormat::Ply, Some(TextureMode::Copy)),
             "stl" => (ExportFormat::Stl, None),
             _ => {
-                let what = "the extension names no known format: .glb, .gltf, .obj, .ply, .stl, .vrm";
+                let what =
+                    "the extension names no known format: .glb, .gltf, .obj, .ply, .stl, .vrm";
                 return Err(Error::Request(format!("{}: {what}", path.display())));
             }
         };

@@ -77,10 +77,10 @@ mod tests {
         for i in 1..=10_000 {
             let v = i as f32 / 10_000.0;
             let x = f64::from(v);
-            let expected =
-                if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
+            let expected = if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
             assert!((f64::from(to_linear(v)) - expected).abs() <= 6e-8 * expected, "{v}");
-            let expected = if x <= 0.003_130_8 { x * 12.92 } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+            let expected =
+                if x <= 0.003_130_8 { x * 12.92 } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
             assert!((f64::from(srgb_value(v)) - expected).abs() <= 6e-8, "{v}");
         }
     }

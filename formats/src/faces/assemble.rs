@@ -310,7 +310,8 @@ impl<'a> Builder<'a> {
             let used = |i: usize| numbers[i].filter(|_| submesh.attributes[i] == 1);
             submesh.attributes = [used(1), used(0), color].into_iter().flatten().collect();
         }
-        self.out.source_positions = vertices.iter().map(|k| k[0]).collect();
+        let of_file = |v: u32| faces.file_positions.get(v as usize).copied().unwrap_or(v);
+        self.out.source_positions = vertices.iter().map(|k| of_file(k[0])).collect();
         self.out.imperfect_polygons = self.triangulator.imperfect;
         self.out
     }

@@ -63,10 +63,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
     ),
     (
         "EXT_mesh_primitive_restart",
-        &[(
-            "meshes[].extensions.EXT_mesh_primitive_restart.primitiveGroups[].indices",
-            Accessors,
-        )],
+        &[("meshes[].extensions.EXT_mesh_primitive_restart.primitiveGroups[].indices", Accessors)],
     ),
     (
         "EXT_meshopt_compression",
@@ -76,10 +73,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
     ("FB_ngon_encoding", &[]),
     (
         "KHR_draco_mesh_compression",
-        &[(
-            "meshes[].primitives[].extensions.KHR_draco_mesh_compression.bufferView",
-            BufferViews,
-        )],
+        &[("meshes[].primitives[].extensions.KHR_draco_mesh_compression.bufferView", BufferViews)],
     ),
     ("KHR_gaussian_splatting", &[]),
     ("KHR_mesh_quantization", &[]),
@@ -104,10 +98,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
         ],
     ),
     // Materials, textures, lights.
-    (
-        "EXT_lights_ies",
-        &[("extensions.EXT_lights_ies.lights[].bufferView", BufferViews)],
-    ),
+    ("EXT_lights_ies", &[("extensions.EXT_lights_ies.lights[].bufferView", BufferViews)]),
     (
         "EXT_lights_image_based",
         &[("extensions.EXT_lights_image_based.lights[].specularImages[][]", Images)],
@@ -115,10 +106,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
     ("EXT_texture_astc", &[("textures[].extensions.EXT_texture_astc.source", Images)]),
     ("EXT_texture_avif", &[("textures[].extensions.EXT_texture_avif.source", Images)]),
     ("EXT_texture_webp", &[("textures[].extensions.EXT_texture_webp.source", Images)]),
-    (
-        "KHR_lights_punctual",
-        &[("nodes[].extensions.KHR_lights_punctual.light", Lights)],
-    ),
+    ("KHR_lights_punctual", &[("nodes[].extensions.KHR_lights_punctual.light", Lights)]),
     (
         "KHR_materials_anisotropy",
         &[("materials[].extensions.KHR_materials_anisotropy.anisotropyTexture.index", Textures)],
@@ -218,16 +206,10 @@ pub(super) const EXTENSIONS: &[Entry] = &[
     ),
     ("KHR_texture_basisu", &[("textures[].extensions.KHR_texture_basisu.source", Images)]),
     ("KHR_texture_transform", &[]),
-    (
-        "MOZ_alt_materials",
-        &[("materials[].extensions.MOZ_alt_materials{}", Materials)],
-    ),
+    ("MOZ_alt_materials", &[("materials[].extensions.MOZ_alt_materials{}", Materials)]),
     ("MOZ_lightmap", &[("materials[].extensions.MOZ_lightmap.index", Textures)]),
     ("MOZ_texture_rgbe", &[("textures[].extensions.MOZ_texture_rgbe.source", Images)]),
-    (
-        "MPEG_texture_video",
-        &[("textures[].extensions.MPEG_texture_video.accessor", Accessors)],
-    ),
+    ("MPEG_texture_video", &[("textures[].extensions.MPEG_texture_video.accessor", Accessors)]),
     (
         "MSFT_packing_normalRoughnessMetallic",
         &[(
@@ -274,10 +256,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
     (
         "VRMC_materials_mtoon",
         &[
-            (
-                "materials[].extensions.VRMC_materials_mtoon.shadeMultiplyTexture.index",
-                Textures,
-            ),
+            ("materials[].extensions.VRMC_materials_mtoon.shadeMultiplyTexture.index", Textures),
             ("materials[].extensions.VRMC_materials_mtoon.shadingShiftTexture.index", Textures),
             ("materials[].extensions.VRMC_materials_mtoon.matcapTexture.index", Textures),
             ("materials[].extensions.VRMC_materials_mtoon.rimMultiplyTexture.index", Textures),
@@ -285,10 +264,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
                 "materials[].extensions.VRMC_materials_mtoon.outlineWidthMultiplyTexture.index",
                 Textures,
             ),
-            (
-                "materials[].extensions.VRMC_materials_mtoon.uvAnimationMaskTexture.index",
-                Textures,
-            ),
+            ("materials[].extensions.VRMC_materials_mtoon.uvAnimationMaskTexture.index", Textures),
         ],
     ),
     ("VRMC_materials_hdr_emissiveMultiplier", &[]),
@@ -346,10 +322,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
                 "extensions.EXT_structural_metadata.propertyTables[].properties{}.stringOffsets",
                 BufferViews,
             ),
-            (
-                "extensions.EXT_structural_metadata.propertyTextures[].properties{}.index",
-                Textures,
-            ),
+            ("extensions.EXT_structural_metadata.propertyTextures[].properties{}.index", Textures),
         ],
     ),
     (
@@ -368,10 +341,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
         "MPEG_accessor_timed",
         &[("accessors[].extensions.MPEG_accessor_timed.bufferView", BufferViews)],
     ),
-    (
-        "MPEG_animation_timing",
-        &[("extensions.MPEG_animation_timing.accessor", Accessors)],
-    ),
+    ("MPEG_animation_timing", &[("extensions.MPEG_animation_timing.accessor", Accessors)]),
     (
         "MPEG_audio_spatial",
         &[("nodes[].extensions.MPEG_audio_spatial.sources[].accessors[]", Accessors)],
@@ -409,14 +379,8 @@ pub(super) const EXTENSIONS: &[Entry] = &[
     (
         "KHR_physics_rigid_bodies",
         &[
-            (
-                "nodes[].extensions.KHR_physics_rigid_bodies.collider.geometry.node",
-                Nodes,
-            ),
-            (
-                "nodes[].extensions.KHR_physics_rigid_bodies.collider.geometry.mesh",
-                Meshes,
-            ),
+            ("nodes[].extensions.KHR_physics_rigid_bodies.collider.geometry.node", Nodes),
+            ("nodes[].extensions.KHR_physics_rigid_bodies.collider.geometry.mesh", Meshes),
             ("nodes[].extensions.KHR_physics_rigid_bodies.trigger.geometry.node", Nodes),
             ("nodes[].extensions.KHR_physics_rigid_bodies.trigger.geometry.mesh", Meshes),
             ("nodes[].extensions.KHR_physics_rigid_bodies.trigger.nodes[]", Nodes),
@@ -430,10 +394,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
             ("nodes[].extensions.OMI_collider.mesh", Meshes),
         ],
     ),
-    (
-        "OMI_physics_body",
-        &[("nodes[].extensions.OMI_physics_body.trigger.nodes[]", Nodes)],
-    ),
+    ("OMI_physics_body", &[("nodes[].extensions.OMI_physics_body.trigger.nodes[]", Nodes)]),
     ("OMI_physics_gravity", &[]),
     (
         "OMI_physics_joint",
@@ -560,3 +521,54 @@ pub(super) const DROPPED_FROM_PRIMITIVES: [&str; 4] = [
 /// The same of a mesh.
 pub(super) const DROPPED_FROM_MESHES: [&str; 3] =
     ["EXT_mesh_manifold", "EXT_mesh_primitive_restart", "MPEG_mesh_linking"];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::fmt::Write;
+
+    /// The rows of docs/EXTENSIONS.md.
+    fn page() -> String {
+        let mut page = String::new();
+        let mut all: Vec<&Entry> = EXTENSIONS.iter().collect();
+        all.sort_unstable_by_key(|(name, _)| *name);
+        for (name, paths) in all {
+            let row = |(path, pool): &(&str, Pool)| format!("`{path}` → {}", pool.name());
+            let cell = match paths {
+                [] => "none".to_owned(),
+                _ => paths.iter().map(row).collect::<Vec<_>>().join("<br>"),
+            };
+            writeln!(page, "| {name} | {cell} |").expect("a String takes everything");
+        }
+        page
+    }
+
+    #[test]
+    fn the_page_shows_the_table() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/EXTENSIONS.md");
+        let text = std::fs::read_to_string(path).expect("the page is there");
+        let (head, table) = text.split_once("| --- | --- |\n").expect("a table");
+        let (rows, tail) = table.split_once("\n\n").expect("text after the table");
+        if std::env::var_os("UPDATE").is_some() {
+            let page = page();
+            let text = format!("{head}| --- | --- |\n{}\n\n{tail}", page.trim_end());
+            std::fs::write(path, text).expect("the page can be written");
+            return;
+        }
+        assert_eq!(rows, page().trim_end(), "UPDATE=1 writes docs/EXTENSIONS.md anew");
+    }
+
+    #[test]
+    fn paths_lead_through_their_extension_and_names_are_unique() {
+        let names: BTreeSet<&str> = EXTENSIONS.iter().map(|(name, _)| *name).collect();
+        assert_eq!(names.len(), EXTENSIONS.len());
+        for (name, paths) in EXTENSIONS {
+            for (path, _) in *paths {
+                let inside = format!("extensions.{name}");
+                assert!(path.contains(&inside), "{path} is no place of {name}");
+                assert!(!path.contains(' '), "{path}");
+            }
+        }
+    }
+}

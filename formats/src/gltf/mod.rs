@@ -34,6 +34,8 @@ mod graph;
 mod images;
 mod json;
 #[cfg(feature = "export")]
+mod loose;
+#[cfg(feature = "export")]
 mod materials;
 #[cfg(feature = "gltf")]
 mod meshopt;
@@ -74,6 +76,8 @@ pub(crate) use difference::difference;
 pub use graph::scene_graph;
 #[cfg(feature = "export")]
 pub(crate) use images::{add_embedded, read_textures};
+#[cfg(feature = "export")]
+pub(crate) use loose::loose;
 #[cfg(feature = "export")]
 pub(crate) use materials::library;
 #[cfg(feature = "stream")]

@@ -23,7 +23,7 @@ pub fn count(path: &Path, options: &ImportOptions) -> Result<Counted, FormatErro
             Ok(Counted { triangles, vertices: triangles, bytes: 0 })
         }
         // The import says why it is refused.
-        Sniffed::Other(_) => {
+        Sniffed::Other(_) | Sniffed::Made => {
             super::read(bytes, path, &mut assets, options).map(|_| Counted::default())
         }
     }

@@ -16,6 +16,8 @@ pub(super) enum Sniffed {
     Ply,
     /// STL, ASCII or binary.
     Stl,
+    /// What this program has made.
+    Made,
     /// Something that is not imported, by its name.
     Other(&'static str),
 }
@@ -47,7 +49,7 @@ const MAGIC: [(&[u8], Sniffed); 26] = [
     (b"<COLLADA", Sniffed::Other("a COLLADA file")),
     (b"\x89PNG", Sniffed::Other("a PNG picture")),
     (b"\xff\xd8\xff", Sniffed::Other("a JPEG picture")),
-    (b"\x89LODC", Sniffed::Other("a file that lodc made: it is not an input; this")),
+    (b"\x89LODC", Sniffed::Made),
 ];
 
 /// Returns the kind that `bytes` seem to be; the extension of `path` decides only for formats

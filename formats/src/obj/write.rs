@@ -4,6 +4,7 @@ use super::mtl::{self, Meaning};
 use crate::colours::SrgbValues;
 use crate::flatten::{FileCoordinates, Placed, Vertices, component};
 use crate::images::{ImagePlace, PlacedTextures};
+use crate::loose::Loose;
 use crate::provenance::Provenance;
 use crate::{ObjDocument, ObjMaterial, OutputFile, SubmeshInfo};
 use lodc_mesh::{Mesh, Semantic};
@@ -18,6 +19,7 @@ pub(crate) fn export(
     path: &Path,
     placed: &[Placed<'_>],
     library: &Library,
+    loose: &Loose,
     provenance: Option<&Provenance>,
 ) -> Vec<OutputFile> {
     let origin = provenance.map(Provenance::line);
@@ -39,6 +41,10 @@ pub(crate) fn export(
     };
     for placed in placed {
         writer.object(placed, library);
+    }
+    if !loose.is_empty() {
+        line(&mut writer.text, "o", "points_and_lines");
+        loose.statements().iter().for_each(|statement| line(&mut writer.text, statement, ""));
     }
     let mut files = vec![OutputFile { path: path.to_owned(), bytes: writer.text }];
     if has_library {

@@ -3,6 +3,7 @@
 
 use crate::colours::SrgbValues;
 use crate::flatten::{Placed, component};
+use crate::loose::Loose;
 use crate::obj::write::Library;
 use crate::provenance::Provenance;
 use crate::{Fault, FormatError, OutputFile};
@@ -20,9 +21,11 @@ pub(crate) fn export(
     path: &Path,
     placed: &[Placed<'_>],
     library: &Library,
+    loose: &Loose,
     provenance: Option<&Provenance>,
 ) -> Result<Vec<OutputFile>, FormatError> {
-    let vertices: usize = placed.iter().map(|p| p.object.mesh.vertex_count()).sum();
+    let of_triangles: usize = placed.iter().map(|p| p.object.mesh.vertex_count()).sum();
+    let vertices = of_triangles + loose.positions.len();
     let triangles: usize = placed.iter().map(|p| p.object.mesh.triangles().len()).sum();
     if i32::try_from(vertices).is_err() {
         return Err(FormatError::new(
@@ -31,8 +34,13 @@ pub(crate) fn export(
             format!("{vertices} vertices are too many for a PLY"),
         ));
     }
-    let (columns, textures) = (Columns::of(placed), Textures::of(placed, library));
-    let mut bytes = columns.header(vertices, triangles, &textures, provenance).into_bytes();
+    let (mut columns, textures) = (Columns::of(placed), Textures::of(placed, library));
+    if !loose.colors.is_empty() {
+        columns.colors = columns.colors.max(3);
+    }
+    let edges: Vec<[u32; 2]> = loose.segments().collect();
+    let counts = [vertices, triangles, edges.len()];
+    let mut bytes = columns.header(counts, &textures, provenance).into_bytes();
     bytes.reserve(vertices * columns.stride() + triangles * 17);
     let (mut first, mut faces) = (0u32, Vec::with_capacity(triangles * 17));
     for p in placed {
@@ -52,7 +60,11 @@ pub(crate) fn export(
         }
         first += mesh.vertex_count() as u32;
     }
+    columns.write_loose(&mut bytes, loose);
     bytes.extend_from_slice(&faces);
+    for end in edges.as_flattened() {
+        bytes.extend_from_slice(&(of_triangles as u32 + end).to_le_bytes());
+    }
     Ok(vec![OutputFile { path: path.to_owned(), bytes }])
 }
 
@@ -68,8 +80,7 @@ struct Textures {
 
 impl Textures {
     fn of(placed: &[Placed<'_>], library: &Library) -> Self {
-        let mut textures =
-            Self { numbers: BTreeMap::new(), names: Vec::new(), numbered: false };
+        let mut textures = Self { numbers: BTreeMap::new(), names: Vec::new(), numbered: false };
         let mut has_bare = false;
         for object in placed.iter().map(|p| p.object) {
             for (submesh, info) in object.mesh.submeshes().iter().zip(&object.info.submeshes) {
@@ -120,8 +131,7 @@ impl Columns {
 
     fn header(
         &self,
-        vertices: usize,
-        triangles: usize,
+        [vertices, triangles, edges]: [usize; 3],
         textures: &Textures,
         provenance: Option<&Provenance>,
     ) -> String {
@@ -143,6 +153,9 @@ impl Columns {
         if textures.numbered {
             put("property int texnumber".to_owned());
         }
+        if edges > 0 {
+            put(format!("element edge {edges}\nproperty int vertex1\nproperty int vertex2"));
+        }
         put("end_header".to_owned());
         header
     }
@@ -150,6 +163,18 @@ impl Columns {
     /// Bytes of a vertex.
     fn stride(&self) -> usize {
         12 + usize::from(self.normals) * 12 + usize::from(self.uvs) * 8 + self.colors
+    }
+
+    /// Writes the vertices of points and lines; all but positions and colours are zero.
+    fn write_loose(&self, bytes: &mut Vec<u8>, loose: &Loose) {
+        for (v, position) in loose.positions.iter().enumerate() {
+            position.iter().for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
+            let zeros = self.stride() - 12 - self.colors;
+            bytes.resize(bytes.len() + zeros, 0);
+            let rgb = loose.colors.get(v).copied().unwrap_or([1.0; 3]);
+            let rgba = [rgb[0], rgb[1], rgb[2], 1.0];
+            rgba[..self.colors].iter().for_each(|c| bytes.push(byte(*c)));
+        }
     }
 
     fn write(&self, bytes: &mut Vec<u8>, placed: &Placed<'_>) {

@@ -5,6 +5,7 @@
 use crate::faces::{self, FaceFile, Faces, NONE, Run, first_equal};
 use crate::options::ImportOptions;
 use crate::{Assets, Fault, FormatError, Limits, ObjDocument, Scene, Source, SourceFormat};
+use std::collections::BTreeMap;
 use std::io::{Cursor, ErrorKind};
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -48,16 +49,18 @@ pub(crate) fn import(
 ) -> Result<Scene, FormatError> {
     let content_hash = xxh3_128(&bytes);
     let mut loose = Faces::default();
+    let mut colors = None;
     let first = bytes.trim_ascii_start();
     let is_text = first.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     if is_binary(&bytes) || !is_text {
+        colors = FacetColors::of(&bytes);
         binary(&mut bytes, &mut loose, assets.limits())?;
     } else {
         text(&bytes, &mut loose, assets.limits())?;
     }
     drop(bytes);
     let corners = loose.positions.len();
-    let faces = joined(loose, content_hash as u64);
+    let mut faces = joined(loose, content_hash as u64);
     let mut warnings = Vec::new();
     if corners > faces.positions.len() {
         warnings.push(format!(
@@ -65,12 +68,60 @@ pub(crate) fn import(
             faces.positions.len()
         ));
     }
+    if let Some(FacetColors { numbers, palette }) = colors {
+        faces.color_by_face(&numbers, &palette, content_hash as u64);
+    }
     let assembled = faces::assemble(&faces, content_hash as u64);
     let source = Source { format: SourceFormat::Stl, content_hash };
     let name = faces.name(assets);
     drop(faces);
     let document = ObjDocument::default();
     faces::scene(FaceFile { assembled, name, source, document, warnings }, assets, options)
+}
+
+/// Colours of the facets of a binary file.
+struct FacetColors {
+    /// For each facet a number in the palette.
+    numbers: Vec<u32>,
+    palette: Vec<[f32; 4]>,
+}
+
+impl FacetColors {
+    /// Reads the two bytes after each facet, as Magics or else VisCAM writes them: five bits for a
+    /// channel. Magics says so in the header, with the colour of facets without their own; there
+    /// red comes first, and the last bit says that there is none. VisCAM has blue first, and the
+    /// last bit says that there is a colour. None if no facet has one.
+    fn of(bytes: &[u8]) -> Option<Self> {
+        let facets = bytes.get(HEADER_BYTES..)?.chunks_exact(FACET_BYTES);
+        let attributes =
+            facets.map(|f| u16::from_le_bytes([f[FACET_BYTES - 2], f[FACET_BYTES - 1]]));
+        let header = &bytes[..HEADER_BYTES - 4];
+        let magics = header.windows(6).position(|w| w == b"COLOR=");
+        let default = magics.and_then(|at| header.get(at + 6..at + 10));
+        let has_own = |a: u16| (a & 0x8000 == 0) == default.is_some();
+        // A file that fills the bytes with ones or text means no colours.
+        let is_plain = |a: u16| a == 0 || a == u16::MAX;
+        if default.is_none() && !attributes.clone().any(|a| has_own(a) && !is_plain(a)) {
+            return None;
+        }
+        let of_file =
+            default.map_or([1.0; 4], |rgba| std::array::from_fn(|i| f32::from(rgba[i]) / 255.0));
+        let mut palette = vec![[of_file[0], of_file[1], of_file[2], 1.0]];
+        let mut known = BTreeMap::new();
+        let numbers = attributes.map(|a| match has_own(a) {
+            false => 0,
+            true => *known.entry(a & 0x7fff).or_insert_with(|| {
+                let [mut r, g, mut b] = [0, 5, 10].map(|shift| f32::from(a >> shift & 31) / 31.0);
+                if default.is_none() {
+                    std::mem::swap(&mut r, &mut b);
+                }
+                palette.push([r, g, b, 1.0]);
+                palette.len() as u32 - 1
+            }),
+        });
+        let numbers = numbers.collect();
+        Some(Self { numbers, palette })
+    }
 }
 
 /// Reads the facets of a binary file.

@@ -315,3 +315,12 @@ pub(crate) fn unbase64(text: &str) -> Vec<u8> {
     }
     bytes
 }
+
+/// The document and the binary chunk of a GLB.
+pub(crate) fn glb_document(bytes: &[u8]) -> (Value, Vec<u8>) {
+    let length =
+        |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize;
+    let end = 20 + length(12);
+    let root = serde_json::from_slice(&bytes[20..end]).expect("JSON");
+    (root, bytes.get(end + 8..).unwrap_or_default().to_vec())
+}

@@ -211,7 +211,7 @@ fn chain(
     stages.run("write", || output::commit(&made.files))?;
     progress.clear();
     let name = input.display().to_string();
-    warnings.iter().for_each(|warning| console::warning(&name, warning));
+    console::warnings(&name, &warnings);
     let mut files = asset.files;
     files.extend(&images);
     let rules = rules(&made, &files);

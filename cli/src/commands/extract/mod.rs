@@ -138,10 +138,7 @@ fn assets(args: &ExtractArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatN
 
 /// Prints warnings and what was extracted.
 fn say(input: &Path, report: &ExtractReport) {
-    let name = input.display().to_string();
-    for warning in &report.warnings {
-        console::warning(&name, warning);
-    }
+    console::warnings(&input.display().to_string(), &report.warnings);
     if wants(Loudness::Normal) {
         note(&sentence(report));
     }

@@ -189,10 +189,7 @@ fn read_objects(
         "corners after the last whole triangle of their primitive dropped",
         counts.leftover_corners,
     );
-    warn(
-        "attributes with a third texture coordinate, which is dropped",
-        counts.third_coordinates,
-    );
+    warn("attributes with a third texture coordinate, which is dropped", counts.third_coordinates);
     warn("attribute values that are not finite numbers, kept as they are", counts.not_finite);
     warn("primitives of points or lines, passed through unchanged", points_or_lines);
     warn("primitives without positions, passed through unchanged", without_positions);

@@ -8,6 +8,7 @@ use crate::gltf::extensions::{self, DRACO, MESHOPT, Unknown};
 use crate::gltf::json::Object;
 use crate::gltf::schema::{Pool, primitive_mut, referenced, retain};
 use crate::gltf::views::Views;
+use crate::words::counted;
 use crate::{FormatError, GltfDocument};
 use std::collections::BTreeSet;
 
@@ -28,8 +29,9 @@ pub(super) fn remainder(
         outlines += usize::from(primitive::strip(primitive));
     }
     if outlines > 0 {
+        let primitives = counted(outlines, "primitive", "primitives");
         warnings.push(format!(
-            "outlines or n-gons of {outlines} primitives dropped: they name the old triangles"
+            "outlines or n-gons of {primitives} dropped: they name the old triangles"
         ));
     }
     let simplified: BTreeSet<usize> = stripped.iter().map(|(mesh, _)| *mesh).collect();

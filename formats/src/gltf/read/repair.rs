@@ -67,7 +67,8 @@ fn drop_empty_primitives(root: &mut Object, warnings: &mut Vec<String>) {
     prune::without(root, &empty);
     if extensions::unknown(root).is_some() {
         // Numbers stay as they are: an accessor without bytes stands for zeros.
-        let unused: Vec<bool> = referenced(root, Pool::Accessors).iter().map(|used| !used).collect();
+        let unused: Vec<bool> =
+            referenced(root, Pool::Accessors).iter().map(|used| !used).collect();
         for (accessor, _) in root.objects_mut("accessors").zip(unused).filter(|(_, u)| *u) {
             if accessor["count"].as_u64() == Some(0) {
                 accessor["count"] = 1u32.into();

@@ -66,7 +66,7 @@ fn stated(root: &Object) -> Result<Provenance, FormatError> {
     let all = &root["extras"]["lodc"];
     let source = all["source"].as_str().and_then(|hash| u128::from_str_radix(hash, 16).ok());
     let source = source.ok_or_else(|| {
-        malformed("extras.lodc", "names no source: only what extract and chain wrote states levels")
+        malformed("extras.lodc", "not written by `lodc extract` or `lodc chain`: nothing to verify")
     })?;
     let facts = |level: &Json| LevelFacts {
         lod: level["lod"].as_u64().and_then(|lod| u32::try_from(lod).ok()),

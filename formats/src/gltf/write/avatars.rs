@@ -15,7 +15,8 @@ pub(super) struct Copies {
 /// Repeats the entries of lists that are about one mesh (VRM 0.x) or node (VRM 1.0).
 pub(super) fn repeat_binds(root: &mut Object, copies: &Copies) {
     let Some(extensions) = root.get_mut("extensions") else { return };
-    for (name, key, copies) in [("VRM", "mesh", &copies.meshes), ("VRMC_vrm", "node", &copies.nodes)]
+    for (name, key, copies) in
+        [("VRM", "mesh", &copies.meshes), ("VRMC_vrm", "node", &copies.nodes)]
     {
         if let Some(avatar) = extensions.get_mut(name) {
             repeat_below(avatar, key, copies);

@@ -96,7 +96,7 @@ fn source_document(
         Document::Gltf(gltf) => {
             (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone())
         }
-        Document::Obj(obj) => (fresh::document(obj, objects), Vec::new()),
+        Document::Obj(obj) => fresh::document(obj, objects),
     };
     // The document may come from a crafted file.
     schema::check(&mut root)?;

@@ -29,6 +29,8 @@ pub(super) struct Chunk {
     pub(super) spans: [IndexSpan; 3],
     /// For each face the number of corners up to its last.
     pub(super) face_ends: Vec<u32>,
+    /// Points and lines.
+    pub(super) elements: Vec<Element>,
     /// Names in order, each with the number of faces before it.
     pub(super) names: Vec<(u32, Name)>,
     /// Names of libraries, each with its line.
@@ -38,6 +40,15 @@ pub(super) struct Chunk {
     pub(super) notes: Notes,
     /// Number of line ends.
     pub(super) lines: u32,
+}
+
+/// Points, or a line.
+#[derive(Debug)]
+pub(super) struct Element {
+    pub(super) is_line: bool,
+    /// Its vertices, each with true if its index was negative: then it counts from the chunk's
+    /// first.
+    pub(super) vertices: Vec<(i64, bool)>,
 }
 
 /// A name for the faces that follow.
@@ -92,7 +103,8 @@ impl Chunk {
         ignored: [bool; 3],
     ) -> Result<Self, FormatError> {
         let lines = Lines::new(bytes, limits.line_bytes);
-        let mut reader = Reader { lines, limits, totals, ignored, face: Vec::new(), chunk: Self::default() };
+        let mut reader =
+            Reader { lines, limits, totals, ignored, face: Vec::new(), chunk: Self::default() };
         let mut word = reader.lines.first_statement()?;
         while let Some(statement) = word {
             reader.statement(statement)?;
@@ -154,8 +166,8 @@ impl<'a> Reader<'a> {
                 let name = self.lines.rest();
                 self.chunk.libraries.push((line, name));
             }
-            b"l" => notes.lines.add(line),
-            b"p" => notes.points.add(line),
+            b"l" => self.element(true)?,
+            b"p" => self.element(false)?,
             b"curv" | b"curv2" | b"surf" => notes.free_form.add(line),
             b"s" | b"vp" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"mg"
             | b"shadow_obj" | b"trace_obj" | b"usemap" | b"maplib" | b"cstype" | b"deg"
@@ -292,6 +304,29 @@ impl<'a> Reader<'a> {
             }
         }
         self.chunk.face_ends.push(self.chunk.corners[0].len() as u32);
+        Ok(())
+    }
+
+    /// Reads points or a line: positions, of which texture coordinates do not matter.
+    fn element(&mut self, is_line: bool) -> Result<(), FormatError> {
+        let mut vertices = Vec::new();
+        let count = self.chunk.positions.len() as i64;
+        while let Some(token) = self.lines.token() {
+            let part = token.split(|&b| b == b'/').next().unwrap_or_default();
+            let Some(number) = integer(part).filter(|number| *number != 0) else {
+                return Err(self.malformed(format!("`{}` is not a vertex", quoted(token))));
+            };
+            let relative = number < 0;
+            vertices.push((number + if relative { count } else { -1 }, relative));
+        }
+        let line = self.lines.number();
+        let notes = &mut self.chunk.notes;
+        if is_line {
+            notes.lines.add(line)
+        } else {
+            notes.points.add(line)
+        }
+        self.chunk.elements.push(Element { is_line, vertices });
         Ok(())
     }
 

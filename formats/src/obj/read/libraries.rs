@@ -117,8 +117,9 @@ impl Materials {
         self.list.extend(current);
         if repeated > 0 {
             let materials = counted(repeated, "material is", "materials are");
-            self.warnings
-                .push(format!("{library}: {materials} defined more than once, the first one holds"));
+            self.warnings.push(format!(
+                "{library}: {materials} defined more than once, the first one holds"
+            ));
         }
         if stray > 0 {
             let lines = counted(stray, "line", "lines");

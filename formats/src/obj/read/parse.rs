@@ -3,6 +3,7 @@
 
 use super::chunk::{Chunk, Name, max_corners, max_vertices, vertices};
 use super::parsed::{NONE, Parsed, Run};
+use crate::words::counted;
 use crate::{Fault, FormatError, Limits};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -139,6 +140,15 @@ impl Joined {
                 *index = index.wrapping_add(base.counts[kind] as u32);
             }
         }
+        for element in std::mem::take(&mut chunk.elements) {
+            let start = base.counts[0] as i64;
+            let vertex = |(index, relative): (i64, bool)| index + if relative { start } else { 0 };
+            let vertices = element.vertices.into_iter().map(vertex);
+            match element.is_line {
+                true => parsed.line_elements.push(vertices.collect()),
+                false => parsed.points.extend(vertices),
+            }
+        }
         let [before, texcoords, _] = base.counts.map(|n| n as usize);
         append_filled(
             &mut parsed.faces.colors,
@@ -181,8 +191,27 @@ impl Joined {
             );
             return Err(FormatError::new(Fault::Malformed, "", problem));
         }
+        check_faces(&self.parsed)?;
         Ok(self.parsed)
     }
+}
+
+/// Refuses a file without faces, and says what it is instead.
+fn check_faces(parsed: &Parsed) -> Result<(), FormatError> {
+    let (faces, notes) = (&parsed.faces, &parsed.notes);
+    if !faces.face_ends.is_empty() || notes.small_faces.times > 0 {
+        return Ok(());
+    }
+    let vertices = counted(faces.positions.len(), "vertex", "vertices");
+    let problem = if notes.free_form.times > 0 {
+        "free-form curves or surfaces, not a mesh: no face".to_owned()
+    } else if faces.positions.is_empty() {
+        "not a mesh: it has no vertex and no face".to_owned()
+    } else {
+        let kind = if notes.lines.times > 0 { "lines" } else { "a point cloud" };
+        format!("{kind}, not a mesh: {vertices} and no face")
+    };
+    Err(FormatError::new(Fault::Unsupported, "", problem))
 }
 
 /// Appends the values of a chunk with `count` elements to those of `before` elements. Both lists

@@ -9,6 +9,9 @@ pub(super) struct Parsed {
     pub(super) faces: Faces,
     /// Material libraries (`mtllib`).
     pub(super) libraries: Vec<String>,
+    /// Vertices of points, and of each line. Some may not be there.
+    pub(super) points: Vec<i64>,
+    pub(super) line_elements: Vec<Vec<i64>>,
     pub(super) notes: Notes,
 }
 
