@@ -51,8 +51,8 @@ impl FormatName {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         Self::from_str(&extension, true).map_err(|_| {
             Failure::usage(format!(
-                "{}: the extension names no known format: use .glb, .gltf, .obj, .ply, .stl or .vrm, \
-                 or say --format",
+                "{}: the extension names no known format: use .glb, .gltf, .obj, .ply, .stl or \
+                 .vrm, or say --format",
                 path.display()
             ))
         })

@@ -99,6 +99,7 @@ impl Assets {
     ///
     /// # Errors
     /// As [`Self::read_reference`] for the name as it is.
+    #[cfg(feature = "gltf")]
     pub(crate) fn read_name(&mut self, name: &str) -> Result<Vec<u8>, FormatError> {
         let first = match self.read_reference(name) {
             Err(e) if matches!(e.fault, Fault::Unreadable | Fault::Forbidden) => e,
@@ -120,6 +121,7 @@ impl Assets {
     }
 
     /// Notes that another file was read instead of one that is not there.
+    #[cfg(feature = "gltf")]
     pub(crate) fn set_replaced(&mut self, reference: &str) {
         if let Ok(file) = self.locate(reference) {
             self.requested.set_replaced(&file.named);
@@ -297,11 +299,13 @@ fn has_scheme(reference: &str) -> bool {
 }
 
 /// Returns whether a path with slashes begins at a root, at a drive, or with `file:`.
+#[cfg(feature = "gltf")]
 pub(crate) fn is_of_another_machine(path: &str) -> bool {
     path.starts_with('/') || has_scheme(path)
 }
 
 /// What follows the last slash of a path.
+#[cfg(feature = "gltf")]
 pub(crate) fn last_part(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }

@@ -166,8 +166,8 @@ fn read(
         sniff::Sniffed::Ply => ply::read::import(&bytes, assets, options),
         sniff::Sniffed::Stl => stl::read::import(bytes, assets, options),
         sniff::Sniffed::Made => {
-            let problem = "not a mesh but a file that lodc made: `lodc extract` takes meshes out of \
-                           a .lodc, `lodc unpack` out of a .lods";
+            let problem = "not a mesh but a file that lodc made: `lodc extract` takes meshes out \
+                           of a .lodc, `lodc unpack` out of a .lods";
             Err(FormatError::new(Fault::Unsupported, "", problem))
         }
         sniff::Sniffed::Other(kind) => {

@@ -145,7 +145,8 @@ pub(super) const EXTENSIONS: &[Entry] = &[
         &[
             ("materials[].extensions.KHR_materials_iridescence.iridescenceTexture.index", Textures),
             (
-                "materials[].extensions.KHR_materials_iridescence.iridescenceThicknessTexture.index",
+                "materials[].extensions.KHR_materials_iridescence\
+                 .iridescenceThicknessTexture.index",
                 Textures,
             ),
         ],

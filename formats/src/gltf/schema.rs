@@ -83,9 +83,10 @@ enum Kind {
 
 use Kind::{Flag, Index, Number, Numbers, Object as Obj, Text, Whole};
 
-/// Path → kind, of the core; `extension_table` has indices in extensions. `[]` means every element of an array, `{}` every member of an object. A member that
-/// is not there is no error here. Only what this package reads or what others point to is listed;
-/// what else accessors, buffer views and buffers hold is checked by `typed`.
+/// Path → kind, of the core; `extension_table` has indices in extensions. `[]` means every element
+/// of an array, `{}` every member of an object. A member that is not there is no error here. Only
+/// what this package reads or what others point to is listed; what else accessors, buffer views and
+/// buffers hold is checked by `typed`.
 const TABLE: &[(&str, Kind)] = &[
     ("asset", Obj),
     ("asset.version", Text),

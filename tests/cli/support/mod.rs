@@ -209,6 +209,11 @@ pub(crate) fn corpus() -> Option<PathBuf> {
 pub(crate) const REFUSED: &[(&str, &str)] = &[
     ("gltf/asset-generator/Compatibility/Compatibility_04.gltf", "asset.minVersion"),
     ("gltf/asset-generator/Compatibility/Compatibility_05.gltf", "FAKE_materials_quantumRendering"),
+    ("ugly/assimp/point_cloud.obj", "a point cloud, not a mesh"),
+    ("ugly/assimp/testline.obj", "lines, not a mesh"),
+    ("ugly/trimesh/face_in_group_name.obj", "a point cloud, not a mesh"),
+    ("ugly/trimesh/obj_empty.obj", "no vertex and no face"),
+    ("ugly/trimesh/obj_points.obj", "a point cloud, not a mesh"),
 ];
 
 /// Every mesh of the corpus with what its manifest says, sorted by path.
