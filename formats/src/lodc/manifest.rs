@@ -174,6 +174,7 @@ impl DocumentEntry {
                     .materials
                     .iter()
                     .map(|m| (m.name.clone(), m.lines.clone()))
+                    .chain(loose(obj))
                     .collect(),
             }),
             Document::Gltf(_) => Self::Gltf,
@@ -250,8 +251,18 @@ impl AttributeEntry {
 
 impl From<ObjEntry> for ObjDocument {
     fn from(entry: ObjEntry) -> Self {
+        let (loose, materials): (Vec<_>, Vec<_>) =
+            entry.materials.into_iter().partition(|(name, _)| name == LOOSE);
         let materials =
-            entry.materials.into_iter().map(|(name, lines)| ObjMaterial { name, lines }).collect();
-        Self { libraries: entry.libraries, materials }
+            materials.into_iter().map(|(name, lines)| ObjMaterial { name, lines }).collect();
+        let loose = loose.into_iter().flat_map(|(_, lines)| lines).collect();
+        Self { libraries: entry.libraries, materials, loose }
     }
+}
+
+/// The name among the materials that points and lines have: no line of a file can have it.
+const LOOSE: &str = "\n";
+
+fn loose(obj: &ObjDocument) -> Option<(String, Vec<String>)> {
+    (!obj.loose.is_empty()).then(|| (LOOSE.to_owned(), obj.loose.clone()))
 }

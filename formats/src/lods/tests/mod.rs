@@ -41,6 +41,7 @@ fn obj(objects: Vec<LodObject>) -> LodFile {
         document: Document::Obj(ObjDocument {
             libraries: vec!["a.mtl".to_owned()],
             materials: Vec::new(),
+            loose: Vec::new(),
         }),
         objects,
         made_from: None,
