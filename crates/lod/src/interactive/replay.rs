@@ -165,7 +165,7 @@ impl Interactive {
             locate(simplified, whole, words, [counting.triangles, counting.draws], records.stride);
         let mut twin = Twin {
             model: self,
-            positions: PositionIds::new(mesh.positions()),
+            positions: mesh.position_ids(),
             extraction: Extraction::new(&lists),
             lists,
             records,

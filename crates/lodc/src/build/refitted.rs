@@ -45,9 +45,7 @@ pub fn refitted_meshes(
     let noise = noise();
     let one = |((object, &lod), (coordinates, shapes)): (_, (&Vec<_>, &ObjectShapes))| {
         let texture = NoiseTexture { coordinates, noise: &noise };
-        let (mesh, as_modelled) = refitted(object, lod, texture, tick);
-        let Distances { bound, rms } =
-            largest_over_shapes(shapes.all(), object.simplified.mesh(), &mesh, Some(as_modelled));
+        let (mesh, Distances { bound, rms }) = refitted(object, lod, shapes.all(), texture, tick);
         LevelMesh { mesh: ordered(mesh, order), error: bound, rms: Some(rms) }
     };
     Ok(objects.par_iter().zip(lods).zip(coordinates.par_iter().zip(&shapes)).map(one).collect())
@@ -67,8 +65,8 @@ pub fn measured(
 ) -> Result<Vec<LevelMesh>, Error> {
     let shapes = stated_shapes(objects, document, limits)?;
     let one = |((object, mesh), shapes): ((&LodObject, Mesh), &ObjectShapes)| {
-        let Distances { bound, rms } =
-            largest_over_shapes(shapes.all(), object.simplified.mesh(), &mesh, None);
+        let input = object.simplified.mesh();
+        let Distances { bound, rms } = Originals::new(shapes.all(), input, None).largest(&mesh);
         LevelMesh { mesh, error: bound, rms: Some(rms) }
     };
     Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
@@ -106,40 +104,59 @@ impl Distances {
     }
 }
 
-/// The bound and the root mean square distance of a level, the largest over all shapes. A skin at
-/// rest, default morph weights or an uneven scale may make the first another than that of the mesh
-/// as it is. `as_modelled` are the distances of
-/// the meshes as they are, if they are known already.
-fn largest_over_shapes(
-    shapes: &[Shape],
-    input: &Mesh,
-    level: &Mesh,
-    as_modelled: Option<Distances>,
-) -> Distances {
-    let in_shape = |(number, shape): (usize, &Shape)| {
-        let [input_positions, level_positions] = [shape.of(input), shape.of(level)];
-        // A shape borrows the positions of the mesh where it leaves all of them as they are.
-        if let (Cow::Borrowed(_), Some(known)) = (&input_positions, as_modelled) {
-            return known;
-        }
-        let max_samples = if number == 0 { Sampling::DEFAULT.samples } else { MAX_POSE_SAMPLES };
-        let sampling = sampling(input.triangles().len(), max_samples);
-        let original = Original::new(&surface(input, &input_positions), &sampling);
-        Distances::between(&original, &surface(level, &level_positions))
-    };
-    let all = shapes.iter().enumerate().map(in_shape);
-    let larger = |a: Distances, b: Distances| Distances {
+/// An input in the shapes that its errors are the largest over. A skin at rest, default morph
+/// weights or an uneven scale may make the first another than that of the mesh as it is.
+struct Originals<'a> {
+    shapes: &'a [Shape],
+    originals: Vec<Original>,
+}
+
+impl<'a> Originals<'a> {
+    /// Prepares an input. `tree` is that of its triangles as modelled, if there is one already.
+    fn new(shapes: &'a [Shape], input: &Mesh, tree: Option<Arc<TriangleTree>>) -> Self {
+        let in_shape = |(number, shape): (usize, &Shape)| {
+            let positions = shape.of(input);
+            let surface = surface(input, &positions);
+            // A shape borrows the positions of the mesh where it leaves all of them as they are.
+            let known = tree.clone().filter(|_| matches!(positions, Cow::Borrowed(_)));
+            let tree = known.unwrap_or_else(|| Arc::new(surface.tree()));
+            let samples = if number == 0 { Sampling::DEFAULT.samples } else { MAX_POSE_SAMPLES };
+            let sampling = sampling(input.triangles().len(), samples);
+            Original::with_tree(&surface, tree, &sampling)
+        };
+        Self { shapes, originals: shapes.iter().enumerate().map(in_shape).collect() }
+    }
+
+    /// The distances of a level in each shape.
+    fn distances(&self, level: &Mesh) -> Vec<Distances> {
+        let shapes = self.shapes.iter().zip(&self.originals);
+        let in_shape = |(shape, original): (&Shape, &Original)| {
+            Distances::between(original, &surface(level, &shape.of(level)))
+        };
+        shapes.map(in_shape).collect()
+    }
+
+    /// The largest distances of a level.
+    fn largest(&self, level: &Mesh) -> Distances {
+        largest(&self.distances(level))
+    }
+}
+
+fn largest(distances: &[Distances]) -> Distances {
+    let larger = |a: Distances, b: &Distances| Distances {
         bound: a.bound.max(b.bound),
         rms: a.rms.max(b.rms),
     };
-    all.fold(Distances { bound: 0.0, rms: 0.0 }, larger)
+    distances.iter().fold(Distances { bound: 0.0, rms: 0.0 }, larger)
 }
 
-/// A refitted level of an object, with the distances of its mesh as modelled. These are measured:
-/// the stored ones are those of the vertices before they were moved.
+/// A refitted level of an object, with its distances, the largest over all shapes. These are
+/// measured: the stored ones are those of the vertices before they were moved. What would spoil the
+/// level in one of the shapes is held back.
 fn refitted(
     object: &LodObject,
     lod: Lod,
+    shapes: &[Shape],
     texture: NoiseTexture<'_>,
     tick: &Tick<'_>,
 ) -> (Mesh, Distances) {
@@ -149,35 +166,29 @@ fn refitted(
         return (refit.unmoved(), Distances { bound: 0.0, rms: 0.0 });
     }
     let unmoved = refit.unmoved();
-    let from_input = original(input, refit.tree());
-    let before = Distances::between(&from_input, &surface_of(&unmoved));
+    let originals = Originals::new(shapes, input, refit.tree());
+    let before = originals.distances(&unmoved);
     let judge = Judge::new(input, &unmoved, texture);
     // The best level so far, and the share of its image error that a better one has to be below.
-    let (mut best, mut least_kept) = ((unmoved, before), BETTER);
+    let (mut best, mut least_kept) = ((unmoved, largest(&before)), BETTER);
     for share in FIT_SHARES {
         tick();
         let mesh = refit.mesh(share);
-        let distances = Distances::between(&from_input, &surface_of(&mesh));
-        if distances.bound > MAX_BOUND_GROWTH * before.bound {
+        let distances = originals.distances(&mesh);
+        let grows =
+            |(now, before): (&Distances, &Distances)| now.bound > MAX_BOUND_GROWTH * before.bound;
+        if distances.iter().zip(&before).any(grows) {
             continue;
         }
         let share_kept = judge.as_ref().map_or(0.0, |judge| judge.kept_share(&mesh));
         if share_kept < least_kept {
-            (best, least_kept) = ((mesh, distances), share_kept);
+            (best, least_kept) = ((mesh, largest(&distances)), share_kept);
         }
         if share_kept <= CLEARLY_BETTER {
             break;
         }
     }
     best
-}
-
-/// A mesh that levels are measured from. `tree` is that of its triangles, if there is one already.
-fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
-    let surface = surface_of(mesh);
-    let tree = tree.unwrap_or_else(|| Arc::new(surface.tree()));
-    let sampling = sampling(mesh.triangles().len(), Sampling::DEFAULT.samples);
-    Original::with_tree(&surface, tree, &sampling)
 }
 
 /// Noise as the texture of an object.
@@ -218,10 +229,6 @@ fn kept_share(before: &[f64], now: &[f64]) -> f64 {
     before.iter().zip(now).map(share).fold(0.0, f64::max)
 }
 
-fn surface_of(mesh: &Mesh) -> Surface {
-    surface(mesh, mesh.positions())
-}
-
 /// The triangles of a mesh with its vertices at other positions.
 fn surface(mesh: &Mesh, positions: &[[f32; 3]]) -> Surface {
     Surface {
@@ -259,7 +266,8 @@ mod tests {
             let object = LodObject { info, simplified, models: Vec::new() };
             let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT, &|| ()).unmoved();
             let judge = Judge::new(&mesh, &unmoved, texture).expect("attributes");
-            let (level, ..) = refitted(&object, lod, texture, &|| ());
+            let shapes = [Shape::AS_MODELLED];
+            let (level, ..) = refitted(&object, lod, &shapes, texture, &|| ());
             let is_held = level == unmoved;
             assert!(is_held || judge.kept_share(&level) <= BETTER, "{name}");
             held += u32::from(is_held);

@@ -39,7 +39,7 @@ pub(super) enum Moved {
 impl Facing {
     pub(super) fn of(mesh: &Mesh) -> Self {
         let key = |v: u32| key(mesh, v);
-        let ids = PositionIds::new(mesh.positions());
+        let ids = mesh.position_ids();
         let edges = border(mesh, &ids);
         let max_surplus = edges.iter().map(|edge| edge.net.unsigned_abs()).max().unwrap_or(1);
         let mut border: Vec<Key> = edges
@@ -71,7 +71,7 @@ impl Facing {
         if !self.is_closed() && moved == Moved::IntoOtherUnits {
             return None;
         }
-        let ids = PositionIds::new(level.positions());
+        let ids = level.position_ids();
         let is_on_border = |id: u32| {
             let key = key(level, ids.first_vertex[id as usize]);
             moved != Moved::ToPositions || self.border.binary_search(&key).is_ok()
