@@ -23,6 +23,7 @@ mod geomorph;
 mod importance;
 mod inputs;
 mod limits;
+mod motion;
 mod output;
 mod parts;
 mod paths;

@@ -203,8 +203,11 @@ impl<'a> Run<'a> {
     fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
         let Self { mesh, options, guidance, .. } = *self;
         let attributes = if options.attributes {
+            let joints_move = guidance.shapes.is_some_and(|shapes| shapes.joints_move);
             let weights = |submesh: u32| {
-                guidance.weights.get(submesh as usize).copied().unwrap_or(options.weights)
+                let own = guidance.weights.get(submesh as usize).copied();
+                let weights = own.unwrap_or(options.weights);
+                Weights { skin: if joints_move { 0.0 } else { weights.skin }, ..weights }
             };
             Attributes::new(mesh, weights, input.scale, input.size)
         } else {

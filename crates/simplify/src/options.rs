@@ -55,7 +55,7 @@ pub struct Weights {
     pub uv: f64,
     /// Vertex colours.
     pub color: f64,
-    /// Joints and their weights.
+    /// Joints and their weights: shapes in poses, or the weights themselves where there is no pose.
     pub skin: f64,
     /// Shapes with morph targets, by themselves at weight 1.
     pub morph: f64,

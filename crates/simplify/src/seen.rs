@@ -9,6 +9,8 @@ pub struct SeenShapes {
     pub at_rest: Vec<[f32; 3]>,
     /// Others, of which the first 128 count.
     pub others: Vec<SeenShape>,
+    /// Joints move some of these. Then what differences of joints cost is seen there.
+    pub joints_move: bool,
 }
 
 /// One shape besides that at rest.
@@ -21,7 +23,8 @@ pub struct SeenShape {
 }
 
 /// The mesh as it was modelled.
-pub(crate) static AS_MODELLED: SeenShapes = SeenShapes { at_rest: Vec::new(), others: Vec::new() };
+pub(crate) static AS_MODELLED: SeenShapes =
+    SeenShapes { at_rest: Vec::new(), others: Vec::new(), joints_move: false };
 
 impl SeenShapes {
     /// The positions at rest of a mesh.
@@ -39,6 +42,10 @@ impl SeenShapes {
             .others
             .iter()
             .map(|shape| SeenShape { positions: gather(&shape.positions), weight: shape.weight });
-        Self { at_rest: gather(&self.at_rest), others: others.collect() }
+        Self {
+            at_rest: gather(&self.at_rest),
+            others: others.collect(),
+            joints_move: self.joints_move,
+        }
     }
 }

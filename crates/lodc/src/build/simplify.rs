@@ -9,7 +9,7 @@ use lodc_formats::{ObjectInfo, SceneObject, scene_motion};
 use lodc_mesh::{Attribute, Mesh, Simplified};
 use lodc_simplify::{
     Guidance, MetricKind, Options, Prefix, RecordedCollapses, SeenShape, SeenShapes,
-    SurfaceColours, simplify_recorded,
+    SurfaceColours, Weights, simplify_recorded,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -70,10 +70,13 @@ fn seen_shapes(
         let seen = motion.seen(meshes[number], number, &postures[number])?;
         let weighted = |weight: f64| move |positions| SeenShape { positions, weight };
         // Costs are squares of lengths.
-        let morph = options[number].weights.morph.powi(2);
-        let poses = seen.poses.into_iter().map(weighted(1.0));
-        let others = poses.chain(seen.targets.into_iter().map(weighted(morph)));
-        Some(SeenShapes { at_rest: seen.at_rest, others: others.collect() })
+        let [skin, morph] =
+            [|w: &Weights| w.skin, |w| w.morph].map(|of| of(&options[number].weights).powi(2));
+        let joints_move = !seen.poses.is_empty();
+        let placements = seen.placements.into_iter().map(weighted(1.0));
+        let poses = seen.poses.into_iter().map(weighted(skin));
+        let others = placements.chain(poses).chain(seen.targets.into_iter().map(weighted(morph)));
+        Some(SeenShapes { at_rest: seen.at_rest, others: others.collect(), joints_move })
     };
     Ok((0..objects.len()).into_par_iter().map(seen).collect())
 }

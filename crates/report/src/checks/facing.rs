@@ -7,7 +7,7 @@
 
 use glam::{DVec3, Vec3};
 use lodc_measure::{Surface, TriangleTree};
-use lodc_mesh::{Mesh, NONE, PositionIds, position_key};
+use lodc_mesh::{Mesh, NONE, PositionIds, is_degenerate, position_key};
 
 /// The bits of a position; the same for both signs of zero.
 type Key = [u32; 3];
@@ -39,7 +39,7 @@ pub(super) enum Moved {
 impl Facing {
     pub(super) fn of(mesh: &Mesh) -> Self {
         let key = |v: u32| key(mesh, v);
-        let ids = mesh.position_ids();
+        let ids = PositionIds::new(mesh.positions());
         let edges = border(mesh, &ids);
         let max_surplus = edges.iter().map(|edge| edge.net.unsigned_abs()).max().unwrap_or(1);
         let mut border: Vec<Key> = edges
@@ -49,7 +49,10 @@ impl Facing {
             .collect();
         border.sort_unstable();
         border.dedup();
-        let mut triangles: Vec<_> = mesh.triangles().iter().map(|t| sorted(t.map(key))).collect();
+        // At rest a triangle may be a point or a line, which faces nowhere.
+        let corners = mesh.triangles().iter().map(|t| t.map(key));
+        let mut triangles: Vec<_> =
+            corners.filter(|keys| !is_degenerate(*keys)).map(sorted).collect();
         triangles.sort_unstable();
         triangles.dedup();
         let positions = mesh.positions().iter().map(|&p| p.into()).collect();
@@ -71,7 +74,7 @@ impl Facing {
         if !self.is_closed() && moved == Moved::IntoOtherUnits {
             return None;
         }
-        let ids = level.position_ids();
+        let ids = PositionIds::new(level.positions());
         let is_on_border = |id: u32| {
             let key = key(level, ids.first_vertex[id as usize]);
             moved != Moved::ToPositions || self.border.binary_search(&key).is_ok()
@@ -99,9 +102,10 @@ impl Facing {
         // A triangle that the source has the other way round alone.
         let source_triangle = || {
             let is_turned = |t: &[u32; 3]| {
-                let (positions, is_even) = sorted(t.map(|v| key(level, v)));
+                let keys = t.map(|v| key(level, v));
+                let (positions, is_even) = sorted(keys);
                 let has = |is_even| self.triangles.binary_search(&(positions, is_even)).is_ok();
-                has(!is_even) && !has(is_even)
+                !is_degenerate(keys) && has(!is_even) && !has(is_even)
             };
             level.triangles().iter().position(is_turned)
         };

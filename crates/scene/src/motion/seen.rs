@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// The most shapes with morph targets that are looked at. Where more targets move the same places,
 /// those of the largest deltas count. Chosen by hand.
-const MAX_TARGET_SHAPES: usize = 96;
+pub const MAX_TARGET_SHAPES: usize = 96;
 /// Deltas of less than this share of the object's diagonal move nothing. Chosen by hand: about the
 /// rounding of deltas in sixteen bits.
 const MIN_DELTA_SHARE: f64 = 1e-5;
@@ -29,7 +29,9 @@ pub struct SeenPositions {
     /// With morph targets at weight 1, each by itself; targets that move places apart from each
     /// other share a shape.
     pub targets: Vec<Vec<[f32; 3]>>,
-    /// In placements that give it another shape, and in poses.
+    /// In placements that give it another shape.
+    pub placements: Vec<Vec<[f32; 3]>>,
+    /// In poses of animations.
     pub poses: Vec<Vec<[f32; 3]>>,
 }
 
@@ -52,7 +54,8 @@ impl Motion {
         let mut seen = SeenPositions::default();
         let at_rest = at_rest(mesh, &weights);
         let diagonal = diagonal(&at_rest);
-        seen.poses = other_shapes(mesh, &shapes, &at_rest, diagonal);
+        let others = other_shapes(mesh, &shapes, &at_rest, diagonal);
+        [seen.placements, seen.poses] = others;
         seen.targets = target_shapes(mesh, &deltas, &weights, &at_rest, diagonal);
         if at_rest.iter().zip(mesh.positions()).any(|(p, raw)| to_single(*p) != *raw) {
             seen.at_rest = at_rest.into_iter().map(to_single).collect();
@@ -90,13 +93,14 @@ fn diagonal(positions: &[DVec3]) -> f64 {
     if positions.is_empty() { 0.0 } else { (high - low).length() }
 }
 
-/// The shapes of placements and postures that are others than that at rest, and than each other.
+/// The shapes of placements, and those of postures, that are others than that at rest, and than
+/// each other.
 fn other_shapes(
     mesh: &Mesh,
     shapes: &ObjectShapes,
     at_rest: &[DVec3],
     diagonal: f64,
-) -> Vec<Vec<[f32; 3]>> {
+) -> [Vec<Vec<[f32; 3]>>; 2] {
     let mut random = SplitMix64::new(1);
     let vertices = mesh.vertex_count();
     let mut vertex = || random.below(vertices.max(1));
@@ -106,8 +110,9 @@ fn other_shapes(
         [[a, b], [b, c], [c, a]]
     });
     let compared: Vec<[usize; 2]> = pairs.into_iter().chain(edges).collect();
-    let mut found: Vec<Vec<[f32; 3]>> = Vec::new();
-    for shape in shapes.all() {
+    let mut found: [Vec<Vec<[f32; 3]>>; 2] = Default::default();
+    let placements = shapes.of_placements().iter().map(|shape| (shape, 0));
+    for (shape, kind) in placements.chain(shapes.of_postures().iter().map(|shape| (shape, 1))) {
         let positions = shape.of(mesh);
         let at = |v: usize| Vec3::from(positions[v]).as_dvec3();
         let is_same = |other: &dyn Fn(usize) -> DVec3| {
@@ -116,9 +121,9 @@ fn other_shapes(
             compared.iter().all(|pair| difference(pair) <= SAME_SHARE * diagonal)
         };
         let is_known = is_same(&|v| at_rest[v])
-            || found.iter().any(|known| is_same(&|v| Vec3::from(known[v]).as_dvec3()));
+            || found.iter().flatten().any(|known| is_same(&|v| Vec3::from(known[v]).as_dvec3()));
         if !is_known {
-            found.push(positions.into_owned());
+            found[kind].push(positions.into_owned());
         }
     }
     found

@@ -13,7 +13,6 @@ mod one_ring;
 mod price_lists;
 mod ring_attributes;
 mod seam_ring;
-mod shapes;
 
 pub(crate) use attributes::Attributes;
 pub(crate) use one_ring::{MAX_LEN, OneRing};
@@ -31,7 +30,6 @@ use lodc_mesh::NONE;
 use one_ring::{COST_SCALE, NoSurcharge};
 use ring_attributes::RingAttributes;
 use seam_ring::SeamRing;
-use shapes::together;
 
 /// Groups with more faces than this are priced without their attributes: the cost of each candidate
 /// goes over all wedges, and there may be one for each face. Chosen by hand; the poles of spheres
@@ -235,7 +233,7 @@ impl<M: Reprice> Pricer<'_, M> {
                 let (origin, weight) = (position(from), view.shapes.weight(shape));
                 for priced in priced.iter_mut() {
                     let cost = weight * refitted.cost(position(priced.to) - origin);
-                    priced.own_cost = together(priced.own_cost, cost);
+                    priced.own_cost = priced.own_cost.max(cost);
                 }
             }
             let weight = self.metric.motion_weight();
@@ -294,7 +292,7 @@ impl<M: Reprice> Pricer<'_, M> {
                 for (priced, (i, ..)) in priced.iter_mut().zip(permitted()) {
                     let by_faces = f64::from(by_faces[i / 4][i % 4]);
                     let cost = weight * (by_faces + refitted.cost(spokes[i].as_dvec3()));
-                    priced.own_cost = together(priced.own_cost, cost);
+                    priced.own_cost = priced.own_cost.max(cost);
                 }
             }
         }

@@ -4,7 +4,6 @@
 //! the cross product of consecutive spokes, a face costs `wᵢ(cᵢ·δ)²` with `wᵢ = ½/|cᵢ|`, so nothing
 //! cancels in single precision. Only element-wise operations: the same bits on every machine.
 
-use super::shapes::together_of_four;
 use crate::cut::{Choice, Corner, InMotion, Quadric, WorkingMesh, fold_plane};
 use crate::metric::{MEMORY, TIE_WEIGHT};
 use crate::number::each_shape;
@@ -313,9 +312,10 @@ impl<const N: usize> OneRing<N> {
     }
 }
 
-/// Adds what moving onto each neighbour costs in motion.
+/// Raises what moving onto each neighbour costs to what it costs in the shape in motion where that
+/// is most.
 #[inline(never)]
-fn add_shapes<const N: usize>(
+fn raise_in_motion<const N: usize>(
     view: &InMotion<'_>,
     from: u32,
     star: &[Corner],
@@ -326,7 +326,7 @@ fn add_shapes<const N: usize>(
         let weight = Vec4::splat(view.shapes.weight(shape) as f32);
         let moving = ring.geometric(&view.quadric(from, shape));
         for (sum, cost) in sums.iter_mut().zip(moving) {
-            *sum = together_of_four(*sum, cost * weight);
+            *sum = sum.max(cost * weight);
         }
     }
 }
@@ -349,7 +349,7 @@ fn price<const N: usize>(
     let ring = OneRing::<N>::new(mesh, from, star);
     let mut sums = ring.geometric(quadric);
     if let Some(view) = in_motion {
-        add_shapes(&view, from, star, &mut sums);
+        raise_in_motion(&view, from, star, &mut sums);
     }
     if !is_zero(surcharge) {
         for (sum, cost) in sums.iter_mut().zip(surcharge.costs(&ring, star)) {
