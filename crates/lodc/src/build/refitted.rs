@@ -4,14 +4,13 @@
 use super::object_pictures::{ObjectPictures, noise};
 use crate::level_mesh::{LevelMesh, Order, ordered};
 use crate::{Error, LodObject, stated_shapes};
-use lodc_errors::Tick;
+use lodc_errors::{Distances, Measurable, Tick};
 use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
-use lodc_measure::{Original, Pyramid, Sampling, Surface, TriangleTree};
+use lodc_measure::Pyramid;
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
 use lodc_scene::{Coordinates, ObjectShapes, Shape};
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Shares of the way to the best fit that are tried in order: the first that looks clearly better
@@ -45,8 +44,8 @@ pub fn refitted_meshes(
     let noise = noise();
     let one = |((object, &lod), (coordinates, shapes)): (_, (&Vec<_>, &ObjectShapes))| {
         let texture = NoiseTexture { coordinates, noise: &noise };
-        let (mesh, Distances { bound, rms }) = refitted(object, lod, shapes.all(), texture, tick);
-        LevelMesh { mesh: ordered(mesh, order), error: bound, rms: Some(rms) }
+        let (mesh, distances) = refitted(object, lod, shapes.all(), texture, tick);
+        LevelMesh { mesh: ordered(mesh, order), error: distances.upper, rms: Some(distances.rms) }
     };
     Ok(objects.par_iter().zip(lods).zip(coordinates.par_iter().zip(&shapes)).map(one).collect())
 }
@@ -66,88 +65,37 @@ pub fn measured(
     let shapes = stated_shapes(objects, document, limits)?;
     let one = |((object, mesh), shapes): ((&LodObject, Mesh), &ObjectShapes)| {
         let input = object.simplified.mesh();
-        let Distances { bound, rms } = Originals::new(shapes.all(), input, None).largest(&mesh);
-        LevelMesh { mesh, error: bound, rms: Some(rms) }
+        let distances = largest(&Originals::new(shapes.all(), input).distances(&mesh));
+        LevelMesh { mesh, error: distances.upper, rms: Some(distances.rms) }
     };
     Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
-}
-
-/// Most points of a surface that its mean distance is from in a pose: fewer than at rest, to save
-/// time. Chosen by hand.
-const MAX_POSE_SAMPLES: usize = 20_000;
-/// Points of a surface for each of its triangles, where it has few: a scene may have thousands of
-/// such objects. At least the others, by which a mean is known to about a hundredth. Chosen by
-/// hand.
-const SAMPLES_PER_TRIANGLE: usize = 100;
-const MIN_SAMPLES: usize = 4_096;
-
-/// The points by which a surface of some number of triangles is measured, at most `max_samples` of
-/// them. There is no lattice: the largest distance is searched for.
-fn sampling(triangles: usize, max_samples: usize) -> Sampling {
-    let samples = triangles.saturating_mul(SAMPLES_PER_TRIANGLE).clamp(MIN_SAMPLES, max_samples);
-    Sampling { samples, lattice: 0, ..Sampling::DEFAULT }
-}
-
-/// Distances of a level from its input, in mesh units.
-#[derive(Clone, Copy)]
-struct Distances {
-    /// Upper bound of the Hausdorff distance.
-    bound: f64,
-    /// Root mean square distance.
-    rms: f64,
-}
-
-impl Distances {
-    fn between(original: &Original, level: &Surface) -> Self {
-        let (bound, rms) = original.bound_and_rms(level);
-        Self { bound, rms }
-    }
 }
 
 /// An input in the shapes that its errors are the largest over. A skin at rest, default morph
 /// weights or an uneven scale may make the first another than that of the mesh as it is.
 struct Originals<'a> {
     shapes: &'a [Shape],
-    originals: Vec<Original>,
+    originals: Vec<Measurable>,
 }
 
 impl<'a> Originals<'a> {
-    /// Prepares an input. `tree` is that of its triangles as modelled, if there is one already.
-    fn new(shapes: &'a [Shape], input: &Mesh, tree: Option<Arc<TriangleTree>>) -> Self {
-        let in_shape = |(number, shape): (usize, &Shape)| {
-            let positions = shape.of(input);
-            let surface = surface(input, &positions);
-            // A shape borrows the positions of the mesh where it leaves all of them as they are.
-            let known = tree.clone().filter(|_| matches!(positions, Cow::Borrowed(_)));
-            let tree = known.unwrap_or_else(|| Arc::new(surface.tree()));
-            let samples = if number == 0 { Sampling::DEFAULT.samples } else { MAX_POSE_SAMPLES };
-            let sampling = sampling(input.triangles().len(), samples);
-            Original::with_tree(&surface, tree, &sampling)
-        };
-        Self { shapes, originals: shapes.iter().enumerate().map(in_shape).collect() }
+    fn new(shapes: &'a [Shape], input: &Mesh) -> Self {
+        let originals = shapes.iter().map(|shape| measurable(input, &shape.of(input))).collect();
+        Self { shapes, originals }
     }
 
     /// The distances of a level in each shape.
     fn distances(&self, level: &Mesh) -> Vec<Distances> {
         let shapes = self.shapes.iter().zip(&self.originals);
-        let in_shape = |(shape, original): (&Shape, &Original)| {
-            Distances::between(original, &surface(level, &shape.of(level)))
+        let in_shape = |(shape, original): (&Shape, &Measurable)| {
+            original.distances(&measurable(level, &shape.of(level)))
         };
         shapes.map(in_shape).collect()
-    }
-
-    /// The largest distances of a level.
-    fn largest(&self, level: &Mesh) -> Distances {
-        largest(&self.distances(level))
     }
 }
 
 fn largest(distances: &[Distances]) -> Distances {
-    let larger = |a: Distances, b: &Distances| Distances {
-        bound: a.bound.max(b.bound),
-        rms: a.rms.max(b.rms),
-    };
-    distances.iter().fold(Distances { bound: 0.0, rms: 0.0 }, larger)
+    distances.iter().fold(Distances::default(), |most, &distances| most.max(distances))
 }
 
 /// A refitted level of an object, with its distances, the largest over all shapes. These are
@@ -163,10 +111,10 @@ fn refitted(
     let input = object.simplified.mesh();
     let refit = Refit::new(&object.simplified, lod, &Options::DEFAULT, tick);
     if lod.0 == 0 {
-        return (refit.unmoved(), Distances { bound: 0.0, rms: 0.0 });
+        return (refit.unmoved(), Distances::default());
     }
     let unmoved = refit.unmoved();
-    let originals = Originals::new(shapes, input, refit.tree());
+    let originals = Originals::new(shapes, input);
     let before = originals.distances(&unmoved);
     let judge = Judge::new(input, &unmoved, texture);
     // The best level so far, and the share of its image error that a better one has to be below.
@@ -175,9 +123,9 @@ fn refitted(
         tick();
         let mesh = refit.mesh(share);
         let distances = originals.distances(&mesh);
-        let grows =
-            |(now, before): (&Distances, &Distances)| now.bound > MAX_BOUND_GROWTH * before.bound;
-        if distances.iter().zip(&before).any(grows) {
+        let spoils =
+            |(now, before): (&Distances, &Distances)| now.upper > MAX_BOUND_GROWTH * before.upper;
+        if distances.iter().zip(&before).any(spoils) {
             continue;
         }
         let share_kept = judge.as_ref().map_or(0.0, |judge| judge.kept_share(&mesh));
@@ -229,13 +177,9 @@ fn kept_share(before: &[f64], now: &[f64]) -> f64 {
     before.iter().zip(now).map(share).fold(0.0, f64::max)
 }
 
-/// The triangles of a mesh with its vertices at other positions.
-fn surface(mesh: &Mesh, positions: &[[f32; 3]]) -> Surface {
-    Surface {
-        positions: positions.iter().map(|&p| p.into()).collect(),
-        triangles: mesh.triangles().to_vec(),
-        ..Surface::default()
-    }
+/// The surface of a mesh with its vertices at other positions.
+fn measurable(mesh: &Mesh, positions: &[[f32; 3]]) -> Measurable {
+    Measurable::new(mesh.triangles().iter().map(|t| t.map(|v| positions[v as usize])))
 }
 
 #[cfg(test)]
