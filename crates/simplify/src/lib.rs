@@ -30,6 +30,7 @@ mod output;
 mod price;
 mod recorded;
 mod rounds;
+mod seen;
 mod skin;
 
 use commit::{CollapseLog, Sources};
@@ -39,11 +40,13 @@ use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
 use number::Input;
 use price::{Attributes, Context};
 use rounds::{Progress, as_one, in_regions};
+use seen::AS_MODELLED;
 use skin::Skin;
 
 pub use metric::{Checkerboard, SurfaceColours};
 pub use options::{MetricKind, Options, Weights};
 pub use recorded::RecordedCollapses;
+pub use seen::{SeenShape, SeenShapes};
 
 /// Simplifies a mesh down to one vertex. `progress` gets (steps done, steps at most) now and then.
 /// The result does not depend on the number of threads of the rayon pool it runs in.
@@ -81,6 +84,8 @@ pub struct Guidance<'a> {
     /// Shares of the triangles, the larger of each pair first, between which
     /// [`MetricKind::Hybrid`] chooses collapses; elsewhere the quadric does. None: it always does.
     pub hybrid_ranges: Option<&'a [[f32; 2]]>,
+    /// The shapes in which the surface is seen. None: the one that it has as it was modelled.
+    pub shapes: Option<&'a SeenShapes>,
     /// An earlier run of the same mesh by the same options that this one repeats first.
     pub prefix: Option<Prefix<'a>>,
 }
@@ -131,12 +136,13 @@ fn simplify_with(
         return (empty, RecordedCollapses::default());
     }
     let run = Run { mesh, options, guidance, region, progress };
-    let positions = PositionIds::new(mesh.positions());
+    let positions = mesh.position_ids();
     let skin = Skin::of(mesh, &positions);
     if let Some(simplified) = skin.and_then(|skin| run.by_skin(&skin, &positions)) {
         return simplified;
     }
-    let mut input = Input::with_positions(mesh, &positions);
+    let seen = guidance.shapes.unwrap_or(&AS_MODELLED);
+    let mut input = Input::with_positions(mesh, &positions, seen);
     drop(positions);
     input.lock(guidance.locked);
     let mut sources = Sources::new(&input);
@@ -174,7 +180,9 @@ impl<'a> Run<'a> {
         positions: &PositionIds,
     ) -> Option<(Simplified, RecordedCollapses)> {
         let (layer_collapses, recorded, legal) = {
-            let mut input = Input::new(&skin.mesh);
+            let seen = self.guidance.shapes.map(|seen| seen.gathered(&skin.vertices));
+            let seen = seen.as_ref().unwrap_or(&AS_MODELLED);
+            let mut input = Input::with_positions(&skin.mesh, &skin.mesh.position_ids(), seen);
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
@@ -183,7 +191,7 @@ impl<'a> Run<'a> {
             let recorded = std::mem::take(&mut log.recorded);
             (skin::layer_collapses(&input, &skin.vertices, &log, legal, by_stamp), recorded, legal)
         };
-        let input = Input::with_positions(self.mesh, positions);
+        let input = Input::with_positions(self.mesh, positions, &AS_MODELLED);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
         let (log, legal) = skin::follow(&context, &layer_collapses, legal, &mut sources)?;
@@ -195,8 +203,11 @@ impl<'a> Run<'a> {
     fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
         let Self { mesh, options, guidance, .. } = *self;
         let attributes = if options.attributes {
+            let joints_move = guidance.shapes.is_some_and(|shapes| shapes.joints_move);
             let weights = |submesh: u32| {
-                guidance.weights.get(submesh as usize).copied().unwrap_or(options.weights)
+                let own = guidance.weights.get(submesh as usize).copied();
+                let weights = own.unwrap_or(options.weights);
+                Weights { skin: if joints_move { 0.0 } else { weights.skin }, ..weights }
             };
             Attributes::new(mesh, weights, input.scale, input.size)
         } else {

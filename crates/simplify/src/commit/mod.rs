@@ -12,8 +12,9 @@ mod merge;
 pub(crate) use log::{CollapseLog, Sources, renumber_wedges};
 
 use crate::choose::{LegalCollapse, WedgePlan};
-use crate::cut::{DEAD, OPEN, Region, SEAM};
+use crate::cut::{DEAD, OPEN, Quadric, Region, SEAM};
 use crate::metric::Reprice;
+use crate::number::GroupShapes;
 use lodc_mesh::{Mesh, NONE};
 
 /// The groups whose faces a commit changed.
@@ -81,6 +82,7 @@ impl Touched {
 /// Everything that a commit changes.
 pub(crate) struct Commit<'a, M> {
     pub(crate) input: &'a Mesh,
+    pub(crate) shapes: &'a GroupShapes,
     pub(crate) region: &'a mut Region,
     pub(crate) metric: &'a mut M,
     pub(crate) log: &'a mut CollapseLog,
@@ -120,9 +122,11 @@ impl<M: Reprice> Commit<'_, M> {
 
     /// Moves `from`'s faces and quadrics.
     fn merge(&mut self, from: u32, to: u32) {
-        let Self { region, metric, log, .. } = self;
+        let Self { shapes, region, metric, log, .. } = self;
         metric.collapsed(&region.mesh, &region.wedges, from, to);
-        region.quadrics.merge(&mut region.mesh, from, to);
+        region.merge_in_motion(shapes, from, to);
+        let moving_cost = region.moving.greatest(to, |quadric| quadric.c);
+        region.quadrics.merge(&mut region.mesh, from, to, moving_cost);
         region.mesh.merge(from, to, |triangle| log.dead.push(triangle));
         region.mesh.add_flags(from, DEAD);
     }
@@ -138,7 +142,9 @@ impl<M: Reprice> Commit<'_, M> {
         for &g in &touched.groups {
             stamps[g as usize] = stamp;
         }
-        let error = metric.error().unwrap_or_else(|| region.quadrics.error(legal.choice.to));
+        let to = legal.choice.to;
+        let at_rest = metric.error().unwrap_or_else(|| region.quadrics.error(to));
+        let error = at_rest.max(region.moving.greatest(to, Quadric::distance));
         log.end_step(stamp, error as f32, legal.changes_topology);
     }
 

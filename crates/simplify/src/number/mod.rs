@@ -8,6 +8,8 @@
 
 mod curve;
 mod input;
+mod shapes;
 
 pub(crate) use curve::{Curve, sorted};
 pub(crate) use input::{FollowerPlane, Input, Wedge, same_attributes};
+pub(crate) use shapes::{GroupShapes, ShapeSet, each_shape, index_in};

@@ -113,7 +113,8 @@ impl Attributes {
             rows.extend(columns.iter().map(|column| column.at(v, weights)));
             rows.resize(stride * (v as usize + 1), 0.0);
         }
-        let joints = joints(mesh);
+        let joints_count = by_submesh.iter().any(|weights| weights.skin != 0.0);
+        let joints = if joints_count { joints(mesh) } else { Vec::new() };
         let submeshes = mesh.vertex_submesh()[..joints.len()].iter();
         let joint_scale = |s: &u32| by_submesh[*s as usize].skin * JOINT_LENGTH * size;
         let joint_scales = submeshes.map(joint_scale).collect();

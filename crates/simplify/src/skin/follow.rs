@@ -152,7 +152,8 @@ impl Following<'_> {
         let choice = Choice { cost: 0.0, to };
         let legal = LegalCollapse { choice, changes_topology, is_planned: true };
         let metric = &mut QuadricOnly;
-        let commit = Commit { input: input.mesh, region, metric, log, touched };
+        let (input, shapes) = (input.mesh, &input.shapes);
+        let commit = Commit { input, shapes, region, metric, log, touched };
         commit.run(from, legal, plan);
         for &twin in &touched.united {
             united[twin as usize] = to;
