@@ -125,6 +125,9 @@ pub struct ObjDocument {
     pub libraries: Vec<String>,
     /// Materials, in the order of the libraries: name and the lines of their definition as read.
     pub materials: Vec<ObjMaterial>,
+    /// Where the object's mesh stands: to be added to its positions. Zeros unless the file's
+    /// coordinates are too far from the origin for single precision.
+    pub offset: [f64; 3],
 }
 
 /// One material of an MTL file.

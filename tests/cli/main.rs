@@ -23,6 +23,7 @@ mod geomorph;
 mod importance;
 mod inputs;
 mod limits;
+mod locks;
 mod output;
 mod parts;
 mod paths;

@@ -53,7 +53,7 @@ pub use motion::{MeasuredPlacement, MeasuredPlacements, Motion, ObjectShapes};
 pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement, evenly_spread, share_in_pictures};
 pub use pose::Pose;
-pub use posed::{PosedVertices, posed, posed_positions, stream};
+pub use posed::{PosedVertices, centre, posed, posed_positions, stream};
 pub use scale::placement_scales;
 pub use shape::Shape;
 pub use srgb::{srgb_value, to_linear, to_srgb};

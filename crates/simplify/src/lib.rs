@@ -23,6 +23,7 @@
 mod choose;
 mod commit;
 mod cut;
+mod locks;
 mod metric;
 mod number;
 mod options;
@@ -34,7 +35,7 @@ mod skin;
 
 use commit::{CollapseLog, Sources};
 use cut::Region;
-use lodc_mesh::{CollapseSequence, Mesh, PositionIds, SequenceParts, Simplified};
+use lodc_mesh::{CollapseSequence, Mesh, PositionIds, Semantic, SequenceParts, Simplified};
 use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
 use number::Input;
 use price::{Attributes, Context};
@@ -113,7 +114,10 @@ pub fn simplify_recorded(
     guidance: Guidance<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> (Simplified, RecordedCollapses) {
-    simplify_with(mesh, options, guidance, rounds::REGION_GROUPS, progress)
+    let (simplified, recorded) =
+        simplify_with(mesh, options, guidance, rounds::REGION_GROUPS, progress);
+    let locked = locks::locked_positions(mesh, options, guidance.locked);
+    (simplified.with_locked_positions(locked.into_iter()), recorded)
 }
 
 /// Simplifies in regions of about `region` groups each. One region keeps the exact order of costs.
@@ -139,6 +143,7 @@ fn simplify_with(
     let mut input = Input::with_positions(mesh, &positions);
     drop(positions);
     input.lock(guidance.locked);
+    run.count(&mut input);
     let mut sources = Sources::new(&input);
     let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
     let recorded = std::mem::take(&mut log.recorded);
@@ -175,6 +180,7 @@ impl<'a> Run<'a> {
     ) -> Option<(Simplified, RecordedCollapses)> {
         let (layer_collapses, recorded, legal) = {
             let mut input = Input::new(&skin.mesh);
+            self.count(&mut input);
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
@@ -183,7 +189,8 @@ impl<'a> Run<'a> {
             let recorded = std::mem::take(&mut log.recorded);
             (skin::layer_collapses(&input, &skin.vertices, &log, legal, by_stamp), recorded, legal)
         };
-        let input = Input::with_positions(self.mesh, positions);
+        let mut input = Input::with_positions(self.mesh, positions);
+        self.count(&mut input);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
         let (log, legal) = skin::follow(&context, &layer_collapses, legal, &mut sources)?;
@@ -191,14 +198,30 @@ impl<'a> Run<'a> {
         Some((output::output(&input, &sources, log, legal, false), recorded))
     }
 
+    /// Tells an input which attributes count: those with a weight.
+    fn count(&self, input: &mut Input<'_>) {
+        input.count(|submesh, attribute| {
+            let weights = self.weights(submesh);
+            self.options.attributes
+                && match attribute.semantic {
+                    Semantic::Normal => weights.normal > 0.0,
+                    Semantic::TexCoord(_) => weights.uv > 0.0,
+                    Semantic::Color(_) => weights.color > 0.0,
+                    _ => true,
+                }
+        });
+    }
+
+    /// The weights of a submesh's attributes.
+    fn weights(&self, submesh: u32) -> Weights {
+        self.guidance.weights.get(submesh as usize).copied().unwrap_or(self.options.weights)
+    }
+
     /// The data that all regions read.
     fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
-        let Self { mesh, options, guidance, .. } = *self;
+        let Self { mesh, options, .. } = *self;
         let attributes = if options.attributes {
-            let weights = |submesh: u32| {
-                guidance.weights.get(submesh as usize).copied().unwrap_or(options.weights)
-            };
-            Attributes::new(mesh, weights, input.scale, input.size)
+            Attributes::new(mesh, |submesh| self.weights(submesh), input.scale, input.size)
         } else {
             Attributes::none()
         };

@@ -47,8 +47,10 @@ pub(crate) fn export(
     Ok(vec![OutputFile { path: path.to_owned(), bytes }])
 }
 
-/// The properties of vertices besides positions: those that some submesh has.
+/// The properties of vertices; of those besides positions the ones that some submesh has.
 struct Columns {
+    /// Positions in double precision.
+    doubles: bool,
     normals: bool,
     uvs: bool,
     colors: bool,
@@ -61,6 +63,7 @@ impl Columns {
             meshes.any(|m| (0..m.submeshes().len()).any(|s| stream(m, s, &semantic).is_some()))
         };
         Self {
+            doubles: placed.iter().any(Placed::is_far),
             normals: has(Semantic::Normal),
             uvs: has(Semantic::TexCoord(0)),
             colors: has(Semantic::Color(0)),
@@ -77,7 +80,7 @@ impl Columns {
                 writeln!(header, "property {kind} {name}").expect("a String takes everything");
             }
         };
-        declare("float", &["x", "y", "z"]);
+        declare(if self.doubles { "double" } else { "float" }, &["x", "y", "z"]);
         declare("float", if self.normals { &["nx", "ny", "nz"] } else { &[] });
         declare("float", if self.uvs { &["s", "t"] } else { &[] });
         declare("uchar", if self.colors { &["red", "green", "blue"] } else { &[] });
@@ -91,7 +94,8 @@ impl Columns {
 
     /// Bytes of a vertex.
     fn stride(&self) -> usize {
-        12 + usize::from(self.normals) * 12
+        12 + usize::from(self.doubles) * 12
+            + usize::from(self.normals) * 12
             + usize::from(self.uvs) * 8
             + usize::from(self.colors) * 3
     }
@@ -105,8 +109,14 @@ impl Columns {
             .collect();
         for (vertex, &submesh) in (0..).zip(mesh.vertex_submesh()) {
             let [normal, uv, color] = streams[submesh as usize];
+            if self.doubles {
+                let position = vertices.exact_position(vertex);
+                bytes.extend(position.iter().flat_map(|c| c.to_le_bytes()));
+            }
             let mut put = |x: f32| bytes.extend_from_slice(&x.to_le_bytes());
-            vertices.position(vertex).into_iter().for_each(&mut put);
+            if !self.doubles {
+                vertices.position(vertex).into_iter().for_each(&mut put);
+            }
             if self.normals {
                 let normal = normal.map_or([0.0; 3], |s| vertices.normal(s, vertex));
                 normal.into_iter().for_each(&mut put);

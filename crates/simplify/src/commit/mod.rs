@@ -14,7 +14,8 @@ pub(crate) use log::{CollapseLog, Sources, renumber_wedges};
 use crate::choose::{LegalCollapse, WedgePlan};
 use crate::cut::{DEAD, OPEN, Region, SEAM};
 use crate::metric::Reprice;
-use lodc_mesh::{Mesh, NONE};
+use crate::number::Input;
+use lodc_mesh::NONE;
 
 /// The groups whose faces a commit changed.
 #[derive(Default)]
@@ -80,7 +81,7 @@ impl Touched {
 
 /// Everything that a commit changes.
 pub(crate) struct Commit<'a, M> {
-    pub(crate) input: &'a Mesh,
+    pub(crate) input: &'a Input<'a>,
     pub(crate) region: &'a mut Region,
     pub(crate) metric: &'a mut M,
     pub(crate) log: &'a mut CollapseLog,
@@ -184,9 +185,9 @@ impl<M: Reprice> Commit<'_, M> {
             // Wedges with the same attributes share a fake. A position with more than 64 wedges
             // (chosen by hand; real meshes have a handful) may get some it could have shared.
             let mut earlier = plan.wedges[..i].iter().filter(|p| p.is_fake).take(64);
-            let target = match earlier.find(|p| wedges.alike(input, p.wedge, wedge)) {
+            let target = match earlier.find(|p| wedges.alike(input.mesh, p.wedge, wedge)) {
                 Some(p) => p.target,
-                None => wedges.add_fake(to, plan.true_target, wedge),
+                None => wedges.add_fake(input, to, plan.true_target, wedge),
             };
             plan.wedges[i].target = target;
             plan.wedges[i].is_fake = true;
