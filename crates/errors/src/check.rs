@@ -29,9 +29,11 @@ const MAX_RMS_RATIO: f64 = 1.25;
 /// a small part of the surface decides them, and they are interpolated between measured levels.
 const RMS_SLACK: f64 = 0.04;
 
-/// Samples on either surface that tell a root mean square distance: at first, and before one is
-/// refused.
-const SAMPLES: [usize; 2] = [2_048, 32_768];
+/// Samples on either surface that tell a root mean square distance: for each triangle of the input,
+/// at least and at most, and before one is refused.
+const SAMPLES_PER_TRIANGLE: usize = 4;
+const SAMPLES: [usize; 2] = [64, 2_048];
+const SAMPLES_BEFORE_REFUSAL: usize = 32_768;
 
 /// Distances below these shares of the diagonal are not refused for being too small, as single
 /// precision rounds numbers as large as the diagonal by about as much; and for being too large.
@@ -134,7 +136,7 @@ impl Checked {
         // An infinite error is that of a level without triangles.
         let known = if self.stated.is_finite() { 0.95 * share * self.stated / scale } else { 0.0 };
         let LevelDistances { lower, upper, rms, .. } =
-            original.measure(self.lod, known, SAMPLES[0], None);
+            original.measure(self.lod, known, few_samples(original.input.triangles.len()), None);
         // What was known is not what was found.
         if lower > known && lower * scale > self.lower {
             (self.lower, self.pose) = (lower * scale, pose);
@@ -162,7 +164,8 @@ impl Checked {
             // Errors never fall: a finer level may be the one with that distance.
             let errors = &collapses.parts().step_errors;
             let first = errors.partition_point(|&e| f64::from(e) < stated);
-            let bound = measured(simplified, shapes, collapses.step(first).lod, SAMPLES[0]).0;
+            let few = few_samples(simplified.mesh().triangles().len());
+            let bound = measured(simplified, shapes, collapses.step(first).lod, few).0;
             let bound = bound.max(self.upper.min(stated / MAX_STATED));
             if stated > MAX_STATED * bound {
                 return Some(format!("the error is {stated}, no point is farther than {bound}"));
@@ -177,16 +180,22 @@ impl Checked {
         if is_near(self.rms) {
             return None;
         }
-        let mut rms = measured(simplified, shapes, lod, SAMPLES[1]).1;
+        let mut rms = measured(simplified, shapes, lod, SAMPLES_BEFORE_REFUSAL).1;
         if stated_rms > MAX_RMS_RATIO * rms {
             let means = &collapses.parts().step_rms;
             let first = means.partition_point(|&r| f64::from(r) < stated_rms);
-            let finer = measured(simplified, shapes, collapses.step(first).lod, SAMPLES[1]).1;
+            let finer =
+                measured(simplified, shapes, collapses.step(first).lod, SAMPLES_BEFORE_REFUSAL).1;
             rms = rms.max(finer);
         }
         (!is_near(rms))
             .then(|| format!("the root mean square distance is {stated_rms}, measured are {rms}"))
     }
+}
+
+/// Samples that tell the root mean square distance of a level of some triangles at first.
+fn few_samples(triangles: usize) -> usize {
+    (SAMPLES_PER_TRIANGLE * triangles).clamp(SAMPLES[0], SAMPLES[1])
 }
 
 /// Measures a level: an upper bound of its distance, and the root mean square, the largest over all

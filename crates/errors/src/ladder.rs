@@ -161,8 +161,15 @@ impl Ladder<'_> {
         }
         let excess = finer.excess.max(coarser.excess);
         let proposed = Proposals::after(&self.proposals.largest, steps);
-        let tiny = self.original.rounding();
-        let error = if proposed > tiny { proposed * MARGIN * excess } else { 0.0 };
+        let is_followed = steps <= self.proposals.largest.len();
+        let error = if is_followed && proposed > self.original.rounding() {
+            proposed * MARGIN * excess
+        } else if is_followed && excess <= PROPOSED[0] {
+            0.0
+        } else {
+            // Nothing is known of it but that the coarser level is no nearer.
+            coarser.upper
+        };
         let proposed = Proposals::after(&self.proposals.rms, steps);
         let triangles = f64::from(self.sequence.step(steps - 1).triangles.max(1));
         let [from, to] = [finer, coarser].map(|rung| f64::from(rung.triangles.max(1)).ln());

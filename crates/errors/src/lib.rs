@@ -18,6 +18,7 @@
 //! ```
 
 mod backward;
+mod between;
 mod block;
 mod check;
 mod components;
@@ -39,6 +40,7 @@ mod step_errors;
 mod thinning;
 mod work;
 
+pub use between::{Distances, Measurable};
 pub use check::check;
 pub use level::{LevelError, at_levels};
 pub use step_errors::StepErrors;

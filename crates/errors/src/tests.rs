@@ -2,7 +2,8 @@
 //! surfaces.
 
 use crate::floor::MARGIN;
-use crate::{StepErrors, measure, raise};
+use crate::settings::{Limits, Settings};
+use crate::{StepErrors, measure, measure_above, raise};
 use glam::DVec3;
 use lodc_fixtures as fixtures;
 use lodc_measure::{Sampling, Surface, distances};
@@ -507,6 +508,63 @@ fn faces_that_lie_on_each_other_count_once_on_both_sides() {
     let stated = simplified.with_distances(error, rms).expect("they never fall");
     let (levels, wrong) = crate::check(&stated, &[stated.mesh().positions()]);
     assert_eq!((levels > 0, wrong), (true, None));
+}
+
+/// Meshes of some hundred triangles meet every limit that large ones meet.
+#[test]
+fn limits_a_hundred_times_as_small_end_in_errors_that_hold() {
+    let Limits { work, boxes_nearest, boxes_farthest, boxes_per_level, .. } = Limits::DEFAULT;
+    let limits = [
+        Limits { work: work.map(|w| w / 100), ..Limits::DEFAULT },
+        Limits { work: [0, 0], max_levels: 1, boxes: [0, 0], ..Limits::DEFAULT },
+        Limits {
+            boxes_nearest: boxes_nearest / 400,
+            boxes_farthest: boxes_farthest / 400,
+            ..Limits::DEFAULT
+        },
+        Limits {
+            work: work.map(|w| w / 100),
+            boxes_nearest: boxes_nearest / 100,
+            boxes_farthest: boxes_farthest / 100,
+            boxes_per_level: boxes_per_level.map(|boxes| boxes / 100),
+            max_levels: 1,
+            boxes: [5, 50_000],
+            ..Limits::DEFAULT
+        },
+    ];
+    let mut meshes: Vec<(String, Mesh)> = ["torus", "terrain", "machine_part", "triangle_soup"]
+        .map(|name| (name.to_owned(), fixtures::named(name).expect("a shape")))
+        .into();
+    meshes.extend(
+        (0..fixtures::SLIVERS)
+            .step_by(4)
+            .map(|kind| (format!("slivers {kind}"), fixtures::slivers(kind, 1))),
+    );
+    let mut unfinished = 0;
+    for (name, mesh) in &meshes {
+        let options = lodc_simplify::Options::DEFAULT;
+        let simplified = lodc_simplify::simplify(mesh, &options, &|_, _| {});
+        let (collapses, size) = (simplified.collapses(), mesh.diagonal());
+        let positions = mesh.positions();
+        let usual = measured(&simplified);
+        for (number, limits) in limits.into_iter().enumerate() {
+            let settings = Settings { limits, ..Settings::AT_REST };
+            let before = StepErrors::default();
+            let errors = measure_above(&before, &simplified, positions, settings, &|| ());
+            unfinished += usize::from(errors != usual);
+            for share in [60, 20, 5] {
+                let lod = collapses.lod_for_triangles(mesh.triangles().len() as u32 * share / 100);
+                let Some(step) = collapses.steps_at(lod).checked_sub(1) else { continue };
+                let stated = f64::from(errors.error[step]);
+                let [found, _] = sampled(&simplified, lod, 1);
+                assert!(
+                    found <= 1.05 * stated + 1e-6 * size,
+                    "{name} at {share} %, limits {number}: {stated} is stated, {found} found"
+                );
+            }
+        }
+    }
+    assert!(unfinished > meshes.len(), "{unfinished} met a limit");
 }
 
 /// The backward pass has a thread of its own, for which all threads of a pool may be waiting.

@@ -8,7 +8,6 @@ use glam::DVec3;
 use lodc_mesh::NONE;
 use lodc_nearest::{FarthestSearch, TriangleTree, morton_order};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Points of one parallel task. Chosen by hand; results do not depend on it.
 const TASK_POINTS: usize = 256;
@@ -58,7 +57,7 @@ pub fn distances(a: &Surface, b: &Surface, sampling: &Sampling) -> Distances {
 #[derive(Clone, Debug)]
 pub struct Original {
     samples: Samples,
-    tree: Arc<TriangleTree>,
+    tree: TriangleTree,
     sampling: Sampling,
 }
 
@@ -66,13 +65,8 @@ impl Original {
     /// Prepares a surface.
     #[must_use]
     pub fn new(surface: &Surface, sampling: &Sampling) -> Self {
-        Self::with_tree(surface, Arc::new(surface.tree()), sampling)
-    }
-
-    /// As [`Self::new`], with the [tree](Surface::tree) of the surface.
-    #[must_use]
-    pub fn with_tree(surface: &Surface, tree: Arc<TriangleTree>, sampling: &Sampling) -> Self {
-        Self { samples: Samples::new(surface, sampling), tree, sampling: *sampling }
+        let samples = Samples::new(surface, sampling);
+        Self { samples, tree: surface.tree(), sampling: *sampling }
     }
 
     /// Measures both ways, as [`distances`] does.
@@ -82,42 +76,6 @@ impl Original {
         let backward = Samples::new(other, &self.sampling);
         let backward = backward.farthest_and_mean(&self.tree, |t| other.corners(t as usize));
         Distances { hausdorff: [forward.0, backward.0], rms: [forward.1, backward.1] }
-    }
-}
-
-impl Original {
-    /// An upper bound of the largest distance between any point of either surface and the other,
-    /// and the root mean square distance, the larger of both ways. The bound is no more than 2 %
-    /// above the distance unless surfaces are very tangled, and infinite if one surface alone has
-    /// no triangles.
-    #[must_use]
-    pub fn bound_and_rms(&self, other: &Surface) -> (f64, f64) {
-        let original_triangles: Vec<_> =
-            (0..self.tree.spatial_order().len() as u32).map(|t| self.tree.corners_of(t)).collect();
-        let other_triangles: Vec<_> =
-            (0..other.triangles.len()).map(|t| other.corners(t)).collect();
-        let (low, high) = original_triangles
-            .as_flattened()
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| {
-                (low.min(p), high.max(p))
-            });
-        let search = FarthestSearch::for_size((high - low).max(DVec3::ZERO).length());
-        let tree = TriangleTree::new(&other_triangles);
-        let forward = || {
-            let farthest = search.farthest(&original_triangles, &tree);
-            (farthest.upper, self.samples.area.mean_square(&tree))
-        };
-        let backward = || {
-            let farthest = search.farthest(&other_triangles, &*self.tree);
-            let area = over_area(other, self.sampling.samples, self.sampling.seed);
-            (farthest.upper, Points::new(area).mean_square(&self.tree))
-        };
-        let (forward, backward) = rayon::join(forward, backward);
-        let bound = forward.0.max(backward.0);
-        // Rounding errors of coordinates are no distances.
-        let bound = if bound <= 2.0 * search.floor { 0.0 } else { bound };
-        (bound, forward.1.max(backward.1).sqrt())
     }
 }
 
@@ -145,11 +103,6 @@ impl Points {
         let position = |i: u32| [positions[i as usize].as_vec3().into(); 3];
         let order = morton_order(0..positions.len() as u32, position);
         Self { positions, triangles, order }
-    }
-
-    /// The mean squared distance to a surface; 0 without points.
-    fn mean_square(&self, to: &TriangleTree) -> f64 {
-        mean(&squares(self, to))
     }
 }
 

@@ -6,12 +6,11 @@ use crate::quadrature::{Rule, rule_for_ratio};
 use glam::DVec3;
 use lodc_mesh::{Mesh, PositionIds};
 use lodc_nearest::{TriangleTree, point_at};
-use std::sync::Arc;
 
 pub(crate) struct Input {
     /// Unit normals of the triangles; zero for those without area.
     pub(crate) normals: Vec<DVec3>,
-    pub(crate) tree: Arc<TriangleTree>,
+    pub(crate) tree: TriangleTree,
     /// The tree of the curves (each a segment), and the two points of Gauss's rule on each.
     pub(crate) curve_tree: TriangleTree,
     pub(crate) curve_points: Vec<DVec3>,
@@ -53,7 +52,7 @@ impl Input {
             .collect();
         let curve_lengths = segments.iter().flat_map(|[a, b]| [a.distance(*b) / 2.0; 2]).collect();
         Self {
-            tree: Arc::new(TriangleTree::new(&corners)),
+            tree: TriangleTree::new(&corners),
             curve_tree: TriangleTree::of_segments(&segments),
             curve_points,
             curve_lengths,

@@ -41,8 +41,6 @@ use guard::{Guard, cross};
 use input::Input;
 use level::Level;
 use lodc_mesh::{Lod, Mesh, MeshError, MeshParts, Simplified};
-use lodc_nearest::TriangleTree;
-use std::sync::Arc;
 
 /// Effort of a refit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,12 +103,6 @@ impl<'a> Refit<'a> {
         let input = Input::new(original, level.faces.len());
         let positions = Fit::new(&input, &level).run(options.iterations, tick);
         Self { original, level, fitted: Some(Fitted { input, positions }) }
-    }
-
-    /// The tree of LOD 0's triangles; none where nothing moves.
-    #[must_use]
-    pub fn tree(&self) -> Option<Arc<TriangleTree>> {
-        self.fitted.as_ref().map(|fitted| Arc::clone(&fitted.input.tree))
     }
 
     /// Returns the level as the simplifier left it.

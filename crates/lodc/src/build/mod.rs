@@ -27,7 +27,7 @@ pub use scene_context::{Importance, SceneContext};
 pub use simplify::simplify_all;
 pub use watch::Watch;
 
-pub use lodc_errors::{Tick, check as check_errors};
+pub use lodc_errors::{Distances, Measurable, Tick, check as check_errors};
 
 use lodc_formats::ObjectInfo;
 use lodc_mesh::Simplified;

@@ -4,9 +4,9 @@
 use super::object_pictures::{ObjectPictures, noise};
 use crate::level_mesh::{LevelMesh, Order, ordered};
 use crate::{Error, LodObject, stated_shapes};
-use lodc_errors::Tick;
+use lodc_errors::{Distances, Measurable, Tick};
 use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
-use lodc_measure::{Original, Pyramid, Sampling, Surface, TriangleTree};
+use lodc_measure::Pyramid;
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
 use lodc_scene::{Coordinates, ObjectShapes, Shape};
@@ -46,9 +46,9 @@ pub fn refitted_meshes(
     let one = |((object, &lod), (coordinates, shapes)): (_, (&Vec<_>, &ObjectShapes))| {
         let texture = NoiseTexture { coordinates, noise: &noise };
         let (mesh, as_modelled) = refitted(object, lod, texture, tick);
-        let Distances { bound, rms } =
-            largest_over_shapes(shapes.all(), object.simplified.mesh(), &mesh, Some(as_modelled));
-        LevelMesh { mesh: ordered(mesh, order), error: bound, rms: Some(rms) }
+        let input = object.simplified.mesh();
+        let distances = largest_over_shapes(shapes.all(), input, &mesh, Some(as_modelled));
+        LevelMesh { mesh: ordered(mesh, order), error: distances.upper, rms: Some(distances.rms) }
     };
     Ok(objects.par_iter().zip(lods).zip(coordinates.par_iter().zip(&shapes)).map(one).collect())
 }
@@ -67,72 +67,34 @@ pub fn measured(
 ) -> Result<Vec<LevelMesh>, Error> {
     let shapes = stated_shapes(objects, document, limits)?;
     let one = |((object, mesh), shapes): ((&LodObject, Mesh), &ObjectShapes)| {
-        let Distances { bound, rms } =
-            largest_over_shapes(shapes.all(), object.simplified.mesh(), &mesh, None);
-        LevelMesh { mesh, error: bound, rms: Some(rms) }
+        let distances = largest_over_shapes(shapes.all(), object.simplified.mesh(), &mesh, None);
+        LevelMesh { mesh, error: distances.upper, rms: Some(distances.rms) }
     };
     Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
 }
 
-/// Most points of a surface that its mean distance is from in a pose: fewer than at rest, to save
-/// time. Chosen by hand.
-const MAX_POSE_SAMPLES: usize = 20_000;
-/// Points of a surface for each of its triangles, where it has few: a scene may have thousands of
-/// such objects. At least the others, by which a mean is known to about a hundredth. Chosen by
-/// hand.
-const SAMPLES_PER_TRIANGLE: usize = 100;
-const MIN_SAMPLES: usize = 4_096;
-
-/// The points by which a surface of some number of triangles is measured, at most `max_samples` of
-/// them. There is no lattice: the largest distance is searched for.
-fn sampling(triangles: usize, max_samples: usize) -> Sampling {
-    let samples = triangles.saturating_mul(SAMPLES_PER_TRIANGLE).clamp(MIN_SAMPLES, max_samples);
-    Sampling { samples, lattice: 0, ..Sampling::DEFAULT }
-}
-
-/// Distances of a level from its input, in mesh units.
-#[derive(Clone, Copy)]
-struct Distances {
-    /// Upper bound of the Hausdorff distance.
-    bound: f64,
-    /// Root mean square distance.
-    rms: f64,
-}
-
-impl Distances {
-    fn between(original: &Original, level: &Surface) -> Self {
-        let (bound, rms) = original.bound_and_rms(level);
-        Self { bound, rms }
-    }
-}
-
-/// The bound and the root mean square distance of a level, the largest over all shapes. A skin at
-/// rest, default morph weights or an uneven scale may make the first another than that of the mesh
-/// as it is. `as_modelled` are the distances of
-/// the meshes as they are, if they are known already.
+/// How far a level is from its input, the largest over all shapes. A skin at rest, default morph
+/// weights or an uneven scale may make the first another than that of the mesh as it is.
+/// `as_modelled` are the distances of the meshes as they are, if they are known already.
 fn largest_over_shapes(
     shapes: &[Shape],
     input: &Mesh,
     level: &Mesh,
     as_modelled: Option<Distances>,
 ) -> Distances {
-    let in_shape = |(number, shape): (usize, &Shape)| {
+    let mut largest = Distances::default();
+    for shape in shapes {
         let [input_positions, level_positions] = [shape.of(input), shape.of(level)];
-        // A shape borrows the positions of the mesh where it leaves all of them as they are.
-        if let (Cow::Borrowed(_), Some(known)) = (&input_positions, as_modelled) {
-            return known;
-        }
-        let max_samples = if number == 0 { Sampling::DEFAULT.samples } else { MAX_POSE_SAMPLES };
-        let sampling = sampling(input.triangles().len(), max_samples);
-        let original = Original::new(&surface(input, &input_positions), &sampling);
-        Distances::between(&original, &surface(level, &level_positions))
-    };
-    let all = shapes.iter().enumerate().map(in_shape);
-    let larger = |a: Distances, b: Distances| Distances {
-        bound: a.bound.max(b.bound),
-        rms: a.rms.max(b.rms),
-    };
-    all.fold(Distances { bound: 0.0, rms: 0.0 }, larger)
+        let distances = match (&input_positions, as_modelled) {
+            // A shape borrows the positions of the mesh where it leaves all of them as they are.
+            (Cow::Borrowed(_), Some(known)) => known,
+            _ => {
+                measurable(input, &input_positions).distances(&measurable(level, &level_positions))
+            }
+        };
+        largest = largest.max(distances);
+    }
+    largest
 }
 
 /// A refitted level of an object, with the distances of its mesh as modelled. These are measured:
@@ -146,19 +108,19 @@ fn refitted(
     let input = object.simplified.mesh();
     let refit = Refit::new(&object.simplified, lod, &Options::DEFAULT, tick);
     if lod.0 == 0 {
-        return (refit.unmoved(), Distances { bound: 0.0, rms: 0.0 });
+        return (refit.unmoved(), Distances::default());
     }
     let unmoved = refit.unmoved();
-    let from_input = original(input, refit.tree());
-    let before = Distances::between(&from_input, &surface_of(&unmoved));
+    let from_input = measurable(input, input.positions());
+    let before = from_input.distances(&measurable(&unmoved, unmoved.positions()));
     let judge = Judge::new(input, &unmoved, texture);
     // The best level so far, and the share of its image error that a better one has to be below.
     let (mut best, mut least_kept) = ((unmoved, before), BETTER);
     for share in FIT_SHARES {
         tick();
         let mesh = refit.mesh(share);
-        let distances = Distances::between(&from_input, &surface_of(&mesh));
-        if distances.bound > MAX_BOUND_GROWTH * before.bound {
+        let distances = from_input.distances(&measurable(&mesh, mesh.positions()));
+        if distances.upper > MAX_BOUND_GROWTH * before.upper {
             continue;
         }
         let share_kept = judge.as_ref().map_or(0.0, |judge| judge.kept_share(&mesh));
@@ -170,14 +132,6 @@ fn refitted(
         }
     }
     best
-}
-
-/// A mesh that levels are measured from. `tree` is that of its triangles, if there is one already.
-fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
-    let surface = surface_of(mesh);
-    let tree = tree.unwrap_or_else(|| Arc::new(surface.tree()));
-    let sampling = sampling(mesh.triangles().len(), Sampling::DEFAULT.samples);
-    Original::with_tree(&surface, tree, &sampling)
 }
 
 /// Noise as the texture of an object.
@@ -218,17 +172,9 @@ fn kept_share(before: &[f64], now: &[f64]) -> f64 {
     before.iter().zip(now).map(share).fold(0.0, f64::max)
 }
 
-fn surface_of(mesh: &Mesh) -> Surface {
-    surface(mesh, mesh.positions())
-}
-
-/// The triangles of a mesh with its vertices at other positions.
-fn surface(mesh: &Mesh, positions: &[[f32; 3]]) -> Surface {
-    Surface {
-        positions: positions.iter().map(|&p| p.into()).collect(),
-        triangles: mesh.triangles().to_vec(),
-        ..Surface::default()
-    }
+/// The surface of a mesh with its vertices at other positions.
+fn measurable(mesh: &Mesh, positions: &[[f32; 3]]) -> Measurable {
+    Measurable::new(mesh.triangles().iter().map(|t| t.map(|v| positions[v as usize])))
 }
 
 #[cfg(test)]

@@ -4,11 +4,11 @@
 use super::facing::{Facing, Moved};
 use super::report::CheckReport;
 use glam::DVec3;
+use lodc::build::{Distances, Measurable};
 use lodc_formats::import::document_difference;
 use lodc_formats::{
     Document, FormatError, Limits, ObjDocument, ObjectInfo, Scene, SceneObject, ShippedLevels, scene_motion,
 };
-use lodc_measure::{Original, Sampling, Surface};
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
 use lodc_scene::{Arrangement, MeasuredPlacement, Motion, Placement, posed_positions};
 use rayon::prelude::*;
@@ -22,14 +22,22 @@ const MAX_MEASURED: f64 = 1.05;
 /// hand: errors never fall from level to level, so that some are above their distance.
 const MAX_STATED: f64 = 1.5;
 
-/// Fewer samples than by default: around the farthest of them triangles are searched. Chosen by
-/// hand.
-const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x1e7e1 };
+/// The same for root mean square distances, either way; both are from samples, and stated ones
+/// never fall from level to level. Chosen by hand.
+const MAX_RMS_RATIO: f64 = 1.35;
 
-/// Samples of each kind on each of many objects, at least, and by how many times these may be more
-/// than those of one surface of as many triangles. Chosen by hand.
-const MIN_SAMPLES: usize = 64;
-const MAX_DENSITY: f64 = 10.0;
+/// Root mean square distances that differ by no more than this share of the error are not refused:
+/// a small part of the surface decides them. Chosen by hand.
+const RMS_SLACK: f64 = 0.04;
+
+/// Of the distance below which an error is too large, the share that is not searched closely.
+const UNSEARCHED_SHARE: f64 = 0.9;
+
+/// Samples that tell a root mean square distance: for each triangle, at least and at most, and
+/// before one is refused. Chosen by hand.
+const SAMPLES_PER_TRIANGLE: usize = 4;
+const SAMPLES: [usize; 2] = [64, 2_048];
+const SAMPLES_BEFORE_REFUSAL: usize = 32_768;
 
 /// Distances below this share of the diagonal are rounding errors, or not worth a refusal. Chosen
 /// by hand.
@@ -59,7 +67,8 @@ pub fn check_levels(
 
     let measure = Measure::new(source, stated.poses.as_deref(), limits)?;
     let error = |number: usize, level: &Scene| {
-        measure.difference(level, stated.levels[number].error, limits)
+        let facts = &stated.levels[number];
+        measure.difference(level, facts.error, facts.rms, limits)
     };
     checks.push(report("errors hold").of(count, first(&levels, error)?));
 
@@ -164,11 +173,12 @@ impl<'a> Measure<'a> {
         Ok(Self { source, motion, poses, origin, diagonal, stretches, looseness })
     }
 
-    /// Returns a difference if a level has a larger error than it states, or a far smaller one.
+    /// Returns a difference if a level is farther from the source than it states, or far nearer.
     fn difference(
         &self,
         level: &Scene,
         stated: f64,
+        stated_rms: Option<f64>,
         limits: &Limits,
     ) -> Result<Option<String>, FormatError> {
         if !stated.is_finite() {
@@ -177,32 +187,47 @@ impl<'a> Measure<'a> {
         }
         let shown = motion(level, limits)?;
         let pairs = self.pairs(level, &shown);
-        let triangles: usize = pairs.iter().map(|[from, _]| from.triangles.len()).sum();
-        let original =
-            |from: &Surface| Original::new(from, &sampling(from.triangles.len(), triangles));
-        let measured = |[from, to]: &[Surface; 2]| {
-            original(from).distances(to).hausdorff.into_iter().fold(0.0, f64::max)
-        };
-        let largest = pairs.par_iter().map(measured).reduce(|| 0.0, f64::max);
         let negligible = NEGLIGIBLE_SHARE * self.diagonal;
-        if largest > MAX_MEASURED * stated + negligible {
-            return Ok(Some(format!("the error is {stated}, measured are {largest}")));
-        }
-        let allowed = |distance| {
-            let rounding = self.rounding(level, &shown);
-            MAX_STATED * self.looseness * distance + rounding + negligible
+        let slack = negligible + self.rounding(level, &shown);
+        let looseness = MAX_STATED * self.looseness;
+        // A distance of which the stated error is not too large.
+        let least = (stated - slack).max(0.0) / looseness;
+        let measured = |samples: Option<usize>| {
+            let of = |[from, to]: &[Measurable; 2]| {
+                let few = SAMPLES_PER_TRIANGLE * from.triangles().max(to.triangles());
+                let samples = samples.unwrap_or(few.clamp(SAMPLES[0], SAMPLES[1]));
+                from.distances_beyond(UNSEARCHED_SHARE * least, to, samples)
+            };
+            pairs.par_iter().map(of).reduce(Distances::default, Distances::max)
         };
+        let Distances { lower, upper, rms } = measured(None);
+        if lower > MAX_MEASURED * stated + negligible {
+            return Ok(Some(format!("the error is {stated}, measured are {lower}")));
+        }
         // Errors may be the largest over poses that are not known, as in an OBJ.
         let bends = self.stretches || self.source.objects.iter().any(|o| bends(&o.mesh));
         let poses_known = !bends || self.poses.is_some() && !self.is_flattened(level);
-        if !poses_known || stated <= allowed(largest) || pairs.len() < self.source.objects.len() {
+        let may_be_too_large = poses_known && pairs.len() >= self.source.objects.len();
+        // A point that is known to be far enough may be missed, so that only the upper bound shows
+        // that the error is too large.
+        if may_be_too_large && least > upper {
+            return Ok(Some(format!("the error is {stated}, no point is farther than {upper}")));
+        }
+        let Some(stated_rms) = stated_rms else { return Ok(None) };
+        let slack = slack + RMS_SLACK * stated;
+        let most = |rms: f64| MAX_RMS_RATIO * self.looseness * rms + slack;
+        // The mean over a whole scene is not that of the object in which it is largest.
+        let may_be_too_large = may_be_too_large && !self.is_flattened(level);
+        let is_near = |rms: f64| {
+            rms <= MAX_RMS_RATIO * stated_rms + slack
+                && (!may_be_too_large || stated_rms <= most(rms))
+        };
+        if is_near(rms) {
             return Ok(None);
         }
-        // Samples may miss a small part, so only an upper bound shows that the error is too large.
-        let bound = |[from, to]: &[Surface; 2]| original(from).bound_and_rms(to).0;
-        let bound = pairs.par_iter().map(bound).reduce(|| 0.0, f64::max);
-        let what = || format!("the error is {stated}, no point is farther than {bound}");
-        Ok((stated > allowed(bound)).then(what))
+        let Distances { rms, .. } = measured(Some(SAMPLES_BEFORE_REFUSAL));
+        let what = || format!("the root mean square distance is {stated_rms}, measured are {rms}");
+        Ok((!is_near(rms)).then(what))
     }
 
     /// Half the diagonal of a cell of the coarsest grid that a level's vertices are on, which
@@ -228,7 +253,7 @@ impl<'a> Measure<'a> {
 
     /// Surfaces of the source and of a level that belong together: of each object in the placements
     /// and the poses that its errors are the largest over.
-    fn pairs(&self, level: &Scene, shown: &Motion) -> Vec<[Surface; 2]> {
+    fn pairs(&self, level: &Scene, shown: &Motion) -> Vec<[Measurable; 2]> {
         if self.is_flattened(level) {
             let [source, level] = [(self.source, &self.motion), (level, shown)];
             let surface =
@@ -249,10 +274,8 @@ impl<'a> Measure<'a> {
                 let posed = [0, 1].map(|side| posed_positions(meshes[side], placements[side]));
                 let origin = posed[0].first().copied().unwrap_or_default();
                 [0, 1].map(|side| {
-                    let mut surface = Surface::default();
-                    let about_origin = posed[side].iter().map(|&p| (p - origin) * growth);
-                    add(&mut surface, meshes[side], about_origin);
-                    surface
+                    let at = |p: DVec3| (p - origin) * growth;
+                    Measurable::new(triangles(meshes[side], &posed[side], at))
                 })
             };
             let in_placement = |at: &MeasuredPlacement| {
@@ -291,22 +314,23 @@ impl<'a> Measure<'a> {
     }
 
     /// The surface of everything that a scene shows.
-    fn scene_surface(&self, scene: &Scene, arrangement: &Arrangement) -> Surface {
-        let mut all = Surface::default();
-        for placement in arrangement.placements() {
+    fn scene_surface(&self, scene: &Scene, arrangement: &Arrangement) -> Measurable {
+        let of = |placement: &Placement| {
             let mesh = &scene.objects[placement.object].mesh;
-            let positions = posed_positions(mesh, placement).into_iter();
-            add(&mut all, mesh, positions.map(|p| p - self.origin));
-        }
-        all
+            let posed = posed_positions(mesh, placement);
+            triangles(mesh, &posed, |p| p - self.origin).collect::<Vec<_>>()
+        };
+        Measurable::new(arrangement.placements().iter().flat_map(of))
     }
 }
 
-/// Adds a mesh with its vertices at `positions`.
-fn add(surface: &mut Surface, mesh: &Mesh, positions: impl Iterator<Item = DVec3>) {
-    let first = surface.positions.len() as u32;
-    surface.positions.extend(positions.map(|p| p.as_vec3()));
-    surface.triangles.extend(mesh.triangles().iter().map(|t| t.map(|v| first + v)));
+/// The triangles of a mesh with its vertices at `posed`, each moved by `at`.
+fn triangles(
+    mesh: &Mesh,
+    posed: &[DVec3],
+    at: impl Fn(DVec3) -> DVec3,
+) -> impl Iterator<Item = [[f32; 3]; 3]> {
+    mesh.triangles().iter().map(move |t| t.map(|v| at(posed[v as usize]).as_vec3().into()))
 }
 
 /// The lowest and the highest corner of a box around everything that a scene shows: of objects
@@ -336,17 +360,6 @@ fn scene_box(scene: &Scene, arrangement: &Arrangement) -> [DVec3; 2] {
         || [DVec3::INFINITY, DVec3::NEG_INFINITY],
         |[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)],
     )
-}
-
-/// The samples of a surface of some triangles out of `all` that are measured: a part of those of
-/// one surface of `all`, more where that is less than one for each triangle.
-fn sampling(triangles: usize, all: usize) -> Sampling {
-    let part = |of: usize| {
-        let share = of as f64 * triangles as f64 / all.max(1) as f64;
-        let dense = (MAX_DENSITY * share).min(triangles as f64);
-        (share.max(dense) as usize).clamp(MIN_SAMPLES, of)
-    };
-    Sampling { samples: part(SAMPLING.samples), lattice: part(SAMPLING.lattice), ..SAMPLING }
 }
 
 fn motion(scene: &Scene, limits: &Limits) -> Result<Motion, FormatError> {
