@@ -26,7 +26,9 @@ impl<'a> Placed<'a> {
     pub(crate) fn vertices(&self) -> Vertices<'a> {
         let mesh = self.object.mesh;
         let posed = self.placement.as_ref().map(|p| posed(mesh, p));
-        let far = posed.as_ref().and_then(|posed| rounding_if_far(posed.positions.iter().map(|p| p.to_array())));
+        let far = posed
+            .as_ref()
+            .and_then(|posed| rounding_if_far(posed.positions.iter().map(|p| p.to_array())));
         Vertices { mesh, posed, far }
     }
 
@@ -59,7 +61,7 @@ fn rounding_if_far(positions: impl Iterator<Item = [f64; 3]>) -> Option<f64> {
     let largest = low.iter().chain(&high).fold(0.0, |most: f64, c| most.max(c.abs()));
     let diagonal = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
     let is_far = largest.is_finite() && half_ulp * largest > MAX_ROUNDING * diagonal;
-    is_far.then_some(half_ulp / 2.0 * diagonal)
+    is_far.then_some(half_ulp * diagonal)
 }
 
 /// The vertices of a placed object.

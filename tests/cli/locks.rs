@@ -148,7 +148,8 @@ fn tiles_simplified_apart_meet_without_a_gap() {
     for refit in [&[][..], &["--refit"]] {
         for (x, y) in FOUR {
             let name = format!("t{x}{y}");
-            let args = ["chain", &format!("{name}.gltf"), "-o", &format!("{name}.obj"), "--separate"];
+            let args =
+                ["chain", &format!("{name}.gltf"), "-o", &format!("{name}.obj"), "--separate"];
             let more = ["--lock-border", "--levels", "100%,60%,40%,20%", "-q"];
             f.lodc(args.iter().chain(&more).chain(refit)).ends(0);
         }
@@ -176,7 +177,11 @@ fn levels_end_where_locks_do_and_say_so() {
         for refit in [&[][..], &["--refit"]] {
             let args = ["extract", "s.gltf", "-o", "s.obj", "--ratio", "0.05"];
             let run = f.lodc(args.iter().chain(more).chain(refit)).ends(0);
-            assert!(run.err.contains("2 of 2 objects") || run.err.contains("locked"), "{}", run.err);
+            assert!(
+                run.err.contains("2 of 2 objects") || run.err.contains("locked"),
+                "{}",
+                run.err
+            );
             let kept = borders(&f.read("s.obj"));
             assert_eq!(kept.len(), 6 * TILE, "{more:?} {refit:?}");
         }
@@ -265,7 +270,9 @@ fn cards_go_whole_and_a_prefix_is_what_a_level_uses() {
     let file = glb(&f, "c.glb");
     let primitive = &file.0["meshes"][0]["primitives"][0];
     let all = indices(&file, &primitive["indices"]);
-    for (k, level) in primitive["extras"]["lodc"]["levels"].as_array().expect("levels").iter().enumerate() {
+    for (k, level) in
+        primitive["extras"]["lodc"]["levels"].as_array().expect("levels").iter().enumerate()
+    {
         let number = |key: &str| level[key].as_u64().expect("a number") as usize;
         let used: BTreeSet<u32> =
             all[number("first")..][..number("count")].iter().copied().collect();
@@ -343,7 +350,8 @@ fn facetted(n: usize, with_normals: bool) -> String {
             let quad = [(row, column), (row, column + 1), (row + 1, column + 1), (row + 1, column)];
             for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
                 let corners = [a, b, c].map(|k| number(quad[k].0, quad[k].1));
-                if corners[0] == corners[1] || corners[1] == corners[2] || corners[0] == corners[2] {
+                if corners[0] == corners[1] || corners[1] == corners[2] || corners[0] == corners[2]
+                {
                     continue;
                 }
                 let [p, q, r] = [a, b, c].map(|k| at(quad[k].0, quad[k].1));
@@ -358,7 +366,8 @@ fn facetted(n: usize, with_normals: bool) -> String {
                 let [x, y, z] = corners;
                 if with_normals {
                     let [nx, ny, nz] = n.map(|c| c / length);
-                    text += &format!("vn {nx} {ny} {nz}\nf {x}//{faces} {y}//{faces} {z}//{faces}\n");
+                    text +=
+                        &format!("vn {nx} {ny} {nz}\nf {x}//{faces} {y}//{faces} {z}//{faces}\n");
                 } else {
                     text += &format!("f {x} {y} {z}\n");
                 }
@@ -373,7 +382,8 @@ fn mixed_faces(obj: &[u8]) -> usize {
     let text = String::from_utf8(obj.to_vec()).expect("text");
     let faces = text.lines().filter_map(|line| line.strip_prefix("f "));
     let is_mixed = |face: &&str| {
-        let normals: BTreeSet<&str> = face.split_whitespace().filter_map(|c| c.rsplit('/').next()).collect();
+        let normals: BTreeSet<&str> =
+            face.split_whitespace().filter_map(|c| c.rsplit('/').next()).collect();
         normals.len() > 1
     };
     faces.filter(is_mixed).count()

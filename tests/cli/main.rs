@@ -17,6 +17,7 @@ mod determinism;
 mod engines;
 mod errors;
 mod extract;
+mod far;
 mod fixtures;
 mod folders;
 mod geomorph;

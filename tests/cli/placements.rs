@@ -338,6 +338,9 @@ fn a_share_of_unlike_objects_costs_no_more_error_than_it_has_to() {
         let within = (error / 1.1).to_string();
         let better = extract(&f, "m.lodc", "better.glb", &["--error", &within]);
         let needed = number(&better["triangles"]);
-        assert!(needed > triangles, "{ratio}: {needed} triangles err by {within}, {triangles} by {error}");
+        assert!(
+            needed > triangles,
+            "{ratio}: {needed} triangles err by {within}, {triangles} by {error}"
+        );
     }
 }

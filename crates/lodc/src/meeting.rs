@@ -4,12 +4,14 @@
 use crate::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_graph};
 use lodc_mesh::{Lod, PositionIds, Simplified};
-use lodc_scene::{Arrangement, posed_positions};
+use lodc_scene::{Arrangement, centre, posed_positions};
 use rayon::prelude::*;
 
 /// Border edges of all placements above which none are compared, to save time and memory. Chosen by
 /// hand.
 const MAX_EDGES: usize = 1 << 22;
+/// Triangles of all objects above which no borders are searched for, likewise.
+const MAX_TRIANGLES: usize = 1 << 24;
 
 /// A border edge in the world: its ends in single precision, the smaller first; the number of its
 /// placement; its object; whether the object's level lacks one of its ends.
@@ -29,9 +31,12 @@ pub fn parting_borders<'a>(
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
     let graph = scene_graph(document, &infos, limits)?;
     let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
-    if scene.placements().len() < 2 {
+    let triangles = |o: usize| objects[o].simplified.mesh().triangles().len();
+    let all: usize = (0..objects.len()).map(triangles).sum();
+    if scene.placements().len() < 2 || all > MAX_TRIANGLES {
         return Ok(Vec::new());
     }
+    let scene = scene.moved(centre(&scene, |o| objects[o].simplified.mesh()).map(|c| -c));
     let borders: Vec<Vec<[u32; 2]>> =
         objects.par_iter().map(|o| o.simplified.mesh().border_edges()).collect();
     let edges_in_all = |o: usize| borders[o].len().saturating_mul(scene.of(o).count());

@@ -148,9 +148,8 @@ impl Simplified {
             }
         }
         let last_uses = (0..).zip(last_level).filter(|&(_, level)| level != NONE);
-        let mut used: Vec<LastUse> = last_uses
-            .map(|(vertex, level)| LastUse { level: level as usize, vertex })
-            .collect();
+        let mut used: Vec<LastUse> =
+            last_uses.map(|(vertex, level)| LastUse { level: level as usize, vertex }).collect();
         used.sort_unstable_by(|a, b| b.cmp(a));
         (levels, used)
     }

@@ -70,6 +70,9 @@ impl Simplified {
         // −0 and +0 are one position.
         let bits = |p: [f32; 3]| p.map(|c| (c + 0.0).to_bits());
         let mut at: Vec<[u32; 3]> = positions.map(bits).collect();
+        if at.is_empty() {
+            return self.with_locked(Vec::new());
+        }
         at.sort_unstable();
         let is_locked = |&p: &[f32; 3]| at.binary_search(&bits(p)).is_ok();
         let locked = self.mesh.positions().iter().map(is_locked).collect();

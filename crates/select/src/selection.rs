@@ -183,7 +183,8 @@ impl Selection {
         let pairs = || objects.iter().zip(&self.lods);
         let errors = pairs().map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * o.world_scale());
         let error = errors.fold(0.0, f64::max);
-        let rms = pairs().map(|(o, &lod)| Some(decimal(o.collapses.rms_at(lod)?) * o.world_scale()));
+        let rms =
+            pairs().map(|(o, &lod)| Some(decimal(o.collapses.rms_at(lod)?) * o.world_scale()));
         let rms: Option<Vec<f64>> = rms.collect();
         self.rms = rms.map(|all| all.into_iter().fold(0.0, f64::max));
         self.error = error;

@@ -90,7 +90,9 @@ fn of_nearly_equal_errors_the_steps_with_least_loss_go_first() {
     let b = sequence(20, &[(1.01, 18), (1.01, 16), (1.01, 14), (5.0, 1)]);
     let o = [object(&a, 1.0), object(&b, 1.0)];
     // What is lost of the first counts ten times as much.
-    let losses = || [10.0, 1.0].map(|w| (1..=4).map(|i| w * f64::from(i)).collect()).to_vec();
+    let losses = || -> Vec<Vec<f64>> {
+        [10.0, 1.0].map(|w| (1..=4).map(|i| w * f64::from(i)).collect()).to_vec()
+    };
     let lods = |n| select(&o, Target::Triangles(n), false, losses).expect("a target").lods;
     assert_eq!(lods(36), [0, 2].map(Lod));
     assert_eq!(lods(30), [2, 3].map(Lod));

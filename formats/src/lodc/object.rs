@@ -129,8 +129,7 @@ impl ObjectReader<'_, '_> {
         }
         let mesh = self.mesh(number, &entry)?;
         let collapses = read_sequence(&mut self.container, number, &entry, &mesh)?;
-        let mut simplified =
-            Simplified::new(mesh, collapses).map_err(|e| wrong(format!("{e}")))?;
+        let mut simplified = Simplified::new(mesh, collapses).map_err(|e| wrong(format!("{e}")))?;
         if let Some(stored) = self.container.take_optional(tag::LOCKED, number, 0) {
             let vertices = simplified.mesh().vertex_count();
             let locked = arrays::bits(stored, vertices, || location(tag::LOCKED, number, 0))?;

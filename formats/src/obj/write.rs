@@ -223,9 +223,9 @@ const fn single(value: f64) -> f32 {
 fn double(text: &mut Vec<u8>, value: f64, rounding: f64) {
     // More than an f64 has.
     const MAX_DECIMALS: usize = 17;
-    let written = (0..MAX_DECIMALS).map(|decimals| format!("{value:.decimals$}")).find(|spelt| {
-        spelt.parse().is_ok_and(|read: f64| (read - value).abs() <= rounding)
-    });
+    let written = (0..MAX_DECIMALS)
+        .map(|decimals| format!("{value:.decimals$}"))
+        .find(|spelt| spelt.parse().is_ok_and(|read: f64| (read - value).abs() <= rounding));
     text.extend_from_slice(written.unwrap_or_else(|| value.to_string()).as_bytes());
 }
 

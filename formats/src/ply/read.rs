@@ -103,8 +103,7 @@ impl Content {
                         && matches!(property.property_type, PropertyType::Scalar(ScalarType::F64))
                 });
                 let exact_positions = exact.then_some(&mut self.exact_positions);
-                let sink =
-                    columns::vertices(&mut self.faces, exact_positions, &columns, &count);
+                let sink = columns::vertices(&mut self.faces, exact_positions, &columns, &count);
                 value(reader, Rows { element, count: &count, sink })
             }
             "face" | "tristrips" => {

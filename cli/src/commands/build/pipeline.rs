@@ -93,7 +93,9 @@ pub(super) fn make(
 
     check_models(&objects, &watch).map_err(bug)?;
     let coarsest: Vec<Lod> = objects.iter().map(|o| o.simplified.coarsest()).collect();
-    report.warnings.extend(parting_line(&parting_borders(&objects, &coarsest, &document, &limits)?));
+    report
+        .warnings
+        .extend(parting_line(&parting_borders(&objects, &coarsest, &document, &limits)?));
 
     progress.stage("write");
     // A stream does not hold what its file was made from, and `unpack` gives this file again.

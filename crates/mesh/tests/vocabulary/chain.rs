@@ -46,7 +46,8 @@ fn coarser_levels_use_prefixes() {
             assert!(within, "seed {seed}: {prefix}");
         }
         for (k, &prefix) in chain.prefixes.iter().enumerate() {
-            let used: BTreeSet<u32> = chain.levels[k..].iter().flatten().flatten().flatten().copied().collect();
+            let used: BTreeSet<u32> =
+                chain.levels[k..].iter().flatten().flatten().flatten().copied().collect();
             assert_eq!(prefix as usize, used.len(), "seed {seed}, level {k} and coarser ones");
         }
         let prefixes = &chain.prefixes;

@@ -7,7 +7,8 @@ use glam::DVec3;
 use lodc::build::{Distances, Measurable};
 use lodc_formats::import::document_difference;
 use lodc_formats::{
-    Document, FormatError, Limits, ObjDocument, ObjectInfo, Scene, SceneObject, ShippedLevels, scene_motion,
+    Document, FormatError, Limits, ObjDocument, ObjectInfo, Scene, SceneObject, ShippedLevels,
+    scene_motion,
 };
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
 use lodc_scene::{Arrangement, MeasuredPlacement, Motion, Placement, posed_positions};

@@ -104,7 +104,9 @@ impl<M: Reprice> Selector<'_, M> {
             return None;
         }
         if is_planned {
-            if !self.try_plan(from, known.to, buffers) || buffers.tried.costly_fakes > 0 && !is_found {
+            if !self.try_plan(from, known.to, buffers)
+                || buffers.tried.costly_fakes > 0 && !is_found
+            {
                 return None;
             }
             std::mem::swap(&mut buffers.tried, &mut buffers.plan);

@@ -182,8 +182,7 @@ impl Wedges {
         let source = |w: u32| self.attribute_source[w as usize];
         // Bounded as elsewhere: real meshes have a handful of wedges at a position.
         self.of_group(group).take(64).find(|&t| {
-            self.submesh(t) == self.submesh(wedge)
-                && input.meets_smoothly(source(t), source(wedge))
+            self.submesh(t) == self.submesh(wedge) && input.meets_smoothly(source(t), source(wedge))
         })
     }
 

@@ -351,9 +351,8 @@ fn wrong_nodes(root: &Object, node: usize, ids: &[usize]) -> Option<String> {
             extensions.shift_remove("MSFT_lod");
             extensions
         };
-        let key = key.or_else(|| {
-            (extensions(coarser) != extensions(finest)).then_some("extensions")
-        });
+        let key =
+            key.or_else(|| (extensions(coarser) != extensions(finest)).then_some("extensions"));
         let problem = key.map(|key| format!("nodes[{id}].{key}: is not that of nodes[{node}]"));
         problem.or_else(|| {
             (channels(id) != finest_channels)

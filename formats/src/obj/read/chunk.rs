@@ -340,10 +340,7 @@ fn vertices(bytes: &[u8], limits: &Limits) -> Result<[u64; 3], FormatError> {
 }
 
 /// The positions of a file that was read without a fault, in double precision.
-pub(super) fn exact_positions(
-    bytes: &[u8],
-    limits: &Limits,
-) -> Result<Vec<[f64; 3]>, FormatError> {
+pub(super) fn exact_positions(bytes: &[u8], limits: &Limits) -> Result<Vec<[f64; 3]>, FormatError> {
     let mut lines = Lines::new(bytes, limits.line_bytes);
     let mut positions = Vec::new();
     let mut word = lines.first_statement()?;

@@ -130,7 +130,7 @@ mod tests {
             "", "-", "+", ".", "1,5", "0x10", "1e", "e5", "1.2.3", "1_0", "abc", "+e2", "--1",
             "1+e", "\u{661}",
         ] {
-            assert_eq!(number(text.as_bytes()), None, "{text}");
+            assert_eq!(number::<f32>(text.as_bytes()), None, "{text}");
         }
     }
 
