@@ -38,10 +38,11 @@ const ALIKE_RATIOS: [f64; 2] = [1.35, 1.12];
 /// in meshes of few triangles the second. Chosen by hand.
 const NEIGHBOURS: [f64; 2] = [1.15, 1.06];
 
-/// Meshes of no more triangles than this have few; every level of theirs that has no more than so
-/// many left is measured.
+/// Meshes of no more triangles than this have few; of theirs every level that has no more than so
+/// many left is measured, and some with up to four times as many.
 const FEW_TRIANGLES: u32 = 16_384;
 const LAST_TRIANGLES: u64 = 16;
+const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
 
 /// Distances below this share of the diagonal are alike whatever they are. Chosen by hand.
 const TINY_SHARE: f64 = 1e-6;
@@ -94,11 +95,13 @@ pub(crate) fn planned(sequence: &CollapseSequence) -> Vec<usize> {
     let shares = PERCENTAGES.map(|percent| all * percent / 100);
     let below = std::iter::successors(shares.last().copied(), |t| Some(t / DIVISOR)).skip(1);
     // Where few triangles are left each counts.
-    let last_few = if all <= u64::from(FEW_TRIANGLES) { LAST_TRIANGLES } else { 0 };
+    let few = if all <= u64::from(FEW_TRIANGLES) { &BEFORE_LAST[..] } else { &[] };
+    let last_few = if few.is_empty() { 0 } else { LAST_TRIANGLES };
     let mut planned: Vec<usize> = shares
         .into_iter()
         .chain(below.take_while(|&triangles| triangles > 0))
         .chain(1..=last_few)
+        .chain(few.iter().copied())
         .map(|triangles| sequence.steps_at(sequence.lod_for_triangles(triangles as u32)))
         .filter(|steps| (1..last).contains(steps))
         .chain((last > 0).then_some(last))

@@ -25,11 +25,11 @@ const MAX_STATED: f64 = 1.5;
 
 /// The same for root mean square distances, either way; both are from samples, and stated ones
 /// never fall from level to level. Chosen by hand.
-const MAX_RMS_RATIO: f64 = 1.35;
+const MAX_RMS_RATIO: f64 = 1.3;
 
 /// Root mean square distances that differ by no more than this share of the error are not refused:
 /// a small part of the surface decides them. Chosen by hand.
-const RMS_SLACK: f64 = 0.04;
+const RMS_SLACK: f64 = 0.002;
 
 /// Of the distance below which an error is too large, the share that is not searched closely.
 const UNSEARCHED_SHARE: f64 = 0.9;
