@@ -94,6 +94,17 @@ impl Arrangement {
         }
     }
 
+    /// Returns the same placements, each moved.
+    #[must_use]
+    pub fn moved(&self, by: [f64; 3]) -> Self {
+        let translation = Transform::from_translation(by.into());
+        self.mapped(|placement| Placement {
+            transform: translation * placement.transform,
+            joints: placement.joints.iter().map(|joint| translation * *joint).collect(),
+            ..placement.clone()
+        })
+    }
+
     /// Every placement, in the order of the nodes.
     #[must_use]
     pub fn placements(&self) -> &[Placement] {
@@ -179,7 +190,6 @@ impl Skin {
 #[cfg(test)]
 mod tests {
     use crate::{Arrangement, Graph, LocalTransform, Node, Pose, Skin, Transform};
-    use glam::DVec3;
 
     fn moved(x: f64) -> LocalTransform {
         LocalTransform::Matrix(Transform::from_translation(DVec3::new(x, 0.0, 0.0)))

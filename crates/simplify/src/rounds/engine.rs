@@ -315,10 +315,11 @@ impl<'a, M: Reprice> Engine<'a, M> {
         self.state.selection.lists.release(from);
         let Self { context, region, metric, log, state, .. } = self;
         let LoopState { selection, touched, .. } = state;
-        let Input { mesh: input, shapes, .. } = context.input;
-        let metric = &mut **metric;
-        let commit = Commit { input, shapes, region, metric, log, touched };
-        commit.run(from, legal, &mut selection.plan);
+        Commit { input: context.input, region, metric: &mut **metric, log, touched }.run(
+            from,
+            legal,
+            &mut selection.plan,
+        );
     }
 
     /// Ranks again what a commit onto `to` may have changed.
