@@ -173,9 +173,7 @@ impl DocumentEntry {
             Document::Obj(obj) if obj.loose.is_empty() && obj.offset == [0.0; 3] => {
                 Self::Obj(ObjEntry::of(obj))
             }
-            Document::Obj(obj) => {
-                Self::RichObj(ObjEntry::of(obj), obj.loose.clone(), obj.offset)
-            }
+            Document::Obj(obj) => Self::RichObj(ObjEntry::of(obj), obj.loose.clone(), obj.offset),
             Document::Gltf(_) => Self::Gltf,
         }
     }

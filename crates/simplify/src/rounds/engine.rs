@@ -6,7 +6,6 @@ use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stag
 use crate::commit::{CollapseLog, Commit, Touched, join_points};
 use crate::cut::{Choice, DEAD, HUB_VALENCE, LOCKED, RESTRICTED, Region, STALE};
 use crate::metric::Reprice;
-use crate::number::Input;
 use crate::price::{Context, Pricer, Scratch};
 use crate::recorded::RecordedCollapse;
 use rayon::prelude::*;
@@ -501,6 +500,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
 mod tests {
     use super::*;
     use crate::metric::QuadricOnly;
+    use crate::number::Input;
     use crate::options::Options;
     use crate::price::{Attributes, PriceLists};
 
