@@ -132,7 +132,8 @@ fn points_alone_are_refused_as_what_they_are() {
 #[test]
 fn no_faces_need_no_properties() {
     let faces = PLAIN.to_owned() + "element face 0\n" + POINTS;
-    assert!(import_bytes(faces.as_bytes()).expect("valid").objects[0].mesh.triangles().is_empty());
+    let error = import_bytes(faces.as_bytes()).expect_err("no face");
+    assert!(error.problem.contains("a point cloud"), "{error}");
 }
 
 #[test]

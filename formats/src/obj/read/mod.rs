@@ -37,6 +37,7 @@ pub(crate) fn import(
     }
     let content_hash = xxh3_128(&bytes);
     let mut parsed = parse::parse(&bytes, assets.limits())?;
+    parse::check_faces(&parsed)?;
     let painted = if parsed.faces.colors.is_empty() { polypaint(&bytes) } else { Vec::new() };
     let mut offset = [0.0; 3];
     if faces::may_be_far(&parsed.faces.positions) {

@@ -191,13 +191,12 @@ impl Joined {
             );
             return Err(FormatError::new(Fault::Malformed, "", problem));
         }
-        check_faces(&self.parsed)?;
         Ok(self.parsed)
     }
 }
 
 /// Refuses a file without faces, and says what it is instead.
-fn check_faces(parsed: &Parsed) -> Result<(), FormatError> {
+pub(super) fn check_faces(parsed: &Parsed) -> Result<(), FormatError> {
     let (faces, notes) = (&parsed.faces, &parsed.notes);
     if !faces.face_ends.is_empty() || notes.small_faces.times > 0 {
         return Ok(());
