@@ -523,7 +523,8 @@ def main():
             missed += [f"rigs: worst {worst:.2f}"] if worst > RIG_BAR else []
             missed += [f"rigs at rest: mean {rest:.2f}"] if rest > REST_MEAN else []
     if args.csv:
-        lines = ["model,ratio,triangles,error,beside,factor"] + [
+        command = f"# `just motion --seed {args.seed}`; beside: the worst static shape, or the version before (rigs)"
+        lines = [command, "model,ratio,triangles,error,beside,factor"] + [
             f"{n},{r},{t},{e:.6g},{'' if w is None else f'{w:.6g}'},{'' if w is None else f'{f:.3f}'}"
             for n, r, t, e, w, f in rows]
         Path(args.csv).write_text("\n".join(lines) + "\n")

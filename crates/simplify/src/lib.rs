@@ -276,4 +276,6 @@ impl<'a> Run<'a> {
 }
 
 #[cfg(test)]
+mod motion_tests;
+#[cfg(test)]
 mod tests;

@@ -70,8 +70,8 @@ fn seen_shapes(
         let seen = motion.seen(meshes[number], number, &postures[number])?;
         let weighted = |weight: f64| move |positions| SeenShape { positions, weight };
         // Costs are squares of lengths.
-        let [skin, morph] = [|w: &Weights| w.skin, |w: &Weights| w.morph]
-            .map(|of| of(&options[number].weights).powi(2));
+        let Weights { skin, morph, .. } = options[number].weights;
+        let (skin, morph) = (skin.powi(2), morph.powi(2));
         let joints_move = !seen.poses.is_empty();
         let placements = seen.placements.into_iter().map(weighted(1.0));
         let poses = seen.poses.into_iter().map(weighted(skin));

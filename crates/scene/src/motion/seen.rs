@@ -129,6 +129,15 @@ fn other_shapes(
     found
 }
 
+/// A shape that several targets share.
+struct Shared {
+    positions: Vec<DVec3>,
+    /// The positions that they move, or that are next to those.
+    taken: Vec<bool>,
+    /// The length of the largest delta.
+    largest: f64,
+}
+
 /// The shapes with each morph target at weight 1. Targets that move no vertex in common, and none
 /// next to each other, share a shape.
 fn target_shapes(
@@ -140,12 +149,6 @@ fn target_shapes(
 ) -> Vec<Vec<[f32; 3]>> {
     let ids = mesh.position_ids();
     let least = MIN_DELTA_SHARE * diagonal;
-    /// A shape that is put together, and the positions that it moves or that are next to those.
-    struct Shared {
-        positions: Vec<DVec3>,
-        taken: Vec<bool>,
-        largest: f64,
-    }
     let mut all: Vec<Shared> = Vec::new();
     for (&target, streams) in deltas {
         let weight = 1.0 - weights.get(target as usize).copied().unwrap_or(0.0);
