@@ -19,6 +19,12 @@ pub(crate) struct ImportanceArgs {
     /// Factors of the defaults, from 0 to 1e6; kinds left out weigh 1.
     #[arg(long, value_name = "LIST", value_parser = weights, hide_short_help = true)]
     weight: Option<Weights>,
+    /// Keep border vertices until the terminal phase
+    ///
+    /// Levels end there, and --refit moves none of them: what is simplified tile by tile meets at
+    /// every level.
+    #[arg(long)]
+    pub(crate) lock_border: bool,
     /// Part that stays: material:NAME, node:NAME or color
     ///
     /// Until the terminal phase. node of an OBJ is the object; color means vertices whose red is 1.
@@ -45,11 +51,11 @@ impl ImportanceArgs {
     /// # Errors
     /// If there are any.
     pub(crate) fn refuse_for_sequence(&self, input: &str) -> Outcome<()> {
-        if self.weight.is_none() && self.lock.is_empty() {
+        if self.weight.is_none() && self.lock.is_empty() && !self.lock_border {
             return Ok(());
         }
         Err(Failure::usage(format!(
-            "{input}: has its order of collapses: give --weight and --lock to build"
+            "{input}: has its order of collapses: give --weight, --lock and --lock-border to build"
         )))
     }
 

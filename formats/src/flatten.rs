@@ -4,7 +4,7 @@
 use crate::options::ExportObject;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Mesh};
-use lodc_scene::{Arrangement, Graph, Placement, PosedVertices, Transform, posed};
+use lodc_scene::{Arrangement, Coordinates, Graph, Placement, PosedVertices, Transform, posed};
 
 /// Largest number of triangles of all instances together. Chosen by hand: as many as an import may
 /// have.
@@ -19,14 +19,84 @@ pub(crate) struct Placed<'a> {
     pub(crate) name: String,
     /// None where the object is as it was modelled: its values then stay bit for bit.
     placement: Option<Placement>,
+    /// For each submesh the texture coordinates that the file gets.
+    coordinates: Vec<FileCoordinates>,
+}
+
+/// Texture coordinates of a file without transforms: those that its base colour texture reads,
+/// from the bottom of the picture up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FileCoordinates {
+    /// Number of the set.
+    pub(crate) set: u32,
+    /// From the mesh's coordinates; none if they are those of the file already.
+    transform: Option<[[f64; 3]; 2]>,
+}
+
+impl FileCoordinates {
+    /// The coordinates of a picture whose first row is the top.
+    pub(crate) fn of_image(coordinates: Coordinates) -> Self {
+        let [across, down] = coordinates.transform.map(|row| row.map(f64::from));
+        let up = [-down[0], -down[1], 1.0 - down[2]];
+        Self { set: coordinates.set, transform: Some([across, up]) }
+    }
+
+    /// The coordinates of a vertex; the third is zero where there is none.
+    pub(crate) fn at(&self, stream: &Attribute, vertex: u32) -> [f32; 3] {
+        let [u, v, w] = std::array::from_fn(|i| component(stream, vertex, i));
+        let Some(transform) = self.transform else { return [u, v, w] };
+        let [u, v] = [f64::from(u), f64::from(v)];
+        let [u, v] = transform.map(|[x, y, shift]| finite(x * u + y * v + shift));
+        [u, v, 0.0]
+    }
 }
 
 impl<'a> Placed<'a> {
+    /// The texture coordinates of a submesh.
+    pub(crate) fn coordinates(&self, submesh: usize) -> FileCoordinates {
+        self.coordinates.get(submesh).copied().unwrap_or_default()
+    }
+
     /// Poses its vertices.
     pub(crate) fn vertices(&self) -> Vertices<'a> {
         let mesh = self.object.mesh;
-        Vertices { mesh, posed: self.placement.as_ref().map(|p| posed(mesh, p)) }
+        let posed = self.placement.as_ref().map(|p| posed(mesh, p));
+        let far = posed
+            .as_ref()
+            .and_then(|posed| rounding_if_far(posed.positions.iter().map(|p| p.to_array())));
+        Vertices { mesh, posed, far }
     }
+
+    /// Returns whether single precision would round its positions by more than that of the mesh
+    /// does.
+    pub(crate) fn is_far(&self) -> bool {
+        let Some(placement) = &self.placement else { return false };
+        if !placement.joints.is_empty() || placement.weights.iter().any(|&w| w != 0.0) {
+            return self.vertices().far.is_some();
+        }
+        let (low, high) = self.object.mesh.bounds();
+        let end = |k: usize, bit: usize| f64::from(if bit == 0 { low[k] } else { high[k] });
+        let corner = |i: usize| std::array::from_fn::<f64, 3, _>(|k| end(k, i >> k & 1));
+        let placed = |corner: [f64; 3]| placement.transform.transform_point3(corner.into());
+        rounding_if_far((0..8).map(|i| placed(corner(i)).to_array())).is_some()
+    }
+}
+
+/// Returns how much a mesh in single precision rounds positions that are so far from the origin
+/// that single precision would round them by more than a ten-millionth of their extent; none of
+/// others.
+fn rounding_if_far(positions: impl Iterator<Item = [f64; 3]>) -> Option<f64> {
+    const MAX_ROUNDING: f64 = 1e-7;
+    let half_ulp = f64::from(f32::EPSILON) / 2.0;
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in positions {
+        low = std::array::from_fn(|k| low[k].min(p[k]));
+        high = std::array::from_fn(|k| high[k].max(p[k]));
+    }
+    let largest = low.iter().chain(&high).fold(0.0, |most: f64, c| most.max(c.abs()));
+    let diagonal = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
+    let is_far = largest.is_finite() && half_ulp * largest > MAX_ROUNDING * diagonal;
+    is_far.then_some(half_ulp * diagonal)
 }
 
 /// The vertices of a placed object.
@@ -34,14 +104,25 @@ impl<'a> Placed<'a> {
 pub(crate) struct Vertices<'a> {
     mesh: &'a Mesh,
     posed: Option<PosedVertices>,
+    /// How much the mesh's single precision has rounded, if that of the scene would round more.
+    pub(crate) far: Option<f64>,
 }
 
 impl Vertices<'_> {
-    /// A vertex's position in the scene.
+    /// A vertex's position in the scene, in single precision.
     pub(crate) fn position(&self, vertex: u32) -> [f32; 3] {
         match &self.posed {
             None => self.mesh.positions()[vertex as usize],
             Some(posed) => posed.positions[vertex as usize].to_array().map(finite),
+        }
+    }
+
+    /// A vertex's position in the scene.
+    pub(crate) fn exact_position(&self, vertex: u32) -> [f64; 3] {
+        match &self.posed {
+            None => self.mesh.positions()[vertex as usize].map(f64::from),
+            // A transform makes no -0.
+            Some(posed) => posed.positions[vertex as usize].to_array().map(|c| c + 0.0),
         }
     }
 
@@ -65,14 +146,17 @@ impl Vertices<'_> {
 }
 
 /// Every object where the default scene shows it, with joints at rest and default morph weights;
-/// objects that it does not show are as they were modelled.
+/// objects that it does not show are as they were modelled. `coordinates` are those of objects and
+/// submeshes.
 ///
 /// # Errors
 /// If the instances together are too large.
 pub(crate) fn placed<'a>(
     graph: &Graph,
     objects: &[ExportObject<'a>],
+    coordinates: &[Vec<FileCoordinates>],
 ) -> Result<Vec<Placed<'a>>, FormatError> {
+    let coordinates = |object: usize| coordinates.get(object).cloned().unwrap_or_default();
     let scene = Arrangement::new(graph, &graph.rest_pose(), objects.len());
     let mut out = Vec::new();
     let mut triangles = 0;
@@ -92,6 +176,7 @@ pub(crate) fn placed<'a>(
             object,
             name: name.unwrap_or_else(|| object.info.name.clone()),
             placement: (!is_identity(placement)).then(|| placement.clone()),
+            coordinates: coordinates(placement.object),
         });
     }
     let hidden = (0..objects.len()).filter(|&o| scene.of(o).next().is_none());
@@ -99,6 +184,7 @@ pub(crate) fn placed<'a>(
         object: objects[o],
         name: objects[o].info.name.clone(),
         placement: None,
+        coordinates: coordinates(o),
     }));
     Ok(out)
 }

@@ -47,7 +47,11 @@ fn images_are_read_once_and_a_missing_one_is_a_warning() {
     assert!(textures.warnings[0].contains("gone.png"), "{:?}", textures.warnings);
     let line = |l: &str| ObjMaterial { name: l.to_owned(), lines: vec![l.to_owned()] };
     let lines = ["map_Kd -s 2 2 wood\\a b.png", "bump -bm 0.3 wood/a b.png", "Kd 1 1 1"].map(line);
-    let obj = Document::Obj(ObjDocument { libraries: vec![], materials: lines.to_vec() });
+    let obj = Document::Obj(ObjDocument {
+        libraries: vec![],
+        materials: lines.to_vec(),
+        ..ObjDocument::default()
+    });
     let textures = Textures::read(&obj, &mut folder.assets()).expect("nothing to damage");
     assert_eq!(textures.files.keys().collect::<Vec<_>>(), ["wood/a b.png"]);
 }

@@ -23,7 +23,7 @@ const MAX_MEASURED: f64 = 1.05;
 const MAX_STATED: f64 = 2.0;
 
 /// The same for root mean square distances, either way; both are from samples.
-const MAX_RMS_RATIO: f64 = 1.25;
+const MAX_RMS_RATIO: f64 = 1.3;
 
 /// Root mean square distances that differ by no more than this share of the error are not refused:
 /// a small part of the surface decides them, and they are interpolated between measured levels.

@@ -28,6 +28,7 @@
 
 mod arrange;
 mod attribute;
+mod border;
 mod chain;
 mod clean;
 mod csr;

@@ -23,6 +23,7 @@
 mod choose;
 mod commit;
 mod cut;
+mod locks;
 mod metric;
 mod number;
 mod options;
@@ -35,7 +36,7 @@ mod skin;
 
 use commit::{CollapseLog, Sources};
 use cut::Region;
-use lodc_mesh::{CollapseSequence, Mesh, PositionIds, SequenceParts, Simplified};
+use lodc_mesh::{CollapseSequence, Mesh, PositionIds, Semantic, SequenceParts, Simplified};
 use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
 use number::Input;
 use price::{Attributes, Context};
@@ -117,7 +118,10 @@ pub fn simplify_recorded(
     guidance: Guidance<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> (Simplified, RecordedCollapses) {
-    simplify_with(mesh, options, guidance, rounds::REGION_GROUPS, progress)
+    let (simplified, recorded) =
+        simplify_with(mesh, options, guidance, rounds::REGION_GROUPS, progress);
+    let locked = locks::locked_positions(mesh, options, guidance.locked);
+    (simplified.with_locked_positions(locked.into_iter()), recorded)
 }
 
 /// Simplifies in regions of about `region` groups each. One region keeps the exact order of costs.
@@ -145,6 +149,7 @@ fn simplify_with(
     let mut input = Input::with_positions(mesh, &positions, seen);
     drop(positions);
     input.lock(guidance.locked);
+    run.count(&mut input);
     let mut sources = Sources::new(&input);
     let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
     let recorded = std::mem::take(&mut log.recorded);
@@ -183,6 +188,7 @@ impl<'a> Run<'a> {
             let seen = self.guidance.shapes.map(|seen| seen.gathered(&skin.vertices));
             let seen = seen.unwrap_or_default();
             let mut input = Input::with_positions(&skin.mesh, &skin.mesh.position_ids(), &seen);
+            self.count(&mut input);
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
@@ -192,7 +198,8 @@ impl<'a> Run<'a> {
             (skin::layer_collapses(&input, &skin.vertices, &log, legal, by_stamp), recorded, legal)
         };
         let as_modelled = SeenShapes::default();
-        let input = Input::with_positions(self.mesh, positions, &as_modelled);
+        let mut input = Input::with_positions(self.mesh, positions, &as_modelled);
+        self.count(&mut input);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
         let (log, legal) = skin::follow(&context, &layer_collapses, legal, &mut sources)?;
@@ -200,14 +207,32 @@ impl<'a> Run<'a> {
         Some((output::output(&input, &sources, log, legal, false), recorded))
     }
 
+    /// Tells an input which attributes count: those with a weight.
+    fn count(&self, input: &mut Input<'_>) {
+        input.count(|submesh, attribute| {
+            let weights = self.weights(submesh);
+            self.options.attributes
+                && match attribute.semantic {
+                    Semantic::Normal => weights.normal > 0.0,
+                    Semantic::TexCoord(_) => weights.uv > 0.0,
+                    Semantic::Color(_) => weights.color > 0.0,
+                    _ => true,
+                }
+        });
+    }
+
+    /// The weights of a submesh's attributes.
+    fn weights(&self, submesh: u32) -> Weights {
+        self.guidance.weights.get(submesh as usize).copied().unwrap_or(self.options.weights)
+    }
+
     /// The data that all regions read.
     fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
-        let Self { mesh, options, guidance, .. } = *self;
+        let Self { mesh, options, .. } = *self;
         let attributes = if options.attributes {
-            let joints_move = guidance.shapes.is_some_and(|shapes| shapes.joints_move);
+            let joints_move = self.guidance.shapes.is_some_and(|shapes| shapes.joints_move);
             let weights = |submesh: u32| {
-                let own = guidance.weights.get(submesh as usize).copied();
-                let weights = own.unwrap_or(options.weights);
+                let weights = self.weights(submesh);
                 Weights { skin: if joints_move { 0.0 } else { weights.skin }, ..weights }
             };
             Attributes::new(mesh, weights, input.scale, input.size)

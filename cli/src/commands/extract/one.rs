@@ -13,7 +13,7 @@ use lodc::{
     LodObject,
     build::{measured, refitted_meshes},
     level_mesh::{self, LevelMesh, MeshOptions, Order},
-    scene_levels,
+    parting_borders, parting_line, scene_levels,
 };
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
@@ -62,8 +62,9 @@ pub(super) fn extract(
     report.warnings.extend_from_slice(&textures.warnings);
     let provenance = Some(provenance(&asset, &report));
     let additions = packing.additions(textures, provenance);
+    let objects = level_mesh::export_objects(&asset.objects, &level.meshes);
+    report.warnings.extend(format.left_out(&asset.document, &objects));
     let files = stages.run("export", || {
-        let objects = level_mesh::export_objects(&asset.objects, &level.meshes);
         mesh_output::files(target, format, &asset.document, &objects, &additions)
     })?;
     stages.run("write", || mesh_output::write(target, files))?;
@@ -134,6 +135,7 @@ fn uniform(
         }
         meshes
     };
+    let parting = parting_borders(&asset.objects, lods, &asset.document, &limits)?;
     let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let gone = stages.run("gone", || inventory.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
     Ok(Level {
@@ -144,6 +146,7 @@ fn uniform(
         warnings: chosen
             .warnings
             .into_iter()
+            .chain(parting_line(&parting))
             .chain(gone.iter().map(MissingPart::to_string))
             .collect(),
         gone: Some(gone),

@@ -111,7 +111,9 @@ impl<M: Reprice> Selector<'_, M> {
             return None;
         }
         if is_planned {
-            if !self.try_plan(from, known.to, buffers) || buffers.tried.fakes > 0 && !is_found {
+            if !self.try_plan(from, known.to, buffers)
+                || buffers.tried.costly_fakes > 0 && !is_found
+            {
                 return None;
             }
             std::mem::swap(&mut buffers.tried, &mut buffers.plan);
@@ -167,7 +169,7 @@ impl<M: Reprice> Selector<'_, M> {
                     buffers.refused = true;
                     continue;
                 }
-                factor *= 1.0 + FAKE_FACTOR * f64::from(buffers.tried.fakes);
+                factor *= 1.0 + FAKE_FACTOR * f64::from(buffers.tried.costly_fakes);
             }
             buffers.refused |= factor > 1.0;
             let cost = cost * factor;
@@ -228,7 +230,7 @@ impl<M: Reprice> Selector<'_, M> {
     pub(crate) fn planner(&self) -> Planner<'_> {
         let Pricer { context, region, .. } = &self.pricer;
         Planner {
-            input: context.input.mesh,
+            input: context.input,
             mesh: &region.mesh,
             wedges: &region.wedges,
             attributes: &context.attributes,

@@ -147,7 +147,7 @@ impl Neighborhood {
         entries: Range<usize>,
     ) -> EdgeKind {
         let faces = &self.entries[entries];
-        let class = |e: &Entry| (wedges.class(e.wedge), wedges.class(e.neighbor_wedge));
+        let class = |e: &Entry| (wedges.seam_class(e.wedge), wedges.seam_class(e.neighbor_wedge));
         let kind = match faces.len() {
             1 => EdgeKind::Border,
             2 if class(&faces[0]) == class(&faces[1]) => EdgeKind::Smooth,
@@ -205,7 +205,7 @@ pub(crate) fn target(wedges: &Wedges, faces: &[Entry], wedge: u32) -> Option<u32
 /// group and at its other end in both.
 #[inline]
 pub(crate) fn is_seam(wedges: &Wedges, wedge: [u32; 2], neighbor_wedge: [u32; 2]) -> bool {
-    let alike = |[a, b]: [u32; 2]| a == b || wedges.class(a) == wedges.class(b);
+    let alike = |[a, b]: [u32; 2]| a == b || wedges.seam_class(a) == wedges.seam_class(b);
     !alike(wedge) || !alike(neighbor_wedge)
 }
 

@@ -6,7 +6,9 @@
 //! read a group together with its neighbours, so neighbours in space have to be neighbours in
 //! memory. The mesh itself stays as it is: the output, [`Input`], says what has which number.
 
+mod cards;
 mod curve;
+mod flat;
 mod input;
 mod shapes;
 

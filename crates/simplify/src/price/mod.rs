@@ -192,12 +192,37 @@ impl<M: Reprice> Pricer<'_, M> {
     /// Prices all collapses of a group by the quadric and attributes.
     fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
         scratch.priced.clear();
+        if self.is_half_card(from) {
+            self.price_half_card(from, scratch);
+            return;
+        }
         let is_ring = !self.region.mesh.has(from, OPEN) && !self.metric.is_active();
         match self.region.mesh.valence(from) {
             0 => {}
             3..=7 if is_ring => self.price_ring::<2>(from, scratch),
             8..=MAX_LEN if is_ring => self.price_ring::<3>(from, scratch),
             _ => self.price_star(from, scratch),
+        }
+    }
+
+    /// Returns whether a group is a corner of a card that has lost one of its two faces.
+    fn is_half_card(&self, group: u32) -> bool {
+        let Region { mesh, groups, .. } = self.region;
+        let alone = |g: u32| mesh.valence(g) == 1;
+        self.context.input.is_card(groups[group as usize])
+            && alone(group)
+            && mesh.others(mesh.star(group)[0]).into_iter().all(alone)
+    }
+
+    /// Half a card costs nothing more: it goes next, unless it is locked.
+    fn price_half_card(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
+        let mesh = &self.region.mesh;
+        if self.permitted(from, 2, 0).is_none() {
+            return;
+        }
+        for to in mesh.others(mesh.star(from)[0]) {
+            let target_cost = f64::from(mesh.group_positions[to as usize].target_cost);
+            scratch.priced.push(Priced { own_cost: -target_cost, to });
         }
     }
 

@@ -6,7 +6,6 @@ use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stag
 use crate::commit::{CollapseLog, Commit, Touched, join_points};
 use crate::cut::{Choice, DEAD, HUB_VALENCE, LOCKED, RESTRICTED, Region, STALE};
 use crate::metric::Reprice;
-use crate::number::Input;
 use crate::price::{Context, Pricer, Scratch};
 use crate::recorded::RecordedCollapse;
 use rayon::prelude::*;
@@ -315,10 +314,11 @@ impl<'a, M: Reprice> Engine<'a, M> {
         self.state.selection.lists.release(from);
         let Self { context, region, metric, log, state, .. } = self;
         let LoopState { selection, touched, .. } = state;
-        let Input { mesh: input, shapes, .. } = context.input;
-        let metric = &mut **metric;
-        let commit = Commit { input, shapes, region, metric, log, touched };
-        commit.run(from, legal, &mut selection.plan);
+        Commit { input: context.input, region, metric: &mut **metric, log, touched }.run(
+            from,
+            legal,
+            &mut selection.plan,
+        );
     }
 
     /// Ranks again what a commit onto `to` may have changed.
@@ -500,6 +500,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
 mod tests {
     use super::*;
     use crate::metric::QuadricOnly;
+    use crate::number::Input;
     use crate::options::Options;
     use crate::price::{Attributes, PriceLists};
 

@@ -42,6 +42,8 @@ pub(super) struct Quantizer {
     /// By object.
     positions: Vec<Option<Grid<3>>>,
     textures: TextureGrids,
+    /// True if colours were sRGB values: as light they take 16 bits to stay apart.
+    keeps_srgb: bool,
 }
 
 impl Quantizer {
@@ -72,7 +74,8 @@ impl Quantizer {
                 add_extension(root, list, QUANTIZATION);
             }
         }
-        Ok(Self { precision, positions, textures })
+        let keeps_srgb = matches!(document, Document::Obj(_));
+        Ok(Self { precision, positions, textures, keeps_srgb })
     }
 
     /// The geometry of an object, quantised.
@@ -122,7 +125,8 @@ impl Quantizer {
             }
             Semantic::Color(_) if at_rest && is_within(mesh, stream, 0.0, 1.0) => {
                 let is_narrower = |&bits: &u8| coding::size(bits) < stream.component.size();
-                bits.color.filter(is_narrower).map(Coding::Fractions)
+                let bits = bits.color.map(|bits| if self.keeps_srgb { 16 } else { bits });
+                bits.filter(is_narrower).map(Coding::Fractions)
             }
             Semantic::Weights(0) if float && has_one_set(mesh, submesh) => {
                 bits.weight.map(Coding::Shares)
@@ -161,11 +165,10 @@ pub(super) fn rounding(
     Ok(grids.into_iter().map(|grid| grid.map_or(0.0, half_diagonal)).collect())
 }
 
-/// Spells the numbers of nodes and materials as shortly as single precision allows.
+/// Spells the numbers of materials as shortly as single precision allows. Those of nodes stay: in
+/// the world single precision may be too little.
 fn shorten_numbers(root: &mut Object) {
-    for key in ["nodes", "materials"] {
-        root.get_mut(key).into_iter().for_each(shorten);
-    }
+    root.get_mut("materials").into_iter().for_each(shorten);
 }
 
 fn shorten(value: &mut Json) {
