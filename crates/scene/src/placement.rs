@@ -190,6 +190,7 @@ impl Skin {
 #[cfg(test)]
 mod tests {
     use crate::{Arrangement, Graph, LocalTransform, Node, Pose, Skin, Transform};
+    use glam::DVec3;
 
     fn moved(x: f64) -> LocalTransform {
         LocalTransform::Matrix(Transform::from_translation(DVec3::new(x, 0.0, 0.0)))
