@@ -71,7 +71,7 @@ impl CompressArgs {
     /// # Errors
     /// If either was asked for and the format has neither.
     pub(crate) fn wanted(&self, format: FormatName, input_is_compressed: bool) -> Outcome<Packing> {
-        let supports_both = matches!(format, FormatName::Glb | FormatName::Gltf);
+        let supports_both = format.is_gltf();
         if self.compress == Some(Compression::Meshopt) && !supports_both {
             return Err(Failure::usage("only .glb and .gltf can be compressed"));
         }

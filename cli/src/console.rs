@@ -1,6 +1,7 @@
 //! The only place that prints: results on standard output, messages on standard error.
 
 use crate::exit::{Failure, Outcome, Status, one_line};
+use crate::warnings::merged;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -64,6 +65,12 @@ pub(crate) fn warning(file: &str, what: &str) {
     if wants(Loudness::Normal) {
         line(&format!("lodc: {}: warning: {}", one_line(file), one_line(what)));
     }
+}
+
+/// Prints the warnings about a file: all of them with `-v`, or else one line for each kind.
+pub(crate) fn warnings(file: &str, all: &[String]) {
+    let lines = if wants(Loudness::Verbose) { all.to_vec() } else { merged(all) };
+    lines.iter().for_each(|what| warning(file, what));
 }
 
 /// Prints text that helps but is not a result.

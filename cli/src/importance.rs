@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = SIMPLIFIED)]
 pub(crate) struct ImportanceArgs {
-    /// Importance of attributes: normal=2,uv=0.5,color=1,skin=1
+    /// Importance of attributes: normal=2,uv=0.5,color=1,skin=1,morph=1
     ///
     /// Factors of the defaults, from 0 to 1e6; kinds left out weigh 1.
     #[arg(long, value_name = "LIST", value_parser = weights, hide_short_help = true)]
@@ -153,7 +153,8 @@ pub(crate) fn weights(text: &str) -> Result<Weights, String> {
             "uv" => &mut weights.uv,
             "color" => &mut weights.color,
             "skin" => &mut weights.skin,
-            _ => return Err(format!("\"{kind}\" is neither normal, uv, color nor skin")),
+            "morph" => &mut weights.morph,
+            _ => return Err(format!("\"{kind}\" is neither normal, uv, color, skin nor morph")),
         };
         *slot = factor;
         if !kinds_seen.insert(kind) {

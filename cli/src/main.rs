@@ -32,6 +32,7 @@ mod textures;
 mod threads;
 mod version;
 mod views;
+mod warnings;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};

@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::output::{self, Target};
 use clap::ValueEnum;
 use lodc::level_mesh::Order;
-use lodc_formats::export::{Additions, ExportFormat, ExportObject, export_with};
+use lodc_formats::export::{Additions, ExportFormat, ExportObject, export_with, left_out};
 use lodc_formats::{Document, OutputFile};
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,9 @@ pub(crate) enum FormatName {
     Gltf,
     Obj,
     Ply,
+    Stl,
+    /// A glTF binary under the name of avatars
+    Vrm,
 }
 
 /// Orders of triangles and vertices that can be asked for.
@@ -48,8 +51,8 @@ impl FormatName {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         Self::from_str(&extension, true).map_err(|_| {
             Failure::usage(format!(
-                "{}: the extension names no known format: use .glb, .gltf, .obj or .ply, or say \
-                 --format",
+                "{}: the extension names no known format: use .glb, .gltf, .obj, .ply, .stl or \
+                 .vrm, or say --format",
                 path.display()
             ))
         })
@@ -61,15 +64,30 @@ impl FormatName {
             Self::Gltf => "gltf",
             Self::Obj => "obj",
             Self::Ply => "ply",
+            Self::Stl => "stl",
+            Self::Vrm => "vrm",
         }
     }
     fn export_format(self) -> ExportFormat {
         match self {
-            Self::Glb => ExportFormat::Glb,
+            Self::Glb | Self::Vrm => ExportFormat::Glb,
             Self::Gltf => ExportFormat::Gltf,
             Self::Obj => ExportFormat::Obj,
             Self::Ply => ExportFormat::Ply,
+            Self::Stl => ExportFormat::Stl,
         }
+    }
+    /// Returns whether its files are glTF, in JSON or binary.
+    pub(crate) fn is_gltf(self) -> bool {
+        matches!(self, Self::Glb | Self::Gltf | Self::Vrm)
+    }
+    /// A line on what of an asset it cannot hold.
+    pub(crate) fn left_out(
+        self,
+        document: &Document,
+        objects: &[ExportObject<'_>],
+    ) -> Option<String> {
+        left_out(self.export_format(), document, objects)
     }
 }
 

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = BECOMES)]
 pub(crate) struct TextureArgs {
-    /// Places of image files [default: embed for .glb, copy for .gltf and .obj]
+    /// Places of image files [default: embed for .glb, copy for .gltf, .obj and .ply]
     #[arg(long, value_enum, hide_short_help = true)]
     textures: Option<TextureChoice>,
     /// Folder to look for image files in [default: that of the input]
@@ -39,7 +39,7 @@ impl TextureArgs {
     /// # Errors
     /// If an OBJ or PLY should hold images, or copies have no folder.
     pub(crate) fn check(&self, format: FormatName, to_stdout: bool) -> Outcome<()> {
-        let holds_images = matches!(format, FormatName::Glb | FormatName::Gltf);
+        let holds_images = format.is_gltf();
         match self.textures {
             Some(TextureChoice::Embed) if !holds_images => {
                 Err(Failure::usage("only .glb and .gltf hold images: use --textures copy or keep"))
@@ -67,7 +67,7 @@ impl TextureArgs {
         let Some(mode) = self.mode(target, format) else { return Ok(Default::default()) };
         let mut assets = import.assets(input, self.textures_from.as_ref());
         let mut textures = Textures::read(document, &mut assets)?;
-        if format == FormatName::Obj {
+        if !format.is_gltf() {
             textures.add_embedded(document)?;
         }
         let output = match target {
@@ -83,8 +83,10 @@ impl TextureArgs {
     /// Where image files go; none if they are not touched.
     fn mode(&self, target: &Target, format: FormatName) -> Option<TextureMode> {
         match (self.textures, format) {
-            (_, FormatName::Ply) | (Some(TextureChoice::Keep), _) => None,
-            (Some(TextureChoice::Embed), _) | (None, FormatName::Glb) => Some(TextureMode::Embed),
+            (_, FormatName::Stl) | (Some(TextureChoice::Keep), _) => None,
+            (Some(TextureChoice::Embed), _) | (None, FormatName::Glb | FormatName::Vrm) => {
+                Some(TextureMode::Embed)
+            }
             (None, _) if *target == Target::Stdout => None,
             (Some(TextureChoice::Copy) | None, _) => Some(TextureMode::Copy),
         }

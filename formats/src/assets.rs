@@ -94,8 +94,34 @@ impl Assets {
         bytes.map_err(|e| e.in_file(reference))
     }
 
+    /// Reads the file that a name as people have them leads to: as it is, with its backslashes as
+    /// slashes or, if it names a folder of another machine, by its last part beside the asset.
+    ///
+    /// # Errors
+    /// As [`Self::read_reference`] for the name as it is.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn read_name(&mut self, name: &str) -> Result<Vec<u8>, FormatError> {
+        let first = match self.read_reference(name) {
+            Err(e) if matches!(e.fault, Fault::Unreadable | Fault::Forbidden) => e,
+            other => return other,
+        };
+        let with_slashes = name.replace('\\', "/");
+        let mut others = vec![with_slashes.as_str()];
+        if first.fault == Fault::Forbidden || is_of_another_machine(&with_slashes) {
+            others.push(last_part(&with_slashes));
+        }
+        for other in others.into_iter().filter(|other| *other != name) {
+            if let Ok(bytes) = self.read_reference(other) {
+                self.set_replaced(name);
+                self.set_replaced(&with_slashes);
+                return Ok(bytes);
+            }
+        }
+        Err(first)
+    }
+
     /// Notes that another file was read instead of one that is not there.
-    #[cfg(feature = "import")]
+    #[cfg(feature = "gltf")]
     pub(crate) fn set_replaced(&mut self, reference: &str) {
         if let Ok(file) = self.locate(reference) {
             self.requested.set_replaced(&file.named);
@@ -270,6 +296,18 @@ fn has_scheme(reference: &str) -> bool {
         scheme.starts_with(|c: char| c.is_ascii_alphabetic())
             && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
     })
+}
+
+/// Returns whether a path with slashes begins at a root, at a drive, or with `file:`.
+#[cfg(feature = "gltf")]
+pub(crate) fn is_of_another_machine(path: &str) -> bool {
+    path.starts_with('/') || has_scheme(path)
+}
+
+/// What follows the last slash of a path.
+#[cfg(feature = "gltf")]
+pub(crate) fn last_part(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
 }
 
 /// The path without `.` and `..`, by name alone; none if it climbs above the root.

@@ -4,8 +4,14 @@ pub use crate::gltf::write::rounding;
 pub use crate::options::{Additions, ExportObject, Precision};
 pub use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
 
-use crate::flatten::{Placed, placed};
-use crate::{Document, FormatError, Limits, ObjectInfo, OutputFile, gltf, obj, ply, scene_graph};
+use crate::flatten::{FileCoordinates, Placed, placed};
+use crate::loose::Loose;
+use crate::obj::write::Library;
+use crate::{
+    Document, FormatError, Limits, ObjectInfo, OutputFile, gltf, obj, ply, scene_graph, stl,
+};
+use lodc_mesh::{Mesh, Semantic};
+use lodc_scene::Coordinates;
 use std::path::Path;
 
 /// A format that can be written.
@@ -19,6 +25,8 @@ pub enum ExportFormat {
     Obj,
     /// Stanford PLY, binary little-endian.
     Ply,
+    /// STL, binary.
+    Stl,
 }
 
 /// Makes the files of an export in memory; nothing is written. Image files keep their names.
@@ -46,34 +54,98 @@ pub fn export_with(
     objects: &[ExportObject<'_>],
     additions: &Additions,
 ) -> Result<Vec<OutputFile>, FormatError> {
-    // Texture coordinates of a glTF begin at the top.
-    let top_left = matches!(document, Document::Gltf(_));
     let mut files = match format {
         ExportFormat::Glb | ExportFormat::Gltf => {
             gltf::write::export(path, format == ExportFormat::Glb, document, objects, additions)?
         }
         ExportFormat::Obj => {
-            let library = match document {
-                Document::Obj(obj) => obj::write::Library::new(obj, &additions.textures),
-                Document::Gltf(gltf) => gltf::library(gltf, &additions.textures)?,
-            };
-            let placed = all_placed(document, objects)?;
-            obj::write::export(path, &placed, top_left, &library, additions.provenance.as_ref())
+            let library = library(document, additions)?;
+            let placed = all_placed(document, objects, true)?;
+            let loose = loose(document)?;
+            obj::write::export(path, &placed, &library, &loose, additions.provenance.as_ref())
         }
         ExportFormat::Ply => {
-            let placed = all_placed(document, objects)?;
-            ply::write::export(path, &placed, top_left, additions.provenance.as_ref())?
+            let library = library(document, additions)?;
+            let placed = all_placed(document, objects, false)?;
+            let loose = loose(document)?;
+            ply::write::export(path, &placed, &library, &loose, additions.provenance.as_ref())?
         }
+        ExportFormat::Stl => stl::write::export(path, &all_placed(document, objects, false)?)?,
     };
     files.extend(additions.textures.copies.iter().cloned());
     Ok(files)
 }
 
-/// The objects where the document shows them.
+/// Says what of an asset a format without it cannot hold; none if it holds all, or might.
+#[must_use]
+pub fn left_out(
+    format: ExportFormat,
+    document: &Document,
+    objects: &[ExportObject<'_>],
+) -> Option<String> {
+    if format != ExportFormat::Stl {
+        return None;
+    }
+    let has = |is_one: fn(&Semantic) -> bool| {
+        let mut streams = objects.iter().flat_map(|o| o.mesh.attributes());
+        streams.any(|a| a.morph_target.is_none() && is_one(&a.semantic))
+    };
+    let mut kinds = Vec::new();
+    for (kind, there) in [
+        ("normals", has(|s| *s == Semantic::Normal)),
+        ("texture coordinates", has(|s| matches!(s, Semantic::TexCoord(_)))),
+        ("colours", has(|s| matches!(s, Semantic::Color(_)))),
+        ("materials", document.has_materials()),
+        ("joints", has(|s| matches!(s, Semantic::Joints(_)))),
+        ("morph targets", objects.iter().any(|o| is_morphed(o.mesh))),
+        ("points and lines", loose(document).is_ok_and(|loose| !loose.is_empty())),
+    ] {
+        if there {
+            kinds.push(kind);
+        }
+    }
+    let kinds = kinds.join(", ");
+    (!kinds.is_empty()).then(|| format!("an STL holds triangles only; left out: {kinds}"))
+}
+
+fn is_morphed(mesh: &Mesh) -> bool {
+    mesh.attributes().iter().any(|a| a.morph_target.is_some())
+}
+
+/// The points and lines of a document.
+fn loose(document: &Document) -> Result<Loose, FormatError> {
+    match document {
+        Document::Obj(obj) => Ok(Loose::read(&obj.loose)),
+        Document::Gltf(gltf) => gltf::loose(gltf),
+    }
+}
+
+/// The materials of a document as an OBJ has them.
+fn library(document: &Document, additions: &Additions) -> Result<Library, FormatError> {
+    match document {
+        Document::Obj(obj) => Ok(Library::new(obj, &additions.textures)),
+        Document::Gltf(gltf) => gltf::library(gltf, &additions.textures),
+    }
+}
+
+/// The objects where the document shows them. `has_options` says that materials of an OBJ keep
+/// the options that move their textures.
 fn all_placed<'a>(
     document: &Document,
     objects: &[ExportObject<'a>],
+    has_options: bool,
 ) -> Result<Vec<Placed<'a>>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
-    placed(&scene_graph(document, &infos, &Limits::DEFAULT)?, objects)
+    let read = match document {
+        Document::Obj(_) if has_options => Vec::new(),
+        Document::Obj(obj) => obj::coordinates(obj, &infos),
+        Document::Gltf(gltf) => gltf::coordinates(gltf, &infos, &Limits::DEFAULT)?,
+    };
+    let of_file = |read: &Coordinates| match document {
+        Document::Obj(_) if *read == obj::coordinates::PLAIN => FileCoordinates::default(),
+        _ => FileCoordinates::of_image(*read),
+    };
+    let coordinates: Vec<Vec<FileCoordinates>> =
+        read.iter().map(|object| object.iter().map(of_file).collect()).collect();
+    placed(&scene_graph(document, &infos, &Limits::DEFAULT)?, objects, &coordinates)
 }

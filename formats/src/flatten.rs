@@ -4,7 +4,7 @@
 use crate::options::ExportObject;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Mesh};
-use lodc_scene::{Arrangement, Graph, Placement, PosedVertices, Transform, posed};
+use lodc_scene::{Arrangement, Coordinates, Graph, Placement, PosedVertices, Transform, posed};
 
 /// Largest number of triangles of all instances together. Chosen by hand: as many as an import may
 /// have.
@@ -19,9 +19,44 @@ pub(crate) struct Placed<'a> {
     pub(crate) name: String,
     /// None where the object is as it was modelled: its values then stay bit for bit.
     placement: Option<Placement>,
+    /// For each submesh the texture coordinates that the file gets.
+    coordinates: Vec<FileCoordinates>,
+}
+
+/// Texture coordinates of a file without transforms: those that its base colour texture reads,
+/// from the bottom of the picture up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FileCoordinates {
+    /// Number of the set.
+    pub(crate) set: u32,
+    /// From the mesh's coordinates; none if they are those of the file already.
+    transform: Option<[[f64; 3]; 2]>,
+}
+
+impl FileCoordinates {
+    /// The coordinates of a picture whose first row is the top.
+    pub(crate) fn of_image(coordinates: Coordinates) -> Self {
+        let [across, down] = coordinates.transform.map(|row| row.map(f64::from));
+        let up = [-down[0], -down[1], 1.0 - down[2]];
+        Self { set: coordinates.set, transform: Some([across, up]) }
+    }
+
+    /// The coordinates of a vertex; the third is zero where there is none.
+    pub(crate) fn at(&self, stream: &Attribute, vertex: u32) -> [f32; 3] {
+        let [u, v, w] = std::array::from_fn(|i| component(stream, vertex, i));
+        let Some(transform) = self.transform else { return [u, v, w] };
+        let [u, v] = [f64::from(u), f64::from(v)];
+        let [u, v] = transform.map(|[x, y, shift]| finite(x * u + y * v + shift));
+        [u, v, 0.0]
+    }
 }
 
 impl<'a> Placed<'a> {
+    /// The texture coordinates of a submesh.
+    pub(crate) fn coordinates(&self, submesh: usize) -> FileCoordinates {
+        self.coordinates.get(submesh).copied().unwrap_or_default()
+    }
+
     /// Poses its vertices.
     pub(crate) fn vertices(&self) -> Vertices<'a> {
         let mesh = self.object.mesh;
@@ -111,14 +146,17 @@ impl Vertices<'_> {
 }
 
 /// Every object where the default scene shows it, with joints at rest and default morph weights;
-/// objects that it does not show are as they were modelled.
+/// objects that it does not show are as they were modelled. `coordinates` are those of objects and
+/// submeshes.
 ///
 /// # Errors
 /// If the instances together are too large.
 pub(crate) fn placed<'a>(
     graph: &Graph,
     objects: &[ExportObject<'a>],
+    coordinates: &[Vec<FileCoordinates>],
 ) -> Result<Vec<Placed<'a>>, FormatError> {
+    let coordinates = |object: usize| coordinates.get(object).cloned().unwrap_or_default();
     let scene = Arrangement::new(graph, &graph.rest_pose(), objects.len());
     let mut out = Vec::new();
     let mut triangles = 0;
@@ -138,6 +176,7 @@ pub(crate) fn placed<'a>(
             object,
             name: name.unwrap_or_else(|| object.info.name.clone()),
             placement: (!is_identity(placement)).then(|| placement.clone()),
+            coordinates: coordinates(placement.object),
         });
     }
     let hidden = (0..objects.len()).filter(|&o| scene.of(o).next().is_none());
@@ -145,6 +184,7 @@ pub(crate) fn placed<'a>(
         object: objects[o],
         name: objects[o].info.name.clone(),
         placement: None,
+        coordinates: coordinates(o),
     }));
     Ok(out)
 }

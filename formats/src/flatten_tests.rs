@@ -45,7 +45,7 @@ pub(crate) fn gltf(json: &str) -> Document {
 fn placed<'a>(document: &Document, objects: &[ExportObject<'a>]) -> Vec<Placed<'a>> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let graph = scene_graph(document, &infos, &Limits::DEFAULT).expect("a sound document");
-    super::placed(&graph, objects).expect("placed")
+    super::placed(&graph, objects, &[]).expect("placed")
 }
 
 #[test]

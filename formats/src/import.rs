@@ -88,7 +88,7 @@ fn read_levels(
     let stated = stated_in_text(&bytes);
     let levels = vec![read(bytes, path, assets, options)?];
     let states_none = || {
-        let problem = "states no level: only what extract and chain wrote does";
+        let problem = "not written by `lodc extract` or `lodc chain`: nothing to verify";
         FormatError::new(Fault::Malformed, "line 1", problem).in_file(&name)
     };
     Ok(ShippedLevels {
@@ -164,7 +164,12 @@ fn read(
         sniff::Sniffed::Glb | sniff::Sniffed::Gltf => gltf::read::import(bytes, assets, options),
         sniff::Sniffed::Obj => obj::read::import(bytes, assets, options),
         sniff::Sniffed::Ply => ply::read::import(&bytes, assets, options),
-        sniff::Sniffed::Stl => stl::import(bytes, assets, options),
+        sniff::Sniffed::Stl => stl::read::import(bytes, assets, options),
+        sniff::Sniffed::Made => {
+            let problem = "not a mesh but a file that lodc made: `lodc extract` takes meshes out \
+                           of a .lodc, `lodc unpack` out of a .lods";
+            Err(FormatError::new(Fault::Unsupported, "", problem))
+        }
         sniff::Sniffed::Other(kind) => {
             let problem = format!("{kind} cannot be read: convert it to glTF first");
             Err(FormatError::new(Fault::Unsupported, "", problem))

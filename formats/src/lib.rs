@@ -42,6 +42,8 @@ macro_rules! format {
 #[cfg(feature = "import")]
 mod appearance;
 mod assets;
+#[cfg(any(feature = "import", feature = "export"))]
+mod colours;
 mod error;
 #[cfg(feature = "export")]
 pub mod export;
@@ -72,6 +74,8 @@ pub mod lodc;
 #[cfg(feature = "stream")]
 pub mod lods;
 #[cfg(any(feature = "import", feature = "export"))]
+mod loose;
+#[cfg(any(feature = "import", feature = "export"))]
 #[cfg_attr(
     not(all(feature = "import", feature = "export", feature = "stream")),
     allow(
@@ -92,12 +96,14 @@ mod requested_files;
 mod scene;
 #[cfg(feature = "import")]
 mod shipped;
-#[cfg(feature = "import")]
+#[cfg(any(feature = "import", feature = "export"))]
 mod stl;
 #[cfg(test)]
 mod testing;
 #[cfg(feature = "export")]
 mod textures;
+#[cfg(feature = "import")]
+mod words;
 mod write;
 
 #[cfg(feature = "import")]

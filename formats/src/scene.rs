@@ -118,6 +118,17 @@ impl Document {
     }
 }
 
+impl Document {
+    /// Returns whether it has materials.
+    #[must_use]
+    pub fn has_materials(&self) -> bool {
+        match self {
+            Self::Obj(obj) => !obj.materials.is_empty(),
+            Self::Gltf(gltf) => gltf.json.contains("\"materials\":"),
+        }
+    }
+}
+
 /// The rest of an OBJ; of a PLY, its textures as materials; of an STL, nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjDocument {
@@ -125,6 +136,8 @@ pub struct ObjDocument {
     pub libraries: Vec<String>,
     /// Materials, in the order of the libraries: name and the lines of their definition as read.
     pub materials: Vec<ObjMaterial>,
+    /// Points and lines: statements `v`, `p` and `l` of an OBJ by themselves.
+    pub loose: Vec<String>,
     /// Where the object's mesh stands: to be added to its positions. Zeros unless the file's
     /// coordinates are too far from the origin for single precision.
     pub offset: [f64; 3],

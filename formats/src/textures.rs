@@ -17,7 +17,7 @@ impl Textures {
                 let lines = document.materials.iter().flat_map(|m| &m.lines);
                 for name in lines.filter_map(|line| mtl::file(line)) {
                     let path = name.replace('\\', "/");
-                    textures.add(&path, |assets| assets.read_reference(&path), assets);
+                    textures.add(&path, |assets| assets.read_name(&path), assets);
                 }
             }
             Document::Gltf(document) => gltf::read_textures(document, &mut textures, assets)?,

@@ -102,7 +102,26 @@ fn check(folder: &Folder, corpus: &Path, path: &str) -> Result<(), String> {
             return Err(format!("nothing left at {ratio}"));
         }
     }
+    if triangles > 1000 && (path.ends_with(".glb") || path.ends_with(".gltf")) {
+        let options = ["--ratio", "10%", "--textures", "keep", "-o", "m.glb", "-q"];
+        let run = folder.lodc(["extract", input].iter().chain(&options));
+        ended(&run, &[0], "extract of the input")?;
+        let (level, whole) = (folder.read("m.glb").len() as u64, size(Path::new(input))?);
+        if level >= whole {
+            return Err(format!("{level} bytes at 10 %, the input has {whole}"));
+        }
+    }
     check_stream(folder, path, triangles)
+}
+
+/// Bytes of a glTF or GLB and of the buffers that it names.
+fn size(path: &Path) -> Result<u64, String> {
+    let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
+    let root: serde_json::Value = serde_json::from_slice(&bytes).unwrap_or_default();
+    let buffers = root["buffers"].as_array().into_iter().flatten();
+    let named = buffers.filter(|b| b["uri"].as_str().is_some_and(|uri| !uri.starts_with("data:")));
+    let sizes = named.filter_map(|b| b["byteLength"].as_u64());
+    Ok(bytes.len() as u64 + sizes.sum::<u64>())
 }
 
 /// Bytes of a stream behind its head that are to show triangles.

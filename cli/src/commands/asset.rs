@@ -235,17 +235,18 @@ fn simplified_showing(
     let importance =
         importance(&scene, &options, &simplify_args.importance, simplify_args.parts.all())?;
     let Scene { source, document, objects, mut warnings, mut files, compressed, .. } = scene;
+    let poses = simplify_args.poses.max_poses();
     let context = SceneContext {
         colours: colours.scene_colours(),
         importance: &importance,
         document: &document,
+        poses,
         limits,
     };
     let watch = stages.watched(progress);
     let mut simplified = simplify_all(objects, &options, context, &watch)?;
     warnings.extend(colours.warnings);
     files.extend(&colours.files);
-    let poses = simplify_args.poses.max_poses();
     match errors {
         Errors::OfResult => drop(choose_poses(&mut simplified, &document, &limits, poses)?),
         Errors::Curve => {

@@ -6,7 +6,7 @@ use super::build::counts;
 use super::each;
 use super::read::read_lodc;
 use crate::clock;
-use crate::console::{self, warning};
+use crate::console;
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::{self, Device, GpuArgs, GpuUse};
 use crate::help::{MEASURED, MORE, OUTPUT};
@@ -285,7 +285,7 @@ fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
         let scene = import::import(input, &args.import.options())?;
         let simplify_args = SimplifyArgs::by(args.metric.metric);
         let asset = asset::simplified(input, &args.import, &simplify_args, scene, &mut stages)?;
-        asset.warnings.iter().for_each(|what| warning(&name, what));
+        console::warnings(&name, &asset.warnings);
         (asset.objects, asset.document)
     };
     let progress = Progress::new(&name);

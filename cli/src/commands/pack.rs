@@ -136,14 +136,14 @@ fn text(report: &PackReport) -> String {
     let output = if report.output == "-" { "standard output" } else { &report.output };
     let head = size(report.head_bytes);
     let mut lines = vec![format!(
-        "{output}: {}, {head} of it names, nodes, materials and buffers",
+        "{output}: {}, of which {head} are names, nodes, materials and buffers",
         size(report.bytes)
     )];
     for o in &report.objects {
         let name = crate::exit::one_line(&o.counts.name);
         let vertices = count(o.counts.referenced_vertices, "vertex");
         let levels = if o.exact_levels < o.levels {
-            format!(", {} of {} levels as in the file", o.exact_levels, o.levels)
+            format!(", {} of the file's {} levels are kept exactly", o.exact_levels, o.levels)
         } else {
             String::new()
         };

@@ -25,8 +25,6 @@ pub(crate) fn read_lodc(path: &Path, limits: Limits) -> Outcome<(LodFile, Vec<u8
 /// If it is damaged.
 pub(crate) fn parse_lodc(bytes: &[u8], name: &str) -> Outcome<LodFile> {
     let file = read(bytes).map_err(|e| e.in_file(name))?;
-    for what in &file.left_out {
-        console::warning(name, what);
-    }
+    console::warnings(name, &file.left_out);
     Ok(file)
 }

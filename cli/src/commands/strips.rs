@@ -1,6 +1,6 @@
 //! `lodc strips`: writes the strips of a generator as text, for study and comparison.
 
-use crate::console::{note, warning};
+use crate::console::{self, note};
 use crate::exit::Outcome;
 use crate::help::{BECOMES, MORE, OUTPUT};
 use crate::kinds::{Choice, parser, parser_with};
@@ -73,9 +73,7 @@ pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     output::prepare_targets([&target], output::is_folder(&args.output))?;
     let mut stages = Stages::new(args.import.clock(&args.input));
     let scene = stages.run("import", || import::import(&args.input, &args.import.options()))?;
-    for what in &scene.warnings {
-        warning(&args.input.display().to_string(), what);
-    }
+    console::warnings(&args.input.display().to_string(), &scene.warnings);
     let size = Size::of_objects(&scene.objects);
     let name = args.input.display().to_string();
     args.import.limits().check_memory(&name, size, &[size.strips()])?;

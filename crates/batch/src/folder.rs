@@ -6,10 +6,10 @@ use std::path::{Component, Path, PathBuf};
 use walkdir::WalkDir;
 
 /// Extensions of the meshes that are taken from folders.
-pub const MESH_EXTENSIONS: [&str; 5] = ["obj", "gltf", "glb", "ply", "stl"];
+pub const MESH_EXTENSIONS: [&str; 6] = ["obj", "gltf", "glb", "vrm", "ply", "stl"];
 
 /// Extensions of the files that are taken from folders where stored levels serve as well as meshes.
-pub const LEVEL_EXTENSIONS: [&str; 6] = ["obj", "gltf", "glb", "ply", "stl", "lodc"];
+pub const LEVEL_EXTENSIONS: [&str; 7] = ["obj", "gltf", "glb", "vrm", "ply", "stl", "lodc"];
 
 /// Accepts files by their paths below a folder.
 #[derive(Debug)]

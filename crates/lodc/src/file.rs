@@ -137,26 +137,31 @@ impl<'a> Level<'a> {
         &self.warnings
     }
 
-    /// Writes the level as a mesh file by the extension of its path (.glb, .gltf, .obj, .ply), with
-    /// the nodes, materials, skins and animations of the input. Images go into a .glb and beside a
-    /// .gltf or .obj; those that cannot be read are left out, with a line in what is returned.
+    /// Writes the level as a mesh file by the extension of its path (.glb, .vrm, .gltf, .obj, .ply,
+    /// .stl), with the nodes, materials, skins and animations of the input, as far as the format
+    /// has them. Images go into a .glb and beside a .gltf, .obj or .ply; those that cannot be read
+    /// are left out, with a line in what is returned.
     ///
     /// # Errors
     /// If the extension names no format, the format cannot hold the scene, or the file cannot be
     /// written.
     #[cfg(feature = "export")]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<Vec<String>, Error> {
-        use lodc_formats::export::{Additions, ExportFormat, LevelFacts, Provenance, export_with};
+        use lodc_formats::export::{
+            Additions, ExportFormat, LevelFacts, Provenance, export_with, left_out,
+        };
         use lodc_formats::images::{TextureMode, Textures};
         let path = path.as_ref();
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let (format, mode) = match &*extension {
-            "glb" => (ExportFormat::Glb, Some(TextureMode::Embed)),
+            "glb" | "vrm" => (ExportFormat::Glb, Some(TextureMode::Embed)),
             "gltf" => (ExportFormat::Gltf, Some(TextureMode::Copy)),
             "obj" => (ExportFormat::Obj, Some(TextureMode::Copy)),
-            "ply" => (ExportFormat::Ply, None),
+            "ply" => (ExportFormat::Ply, Some(TextureMode::Copy)),
+            "stl" => (ExportFormat::Stl, None),
             _ => {
-                let what = "the extension names no known format: .glb, .gltf, .obj, .ply";
+                let what =
+                    "the extension names no known format: .glb, .gltf, .obj, .ply, .stl, .vrm";
                 return Err(Error::Request(format!("{}: {what}", path.display())));
             }
         };
@@ -166,7 +171,7 @@ impl<'a> Level<'a> {
         if let Some(mode) = mode {
             let mut assets = lodc_formats::Assets::new(&self.file.path, &[], Limits::DEFAULT);
             let mut textures = Textures::read(&content.document, &mut assets)?;
-            if format == ExportFormat::Obj {
+            if matches!(format, ExportFormat::Obj | ExportFormat::Ply) {
                 textures.add_embedded(&content.document)?;
             }
             warnings.append(&mut textures.warnings);
@@ -183,6 +188,7 @@ impl<'a> Level<'a> {
         let (screen, next, refitted) = (None, None, false);
         additions.provenance = Some(Provenance { source, levels, refitted, screen, next, poses });
         let objects = level_mesh::export_objects(&content.objects, &self.meshes);
+        warnings.extend(left_out(format, &content.document, &objects));
         let files = export_with(path, format, &content.document, &objects, &additions)?;
         lodc_formats::write_all(&files)?;
         Ok(warnings)

@@ -133,7 +133,7 @@ impl Simplified {
     /// rounded to the end of a step.
     #[must_use]
     pub fn triangles_at(&self, lod: Lod) -> Vec<OrientedTriangle> {
-        self.triangles_at_with(lod, &PositionIds::new(self.mesh.positions()))
+        self.triangles_at_with(lod, &self.mesh.position_ids())
     }
     /// [`Self::triangles_at`] with the numbers of positions given, which saves time over many
     /// calls.

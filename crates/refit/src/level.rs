@@ -3,7 +3,7 @@
 
 use crate::sides::sides;
 use glam::DVec3;
-use lodc_mesh::{Lod, Mesh, NONE, OrientedTriangle, PositionIds, Simplified, is_degenerate};
+use lodc_mesh::{Lod, Mesh, NONE, OrientedTriangle, Simplified, is_degenerate};
 
 /// The triangles of a level and the positions that a refit may move.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub(crate) struct Level {
 impl Level {
     pub(crate) fn new(simplified: &Simplified, lod: Lod) -> Self {
         let (input, vertex_at_lod) = (simplified.mesh(), simplified.collapses().resolve_all(lod));
-        let positions = PositionIds::new(input.positions());
+        let positions = input.position_ids();
         let (mut input_triangles, mut triangles) = (Vec::new(), Vec::new());
         for (submesh, s) in input.submeshes().iter().enumerate() {
             for t in s.triangles() {
@@ -41,7 +41,7 @@ impl Level {
             }
         }
         let mesh = input.extract(&triangles).expect("triangles of a level are valid");
-        let ids = PositionIds::new(mesh.positions());
+        let ids = mesh.position_ids();
         let mut points = vec![DVec3::ZERO; ids.len()];
         for (&id, &p) in ids.of_vertex.iter().zip(mesh.positions()) {
             points[id as usize] = DVec3::from_array(p.map(f64::from));

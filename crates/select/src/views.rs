@@ -189,7 +189,7 @@ impl<'a> SceneViews<'a> {
             shapes.par_iter().zip(&placements).enumerate().map(|(o, (shapes, placements))| {
                 shapes.par_iter().zip(placements).map(|pair| surface((o, pair))).collect()
             });
-        let ids = objects.par_iter().map(|o| PositionIds::new(o.simplified.mesh().positions()));
+        let ids = objects.par_iter().map(|o| o.simplified.mesh().position_ids());
         let surfaces = surfaces.collect();
         Ok(Self { options, levels, ids: ids.collect(), surfaces })
     }

@@ -31,6 +31,7 @@ mod output;
 mod price;
 mod recorded;
 mod rounds;
+mod seen;
 mod skin;
 
 use commit::{CollapseLog, Sources};
@@ -40,11 +41,13 @@ use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
 use number::Input;
 use price::{Attributes, Context};
 use rounds::{Progress, as_one, in_regions};
+use seen::AS_MODELLED;
 use skin::Skin;
 
 pub use metric::{Checkerboard, SurfaceColours};
 pub use options::{MetricKind, Options, Weights};
 pub use recorded::RecordedCollapses;
+pub use seen::{SeenShape, SeenShapes};
 
 /// Simplifies a mesh down to one vertex. `progress` gets (steps done, steps at most) now and then.
 /// The result does not depend on the number of threads of the rayon pool it runs in.
@@ -82,6 +85,8 @@ pub struct Guidance<'a> {
     /// Shares of the triangles, the larger of each pair first, between which
     /// [`MetricKind::Hybrid`] chooses collapses; elsewhere the quadric does. None: it always does.
     pub hybrid_ranges: Option<&'a [[f32; 2]]>,
+    /// The shapes in which the surface is seen. None: the one that it has as it was modelled.
+    pub shapes: Option<&'a SeenShapes>,
     /// An earlier run of the same mesh by the same options that this one repeats first.
     pub prefix: Option<Prefix<'a>>,
 }
@@ -135,12 +140,13 @@ fn simplify_with(
         return (empty, RecordedCollapses::default());
     }
     let run = Run { mesh, options, guidance, region, progress };
-    let positions = PositionIds::new(mesh.positions());
+    let positions = mesh.position_ids();
     let skin = Skin::of(mesh, &positions);
     if let Some(simplified) = skin.and_then(|skin| run.by_skin(&skin, &positions)) {
         return simplified;
     }
-    let mut input = Input::with_positions(mesh, &positions);
+    let seen = guidance.shapes.unwrap_or(&AS_MODELLED);
+    let mut input = Input::with_positions(mesh, &positions, seen);
     drop(positions);
     input.lock(guidance.locked);
     run.count(&mut input);
@@ -179,7 +185,9 @@ impl<'a> Run<'a> {
         positions: &PositionIds,
     ) -> Option<(Simplified, RecordedCollapses)> {
         let (layer_collapses, recorded, legal) = {
-            let mut input = Input::new(&skin.mesh);
+            let seen = self.guidance.shapes.map(|seen| seen.gathered(&skin.vertices));
+            let seen = seen.as_ref().unwrap_or(&AS_MODELLED);
+            let mut input = Input::with_positions(&skin.mesh, &skin.mesh.position_ids(), seen);
             self.count(&mut input);
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
@@ -189,7 +197,7 @@ impl<'a> Run<'a> {
             let recorded = std::mem::take(&mut log.recorded);
             (skin::layer_collapses(&input, &skin.vertices, &log, legal, by_stamp), recorded, legal)
         };
-        let mut input = Input::with_positions(self.mesh, positions);
+        let mut input = Input::with_positions(self.mesh, positions, &AS_MODELLED);
         self.count(&mut input);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
@@ -221,7 +229,12 @@ impl<'a> Run<'a> {
     fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
         let Self { mesh, options, .. } = *self;
         let attributes = if options.attributes {
-            Attributes::new(mesh, |submesh| self.weights(submesh), input.scale, input.size)
+            let joints_move = self.guidance.shapes.is_some_and(|shapes| shapes.joints_move);
+            let weights = |submesh: u32| {
+                let weights = self.weights(submesh);
+                Weights { skin: if joints_move { 0.0 } else { weights.skin }, ..weights }
+            };
+            Attributes::new(mesh, weights, input.scale, input.size)
         } else {
             Attributes::none()
         };
@@ -262,5 +275,7 @@ impl<'a> Run<'a> {
     }
 }
 
+#[cfg(test)]
+mod motion_tests;
 #[cfg(test)]
 mod tests;

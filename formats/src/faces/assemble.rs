@@ -5,7 +5,7 @@
 use super::triangulate::{Triangulator, newell};
 use super::unique::{Unique, first_equal};
 use super::{Faces, NONE};
-use crate::SubmeshInfo;
+use crate::{SubmeshInfo, colours};
 use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
 use std::collections::BTreeSet;
 
@@ -24,6 +24,8 @@ pub(crate) struct Assembled {
     pub(crate) filled_texcoords: u64,
     /// Faces without normals beside others that have them.
     pub(crate) filled_normals: u64,
+    /// True if colours were numbers from 0 to 255.
+    pub(crate) byte_colors: bool,
     /// Groups that share their material with another one.
     pub(crate) joined_labels: u64,
 }
@@ -295,7 +297,9 @@ impl<'a> Builder<'a> {
         let color = if faces.colors.is_empty() || vertices.is_empty() {
             None
         } else {
-            let rgba = vertices.iter().map(|k| faces.colors[k[0] as usize]);
+            let (light, were_bytes) = colours::linear(&faces.colors);
+            self.out.byte_colors = were_bytes;
+            let rgba = vertices.iter().map(|k| light[k[0] as usize]);
             if faces.color_has_alpha {
                 push(Semantic::Color(0), 4, stream(rgba))
             } else {
@@ -306,7 +310,8 @@ impl<'a> Builder<'a> {
             let used = |i: usize| numbers[i].filter(|_| submesh.attributes[i] == 1);
             submesh.attributes = [used(1), used(0), color].into_iter().flatten().collect();
         }
-        self.out.source_positions = vertices.iter().map(|k| k[0]).collect();
+        let of_file = |v: u32| faces.file_positions.get(v as usize).copied().unwrap_or(v);
+        self.out.source_positions = vertices.iter().map(|k| of_file(k[0])).collect();
         self.out.imperfect_polygons = self.triangulator.imperfect;
         self.out
     }

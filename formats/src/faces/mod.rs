@@ -8,9 +8,11 @@ mod unique;
 pub(crate) use assemble::{Assembled, assemble};
 pub(crate) use local::{local, may_be_far};
 pub(crate) use lodc_mesh::NONE;
+use unique::Unique;
 pub(crate) use unique::first_equal;
 
 use crate::options::ImportOptions;
+use crate::words::counted;
 use crate::{
     Assets, Document, Fault, FormatError, ObjDocument, ObjectInfo, Scene, SceneObject, Source,
 };
@@ -20,9 +22,11 @@ use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic};
 #[derive(Debug, Default)]
 pub(crate) struct Faces {
     pub(crate) positions: Vec<[f32; 3]>,
-    /// Empty, or one per position; white where the file has none.
+    /// Empty, or one per position: sRGB values and opacity, white where the file has none.
     pub(crate) colors: Vec<[f32; 4]>,
     pub(crate) color_has_alpha: bool,
+    /// Empty, or for each position which of the file's it is: colours of faces divide some.
+    pub(crate) file_positions: Vec<u32>,
     pub(crate) texcoords: Vec<[f32; 2]>,
     /// Empty, or the third components.
     pub(crate) texcoords_w: Vec<f32>,
@@ -58,6 +62,28 @@ pub(crate) struct Run {
 }
 
 impl Faces {
+    /// Gives the corners of each face its colour, by number in `palette`; positions that faces of
+    /// different colours share are divided. `seed` is any number that the file's maker cannot
+    /// choose.
+    pub(crate) fn color_by_face(&mut self, numbers: &[u32], palette: &[[f32; 4]], seed: u64) {
+        let mut unique = Unique::new(seed);
+        let mut keys: Vec<[u32; 3]> = Vec::new();
+        let mut start = 0;
+        for (&end, &color) in self.face_ends.iter().zip(numbers) {
+            for v in &mut self.corner_v[start..end as usize] {
+                let key = [*v, color, 0];
+                *v = unique.number(key, keys.len() as u32, |id| keys[id as usize]);
+                if *v as usize == keys.len() {
+                    keys.push(key);
+                }
+            }
+            start = end as usize;
+        }
+        self.positions = keys.iter().map(|k| self.positions[k[0] as usize]).collect();
+        self.colors = keys.iter().map(|k| palette[k[1] as usize]).collect();
+        self.file_positions = keys.iter().map(|k| k[0]).collect();
+    }
+
     /// Name of the only object, or the file's.
     pub(crate) fn name(&self, assets: &Assets) -> String {
         match &self.objects[..] {
@@ -88,6 +114,9 @@ pub(crate) fn scene(
 ) -> Result<Scene, FormatError> {
     let FaceFile { mut assembled, name, source, document, mut warnings } = file;
     let mut parts = std::mem::take(&mut assembled.parts);
+    if assembled.byte_colors {
+        warnings.push("colours of vertices are numbers from 0 to 255, read as bytes".to_owned());
+    }
     let source_positions =
         clean_numbered(&mut parts, assembled.source_positions, options.weld, &mut warnings);
     let mesh =
@@ -110,6 +139,27 @@ pub(crate) fn scene(
         quantized: false,
         requantized: false,
     })
+}
+
+/// Says how polygons became triangles, and what corners were given.
+pub(crate) fn warn(assembled: &Assembled, warnings: &mut Vec<String>) {
+    for (count, one, several) in [
+        (assembled.polygons, "polygon was triangulated", "polygons were triangulated"),
+        (
+            assembled.imperfect_polygons,
+            "of these crosses itself or turns back: its triangles may overlap",
+            "of these cross themselves or turn back: their triangles may overlap",
+        ),
+        (
+            assembled.filled_texcoords,
+            "corner without texture coordinates beside others that have them was given (0, 0)",
+            "corners without texture coordinates beside others that have them were given (0, 0)",
+        ),
+    ] {
+        if count > 0 {
+            warnings.push(counted(count, one, several));
+        }
+    }
 }
 
 /// Cleans a mesh with a number for each vertex; returns those of the vertices that stay.
@@ -138,15 +188,15 @@ fn clean(parts: &mut MeshParts, weld: f64, warnings: &mut Vec<String>) {
     if weld > 0.0 {
         let moved = lodc_mesh::weld_positions(parts, weld * diagonal(&parts.positions));
         if moved > 0 {
-            warnings.push(format!("{moved} vertices were welded to a neighbour"));
+            let vertices = counted(moved, "vertex was", "vertices were");
+            warnings.push(format!("{vertices} welded to a neighbour"));
         }
     }
     let cleaning = parts.clean();
     if cleaning.degenerate_triangles > 0 {
-        warnings.push(format!(
-            "{} triangles with two corners at one position were dropped",
-            cleaning.degenerate_triangles
-        ));
+        let one = "triangle with two corners at one position was dropped";
+        let several = "triangles with two corners at one position were dropped";
+        warnings.push(counted(cleaning.degenerate_triangles, one, several));
     }
     if parts.triangles.is_empty() {
         warnings.push("there is no triangle: nothing to simplify".to_owned());

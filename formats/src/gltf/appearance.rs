@@ -1,12 +1,13 @@
 //! Base colours and textures of a stored glTF's materials: metallic-roughness (glTF 2.0, 3.9) and
 //! the older KHR_materials_pbrSpecularGlossiness.
 
+use super::coordinates::{base, materials, visible_coordinates};
 use super::document::Stored;
 use super::json::{Json, Object};
 use super::texture_transform::texture_coordinates;
 use super::uri;
 use crate::images::Pictures;
-use crate::{Assets, Fault, FormatError, GltfDocument, Limits, ObjectInfo};
+use crate::{Assets, Fault, FormatError, GltfDocument, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 use std::collections::BTreeSet;
 
@@ -38,38 +39,6 @@ pub(crate) fn appearance(
         let Pictures { list, warnings, .. } = reader.pictures;
         Ok(Appearance { materials, of_submesh: submesh_materials, images: list, warnings })
     })
-}
-
-/// The texture coordinates that the textures of submeshes read, by object.
-///
-/// # Errors
-/// If the document is damaged.
-pub(crate) fn coordinates(
-    document: &GltfDocument,
-    objects: &[&ObjectInfo],
-    limits: &Limits,
-) -> Result<Vec<Vec<Coordinates>>, FormatError> {
-    Stored::read(document, limits, |_, root| {
-        let list = root.list("materials");
-        let read_by = |m: &usize| match m.checked_sub(1).and_then(|m| list.get(m)) {
-            Some(source) => visible_coordinates(source),
-            None => Coordinates::PLAIN,
-        };
-        let by_submesh = |materials: Vec<usize>| materials.iter().map(read_by).collect();
-        Ok(materials(root, objects).into_iter().map(by_submesh).collect())
-    })
-}
-
-/// For every object and submesh the number of its material plus 1, or 0 without one.
-fn materials(root: &Object, objects: &[&ObjectInfo]) -> Vec<Vec<usize>> {
-    let number = |object: &ObjectInfo, primitive: u32| {
-        let mesh = &root["meshes"][object.document_mesh as usize];
-        mesh["primitives"][primitive as usize]["material"].as_index().map_or(0, |m| m + 1)
-    };
-    let numbers = |o: &&ObjectInfo| -> Vec<usize> {
-        o.submeshes.iter().map(|s| number(o, s.document_primitive)).collect()
-    };
-    objects.iter().map(numbers).collect()
 }
 
 /// Reads textures of one document.
@@ -154,30 +123,4 @@ impl Reader<'_> {
             }
         })
     }
-}
-
-/// The base colour of a material, and its texture.
-fn base(source: &Json) -> (&Json, &Json) {
-    let glossy = &source["extensions"]["KHR_materials_pbrSpecularGlossiness"];
-    let metal = &source["pbrMetallicRoughness"];
-    if metal.is_object() || !glossy.is_object() {
-        (&metal["baseColorFactor"], &metal["baseColorTexture"])
-    } else {
-        (&glossy["diffuseFactor"], &glossy["diffuseTexture"])
-    }
-}
-
-/// The texture coordinates that a material's textures read.
-fn visible_coordinates(source: &Json) -> Coordinates {
-    let texture = base(source).1;
-    let read = if texture.is_object() { Some(texture) } else { any_texture(source) };
-    read.map_or(Coordinates::PLAIN, texture_coordinates)
-}
-
-/// The first texture of a material, whatever it is for.
-fn any_texture(source: &Json) -> Option<&Json> {
-    source.as_object()?.iter().find_map(|(name, value)| {
-        let is_texture = name.ends_with("Texture") && value["index"].as_index().is_some();
-        if is_texture { Some(value) } else { any_texture(value) }
-    })
 }

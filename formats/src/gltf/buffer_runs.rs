@@ -82,7 +82,7 @@ pub(crate) fn buffer_runs<'a>(
 /// Returns whether a document may refer to its buffer in a way that is not known.
 pub(super) fn has_unknown_references(root: &Object) -> bool {
     let mut used = root.list("extensionsUsed").iter().filter_map(Json::as_str);
-    used.any(|e| UNLISTED.contains(&e)) || extensions::opaque(root).is_some()
+    used.any(|e| UNLISTED.contains(&e)) || extensions::unknown(root).is_some()
 }
 
 /// The bytes of a view; none if they are more than can be.

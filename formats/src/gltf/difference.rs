@@ -1,12 +1,16 @@
 //! Compares the document of an exported level with that of its source: everything but triangles has
 //! to be equal. Returns the first difference as a JSON path.
 
+use super::document::Stored;
 use super::extensions::{MESHOPT, QUANTIZATION, forget_extra, is_requantized, uses};
 use super::json::{self, Json, Object};
 use super::schema::{self, Pool, references};
 use super::texture_transform::TRANSFORM;
 use crate::{FormatError, GltfDocument, Limits};
 use std::collections::BTreeMap;
+
+/// The extension that repeats a node's mesh.
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// Compares what a level's document says besides its geometry with what the source's says: nodes,
 /// materials, skins, animations, cameras, names and extras. Where bytes lie and what images are
@@ -16,12 +20,14 @@ use std::collections::BTreeMap;
 /// # Errors
 /// If a stored document is damaged.
 pub(crate) fn difference(
-    source: &GltfDocument,
-    level: &GltfDocument,
+    source_document: &GltfDocument,
+    level_document: &GltfDocument,
     limits: &Limits,
 ) -> Result<Option<String>, FormatError> {
-    let [mut source, mut level] =
-        [json::parse(source.json.as_bytes(), limits)?, json::parse(level.json.as_bytes(), limits)?];
+    let [mut source, mut level] = [
+        json::parse(source_document.json.as_bytes(), limits)?,
+        json::parse(level_document.json.as_bytes(), limits)?,
+    ];
     let lost = source.list("extensionsUsed").iter().filter_map(Json::as_str);
     let lost = lost.filter(|name| !MESHOPT.contains(name)).find(|name| !uses(&level, name));
     if let Some(name) = lost {
@@ -33,10 +39,12 @@ pub(crate) fn difference(
         grids: !uses(&level, QUANTIZATION)
             || uses(&source, QUANTIZATION) && !is_requantized(&level),
     };
-    for root in [&mut source, &mut level] {
+    for (root, document) in [(&mut source, source_document), (&mut level, level_document)] {
         schema::check(root)?;
+        common.put_content(root, document, limits)?;
         common.strip(root);
     }
+    compare_stored_images_only(&mut source, &mut level);
     if common.all_meshes {
         leave_out_gone_primitives(&mut source, &level);
     }
@@ -54,11 +62,41 @@ struct CommonParts {
 }
 
 impl CommonParts {
+    /// Puts a hash of what it leads to in the place of every index of an accessor or buffer view.
+    fn put_content(
+        &self,
+        root: &mut Object,
+        document: &GltfDocument,
+        limits: &Limits,
+    ) -> Result<(), FormatError> {
+        Stored::read(document, limits, |stored, _| {
+            // What quantisation writes anew: vertices and what places them.
+            let is_rewritten = |location: &str| {
+                !self.grids
+                    && (location.starts_with("skins")
+                        || location.starts_with("meshes")
+                        || location.contains(INSTANCING))
+            };
+            for pool in [Pool::Accessors, Pool::BufferViews] {
+                let mut hashes: BTreeMap<usize, Json> = BTreeMap::new();
+                references(root, pool, &mut |value, location| {
+                    let number = value.as_index().filter(|_| !is_rewritten(location));
+                    *value = number.map_or(Json::Null, |i| {
+                        let hash = || match pool {
+                            Pool::Accessors => stored.accessor_hash(i),
+                            _ => stored.view_hash(i),
+                        };
+                        let text = || hash().map_or(Json::Null, |h| format!("{h:032x}").into());
+                        hashes.entry(i).or_insert_with(text).clone()
+                    });
+                });
+            }
+            Ok(())
+        })
+    }
+
     /// Takes out what may differ.
     fn strip(&self, root: &mut Object) {
-        for pool in [Pool::Accessors, Pool::BufferViews] {
-            references(root, pool, &mut |value, _| *value = Json::Null);
-        }
         let buffers = ["accessors", "bufferViews", "buffers"];
         for key in buffers.into_iter().chain(["extensionsUsed", "extensionsRequired"]) {
             root.shift_remove(key);
@@ -67,13 +105,16 @@ impl CommonParts {
             asset.shift_remove("generator");
         }
         forget_extra(root, "lodc");
-        root.objects_mut("images").for_each(|image| image.retain(|key, _| key == "name"));
+        let kept = ["name", "bufferView"];
+        root.objects_mut("images").for_each(|image| image.retain(|key, _| kept.contains(&&**key)));
         self.strip_nodes(root);
         if self.all_meshes {
             for mesh in root.objects_mut("meshes") {
                 mesh.objects_mut("primitives").for_each(strip_primitive);
             }
         } else {
+            let meshes = Pool::Meshes.len(root);
+            schema::forget_references(root, Pool::Meshes, &vec![false; meshes]);
             root.shift_remove("meshes");
             root.shift_remove("animations");
         }
@@ -115,9 +156,18 @@ impl CommonParts {
     }
 }
 
+/// Leaves out images that only one of two documents holds itself: the other names a file.
+fn compare_stored_images_only(source: &mut Object, level: &mut Object) {
+    for (a, b) in source.objects_mut("images").zip(level.objects_mut("images")) {
+        if a.contains_key("bufferView") != b.contains_key("bufferView") {
+            a.shift_remove("bufferView");
+            b.shift_remove("bufferView");
+        }
+    }
+}
+
+/// Triangles are gone from documents; points and lines are still there.
 fn strip_primitive(primitive: &mut Object) {
-    primitive.shift_remove("indices");
-    primitive.shift_remove("attributes");
     primitive.shift_remove("targets");
     forget_extra(primitive, "lodc");
 }

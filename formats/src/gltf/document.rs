@@ -3,12 +3,16 @@
 //! crafted.
 
 use super::accessor::Accessor;
+#[cfg(feature = "import")]
+use super::accessor::{Shape, component_number};
 use super::budget::Budget;
 use super::json::{self, Object, malformed};
 use super::schema;
 use super::views::{Buffers, Views};
 use crate::{FormatError, GltfDocument, Limits};
 use lodc_mesh::{Attribute, Semantic};
+#[cfg(feature = "import")]
+use xxhash_rust::xxh3::{Xxh3, xxh3_128};
 
 /// A stored document that is open for reading.
 pub(crate) struct Stored<'a> {
@@ -45,6 +49,32 @@ impl Stored<'_> {
     /// If it is not there, or its bytes are damaged.
     pub(crate) fn numbers(&self, accessor: usize) -> Result<(Vec<f64>, usize), FormatError> {
         numbers(self.accessors, self.views, accessor)
+    }
+
+    /// A hash of the elements of an accessor and of what they are; none if it cannot be read.
+    #[cfg(feature = "import")]
+    pub(crate) fn accessor_hash(&self, accessor: usize) -> Option<u128> {
+        let accessor = self.accessors.get(accessor)?.as_ref()?;
+        let reader = accessor.reader(self.views).ok()?;
+        let mut hasher = Xxh3::new();
+        let Shape { columns, rows } = accessor.shape;
+        let kind = component_number(accessor.component);
+        for number in [columns as u32, rows as u32, kind, accessor.normalized.into()] {
+            hasher.update(&number.to_le_bytes());
+        }
+        let mut element = Vec::new();
+        for i in 0..accessor.count as u32 {
+            element.clear();
+            reader.append(i, &mut element);
+            hasher.update(&element);
+        }
+        Some(hasher.digest128())
+    }
+
+    /// A hash of the bytes of a buffer view; none if it has none.
+    #[cfg(feature = "import")]
+    pub(crate) fn view_hash(&self, view: usize) -> Option<u128> {
+        self.views.bytes(view).ok().map(xxh3_128)
     }
 
     /// The bytes of a buffer view.

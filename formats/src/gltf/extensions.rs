@@ -1,5 +1,6 @@
 //! Extensions that this package reads, passes through, or must refuse.
 
+use super::extension_table::{EXTENSIONS, PREFIXES};
 use super::json::{Json, Object, malformed};
 use crate::{Fault, FormatError};
 
@@ -16,52 +17,13 @@ pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// Compressed primitives: decoded unless the same data is there uncompressed.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
-/// Extensions of a primitive that count its vertices or triangles, which change: dropped from
-/// primitives with triangles.
-pub(super) const DROPPED_FROM_PRIMITIVES: [&str; 3] =
-    [DRACO, "CESIUM_primitive_outline", "FB_ngon_encoding"];
+/// Extensions of a texture that name an image in another format.
+pub(super) const IMAGE_EXTENSIONS: [&str; 4] =
+    ["EXT_texture_webp", "KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"];
 
-/// Extensions that can be required without a reader of triangles having to know them, and in whose
-/// objects no number is the index of an accessor or buffer view that `schema` does not list.
-const HARMLESS: [&str; 22] = [
-    QUANTIZATION,
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
-    "EXT_mesh_gpu_instancing",
-    "EXT_mesh_features",
-    "EXT_structural_metadata",
-    "EXT_instance_features",
-    "EXT_feature_metadata",
-    "EXT_lights_image_based",
-    "EXT_lights_ies",
-    "KHR_animation_pointer",
-    "KHR_audio_emitter",
-    "KHR_lights_punctual",
-    "KHR_node_hoverability",
-    "KHR_node_selectability",
-    "KHR_node_visibility",
-    "KHR_xmp",
-    "KHR_xmp_json_ld",
-    "MSFT_lod",
-    "MSFT_audio_emitter",
-    "AGI_articulations",
-    "CESIUM_RTC",
-];
-
-/// Beginnings of names of further such extensions: those of materials and textures.
-const HARMLESS_PREFIXES: [&str; 8] = [
-    "KHR_materials_",
-    "EXT_materials_",
-    "MSFT_materials_",
-    "ADOBE_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "MSFT_texture_",
-    "KHR_techniques_",
-];
-
-fn is_harmless(name: &str) -> bool {
-    HARMLESS.contains(&name) || HARMLESS_PREFIXES.iter().any(|p| name.starts_with(p))
+fn is_known(name: &str) -> bool {
+    EXTENSIONS.iter().any(|(known, _)| *known == name)
+        || PREFIXES.iter().any(|beginning| name.starts_with(beginning))
 }
 
 /// Refuses glTF versions other than 2, and required extensions that are not known here. Draco is
@@ -92,7 +54,7 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
         _ => {}
     }
     for name in root.list("extensionsRequired").iter().filter_map(Json::as_str) {
-        if name != DRACO && !is_harmless(name) {
+        if name != DRACO && !is_known(name) {
             return unsupported(
                 "extensionsRequired",
                 format!("the extension {name} is required, but not supported"),
@@ -108,37 +70,51 @@ fn numbers(version: &str) -> Option<(u32, u32)> {
     Some((digits(major)?, digits(minor)?))
 }
 
-/// The first unknown extension with a whole number somewhere, which might be the index of an
-/// accessor or buffer view. While there is one, nothing must be renumbered.
-pub(crate) fn opaque(root: &Object) -> Option<String> {
-    root.iter().find_map(|(key, value)| opaque_below(key, value))
+/// Extensions whose specification is not known here, if a number in them might be the index of an
+/// accessor or buffer view.
+pub(crate) struct Unknown {
+    /// The name of the first.
+    pub(crate) name: String,
+    /// The largest whole number in any of them: what has a larger number they cannot name.
+    pub(crate) largest: usize,
+}
+
+/// Looks for unknown extensions with a whole number somewhere. While there is one, what it might
+/// name must not be renumbered.
+pub(crate) fn unknown(root: &Object) -> Option<Unknown> {
+    let mut found = None;
+    root.iter().for_each(|(key, value)| unknown_below(key, value, &mut found));
+    found
 }
 
 // The document's depth is bounded, so recursion is.
-fn opaque_below(key: &str, value: &Json) -> Option<String> {
+fn unknown_below(key: &str, value: &Json, found: &mut Option<Unknown>) {
     match value {
-        Json::Object(members) if key == "extensions" => members.iter().find_map(|(name, body)| {
-            if !is_harmless(name)
-                && !DROPPED_FROM_PRIMITIVES.contains(&name.as_str())
-                && has_whole_number(body)
-            {
-                return Some(name.clone());
+        Json::Object(members) if key == "extensions" => {
+            for (name, body) in members.iter() {
+                if !is_known(name)
+                    && let Some(number) = largest_whole_number(body)
+                {
+                    let first = || Unknown { name: name.clone(), largest: number };
+                    let unknown = found.get_or_insert_with(first);
+                    unknown.largest = unknown.largest.max(number);
+                }
+                unknown_below("", body, found);
             }
-            opaque_below("", body)
-        }),
-        Json::Object(_) if key == "extras" => None,
-        Json::Object(members) => members.iter().find_map(|(name, body)| opaque_below(name, body)),
-        Json::Array(elements) => elements.iter().find_map(|body| opaque_below("", body)),
-        _ => None,
+        }
+        Json::Object(_) if key == "extras" => {}
+        Json::Object(members) => members.iter().for_each(|(k, v)| unknown_below(k, v, found)),
+        Json::Array(elements) => elements.iter().for_each(|v| unknown_below("", v, found)),
+        _ => {}
     }
 }
 
-fn has_whole_number(value: &Json) -> bool {
+fn largest_whole_number(value: &Json) -> Option<usize> {
     match value {
-        Json::Number(_) => value.as_u64().is_some(),
-        Json::Array(elements) => elements.iter().any(has_whole_number),
-        Json::Object(members) => members.values().any(has_whole_number),
-        _ => false,
+        Json::Number(_) => value.as_index(),
+        Json::Array(elements) => elements.iter().filter_map(largest_whole_number).max(),
+        Json::Object(members) => members.values().filter_map(largest_whole_number).max(),
+        _ => None,
     }
 }
 

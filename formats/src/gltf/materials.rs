@@ -1,8 +1,10 @@
 //! The materials of a glTF as an MTL library, for an export as OBJ: names, base colours, opacity
 //! and base colour textures, which is all that both formats have.
 
+use super::coordinates::base;
+use super::extensions::IMAGE_EXTENSIONS;
 use super::json::{Json, Object, parse};
-use super::texture_transform::{CLAMP, texture_coordinates};
+use super::texture_transform::CLAMP;
 use super::uri;
 use crate::images::{ImagePlace, PlacedTextures, embedded_name};
 use crate::obj::write::{Library, SimpleMaterial};
@@ -19,22 +21,20 @@ pub(crate) fn library(
 ) -> Result<Library, FormatError> {
     let root = parse(document.json.as_bytes(), &Limits::DEFAULT)?;
     let mut library = Library::default();
-    for material in root.entries("materials") {
-        let pbr = &material["pbrMetallicRoughness"];
-        let factor: [f64; 4] =
-            std::array::from_fn(|k| pbr["baseColorFactor"][k].as_f64().unwrap_or(1.0));
-        let [r, g, b, opacity] = factor;
+    for material in root.list("materials") {
+        let (factor, info) = base(material);
+        let [r, g, b, opacity] = factor.numbers([1.0; 4]);
         let blended = material["alphaMode"].as_str() == Some("BLEND");
-        let info = &pbr["baseColorTexture"];
         let texture = info["index"].as_index().and_then(|t| root.list("textures").get(t));
-        let image = texture.and_then(|t| t["source"].as_index());
-        let file = image.and_then(|i| image_file(&root, i, textures));
+        let file = texture.and_then(|t| image_file(&root, image(t)?, textures));
         let sampler = texture.and_then(|t| root.list("samplers").get(t["sampler"].as_index()?));
+        let clamps = |key: &str| sampler.is_some_and(|s| s[key].as_u64() == Some(CLAMP.into()));
         library.add(&SimpleMaterial {
             name: material["name"].as_str().unwrap_or_default(),
             colour: [r, g, b].map(|light| six_decimals(srgb_value(light as f32).into())),
             opacity: blended.then_some(opacity),
-            texture: file.map(|file| format!("{}{file}", map_options(info, sampler))),
+            texture: file,
+            clamped: clamps("wrapS") && clamps("wrapT"),
         });
     }
     for (m, mesh) in root.entries("meshes").enumerate() {
@@ -52,26 +52,10 @@ pub(super) fn six_decimals(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
 
-/// The options of `map_Kd` that show a texture as a glTF does, each with a space after it. A turned
-/// texture has none that could.
-fn map_options(info: &Json, sampler: Option<&Json>) -> String {
-    let mut options = String::new();
-    let [[su, skew, u], [turn, sv, v]] = texture_coordinates(info).transform;
-    if [skew, turn] == [0.0; 2] {
-        // Coordinates of an OBJ begin at the bottom of the picture, those of a glTF at the top.
-        let (u, v) = (u, 1.0 - sv - v);
-        if [su, sv] != [1.0; 2] {
-            options += &format!("-s {su} {sv} ");
-        }
-        if [u, v] != [0.0; 2] {
-            options += &format!("-o {u} {v} ");
-        }
-    }
-    let clamps = |key: &str| sampler.is_some_and(|s| s[key].as_u64() == Some(CLAMP.into()));
-    if clamps("wrapS") && clamps("wrapT") {
-        options += "-clamp on ";
-    }
-    options
+/// The image of a texture: the one that every reader knows, or else that of an extension.
+fn image(texture: &Json) -> Option<usize> {
+    let of_extension = |name: &&str| texture["extensions"][*name]["source"].as_index();
+    texture["source"].as_index().or_else(|| IMAGE_EXTENSIONS.iter().find_map(of_extension))
 }
 
 /// The file of an image; none if it has none.

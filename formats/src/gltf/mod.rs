@@ -16,10 +16,13 @@ mod appearance;
 mod budget;
 #[cfg(feature = "stream")]
 mod buffer_runs;
+#[cfg(feature = "gltf")]
+mod coordinates;
 #[cfg(feature = "import")]
 mod difference;
 #[cfg(feature = "gltf")]
 mod document;
+mod extension_table;
 mod extensions;
 #[cfg(feature = "export")]
 mod floats;
@@ -30,6 +33,8 @@ mod graph;
 #[cfg(feature = "export")]
 mod images;
 mod json;
+#[cfg(feature = "export")]
+mod loose;
 #[cfg(feature = "export")]
 mod materials;
 #[cfg(feature = "gltf")]
@@ -60,15 +65,19 @@ pub(crate) mod write;
 #[cfg(feature = "gltf")]
 pub use animations::{animation, animation_names, scene_motion};
 #[cfg(feature = "import")]
-pub(crate) use appearance::{appearance, coordinates};
+pub(crate) use appearance::appearance;
 #[cfg(feature = "stream")]
 pub(crate) use buffer_runs::{BufferRun, PartialBuffer, Purpose, buffer_runs};
+#[cfg(feature = "gltf")]
+pub(crate) use coordinates::coordinates;
 #[cfg(feature = "import")]
 pub(crate) use difference::difference;
 #[cfg(feature = "gltf")]
 pub use graph::scene_graph;
 #[cfg(feature = "export")]
 pub(crate) use images::{add_embedded, read_textures};
+#[cfg(feature = "export")]
+pub(crate) use loose::loose;
 #[cfg(feature = "export")]
 pub(crate) use materials::library;
 #[cfg(feature = "stream")]

@@ -4,7 +4,7 @@
 
 use super::extensions::animation_pointer;
 use super::json::{Json, Object};
-use super::schema::{Pool, references, renumbered, retain};
+use super::schema::{Pool, forget_references, references, renumbered, retain};
 use std::collections::BTreeSet;
 
 /// Drops primitives (mesh, primitive), then meshes without primitives. Nodes that showed such a
@@ -34,7 +34,8 @@ pub(crate) fn without(root: &mut Object, empty: &[(usize, usize)]) {
         }
     }
     drop_channels(root, &keep, &without_mesh);
-    // Only nodes refer to meshes, and those that referred to these do so no more.
+    forget_references(root, Pool::Meshes, &keep);
+    // Nodes and extensions that referred to these do so no more.
     debug_assert!({
         let mut dangling = false;
         references(root, Pool::Meshes, &mut |v, _| dangling |= is_dropped(v.as_u64()));

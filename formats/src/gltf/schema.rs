@@ -1,6 +1,7 @@
 //! Members of a glTF document: one table for checking types, resolving references and
 //! renumbering them.
 
+use super::extension_table::{EXTENSIONS, LISTS_OF_BINDS};
 use super::json::{Json, Object, malformed};
 use crate::FormatError;
 use std::fmt::Write;
@@ -82,9 +83,10 @@ enum Kind {
 
 use Kind::{Flag, Index, Number, Numbers, Object as Obj, Text, Whole};
 
-/// Path → kind. `[]` means every element of an array, `{}` every member of an object. A member that
-/// is not there is no error here. Only what this package reads or what others point to is listed;
-/// what else accessors, buffer views and buffers hold is checked by `typed`.
+/// Path → kind, of the core; `extension_table` has indices in extensions. `[]` means every element
+/// of an array, `{}` every member of an object. A member that is not there is no error here. Only
+/// what this package reads or what others point to is listed; what else accessors, buffer views and
+/// buffers hold is checked by `typed`.
 const TABLE: &[(&str, Kind)] = &[
     ("asset", Obj),
     ("asset.version", Text),
@@ -106,9 +108,6 @@ const TABLE: &[(&str, Kind)] = &[
     ("nodes[].rotation", Numbers(4)),
     ("nodes[].scale", Numbers(3)),
     ("nodes[].weights[]", Number),
-    ("nodes[].extensions.EXT_mesh_gpu_instancing.attributes{}", Index(Pool::Accessors)),
-    ("nodes[].extensions.KHR_lights_punctual.light", Index(Pool::Lights)),
-    ("nodes[].extensions.MSFT_lod.ids[]", Index(Pool::Nodes)),
     ("cameras[]", Obj),
     ("skins[]", Obj),
     ("skins[].joints[]", Index(Pool::Nodes)),
@@ -133,15 +132,6 @@ const TABLE: &[(&str, Kind)] = &[
     ("meshes[].primitives[].attributes{}", Index(Pool::Accessors)),
     ("meshes[].primitives[].targets[]{}", Index(Pool::Accessors)),
     ("meshes[].primitives[].material", Index(Pool::Materials)),
-    (
-        "meshes[].primitives[].extensions.KHR_draco_mesh_compression.bufferView",
-        Index(Pool::BufferViews),
-    ),
-    (
-        "meshes[].primitives[].extensions.KHR_materials_variants.mappings[].material",
-        Index(Pool::Materials),
-    ),
-    ("meshes[].primitives[].extensions.CESIUM_primitive_outline.indices", Index(Pool::Accessors)),
     ("materials[]", Obj),
     ("materials[].extensions{}", Obj),
     ("materials[].pbrMetallicRoughness", Obj),
@@ -158,15 +148,10 @@ const TABLE: &[(&str, Kind)] = &[
     ("materials[].doubleSided", Flag),
     ("materials[].alphaMode", Text),
     ("materials[].alphaCutoff", Number),
-    ("materials[].extensions.MSFT_lod.ids[]", Index(Pool::Materials)),
     ("textures[]", Obj),
     ("textures[].source", Index(Pool::Images)),
     ("textures[].sampler", Index(Pool::Samplers)),
     ("textures[].extensions{}", Obj),
-    ("textures[].extensions.KHR_texture_basisu.source", Index(Pool::Images)),
-    ("textures[].extensions.EXT_texture_webp.source", Index(Pool::Images)),
-    ("textures[].extensions.EXT_texture_avif.source", Index(Pool::Images)),
-    ("textures[].extensions.MSFT_texture_dds.source", Index(Pool::Images)),
     ("images[]", Obj),
     ("images[].uri", Text),
     ("images[].bufferView", Index(Pool::BufferViews)),
@@ -178,36 +163,31 @@ const TABLE: &[(&str, Kind)] = &[
     ("bufferViews[]", Obj),
     ("bufferViews[].extensions{}", Obj),
     ("bufferViews[].buffer", Index(Pool::Buffers)),
-    ("bufferViews[].extensions.EXT_meshopt_compression.buffer", Index(Pool::Buffers)),
-    ("bufferViews[].extensions.KHR_meshopt_compression.buffer", Index(Pool::Buffers)),
     ("buffers[]", Obj),
     ("buffers[].extensions{}", Obj),
-    (
-        "extensions.EXT_structural_metadata.propertyTables[].properties{}.values",
-        Index(Pool::BufferViews),
-    ),
-    (
-        "extensions.EXT_structural_metadata.propertyTables[].properties{}.arrayOffsets",
-        Index(Pool::BufferViews),
-    ),
-    (
-        "extensions.EXT_structural_metadata.propertyTables[].properties{}.stringOffsets",
-        Index(Pool::BufferViews),
-    ),
-    (
-        "extensions.EXT_feature_metadata.featureTables{}.properties{}.bufferView",
-        Index(Pool::BufferViews),
-    ),
-    (
-        "extensions.EXT_feature_metadata.featureTables{}.properties{}.arrayOffsetBufferView",
-        Index(Pool::BufferViews),
-    ),
-    (
-        "extensions.EXT_feature_metadata.featureTables{}.properties{}.stringOffsetBufferView",
-        Index(Pool::BufferViews),
-    ),
-    ("extensions.KHR_audio_emitter.audio[].bufferView", Index(Pool::BufferViews)),
-    ("extensions.MSFT_audio_emitter.clips[].bufferView", Index(Pool::BufferViews)),
+];
+
+/// Extensions in which an index that leads nowhere makes a document malformed, as in the core. In
+/// others such numbers are left alone: many avatars have −1 for nothing.
+const STRICT: [&str; 18] = [
+    "CESIUM_primitive_outline",
+    "EXT_feature_metadata",
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_structural_metadata",
+    "EXT_texture_astc",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
+    "KHR_audio_emitter",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_variants",
+    "KHR_meshopt_compression",
+    "KHR_texture_basisu",
+    "MSFT_audio_emitter",
+    "MSFT_lod",
+    "MSFT_texture_dds",
+    "EXT_lights_ies",
 ];
 
 /// Checks that everything listed has the right type and that every reference leads somewhere.
@@ -221,7 +201,16 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
     }
     let lengths = Pool::ALL.map(|pool| pool.len(root));
     for (path, kind) in TABLE {
-        walk_root(root, path, &mut |value, location| check_one(value, *kind, &lengths, location))?;
+        walk_root(root, path, true, &mut |value, location| {
+            check_one(value, *kind, &lengths, location)
+        })?;
+    }
+    for (_, paths) in EXTENSIONS.iter().filter(|(name, _)| STRICT.contains(name)) {
+        for (path, pool) in *paths {
+            walk_root(root, path, true, &mut |value, location| {
+                check_one(value, Index(*pool), &lengths, location)
+            })?;
+        }
     }
     Ok(())
 }
@@ -231,12 +220,72 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
 pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&mut Json, &str)) {
     for (path, kind) in TABLE {
         if matches!(kind, Index(p) if *p == pool) {
-            let walked = walk_root(root, path, &mut |value, location| {
+            let walked = walk_root(root, path, true, &mut |value, location| {
                 visit(value, location);
                 Ok(())
             });
             walked.expect("the shape of a checked document fits the table");
         }
+    }
+    let length = pool.len(root);
+    for (path, _) in EXTENSIONS.iter().flat_map(|(_, all)| *all).filter(|(_, p)| *p == pool) {
+        let walked = walk_root(root, path, false, &mut |value, location| {
+            if value.as_index().is_some_and(|i| i < length) {
+                visit(value, location);
+            }
+            Ok(())
+        });
+        walked.expect("nothing is demanded of extensions");
+    }
+}
+
+/// Takes references of extensions to entries of a pool that will be dropped out of the document:
+/// with the entry of a list that is about them, or else alone.
+pub(crate) fn forget_references(root: &mut Object, pool: Pool, kept: &[bool]) {
+    let mut is_any_dropped = false;
+    let length = pool.len(root);
+    for (path, _) in EXTENSIONS.iter().flat_map(|(_, all)| *all).filter(|(_, p)| *p == pool) {
+        let walked = walk_root(root, path, false, &mut |value, _| {
+            let dropped = value.as_index().filter(|&i| i < length && !kept[i]);
+            if dropped.is_some() {
+                *value = Json::Null;
+                is_any_dropped = true;
+            }
+            Ok(())
+        });
+        walked.expect("nothing is demanded of extensions");
+    }
+    if is_any_dropped {
+        root.iter_mut().for_each(|(key, value)| forget_nulls(value, key == "extensions"));
+    }
+}
+
+/// Removes members and elements that are null from extensions.
+fn forget_nulls(value: &mut Json, in_extension: bool) {
+    match value {
+        Json::Object(members) => {
+            for (key, member) in members.iter_mut() {
+                if LISTS_OF_BINDS.contains(&key.as_str())
+                    && let Json::Array(binds) = member
+                {
+                    let is_gone = |bind: &Json| {
+                        bind.as_object().is_some_and(|b| b.values().any(|v| *v == Json::Null))
+                    };
+                    binds.retain(|bind| !is_gone(bind));
+                }
+                forget_nulls(member, in_extension || key == "extensions");
+            }
+            if in_extension {
+                members.retain(|_, member| *member != Json::Null);
+            }
+        }
+        Json::Array(elements) => {
+            elements.iter_mut().for_each(|element| forget_nulls(element, in_extension));
+            if in_extension {
+                elements.retain(|element| *element != Json::Null);
+            }
+        }
+        _ => {}
     }
 }
 
@@ -325,15 +374,22 @@ fn check_one(
 
 type Visit<'a> = dyn FnMut(&mut Json, &str) -> Result<(), FormatError> + 'a;
 
-fn walk_root(root: &mut Object, path: &str, visit: &mut Visit<'_>) -> Result<(), FormatError> {
+/// If the walk is not `strict`, what has another shape is passed over.
+fn walk_root(
+    root: &mut Object,
+    path: &str,
+    strict: bool,
+    visit: &mut Visit<'_>,
+) -> Result<(), FormatError> {
     let mut location = String::new();
-    walk_member(root, path, &mut location, visit)
+    walk_member(root, path, strict, &mut location, visit)
 }
 
 /// `path` starts with a member's name.
 fn walk_member(
     object: &mut Object,
     path: &str,
+    strict: bool,
     location: &mut String,
     visit: &mut Visit<'_>,
 ) -> Result<(), FormatError> {
@@ -344,7 +400,7 @@ fn walk_member(
         location.push('.');
     }
     location.push_str(&path[..end]);
-    walk_value(value, &path[end..], location, visit)?;
+    walk_value(value, &path[end..], strict, location, visit)?;
     location.truncate(length_before);
     Ok(())
 }
@@ -353,36 +409,41 @@ fn walk_member(
 fn walk_value(
     value: &mut Json,
     path: &str,
+    strict: bool,
     location: &mut String,
     visit: &mut Visit<'_>,
 ) -> Result<(), FormatError> {
     let length_before = location.len();
     if let Some(rest) = path.strip_prefix("[]") {
         let Json::Array(elements) = value else {
-            return Err(malformed(location.as_str(), "must be an array"));
+            return misshapen(strict, location, "must be an array");
         };
         for (i, element) in elements.iter_mut().enumerate() {
             write!(location, "[{i}]").expect("a string takes everything");
-            walk_value(element, rest, location, visit)?;
+            walk_value(element, rest, strict, location, visit)?;
             location.truncate(length_before);
         }
     } else if let Some(rest) = path.strip_prefix("{}") {
         let Json::Object(members) = value else {
-            return Err(malformed(location.as_str(), "must be an object"));
+            return misshapen(strict, location, "must be an object");
         };
         for (name, member) in members.iter_mut() {
             location.push('.');
             location.push_str(name);
-            walk_value(member, rest, location, visit)?;
+            walk_value(member, rest, strict, location, visit)?;
             location.truncate(length_before);
         }
     } else if let Some(rest) = path.strip_prefix('.') {
         let Json::Object(members) = value else {
-            return Err(malformed(location.as_str(), "must be an object"));
+            return misshapen(strict, location, "must be an object");
         };
-        walk_member(members, rest, location, visit)?;
+        walk_member(members, rest, strict, location, visit)?;
     } else {
         visit(value, location)?;
     }
     Ok(())
+}
+
+fn misshapen(strict: bool, location: &str, problem: &str) -> Result<(), FormatError> {
+    if strict { Err(malformed(location, problem)) } else { Ok(()) }
 }

@@ -48,7 +48,8 @@ pub(super) fn accepts(semantic: &Semantic, morph_target: bool, accessor: &Access
         Semantic::Position | Semantic::Normal => is_vector(3),
         // A morph target moves the direction of a tangent, not its handedness.
         Semantic::Tangent => is_vector(if morph_target { 3 } else { 4 }),
-        Semantic::TexCoord(_) => is_vector(2),
+        // Some exporters write a third texture coordinate, which is left out.
+        Semantic::TexCoord(_) => is_vector(2) || is_vector(3),
         Semantic::Color(_) => is_vector(3) || is_vector(4),
         Semantic::Joints(_) | Semantic::Weights(_) => is_vector(4),
     };

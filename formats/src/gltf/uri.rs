@@ -1,6 +1,7 @@
 //! URIs of buffers: `data:` decoded here, everything else a percent-encoded path beside the asset.
 
 use super::json::malformed;
+use crate::assets::last_part;
 use crate::{Assets, Fault, FormatError};
 
 /// The bytes that a buffer's URI stands for. `data:` URIs do not touch the file system; nothing
@@ -9,25 +10,40 @@ pub(crate) fn read(uri: &str, location: &str, assets: &mut Assets) -> Result<Vec
     if let Some(after_scheme) = strip_prefix_ignoring_case(uri, "data:") {
         return data(after_scheme, location);
     }
-    let path = percent_decoded(uri)
-        .and_then(|bytes| String::from_utf8(bytes).ok())
-        .ok_or_else(|| malformed(location, "the URI is not percent-encoded UTF-8"))?;
-    // Both spellings: an encoded colon must not hide a scheme from the check, nor an encoded name
-    // be taken for one.
-    if let Some(scheme) = scheme(uri) {
+    let Some(path) = path(uri) else {
+        let scheme = scheme(uri).unwrap_or_default();
         let problem =
             format!("`{scheme}:` addresses are never read: put the file beside the asset");
         return Err(FormatError::new(Fault::Forbidden, location, problem));
+    };
+    if strip_prefix_ignoring_case(uri, "file:").is_some() {
+        // It leads to a place on another machine: only the name counts.
+        let problem = "`file:` addresses are never read: put the file beside the asset";
+        let missing = |_| FormatError::new(Fault::Forbidden, location, problem);
+        return assets.read_reference(last_part(&path)).map_err(missing);
     }
-    assets.read_reference(&path)
+    match assets.read_name(&path) {
+        // A name with a percent sign that happens to decode.
+        Err(e) if e.fault == Fault::Unreadable && path != uri => {
+            let found = assets.read_reference(uri).map_err(|_| e)?;
+            assets.set_replaced(&path);
+            Ok(found)
+        }
+        other => other,
+    }
 }
 
-/// The path that a URI without a scheme stands for, decoded; none for others.
+/// The path that a URI stands for, decoded, with `/` between folders: relative or, with a drive or
+/// after `file:`, on another machine. A text that does not decode is a path as it is. None for
+/// other schemes.
 pub(crate) fn path(uri: &str) -> Option<String> {
-    if scheme(uri).is_some() {
-        return None;
-    }
-    String::from_utf8(percent_decoded(uri)?).ok()
+    let decoded = |text: &str| percent_decoded(text).and_then(|b| String::from_utf8(b).ok());
+    let text = match scheme(uri) {
+        None => uri,
+        Some(drive) if drive.len() == 1 => uri,
+        Some(_) => strip_prefix_ignoring_case(uri, "file:")?,
+    };
+    Some(decoded(text).unwrap_or_else(|| text.to_owned()).replace('\\', "/"))
 }
 
 /// A relative path with `/` between folders as a URI.
@@ -38,6 +54,11 @@ pub(crate) fn of_path(path: &str) -> String {
 /// Returns whether a URI carries its own bytes.
 pub(crate) fn is_data(uri: &str) -> bool {
     strip_prefix_ignoring_case(uri, "data:").is_some()
+}
+
+/// Returns whether a `data:` URI has white space, which means nothing in it.
+pub(crate) fn has_white_space(uri: &str) -> bool {
+    uri.bytes().any(|b| b.is_ascii_whitespace())
 }
 
 fn strip_prefix_ignoring_case<'a>(text: &'a str, prefix: &str) -> Option<&'a str> {
@@ -58,7 +79,15 @@ fn data(after_scheme: &str, location: &str) -> Result<Vec<u8>, FormatError> {
         .split_once(',')
         .ok_or_else(|| malformed(location, "a data URI without a comma"))?;
     let base64 = header.rsplit(';').next().is_some_and(|last| last.eq_ignore_ascii_case("base64"));
-    let bytes = if base64 { base64_decoded(body.as_bytes()) } else { percent_decoded(body) };
+    let bytes = match base64 {
+        // Mail and some exporters break long lines.
+        true if body.bytes().any(|b| b.is_ascii_whitespace()) => {
+            let text: Vec<u8> = body.bytes().filter(|b| !b.is_ascii_whitespace()).collect();
+            base64_decoded(&text)
+        }
+        true => base64_decoded(body.as_bytes()),
+        false => percent_decoded(body),
+    };
     bytes.ok_or_else(|| malformed(location, "the data URI cannot be decoded"))
 }
 
@@ -171,6 +200,7 @@ mod tests {
         assert_eq!(data(",a%00b", "").as_deref(), Ok(&b"a\0b"[..]));
         assert!(data("application/octet-stream;base64", "").is_err());
         assert!(data(";base64,!!!!", "").is_err());
+        assert_eq!(data(";base64,AQ\r\n ID\n", "").as_deref(), Ok(&[1, 2, 3][..]));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The image files that a document names: read from the source's folder, then embedded into an
 //! export or copied beside it, so that a model that moves to another folder keeps its textures.
 
+use crate::assets::{is_of_another_machine, last_part};
 use crate::{Assets, FormatError, OutputFile};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -154,6 +155,9 @@ fn relative(name: &str, bytes: &[u8], output: &Path) -> String {
         let stem = output.file_stem().unwrap_or_default().to_string_lossy();
         let extension = kind(bytes).map_or("bin", |(_, extension)| extension);
         return format!("{stem}_image{number}.{extension}");
+    }
+    if is_of_another_machine(name) {
+        return last_part(name).to_owned();
     }
     let parts: Vec<Component<'_>> =
         Path::new(name).components().filter(|c| *c != Component::CurDir).collect();

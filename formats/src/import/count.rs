@@ -4,7 +4,7 @@
 use super::sniff::{Sniffed, format};
 use crate::options::ImportOptions;
 use crate::scene::Counted;
-use crate::{Assets, FormatError, gltf, stl};
+use crate::{Assets, FormatError, gltf};
 use std::path::Path;
 
 /// Counts what a mesh file holds. Files that it names are not looked for.
@@ -19,11 +19,11 @@ pub fn count(path: &Path, options: &ImportOptions) -> Result<Counted, FormatErro
         Sniffed::Obj => Ok(obj(&bytes)),
         Sniffed::Ply => Ok(ply(&bytes)),
         Sniffed::Stl => {
-            let triangles = stl::counted(&bytes);
+            let triangles = crate::stl::read::counted(&bytes);
             Ok(Counted { triangles, vertices: triangles, bytes: 0 })
         }
         // The import says why it is refused.
-        Sniffed::Other(_) => {
+        Sniffed::Other(_) | Sniffed::Made => {
             super::read(bytes, path, &mut assets, options).map(|_| Counted::default())
         }
     }

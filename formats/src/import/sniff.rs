@@ -1,6 +1,6 @@
 //! Recognises a file's format by its first bytes.
 
-use crate::stl;
+use crate::stl::read as stl;
 use std::path::Path;
 
 /// Kind that a file seems to be.
@@ -16,6 +16,8 @@ pub(super) enum Sniffed {
     Ply,
     /// STL, ASCII or binary.
     Stl,
+    /// What this program has made.
+    Made,
     /// Something that is not imported, by its name.
     Other(&'static str),
 }
@@ -47,7 +49,7 @@ const MAGIC: [(&[u8], Sniffed); 26] = [
     (b"<COLLADA", Sniffed::Other("a COLLADA file")),
     (b"\x89PNG", Sniffed::Other("a PNG picture")),
     (b"\xff\xd8\xff", Sniffed::Other("a JPEG picture")),
-    (b"\x89LODC", Sniffed::Other("a file that lodc made: it is not an input; this")),
+    (b"\x89LODC", Sniffed::Made),
 ];
 
 /// Returns the kind that `bytes` seem to be; the extension of `path` decides only for formats
@@ -76,7 +78,7 @@ pub(super) fn format(bytes: &[u8], path: &Path) -> Sniffed {
         "3ds" => Sniffed::Other("a 3DS file"),
         "mtl" => Sniffed::Other("a material library by itself"),
         // An empty or broken one of these is reported by its own reader.
-        "glb" => Sniffed::Glb,
+        "glb" | "vrm" => Sniffed::Glb,
         "gltf" => Sniffed::Gltf,
         _ => Sniffed::Obj,
     }

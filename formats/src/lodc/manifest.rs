@@ -25,8 +25,8 @@ pub(super) struct Manifest {
 pub(crate) enum DocumentEntry {
     Obj(ObjEntry),
     Gltf,
-    /// An OBJ whose mesh stands at an offset.
-    FarObj(ObjEntry, [f64; 3]),
+    /// One with lines of points and lines, or whose mesh stands at an offset.
+    RichObj(ObjEntry, Vec<String>, [f64; 3]),
 }
 
 #[derive(Encode, Decode)]
@@ -170,8 +170,10 @@ pub(crate) fn source_of(format: u8, content_hash: u128) -> Result<Source, String
 impl DocumentEntry {
     pub(crate) fn of(document: &Document) -> Self {
         match document {
-            Document::Obj(obj) if obj.offset == [0.0; 3] => Self::Obj(ObjEntry::of(obj)),
-            Document::Obj(obj) => Self::FarObj(ObjEntry::of(obj), obj.offset),
+            Document::Obj(obj) if obj.loose.is_empty() && obj.offset == [0.0; 3] => {
+                Self::Obj(ObjEntry::of(obj))
+            }
+            Document::Obj(obj) => Self::RichObj(ObjEntry::of(obj), obj.loose.clone(), obj.offset),
             Document::Gltf(_) => Self::Gltf,
         }
     }
@@ -183,10 +185,10 @@ impl DocumentEntry {
     pub(crate) fn obj(self) -> Result<Option<ObjDocument>, &'static str> {
         match self {
             Self::Obj(obj) => Ok(Some(obj.into())),
-            Self::FarObj(obj, offset) if offset.iter().all(|c| c.is_finite()) => {
-                Ok(Some(ObjDocument { offset, ..obj.into() }))
+            Self::RichObj(obj, loose, offset) if offset.iter().all(|c| c.is_finite()) => {
+                Ok(Some(ObjDocument { loose, offset, ..obj.into() }))
             }
-            Self::FarObj(..) => Err("has an offset that is not finite"),
+            Self::RichObj(..) => Err("has an offset that is not finite"),
             Self::Gltf => Ok(None),
         }
     }
@@ -273,6 +275,6 @@ impl From<ObjEntry> for ObjDocument {
     fn from(entry: ObjEntry) -> Self {
         let materials =
             entry.materials.into_iter().map(|(name, lines)| ObjMaterial { name, lines }).collect();
-        Self { libraries: entry.libraries, materials, offset: [0.0; 3] }
+        Self { libraries: entry.libraries, materials, ..Self::default() }
     }
 }

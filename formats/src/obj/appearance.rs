@@ -1,18 +1,18 @@
 //! Base colours and textures of an OBJ's materials: `Kd`, `d`, `Tr` and `map_Kd`; with `map_d`, the
 //! texture's own opacity is used as a cutout.
 
+use super::coordinates::{PLAIN as PLAIN_COORDINATES, read_by};
 use super::mtl::{DEFAULT_GREY, Meaning, TextureMap, numbers};
 use crate::images::Pictures;
 use crate::{Assets, FormatError, ObjDocument, ObjMaterial, ObjectInfo, SubmeshInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 use std::collections::BTreeSet;
 
-/// The material of an OBJ without a `.mtl`: a light grey, seen from both sides. Texture coordinates
-/// begin at the bottom of an image, its rows at the top.
+/// The material of an OBJ without a `.mtl`: a light grey, seen from both sides.
 const PLAIN: Material = Material {
     colour: [DEFAULT_GREY, DEFAULT_GREY, DEFAULT_GREY, 1.0],
     texture: None,
-    coordinates: Coordinates { set: 0, transform: [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]] },
+    coordinates: PLAIN_COORDINATES,
     double_sided: true,
     alpha: AlphaMode::Opaque,
     unlit: false,
@@ -47,27 +47,6 @@ pub(crate) fn appearance(
     })
 }
 
-/// The texture coordinates that the textures of submeshes read, by object.
-pub(crate) fn coordinates(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Vec<Vec<Coordinates>> {
-    let material_coordinates: Vec<Coordinates> =
-        obj.materials.iter().map(|m| read_by(Meaning::of(m).map().as_ref())).collect();
-    let numbers = numbers(&obj.materials);
-    let submesh_coordinates = |s: &SubmeshInfo| {
-        let number = s.material.as_deref().and_then(|name| numbers.get(name));
-        number.map_or(PLAIN.coordinates, |&number| material_coordinates[number])
-    };
-    objects.iter().map(|o| o.submeshes.iter().map(submesh_coordinates).collect()).collect()
-}
-
-/// The texture coordinates that a texture reads, whether its picture can be read or not.
-fn read_by(map: Option<&TextureMap<'_>>) -> Coordinates {
-    let Some(&TextureMap { scale: [su, sv], offset: [u, v], .. }) = map else {
-        return PLAIN.coordinates;
-    };
-    // The picture's first row is the top, the texture coordinate 0 is the bottom.
-    Coordinates { set: 0, transform: [[su, 0.0, u], [0.0, -sv, 1.0 - v]] }
-}
-
 fn material(
     source: &ObjMaterial,
     pictures: &mut Pictures,
@@ -92,7 +71,7 @@ fn texture(
     assets: &mut Assets,
 ) -> Result<Option<Texture>, FormatError> {
     let path = map.file.replace('\\', "/");
-    let image = pictures.get(&path, map.file, || assets.read_reference(&path))?;
+    let image = pictures.get(&path, map.file, || assets.read_name(&path))?;
     let wrap = [if map.clamped { Wrap::Clamp } else { Wrap::Repeat }; 2];
     Ok(image.map(|image| Texture { image, set, transform, wrap, nearest: false }))
 }

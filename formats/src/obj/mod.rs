@@ -2,6 +2,7 @@
 
 #[cfg(feature = "import")]
 mod appearance;
+pub(crate) mod coordinates;
 pub(crate) mod mtl;
 #[cfg(feature = "import")]
 pub(crate) mod read;
@@ -9,4 +10,5 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 #[cfg(feature = "import")]
-pub(crate) use appearance::{appearance, coordinates};
+pub(crate) use appearance::appearance;
+pub(crate) use coordinates::coordinates;

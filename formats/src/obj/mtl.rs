@@ -17,6 +17,13 @@ pub(crate) fn file(line: &str) -> Option<&str> {
     options_and_file(rest).map(|(_, file)| file)
 }
 
+/// A name without the quotes that some programs put around it.
+pub(crate) fn unquoted(name: &str) -> &str {
+    let name = name.trim();
+    let inner = name.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+    inner.filter(|inner| !inner.contains('"')).map_or(name, str::trim)
+}
+
 /// An option of a texture, with its dash, and its arguments.
 type MapOption<'a> = (&'a str, Vec<&'a str>);
 
@@ -30,9 +37,8 @@ fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
         let max_arguments = match option {
             "-o" | "-s" | "-t" => 3,
             "-mm" => 2,
-            "-blendu" | "-blendv" | "-boost" | "-texres" | "-clamp" | "-bm" | "-imfchan"
-            | "-type" | "-cc" => 1,
-            _ => 0,
+            // Those that are unknown, too: all others take one.
+            _ => 1,
         };
         words = after.trim_start();
         let mut arguments = Vec::new();
@@ -40,7 +46,7 @@ fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
             // The last word is the file.
             let Some((word, after)) = words.split_once(char::is_whitespace) else { break };
             // -o, -s and -t take one to three numbers.
-            if max_arguments > 1 && word.parse::<f64>().is_err() {
+            if max_arguments > 1 && word.parse::<f64>().is_err() || word.starts_with('"') {
                 break;
             }
             arguments.push(word);
@@ -48,7 +54,8 @@ fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
         }
         options.push((option, arguments));
     }
-    (!words.is_empty()).then_some((options, words))
+    let file = unquoted(words);
+    (!file.is_empty()).then_some((options, file))
 }
 
 /// A texture as a statement `map_Kd [-option value...]... FILE` describes it.
@@ -88,7 +95,12 @@ impl<'a> TextureMap<'a> {
 pub(crate) fn with_file(line: &str, file: &str) -> String {
     let line = line.trim_end();
     match self::file(line) {
-        Some(old) => format!("{}{file}", &line[..line.len() - old.len()]),
+        Some(old) => {
+            // Behind the name are at most quotes and spaces.
+            let start = line.rfind(old).unwrap_or(0);
+            let before = line[..start].trim_end_matches('"');
+            format!("{before}{file}")
+        }
         None => line.to_owned(),
     }
 }

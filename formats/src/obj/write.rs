@@ -1,10 +1,12 @@
 //! Writes Wavefront OBJ and MTL. Reading a number back gives the same bits.
 
-use super::mtl;
-use crate::flatten::{Placed, Vertices, component};
+use super::mtl::{self, Meaning};
+use crate::colours::SrgbValues;
+use crate::flatten::{FileCoordinates, Placed, Vertices, component};
 use crate::images::{ImagePlace, PlacedTextures};
+use crate::loose::Loose;
 use crate::provenance::Provenance;
-use crate::{ObjDocument, OutputFile};
+use crate::{ObjDocument, ObjMaterial, OutputFile, SubmeshInfo};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_scene::stream;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -13,12 +15,11 @@ use std::io::Write;
 use std::path::Path;
 
 /// The OBJ and, if there are materials and `path` is not standard output, the MTL beside it.
-/// `top_left` says that texture coordinates begin at the top.
 pub(crate) fn export(
     path: &Path,
     placed: &[Placed<'_>],
-    top_left: bool,
     library: &Library,
+    loose: &Loose,
     provenance: Option<&Provenance>,
 ) -> Vec<OutputFile> {
     let origin = provenance.map(Provenance::line);
@@ -36,9 +37,14 @@ pub(crate) fn export(
         vn: Table::new(),
         numbers: Vec::new(),
         material: String::new(),
+        srgb: SrgbValues::default(),
     };
     for placed in placed {
-        writer.object(placed, library, top_left);
+        writer.object(placed, library);
+    }
+    if !loose.is_empty() {
+        line(&mut writer.text, "o", "points_and_lines");
+        loose.statements().iter().for_each(|statement| line(&mut writer.text, statement, ""));
     }
     let mut files = vec![OutputFile { path: path.to_owned(), bytes: writer.text }];
     if has_library {
@@ -62,10 +68,11 @@ struct Writer {
     numbers: Vec<[usize; 3]>,
     /// The material of the last `usemtl`.
     material: String,
+    srgb: SrgbValues,
 }
 
 impl Writer {
-    fn object(&mut self, placed: &Placed<'_>, library: &Library, top_left: bool) {
+    fn object(&mut self, placed: &Placed<'_>, library: &Library) {
         let (mesh, info) = (placed.object.mesh, placed.object.info);
         line(&mut self.text, "o", &clean(&placed.name));
         self.numbers.clear();
@@ -77,16 +84,13 @@ impl Writer {
             if submesh.triangle_count == 0 {
                 continue;
             }
-            let faces = self.vertices(mesh, &vertices, i, top_left);
+            let faces = self.vertices(mesh, &vertices, i, placed.coordinates(i));
             let name = clean(&submesh_info.name);
             if name != label {
                 line(&mut self.text, "g", &name);
                 label = name;
             }
-            let material = match &submesh_info.material {
-                Some(name) => clean(name),
-                None => library.material_name(info.document_mesh, submesh_info.document_primitive),
-            };
+            let material = library.material_name(info.document_mesh, submesh_info);
             if material != self.material {
                 line(&mut self.text, "usemtl", &material);
                 self.material = material;
@@ -101,9 +105,10 @@ impl Writer {
         mesh: &Mesh,
         placed: &Vertices<'_>,
         submesh: usize,
-        top_left: bool,
+        coordinates: FileCoordinates,
     ) -> Vec<u8> {
-        let [color, uv, normal] = [Semantic::Color(0), Semantic::TexCoord(0), Semantic::Normal]
+        let uv = Semantic::TexCoord(coordinates.set);
+        let [color, uv, normal] = [Semantic::Color(0), uv, Semantic::Normal]
             .map(|semantic| stream(mesh, submesh, &semantic));
         let mut faces = Vec::new();
         for &triangle in &mesh.triangles()[mesh.submeshes()[submesh].triangles()] {
@@ -116,10 +121,11 @@ impl Writer {
                         None => placed.position(vertex).map(f64::from),
                     };
                     let components = color.map_or(0, |c| usize::from(c.components).clamp(3, 4));
-                    let channel = |i| {
-                        color.filter(|_| i < components).map_or(0.0, |c| component(c, vertex, i))
-                    };
-                    let rgba: [f32; 4] = std::array::from_fn(channel);
+                    let rgba: [f32; 4] = std::array::from_fn(|i| match color {
+                        Some(c) if i < 3 => self.srgb.of(c, vertex, i),
+                        Some(c) if i < components => component(c, vertex, i),
+                        _ => 0.0,
+                    });
                     let key = (position.map(f64::to_bits), rgba.map(f32::to_bits));
                     numbers[0] = number(&mut self.v, key, &mut self.text, "v", |text| {
                         for c in position {
@@ -132,10 +138,7 @@ impl Writer {
                         floats(text, &rgba[..components]);
                     });
                     if let Some(s) = uv {
-                        let mut uvw: [f32; 3] = std::array::from_fn(|i| component(s, vertex, i));
-                        if top_left {
-                            uvw[1] = 1.0 - uvw[1];
-                        }
+                        let uvw = coordinates.at(s, vertex);
                         let count = usize::from(s.components).clamp(2, 3);
                         numbers[1] = number(
                             &mut self.vt,
@@ -265,6 +268,8 @@ pub(crate) struct Library {
     text: Vec<u8>,
     names: Vec<String>,
     taken_names: BTreeSet<String>,
+    /// Files of base colour textures by the names of materials.
+    textures: BTreeMap<String, String>,
     /// Indices into the names by mesh and primitive, of a glTF only.
     by_primitive: BTreeMap<(usize, usize), usize>,
 }
@@ -276,19 +281,26 @@ pub(crate) struct SimpleMaterial<'a> {
     pub(crate) colour: [f64; 3],
     pub(crate) opacity: Option<f64>,
     pub(crate) texture: Option<String>,
+    /// True if the texture is not repeated.
+    pub(crate) clamped: bool,
 }
 
 impl Library {
     /// The library of an OBJ, its images under the names that their copies have.
     pub(crate) fn new(document: &ObjDocument, textures: &PlacedTextures) -> Self {
-        let mut text = Vec::new();
+        let (mut text, mut files) = (Vec::new(), BTreeMap::new());
         for material in &document.materials {
-            line(&mut text, "newmtl", &clean(&material.name));
-            for l in &material.lines {
-                line(&mut text, &renamed(&l.replace(['\n', '\r'], " "), textures), "");
+            let lines = material.lines.iter();
+            let lines = lines.map(|l| renamed(&l.replace(['\n', '\r'], " "), textures)).collect();
+            let material = ObjMaterial { name: clean(&material.name), lines };
+            line(&mut text, "newmtl", &material.name);
+            material.lines.iter().for_each(|l| line(&mut text, l, ""));
+            if let Some(map) = Meaning::of(&material).map() {
+                // Of several materials with one name the first holds.
+                files.entry(material.name.clone()).or_insert_with(|| clean(map.file));
             }
         }
-        Self { text, ..Self::default() }
+        Self { text, textures: files, ..Self::default() }
     }
 
     /// Adds a material. One without a name, or with that of another, gets a name with a number.
@@ -306,7 +318,9 @@ impl Library {
             line(text, &format!("d {opacity}"), "");
         }
         if let Some(file) = &material.texture {
-            line(text, "map_Kd", &clean(file));
+            let file = clean(file);
+            line(text, if material.clamped { "map_Kd -clamp on" } else { "map_Kd" }, &file);
+            self.textures.insert(name.clone(), file);
         }
         self.taken_names.insert(name.clone());
         self.names.push(name);
@@ -319,10 +333,21 @@ impl Library {
         }
     }
 
-    /// The name of a primitive's material; empty without one.
-    fn material_name(&self, mesh: u32, primitive: u32) -> String {
-        let material = self.by_primitive.get(&(mesh as usize, primitive as usize));
-        material.map(|&m| self.names[m].clone()).unwrap_or_default()
+    /// The name of a submesh's material; empty without one.
+    fn material_name(&self, mesh: u32, submesh: &SubmeshInfo) -> String {
+        let primitive = (mesh as usize, submesh.document_primitive as usize);
+        match &submesh.material {
+            Some(name) => clean(name),
+            None => {
+                let material = self.by_primitive.get(&primitive);
+                material.map(|&m| self.names[m].clone()).unwrap_or_default()
+            }
+        }
+    }
+
+    /// The file of the base colour texture of a submesh; none without one.
+    pub(crate) fn texture(&self, mesh: u32, submesh: &SubmeshInfo) -> Option<&str> {
+        self.textures.get(&self.material_name(mesh, submesh)).map(String::as_str)
     }
 }
 

@@ -6,7 +6,9 @@
 mod columns;
 
 use crate::faces::{self, FaceFile, Faces, NONE, Run};
+use crate::loose::Loose;
 use crate::options::ImportOptions;
+use crate::words::counted;
 use crate::{
     Assets, Fault, FormatError, Limits, ObjDocument, ObjMaterial, Scene, Source, SourceFormat,
 };
@@ -15,6 +17,7 @@ use serde::de::{DeserializeSeed, MapAccess};
 use serde_ply::{
     DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyReader, PropertyType, ScalarType,
 };
+use std::collections::BTreeMap;
 use std::io::{BufRead, ErrorKind, Read};
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -36,9 +39,18 @@ pub(crate) fn import(
         PlyReader::from_reader(bytes.chain(&b"\n"[..])).map_err(|e| header_error(&e))?;
     let header = reader.header().clone();
     check(&header, bytes.len(), assets.limits())?;
+    check_faces(&header)?;
     let mut content = Content::default();
     for element in &header.elem_defs {
         content.read(element, &mut reader, assets.limits())?;
+    }
+    let vertices = content.faces.positions.len() as u32;
+    content.lines.retain(|ends| ends.iter().all(|&v| v < vertices));
+    let loose =
+        Loose::of_file(&content.faces.positions, &content.faces.colors, &[], &content.lines);
+    if !loose.is_empty() {
+        let edges = counted(loose.lines.len(), "edge passes", "edges pass");
+        content.warnings.push(format!("{edges} through unchanged, as lines"));
     }
     let materials = textures(&header);
     let mut warnings = content.warnings;
@@ -48,26 +60,29 @@ pub(crate) fn import(
         (offset, faces.positions) = local;
     }
     finish(&mut faces, &content.texture_numbers, &materials, &mut warnings)?;
+    if !content.face_colors.is_empty() {
+        faces.color_has_alpha = content.face_colors.iter().any(|color| color[3] != 1.0);
+        let mut known: BTreeMap<[u32; 4], u32> = BTreeMap::new();
+        let mut palette = Vec::new();
+        let number = |color: &[f32; 4]| {
+            *known.entry(color.map(f32::to_bits)).or_insert_with(|| {
+                palette.push(*color);
+                palette.len() as u32 - 1
+            })
+        };
+        let numbers: Vec<u32> = content.face_colors.iter().map(number).collect();
+        faces.color_by_face(&numbers, &palette, content_hash as u64);
+    }
 
     let assembled = faces::assemble(&faces, content_hash as u64);
-    for (count, kind) in [
-        (content.small_faces, "faces with fewer than three corners were dropped"),
-        (assembled.polygons, "polygons were triangulated"),
-        (
-            assembled.imperfect_polygons,
-            "of these cross themselves or turn back: their triangles may overlap",
-        ),
-        (
-            assembled.filled_texcoords,
-            "corners without texture coordinates beside others that have them were given (0, 0)",
-        ),
-    ] {
-        if count > 0 {
-            warnings.push(format!("{count} {kind}"));
-        }
+    if content.small_faces > 0 {
+        let faces = counted(content.small_faces, "face was", "faces were");
+        warnings.push(format!("{faces} dropped: fewer than three corners"));
     }
+    faces::warn(&assembled, &mut warnings);
     let source = Source { format: SourceFormat::Ply, content_hash };
-    let document = ObjDocument { libraries: Vec::new(), materials, offset };
+    let loose = loose.statements();
+    let document = ObjDocument { libraries: Vec::new(), materials, loose, offset };
     let file = FaceFile { assembled, name: assets.stem(), source, document, warnings };
     faces::scene(file, assets, options)
 }
@@ -80,6 +95,10 @@ struct Content {
     exact_positions: Vec<[f64; 3]>,
     /// For each face the number of its texture; empty if faces have none.
     texture_numbers: Vec<u32>,
+    /// The ends of edges, which are no edges of faces but lines.
+    lines: Vec<Vec<u32>>,
+    /// For each face its colour; empty if faces have none.
+    face_colors: Vec<[f32; 4]>,
     /// Faces with fewer than three corners.
     small_faces: u64,
     warnings: Vec<String>,
@@ -108,15 +127,33 @@ impl Content {
             }
             "face" | "tristrips" => {
                 let strips = name == "tristrips";
-                let columns = FaceColumn::of(element, &mut unused);
+                let colors = self.faces.colors.is_empty() && !strips;
+                let columns = FaceColumn::of(element, colors, &mut unused);
                 let max_corners = limits.triangles.saturating_mul(3).min(u64::from(NONE) - 1);
                 let sink = columns::faces(self, &columns, strips, max_corners);
                 value(reader, Rows { element, count: &count, sink })
             }
+            "edge" if columns::ends(element).is_some() => {
+                let ends = columns::ends(element).unwrap_or_default();
+                let mut edge = [NONE; 2];
+                let lines = &mut self.lines;
+                let sink = |column: usize, values: &[f64]| {
+                    for (end, &wanted) in edge.iter_mut().zip(&ends) {
+                        if column == wanted {
+                            *end = columns::index(values[0]).unwrap_or(NONE);
+                        }
+                    }
+                    if column + 1 == element.properties.len() {
+                        lines.push(edge.to_vec());
+                    }
+                    Ok(())
+                };
+                value(reader, Rows { element, count: &count, sink })
+            }
             _ => {
                 if element.count > 0 {
-                    self.warnings
-                        .push(format!("{} elements `{name}` were left out", element.count));
+                    let elements = counted(element.count, "element", "elements");
+                    self.warnings.push(format!("left out {elements} `{name}`"));
                 }
                 value(reader, Rows { element, count: &count, sink: |_: usize, _: &[f64]| Ok(()) })
             }
@@ -184,6 +221,31 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
     Ok(())
 }
 
+/// Refuses a file without faces, and says what it is instead.
+fn check_faces(header: &PlyHeader) -> Result<(), FormatError> {
+    let count = |name: &str| {
+        header.elem_defs.iter().find(|e| e.name == name).map_or(0, |element| element.count)
+    };
+    if count("face") + count("tristrips") > 0 || header.elem_defs.is_empty() {
+        return Ok(());
+    }
+    let has =
+        |name: &str| header.elem_defs.iter().any(|e| e.name == "vertex" && e.has_property(name));
+    let kind = if has("f_dc_0") && has("rot_0") {
+        "a Gaussian splat"
+    } else if count("edge") > 0 {
+        "lines"
+    } else {
+        "a point cloud"
+    };
+    let vertices = counted(count("vertex"), "vertex", "vertices");
+    let problem = match count("vertex") {
+        0 => "not a mesh: it has no vertex and no face".to_owned(),
+        _ => format!("{kind}, not a mesh: {vertices} and no face"),
+    };
+    Err(FormatError::new(Fault::Unsupported, HEADER, problem))
+}
+
 /// Checks indices, gives corners the attributes of their vertices, and makes a run of faces for
 /// each change of texture.
 fn finish(
@@ -219,7 +281,8 @@ fn finish(
         }
     }
     if missing > 0 && !materials.is_empty() {
-        warnings.push(format!("{missing} faces name a texture that the file does not have"));
+        let faces = counted(missing, "face names", "faces name");
+        warnings.push(format!("{faces} a texture that the file does not have"));
     }
     Ok(())
 }

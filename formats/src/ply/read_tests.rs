@@ -34,10 +34,11 @@ fn attributes_of_vertices_are_kept_and_the_rest_is_named() {
     assert_eq!(floats(&scene, &Semantic::Normal)[..3], [0.0, 0.0, 1.0]);
     assert_eq!(floats(&scene, &Semantic::TexCoord(0))[2..4], [1.0, 0.0]);
     assert_eq!(floats(&scene, &Semantic::Color(0))[..4], [1.0, 0.0, 0.0, 0.0]);
-    assert_eq!(floats(&scene, &Semantic::Color(0))[9], 0.2);
+    // 51 of 255 as linear light.
+    assert_eq!(floats(&scene, &Semantic::Color(0))[9], lodc_scene::to_linear(0.2));
     assert_eq!(
         scene.warnings,
-        ["of each vertex was left out: `quality`", "1 polygons were triangulated"]
+        ["of each vertex was left out: `quality`", "1 polygon was triangulated"]
     );
     assert_eq!(
         (scene.objects[0].info.name.as_str(), scene.source.format),
@@ -106,7 +107,7 @@ fn faces_may_have_textures_and_coordinates_of_their_own() {
     assert_eq!(document.materials[0].lines, ["map_Kd a b.png"]);
     assert_eq!(floats(&scene, &Semantic::TexCoord(0))[6..8], [0.5, 0.0]);
     assert!(
-        scene.warnings.contains(&"1 faces name a texture that the file does not have".to_owned())
+        scene.warnings.contains(&"1 face names a texture that the file does not have".to_owned())
     );
     assert!(scene.warnings.contains(&"of each face was left out: `flags`".to_owned()));
 }
@@ -123,16 +124,16 @@ fn strips_become_triangles() {
 }
 
 #[test]
-fn points_alone_are_a_scene_without_triangles() {
-    let scene = import_bytes((PLAIN.to_owned() + POINTS).as_bytes()).expect("valid");
-    assert!(scene.objects[0].mesh.triangles().is_empty());
-    assert!(scene.warnings.iter().any(|w| w.contains("nothing to simplify")));
+fn points_alone_are_refused_as_what_they_are() {
+    let error = import_bytes((PLAIN.to_owned() + POINTS).as_bytes()).expect_err("no face");
+    assert!(error.problem.contains("a point cloud, not a mesh: 4 vertices"), "{error}");
 }
 
 #[test]
 fn no_faces_need_no_properties() {
     let faces = PLAIN.to_owned() + "element face 0\n" + POINTS;
-    assert!(import_bytes(faces.as_bytes()).expect("valid").objects[0].mesh.triangles().is_empty());
+    let error = import_bytes(faces.as_bytes()).expect_err("no face");
+    assert!(error.problem.contains("a point cloud"), "{error}");
 }
 
 #[test]

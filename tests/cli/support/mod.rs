@@ -209,6 +209,11 @@ pub(crate) fn corpus() -> Option<PathBuf> {
 pub(crate) const REFUSED: &[(&str, &str)] = &[
     ("gltf/asset-generator/Compatibility/Compatibility_04.gltf", "asset.minVersion"),
     ("gltf/asset-generator/Compatibility/Compatibility_05.gltf", "FAKE_materials_quantumRendering"),
+    ("ugly/assimp/point_cloud.obj", "a point cloud, not a mesh"),
+    ("ugly/assimp/testline.obj", "lines, not a mesh"),
+    ("ugly/trimesh/face_in_group_name.obj", "a point cloud, not a mesh"),
+    ("ugly/trimesh/obj_empty.obj", "no vertex and no face"),
+    ("ugly/trimesh/obj_points.obj", "a point cloud, not a mesh"),
 ];
 
 /// Every mesh of the corpus with what its manifest says, sorted by path.
@@ -298,4 +303,29 @@ pub(crate) fn base64(bytes: &[u8]) -> String {
         }
     }
     text
+}
+
+/// The bytes of text in base 64.
+pub(crate) fn unbase64(text: &str) -> Vec<u8> {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let sextets = text.bytes().filter_map(|b| LETTERS.iter().position(|&l| l == b));
+    let (mut bytes, mut word, mut bits) = (Vec::new(), 0usize, 0);
+    for sextet in sextets {
+        (word, bits) = (word << 6 | sextet, bits + 6);
+        if bits >= 8 {
+            bits -= 8;
+            bytes.push((word >> bits) as u8);
+            word &= (1 << bits) - 1;
+        }
+    }
+    bytes
+}
+
+/// The document and the binary chunk of a GLB.
+pub(crate) fn glb_document(bytes: &[u8]) -> (Value, Vec<u8>) {
+    let length =
+        |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize;
+    let end = 20 + length(12);
+    let root = serde_json::from_slice(&bytes[20..end]).expect("JSON");
+    (root, bytes.get(end + 8..).unwrap_or_default().to_vec())
 }

@@ -116,5 +116,6 @@ def read_document(cursor):
         raise FormatError(cursor.place, "has a document of an unknown kind")
     material = lambda: (cursor.string(), cursor.many(cursor.string))
     document = {"libraries": cursor.many(cursor.string), "materials": cursor.many(material)}
+    document["loose"] = cursor.many(cursor.string) if kind == 2 else []
     document["offset"] = [cursor.f64() for _ in range(3)] if kind == 2 else [0.0] * 3
     return document

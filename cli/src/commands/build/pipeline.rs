@@ -70,6 +70,7 @@ pub(super) fn make(
         colours: colours.scene_colours(),
         importance: &importance,
         document: &document,
+        poses: args.poses.max_poses(),
         limits,
     };
     let watch = stages.watched(progress);

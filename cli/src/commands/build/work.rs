@@ -196,5 +196,5 @@ fn build(job: Job<'_>, progress: &Progress, report: &mut InputReport) -> Outcome
 }
 
 fn warn(report: &InputReport) {
-    report.warnings.iter().for_each(|warning| console::warning(&report.input, warning));
+    console::warnings(&report.input, &report.warnings);
 }

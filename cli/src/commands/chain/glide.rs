@@ -57,7 +57,7 @@ impl GlideArgs {
 
     /// Refuses formats without morph targets.
     pub(super) fn check(self, format: FormatName, output: &Path) -> Outcome<()> {
-        if self.geomorph.is_some() && !matches!(format, FormatName::Glb | FormatName::Gltf) {
+        if self.geomorph.is_some() && !format.is_gltf() {
             return Err(Failure::usage(format!(
                 "{}: only .glb and .gltf hold morph targets: --geomorph needs one of them",
                 output.display()

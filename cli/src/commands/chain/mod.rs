@@ -65,7 +65,7 @@ pub(crate) struct ChainArgs {
     /// Needs --separate. Errors are measured on the result.
     #[arg(long, requires = "separate", help_heading = BECOMES, display_order = 2)]
     refit: bool,
-    /// File (.glb, .gltf; --separate: .obj, .ply), or folder
+    /// File (.glb, .gltf; --separate: .obj, .ply, .stl), or folder
     ///
     /// For several inputs always a folder. A folder that is there, or a name with / at its end,
     /// means a file inside it. Results of a folder keep its structure and the inputs' extensions
@@ -99,6 +99,8 @@ struct Files {
     files: Vec<OutputFile>,
     /// The main file of each level.
     of_level: Vec<PathBuf>,
+    /// What of the input the format cannot hold.
+    left_out: Option<String>,
 }
 
 pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
@@ -127,7 +129,7 @@ fn assets(args: &ChainArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatNam
     let folder = args.export.batch.takes_many(&args.inputs) || output::is_folder(&args.output);
     let format = mesh_output::format(&args.output, args.format, folder)?;
     args.glide.check(format, &args.output)?;
-    if !args.separate && !matches!(format, FormatName::Glb | FormatName::Gltf) {
+    if !args.separate && !format.is_gltf() {
         return Err(Failure::usage(format!(
             "{}: only .glb and .gltf hold several levels: add --separate for a file per level",
             args.output.display()
@@ -210,10 +212,11 @@ fn chain(
         true => separate::files(args, out, format, &asset, &mut levels, additions),
         false => shared::files(args, out, format, &asset, &mut levels, additions),
     })?;
+    warnings.extend(made.left_out.clone());
     stages.run("write", || output::commit(&made.files))?;
     progress.clear();
     let name = input.display().to_string();
-    warnings.iter().for_each(|warning| console::warning(&name, warning));
+    console::warnings(&name, &warnings);
     let mut files = asset.files;
     files.extend(&images);
     let rules = rules(&made, &files);

@@ -25,6 +25,7 @@ pub(super) fn files(
     mut additions: Additions,
 ) -> Outcome<Files> {
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
+    let mut left_out = None;
     let order = Packing::of(&additions).order();
     for (number, level) in levels.iter_mut().enumerate() {
         let (objects, document) = (&asset.objects, &asset.document);
@@ -36,12 +37,13 @@ pub(super) fn files(
         let path = numbered(out, number);
         let target = Target::File(path.clone());
         additions.provenance = Some(provenance(args, asset, std::slice::from_ref(level)));
+        left_out = left_out.or_else(|| format.left_out(&asset.document, &objects));
         files.extend(mesh_output::files(&target, format, &asset.document, &objects, &additions)?);
         // All levels share the copies.
         additions.textures.copies.clear();
         of_level.push(path);
     }
-    Ok(Files { files, of_level })
+    Ok(Files { files, of_level, left_out })
 }
 
 /// The meshes of the objects at a level, with its distances.
@@ -121,13 +123,13 @@ pub(super) fn gliding_files(
             stated.next = Some(name.into_owned());
         }
         additions.provenance = Some(stated);
-        let binary = format == FormatName::Glb;
+        let binary = format != FormatName::Gltf;
         let shape = ChainShape::Nodes;
         files.extend(export_chain(&path, binary, document, &chained, shape, &additions)?);
         additions.textures.copies.clear();
         of_level.push(path);
     }
-    Ok(Files { files, of_level })
+    Ok(Files { files, of_level, left_out: None })
 }
 
 /// The triangles of a level by submesh, in an order for vertex caches or for compression.

@@ -78,10 +78,10 @@ pub(super) fn files(
         })
         .collect();
     let shape = if args.index_ranges { ChainShape::IndexRanges } else { ChainShape::Nodes };
-    let binary = format == FormatName::Glb;
+    let binary = format != FormatName::Gltf;
     additions.provenance = Some(provenance(args, asset, levels));
     let files = export_chain(out, binary, &asset.document, &objects, shape, &additions)?;
-    Ok(Files { files, of_level: vec![out.to_owned(); levels.len()] })
+    Ok(Files { files, of_level: vec![out.to_owned(); levels.len()], left_out: None })
 }
 
 /// The levels of an object, each in an order for vertex caches or for compression.

@@ -77,9 +77,7 @@ impl ComparedScene {
             }
             None => Arc::default(),
         };
-        for warning in warnings.iter().chain(&colours.appearance().warnings) {
-            console::warning(&name, warning);
-        }
+        console::warnings(&name, &[&warnings[..], &colours.appearance().warnings].concat());
         Ok(Self { name, document, objects, colours })
     }
 

@@ -58,7 +58,7 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_parser = replays(), conflicts_with = "criterion", help_heading = BECOMES,
           display_order = 2, hide_short_help = true)]
     model: Option<Choice<ModelKind>>,
-    /// File (.glb, .gltf, .obj, .ply), or folder; - for standard output
+    /// File (.glb, .vrm, .gltf, .obj, .ply, .stl), or folder; - for standard output
     ///
     /// For several inputs always a folder. A folder that is there, or a name with / at its end,
     /// means a file inside it. Results of a folder keep its structure and the inputs' extensions
@@ -138,10 +138,7 @@ fn assets(args: &ExtractArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatN
 
 /// Prints warnings and what was extracted.
 fn say(input: &Path, report: &ExtractReport) {
-    let name = input.display().to_string();
-    for warning in &report.warnings {
-        console::warning(&name, warning);
-    }
+    console::warnings(&input.display().to_string(), &report.warnings);
     if wants(Loudness::Normal) {
         note(&sentence(report));
     }

@@ -62,8 +62,9 @@ pub(super) fn extract(
     report.warnings.extend_from_slice(&textures.warnings);
     let provenance = Some(provenance(&asset, &report));
     let additions = packing.additions(textures, provenance);
+    let objects = level_mesh::export_objects(&asset.objects, &level.meshes);
+    report.warnings.extend(format.left_out(&asset.document, &objects));
     let files = stages.run("export", || {
-        let objects = level_mesh::export_objects(&asset.objects, &level.meshes);
         mesh_output::files(target, format, &asset.document, &objects, &additions)
     })?;
     stages.run("write", || mesh_output::write(target, files))?;

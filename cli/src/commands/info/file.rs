@@ -225,15 +225,15 @@ fn write_levels(text: &mut String, o: &ObjectReport) {
 fn write_counts(text: &mut String, c: &ObjectCounts) {
     let _ = writeln!(
         text,
-        "  {}, {}, {}, {} more made for seams",
+        "  {}, {}, {}, {} duplicated at seams",
         count(c.triangles, "triangle"),
         count(c.referenced_vertices, "vertex"),
         count(c.submeshes, "submesh"),
-        grouped(c.fakes)
+        if c.fakes == 0 { "no vertices".to_owned() } else { grouped(c.fakes) }
     );
     let _ = writeln!(
         text,
-        "  {} in {}, legal to LOD {}, {} of topology before it",
+        "  {} in {}, valid down to LOD {}, {} of topology before it",
         count(c.records, "record"),
         count(c.steps, "step"),
         grouped(u64::from(c.last_legal_lod)),

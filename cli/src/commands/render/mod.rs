@@ -175,22 +175,16 @@ fn picture(_: &RenderArgs, _: &Target, device: &Device) -> Outcome<()> {
 
 #[cfg(feature = "gpu")]
 fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
-    use crate::console::{note, warning};
+    use crate::console::{self, note};
     use crate::stages::Stages;
 
     let name = args.input.display().to_string();
     let mut stages = Stages::new(args.import.clock(&args.input));
     let drawable = scene::read(args, &mut stages)?;
     let cells_to_draw = cells::choose(args, &drawable)?;
-    for what in drawable
-        .appearance
-        .warnings
-        .iter()
-        .chain(&drawable.warnings)
-        .chain(cells_to_draw.iter().flat_map(|c| &c.warnings))
-    {
-        warning(&name, what);
-    }
+    let mut warnings = [&drawable.appearance.warnings[..], &drawable.warnings].concat();
+    warnings.extend(cells_to_draw.iter().flat_map(|c| c.warnings.iter().cloned()));
+    console::warnings(&name, &warnings);
     let heat = (args.color == Colouring::Error)
         .then(|| stages.run("measure", || heat::measure(&drawable, &cells_to_draw)));
     let pictures = stages

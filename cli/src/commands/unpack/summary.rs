@@ -21,9 +21,7 @@ pub(super) fn print(
     warnings: Vec<String>,
     target: &Target,
 ) -> Outcome<()> {
-    for warning in &warnings {
-        console::warning(&stream.name, warning);
-    }
+    console::warnings(&stream.name, &warnings);
     let Stream { unpacker, damaged, .. } = stream;
     let report = UnpackReport {
         schema_version: SCHEMA_VERSION,

@@ -75,7 +75,7 @@ Examples:
 
 /// Extensions of files that are verified: those with all levels, then those with exported levels,
 /// which take a source.
-const VERIFIED_EXTENSIONS: [&str; 5] = ["lodc", "glb", "gltf", "obj", "ply"];
+const VERIFIED_EXTENSIONS: [&str; 6] = ["lodc", "glb", "gltf", "vrm", "obj", "ply"];
 
 pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     let standard_inputs =

@@ -154,9 +154,7 @@ fn write_page(
         output::write_depfile(depfile, &[DependencyRule::new(&path, files)])?;
     }
     let name = args.input.display().to_string();
-    for warning in &warnings {
-        console::warning(&name, warning);
-    }
+    console::warnings(&name, &warnings);
     if wants(Loudness::Normal) {
         let page = format!("{before_size}{}{after_size}", size(length));
         note(&format!("{}: {page}; open it in a browser", target.name()));

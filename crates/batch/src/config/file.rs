@@ -148,8 +148,8 @@ impl ConfigFile {
             "is for a whole run, not for assets: say it on the command line".to_owned()
         } else {
             match Vocabulary::suggestion(option, commands) {
-                Some(name) => format!("no such option; is {name} meant?"),
-                None => "no such option".to_owned(),
+                Some(name) => format!("unknown option; did you mean `{name}`?"),
+                None => "unknown option".to_owned(),
             }
         };
         Err(AssetError::Usage(format!("{}: {table}: {option}: {what}", self.path.display())))

@@ -7,7 +7,7 @@
 
 use glam::{DVec3, Vec3};
 use lodc_measure::{Surface, TriangleTree};
-use lodc_mesh::{Mesh, NONE, PositionIds, position_key};
+use lodc_mesh::{Mesh, NONE, PositionIds, is_degenerate, position_key};
 
 /// A face is on the sheet of a source that is not manifold whose distance from its middle is no
 /// more than this share of its edges. Chosen by hand.
@@ -57,7 +57,10 @@ impl Facing {
             .collect();
         border.sort_unstable();
         border.dedup();
-        let mut triangles: Vec<_> = mesh.triangles().iter().map(|t| sorted(t.map(key))).collect();
+        // At rest a triangle may be a point or a line, which faces nowhere.
+        let corners = mesh.triangles().iter().map(|t| t.map(key));
+        let mut triangles: Vec<_> =
+            corners.filter(|keys| !is_degenerate(*keys)).map(sorted).collect();
         triangles.sort_unstable();
         triangles.dedup();
         let positions = mesh.positions().iter().map(|&p| p.into()).collect();
@@ -108,9 +111,10 @@ impl Facing {
         // A triangle that the source has the other way round alone.
         let source_triangle = || {
             let is_turned = |t: &[u32; 3]| {
-                let (positions, is_even) = sorted(t.map(|v| key(level, v)));
+                let keys = t.map(|v| key(level, v));
+                let (positions, is_even) = sorted(keys);
                 let has = |is_even| self.triangles.binary_search(&(positions, is_even)).is_ok();
-                has(!is_even) && !has(is_even)
+                !is_degenerate(keys) && has(!is_even) && !has(is_even)
             };
             level.triangles().iter().position(is_turned)
         };

@@ -12,7 +12,7 @@ mod merge;
 pub(crate) use log::{CollapseLog, Sources, renumber_wedges};
 
 use crate::choose::{LegalCollapse, WedgePlan};
-use crate::cut::{DEAD, OPEN, Region, SEAM};
+use crate::cut::{DEAD, OPEN, Quadric, Region, SEAM};
 use crate::metric::Reprice;
 use crate::number::Input;
 use lodc_mesh::NONE;
@@ -121,9 +121,11 @@ impl<M: Reprice> Commit<'_, M> {
 
     /// Moves `from`'s faces and quadrics.
     fn merge(&mut self, from: u32, to: u32) {
-        let Self { region, metric, log, .. } = self;
+        let Self { input, region, metric, log, .. } = self;
         metric.collapsed(&region.mesh, &region.wedges, from, to);
-        region.quadrics.merge(&mut region.mesh, from, to);
+        region.merge_in_motion(&input.shapes, from, to);
+        let moving_cost = region.moving.greatest(to, |quadric| quadric.c);
+        region.quadrics.merge(&mut region.mesh, from, to, moving_cost);
         region.mesh.merge(from, to, |triangle| log.dead.push(triangle));
         region.mesh.add_flags(from, DEAD);
     }
@@ -139,7 +141,9 @@ impl<M: Reprice> Commit<'_, M> {
         for &g in &touched.groups {
             stamps[g as usize] = stamp;
         }
-        let error = metric.error().unwrap_or_else(|| region.quadrics.error(legal.choice.to));
+        let to = legal.choice.to;
+        let at_rest = metric.error().unwrap_or_else(|| region.quadrics.error(to));
+        let error = at_rest.max(region.moving.greatest(to, Quadric::distance));
         log.end_step(stamp, error as f32, legal.changes_topology);
     }
 

@@ -3,6 +3,8 @@
 use super::cards::cards;
 use super::curve::Curve;
 use super::flat::{flat_vertices, normals};
+use super::shapes::GroupShapes;
+use crate::SeenShapes;
 use glam::{DVec3, Vec3};
 use lodc_mesh::{Attribute, Csr, Mesh, PositionIds, Semantic, WedgeGroups};
 use rayon::prelude::*;
@@ -26,6 +28,10 @@ pub(crate) struct Input<'a> {
     shared: Vec<bool>,
     /// For each group: true if it stays until the terminal phase; empty if none does.
     locked: Vec<bool>,
+    /// Where groups are in motion.
+    pub(crate) shapes: GroupShapes,
+    /// Positions at rest, by vertex.
+    at_rest: &'a [[f32; 3]],
     /// Planes besides those of the faces, by group.
     pub(crate) planes: Vec<FollowerPlane>,
     /// None if every group has one wedge, with the group's number.
@@ -81,18 +87,27 @@ pub(crate) struct Wedge {
 }
 
 impl<'a> Input<'a> {
+    /// The input of a mesh that has one shape only.
+    #[cfg(test)]
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
-        Self::with_positions(mesh, &PositionIds::new(mesh.positions()))
+        Self::with_positions(mesh, &mesh.position_ids(), &crate::seen::AS_MODELLED)
     }
 
-    /// The same where the positions are numbered already.
-    pub(crate) fn with_positions(mesh: &'a Mesh, positions: &PositionIds) -> Self {
+    /// The input of a mesh whose positions are numbered, in the shapes in which it is seen.
+    pub(crate) fn with_positions(
+        mesh: &'a Mesh,
+        positions: &PositionIds,
+        seen: &'a SeenShapes,
+    ) -> Self {
         let groups = WedgeGroups::new(mesh, positions);
-        let diagonal = mesh.diagonal();
-        let scale = if diagonal > 0.0 { (-diagonal.log2().floor()).exp2() } else { 1.0 };
-        let (lo, hi) = mesh.bounds();
+        let at_rest = seen.at_rest_of(mesh);
+        let (lo, hi) = bounds(at_rest);
+        let diagonal = diagonal(at_rest);
+        let others = seen.others.iter().map(|shape| self::diagonal(&shape.positions));
+        let largest = others.fold(diagonal, f64::max);
+        let scale = if largest > 0.0 { (-largest.log2().floor()).exp2() } else { 1.0 };
         let order = Curve::new(lo, hi, 0.0)
-            .order(groups.len(), |g| mesh.positions()[groups.first_vertex[g] as usize]);
+            .order(groups.len(), |g| at_rest[groups.first_vertex[g] as usize]);
         let mut rank = vec![0u32; groups.len()];
         for (i, &g) in (0..).zip(&order) {
             rank[g as usize] = i;
@@ -113,9 +128,13 @@ impl<'a> Input<'a> {
         let lists = (!one_wedge_each).then(|| WedgeLists::new(mesh, &group_of, order.len()));
         let size = diagonal * scale;
         let (locked, planes) = (Vec::new(), Vec::new());
+        let vertices = first_vertex.iter().copied();
+        let shapes = GroupShapes::new(seen, at_rest, vertices, scale);
         let card = cards(mesh, &group_of, order.len());
         Self {
             mesh,
+            shapes,
+            at_rest,
             scale,
             size,
             group_of,
@@ -251,13 +270,33 @@ impl<'a> Input<'a> {
 
     /// Position of a group in the mesh's units.
     pub(crate) fn position(&self, group: usize) -> [f32; 3] {
-        self.mesh.positions()[self.first_vertex[group] as usize]
+        self.at_rest[self.first_vertex[group] as usize]
+    }
+
+    /// Corners of the bounding box at rest, in the mesh's units.
+    pub(crate) fn bounds(&self) -> ([f32; 3], [f32; 3]) {
+        bounds(self.at_rest)
     }
 
     /// Returns whether another group starts at the same position.
     pub(crate) fn shares_position(&self, group: u32) -> bool {
         self.position_id.get(group as usize).is_some_and(|&p| self.shared[p as usize])
     }
+}
+
+/// Smallest and largest coordinates; zeros without positions.
+fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
+    let mut positions = positions.iter();
+    let Some(&first) = positions.next() else { return ([0.0; 3], [0.0; 3]) };
+    positions.fold((first, first), |(lo, hi), p| {
+        (std::array::from_fn(|i| lo[i].min(p[i])), std::array::from_fn(|i| hi[i].max(p[i])))
+    })
+}
+
+/// Length of the bounding box's diagonal.
+fn diagonal(positions: &[[f32; 3]]) -> f64 {
+    let (lo, hi) = bounds(positions);
+    (0..3).map(|i| (f64::from(hi[i]) - f64::from(lo[i])).powi(2)).sum::<f64>().sqrt()
 }
 
 /// For each group: true if one of its vertices is locked; empty if none is.

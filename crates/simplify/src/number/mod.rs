@@ -10,6 +10,8 @@ mod cards;
 mod curve;
 mod flat;
 mod input;
+mod shapes;
 
 pub(crate) use curve::{Curve, sorted};
 pub(crate) use input::{FollowerPlane, Input, Wedge, same_attributes};
+pub(crate) use shapes::{GroupShapes, ShapeSet, each_shape, index_in};

@@ -42,6 +42,8 @@ pub(super) struct Quantizer {
     /// By object.
     positions: Vec<Option<Grid<3>>>,
     textures: TextureGrids,
+    /// True if colours were sRGB values: as light they take 16 bits to stay apart.
+    keeps_srgb: bool,
 }
 
 impl Quantizer {
@@ -72,7 +74,8 @@ impl Quantizer {
                 add_extension(root, list, QUANTIZATION);
             }
         }
-        Ok(Self { precision, positions, textures })
+        let keeps_srgb = matches!(document, Document::Obj(_));
+        Ok(Self { precision, positions, textures, keeps_srgb })
     }
 
     /// The geometry of an object, quantised.
@@ -122,7 +125,8 @@ impl Quantizer {
             }
             Semantic::Color(_) if at_rest && is_within(mesh, stream, 0.0, 1.0) => {
                 let is_narrower = |&bits: &u8| coding::size(bits) < stream.component.size();
-                bits.color.filter(is_narrower).map(Coding::Fractions)
+                let bits = bits.color.map(|bits| if self.keeps_srgb { 16 } else { bits });
+                bits.filter(is_narrower).map(Coding::Fractions)
             }
             Semantic::Weights(0) if float && has_one_set(mesh, submesh) => {
                 bits.weight.map(Coding::Shares)

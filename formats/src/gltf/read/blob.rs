@@ -10,17 +10,21 @@ use crate::gltf::views::{Views, put};
 
 /// Lays the kept views out in one buffer, the document's first; after it come buffers that have no
 /// bytes, if a view still needs them. Overlapping views stay overlapping, so the blob is never
-/// larger than what it is made from; offsets modulo 4 stay as they were.
+/// larger than what it is made from; offsets modulo 4 stay as they were. Those that are `emptied`
+/// keep nothing but their numbers.
 pub(super) fn compact(
     root: &mut Object,
     kept_views: &[usize],
+    emptied: &[bool],
     views: &Views<'_>,
 ) -> Result<Vec<u8>, FormatError> {
     let mut layout = BlobLayout::new(kept_views.len());
-    layout.add_plain(kept_views, views)?;
-    layout.add_compressed(kept_views, views)?;
+    let full: Vec<usize> = (0..kept_views.len()).filter(|&i| !emptied[i]).collect();
+    layout.add_plain(kept_views, &full, views)?;
+    layout.add_compressed(kept_views, &full, views)?;
     let BlobLayout { mut blob, placeholders, locations } = layout;
     relocate_views(root, &locations);
+    empty_views(root, emptied, &mut blob);
     embed_data_images(root, &mut blob);
     replace_buffers(root, &placeholders, &mut blob);
     Ok(blob)
@@ -64,9 +68,14 @@ impl BlobLayout {
     }
 
     /// Adds the views that are not compressed, in the order of their bytes in the old buffers.
-    fn add_plain(&mut self, kept_views: &[usize], views: &Views<'_>) -> Result<(), FormatError> {
-        let mut plain: Vec<usize> =
-            (0..kept_views.len()).filter(|&i| !views.is_compressed(kept_views[i])).collect();
+    fn add_plain(
+        &mut self,
+        kept_views: &[usize],
+        full: &[usize],
+        views: &Views<'_>,
+    ) -> Result<(), FormatError> {
+        let is_plain = |i: &usize| !views.is_compressed(kept_views[*i]);
+        let mut plain: Vec<usize> = full.iter().copied().filter(is_plain).collect();
         plain.sort_by_key(|&i| {
             let (buffer, range) = views.range(kept_views[i]);
             (buffer, range.start, range.end)
@@ -110,11 +119,11 @@ impl BlobLayout {
     fn add_compressed(
         &mut self,
         kept_views: &[usize],
+        full: &[usize],
         views: &Views<'_>,
     ) -> Result<(), FormatError> {
-        for (i, &view) in
-            kept_views.iter().enumerate().filter(|(_, view)| views.is_compressed(**view))
-        {
+        let all = full.iter().map(|&i| (i, kept_views[i]));
+        for (i, view) in all.filter(|(_, view)| views.is_compressed(*view)) {
             let bytes = views.bytes(view)?;
             self.blob.resize(self.blob.len().next_multiple_of(4), 0);
             self.locations[i] = NewLocation { buffer: 0, offset: self.blob.len() };
@@ -134,6 +143,21 @@ fn relocate_views(root: &mut Object, locations: &[NewLocation]) {
         MESHOPT.iter().for_each(|name| view.remove_extension(name));
     }
 }
+
+/// Makes views without content refer to the first bytes of the blob: a view cannot be empty.
+fn empty_views(root: &mut Object, emptied: &[bool], blob: &mut Vec<u8>) {
+    let views = root.objects_mut("bufferViews").zip(emptied);
+    for (view, _) in views.filter(|(_, is_emptied)| **is_emptied) {
+        if blob.len() < EMPTY_BYTES {
+            blob.resize(EMPTY_BYTES, 0);
+        }
+        ["byteStride", "target"].iter().for_each(|key| drop(view.shift_remove(*key)));
+        view["byteLength"] = EMPTY_BYTES.into();
+    }
+}
+
+/// Bytes of a view without content.
+const EMPTY_BYTES: usize = 4;
 
 /// Replaces the document's buffers by the blob and the placeholders.
 fn replace_buffers(root: &mut Object, placeholders: &[usize], blob: &mut Vec<u8>) {

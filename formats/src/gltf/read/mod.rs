@@ -9,6 +9,7 @@
 mod blob;
 mod count;
 mod draco;
+mod feature_ids;
 mod forest;
 mod glide;
 mod object;
@@ -16,6 +17,7 @@ mod object;
 mod plain;
 mod primitive;
 mod remainder;
+mod repair;
 mod shipped;
 
 use super::accessor::Accessor;
@@ -85,6 +87,7 @@ fn open<'a>(
     extensions::check(&root)?;
     schema::check(&mut root)?;
 
+    repair::addresses(&mut root, &mut warnings);
     let mut buffers = views::read_buffers(&root, chunk, assets)?;
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
     hasher.update(bytes);
@@ -93,6 +96,8 @@ fn open<'a>(
     let input = (bytes.len() + buffers.iter().flatten().map(|b| b.len()).sum::<usize>()) as u64;
     let source = Source { format, content_hash: hasher.digest128() };
     let bytes = input + draco::unpack(&mut root, &mut buffers, &options.limits, input)?;
+    repair::accessors(&mut root, &mut warnings);
+    let bytes = bytes + feature_ids::make_explicit(&mut root, &mut buffers, &mut warnings);
     Ok((root, Opened { source, buffers, bytes, warnings }))
 }
 
@@ -184,6 +189,7 @@ fn read_objects(
         "corners after the last whole triangle of their primitive dropped",
         counts.leftover_corners,
     );
+    warn("attributes with a third texture coordinate, which is dropped", counts.third_coordinates);
     warn("attribute values that are not finite numbers, kept as they are", counts.not_finite);
     warn("primitives of points or lines, passed through unchanged", points_or_lines);
     warn("primitives without positions, passed through unchanged", without_positions);

@@ -39,6 +39,8 @@ pub(super) struct Counts {
     pub(super) only_degenerate: usize,
     /// Corners after the last whole triangle of a primitive.
     pub(super) leftover_corners: usize,
+    /// Streams of texture coordinates with a third component, which is dropped.
+    pub(super) third_coordinates: usize,
     /// Attribute values that are not finite; they stay.
     pub(super) not_finite: usize,
 }
@@ -190,7 +192,12 @@ impl<'a> Reading<'a> {
             extend_with_zeros(a, base, budget)?;
             budget.charge(sources.len() as u64, a.stride() as u64, location)?;
             let reader = accessor.reader(views)?;
-            sources.iter().for_each(|&v| reader.append(v, &mut a.bytes));
+            let wider = accessor.shape.components() > usize::from(a.components);
+            self.counts.third_coordinates += usize::from(wider);
+            for (i, &v) in sources.iter().enumerate() {
+                reader.append(v, &mut a.bytes);
+                a.bytes.truncate((base + i + 1) * a.stride());
+            }
             if a.component == Component::F32 {
                 self.counts.not_finite += not_finite(&a.bytes[base * a.stride()..]);
             }
@@ -293,7 +300,10 @@ fn described(semantic: &Semantic, morph_target: Option<u32>, accessor: &Accessor
         semantic: semantic.clone(),
         morph_target,
         component: accessor.component,
-        components: accessor.shape.components() as u8,
+        components: match semantic {
+            Semantic::TexCoord(_) => accessor.shape.components().min(2) as u8,
+            _ => accessor.shape.components() as u8,
+        },
         // Floats are never fractions of anything, whatever the file says.
         normalized: accessor.normalized && accessor.component != Component::F32,
         bytes: Vec::new(),

@@ -2,7 +2,8 @@
 
 use crate::FormatError;
 use crate::gltf::accessor::{Accessor, unsigned};
-use crate::gltf::extensions::{DRACO, DROPPED_FROM_PRIMITIVES};
+use crate::gltf::extension_table::DROPPED_FROM_PRIMITIVES;
+use crate::gltf::extensions::DRACO;
 use crate::gltf::json::{Json, Object, malformed};
 use crate::gltf::semantic;
 use crate::gltf::views::Views;
@@ -149,7 +150,8 @@ impl Primitive {
             bytes.clear();
             reader.append(i as u32, &mut bytes);
             let v = unsigned(&bytes);
-            if v == restart {
+            // In a list of triangles nothing could restart: there it can only be a vertex.
+            if v == restart && !(self.mode == 4 && v < end) {
                 return Err(malformed(
                     location(),
                     format!("element {i} is {v}, which glTF reserves for restarts"),

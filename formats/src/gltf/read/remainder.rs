@@ -3,15 +3,18 @@
 
 use super::blob::compact;
 use super::primitive;
-use crate::gltf::extensions::{self, DRACO, MESHOPT};
+use crate::gltf::extension_table::DROPPED_FROM_MESHES;
+use crate::gltf::extensions::{self, DRACO, MESHOPT, Unknown};
 use crate::gltf::json::Object;
 use crate::gltf::schema::{Pool, primitive_mut, referenced, retain};
 use crate::gltf::views::Views;
+use crate::words::counted;
 use crate::{FormatError, GltfDocument};
+use std::collections::BTreeSet;
 
 /// Takes the given primitives' geometry (mesh, primitive) out of a document and compacts the rest.
-/// Nothing is renumbered while an unknown extension might point to it; then old geometry stays
-/// behind.
+/// What an unknown extension might point to keeps its number; where it was old geometry, it is
+/// empty.
 pub(super) fn remainder(
     mut root: Object,
     stripped: &[(usize, usize)],
@@ -26,35 +29,59 @@ pub(super) fn remainder(
         outlines += usize::from(primitive::strip(primitive));
     }
     if outlines > 0 {
+        let primitives = counted(outlines, "primitive", "primitives");
         warnings.push(format!(
-            "outlines or n-gons of {outlines} primitives dropped: they name the old triangles"
+            "outlines or n-gons of {primitives} dropped: they name the old triangles"
         ));
+    }
+    let simplified: BTreeSet<usize> = stripped.iter().map(|(mesh, _)| *mesh).collect();
+    for &mesh in &simplified {
+        let mesh = root.object_mut("meshes", mesh).expect("it has been read");
+        DROPPED_FROM_MESHES.iter().for_each(|name| mesh.remove_extension(name));
     }
     drop_draco(&mut root);
-    let mut kept_views: Vec<usize> = (0..Pool::BufferViews.len(&root)).collect();
-    if let Some(name) = extensions::opaque(&root) {
+    let unknown = extensions::unknown(&root);
+    if let Some(Unknown { name, .. }) = &unknown {
         warnings.push(format!(
-            "the extension {name} is unknown and may refer to old data, which stays in the file"
+            "the extension {name} is unknown: numbers that it may use stay, vertex data that they \
+             may name is gone"
         ));
-    } else {
-        for (pool, referenced_before) in pools.into_iter().zip(referenced_before) {
-            // What nothing referred to from the start may be meant for other programs.
-            let referenced_after = referenced(&mut root, pool).into_iter();
-            let keep: Vec<bool> = referenced_after
-                .zip(referenced_before)
-                .map(|(is_used, was_used)| is_used || !was_used)
-                .collect();
-            retain(&mut root, pool, &keep);
-            if pool == Pool::BufferViews {
-                kept_views.retain(|&v| keep[v]);
-            }
-        }
     }
-    let blob = compact(&mut root, &kept_views, views)?;
+    let mut kept_views: Vec<usize> = (0..Pool::BufferViews.len(&root)).collect();
+    let mut emptied = vec![false; kept_views.len()];
+    for (pool, referenced_before) in pools.into_iter().zip(referenced_before) {
+        // What nothing referred to from the start may be meant for other programs.
+        let referenced_after = referenced(&mut root, pool).into_iter();
+        let used: Vec<bool> = referenced_after
+            .zip(referenced_before)
+            .map(|(is_used, was_used)| is_used || !was_used)
+            .collect();
+        // An unknown extension may name what has such a number.
+        let may_be_named = |i: usize| unknown.as_ref().is_some_and(|u| i <= u.largest);
+        let keep: Vec<bool> =
+            used.iter().enumerate().map(|(i, used)| *used || may_be_named(i)).collect();
+        if pool == Pool::Accessors {
+            let unused = root.objects_mut("accessors").zip(&used).filter(|(_, used)| !**used);
+            unused.for_each(|(accessor, _)| empty(accessor));
+        } else {
+            kept_views.retain(|&v| keep[v]);
+            emptied = kept_views.iter().map(|&v| !used[v]).collect();
+        }
+        retain(&mut root, pool, &keep);
+    }
+    let blob = compact(&mut root, &kept_views, &emptied, views)?;
     for name in MESHOPT {
         extensions::forget(&mut root, name);
     }
     Ok(GltfDocument { json: root.to_string(), blob })
+}
+
+/// Takes the bytes off an accessor that has to keep its number: what is left is one zero.
+fn empty(accessor: &mut Object) {
+    for key in ["bufferView", "byteOffset", "sparse", "min", "max"] {
+        accessor.shift_remove(key);
+    }
+    accessor["count"] = 1u32.into();
 }
 
 /// Drops the Draco extension: the data is there uncompressed, from the start or since it was

@@ -9,7 +9,7 @@ use crate::gltf::extensions::{animation_pointer, forget_extra};
 use crate::gltf::glb;
 use crate::gltf::json::{self, Json, Object, malformed};
 use crate::gltf::prune;
-use crate::gltf::schema::{Pool, primitive_mut, retain};
+use crate::gltf::schema::{Pool, forget_references, primitive_mut, retain};
 use crate::gltf::views::Views;
 use crate::options::ImportOptions;
 use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
@@ -66,7 +66,7 @@ fn stated(root: &Object) -> Result<Provenance, FormatError> {
     let all = &root["extras"]["lodc"];
     let source = all["source"].as_str().and_then(|hash| u128::from_str_radix(hash, 16).ok());
     let source = source.ok_or_else(|| {
-        malformed("extras.lodc", "names no source: only what extract and chain wrote states levels")
+        malformed("extras.lodc", "not written by `lodc extract` or `lodc chain`: nothing to verify")
     })?;
     let facts = |level: &Json| LevelFacts {
         lod: level["lod"].as_u64().and_then(|lod| u32::try_from(lod).ok()),
@@ -196,6 +196,8 @@ impl Chain {
                 });
             }
         }
+        forget_references(level_root, Pool::Meshes, &meshes_kept);
+        forget_references(level_root, Pool::Nodes, &nodes_kept);
         retain(level_root, Pool::Meshes, &meshes_kept);
         retain(level_root, Pool::Nodes, &nodes_kept);
     }

@@ -2,6 +2,7 @@
 //! `MSFT_lod` nodes, one for each level beside that of the finest, or as index ranges, all levels
 //! of a primitive one after another in one index accessor.
 
+use super::avatars::{self, Copies};
 use super::differences::Deltas;
 use super::glide::{self, Glide};
 use super::writer::{MeshWriter, Writer};
@@ -107,9 +108,13 @@ fn put_levels(
             nodes_showing.entry(mesh).or_default().push(node);
         }
     }
-    let mut copies = Vec::new();
+    let (mut copies, mut of_avatars) = (Vec::new(), Copies::default());
     for level in levels {
         let meshes = level.put(root, writer, gliding);
+        let mut coarser = meshes[1..].to_vec();
+        coarser.dedup();
+        coarser.retain(|mesh| *mesh != level.mesh);
+        of_avatars.meshes.insert(level.mesh, coarser);
         if meshes.len() > 1 {
             for &node in nodes_showing.get(&level.mesh).into_iter().flatten() {
                 copies.extend(level.put_nodes(root, node, &meshes[1..]));
@@ -117,6 +122,10 @@ fn put_levels(
         }
     }
     copy_channels(root, &copies);
+    for [node, copy] in copies {
+        of_avatars.nodes.entry(node).or_default().push(copy);
+    }
+    avatars::repeat_binds(root, &of_avatars);
 }
 
 /// The levels of one mesh of the document.

@@ -5,14 +5,17 @@ use crate::gltf::json::{Json, Object, object};
 use crate::gltf::materials::six_decimals;
 use crate::gltf::texture_transform::{CLAMP, TRANSFORM};
 use crate::gltf::uri;
+use crate::gltf::views::put as put_bytes;
+use crate::loose::Loose;
 use crate::obj::mtl::{Meaning, TextureMap, numbers};
 use crate::{ObjDocument, ObjMaterial, ObjectInfo};
 use indexmap::IndexSet;
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
-use lodc_scene::AlphaMode;
+use lodc_scene::{AlphaMode, to_linear};
 
-/// A document whose primitives have no geometry yet.
-pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Object {
+/// A document whose primitives of triangles have no geometry yet, and the bytes of points and
+/// lines.
+pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> (Object, Vec<u8>) {
     let mut textures = Textures::default();
     let materials: Vec<Json> = obj.materials.iter().map(|m| material(m, &mut textures)).collect();
     let numbers = numbers(&obj.materials);
@@ -33,17 +36,83 @@ pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Object {
         node
     };
     let mut root = Object::default();
-    put(&mut root, "meshes", objects.iter().map(mesh).collect());
-    put(&mut root, "nodes", (0..objects.len()).map(node).collect());
+    let (mut meshes, mut blob): (Vec<Json>, _) = (objects.iter().map(mesh).collect(), Vec::new());
+    let mut nodes: Vec<Json> = (0..objects.len()).map(node).collect();
+    let loose = Loose::read(&obj.loose);
+    if !loose.is_empty() {
+        nodes.push(object! { "name" => LOOSE, "mesh" => meshes.len() });
+        meshes.push(loose_mesh(&loose, &mut root, &mut blob));
+        root["buffers"] = vec![object! { "byteLength" => blob.len() }].into();
+    }
+    let roots: Vec<usize> = (0..nodes.len()).collect();
+    put(&mut root, "meshes", meshes);
+    put(&mut root, "nodes", nodes);
     put(&mut root, "materials", materials);
     textures.write(&mut root);
-    let roots: Vec<usize> = (0..objects.len()).collect();
     if !roots.is_empty() {
         put(&mut root, "scenes", vec![object! { "nodes" => roots }]);
         root["scene"] = 0u32.into();
     }
     root["asset"] = object! { "version" => "2.0", "generator" => "lodc" };
-    root
+    (root, blob)
+}
+
+/// The name of the mesh with points and lines.
+const LOOSE: &str = "points and lines";
+
+/// The mesh with points and lines, its bytes at the end of `blob`.
+fn loose_mesh(loose: &Loose, root: &mut Object, blob: &mut Vec<u8>) -> Json {
+    let mut accessor = |kind: &str, component: u32, count: usize, bytes: &[u8]| {
+        let view = root.list("bufferViews").len();
+        root.append("bufferViews", vec![put_bytes(blob, bytes)]);
+        root.append(
+            "accessors",
+            vec![object! {
+                "bufferView" => view, "componentType" => component, "count" => count,
+                "type" => kind,
+            }],
+        );
+        root.list("accessors").len() - 1
+    };
+    let floats = |values: &[[f32; 3]]| -> Vec<u8> {
+        values.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect()
+    };
+    let indices =
+        |values: &[u32]| -> Vec<u8> { values.iter().flat_map(|i| i.to_le_bytes()).collect() };
+    let count = loose.positions.len();
+    let position = accessor("VEC3", FLOAT, count, &floats(&loose.positions));
+    let mut attributes = object! { "POSITION" => position };
+    if !loose.colors.is_empty() {
+        let light: Vec<[f32; 3]> = loose.colors.iter().map(|c| c.map(to_linear)).collect();
+        attributes["COLOR_0"] = accessor("VEC3", FLOAT, count, &floats(&light)).into();
+    }
+    let mut primitives = Vec::new();
+    let lines: Vec<[u32; 2]> = loose.segments().collect();
+    for (mode, all) in [(0u32, &loose.points[..]), (1, lines.as_flattened())] {
+        if !all.is_empty() {
+            let indices = accessor("SCALAR", UNSIGNED_INT, all.len(), &indices(all));
+            primitives.push(object! {
+                "attributes" => attributes.clone(), "indices" => indices, "mode" => mode,
+            });
+        }
+    }
+    let (lo, hi) = bounds(&loose.positions);
+    if let Some(entry) = root.object_mut("accessors", position) {
+        entry["min"] = lo.map(f64::from).into();
+        entry["max"] = hi.map(f64::from).into();
+    }
+    object! { "name" => LOOSE, "primitives" => primitives }
+}
+
+/// Component types of glTF.
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+
+fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
+    let start = ([f32::MAX; 3], [f32::MIN; 3]);
+    positions.iter().fold(start, |(lo, hi), p| {
+        (std::array::from_fn(|i| lo[i].min(p[i])), std::array::from_fn(|i| hi[i].max(p[i])))
+    })
 }
 
 /// Sets a list, unless it is empty.
@@ -65,10 +134,10 @@ struct Textures {
 }
 
 impl Textures {
-    /// The reference of a material to a texture; none for paths that no relative URI can name.
+    /// The reference of a material to a texture; none for a name that no file can have.
     fn info(&mut self, map: &TextureMap<'_>) -> Option<Json> {
         let path = map.file.replace('\\', "/");
-        if path.starts_with('/') || path.contains([':', '\0']) {
+        if path.contains('\0') {
             return None;
         }
         let image = self.images.insert_full(uri::of_path(&path)).0;

@@ -1,5 +1,6 @@
 //! Embeds the images of the document, or renames them as their copies are called.
 
+use crate::assets::{is_of_another_machine, last_part};
 use crate::gltf::json::{Json, Object};
 use crate::gltf::{uri, views};
 use crate::images::{ImagePlace, PlacedTextures};
@@ -17,6 +18,9 @@ pub(super) fn put(root: &mut Object, blob: &mut Vec<u8>, textures: &PlacedTextur
         match textures.of(&path) {
             Some(ImagePlace::Beside(relative)) if *relative != path => {
                 image["uri"] = uri::of_path(relative).into();
+            }
+            None if is_of_another_machine(&path) => {
+                image["uri"] = uri::of_path(last_part(&path)).into();
             }
             None | Some(ImagePlace::Beside(_)) => {}
             Some(ImagePlace::Inside { mime, bytes }) => {

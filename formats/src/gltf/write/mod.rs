@@ -1,6 +1,7 @@
 //! Writes glTF 2.0 and GLB: the source's document as it was, its triangles at one level of detail;
 //! or a chain of levels, or all of them.
 
+mod avatars;
 mod chain;
 mod compressed;
 mod differences;
@@ -95,7 +96,7 @@ fn source_document(
         Document::Gltf(gltf) => {
             (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone())
         }
-        Document::Obj(obj) => (fresh::document(obj, objects), Vec::new()),
+        Document::Obj(obj) => fresh::document(obj, objects),
     };
     // The document may come from a crafted file.
     schema::check(&mut root)?;

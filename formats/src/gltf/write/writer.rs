@@ -6,6 +6,7 @@ use super::compressed::Compressed;
 use super::differences::{Deltas, MovedStreams, differences};
 use super::samples::{self, Samples};
 use crate::gltf::accessor::{Shape, component_number};
+use crate::gltf::extensions::unknown;
 use crate::gltf::json::{Json, Object, malformed, object};
 use crate::gltf::meshopt::Content;
 use crate::gltf::schema::{Pool, referenced, retain};
@@ -92,7 +93,9 @@ impl Writer {
         self.number_elements();
         let mut views = Vec::with_capacity(self.groups.len());
         let mut compressed = Compressed::new(root);
-        let samples = if self.compress { samples::of(root, blob) } else { vec![] };
+        // Views that an unknown extension may name keep their numbers.
+        let rewrites = self.compress && unknown(root).is_none();
+        let samples = if rewrites { samples::of(root, blob) } else { vec![] };
         for (samples, i) in samples.iter().zip(self.first_view + self.groups.len()..) {
             samples.refer_to(root, i);
         }

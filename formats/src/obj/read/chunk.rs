@@ -4,6 +4,7 @@
 use super::lines::{Lines, text};
 use super::number::{integer, number};
 use super::parsed::{NONE, Notes};
+use crate::obj::mtl::unquoted;
 use crate::{Fault, FormatError, Limits};
 
 /// Contents of a chunk. Indices of vertices and lines count from where it starts.
@@ -28,6 +29,8 @@ pub(super) struct Chunk {
     pub(super) spans: [IndexSpan; 3],
     /// For each face the number of corners up to its last.
     pub(super) face_ends: Vec<u32>,
+    /// Points and lines.
+    pub(super) elements: Vec<Element>,
     /// Names in order, each with the number of faces before it.
     pub(super) names: Vec<(u32, Name)>,
     /// Names of libraries, each with its line.
@@ -37,6 +40,15 @@ pub(super) struct Chunk {
     pub(super) notes: Notes,
     /// Number of line ends.
     pub(super) lines: u32,
+}
+
+/// Points, or a line.
+#[derive(Debug)]
+pub(super) struct Element {
+    pub(super) is_line: bool,
+    /// Its vertices, each with true if its index was negative: then it counts from the chunk's
+    /// first.
+    pub(super) vertices: Vec<(i64, bool)>,
 }
 
 /// A name for the faces that follow.
@@ -62,27 +74,37 @@ impl Chunk {
     ///
     /// # Errors
     /// If a statement breaks the rules or a limit is reached.
-    pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, FormatError> {
-        Self::read_within(bytes, limits, None)
+    pub(super) fn read(
+        bytes: &[u8],
+        limits: &Limits,
+        ignored: [bool; 3],
+    ) -> Result<Self, FormatError> {
+        Self::read_within(bytes, limits, None, ignored)
     }
 
     /// Reads a whole file as one chunk, to name the first line with a fault.
     ///
     /// # Errors
     /// As [`Self::read`], and if an index is beyond the file's vertices.
-    pub(super) fn read_file(bytes: &[u8], limits: &Limits) -> Result<Self, FormatError> {
+    pub(super) fn read_file(
+        bytes: &[u8],
+        limits: &Limits,
+        ignored: [bool; 3],
+    ) -> Result<Self, FormatError> {
         // If a line cannot be read, that is the fault, and vertices after it are not known.
         let totals = vertices(bytes, limits).unwrap_or([u64::MAX; 3]);
-        Self::read_within(bytes, limits, Some(totals))
+        Self::read_within(bytes, limits, Some(totals), ignored)
     }
 
     fn read_within(
         bytes: &[u8],
         limits: &Limits,
         totals: Option<[u64; 3]>,
+        ignored: [bool; 3],
     ) -> Result<Self, FormatError> {
         let lines = Lines::new(bytes, limits.line_bytes);
-        let mut reader = Reader { lines, limits, totals, face: Vec::new(), chunk: Self::default() };
+        let mut reader =
+            Reader { lines, limits, totals, ignored, face: Vec::new(), chunk: Self::default() };
         let mut word = reader.lines.first_statement()?;
         while let Some(statement) = word {
             reader.statement(statement)?;
@@ -121,6 +143,8 @@ struct Reader<'a> {
     limits: &'a Limits,
     /// Positions, texture coordinates and normals of the file, if indices are compared with them.
     totals: Option<[u64; 3]>,
+    /// Indices of these kinds are left out: the file has nothing that they could name.
+    ignored: [bool; 3],
     /// The current face: for each corner the numbers as written, 0 for none.
     face: Vec<[i64; 3]>,
     chunk: Chunk,
@@ -135,15 +159,15 @@ impl<'a> Reader<'a> {
             b"vt" => self.texcoord()?,
             b"vn" => self.normal()?,
             b"f" | b"fo" => self.face()?,
-            b"usemtl" => self.name(Name::Material),
+            b"usemtl" => self.name(|name| Name::Material(unquoted(&name).to_owned())),
             b"g" => self.name(Name::Group),
             b"o" => self.name(Name::Object),
             b"mtllib" => {
                 let name = self.lines.rest();
                 self.chunk.libraries.push((line, name));
             }
-            b"l" => notes.lines.add(line),
-            b"p" => notes.points.add(line),
+            b"l" => self.element(true)?,
+            b"p" => self.element(false)?,
             b"curv" | b"curv2" | b"surf" => notes.free_form.add(line),
             b"s" | b"vp" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"mg"
             | b"shadow_obj" | b"trace_obj" | b"usemap" | b"maplib" | b"cstype" | b"deg"
@@ -283,6 +307,29 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Reads points or a line: positions, of which texture coordinates do not matter.
+    fn element(&mut self, is_line: bool) -> Result<(), FormatError> {
+        let mut vertices = Vec::new();
+        let count = self.chunk.positions.len() as i64;
+        while let Some(token) = self.lines.token() {
+            let part = token.split(|&b| b == b'/').next().unwrap_or_default();
+            let Some(number) = integer(part).filter(|number| *number != 0) else {
+                return Err(self.malformed(format!("`{}` is not a vertex", quoted(token))));
+            };
+            let relative = number < 0;
+            vertices.push((number + if relative { count } else { -1 }, relative));
+        }
+        let line = self.lines.number();
+        let notes = &mut self.chunk.notes;
+        if is_line {
+            notes.lines.add(line)
+        } else {
+            notes.points.add(line)
+        }
+        self.chunk.elements.push(Element { is_line, vertices });
+        Ok(())
+    }
+
     /// The numbers of a corner as written, 0 for none.
     fn corner(&mut self, token: &[u8]) -> Result<[i64; 3], FormatError> {
         let mut corner = [0; 3];
@@ -304,6 +351,10 @@ impl<'a> Reader<'a> {
         if number == 0 {
             return Err(self.malformed(format!("`{}`: indices start at 1", quoted(token))));
         }
+        if self.ignored[kind] {
+            self.chunk.notes.dangling[kind].add(self.lines.number());
+            return Ok(0);
+        }
         let count_so_far = self.chunk.counts()[kind];
         let Some(totals) = self.totals else {
             let span = &mut self.chunk.spans[kind];
@@ -313,10 +364,10 @@ impl<'a> Reader<'a> {
         };
         let available = if number < 0 { count_so_far } else { totals[kind] };
         if number.unsigned_abs() > available {
-            let element = ["position", "texture coordinates", "normal"][kind];
+            let element = ["position", "texture coordinate", "normal"][kind];
             let token = quoted(token);
             let problem =
-                format!("`{token}`: there is no {element} {number}, only {available} of them");
+                format!("`{token}`: {element} {number} does not exist (the file has {available})");
             return Err(self.malformed(problem));
         }
         Ok(number)
@@ -324,7 +375,7 @@ impl<'a> Reader<'a> {
 }
 
 /// The numbers of positions, texture coordinates and normals of a file.
-fn vertices(bytes: &[u8], limits: &Limits) -> Result<[u64; 3], FormatError> {
+pub(super) fn vertices(bytes: &[u8], limits: &Limits) -> Result<[u64; 3], FormatError> {
     let mut lines = Lines::new(bytes, limits.line_bytes);
     let mut counts = [0; 3];
     let mut word = lines.first_statement()?;

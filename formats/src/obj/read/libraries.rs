@@ -2,6 +2,8 @@
 //! export can write them again.
 
 use super::lines::text;
+use crate::obj::mtl::unquoted;
+use crate::words::counted;
 use crate::{Assets, Fault, FormatError, ObjMaterial};
 use std::collections::BTreeSet;
 
@@ -25,19 +27,62 @@ impl Materials {
     pub(super) fn read(libraries: &[String], assets: &mut Assets) -> Result<Self, FormatError> {
         let mut materials = Self::default();
         for library in libraries {
-            match find(library, assets) {
-                Ok(found) => {
-                    for bytes in found {
-                        materials.parse(library, &bytes)?;
-                    }
-                }
-                Err(e) if e.fault == Fault::Limit => return Err(e),
-                Err(e) => {
-                    materials.warnings.push(format!("the material library was not read: {e}"));
-                }
+            for (name, bytes) in materials.find(library, assets)? {
+                materials.parse(name, &bytes)?;
             }
         }
         Ok(materials)
+    }
+
+    /// Reads the library that lies beside an OBJ under its name, which names none itself; says so.
+    ///
+    /// # Errors
+    /// If a limit is reached.
+    pub(super) fn beside(assets: &mut Assets) -> Result<Self, FormatError> {
+        let (mut materials, name) = (Self::default(), format!("{}.mtl", assets.stem()));
+        match assets.read_reference(&name) {
+            Ok(bytes) => {
+                materials.parse(&name, &bytes)?;
+                materials.warnings.push(format!("no mtllib statement: materials are from {name}"));
+            }
+            Err(e) if e.fault == Fault::Limit => return Err(e),
+            Err(_) => {}
+        }
+        Ok(materials)
+    }
+
+    /// Finds a library: under the name as written, or else as a list of names, of which those are
+    /// read that are there. Names may be in quotes.
+    fn find<'a>(
+        &mut self,
+        library: &'a str,
+        assets: &mut Assets,
+    ) -> Result<Vec<(&'a str, Vec<u8>)>, FormatError> {
+        let whole_name = unquoted(library);
+        let whole = match assets.read_name(whole_name) {
+            Ok(bytes) => return Ok(vec![(whole_name, bytes)]),
+            Err(e) if e.fault == Fault::Limit => return Err(e),
+            Err(e) => e,
+        };
+        let (mut found, mut missing) = (Vec::new(), Vec::new());
+        let names = quoted_words(library);
+        for name in names.iter().copied().filter(|_| names.len() > 1) {
+            match assets.read_name(name) {
+                Ok(bytes) => found.push((name, bytes)),
+                Err(e) if e.fault == Fault::Limit => return Err(e),
+                Err(e) => missing.push(e),
+            }
+        }
+        if found.is_empty() {
+            missing = vec![whole];
+        } else {
+            // Both spellings of the whole were looked for in vain, and count as missing no more.
+            assets.set_replaced(whole_name);
+            assets.set_replaced(&whole_name.replace('\\', "/"));
+        }
+        let warning = |e| format!("the material library was not read: {e}");
+        self.warnings.extend(missing.into_iter().map(warning));
+        Ok(found)
     }
 
     /// Takes the materials of one library. The first definition of a name holds.
@@ -56,7 +101,7 @@ impl Materials {
             let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
             if word == "newmtl" {
                 self.list.extend(current.take());
-                let name = rest.trim().to_owned();
+                let name = unquoted(rest).to_owned();
                 if self.names.insert(name.clone()) {
                     current = Some(ObjMaterial { name, lines: Vec::new() });
                 } else {
@@ -71,48 +116,33 @@ impl Materials {
         }
         self.list.extend(current);
         if repeated > 0 {
+            let materials = counted(repeated, "material is", "materials are");
             self.warnings.push(format!(
-                "{library}: {repeated} materials are defined more than once, the first one holds"
+                "{library}: {materials} defined more than once, the first one holds"
             ));
         }
         if stray > 0 {
-            self.warnings
-                .push(format!("{library}: {stray} lines before the first material were left out"));
+            let lines = counted(stray, "line", "lines");
+            self.warnings.push(format!("{library}: skipped {lines} before the first material"));
         }
         Ok(())
     }
 }
 
-/// Finds a library: under the name as written, with its backslashes as slashes, or else as a list
-/// of names.
-fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError> {
-    let with_slashes = library.replace('\\', "/");
-    let mut read = |name: &str| match assets.read_reference(name) {
-        Err(e) if e.fault == Fault::Unreadable && name.contains('\\') => {
-            let found = assets.read_reference(&name.replace('\\', "/"));
-            if found.is_ok() {
-                assets.set_replaced(name);
-            }
-            found
-        }
-        other => other,
-    };
-    let whole = read(library);
-    let is_unreadable = matches!(&whole, Err(e) if e.fault == Fault::Unreadable);
-    let names: Vec<&str> = with_slashes.split_whitespace().collect();
-    if !is_unreadable || names.len() < 2 {
-        return whole.map(|bytes| vec![bytes]);
+/// The words of a list; one in quotes may have spaces.
+fn quoted_words(list: &str) -> Vec<&str> {
+    let mut words = Vec::new();
+    let mut rest = list.trim_start();
+    while !rest.is_empty() {
+        let in_quotes = rest.strip_prefix('"').and_then(|text| text.split_once('"'));
+        let (word, after) = in_quotes.unwrap_or_else(|| {
+            let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
+            rest.split_at(end)
+        });
+        words.push(word);
+        rest = after.trim_start();
     }
-    // `mtllib a.mtl b.mtl`. If one of them is missing, the message is that about the whole.
-    match names.into_iter().map(read).collect() {
-        Ok(all) => {
-            // Both spellings of the whole were looked for in vain, and count as missing no more.
-            assets.set_replaced(library);
-            assets.set_replaced(&with_slashes);
-            Ok(all)
-        }
-        Err(_) => whole.map(|bytes| vec![bytes]),
-    }
+    words
 }
 
 /// Lines as text; a backslash at the end of one joins the next to it.

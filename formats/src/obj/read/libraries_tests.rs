@@ -27,8 +27,8 @@ fn the_first_definition_holds_and_strays_are_counted() {
     let found: Vec<_> = m.list.iter().map(|m| (m.name.as_str(), m.lines.join(";"))).collect();
     assert_eq!(found, [("a", "Kd 1".to_owned()), ("b", "Kd 3".to_owned())]);
     assert_eq!(m.warnings.len(), 2);
-    assert!(m.warnings[0].contains("1 materials are defined more than once"), "{:?}", m.warnings);
-    assert!(m.warnings[1].contains("1 lines before"), "{:?}", m.warnings);
+    assert!(m.warnings[0].contains("1 material is defined more than once"), "{:?}", m.warnings);
+    assert!(m.warnings[1].contains("skipped 1 line before"), "{:?}", m.warnings);
 }
 
 #[test]

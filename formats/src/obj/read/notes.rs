@@ -2,57 +2,90 @@
 
 use super::parsed::{Count, Parsed};
 use crate::ObjMaterial;
-use crate::faces::Assembled;
+use crate::faces::{self, Assembled};
+use crate::words::counted;
 use std::collections::BTreeSet;
 
 /// Adds a line for each kind of repair, and of what was dropped or ignored.
 pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<String>) {
     let notes = &parsed.notes;
-    let mut warn_lines = |count: Count, problem: &str| {
+    let mut warn_lines = |count: Count, one: &str, several: &str| {
         if count.times > 0 {
-            warnings.push(format!("{} {problem} (first on line {})", count.times, count.line));
+            let what = counted(count.times, one, several);
+            warnings.push(format!("{what} (first on line {})", count.line));
         }
     };
-    warn_lines(notes.small_faces, "faces with fewer than three corners were dropped");
-    warn_lines(notes.lines, "line elements were left out");
-    warn_lines(notes.points, "point elements were left out");
-    warn_lines(notes.free_form, "free-form curves and surfaces were left out");
+    warn_lines(
+        notes.small_faces,
+        "face with fewer than three corners was dropped",
+        "faces with fewer than three corners were dropped",
+    );
+    warn_lines(
+        notes.lines,
+        "line element passes through unchanged",
+        "line elements pass through unchanged",
+    );
+    warn_lines(
+        notes.points,
+        "point element passes through unchanged",
+        "point elements pass through unchanged",
+    );
+    warn_lines(
+        notes.free_form,
+        "free-form curve or surface was left out",
+        "free-form curves and surfaces were left out",
+    );
     warn_lines(
         notes.extra_values,
-        "lines have more numbers than their meaning needs, the last ones were left out",
+        "line has more numbers than its meaning needs: the last ones were left out",
+        "lines have more numbers than their meaning needs: the last ones were left out",
     );
-    warn_lines(notes.weights, "positions have a weight, which was left out");
+    warn_lines(
+        notes.weights,
+        "position has a weight, which was left out",
+        "positions have a weight, which was left out",
+    );
+    let [_, texcoords, normals] = notes.dangling;
+    warn_lines(
+        texcoords,
+        "corner names texture coordinates, of which the file has none",
+        "corners name texture coordinates, of which the file has none",
+    );
+    warn_lines(
+        normals,
+        "corner names a normal, of which the file has none",
+        "corners name normals, of which the file has none",
+    );
     if !parsed.faces.colors.is_empty() {
         warn_lines(
             notes.uncolored,
+            "position without a colour beside others that have one was made white",
             "positions without a colour beside others that have one were made white",
         );
     }
-    warn_lines(
-        notes.unknown,
-        &format!("lines are no OBJ statements and were left out, like `{}`", notes.unknown_first),
-    );
-
-    let mut warn_count = |count: u64, problem: &str| {
+    if notes.unknown.times > 0 {
+        let (first, line) = (&notes.unknown_first, notes.unknown.line);
+        let lines = counted(
+            notes.unknown.times,
+            "line that is not an OBJ statement",
+            "lines that are not OBJ statements",
+        );
+        warnings.push(format!("skipped {lines} (first on line {line}: `{first}`)"));
+    }
+    faces::warn(assembled, warnings);
+    let mut warn_count = |count: u64, one: &str, several: &str| {
         if count > 0 {
-            warnings.push(format!("{count} {problem}"));
+            warnings.push(counted(count, one, several));
         }
     };
-    warn_count(assembled.polygons, "polygons were triangulated");
-    warn_count(
-        assembled.imperfect_polygons,
-        "of these cross themselves or turn back: their triangles may overlap",
-    );
-    warn_count(
-        assembled.filled_texcoords,
-        "corners without texture coordinates beside others that have them were given (0, 0)",
-    );
     warn_count(
         assembled.filled_normals,
+        "face without normals beside others that have them was given its own",
         "faces without normals beside others that have them were given their own",
     );
     warn_count(
         assembled.joined_labels,
+        "group shares a material with others: they are kept as one submesh with all their names",
         "groups share a material with others: they are kept as one submesh with all their names",
     );
 }
@@ -71,9 +104,9 @@ pub(super) fn warn_undefined(
         .filter(|m| !defined.contains(m));
     if let Some(first) = missing.next() {
         let count = 1 + missing.count();
-        warnings.push(format!(
-            "{count} materials are used but not defined (first `{}`)",
-            first.escape_debug()
-        ));
+        let materials = counted(count, "material is", "materials are");
+        let first_of = if count == 1 { "" } else { "first " };
+        let name = first.escape_debug();
+        warnings.push(format!("{materials} used but not defined: {first_of}`{name}`"));
     }
 }

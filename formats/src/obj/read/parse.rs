@@ -1,8 +1,9 @@
 //! Parses an OBJ into arrays: chunks of lines in parallel, then relative indices and states
 //! (material, group) resolved in order.
 
-use super::chunk::{Chunk, Name, max_corners, max_vertices};
+use super::chunk::{Chunk, Name, max_corners, max_vertices, vertices};
 use super::parsed::{NONE, Parsed, Run};
+use crate::words::counted;
 use crate::{Fault, FormatError, Limits};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -19,17 +20,34 @@ const MAX_LIBRARIES: usize = 1000;
 /// # Errors
 /// If a statement breaks the rules or a limit is reached: the first line that does.
 pub(super) fn parse(bytes: &[u8], limits: &Limits) -> Result<Parsed, FormatError> {
-    parse_chunks(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), CHUNK_BYTES, limits)
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let parsed = parse_chunks(bytes, CHUNK_BYTES, limits, [false; 3]);
+    match parsed {
+        Err(e) if e.fault == Fault::Malformed => {
+            // Some writers number normals and texture coordinates that they do not write.
+            let counts = vertices(bytes, limits).unwrap_or([1; 3]);
+            match [false, counts[1] == 0, counts[2] == 0] {
+                [_, false, false] => Err(e),
+                ignored => parse_chunks(bytes, CHUNK_BYTES, limits, ignored),
+            }
+        }
+        other => other,
+    }
 }
 
-fn parse_chunks(bytes: &[u8], size: usize, limits: &Limits) -> Result<Parsed, FormatError> {
+fn parse_chunks(
+    bytes: &[u8],
+    size: usize,
+    limits: &Limits,
+    ignored: [bool; 3],
+) -> Result<Parsed, FormatError> {
     let texts = chunks(bytes, size);
     let read: Result<Vec<Chunk>, FormatError> =
-        texts.par_iter().map(|text| Chunk::read(text, limits)).collect();
+        texts.par_iter().map(|text| Chunk::read(text, limits, ignored)).collect();
     // The file is read again as a whole to find the first line with a fault: a chunk may come after
     // it.
     let first_fault = || {
-        let whole = Chunk::read_file(bytes, limits);
+        let whole = Chunk::read_file(bytes, limits, ignored);
         whole.expect_err("what is wrong in a chunk is wrong in the file")
     };
     let Ok(read) = read else { return Err(first_fault()) };
@@ -122,6 +140,15 @@ impl Joined {
                 *index = index.wrapping_add(base.counts[kind] as u32);
             }
         }
+        for element in std::mem::take(&mut chunk.elements) {
+            let start = base.counts[0] as i64;
+            let vertex = |(index, relative): (i64, bool)| index + if relative { start } else { 0 };
+            let vertices = element.vertices.into_iter().map(vertex);
+            match element.is_line {
+                true => parsed.line_elements.push(vertices.collect()),
+                false => parsed.points.extend(vertices),
+            }
+        }
         let [before, texcoords, _] = base.counts.map(|n| n as usize);
         append_filled(
             &mut parsed.faces.colors,
@@ -166,6 +193,24 @@ impl Joined {
         }
         Ok(self.parsed)
     }
+}
+
+/// Refuses a file without faces, and says what it is instead.
+pub(super) fn check_faces(parsed: &Parsed) -> Result<(), FormatError> {
+    let (faces, notes) = (&parsed.faces, &parsed.notes);
+    if !faces.face_ends.is_empty() || notes.small_faces.times > 0 {
+        return Ok(());
+    }
+    let vertices = counted(faces.positions.len(), "vertex", "vertices");
+    let problem = if notes.free_form.times > 0 {
+        "free-form curves or surfaces, not a mesh: no face".to_owned()
+    } else if faces.positions.is_empty() {
+        "not a mesh: it has no vertex and no face".to_owned()
+    } else {
+        let kind = if notes.lines.times > 0 { "lines" } else { "a point cloud" };
+        format!("{kind}, not a mesh: {vertices} and no face")
+    };
+    Err(FormatError::new(Fault::Unsupported, "", problem))
 }
 
 /// Appends the values of a chunk with `count` elements to those of `before` elements. Both lists

@@ -41,12 +41,12 @@ fn faces_may_come_before_their_vertices() {
 #[test]
 fn every_refusal_names_its_line() {
     for (source, line, problem) in [
-        (format!("{THREE}f 1 2 4\n"), "line 4", "there is no position 4, only 3"),
-        (format!("f 1 2 3\nf 1 2 9\nf 1 2 8\n{THREE}"), "line 2", "no position 9"),
-        (format!("{THREE}f 1/1 2/1 3/1\n"), "line 4", "no texture coordinates 1"),
-        (format!("{THREE}vn 0 0 1\nf 1//1 2//2 3//1\n"), "line 5", "no normal 2"),
+        (format!("{THREE}f 1 2 4\n"), "line 4", "position 4 does not exist (the file has 3)"),
+        (format!("f 1 2 3\nf 1 2 9\nf 1 2 8\n{THREE}"), "line 2", "position 9 does not exist"),
+        (format!("{THREE}vt 0 0\nf 1/1 2/2 3/1\n"), "line 5", "texture coordinate 2 does not"),
+        (format!("{THREE}vn 0 0 1\nf 1//1 2//2 3//1\n"), "line 5", "normal 2 does not exist"),
         (format!("{THREE}f 0 1 2\n"), "line 4", "start at 1"),
-        (format!("{THREE}f -4 1 2\n"), "line 4", "no position -4, only 3"),
+        (format!("{THREE}f -4 1 2\n"), "line 4", "position -4 does not exist (the file has 3)"),
         (format!("{THREE}f 1 2 x\n"), "line 4", "`x`"),
         (format!("{THREE}f 1 2 3/1/1/1\n"), "line 4", "`3/1/1/1`"),
         (format!("{THREE}f 1 2 3.0\n"), "line 4", "`3.0`"),
@@ -145,7 +145,7 @@ fn limits_hold() {
 
 /// Reads a text in chunks of a size; the answer as text.
 fn in_chunks(source: &str, size: usize) -> String {
-    format!("{:?}", parse_chunks(source.as_bytes(), size, &Limits::DEFAULT))
+    format!("{:?}", parse_chunks(source.as_bytes(), size, &Limits::DEFAULT, [false; 3]))
 }
 
 #[test]

@@ -9,6 +9,9 @@ pub(super) struct Parsed {
     pub(super) faces: Faces,
     /// Material libraries (`mtllib`).
     pub(super) libraries: Vec<String>,
+    /// Vertices of points, and of each line. Some may not be there.
+    pub(super) points: Vec<i64>,
+    pub(super) line_elements: Vec<Vec<i64>>,
     pub(super) notes: Notes,
 }
 
@@ -31,6 +34,8 @@ pub(super) struct Notes {
     pub(super) extra_values: Count,
     /// Positions with a weight other than 1.
     pub(super) weights: Count,
+    /// Indices of texture coordinates (1) and normals (2) of which the file has none.
+    pub(super) dangling: [Count; 3],
     /// Positions without a colour.
     pub(super) uncolored: Count,
 }
@@ -48,6 +53,9 @@ impl Notes {
         self.free_form.append(more.free_form, lines_before);
         self.extra_values.append(more.extra_values, lines_before);
         self.weights.append(more.weights, lines_before);
+        for (count, more) in self.dangling.iter_mut().zip(more.dangling) {
+            count.append(more, lines_before);
+        }
         self.uncolored.append(more.uncolored, lines_before);
     }
 }

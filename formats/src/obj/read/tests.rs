@@ -42,17 +42,18 @@ fn the_only_objects_name_is_not_a_groups_name() {
 }
 
 #[test]
-fn files_without_triangles_are_legal_and_say_so() {
-    for source in [
-        "# nothing\n",
-        "v 0 0 0\nv 1 1 1\n",
-        "v 0 0 0\nv 1 0 0\np 1\nl 1 2\n",
-        "v 0 0 0\nf 1 1 1\n",
+fn files_without_faces_are_refused_and_those_without_area_say_so() {
+    for (source, what) in [
+        ("# nothing\n", "no vertex and no face"),
+        ("v 0 0 0\nv 1 1 1\n", "a point cloud, not a mesh: 2 vertices"),
+        ("v 0 0 0\nv 1 0 0\np 1\nl 1 2\n", "lines, not a mesh: 2 vertices"),
     ] {
-        let scene = import_text("x.obj", source.as_bytes()).expect(source);
-        assert_eq!(scene.objects[0].mesh.triangles().len(), 0, "{source}");
-        assert!(warned(&scene, "nothing to simplify"), "{source}");
+        let error = import_text("x.obj", source.as_bytes()).expect_err(source);
+        assert!(error.problem.contains(what), "{source}: {error}");
     }
+    let scene = import_text("x.obj", b"v 0 0 0\nf 1 1 1\n").expect("a face without area");
+    assert_eq!(scene.objects[0].mesh.triangles().len(), 0);
+    assert!(warned(&scene, "nothing to simplify"));
     assert_eq!(import_text("x.obj", b"").expect_err("empty").fault, Fault::Malformed);
 }
 
@@ -74,7 +75,7 @@ fn welding_is_relative_to_the_size() {
     };
     assert!(!warned(&weld(0.0), "welded") && !warned(&weld(1e-6), "welded"));
     let scene = weld(1e-3);
-    assert!(warned(&scene, "1 vertices were welded"), "{:?}", scene.warnings);
+    assert!(warned(&scene, "1 vertex was welded"), "{:?}", scene.warnings);
     assert_eq!(lodc_mesh::PositionIds::new(scene.objects[0].mesh.positions()).len(), 4);
 }
 
@@ -123,7 +124,7 @@ fn libraries_are_read_from_the_own_folder_only() {
         let scene = read(lost);
         assert!(!names(&scene).contains(&"secret".to_owned()), "{lost}");
         assert!(warned(&scene, "was not read"), "{lost}: {:?}", scene.warnings);
-        assert!(warned(&scene, "1 materials are used but not defined (first `red`)"), "{lost}");
+        assert!(warned(&scene, "1 material is used but not defined: `red`"), "{lost}");
         assert!(
             scene.files.read().iter().all(|f| f.starts_with(scratch.path("asset"))),
             "{:?}",

@@ -256,25 +256,36 @@ pub(super) fn vertices<'a>(
 }
 
 /// The meaning of a property of a face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FaceColumn {
     Corners,
     /// Two numbers for each corner.
     Texcoords,
     Texture,
+    /// Channel, and the value of full intensity.
+    Color(usize, f64),
     Unused,
 }
 
 impl FaceColumn {
-    /// The meaning of each property; names of those that have none go to `unused`.
-    pub(super) fn of(element: &ElementDef, unused: &mut Vec<String>) -> Vec<Self> {
+    /// The meaning of each property; names of those that have none go to `unused`. Colours count
+    /// if vertices have none.
+    pub(super) fn of(element: &ElementDef, colors: bool, unused: &mut Vec<String>) -> Vec<Self> {
         let mut seen = Vec::new();
+        let channel = |name: &str| {
+            let names = ["red", "green", "blue", "alpha"];
+            names.iter().position(|n| *n == name).filter(|_| colors)
+        };
         let columns = element.properties.iter().map(|property| {
             let list = matches!(property.property_type, PropertyType::List { .. });
             let column = match (property.name.as_str(), list) {
                 ("vertex_indices" | "vertex_index", true) => Self::Corners,
                 ("texcoord", true) => Self::Texcoords,
                 ("texnumber", false) => Self::Texture,
+                (name, false) => match (channel(name), &property.property_type) {
+                    (Some(i), PropertyType::Scalar(n)) => Self::Color(i, full_intensity(*n)),
+                    _ => Self::Unused,
+                },
                 _ => Self::Unused,
             };
             if column == Self::Unused || seen.contains(&column) {
@@ -297,12 +308,17 @@ pub(super) fn faces<'a>(
     max_corners: u64,
 ) -> impl FnMut(usize, &[f64]) -> Result<(), String> + 'a {
     let textures = columns.contains(&FaceColumn::Texture);
+    let colors = columns.iter().any(|c| matches!(c, FaceColumn::Color(..)));
+    let mut color = [1.0; 4];
     let (mut corners, mut texcoords, mut texture) = (Vec::new(), Vec::new(), 0.0);
     move |column, values| {
         match columns[column] {
             FaceColumn::Corners => values.clone_into(&mut corners),
             FaceColumn::Texcoords => values.clone_into(&mut texcoords),
             FaceColumn::Texture => texture = values[0],
+            FaceColumn::Color(channel, full_intensity) => {
+                color[channel] = single(values[0] / full_intensity);
+            }
             FaceColumn::Unused => {}
         }
         if column + 1 < columns.len() {
@@ -316,6 +332,9 @@ pub(super) fn faces<'a>(
             face(&corners, &texcoords, &mut content.faces)?;
             if textures {
                 content.texture_numbers.push(index(texture).unwrap_or(NONE));
+            }
+            if colors {
+                content.face_colors.push(color);
             }
         }
         corners.clear();
@@ -364,8 +383,14 @@ fn vertex(corner: f64) -> Result<u32, String> {
     index(corner).ok_or_else(|| format!("vertex {corner} is no index"))
 }
 
+/// Which properties of an element are the two ends of an edge; none if it has none.
+pub(super) fn ends(element: &ElementDef) -> Option<[usize; 2]> {
+    let number = |name: &str| element.properties.iter().position(|p| p.name == name);
+    Some([number("vertex1")?, number("vertex2")?])
+}
+
 /// A number as an index; none if it cannot be one.
-fn index(value: f64) -> Option<u32> {
+pub(super) fn index(value: f64) -> Option<u32> {
     let whole = value.fract() == 0.0 && (0.0..f64::from(NONE)).contains(&value);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is one")]
     whole.then_some(value as u32)

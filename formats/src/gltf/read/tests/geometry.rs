@@ -302,7 +302,7 @@ fn known_attributes_of_the_wrong_shape_are_refused() {
     for (name, kind) in [
         ("NORMAL", "VEC2"),
         ("TANGENT", "VEC3"),
-        ("TEXCOORD_0", "VEC3"),
+        ("TEXCOORD_0", "VEC4"),
         ("JOINTS_0", "VEC4"),
         ("WEIGHTS_0", "VEC2"),
     ] {

@@ -1,0 +1,89 @@
+//! Warnings about one file for people: one line for each kind, with the first example.
+
+use std::collections::BTreeMap;
+
+/// The lines for some warnings: as they are, or of several of one kind the first and their number.
+pub(crate) fn merged(warnings: &[String]) -> Vec<String> {
+    let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
+    let mut groups: Vec<(&str, usize)> = Vec::new();
+    for warning in warnings {
+        let next = groups.len();
+        let group = *kinds.entry(kind(warning)).or_insert(next);
+        if group == next {
+            groups.push((warning, 0));
+        }
+        groups[group].1 += 1;
+    }
+    let line = |(first, count): &(&str, usize)| match count {
+        1 => (*first).to_owned(),
+        count => format!("{first} ({count} warnings of this kind, --verbose lists all)"),
+    };
+    groups.iter().map(line).collect()
+}
+
+/// What warnings of one kind have in common: the words before a colon, numbers and names left out.
+fn kind(warning: &str) -> String {
+    for what in ["object", "material"] {
+        let rest = warning.rsplit_once(": ").map_or(warning, |(_, rest)| rest);
+        let of_part = rest.strip_prefix("the ").and_then(|rest| rest.strip_prefix(what));
+        if of_part.is_some_and(|rest| rest.contains(" is gone")) {
+            return format!("{what} gone");
+        }
+    }
+    // What has no space before a colon is the name of a file.
+    let mut parts = warning.split(": ").skip_while(|part| !part.contains(' '));
+    let phrase = parts.next().unwrap_or(warning);
+    let mut out = String::new();
+    let mut in_quotes = false;
+    for c in phrase.chars() {
+        match c {
+            '`' | '"' => in_quotes = !in_quotes,
+            _ if in_quotes => {}
+            '0'..='9' if out.ends_with('#') => {}
+            '0'..='9' => out.push('#'),
+            _ => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(warnings: &[&str]) -> Vec<String> {
+        merged(&warnings.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn warnings_of_one_kind_are_one_line() {
+        let shown = lines(&[
+            "the object bolt is gone",
+            "1 polygon was triangulated",
+            "the object nut is gone (97 % of what is seen)",
+            "a texture is missing: a.png: cannot be read",
+            "a texture is missing: b.png: cannot be read",
+            "level 2: the object nut is gone",
+        ]);
+        assert_eq!(
+            shown,
+            [
+                "the object bolt is gone (3 warnings of this kind, --verbose lists all)",
+                "1 polygon was triangulated",
+                "a texture is missing: a.png: cannot be read \
+             (2 warnings of this kind, --verbose lists all)",
+            ]
+        );
+    }
+
+    #[test]
+    fn warnings_of_different_kinds_stay() {
+        let all = [
+            "a.mtl: 2 materials are defined more than once, the first one holds",
+            "a.mtl: skipped 2 lines before the first material",
+            "of each face was left out: `flags`",
+            "of each vertex was left out: `quality`",
+        ];
+        assert_eq!(lines(&all), all);
+    }
+}

@@ -1,0 +1,129 @@
+//! Points and lines of a scene, which are not simplified and pass through. Besides an OBJ, PLY or
+//! STL they are kept as statements of an OBJ; a glTF has them in its document.
+
+#[cfg(feature = "import")]
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Points and lines, their vertices apart from those of triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Loose {
+    pub(crate) positions: Vec<[f32; 3]>,
+    /// Empty, or sRGB values for each position.
+    pub(crate) colors: Vec<[f32; 3]>,
+    pub(crate) points: Vec<u32>,
+    /// For each line the vertices that it connects.
+    pub(crate) lines: Vec<Vec<u32>>,
+}
+
+impl Loose {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.points.is_empty() && self.lines.is_empty()
+    }
+
+    /// The statements of an OBJ: vertices, points, lines. Indices count from the last vertex, so
+    /// that they hold wherever the statements stand.
+    pub(crate) fn statements(&self) -> Vec<String> {
+        let count = self.positions.len() as i64;
+        let mut statements = Vec::with_capacity(self.positions.len() + self.lines.len() + 1);
+        for (v, position) in self.positions.iter().enumerate() {
+            let mut line = String::from("v");
+            let numbers = position.iter().chain(self.colors.get(v).into_iter().flatten());
+            numbers.for_each(|x| put(&mut line, x));
+            statements.push(line);
+        }
+        let element = |word: &str, vertices: &[u32]| {
+            let mut line = word.to_owned();
+            vertices.iter().for_each(|&v| put(&mut line, &(i64::from(v) - count)));
+            line
+        };
+        statements.extend(self.points.chunks(64).map(|points| element("p", points)));
+        statements.extend(self.lines.iter().map(|line| element("l", line)));
+        statements
+    }
+
+    /// Reads such statements; what is none is passed over.
+    pub(crate) fn read(statements: &[String]) -> Self {
+        let mut loose = Self::default();
+        for statement in statements {
+            let mut words = statement.split_ascii_whitespace();
+            match words.next() {
+                Some("v") => {
+                    let numbers: Vec<f32> = words.filter_map(|w| w.parse().ok()).collect();
+                    let [x, y, z, color @ ..] = &numbers[..] else { continue };
+                    if let [r, g, b, ..] = color {
+                        loose.colors.resize(loose.positions.len(), [1.0; 3]);
+                        loose.colors.push([*r, *g, *b]);
+                    }
+                    loose.positions.push([*x, *y, *z]);
+                }
+                Some(word @ ("p" | "l")) => {
+                    let count = loose.positions.len() as i64;
+                    let vertex = |w: &str| u32::try_from(w.parse::<i64>().ok()? + count).ok();
+                    let vertices: Vec<u32> =
+                        words.filter_map(vertex).filter(|&v| i64::from(v) < count).collect();
+                    match word {
+                        "p" => loose.points.extend(vertices),
+                        _ => loose.lines.push(vertices),
+                    }
+                }
+                _ => {}
+            }
+        }
+        if !loose.colors.is_empty() {
+            loose.colors.resize(loose.positions.len(), [1.0; 3]);
+        }
+        loose
+    }
+
+    /// The lines as pairs of vertices.
+    pub(crate) fn segments(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.lines.iter().flat_map(|line| line.windows(2).map(|pair| [pair[0], pair[1]]))
+    }
+
+    /// Picks points and lines out of a file's positions, whose indices are those of `points` and
+    /// `lines`. `colors` is empty or has one for each position.
+    #[cfg(feature = "import")]
+    pub(crate) fn of_file(
+        positions: &[[f32; 3]],
+        colors: &[[f32; 4]],
+        points: &[u32],
+        lines: &[Vec<u32>],
+    ) -> Self {
+        let mut numbers: BTreeMap<u32, u32> = BTreeMap::new();
+        let mut loose = Self::default();
+        let mut number = |v: &u32| {
+            let next = numbers.len() as u32;
+            *numbers.entry(*v).or_insert_with(|| {
+                loose.positions.push(positions[*v as usize]);
+                loose.colors.extend(colors.get(*v as usize).map(|[r, g, b, _]| [*r, *g, *b]));
+                next
+            })
+        };
+        let points = points.iter().map(&mut number).collect();
+        let lines = lines.iter().map(|line| line.iter().map(&mut number).collect()).collect();
+        Self { points, lines, ..loose }
+    }
+}
+
+fn put(line: &mut String, value: &dyn std::fmt::Display) {
+    write!(line, " {value}").expect("a String takes everything");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statements_read_back() {
+        let loose = Loose {
+            positions: vec![[0.0; 3], [1.0, 2.5, -3e-7], [4.0; 3]],
+            colors: vec![[0.5, 0.25, 1.0]; 3],
+            points: vec![2, 0],
+            lines: vec![vec![0, 1, 2], vec![2, 0]],
+        };
+        assert_eq!(Loose::read(&loose.statements()), loose);
+        assert_eq!(loose.segments().count(), 3);
+        assert!(Loose::read(&[]).is_empty());
+    }
+}
