@@ -23,7 +23,7 @@ pub(crate) struct ImportanceArgs {
     ///
     /// Levels end there, and --refit moves none of them: what is simplified tile by tile meets at
     /// every level.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) lock_border: bool,
     /// Part that stays: material:NAME, node:NAME or color
     ///
