@@ -115,4 +115,6 @@ def read_document(cursor):
     if kind:
         raise FormatError(cursor.place, "has a document of an unknown kind")
     material = lambda: (cursor.string(), cursor.many(cursor.string))
-    return {"libraries": cursor.many(cursor.string), "materials": cursor.many(material)}
+    libraries, materials = cursor.many(cursor.string), cursor.many(material)
+    # One that is named by a line end has the points and lines.
+    return {"libraries": libraries, "materials": [m for m in materials if m[0] != "\n"]}
