@@ -115,6 +115,10 @@ campaign *words: build numpy
 kinds *words: build numpy
     target/numpy/bin/python tests/kinds target/release/lodc {{words}}
 
+# Errors of levels of generated faces, props and rigs in motion, beside bars: [--before PROGRAM] [--seed N] [--only A,B] [--csv FILE]
+motion *words: build
+    python3 tests/motion.py target/release/lodc {{words}}
+
 [private]
 numpy:
     [ -x target/numpy/bin/python ] || python3 -m venv target/numpy

@@ -45,7 +45,8 @@ mod tests {
     /// The state is the process's: one test for all of it.
     #[test]
     fn huge_pages_are_for_meshes_of_medium_size() {
-        let errors = |triangles| Size { triangles, vertices: triangles / 2 }.errors().bytes;
+        let errors =
+            |triangles| Size { triangles, vertices: triangles / 2, moving: 0 }.errors().bytes;
         for (triangles, is_medium) in [(5_000, false), (70_000, true), (1_000_000, false)] {
             allow_for(errors(triangles));
             assert_eq!(transparent_huge_pages_are_disabled(), Ok(!is_medium), "{triangles}");

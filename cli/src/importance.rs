@@ -14,11 +14,17 @@ use std::collections::BTreeSet;
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = SIMPLIFIED)]
 pub(crate) struct ImportanceArgs {
-    /// Importance of attributes: normal=2,uv=0.5,color=1,skin=1
+    /// Importance of attributes: normal=2,uv=0.5,color=1,skin=1,morph=1
     ///
     /// Factors of the defaults, from 0 to 1e6; kinds left out weigh 1.
     #[arg(long, value_name = "LIST", value_parser = weights, hide_short_help = true)]
     weight: Option<Weights>,
+    /// Keep border vertices until the terminal phase
+    ///
+    /// Levels end there, and --refit moves none of them: what is simplified tile by tile meets at
+    /// every level.
+    #[arg(long)]
+    pub(crate) lock_border: bool,
     /// Part that stays: material:NAME, node:NAME or color
     ///
     /// Until the terminal phase. node of an OBJ is the object; color means vertices whose red is 1.
@@ -45,11 +51,11 @@ impl ImportanceArgs {
     /// # Errors
     /// If there are any.
     pub(crate) fn refuse_for_sequence(&self, input: &str) -> Outcome<()> {
-        if self.weight.is_none() && self.lock.is_empty() {
+        if self.weight.is_none() && self.lock.is_empty() && !self.lock_border {
             return Ok(());
         }
         Err(Failure::usage(format!(
-            "{input}: has its order of collapses: give --weight and --lock to build"
+            "{input}: has its order of collapses: give --weight, --lock and --lock-border to build"
         )))
     }
 
@@ -147,7 +153,8 @@ pub(crate) fn weights(text: &str) -> Result<Weights, String> {
             "uv" => &mut weights.uv,
             "color" => &mut weights.color,
             "skin" => &mut weights.skin,
-            _ => return Err(format!("\"{kind}\" is neither normal, uv, color nor skin")),
+            "morph" => &mut weights.morph,
+            _ => return Err(format!("\"{kind}\" is neither normal, uv, color, skin nor morph")),
         };
         *slot = factor;
         if !kinds_seen.insert(kind) {

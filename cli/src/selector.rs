@@ -4,7 +4,7 @@
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{LEVEL, SEEN};
 use clap::Args;
-use lodc_select::{SelectError, Target, View, count, rms_bound};
+use lodc_select::{RecordError, SelectError, Target, View, count, rms_bound};
 
 pub(crate) use lodc_select::{bound, share, size};
 
@@ -38,8 +38,8 @@ struct TargetArgs {
     ratio: Option<f64>,
     /// At most N triangles: 500, 10k, 2m
     ///
-    /// The finest level that has no more. Of several objects, triangles go first where least is
-    /// lost by it. An object never comes back empty: the selection stops at its last level that has
+    /// The finest level that has no more. Of several objects, triangles go first where the error is
+    /// least. An object never comes back empty: the selection stops at its last level that has
     /// a triangle, with a warning (as with every selector but --lod).
     #[arg(long, value_name = "N", value_parser = count)]
     triangles: Option<u64>,
@@ -147,11 +147,13 @@ impl SelectorArgs {
 impl From<SelectError> for Failure {
     fn from(error: SelectError) -> Self {
         match error {
-            SelectError::RecordOfScene(e) => Self::usage(format!(
-                "--lod counts the records of one object, and there are {}: add --per-object, or \
-                 use --ratio, --triangles or --error",
-                e.objects
+            SelectError::Record(RecordError::OfScene { objects }) => Self::usage(format!(
+                "--lod counts the records of one object, and there are {objects}: add \
+                 --per-object, or use --ratio, --triangles or --error"
             )),
+            SelectError::Record(RecordError::Unlocks { .. }) => {
+                Self::usage(format!("--lod: {error}"))
+            }
             SelectError::NotMeasured { .. } => {
                 Self::usage(format!("{error}: build it again for --rms, or use --error"))
             }

@@ -49,11 +49,11 @@ pub(crate) struct EyeArgs {
     /// The criteria silhouette, pixels and frustum need it.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
           hide_short_help = true)]
-    pub(crate) eye: Option<[f32; 3]>,
+    pub(crate) eye: Option<[f64; 3]>,
     /// Point looked at; middle of a sphere or box [default: that of the scene]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
           hide_short_help = true)]
-    pub(crate) target: Option<[f32; 3]>,
+    pub(crate) target: Option<[f64; 3]>,
 }
 
 /// The rule by which every part of a surface gets a level of its own.
@@ -80,7 +80,7 @@ pub(crate) struct ViewArgs {
     /// The default is a cube whose side is half the scene's diagonal.
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = corners,
           allow_hyphen_values = true, requires = "criterion", hide_short_help = true)]
-    corners: Option<[f32; 6]>,
+    corners: Option<[f64; 6]>,
     /// Width of the screen by its height, for --criterion frustum [default: 16:9]
     ///
     /// --fovy is its angle upwards, --target its middle.
@@ -200,20 +200,20 @@ impl ViewArgs {
 }
 
 /// Reads a point, `X,Y,Z`.
-pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
+pub(crate) fn point(text: &str) -> Result<[f64; 3], String> {
     numbers(text).ok_or_else(|| "three numbers X,Y,Z".to_owned())
 }
 
 /// Reads the lowest and the highest corner of a box, `X,Y,Z,X,Y,Z`.
-fn corners(text: &str) -> Result<[f32; 6], String> {
+fn corners(text: &str) -> Result<[f64; 6], String> {
     numbers(text)
-        .filter(|c: &[f32; 6]| (0..3).all(|i| c[i] <= c[i + 3]))
+        .filter(|c: &[f64; 6]| (0..3).all(|i| c[i] <= c[i + 3]))
         .ok_or_else(|| "the lowest and the highest corner as six numbers X,Y,Z,X,Y,Z".to_owned())
 }
 
-fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
-    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-    let numbers = <[f32; N]>::try_from(numbers.ok()?).ok()?;
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let numbers = <[f64; N]>::try_from(numbers.ok()?).ok()?;
     numbers.iter().all(|c| c.is_finite()).then_some(numbers)
 }
 

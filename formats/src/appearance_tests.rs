@@ -30,11 +30,8 @@ fn of_mtl(lines: &[&str], folder: &Scratch) -> Appearance {
         name: "m".to_owned(),
         lines: lines.iter().map(|l| (*l).to_owned()).collect(),
     };
-    let document = Document::Obj(ObjDocument {
-        libraries: Vec::new(),
-        materials: vec![material],
-        ..ObjDocument::default()
-    });
+    let document =
+        Document::Obj(ObjDocument { materials: vec![material], ..ObjDocument::default() });
     let mut assets = Assets::new(&folder.path("a.obj"), &[], Limits::DEFAULT);
     appearance(&document, &[&info(0, Some("m"))], &mut assets).expect("nothing can fail")
 }

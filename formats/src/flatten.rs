@@ -60,8 +60,43 @@ impl<'a> Placed<'a> {
     /// Poses its vertices.
     pub(crate) fn vertices(&self) -> Vertices<'a> {
         let mesh = self.object.mesh;
-        Vertices { mesh, posed: self.placement.as_ref().map(|p| posed(mesh, p)) }
+        let posed = self.placement.as_ref().map(|p| posed(mesh, p));
+        let far = posed
+            .as_ref()
+            .and_then(|posed| rounding_if_far(posed.positions.iter().map(|p| p.to_array())));
+        Vertices { mesh, posed, far }
     }
+
+    /// Returns whether single precision would round its positions by more than that of the mesh
+    /// does.
+    pub(crate) fn is_far(&self) -> bool {
+        let Some(placement) = &self.placement else { return false };
+        if !placement.joints.is_empty() || placement.weights.iter().any(|&w| w != 0.0) {
+            return self.vertices().far.is_some();
+        }
+        let (low, high) = self.object.mesh.bounds();
+        let end = |k: usize, bit: usize| f64::from(if bit == 0 { low[k] } else { high[k] });
+        let corner = |i: usize| std::array::from_fn::<f64, 3, _>(|k| end(k, i >> k & 1));
+        let placed = |corner: [f64; 3]| placement.transform.transform_point3(corner.into());
+        rounding_if_far((0..8).map(|i| placed(corner(i)).to_array())).is_some()
+    }
+}
+
+/// Returns how much a mesh in single precision rounds positions that are so far from the origin
+/// that single precision would round them by more than a ten-millionth of their extent; none of
+/// others.
+fn rounding_if_far(positions: impl Iterator<Item = [f64; 3]>) -> Option<f64> {
+    const MAX_ROUNDING: f64 = 1e-7;
+    let half_ulp = f64::from(f32::EPSILON) / 2.0;
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in positions {
+        low = std::array::from_fn(|k| low[k].min(p[k]));
+        high = std::array::from_fn(|k| high[k].max(p[k]));
+    }
+    let largest = low.iter().chain(&high).fold(0.0, |most: f64, c| most.max(c.abs()));
+    let diagonal = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
+    let is_far = largest.is_finite() && half_ulp * largest > MAX_ROUNDING * diagonal;
+    is_far.then_some(half_ulp * diagonal)
 }
 
 /// The vertices of a placed object.
@@ -69,14 +104,25 @@ impl<'a> Placed<'a> {
 pub(crate) struct Vertices<'a> {
     mesh: &'a Mesh,
     posed: Option<PosedVertices>,
+    /// How much the mesh's single precision has rounded, if that of the scene would round more.
+    pub(crate) far: Option<f64>,
 }
 
 impl Vertices<'_> {
-    /// A vertex's position in the scene.
+    /// A vertex's position in the scene, in single precision.
     pub(crate) fn position(&self, vertex: u32) -> [f32; 3] {
         match &self.posed {
             None => self.mesh.positions()[vertex as usize],
             Some(posed) => posed.positions[vertex as usize].to_array().map(finite),
+        }
+    }
+
+    /// A vertex's position in the scene.
+    pub(crate) fn exact_position(&self, vertex: u32) -> [f64; 3] {
+        match &self.posed {
+            None => self.mesh.positions()[vertex as usize].map(f64::from),
+            // A transform makes no -0.
+            Some(posed) => posed.positions[vertex as usize].to_array().map(|c| c + 0.0),
         }
     }
 

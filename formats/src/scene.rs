@@ -136,6 +136,9 @@ pub struct ObjDocument {
     pub materials: Vec<ObjMaterial>,
     /// Points and lines: statements `v`, `p` and `l` of an OBJ by themselves.
     pub loose: Vec<String>,
+    /// Where the object's mesh stands: to be added to its positions. Zeros unless the file's
+    /// coordinates are too far from the origin for single precision.
+    pub offset: [f64; 3],
 }
 
 /// One material of an MTL file.

@@ -314,3 +314,33 @@ fn a_level_that_states_too_little_of_one_placement_is_refused() {
         run.ends(if factor == 1.0 { 0 } else { 1 });
     }
 }
+
+#[test]
+fn a_share_of_unlike_objects_costs_no_more_error_than_it_has_to() {
+    // A statue beside screws on a kilometre of ground.
+    let mut nodes = vec![
+        json!({"mesh": 0, "scale": [1.5, 1.5, 1.5]}),
+        json!({"mesh": 1, "scale": [500.0, 20.0, 500.0], "translation": [0, -30, 0]}),
+    ];
+    for i in 0..30 {
+        let at = [f64::from(i % 6) * 0.3 - 3.0, 0.0, f64::from(i / 6) * 0.3 + 3.0];
+        nodes.push(json!({"mesh": 2, "scale": [0.02, 0.02, 0.02], "translation": at}));
+    }
+    let roots: Vec<usize> = (0..nodes.len()).collect();
+    let scene = Scene::of_rocks(&[24, 30, 10]).file(&roots, &json!({"nodes": nodes}));
+    let f = built(&scene);
+    for ratio in ["0.6", "0.5", "0.4", "0.3", "0.1"] {
+        let level = extract(&f, "m.lodc", "level.glb", &["--ratio", ratio]);
+        let (error, triangles) = (number(&level["error"]), number(&level["triangles"]));
+        if error == 0.0 {
+            continue;
+        }
+        let within = (error / 1.1).to_string();
+        let better = extract(&f, "m.lodc", "better.glb", &["--error", &within]);
+        let needed = number(&better["triangles"]);
+        assert!(
+            needed > triangles,
+            "{ratio}: {needed} triangles err by {within}, {triangles} by {error}"
+        );
+    }
+}

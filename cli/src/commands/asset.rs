@@ -36,7 +36,8 @@ pub(crate) struct AssetWithLevels {
     pub(crate) files: RequestedFiles,
     /// Messages about what was repaired, dropped or left out while reading.
     pub(crate) warnings: Vec<String>,
-    /// The levels whose errors its sequences state.
+    /// The levels whose errors were asked for, and those whose errors its sequences state.
+    asked: Errors,
     errors: Errors,
     /// The colours of the scene, if the metric used them.
     colours: Option<Arc<SceneColours>>,
@@ -83,7 +84,7 @@ impl AssetWithLevels {
 
     /// Returns whether it was a mesh, simplified by the quadric and with errors of results only.
     pub(crate) fn is_by_quadric(&self, simplify_args: &SimplifyArgs) -> bool {
-        self.errors == Errors::OfResult && simplify_args.metric.metric == MetricKind::Quadric
+        self.asked == Errors::OfResult && simplify_args.metric.metric == MetricKind::Quadric
     }
 
     /// The colours of the scene, read now unless the metric used them. Images that cannot be read
@@ -182,6 +183,7 @@ pub(crate) fn read_showing(
             compressed: false,
             files: RequestedFiles::only(input),
             warnings: file.left_out,
+            asked: Errors::Curve,
             errors: Errors::Curve,
             colours: None,
         }),
@@ -210,15 +212,22 @@ fn simplified_showing(
     progress: &Progress,
     (input, import): (&Path, &ImportArgs),
     simplify_args: &SimplifyArgs,
-    errors: Errors,
+    asked: Errors,
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<AssetWithLevels> {
+    // Several objects share out triangles by errors.
+    let errors = if scene.objects.len() > 1 { Errors::Curve } else { asked };
     let size = Size::of_objects(&scene.objects);
     let name = input.display().to_string();
     let limits = import.options().limits;
     let weights = simplify_args.importance.weights();
-    let options = Options { metric: simplify_args.metric.metric, weights, ..Options::DEFAULT };
+    let options = Options {
+        metric: simplify_args.metric.metric,
+        lock_border: simplify_args.importance.lock_border,
+        weights,
+        ..Options::DEFAULT
+    };
     let options = object_options(&scene, options, simplify_args.parts.all());
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&name, size, &needs)?;
@@ -226,17 +235,18 @@ fn simplified_showing(
     let importance =
         importance(&scene, &options, &simplify_args.importance, simplify_args.parts.all())?;
     let Scene { source, document, objects, mut warnings, mut files, compressed, .. } = scene;
+    let poses = simplify_args.poses.max_poses();
     let context = SceneContext {
         colours: colours.scene_colours(),
         importance: &importance,
         document: &document,
+        poses,
         limits,
     };
     let watch = stages.watched(progress);
     let mut simplified = simplify_all(objects, &options, context, &watch)?;
     warnings.extend(colours.warnings);
     files.extend(&colours.files);
-    let poses = simplify_args.poses.max_poses();
     match errors {
         Errors::OfResult => drop(choose_poses(&mut simplified, &document, &limits, poses)?),
         Errors::Curve => {
@@ -246,5 +256,15 @@ fn simplified_showing(
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();
     let colours = colours.colours;
-    Ok(AssetWithLevels { source, objects, document, compressed, files, warnings, errors, colours })
+    Ok(AssetWithLevels {
+        source,
+        objects,
+        document,
+        compressed,
+        files,
+        warnings,
+        asked,
+        errors,
+        colours,
+    })
 }

@@ -115,7 +115,7 @@ pub(crate) fn estimate<const N: usize>(
         return Err(Failure::usage(what));
     }
     let counted = import::count(input, &import.options())?;
-    let size = Size { triangles: counted.triangles, vertices: counted.vertices };
+    let size = Size { triangles: counted.triangles, vertices: counted.vertices, moving: 0 };
     let largest = needs(size).iter().map(|need| need.bytes).max().unwrap_or(0);
     Ok((counted, largest.saturating_add(counted.bytes.saturating_mul(MEMORY_PER_INPUT_BYTE))))
 }

@@ -2,7 +2,6 @@
 
 use lodc::LodObject;
 use lodc_formats::{ObjectInfo, SceneObject};
-#[cfg(feature = "gpu")]
 use lodc_mesh::Mesh;
 
 /// Objects with levels of detail or without.
@@ -19,8 +18,7 @@ impl Objects {
         }
     }
 
-    /// The mesh of an object; with levels, LOD 0. Only `render` needs it.
-    #[cfg(feature = "gpu")]
+    /// The mesh of an object; with levels, LOD 0.
     pub(super) fn mesh(&self, object: usize) -> &Mesh {
         match self {
             Self::Levels(objects) => objects[object].simplified.mesh(),

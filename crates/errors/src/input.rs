@@ -1,14 +1,14 @@
 //! The surface of LOD 0, its triangles and points numbered so that neighbours are near in memory.
 
 use glam::DVec3;
-use lodc_mesh::{CollapseSequence, Csr, NONE, PositionIds, Simplified};
+use lodc_mesh::{CollapseSequence, Csr, Mesh, NONE, PositionIds, Simplified};
 use lodc_nearest::{MovingTree, Triangles, morton_order};
 
 /// LOD 0 in one shape.
 ///
-/// A *point* is a pair of a position of the mesh and the coordinates that the shape gives it: a
-/// skin may move vertices at one position apart. Positions decide which triangles are degenerate,
-/// coordinates how far surfaces are from each other.
+/// A *point* is a pair of a position of the mesh, in all shapes ([`Mesh::position_ids`]), and the
+/// coordinates that this shape gives it. Positions decide which triangles are degenerate,
+/// coordinates how far surfaces are from each other: a triangle may be a point in one shape.
 pub(crate) struct Input {
     /// The coordinates of each point: those of the shape, moved towards the origin if that is far
     /// away, and scaled by a power of two so that the diagonal of all is from 1 to 2. No bit is
@@ -36,7 +36,7 @@ impl Input {
     /// the corners of each triangle of the input as vertices of the mesh.
     pub(crate) fn new(simplified: &Simplified, posed: &[[f32; 3]]) -> (Self, Vec<[u32; 3]>) {
         let mesh = simplified.mesh();
-        let points = Points::new(mesh.positions(), posed);
+        let points = Points::new(mesh, posed);
         let posed_corners = |t: u32| mesh.triangles()[t as usize].map(|v| posed[v as usize]);
         let Extent { origin, power_of_two: mesh_scale, diagonal } =
             Extent::of(mesh.triangles().iter().flatten().map(|&v| posed[v as usize]));
@@ -159,9 +159,10 @@ struct Points {
 }
 
 impl Points {
-    fn new(positions: &[[f32; 3]], posed: &[[f32; 3]]) -> Self {
-        if posed == positions {
-            let PositionIds { of_vertex, first_vertex } = PositionIds::new(positions);
+    fn new(mesh: &Mesh, posed: &[[f32; 3]]) -> Self {
+        let positions = mesh.position_ids();
+        if posed == mesh.positions() {
+            let PositionIds { of_vertex, first_vertex } = positions;
             return Self {
                 position_count: first_vertex.len(),
                 position_of_vertex: of_vertex.clone(),
@@ -169,7 +170,7 @@ impl Points {
                 first_vertex,
             };
         }
-        let (positions, posed_ids) = (PositionIds::new(positions), PositionIds::new(posed));
+        let posed_ids = PositionIds::new(posed);
         let mut order: Vec<u32> = (0..posed.len() as u32).collect();
         let key = |v: u32| (positions.of_vertex[v as usize], posed_ids.of_vertex[v as usize]);
         order.sort_unstable_by_key(|&v| (key(v), v));

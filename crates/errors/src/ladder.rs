@@ -21,7 +21,7 @@ use lodc_mesh::CollapseSequence;
 
 /// Levels that are measured in any case have these shares of the triangles, in percent, and below
 /// the last of them an eighth of the one before. Chosen by hand.
-const PERCENTAGES: [u64; 9] = [95, 85, 70, 50, 25, 15, 10, 5, 1];
+const PERCENTAGES: [u64; 10] = [99, 95, 85, 70, 50, 25, 15, 10, 5, 1];
 const DIVISOR: u64 = 8;
 
 /// Two measured levels are alike in their errors if these differ by no more than this factor; in
@@ -43,6 +43,9 @@ const NEIGHBOURS: [f64; 2] = [1.15, 1.06];
 const FEW_TRIANGLES: u32 = 16_384;
 const LAST_TRIANGLES: u64 = 16;
 const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
+
+/// Triangles of the input for each sample of a rung, within limits. Chosen by hand.
+const TRIANGLES_PER_SAMPLE: usize = 4;
 
 /// Distances below this share of the diagonal are alike whatever they are. Chosen by hand.
 const TINY_SHARE: f64 = 1e-6;
@@ -256,7 +259,10 @@ impl Ladder<'_> {
         let proposed = Proposals::after(&self.proposals.largest, steps);
         let known = proposed.max(finer.map_or(0.0, |rung| rung.lower));
         let rough = self.proposals.distances_after(steps);
-        let found = self.original.measure(step.lod, known, self.limits.rung_samples, rough);
+        let triangles = self.original.input.triangles.len();
+        let [fewest, most] = self.limits.rung_samples;
+        let samples = (triangles / TRIANGLES_PER_SAMPLE).clamp(fewest, most);
+        let found = self.original.measure(step.lod, known, samples, rough);
         work.boxes += found.boxes;
         let accepted = self.original.accepted(known);
         let proposed_rms = Proposals::after(&self.proposals.rms, steps);

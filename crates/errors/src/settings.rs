@@ -39,9 +39,9 @@ pub(crate) struct Limits {
     pub(crate) max_levels: usize,
     pub(crate) boxes: [u64; 2],
     /// Samples on either surface that tell the mean distance of a level: one that is measured by
-    /// itself, and one between which others are interpolated.
+    /// itself, and one between which others are interpolated, at least and at most.
     pub(crate) samples: usize,
-    pub(crate) rung_samples: usize,
+    pub(crate) rung_samples: [usize; 2],
 }
 
 impl Limits {
@@ -54,7 +54,7 @@ impl Limits {
         max_levels: 100,
         boxes: [500, 5_000_000],
         samples: 4_096,
-        rung_samples: 1_024,
+        rung_samples: [1_024, 2_048],
     };
 
     /// Returns how many boxes may be opened for levels of a mesh of some triangles.

@@ -46,11 +46,7 @@ fn info(mesh: &Mesh) -> ObjectInfo {
 
 /// The shape as a file of that format.
 fn file(mesh: &Mesh, format: ExportFormat) -> Vec<u8> {
-    let document = Document::Obj(ObjDocument {
-        libraries: Vec::new(),
-        materials: Vec::new(),
-        ..ObjDocument::default()
-    });
+    let document = Document::Obj(ObjDocument::default());
     let object = ExportObject { info: &info(mesh), mesh };
     let files =
         export(Path::new("shape"), format, &document, &[object]).expect("a shape can be exported");
@@ -68,11 +64,7 @@ fn built(mesh: &Mesh) -> LodFile {
     ];
     LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0 },
-        document: Document::Obj(ObjDocument {
-            libraries: Vec::new(),
-            materials: Vec::new(),
-            ..ObjDocument::default()
-        }),
+        document: Document::Obj(ObjDocument::default()),
         objects: vec![LodObject { info: info(mesh), simplified, models }],
         made_from: None,
         layout: Layout::Packed,

@@ -5,7 +5,7 @@ use crate::error::LabError;
 use crate::prepared::Prepared;
 use indexmap::IndexMap;
 use lodc_lod::Speed;
-use lodc_mesh::{Lod, Mesh, NONE, PositionIds, Simplified, is_degenerate};
+use lodc_mesh::{Lod, Mesh, NONE, Simplified, is_degenerate};
 use lodc_model::Model;
 use lodc_strip::{CacheModel, StripSet, measure, order, restart_list};
 use serde::Serialize;
@@ -75,7 +75,7 @@ pub(crate) fn lods(simplified: &Simplified) -> [Lod; 2] {
 pub(crate) fn all(prepared: &Prepared, lod: Lod) -> Result<Vec<Primitive>, LabError> {
     let simplified = &prepared.object.simplified;
     let mesh = simplified.mesh();
-    let positions = PositionIds::new(mesh.positions());
+    let positions = mesh.position_ids();
     let resolved = simplified.collapses().resolve_all(lod);
     let list = |name, triangles: &[[u32; 3]]| {
         let level = triangles.iter().map(|t| t.map(|v| resolved[v as usize]));

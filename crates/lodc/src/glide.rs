@@ -2,9 +2,7 @@
 //! of its morph targets.
 
 use crate::{Error, LodObject, level_mesh::LevelMesh};
-use lodc_mesh::{
-    Attribute, Lod, Mesh, MeshParts, NONE, PositionIds, Semantic, Simplified, Submesh,
-};
+use lodc_mesh::{Attribute, Lod, Mesh, MeshParts, NONE, Semantic, Simplified, Submesh};
 use lodc_scene::Shape;
 use std::ops::Range;
 
@@ -71,7 +69,7 @@ impl GlidingLevel {
         // What a vertex becomes may be unused by the next level, but share its position in the
         // input with a vertex that is used and has been moved. It then goes where that one is, so
         // that triangles between the two have no area.
-        let ids = PositionIds::new(input.positions());
+        let ids = input.position_ids();
         let mut next_vertex_at = vec![NONE; ids.len()];
         for (&v, index) in next_vertices.iter().zip(0..) {
             next_vertex_at[ids.of_vertex[v as usize] as usize] = index;

@@ -47,6 +47,7 @@ pub mod gpu;
 mod input;
 pub mod level_mesh;
 pub mod levels;
+mod meeting;
 mod scene_levels;
 mod shapes;
 
@@ -65,6 +66,7 @@ pub use lodc_select::SceneLevels;
 pub use lodc_select::Target as Select;
 #[cfg(feature = "build")]
 pub use lodc_simplify::MetricKind as Metric;
+pub use meeting::{parting_borders, parting_line};
 pub use scene_levels::scene_levels;
 pub use shapes::stated_shapes;
 

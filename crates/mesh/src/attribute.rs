@@ -84,6 +84,17 @@ impl Attribute {
         matches!(self.semantic, Semantic::Position | Semantic::Joints(_) | Semantic::Weights(_))
     }
 
+    /// Returns whether the stream moves vertices by themselves: joints, their weights, and deltas of
+    /// positions.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        match self.semantic {
+            Semantic::Position => self.morph_target.is_some(),
+            Semantic::Joints(_) | Semantic::Weights(_) => self.morph_target.is_none(),
+            _ => false,
+        }
+    }
+
     /// The bytes of one vertex.
     #[must_use]
     pub fn at(&self, vertex: u32) -> &[u8] {

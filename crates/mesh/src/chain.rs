@@ -2,7 +2,7 @@
 //! A gliding chain also says where each vertex moves when the next level replaces its own
 //! (geomorphing).
 
-use crate::{Attribute, Lod, Mesh, MeshError, MeshParts, Simplified, Submesh};
+use crate::{Attribute, Lod, Mesh, MeshError, MeshParts, NONE, Simplified, Submesh};
 
 /// Triangles of a level by submesh.
 pub type LevelTriangles = Vec<Vec<[u32; 3]>>;
@@ -10,12 +10,13 @@ pub type LevelTriangles = Vec<Vec<[u32; 3]>>;
 /// Several levels of one mesh that share their vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// The vertices of all levels, last to disappear first, with the triangles of the finest level.
-    /// In every submesh the vertices of a level come before those that only finer levels use.
+    /// The vertices of all levels by the last level that uses them, the coarsest first, with the
+    /// triangles of the finest level. In every submesh the vertices of a level come before those
+    /// that only finer levels use.
     pub mesh: Mesh,
     /// Triangles of each level by the vertices of `mesh`, in the order of levels.
     pub levels: Vec<LevelTriangles>,
-    /// Number of vertices that have not disappeared at each level: it uses none beyond them.
+    /// Number of vertices that each level or a coarser one uses: it uses none beyond them.
     pub prefixes: Vec<u32>,
 }
 
@@ -24,8 +25,8 @@ pub struct Chain {
 pub struct GlidingChain {
     /// The levels; the mesh also has the vertices that others become without having a triangle.
     pub chain: Chain,
-    /// For each vertex of the mesh the vertex that it becomes at the first level without it;
-    /// itself, if the last level has it. If the vertices of level *k* are moved there, its
+    /// For each vertex of the mesh the vertex that it becomes at the first level that does not use
+    /// it; itself, if the last level does. If the vertices of level *k* are moved there, its
     /// triangles are those of level *k* + 1, at the same indices, and triangles without area.
     pub becomes: Vec<u32>,
 }
@@ -58,17 +59,22 @@ fn without_triangles(submesh: &Submesh) -> Submesh {
     Submesh { first_triangle: 0, triangle_count: 0, attributes: submesh.attributes.clone() }
 }
 
+/// The last level of a chain that uses a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct LastUse {
+    level: usize,
+    vertex: u32,
+}
+
 impl Simplified {
     /// Returns the levels at `lods`, of which the first is the finest.
-    ///
-    /// Vertices are numbered in the order in which they disappear, so the reverse of that order
-    /// makes a prefix of every level.
     ///
     /// # Errors
     /// If there are more vertices or triangles than a mesh may have: never for LODs of this
     /// sequence.
     pub fn chain(&self, lods: &[Lod]) -> Result<Chain, MeshError> {
-        self.chain_with(lods, &[]).map(|(chain, _)| chain)
+        let (levels, used) = self.used(lods);
+        self.chain_of(levels, &used, used.len())
     }
 
     /// Returns the levels at `lods`, which do not fall, and what each vertex becomes between
@@ -77,8 +83,9 @@ impl Simplified {
     /// # Errors
     /// As [`Self::chain`].
     pub fn gliding_chain(&self, lods: &[Lod]) -> Result<GlidingChain, MeshError> {
+        let (levels, mut used) = self.used(lods);
         let floors: Vec<Lod> = lods.iter().map(|&lod| self.collapses().floor(lod)).collect();
-        // For each vertex of the input the vertex that it becomes.
+        // For each vertex of the input the vertex that it becomes, where it is removed.
         let mut becomes: Vec<u32> = (0..self.mesh().vertex_count() as u32).collect();
         for pair in floors.windows(2) {
             let removed = pair[0].0 as usize..pair[1].0 as usize;
@@ -91,51 +98,83 @@ impl Simplified {
                 becomes[v] = if removed.contains(&to) { becomes[to] } else { to as u32 };
             }
         }
-        let (chain, used) = self.chain_with(lods, &becomes)?;
-        // A vertex without triangles may become one that is not in the mesh: it stays where it is.
-        let number = |(own_number, &v): (usize, &u32)| {
-            let to = becomes[v as usize];
-            used.binary_search_by(|u| to.cmp(u)).unwrap_or(own_number) as u32
-        };
-        let becomes = used.iter().enumerate().map(number).collect();
-        Ok(GlidingChain { chain, becomes })
+        // One that has lost its triangles before stays until the level after its last one.
+        for &LastUse { level, vertex } in &used {
+            let is_there = |floor: &Lod| vertex >= floor.0;
+            if floors.get(level + 1).is_some_and(is_there) {
+                becomes[vertex as usize] = vertex;
+            }
+        }
+        // Vertices of the input by number, with those that no level uses, but that others become.
+        let mut number = vec![NONE; self.mesh().vertex_count()];
+        for (new, last_use) in (0..).zip(&used) {
+            number[last_use.vertex as usize] = new;
+        }
+        let count = used.len();
+        for i in 0..count {
+            let to = becomes[used[i].vertex as usize];
+            let slot = &mut number[to as usize];
+            if *slot == NONE {
+                *slot = used.len() as u32;
+                used.push(LastUse { level: 0, vertex: to });
+            }
+        }
+        let becomes = (0..)
+            .zip(&used)
+            .map(|(own, last_use)| match own < count as u32 {
+                true => number[becomes[last_use.vertex as usize] as usize],
+                false => own,
+            })
+            .collect();
+        Ok(GlidingChain { chain: self.chain_of(levels, &used, count)?, becomes })
     }
 
-    /// Returns the chain, and the vertices in its mesh, falling: those that levels use, and those
-    /// that they become (none if `becomes` is empty).
-    fn chain_with(&self, lods: &[Lod], becomes: &[u32]) -> Result<(Chain, Vec<u32>), MeshError> {
-        let submeshes = self.mesh().submeshes().len();
+    /// Returns the triangles of the levels at `lods` by the vertices of this mesh, and the vertices
+    /// that they use, by the last level that does: the coarsest first, and in each those first that
+    /// disappear last.
+    fn used(&self, lods: &[Lod]) -> (Vec<LevelTriangles>, Vec<LastUse>) {
         let by_submesh = |&lod: &Lod| -> LevelTriangles {
-            let mut level = vec![Vec::new(); submeshes];
+            let mut level = vec![Vec::new(); self.mesh().submeshes().len()];
             for t in self.triangles_at(self.collapses().floor(lod)) {
                 level[t.submesh as usize].push(t.corners);
             }
             level
         };
-        let mut levels: Vec<LevelTriangles> = lods.iter().map(by_submesh).collect();
-
-        let mut used: Vec<u32> = levels.iter().flatten().flatten().flatten().copied().collect();
+        let levels: Vec<LevelTriangles> = lods.iter().map(by_submesh).collect();
+        let mut last_level = vec![NONE; self.mesh().vertex_count()];
+        for (number, level) in (0..).zip(&levels) {
+            for &v in level.iter().flatten().flatten() {
+                last_level[v as usize] = number;
+            }
+        }
+        let last_uses = (0..).zip(last_level).filter(|&(_, level)| level != NONE);
+        let mut used: Vec<LastUse> =
+            last_uses.map(|(vertex, level)| LastUse { level: level as usize, vertex }).collect();
         used.sort_unstable_by(|a, b| b.cmp(a));
-        used.dedup();
-        if !becomes.is_empty() {
-            let mut with_targets: Vec<u32> = used.iter().map(|&v| becomes[v as usize]).collect();
-            with_targets.append(&mut used);
-            with_targets.sort_unstable_by(|a, b| b.cmp(a));
-            with_targets.dedup();
-            used = with_targets;
+        (levels, used)
+    }
+
+    /// Returns the chain of levels by the vertices of this mesh. `vertices` are those of its own
+    /// mesh in their order, of which levels use the first `used`.
+    fn chain_of(
+        &self,
+        mut levels: Vec<LevelTriangles>,
+        vertices: &[LastUse],
+        used: usize,
+    ) -> Result<Chain, MeshError> {
+        let mut number = vec![NONE; self.mesh().vertex_count()];
+        for (new, last_use) in (0..).zip(vertices) {
+            number[last_use.vertex as usize] = new;
         }
-        let number = |v: u32| used.partition_point(|&u| u > v) as u32;
         for corner in levels.iter_mut().flatten().flatten().flatten() {
-            *corner = number(*corner);
+            *corner = number[*corner as usize];
         }
-        let prefix = |&lod: &Lod| {
-            let lod = self.collapses().floor(lod).0;
-            used.partition_point(|&v| v >= lod) as u32
-        };
-        let prefixes = lods.iter().map(prefix).collect();
-        let no_triangles = vec![Vec::new(); submeshes];
-        let mesh = self.gathered(&used, levels.first().unwrap_or(&no_triangles))?;
-        Ok((Chain { mesh, levels, prefixes }, used))
+        let prefix = |k| vertices[..used].partition_point(|last_use| last_use.level >= k) as u32;
+        let prefixes = (0..levels.len()).map(prefix).collect();
+        let sources: Vec<u32> = vertices.iter().map(|last_use| last_use.vertex).collect();
+        let no_triangles = vec![Vec::new(); self.mesh().submeshes().len()];
+        let mesh = self.gathered(&sources, levels.first().unwrap_or(&no_triangles))?;
+        Ok(Chain { mesh, levels, prefixes })
     }
 
     /// Returns the mesh of the vertices `sources`, with the triangles of a level by submesh.

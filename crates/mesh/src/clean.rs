@@ -1,7 +1,7 @@
 //! Drops degenerate triangles and unused vertices, which take no part in any level of detail, and
 //! counts them.
 
-use crate::{MeshParts, NONE, is_degenerate, position_key};
+use crate::{MeshParts, NONE, position_key};
 
 /// Counts of what [`MeshParts::clean`] dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub struct Cleaning {
 
 impl MeshParts {
     /// Drops what takes no part in a level of detail: triangles with two corners at one position,
-    /// then vertices that no triangle uses. Returns how many there were.
+    /// at rest and in motion, then vertices that no triangle uses. Returns how many there were.
     ///
     /// # Panics
     /// If a triangle names a vertex that does not exist, a submesh a triangle that does not exist,
@@ -34,15 +34,22 @@ impl MeshParts {
     /// As [`Self::clean`].
     pub fn drop_degenerate(&mut self) -> usize {
         let count_before = self.triangles.len();
+        let motion = self.motion();
+        let is_live = |t: &&[u32; 3]| {
+            let keys = t.map(|v| position_key(self.positions[v as usize]));
+            let meet = |[i, j]: [usize; 2]| keys[i] == keys[j] && motion.move_alike(t[i], t[j]);
+            ![[0, 1], [1, 2], [2, 0]].into_iter().any(meet)
+        };
         let mut remaining = Vec::with_capacity(self.triangles.len());
-        for submesh in &mut self.submeshes {
-            let first = remaining.len();
-            remaining.extend(self.triangles[submesh.triangles()].iter().copied().filter(|t| {
-                let keys = t.map(|v| position_key(self.positions[v as usize]));
-                !is_degenerate(keys)
-            }));
-            submesh.first_triangle = first as u32;
-            submesh.triangle_count = (remaining.len() - first) as u32;
+        let mut ends = Vec::with_capacity(self.submeshes.len());
+        for submesh in &self.submeshes {
+            remaining.extend(self.triangles[submesh.triangles()].iter().filter(is_live));
+            ends.push(remaining.len() as u32);
+        }
+        let mut first = 0;
+        for (submesh, end) in self.submeshes.iter_mut().zip(ends) {
+            submesh.first_triangle = std::mem::replace(&mut first, end);
+            submesh.triangle_count = end - submesh.first_triangle;
         }
         self.triangles = remaining;
         count_before - self.triangles.len()

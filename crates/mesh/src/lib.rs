@@ -28,6 +28,7 @@
 
 mod arrange;
 mod attribute;
+mod border;
 mod chain;
 mod clean;
 mod csr;
@@ -37,6 +38,7 @@ mod floor;
 mod groups;
 mod leb128;
 mod mesh;
+mod motion;
 mod multiset;
 mod position;
 mod posture;
@@ -46,6 +48,7 @@ mod removal;
 mod sequence;
 mod shortcuts;
 mod simplified;
+mod submesh;
 mod weld;
 
 pub use attribute::{Attribute, Component, Semantic};
@@ -56,7 +59,7 @@ pub use disjoint::DisjointSets;
 pub use floor::floor;
 pub use groups::WedgeGroups;
 pub use leb128::{put_leb128, take_leb128};
-pub use mesh::{Mesh, MeshError, MeshParts, Submesh};
+pub use mesh::{Mesh, MeshError, MeshParts};
 pub use multiset::{OrientedTriangle, TriangleHash};
 pub use position::{PositionIds, position_key};
 pub use posture::Posture;
@@ -66,4 +69,5 @@ pub use removal::removal_lods;
 pub use sequence::{CollapseSequence, Lod, SequenceError, SequenceParts, Step};
 pub use shortcuts::Shortcuts;
 pub use simplified::{Simplified, SimplifiedError};
+pub use submesh::Submesh;
 pub use weld::weld_positions;

@@ -1,28 +1,8 @@
 //! A triangle mesh with submeshes, valid by construction.
 
-use crate::{Attribute, Csr, position_key};
+use crate::motion::MotionStreams;
+use crate::{Attribute, Csr, PositionIds, Submesh, position_key};
 use std::fmt;
-
-/// A part of a mesh with one material: a run of its triangles.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
-pub struct Submesh {
-    /// The index of its first triangle in [`Mesh::triangles`].
-    pub first_triangle: u32,
-    /// Number of its triangles.
-    pub triangle_count: u32,
-    /// Attribute streams that its vertices have, as indices into
-    /// [`Mesh::attributes`].
-    pub attributes: Vec<u32>,
-}
-
-impl Submesh {
-    /// Its triangles, as a range of indices.
-    #[must_use]
-    pub fn triangles(&self) -> std::ops::Range<usize> {
-        let first = self.first_triangle as usize;
-        first..first + self.triangle_count as usize
-    }
-}
 
 /// Parts of a mesh before they are known to be valid.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,9 +19,16 @@ pub struct MeshParts {
     pub submeshes: Vec<Submesh>,
 }
 
+impl MeshParts {
+    /// The streams by which the vertices move.
+    pub(crate) fn motion(&self) -> MotionStreams<'_> {
+        MotionStreams::of(&self.attributes, &self.submeshes, &self.vertex_submesh)
+    }
+}
+
 /// A valid triangle mesh: positions are finite, indices are in range, no triangle has two corners
-/// at one position, every vertex belongs to one submesh, and every stream has bytes for every
-/// vertex.
+/// at one position at rest and in motion ([`Mesh::position_ids`]), every vertex belongs to one
+/// submesh, and every stream has bytes for every vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh(MeshParts);
 
@@ -75,6 +62,12 @@ impl Mesh {
     #[must_use]
     pub fn vertex_submesh(&self) -> &[u32] {
         &self.0.vertex_submesh
+    }
+    /// Numbers the positions of its vertices, at rest and in motion: what is at one position in all
+    /// shapes that morph targets and joints can give the mesh has one number.
+    #[must_use]
+    pub fn position_ids(&self) -> PositionIds {
+        PositionIds::in_motion(self.positions(), &self.0.motion())
     }
     /// Returns for each attribute stream the submeshes that have it: row `i` holds those of stream
     /// `i`, rising.
@@ -139,6 +132,7 @@ impl TryFrom<MeshParts> for Mesh {
                 });
             }
         }
+        let motion = parts.motion();
         let mut next = 0;
         for (submesh, s) in parts.submeshes.iter().enumerate() {
             let end = u64::from(s.first_triangle) + u64::from(s.triangle_count);
@@ -158,7 +152,8 @@ impl TryFrom<MeshParts> for Mesh {
                     return Err(MeshError::SharedVertex { triangle });
                 }
                 let key = t.map(|v| position_key(parts.positions[v as usize]));
-                if key[0] == key[1] || key[1] == key[2] || key[2] == key[0] {
+                let meet = |[i, j]: [usize; 2]| key[i] == key[j] && motion.move_alike(t[i], t[j]);
+                if [[0, 1], [1, 2], [2, 0]].into_iter().any(meet) {
                     return Err(MeshError::Degenerate { triangle });
                 }
             }

@@ -1,6 +1,10 @@
-//! Positions as identities: compared bit for bit, with −0 and +0 the same, and numbered.
+//! Positions as identities: compared bit for bit, with −0 and +0 the same, and numbered. Vertices
+//! that part in motion are at different ones, wherever they are at rest.
 
-/// The identity of a position: two vertices are at one position exactly if their keys are equal.
+use crate::motion::MotionStreams;
+use std::ops::Range;
+
+/// The identity of a position at rest: two vertices are at one exactly if their keys are equal.
 #[must_use]
 pub fn position_key(p: [f32; 3]) -> [u32; 3] {
     // Adding +0 turns −0 into +0 and leaves every other value as it is.
@@ -17,7 +21,44 @@ pub struct PositionIds {
 }
 
 impl PositionIds {
-    /// Numbers the positions of some vertices, in linear time: this runs on every mesh.
+    /// Numbers the positions of the vertices of a mesh with these streams: two vertices are at one
+    /// position if they are at rest and in motion, as their morph targets' deltas, joints and
+    /// weights are equal, too.
+    pub(crate) fn in_motion(positions: &[[f32; 3]], streams: &MotionStreams<'_>) -> Self {
+        let at_rest = Self::new(positions);
+        if streams.is_empty() || at_rest.len() == positions.len() {
+            return at_rest;
+        }
+        at_rest.parted(streams)
+    }
+
+    /// Gives vertices at one position that move differently different numbers.
+    fn parted(&self, streams: &MotionStreams<'_>) -> Self {
+        let mut counts = vec![0u32; self.len()];
+        self.of_vertex.iter().for_each(|&p| counts[p as usize] += 1);
+        // Only where a position has several vertices are their keys compared, in one arena.
+        let (mut keys, mut shared) = (Vec::new(), Vec::new());
+        for (&position, vertex) in self.of_vertex.iter().zip(0u32..) {
+            if counts[position as usize] > 1 {
+                let start = keys.len();
+                streams.put_key(vertex, &mut keys);
+                shared.push((position, start..keys.len(), vertex));
+            }
+        }
+        shared.sort_unstable_by(|a, b| {
+            let key = |range: &Range<usize>| &keys[range.clone()];
+            a.0.cmp(&b.0).then_with(|| key(&a.1).cmp(key(&b.1))).then(a.2.cmp(&b.2))
+        });
+        let mut first_equal: Vec<u32> = (0..index(self.of_vertex.len())).collect();
+        for pair in shared.windows(2) {
+            if pair[0].0 == pair[1].0 && keys[pair[0].1.clone()] == keys[pair[1].1.clone()] {
+                first_equal[pair[1].2 as usize] = first_equal[pair[0].2 as usize];
+            }
+        }
+        Self::by_first(&first_equal)
+    }
+
+    /// Numbers the positions of some vertices at rest, in linear time: this runs on every mesh.
     #[must_use]
     pub fn new(positions: &[[f32; 3]]) -> Self {
         Self::by_hashing(positions).unwrap_or_else(|| Self::by_sorting(positions))
@@ -85,13 +126,18 @@ impl PositionIds {
                 first_equal[pair[1] as usize] = first_equal[pair[0] as usize];
             }
         }
-        let (mut of_vertex, mut first_vertex) = (vec![0; positions.len()], Vec::new());
-        for v in 0..positions.len() {
-            if first_equal[v] as usize == v {
+        Self::by_first(&first_equal)
+    }
+
+    /// Returns the numbers, given for each vertex the first one at its position.
+    fn by_first(first_equal: &[u32]) -> Self {
+        let (mut of_vertex, mut first_vertex) = (vec![0; first_equal.len()], Vec::new());
+        for (v, &first) in first_equal.iter().enumerate() {
+            if first as usize == v {
                 of_vertex[v] = index(first_vertex.len());
-                first_vertex.push(index(v));
+                first_vertex.push(first);
             } else {
-                of_vertex[v] = of_vertex[first_equal[v] as usize];
+                of_vertex[v] = of_vertex[first as usize];
             }
         }
         Self { of_vertex, first_vertex }

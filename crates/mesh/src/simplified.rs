@@ -14,6 +14,10 @@ use std::fmt;
 pub struct Simplified {
     mesh: Mesh,
     collapses: CollapseSequence,
+    /// By vertex: whether it is locked. Empty if none is.
+    locked: Vec<bool>,
+    /// The coarsest level that keeps what is locked.
+    coarsest: Lod,
 }
 
 impl Simplified {
@@ -34,7 +38,60 @@ impl Simplified {
                 sequence: sequence_triangles,
             });
         }
-        Ok(Self { mesh, collapses })
+        let coarsest = collapses.last();
+        Ok(Self { mesh, collapses, locked: Vec::new(), coarsest })
+    }
+    /// Locks vertices: whoever takes out levels takes none that lacks one of them, nor moves one.
+    /// `locked` has an entry for each vertex, or none.
+    ///
+    /// # Panics
+    /// If it has another number of entries.
+    #[must_use]
+    pub fn with_locked(self, locked: Vec<bool>) -> Self {
+        if !locked.contains(&true) {
+            let coarsest = self.collapses.last();
+            return Self { locked: Vec::new(), coarsest, ..self };
+        }
+        assert_eq!(locked.len(), self.mesh.vertex_count(), "an entry for each vertex");
+        // A position is kept while one of its vertices is.
+        let ids = PositionIds::new(self.mesh.positions());
+        let mut last_record = vec![0; ids.len()];
+        for (v, &id) in (0..).zip(&ids.of_vertex) {
+            last_record[id as usize] = v;
+        }
+        let at = |(&id, _): (&u32, &bool)| last_record[id as usize];
+        let kept = ids.of_vertex.iter().zip(&locked).filter(|(_, locked)| **locked).map(at).min();
+        let coarsest = self.collapses.floor(Lod(kept.unwrap_or_default()));
+        Self { locked, coarsest, ..self }
+    }
+    /// Locks all vertices at some positions, as [`Self::with_locked`] does.
+    #[must_use]
+    pub fn with_locked_positions(self, positions: impl Iterator<Item = [f32; 3]>) -> Self {
+        // −0 and +0 are one position.
+        let bits = |p: [f32; 3]| p.map(|c| (c + 0.0).to_bits());
+        let mut at: Vec<[u32; 3]> = positions.map(bits).collect();
+        if at.is_empty() {
+            return self.with_locked(Vec::new());
+        }
+        at.sort_unstable();
+        let is_locked = |&p: &[f32; 3]| at.binary_search(&bits(p)).is_ok();
+        let locked = self.mesh.positions().iter().map(is_locked).collect();
+        self.with_locked(locked)
+    }
+    /// By vertex: whether it is locked. Empty if none is.
+    #[must_use]
+    pub fn locked(&self) -> &[bool] {
+        &self.locked
+    }
+    /// The positions of locked vertices, some more than once.
+    pub fn locked_positions(&self) -> impl Iterator<Item = [f32; 3]> {
+        let all = self.locked.iter().zip(self.mesh.positions());
+        all.filter(|(locked, _)| **locked).map(|(_, &p)| p)
+    }
+    /// The coarsest level that keeps what is locked; the last one if nothing is.
+    #[must_use]
+    pub fn coarsest(&self) -> Lod {
+        self.coarsest
     }
     /// Replaces the sequence's errors by measured distances in the mesh's units: the largest and
     /// the root mean square distance after each step.
@@ -42,9 +99,10 @@ impl Simplified {
     /// # Errors
     /// If there is not one of each for each step, or if they fall.
     pub fn with_distances(self, largest: Vec<f32>, rms: Vec<f32>) -> Result<Self, SequenceError> {
-        let mut parts = self.collapses.into_parts();
+        let Self { mesh, collapses, locked, coarsest } = self;
+        let mut parts = collapses.into_parts();
         (parts.step_errors, parts.step_rms) = (largest, rms);
-        Ok(Self { mesh: self.mesh, collapses: CollapseSequence::try_from(parts)? })
+        Ok(Self { mesh, collapses: CollapseSequence::try_from(parts)?, locked, coarsest })
     }
     /// The mesh in collapse order.
     #[must_use]
@@ -75,7 +133,7 @@ impl Simplified {
     /// rounded to the end of a step.
     #[must_use]
     pub fn triangles_at(&self, lod: Lod) -> Vec<OrientedTriangle> {
-        self.triangles_at_with(lod, &PositionIds::new(self.mesh.positions()))
+        self.triangles_at_with(lod, &self.mesh.position_ids())
     }
     /// [`Self::triangles_at`] with the numbers of positions given, which saves time over many
     /// calls.

@@ -2,7 +2,7 @@
 //! between them (seams, borders).
 
 use crate::sides::{Side, sides};
-use lodc_mesh::{DisjointSets, Mesh, NONE, PositionIds, Semantic};
+use lodc_mesh::{DisjointSets, Mesh, NONE, Semantic};
 use rayon::prelude::*;
 
 /// Streams that have to agree at a position for two triangles to be of one chart.
@@ -39,7 +39,7 @@ pub(crate) fn charts(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
 
 /// Returns for each vertex the first vertex that it is equal to.
 fn classes(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
-    let positions = PositionIds::new(mesh.positions());
+    let positions = mesh.position_ids();
     let streams: Vec<_> = mesh
         .attributes()
         .iter()

@@ -153,7 +153,7 @@ impl<'a> Fit<'a> {
             if ties.energy.sqrt() < GOOD_ENOUGH_SHARE * self.input.diagonal {
                 break;
             }
-            let moves = self.clamped(&positions, &ties.system.solve());
+            let moves = self.clamped(&positions, &ties.system.solve(&self.level.locked));
             positions = self.guard(&ties.input_normals).limit(&positions, &moves);
             ties = self.tie(&positions);
             let energies_around = self.energies_around(&ties.face_distances);

@@ -4,7 +4,7 @@
 use crate::charts::{Continuity, charts, curves};
 use crate::quadrature::{Rule, rule_for_ratio};
 use glam::DVec3;
-use lodc_mesh::{Mesh, PositionIds};
+use lodc_mesh::Mesh;
 use lodc_nearest::{TriangleTree, point_at};
 
 pub(crate) struct Input {
@@ -35,7 +35,7 @@ impl Input {
         let (normals, areas): (Vec<DVec3>, Vec<f64>) =
             crosses.map(|n| (n.normalize_or_zero(), n.length() / 2.0)).unzip();
         let charts = charts(mesh, Continuity::Texture);
-        let ids = PositionIds::new(mesh.positions());
+        let ids = mesh.position_ids();
         let faces: Vec<[u32; 3]> =
             mesh.triangles().iter().map(|t| t.map(|v| ids.of_vertex[v as usize])).collect();
         let curves = curves(&faces, &charts);

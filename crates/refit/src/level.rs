@@ -3,7 +3,7 @@
 
 use crate::sides::sides;
 use glam::DVec3;
-use lodc_mesh::{Lod, Mesh, NONE, OrientedTriangle, PositionIds, Simplified, is_degenerate};
+use lodc_mesh::{Lod, Mesh, NONE, OrientedTriangle, Simplified, is_degenerate};
 
 /// The triangles of a level and the positions that a refit may move.
 #[derive(Clone, Debug)]
@@ -22,12 +22,14 @@ pub(crate) struct Level {
     pub(crate) edges: Vec<[u32; 2]>,
     /// For each face the edges from its corners 0, 1 and 2 to the next.
     pub(crate) face_edges: Vec<[u32; 3]>,
+    /// By point: whether it is locked. Empty if none is.
+    pub(crate) locked: Vec<bool>,
 }
 
 impl Level {
     pub(crate) fn new(simplified: &Simplified, lod: Lod) -> Self {
         let (input, vertex_at_lod) = (simplified.mesh(), simplified.collapses().resolve_all(lod));
-        let positions = PositionIds::new(input.positions());
+        let positions = input.position_ids();
         let (mut input_triangles, mut triangles) = (Vec::new(), Vec::new());
         for (submesh, s) in input.submeshes().iter().enumerate() {
             for t in s.triangles() {
@@ -39,7 +41,7 @@ impl Level {
             }
         }
         let mesh = input.extract(&triangles).expect("triangles of a level are valid");
-        let ids = PositionIds::new(mesh.positions());
+        let ids = mesh.position_ids();
         let mut points = vec![DVec3::ZERO; ids.len()];
         for (&id, &p) in ids.of_vertex.iter().zip(mesh.positions()) {
             points[id as usize] = DVec3::from_array(p.map(f64::from));
@@ -48,7 +50,13 @@ impl Level {
         let faces: Vec<[u32; 3]> =
             mesh.triangles().iter().map(|t| t.map(|v| point_of_vertex[v as usize])).collect();
         let (edges, face_edges) = edges(&faces);
-        Self { mesh, input_triangles, point_of_vertex, points, faces, edges, face_edges }
+        let locked = locked_points(simplified, &triangles, &point_of_vertex, points.len());
+        Self { mesh, input_triangles, point_of_vertex, points, faces, edges, face_edges, locked }
+    }
+
+    /// Returns whether a point is locked.
+    pub(crate) fn is_locked(&self, point: u32) -> bool {
+        !self.locked.is_empty() && self.locked[point as usize]
     }
 
     /// Returns the corners of all faces with the points at `positions`.
@@ -69,6 +77,27 @@ impl Level {
         }
         sums.into_iter().map(|(sum, n)| sum / f64::max(n, 1.0)).collect()
     }
+}
+
+/// Returns by point whether a vertex there is locked; nothing if none is. The vertices of a level
+/// have the order that they have in the input.
+fn locked_points(
+    simplified: &Simplified,
+    triangles: &[OrientedTriangle],
+    point_of_vertex: &[u32],
+    points: usize,
+) -> Vec<bool> {
+    if simplified.locked().is_empty() {
+        return Vec::new();
+    }
+    let mut used: Vec<u32> = triangles.iter().flat_map(|t| t.corners).collect();
+    used.sort_unstable();
+    used.dedup();
+    let mut locked = vec![false; points];
+    for (&v, &point) in used.iter().zip(point_of_vertex) {
+        locked[point as usize] |= simplified.locked()[v as usize];
+    }
+    locked
 }
 
 /// Returns the undirected edges of faces, and for each face the indices of its three.

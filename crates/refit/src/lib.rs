@@ -40,7 +40,7 @@ use glam::DVec3;
 use guard::{Guard, cross};
 use input::Input;
 use level::Level;
-use lodc_mesh::{Lod, Mesh, MeshError, Simplified};
+use lodc_mesh::{Lod, Mesh, MeshError, MeshParts, Simplified};
 
 /// Effort of a refit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,10 +123,26 @@ impl<'a> Refit<'a> {
         loop {
             let mut parts = attributes::resample(self.original, &input.tree, level, &positions);
             normals::fit(self.original, input, level, &positions, &mut parts);
+            keep_locked(level, &mut parts);
             match Mesh::try_from(parts) {
                 Ok(mesh) => return mesh,
                 Err(MeshError::Degenerate { .. }) => reset_degenerate(level, &mut positions),
                 Err(e) => unreachable!("only positions and values of attributes changed: {e}"),
+            }
+        }
+    }
+}
+
+/// Gives locked vertices the attributes that the simplifier left them.
+fn keep_locked(level: &Level, parts: &mut MeshParts) {
+    if level.locked.is_empty() {
+        return;
+    }
+    for (attribute, before) in parts.attributes.iter_mut().zip(level.mesh.attributes()) {
+        let stride = attribute.stride();
+        for (v, &point) in level.point_of_vertex.iter().enumerate() {
+            if level.is_locked(point) {
+                attribute.bytes[v * stride..][..stride].copy_from_slice(before.at(v as u32));
             }
         }
     }

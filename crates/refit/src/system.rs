@@ -135,15 +135,20 @@ impl<'a> System<'a> {
     }
 
     /// Returns the moves that lower the sum of squared distances most (Levenberg's damping, then
-    /// block-Jacobi conjugate gradients).
-    pub(crate) fn solve(mut self) -> Vec<DVec3> {
+    /// block-Jacobi conjugate gradients). Vertices that are `locked` do not move; the list has an
+    /// entry for each, or none.
+    pub(crate) fn solve(mut self, locked: &[bool]) -> Vec<DVec3> {
         let vertex_count = self.diagonal.len();
         let stiffness: Vec<f64> = self.diagonal.iter().map(|b| b.trace() / 3.0).collect();
         let mean = stiffness.iter().sum::<f64>() / vertex_count.max(1) as f64;
         for (block, vertex_stiffness) in self.diagonal.iter_mut().zip(&stiffness) {
             block.add_diagonal(DAMPING * vertex_stiffness.max(MIN_STIFFNESS_SHARE * mean));
         }
-        let inverse: Vec<Symmetric> = self.diagonal.iter().map(Symmetric::inverse).collect();
+        let mut inverse: Vec<Symmetric> = self.diagonal.iter().map(Symmetric::inverse).collect();
+        // Without an inverse no direction of the search has a part of theirs.
+        for (block, _) in inverse.iter_mut().zip(locked).filter(|(_, locked)| **locked) {
+            *block = Symmetric::default();
+        }
         let precondition = |r: &[DVec3]| -> Vec<DVec3> {
             inverse.iter().zip(r).map(|(m, &r)| m.times(r)).collect()
         };
@@ -212,7 +217,9 @@ mod tests {
             let residual = DVec3::new(0.0, 0.0, -0.25);
             system.add(&Tie { face: 0, barycentric, residual, direction: DVec3::Z, weight: 1.0 });
         }
-        for x in system.solve() {
+        let one_locked = system.clone().solve(&[true, false, false]);
+        assert!(one_locked[0] == DVec3::ZERO && one_locked[1].z > 0.1, "{one_locked:?}");
+        for x in system.solve(&[]) {
             assert!((x - DVec3::new(0.0, 0.0, 0.25)).length() < 0.01, "{x}");
         }
     }

@@ -3,7 +3,7 @@
 use super::*;
 use lodc_fixtures::{named, random};
 use lodc_measure::{Sampling, Surface, distances};
-use lodc_mesh::{Attribute, Component, MeshParts, PositionIds, Semantic, Submesh};
+use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
 use lodc_simplify::simplify;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -151,7 +151,7 @@ fn vertices_at_one_position_stay_at_one_position() {
         let lod = level(&s, 0.4);
         let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
         assert_eq!(before.triangles(), after.triangles(), "seed {seed}");
-        let ids = PositionIds::new(before.positions());
+        let ids = before.position_ids();
         let mut point = vec![None; ids.len()];
         for (&id, &p) in ids.of_vertex.iter().zip(after.positions()) {
             assert_eq!(*point[id as usize].get_or_insert(p), p, "seed {seed}");

@@ -50,7 +50,19 @@ impl Graph {
     /// A graph for a file without nodes: it shows each object once, as it was modelled.
     #[must_use]
     pub fn of_objects(objects: u32) -> Self {
-        let node = |object| Node { objects: vec![object], ..Node::default() };
+        Self::of_objects_at(objects, [0.0; 3])
+    }
+
+    /// A graph for a file without nodes: it shows each object once, at an offset.
+    #[must_use]
+    pub fn of_objects_at(objects: u32, offset: [f64; 3]) -> Self {
+        let local = match offset {
+            [0.0, 0.0, 0.0] => LocalTransform::default(),
+            translation => {
+                LocalTransform::Trs { translation, rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] }
+            }
+        };
+        let node = |object| Node { objects: vec![object], local, ..Node::default() };
         Self {
             nodes: (0..objects).map(node).collect(),
             roots: (0..objects).collect(),

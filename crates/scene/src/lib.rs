@@ -49,11 +49,13 @@ pub use animation::{Animation, Channel, Interpolation, Property};
 pub use graph::{Graph, Node, Skin};
 pub use image::Image;
 pub use material::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
-pub use motion::{MeasuredPlacement, MeasuredPlacements, Motion, ObjectShapes};
+pub use motion::{
+    MAX_TARGET_SHAPES, MeasuredPlacement, MeasuredPlacements, Motion, ObjectShapes, SeenPositions,
+};
 pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement, evenly_spread, share_in_pictures};
 pub use pose::Pose;
-pub use posed::{PosedVertices, posed, posed_positions, stream};
+pub use posed::{PosedVertices, centre, posed, posed_positions, stream};
 pub use scale::placement_scales;
 pub use shape::Shape;
 pub use srgb::{srgb_value, to_linear, to_srgb};

@@ -3,9 +3,11 @@
 
 mod choice;
 mod measured;
+mod seen;
 mod stretching;
 
 pub use measured::{MeasuredPlacement, MeasuredPlacements};
+pub use seen::{MAX_TARGET_SHAPES, SeenPositions};
 
 use crate::animation::Animation;
 use crate::graph::Graph;

@@ -145,7 +145,7 @@ mod tests {
     fn positions_and_normals(mesh: &lodc_mesh::Mesh) -> (Vec<DVec3>, Vec<[Vec3; 3]>) {
         let positions: Vec<DVec3> =
             mesh.positions().iter().map(|p| Vec3::from(*p).as_dvec3()).collect();
-        let ids = PositionIds::new(mesh.positions());
+        let ids = mesh.position_ids();
         let normals = smooth_normals(mesh.triangles(), &positions, &ids);
         (positions, normals)
     }

@@ -94,6 +94,17 @@ impl Arrangement {
         }
     }
 
+    /// Returns the same placements, each moved.
+    #[must_use]
+    pub fn moved(&self, by: [f64; 3]) -> Self {
+        let translation = Transform::from_translation(by.into());
+        self.mapped(|placement| Placement {
+            transform: translation * placement.transform,
+            joints: placement.joints.iter().map(|joint| translation * *joint).collect(),
+            ..placement.clone()
+        })
+    }
+
     /// Every placement, in the order of the nodes.
     #[must_use]
     pub fn placements(&self) -> &[Placement] {

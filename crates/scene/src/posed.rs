@@ -1,7 +1,7 @@
 //! The vertices of an object in one placement, in world space: blended by morph targets, then moved
 //! by joints or by its node (glTF 2.0, 3.7.2 and 3.7.3).
 
-use crate::placement::Placement;
+use crate::placement::{Arrangement, Placement};
 use crate::transform::{Transform, transform_normal};
 use glam::{DMat3, DVec3, Vec3};
 use lodc_mesh::{Attribute, Mesh, Semantic};
@@ -39,6 +39,35 @@ pub fn posed_positions(mesh: &Mesh, placement: &Placement) -> Vec<DVec3> {
     let streams = Streams::of(mesh, placement);
     let vertices = mesh.vertex_count() as u32;
     (0..vertices).into_par_iter().map(|v| posed_vertex(&streams, mesh, placement, v).0).collect()
+}
+
+/// Returns about which point a scene is to be looked at in single precision: its middle, where
+/// coordinates are so large that single precision would round them by more than a ten-millionth of
+/// its extent, else the origin. `mesh` returns that of an object.
+pub fn centre<'m>(scene: &Arrangement, mesh: impl Fn(usize) -> &'m Mesh) -> [f64; 3] {
+    const MAX_ROUNDING: f64 = 1e-7;
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut add = |p: DVec3| {
+        if p.is_finite() {
+            (low, high) = (low.min(p), high.max(p));
+        }
+    };
+    for placement in scene.placements() {
+        let mesh = mesh(placement.object);
+        if placement.joints.is_empty() {
+            let (lowest, highest) = mesh.bounds();
+            let end = |k: usize, bit: usize| f64::from([lowest, highest][bit][k]);
+            let corner = |i: usize| std::array::from_fn::<f64, 3, _>(|k| end(k, i >> k & 1));
+            let placed = |i: usize| placement.transform.transform_point3(corner(i).into());
+            (0..8).map(placed).for_each(&mut add);
+        } else {
+            posed_positions(mesh, placement).into_iter().for_each(&mut add);
+        }
+    }
+    let largest = low.abs().max(high.abs()).max_element();
+    let rounding = f64::from(f32::EPSILON) / 2.0 * largest;
+    let is_far = rounding.is_finite() && rounding > MAX_ROUNDING * (high - low).length();
+    if is_far { (0.5 * (low + high)).to_array() } else { [0.0; 3] }
 }
 
 /// Returns the position of a vertex in world space, and its transform.

@@ -25,7 +25,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    pub(crate) const AS_MODELLED: Self = Self { placement: None, scale: 1.0, middle: DVec3::ZERO };
+    /// The positions of the mesh as they are.
+    pub const AS_MODELLED: Self = Self { placement: None, scale: 1.0, middle: DVec3::ZERO };
 
     /// The shape of an object in a placement, `scale` world units being one unit. The object keeps
     /// its positions if the placement only moves, turns, mirrors and scales it as a whole by

@@ -2,7 +2,7 @@
 //! or for each object by itself.
 
 use crate::loss::Visibility;
-use crate::selection::{Candidate, RecordOfScene, Selection, Target, select};
+use crate::selection::{Candidate, RecordError, Selection, Target, select};
 use lodc_mesh::Simplified;
 use lodc_scene::Arrangement;
 use std::fmt;
@@ -11,8 +11,8 @@ use std::sync::OnceLock;
 /// Why levels cannot be chosen or shown.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SelectError {
-    /// A record number was asked of several objects at once.
-    RecordOfScene(RecordOfScene),
+    /// A record number names no level.
+    Record(RecordError),
     /// A root mean square distance was asked of an object that has none.
     NotMeasured {
         /// Its name.
@@ -35,7 +35,7 @@ pub enum SelectError {
 impl fmt::Display for SelectError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::RecordOfScene(error) => error.fmt(f),
+            Self::Record(error) => error.fmt(f),
             Self::NotMeasured { object } => write!(
                 f,
                 "{object}: has errors that are estimates, and no root mean square distances"
@@ -50,9 +50,9 @@ impl fmt::Display for SelectError {
 
 impl std::error::Error for SelectError {}
 
-impl From<RecordOfScene> for SelectError {
-    fn from(error: RecordOfScene) -> Self {
-        Self::RecordOfScene(error)
+impl From<RecordError> for SelectError {
+    fn from(error: RecordError) -> Self {
+        Self::Record(error)
     }
 }
 
@@ -69,6 +69,20 @@ pub struct ObjectLevels<'a> {
     /// what that placement errs
     /// ([`MeasuredPlacements::unevenness`](lodc_scene::MeasuredPlacements::unevenness)).
     pub unevenness: f64,
+}
+
+impl<'a> ObjectLevels<'a> {
+    /// The object as [`select`] takes it.
+    #[must_use]
+    pub fn candidate(&self) -> Candidate<'a> {
+        Candidate {
+            name: self.name,
+            collapses: self.simplified.collapses(),
+            scale: self.scale,
+            diagonal: self.simplified.mesh().diagonal(),
+            coarsest: self.simplified.coarsest(),
+        }
+    }
 }
 
 /// Objects to choose levels of detail for, and the scene that shows them.
@@ -102,13 +116,7 @@ impl<'a> SceneLevels<'a> {
     /// The objects as [`select`] takes them.
     #[must_use]
     pub fn candidates(&self) -> Vec<Candidate<'a>> {
-        let candidate = |o: &ObjectLevels<'a>| Candidate {
-            name: o.name,
-            collapses: o.simplified.collapses(),
-            scale: o.scale,
-            diagonal: o.simplified.mesh().diagonal(),
-        };
-        self.objects.iter().map(candidate).collect()
+        self.objects.iter().map(ObjectLevels::candidate).collect()
     }
 
     /// For each object the visible area of each triangle, by pictures of the whole scene from all
@@ -135,7 +143,7 @@ impl<'a> SceneLevels<'a> {
         let mut total = 0;
         for object in &self.objects {
             let collapses = object.simplified.collapses();
-            let last = collapses.last_visible();
+            let last = collapses.last_visible().min(object.simplified.coarsest());
             let mut previous = collapses.parts().triangles;
             total += previous;
             for step in (0..collapses.steps()).map(|i| collapses.step(i)) {

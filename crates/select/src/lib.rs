@@ -2,8 +2,9 @@
 //! triangles, a number of them.
 //!
 //! [`select`] does it. Each object keeps an error by itself. A number of triangles is shared out
-//! among the objects: [`losses`] returns what the scene loses with every step of every object, and
-//! triangles are removed where the loss for each is least. [`SceneLevels`] does both for the
+//! among the objects: triangles are removed where the error is least, so that a number never costs
+//! more error than a smaller one could have had. Among steps that err nearly alike those go first
+//! with which the scene loses least for each triangle ([`losses`]). [`SceneLevels`] does both for the
 //! objects of a scene, [`SceneViews`] chooses a level for every part of their surfaces, and
 //! [`SceneManager`] levels for many instances, frame by frame.
 //!
@@ -27,6 +28,7 @@
 //!         collapses: s.collapses(),
 //!         scale: 1.0,
 //!         diagonal: s.mesh().diagonal(),
+//!         coarsest: s.coarsest(),
 //!     })
 //!     .collect();
 //! let objects: Vec<_> = simplified.iter().collect();
@@ -52,5 +54,5 @@ pub use number::decimal;
 pub use order::{Turn, turns};
 pub use parse::{bound, count, rms_bound, share, size};
 pub use quadric::accumulated_error;
-pub use selection::{Candidate, RecordOfScene, Selection, Target, scene_diagonal, select};
+pub use selection::{Candidate, RecordError, Selection, Target, scene_diagonal, select};
 pub use views::{Criterion, SceneViews, ShownScene, ViewOptions};

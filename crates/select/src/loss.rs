@@ -4,7 +4,7 @@
 use crate::quadric::accumulated_error;
 use crate::visibility::{Part, visible_areas};
 use glam::DVec3;
-use lodc_mesh::{PositionIds, Simplified};
+use lodc_mesh::Simplified;
 use lodc_scene::{
     Arrangement, Placement, evenly_spread, placement_scales, posed_positions, share_in_pictures,
 };
@@ -201,7 +201,7 @@ impl PlacedObject {
         let weight = |(t, tri)| self.area(t, tri, visible, HIDDEN_WEIGHT);
         let weights: Vec<f64> = mesh.triangles().iter().enumerate().map(weight).collect();
         let total: f64 = weights.iter().sum();
-        let ids = PositionIds::new(mesh.positions());
+        let ids = mesh.position_ids();
         let error = accumulated_error(
             mesh.triangles(),
             self.positions(),

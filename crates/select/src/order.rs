@@ -1,23 +1,34 @@
-//! The order in which the objects of a scene lose triangles: by loss per triangle removed.
+//! The order in which the objects of a scene lose triangles: by error in world units, and among
+//! steps whose errors are nearly the same by loss per triangle removed.
 //!
-//! For each object the lower convex hull of (triangles, loss) over its levels is cut into segments;
-//! the steps of a segment share its slope. All segments together, sorted by slope, are the order; a
-//! scene is a prefix of it, so that scenes of different budgets are nested, and one of a hull's
-//! corners is the best for its number of triangles (Shoham and Gersho 1988).
+//! The steps of every object are cut into bands of errors, 16 to an octave, the same for all
+//! objects. A scene is a prefix of the order, so that scenes of different budgets are nested, and
+//! its largest error is at most that of a band above the least that a budget allows: no object
+//! keeps triangles that others would err less with. Within a band the lower convex hull of
+//! (triangles, loss) over an object's levels is cut into segments; the steps of a segment share its
+//! slope, and segments go by slope, so that what is seen least goes first (Shoham and Gersho 1988).
 
+use crate::levels::ObjectLevels;
 use crate::loss::losses;
-use lodc_mesh::{CollapseSequence, Lod, Simplified};
+use crate::selection::Candidate;
+use lodc_mesh::Lod;
 use lodc_scene::Arrangement;
+use std::ops::Range;
 
-/// The last triangles of every object are removed after all others, so that none vanishes while
-/// others have many. Four are the fewest that enclose a volume.
-const LAST_TRIANGLES: u32 = 4;
+/// Bits of an error's float that are dropped: the others number 16 bands in each octave, of which
+/// each is 3 to 6 % wide. Chosen by hand: losses decide little that errors do not.
+const DROPPED_BITS: u32 = 19;
+
+/// The band of an error in world units; never less for a larger one, and equal on every machine.
+fn band(error: f64) -> u32 {
+    (error.max(0.0) as f32).to_bits() >> DROPPED_BITS
+}
 
 /// A run of steps of one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Segment {
-    /// True if it leaves fewer than [`LAST_TRIANGLES`].
-    is_last: bool,
+    /// The band of their errors.
+    band: u32,
     /// Loss per triangle removed.
     slope: f64,
     object: usize,
@@ -42,42 +53,44 @@ pub struct Turn {
 /// order of their ranks while the scene has too many triangles; where one would remove more
 /// than is needed, it takes the object's finest level that fits.
 #[must_use]
-pub fn turns(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<Turn>> {
-    let collapses: Vec<&CollapseSequence> = objects.iter().map(|o| o.collapses()).collect();
+pub fn turns(objects: &[ObjectLevels<'_>], scene: &Arrangement) -> Vec<Vec<Turn>> {
+    let simplified: Vec<_> = objects.iter().map(|o| o.simplified).collect();
+    let candidates: Vec<Candidate<'_>> = objects.iter().map(ObjectLevels::candidate).collect();
     let mut turns = vec![Vec::new(); objects.len()];
-    for (rank, segment) in (0..).zip(order(&collapses, &losses(objects, scene))) {
-        let lod = Lod(collapses[segment.object].parts().step_ends[segment.end - 1]);
+    for (rank, segment) in (0..).zip(order(&candidates, &losses(&simplified, scene))) {
+        let collapses = candidates[segment.object].collapses;
+        let lod = Lod(collapses.parts().step_ends[segment.end - 1]);
         turns[segment.object].push(Turn { rank, lod });
     }
     turns
 }
 
-/// The segments of all hulls in the order in which they are removed.
-fn order(objects: &[&CollapseSequence], losses: &[Vec<f64>]) -> Vec<Segment> {
+/// The segments of all objects in the order in which they are removed.
+fn order(objects: &[Candidate<'_>], losses: &[Vec<f64>]) -> Vec<Segment> {
     let mut segments: Vec<Segment> = Vec::new();
-    for (number, (collapses, loss)) in objects.iter().zip(losses).enumerate() {
-        segments.extend(hull(number, collapses, loss));
+    for (number, (object, loss)) in objects.iter().zip(losses).enumerate() {
+        put_segments(number, object, loss, &mut segments);
     }
     // Stable: segments of one slope keep the order of the objects.
-    segments.sort_by(|a, b| a.is_last.cmp(&b.is_last).then(a.slope.total_cmp(&b.slope)));
+    segments.sort_by(|a, b| a.band.cmp(&b.band).then(a.slope.total_cmp(&b.slope)));
     segments
 }
 
 /// Chooses the finest state of a scene on the order that has at most `budget` triangles; the
-/// coarsest one where every object still has a triangle if there is none. `losses` has for each
-/// object the loss after each step, never falling.
+/// coarsest one where every object still has a triangle, and what is locked, if there is none.
+/// `losses` has for each object the loss after each step, never falling.
 pub(crate) fn within_triangles(
-    objects: &[&CollapseSequence],
+    objects: &[Candidate<'_>],
     losses: &[Vec<f64>],
     budget: u64,
 ) -> Vec<Lod> {
-    let mut total: u64 = objects.iter().map(|c| u64::from(c.parts().triangles)).sum();
+    let mut total: u64 = objects.iter().map(|o| u64::from(o.collapses.parts().triangles)).sum();
     let mut lods = vec![Lod(0); objects.len()];
     for segment in order(objects, losses) {
         if total <= budget {
             break;
         }
-        let collapses = objects[segment.object];
+        let collapses = objects[segment.object].collapses;
         let lod = &mut lods[segment.object];
         if total - segment.removed >= budget {
             *lod = Lod(collapses.parts().step_ends[segment.end - 1]);
@@ -93,43 +106,55 @@ pub(crate) fn within_triangles(
     lods
 }
 
-/// The segments of an object's hull up to its last level that has a triangle, in the order of
-/// rising slopes. Those that leave [`LAST_TRIANGLES`] and those that leave fewer have hulls of
-/// their own.
-fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segment> {
-    let parts = collapses.parts();
-    let steps = collapses.steps_at(collapses.last_visible());
+/// Appends the segments of an object up to its last level: band by band, in each in the order of
+/// rising slopes.
+fn put_segments(number: usize, object: &Candidate<'_>, loss: &[f64], segments: &mut Vec<Segment>) {
+    let collapses = object.collapses;
+    let errors = &collapses.parts().step_errors[..collapses.steps_at(object.last())];
+    let band_of = |error: f32| band(f64::from(error) * object.world_scale());
+    let mut first = 0;
+    while first < errors.len() {
+        let band = band_of(errors[first]);
+        let end = first + errors[first..].partition_point(|&error| band_of(error) <= band);
+        put_hull(number, object, loss, (first..end, band), segments);
+        first = end;
+    }
+}
+
+/// Appends the segments of the steps of one band.
+fn put_hull(
+    object: usize,
+    candidate: &Candidate<'_>,
+    loss: &[f64],
+    (steps, band): (Range<usize>, u32),
+    segments: &mut Vec<Segment>,
+) {
+    let parts = candidate.collapses.parts();
     let triangles_after =
         |end: usize| if end == 0 { parts.triangles } else { parts.step_triangles[end - 1] };
     let loss_at = |end: usize| if end == 0 { 0.0 } else { loss[end - 1] };
     let slope = |from: usize, to: usize| {
         (loss_at(to) - loss_at(from)) / f64::from(triangles_after(from) - triangles_after(to))
     };
-    // The first step that leaves too few.
-    let split = parts.step_triangles[..steps].partition_point(|&n| n >= LAST_TRIANGLES);
-    let mut segments = Vec::new();
-    for (range, is_last) in [(0..split, false), (split..steps, true)] {
-        let mut corners = vec![range.start];
-        for end in range.start + 1..=range.end {
-            let newest = *corners.last().expect("never empty");
-            if triangles_after(end) == triangles_after(newest) {
-                // No triangle is removed: the slope would be infinite.
-                continue;
-            }
-            while let [.., a, b] = corners[..]
-                && slope(a, b) >= slope(b, end)
-            {
-                corners.pop();
-            }
-            corners.push(end);
+    let mut corners = vec![steps.start];
+    for end in steps.start + 1..=steps.end {
+        let newest = *corners.last().expect("never empty");
+        if triangles_after(end) == triangles_after(newest) {
+            // No triangle is removed: the slope would be infinite.
+            continue;
         }
-        segments.extend(corners.windows(2).map(|w| Segment {
-            is_last,
-            slope: slope(w[0], w[1]),
-            object,
-            end: w[1],
-            removed: u64::from(triangles_after(w[0]) - triangles_after(w[1])),
-        }));
+        while let [.., a, b] = corners[..]
+            && slope(a, b) >= slope(b, end)
+        {
+            corners.pop();
+        }
+        corners.push(end);
     }
-    segments
+    segments.extend(corners.windows(2).map(|w| Segment {
+        band,
+        slope: slope(w[0], w[1]),
+        object,
+        end: w[1],
+        removed: u64::from(triangles_after(w[0]) - triangles_after(w[1])),
+    }));
 }

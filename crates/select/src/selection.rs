@@ -36,14 +36,35 @@ pub struct Candidate<'a> {
     pub scale: f64,
     /// Diagonal of its bounding box, in mesh units.
     pub diagonal: f64,
+    /// The coarsest level that keeps what is locked
+    /// ([`Simplified::coarsest`](lodc_mesh::Simplified::coarsest)).
+    pub coarsest: Lod,
 }
 
 impl Candidate<'_> {
+    /// World units per mesh unit, a finite number of at least 0.
+    pub(crate) fn world_scale(&self) -> f64 {
+        if self.scale.is_finite() { self.scale.abs() } else { 1.0 }
+    }
+
+    /// The coarsest level that has a triangle and keeps what is locked.
+    pub(crate) fn last(&self) -> Lod {
+        self.coarsest.min(self.collapses.last_visible())
+    }
+
+    /// What that level is the last of, for messages.
+    fn why_last(&self) -> &'static str {
+        match self.coarsest < self.collapses.last_visible() {
+            true => "keeps what is locked",
+            false => "has a triangle",
+        }
+    }
+
     /// A target in the object's own units, given one in world units.
     fn own(&self, target: Target) -> Target {
         match target {
-            Target::Error(e) => Target::Error(e / scale(self)),
-            Target::Rms(e) => Target::Rms(e / scale(self)),
+            Target::Error(e) => Target::Error(e / self.world_scale()),
+            Target::Rms(e) => Target::Rms(e / self.world_scale()),
             other => other,
         }
     }
@@ -63,34 +84,59 @@ pub struct Selection {
     pub warnings: Vec<String>,
 }
 
-/// A record number was asked of several objects at once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RecordOfScene {
-    /// Number of objects.
-    pub objects: usize,
+/// Why a record number names no level.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RecordError {
+    /// It was asked of several objects at once.
+    OfScene {
+        /// Number of objects.
+        objects: usize,
+    },
+    /// That level lacks something that is locked.
+    Unlocks {
+        /// The object's name.
+        object: String,
+        /// The coarsest level that keeps what is locked.
+        coarsest: Lod,
+    },
 }
 
-impl fmt::Display for RecordOfScene {
+impl fmt::Display for RecordError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "a record number means one object, and there are {}", self.objects)
+        match self {
+            Self::OfScene { objects } => {
+                write!(f, "a record number means one object, and there are {objects}")
+            }
+            Self::Unlocks { object, coarsest } => {
+                write!(f, "{object}: what is locked is there down to LOD {}", coarsest.0)
+            }
+        }
     }
 }
 
-impl std::error::Error for RecordOfScene {}
+impl std::error::Error for RecordError {}
 
 /// Chooses one level of detail per object. Unless `per_object`, objects meet an error in world
 /// units each for itself, and several meet numbers of triangles together: triangles are removed
-/// where least is lost. `losses` returns for each object its loss after each step, never falling;
-/// it is called only if the target is a number of triangles for several objects.
+/// where they err least, and among nearly equal errors where least is lost. `losses` returns for
+/// each object its loss after each step, never falling; it is called only if the target is a number
+/// of triangles for several objects.
 ///
 /// # Errors
-/// If a record number is asked of several objects at once.
+/// If a record number is asked of several objects at once, or one past what is locked.
 pub fn select<L: AsRef<[Vec<f64>]>>(
     objects: &[Candidate<'_>],
     target: Target,
     per_object: bool,
     losses: impl FnOnce() -> L,
-) -> Result<Selection, RecordOfScene> {
+) -> Result<Selection, RecordError> {
+    if let Target::Lod(n) = target
+        && let Some(o) = objects.iter().find(|o| o.coarsest < o.collapses.last().min(Lod(n)))
+        && (per_object || objects.len() == 1)
+    {
+        let (object, coarsest) = (o.name.to_owned(), o.coarsest);
+        return Err(RecordError::Unlocks { object, coarsest });
+    }
     let mut chosen = Selection::default();
     match objects {
         [one] if !per_object => {
@@ -135,9 +181,10 @@ impl Selection {
     /// Sets the error and the root mean square distance to those of the chosen levels.
     fn measure(&mut self, objects: &[Candidate<'_>]) {
         let pairs = || objects.iter().zip(&self.lods);
-        let errors = pairs().map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * scale(o));
+        let errors = pairs().map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * o.world_scale());
         let error = errors.fold(0.0, f64::max);
-        let rms = pairs().map(|(o, &lod)| Some(decimal(o.collapses.rms_at(lod)?) * scale(o)));
+        let rms =
+            pairs().map(|(o, &lod)| Some(decimal(o.collapses.rms_at(lod)?) * o.world_scale()));
         let rms: Option<Vec<f64>> = rms.collect();
         self.rms = rms.map(|all| all.into_iter().fold(0.0, f64::max));
         self.error = error;
@@ -165,14 +212,16 @@ fn level_of_object(object: &Candidate<'_>, target: Target, warnings: &mut Vec<St
         Target::Rms(e) => by_rms(c, e),
         Target::RmsShare(s) => by_rms(c, s * object.diagonal),
     };
-    let visible = c.last_visible();
-    if lod > visible {
+    let last = object.last();
+    if lod > last {
         warnings.push(format!(
-            "{}: stopped at LOD {}, the last that has a triangle",
-            object.name, visible.0
+            "{}: stopped at LOD {}, the last that {}",
+            object.name,
+            last.0,
+            object.why_last()
         ));
     }
-    lod.min(visible)
+    lod.min(last)
 }
 
 /// The levels of several objects, in world units or for a number of triangles of all.
@@ -181,10 +230,10 @@ fn levels_of_scene<L: AsRef<[Vec<f64>]>>(
     target: Target,
     losses: impl FnOnce() -> L,
     chosen: &mut Selection,
-) -> Result<(), RecordOfScene> {
+) -> Result<(), RecordError> {
     let all: u64 = objects.iter().map(|o| u64::from(o.collapses.parts().triangles)).sum();
     let budget = match target {
-        Target::Lod(_) => return Err(RecordOfScene { objects: objects.len() }),
+        Target::Lod(_) => return Err(RecordError::OfScene { objects: objects.len() }),
         Target::Error(e) => {
             choose_within(objects, e, by_error, chosen);
             return Ok(());
@@ -208,22 +257,22 @@ fn levels_of_scene<L: AsRef<[Vec<f64>]>>(
         chosen.lods = vec![Lod(0); objects.len()];
         return Ok(());
     }
-    let sequences: Vec<&CollapseSequence> = objects.iter().map(|o| o.collapses).collect();
-    chosen.lods = within_triangles(&sequences, losses().as_ref(), budget);
+    chosen.lods = within_triangles(objects, losses().as_ref(), budget);
     let live = |(o, &lod): (&Candidate<'_>, &Lod)| u64::from(o.collapses.triangles_at(lod));
     let remaining: u64 = objects.iter().zip(&chosen.lods).map(live).sum();
+    let is_stopped = |(o, lod): &(&Candidate<'_>, &Lod)| **lod == o.last() && lod.0 > 0;
+    let stopped = objects.iter().zip(&chosen.lods).filter(is_stopped).map(|(o, _)| o);
+    let stopped: Vec<&Candidate<'_>> = stopped.collect();
     if remaining > budget {
+        let locks = stopped.iter().any(|o| o.coarsest < o.collapses.last_visible());
+        let or_lock = if locks { ", or that keeps what is locked" } else { "" };
         chosen.warnings.push(format!(
             "{budget} triangles cannot be reached: every object stopped at its last LOD that has a \
-             triangle, {remaining} in all"
+             triangle{or_lock}, {remaining} in all"
         ));
         return Ok(());
     }
-    let is_stopped =
-        |&(o, lod): &(&Candidate<'_>, &Lod)| *lod == o.collapses.last_visible() && lod.0 > 0;
-    let stopped = objects.iter().zip(&chosen.lods).filter(is_stopped);
-    let names: Vec<&str> = stopped.map(|(o, _)| o.name).collect();
-    warn_of_stopped(&names, objects.len(), chosen);
+    warn_of_stopped(&stopped, objects.len(), chosen);
     Ok(())
 }
 
@@ -231,7 +280,7 @@ fn levels_of_scene<L: AsRef<[Vec<f64>]>>(
 /// world units.
 #[must_use]
 pub fn scene_diagonal(objects: &[Candidate<'_>]) -> f64 {
-    objects.iter().map(|o| o.diagonal * scale(o)).fold(0.0, f64::max)
+    objects.iter().map(|o| o.diagonal * o.world_scale()).fold(0.0, f64::max)
 }
 
 /// Finds the coarsest level within a distance in mesh units.
@@ -254,12 +303,12 @@ fn choose_within(
 ) {
     let mut stopped = Vec::new();
     for o in objects {
-        let lod = find(o.collapses, distance / scale(o));
-        let visible = o.collapses.last_visible();
-        if lod > visible {
-            stopped.push(o.name);
+        let lod = find(o.collapses, distance / o.world_scale());
+        let last = o.last();
+        if lod > last {
+            stopped.push(o);
         }
-        chosen.lods.push(lod.min(visible));
+        chosen.lods.push(lod.min(last));
     }
     warn_of_stopped(&stopped, objects.len(), chosen);
 }
@@ -267,22 +316,22 @@ fn choose_within(
 /// Largest number of names that a warning lists. Chosen by hand.
 const MAX_NAMES: usize = 8;
 
-fn warn_of_stopped(names: &[&str], of: usize, chosen: &mut Selection) {
-    if names.is_empty() {
-        return;
+fn warn_of_stopped(stopped: &[&Candidate<'_>], of: usize, chosen: &mut Selection) {
+    for reason in ["has a triangle", "keeps what is locked"] {
+        let names = stopped.iter().filter(|o| o.why_last() == reason).map(|o| o.name);
+        let names: Vec<&str> = names.collect();
+        if names.is_empty() {
+            continue;
+        }
+        let mut list = names[..names.len().min(MAX_NAMES)].join(", ");
+        if names.len() > MAX_NAMES {
+            list.push_str(", …");
+        }
+        chosen.warnings.push(format!(
+            "{} of {of} objects stopped at their last LOD that {reason}: {list}",
+            names.len()
+        ));
     }
-    let mut list = names[..names.len().min(MAX_NAMES)].join(", ");
-    if names.len() > MAX_NAMES {
-        list.push_str(", …");
-    }
-    chosen.warnings.push(format!(
-        "{} of {of} objects stopped at their last LOD that has a triangle: {list}",
-        names.len()
-    ));
-}
-
-fn scale(o: &Candidate<'_>) -> f64 {
-    if o.scale.is_finite() { o.scale.abs() } else { 1.0 }
 }
 
 fn share(ratio: f64, triangles: u64) -> u32 {

@@ -3,11 +3,12 @@
 
 use crate::levels::{ObjectLevels, SceneLevels, SelectError};
 use crate::selection::Target;
+use glam::DVec3;
 use lodc_lod::interactive::view::{
     Family, LodRange, Selector, State, drawn_triangles, finest_within, live_triangles, morphed_mesh,
 };
 use lodc_mesh::{Lod, Mesh, OrientedTriangle, PositionIds};
-use lodc_scene::{Arrangement, Placement, placement_scales, posed_positions};
+use lodc_scene::{Arrangement, Placement, centre, placement_scales, posed_positions};
 use rayon::prelude::*;
 
 /// Largest number of vertices, instances counted, for which views are made. Chosen by hand.
@@ -39,7 +40,7 @@ pub enum Criterion {
     Box {
         /// Its lowest and its highest corner; none: a cube around the target, its side half the
         /// scene's diagonal.
-        corners: Option<[[f32; 3]; 2]>,
+        corners: Option<[[f64; 3]; 2]>,
     },
     /// Fine on the screen, coarse behind the eye and beside the screen. The target is its middle.
     Frustum {
@@ -54,9 +55,9 @@ pub struct ViewOptions {
     /// The rule.
     pub criterion: Criterion,
     /// Position of the eye, in the scene's units; none: that of the target.
-    pub eye: Option<[f32; 3]>,
+    pub eye: Option<[f64; 3]>,
     /// The point looked at; none: the middle of the scene.
-    pub target: Option<[f32; 3]>,
+    pub target: Option<[f64; 3]>,
     /// Share of the triangles where detail is wanted.
     pub fine: f64,
     /// Share of the triangles elsewhere; none: a hundredth or, beside outlines, a part of what is
@@ -80,9 +81,10 @@ impl ViewOptions {
     /// The criteria of a scene of this extent for an object whose error in mesh units is at most
     /// `scale` times that in world units.
     fn family(&self, scene: &Extent, scale: f64) -> Family {
-        let centre = self.target.unwrap_or_else(|| scene.middle());
+        let target = self.target.unwrap_or_else(|| scene.middle());
         let quarter = scene.diagonal() / 4.0;
-        let eye = self.eye.unwrap_or(centre);
+        let eye = scene.local(self.eye.unwrap_or(target));
+        let centre = scene.local(target);
         match self.criterion {
             Criterion::Silhouette => Family::Silhouette { eye },
             Criterion::Pixels { slope } => {
@@ -93,7 +95,8 @@ impl ViewOptions {
             }
             Criterion::Box { corners } => {
                 let around = |sign: f32| centre.map(|c| c + sign * quarter as f32);
-                let [low, high] = corners.unwrap_or_else(|| [around(-1.0), around(1.0)]);
+                let given = corners.map(|corners| corners.map(|corner| scene.local(corner)));
+                let [low, high] = given.unwrap_or_else(|| [around(-1.0), around(1.0)]);
                 Family::Region { low, high }
             }
             Criterion::Frustum { tangents } => {
@@ -108,11 +111,17 @@ impl ViewOptions {
 struct Extent {
     low: [f64; 3],
     high: [f64; 3],
+    /// The point about which positions are in single precision: [`centre`].
+    centre: [f64; 3],
 }
 
 impl Extent {
-    fn middle(&self) -> [f32; 3] {
-        std::array::from_fn(|i| f64::midpoint(self.low[i], self.high[i]) as f32)
+    fn middle(&self) -> [f64; 3] {
+        std::array::from_fn(|i| f64::midpoint(self.low[i], self.high[i]))
+    }
+    /// A point about the centre.
+    fn local(&self, point: [f64; 3]) -> [f32; 3] {
+        std::array::from_fn(|i| (point[i] - self.centre[i]) as f32)
     }
     fn diagonal(&self) -> f64 {
         (0..3).map(|i| (self.high[i] - self.low[i]).powi(2)).sum::<f64>().sqrt()
@@ -165,8 +174,9 @@ impl<'a> SceneViews<'a> {
         if (0..objects.len()).map(vertices).sum::<usize>() > MAX_VERTICES {
             return Err(SelectError::TooManyVertices { limit: MAX_VERTICES });
         }
-        let shapes = shapes(objects, &placements);
-        let extent = extent(&shapes);
+        let centre = centre(scene, |o| objects[o].simplified.mesh());
+        let shapes = shapes(objects, &placements, centre);
+        let extent = extent(&shapes, centre);
         let surface = |(o, (shape, &(_, scale))): (usize, (&Vec<[f32; 3]>, &(_, f64)))| {
             // What a placement errs is at most this for each mesh unit of the object's error. (A
             // pose may show it larger than the scene does at any moment that was measured.)
@@ -179,7 +189,7 @@ impl<'a> SceneViews<'a> {
             shapes.par_iter().zip(&placements).enumerate().map(|(o, (shapes, placements))| {
                 shapes.par_iter().zip(placements).map(|pair| surface((o, pair))).collect()
             });
-        let ids = objects.par_iter().map(|o| PositionIds::new(o.simplified.mesh().positions()));
+        let ids = objects.par_iter().map(|o| o.simplified.mesh().position_ids());
         let surfaces = surfaces.collect();
         Ok(Self { options, levels, ids: ids.collect(), surfaces })
     }
@@ -253,7 +263,7 @@ impl<'a> SceneViews<'a> {
         let range = |((o, &fine), &coarse): ((&ObjectLevels<'_>, &Lod), &Lod)| LodRange {
             fine: fine.min(coarse),
             coarse,
-            last: o.simplified.collapses().last_visible().max(coarse),
+            last: o.simplified.collapses().last_visible().min(o.simplified.coarsest()).max(coarse),
         };
         Ok(self.levels.objects().iter().zip(&fine.lods).zip(&coarse.lods).map(range).collect())
     }
@@ -294,14 +304,15 @@ impl<'a> SceneViews<'a> {
     }
 }
 
-/// The positions of all vertices of each object, for each of its placements.
+/// The positions of all vertices of each object about `centre`, for each of its placements.
 fn shapes(
     objects: &[ObjectLevels<'_>],
     placements: &[Vec<(&Placement, f64)>],
+    centre: [f64; 3],
 ) -> Vec<Vec<Vec<[f32; 3]>>> {
     let posed = |o: usize, placement: &Placement| {
         let posed = posed_positions(objects[o].simplified.mesh(), placement);
-        posed.iter().map(|p| p.as_vec3().to_array()).collect()
+        posed.iter().map(|p| (*p - DVec3::from(centre)).as_vec3().to_array()).collect()
     };
     let shapes = |(o, placements): (usize, &Vec<(&Placement, f64)>)| {
         placements.iter().map(|(placement, _)| posed(o, placement)).collect()
@@ -309,13 +320,16 @@ fn shapes(
     placements.par_iter().enumerate().map(shapes).collect()
 }
 
-/// The box around all positions that are finite.
-fn extent(shapes: &[Vec<Vec<[f32; 3]>>]) -> Extent {
-    let mut extent = Extent { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+/// The box around all positions that are finite; these are about `centre`.
+fn extent(shapes: &[Vec<Vec<[f32; 3]>>], centre: [f64; 3]) -> Extent {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in shapes.iter().flatten().flatten().filter(|p| p.iter().all(|c| c.is_finite())) {
-        let p = p.map(f64::from);
-        extent.low = std::array::from_fn(|i| extent.low[i].min(p[i]));
-        extent.high = std::array::from_fn(|i| extent.high[i].max(p[i]));
+        let p: [f64; 3] = std::array::from_fn(|i| f64::from(p[i]) + centre[i]);
+        low = std::array::from_fn(|i| low[i].min(p[i]));
+        high = std::array::from_fn(|i| high[i].max(p[i]));
     }
-    if extent.low[0] <= extent.high[0] { extent } else { Extent { low: [0.0; 3], high: [0.0; 3] } }
+    if low[0] > high[0] {
+        (low, high) = ([0.0; 3], [0.0; 3]);
+    }
+    Extent { low, high, centre }
 }

@@ -23,6 +23,7 @@
 mod choose;
 mod commit;
 mod cut;
+mod locks;
 mod metric;
 mod number;
 mod options;
@@ -30,20 +31,23 @@ mod output;
 mod price;
 mod recorded;
 mod rounds;
+mod seen;
 mod skin;
 
 use commit::{CollapseLog, Sources};
 use cut::Region;
-use lodc_mesh::{CollapseSequence, Mesh, PositionIds, SequenceParts, Simplified};
+use lodc_mesh::{CollapseSequence, Mesh, PositionIds, Semantic, SequenceParts, Simplified};
 use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
 use number::Input;
 use price::{Attributes, Context};
 use rounds::{Progress, as_one, in_regions};
+use seen::AS_MODELLED;
 use skin::Skin;
 
 pub use metric::{Checkerboard, SurfaceColours};
 pub use options::{MetricKind, Options, Weights};
 pub use recorded::RecordedCollapses;
+pub use seen::{SeenShape, SeenShapes};
 
 /// Simplifies a mesh down to one vertex. `progress` gets (steps done, steps at most) now and then.
 /// The result does not depend on the number of threads of the rayon pool it runs in.
@@ -81,6 +85,8 @@ pub struct Guidance<'a> {
     /// Shares of the triangles, the larger of each pair first, between which
     /// [`MetricKind::Hybrid`] chooses collapses; elsewhere the quadric does. None: it always does.
     pub hybrid_ranges: Option<&'a [[f32; 2]]>,
+    /// The shapes in which the surface is seen. None: the one that it has as it was modelled.
+    pub shapes: Option<&'a SeenShapes>,
     /// An earlier run of the same mesh by the same options that this one repeats first.
     pub prefix: Option<Prefix<'a>>,
 }
@@ -113,7 +119,10 @@ pub fn simplify_recorded(
     guidance: Guidance<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> (Simplified, RecordedCollapses) {
-    simplify_with(mesh, options, guidance, rounds::REGION_GROUPS, progress)
+    let (simplified, recorded) =
+        simplify_with(mesh, options, guidance, rounds::REGION_GROUPS, progress);
+    let locked = locks::locked_positions(mesh, options, guidance.locked);
+    (simplified.with_locked_positions(locked.into_iter()), recorded)
 }
 
 /// Simplifies in regions of about `region` groups each. One region keeps the exact order of costs.
@@ -131,14 +140,16 @@ fn simplify_with(
         return (empty, RecordedCollapses::default());
     }
     let run = Run { mesh, options, guidance, region, progress };
-    let positions = PositionIds::new(mesh.positions());
+    let positions = mesh.position_ids();
     let skin = Skin::of(mesh, &positions);
     if let Some(simplified) = skin.and_then(|skin| run.by_skin(&skin, &positions)) {
         return simplified;
     }
-    let mut input = Input::with_positions(mesh, &positions);
+    let seen = guidance.shapes.unwrap_or(&AS_MODELLED);
+    let mut input = Input::with_positions(mesh, &positions, seen);
     drop(positions);
     input.lock(guidance.locked);
+    run.count(&mut input);
     let mut sources = Sources::new(&input);
     let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
     let recorded = std::mem::take(&mut log.recorded);
@@ -174,7 +185,10 @@ impl<'a> Run<'a> {
         positions: &PositionIds,
     ) -> Option<(Simplified, RecordedCollapses)> {
         let (layer_collapses, recorded, legal) = {
-            let mut input = Input::new(&skin.mesh);
+            let seen = self.guidance.shapes.map(|seen| seen.gathered(&skin.vertices));
+            let seen = seen.as_ref().unwrap_or(&AS_MODELLED);
+            let mut input = Input::with_positions(&skin.mesh, &skin.mesh.position_ids(), seen);
+            self.count(&mut input);
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
@@ -183,7 +197,8 @@ impl<'a> Run<'a> {
             let recorded = std::mem::take(&mut log.recorded);
             (skin::layer_collapses(&input, &skin.vertices, &log, legal, by_stamp), recorded, legal)
         };
-        let input = Input::with_positions(self.mesh, positions);
+        let mut input = Input::with_positions(self.mesh, positions, &AS_MODELLED);
+        self.count(&mut input);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
         let (log, legal) = skin::follow(&context, &layer_collapses, legal, &mut sources)?;
@@ -191,12 +206,33 @@ impl<'a> Run<'a> {
         Some((output::output(&input, &sources, log, legal, false), recorded))
     }
 
+    /// Tells an input which attributes count: those with a weight.
+    fn count(&self, input: &mut Input<'_>) {
+        input.count(|submesh, attribute| {
+            let weights = self.weights(submesh);
+            self.options.attributes
+                && match attribute.semantic {
+                    Semantic::Normal => weights.normal > 0.0,
+                    Semantic::TexCoord(_) => weights.uv > 0.0,
+                    Semantic::Color(_) => weights.color > 0.0,
+                    _ => true,
+                }
+        });
+    }
+
+    /// The weights of a submesh's attributes.
+    fn weights(&self, submesh: u32) -> Weights {
+        self.guidance.weights.get(submesh as usize).copied().unwrap_or(self.options.weights)
+    }
+
     /// The data that all regions read.
     fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
-        let Self { mesh, options, guidance, .. } = *self;
+        let Self { mesh, options, .. } = *self;
         let attributes = if options.attributes {
+            let joints_move = self.guidance.shapes.is_some_and(|shapes| shapes.joints_move);
             let weights = |submesh: u32| {
-                guidance.weights.get(submesh as usize).copied().unwrap_or(options.weights)
+                let weights = self.weights(submesh);
+                Weights { skin: if joints_move { 0.0 } else { weights.skin }, ..weights }
             };
             Attributes::new(mesh, weights, input.scale, input.size)
         } else {
@@ -239,5 +275,7 @@ impl<'a> Run<'a> {
     }
 }
 
+#[cfg(test)]
+mod motion_tests;
 #[cfg(test)]
 mod tests;

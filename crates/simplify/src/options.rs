@@ -55,13 +55,15 @@ pub struct Weights {
     pub uv: f64,
     /// Vertex colours.
     pub color: f64,
-    /// Joints and their weights.
+    /// Joints and their weights: shapes in poses, or the weights themselves where there is no pose.
     pub skin: f64,
+    /// Shapes with morph targets, by themselves at weight 1.
+    pub morph: f64,
 }
 
 impl Weights {
     /// All 1: the lengths that they scale were measured (`price::attributes`).
-    pub const DEFAULT: Self = Self { normal: 1.0, uv: 1.0, color: 1.0, skin: 1.0 };
+    pub const DEFAULT: Self = Self { normal: 1.0, uv: 1.0, color: 1.0, skin: 1.0, morph: 1.0 };
 }
 
 /// Options of a simplification.

@@ -5,7 +5,7 @@ use crate::cache::cache_reporting;
 use crate::meter::Report;
 use crate::stripe::stripe_reporting;
 use crate::{CacheOptions, Effort, StripSet};
-use lodc_mesh::{Lod, Mesh, OrientedTriangle, Simplified, is_degenerate, position_key};
+use lodc_mesh::{Lod, Mesh, OrientedTriangle, Simplified, is_degenerate};
 use rayon::prelude::*;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -100,8 +100,8 @@ impl Strips {
     #[must_use]
     pub fn remains(&self, simplified: &Simplified, lod: Lod) -> (Vec<OrientedTriangle>, Vec<u32>) {
         let map = simplified.collapses().resolve_all(lod);
-        let positions = simplified.mesh().positions();
-        let at = |v: u32| position_key(positions[map[v as usize] as usize]);
+        let positions = simplified.mesh().position_ids();
+        let at = |v: u32| positions.of_vertex[map[v as usize] as usize];
         let (mut triangles, mut strips) = (Vec::new(), Vec::new());
         for ((number, strip), submesh) in (0..).zip(self.iter()).zip(self.submeshes()) {
             for (k, window) in strip.windows(3).enumerate() {

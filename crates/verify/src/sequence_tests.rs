@@ -4,7 +4,7 @@ use super::tests::{sphere, verify_all};
 use super::*;
 use lodc_fixtures as fixtures;
 use lodc_lod::Interactive;
-use lodc_mesh::{CollapseSequence, PositionIds, SequenceParts, Simplified};
+use lodc_mesh::{CollapseSequence, SequenceParts, Simplified};
 use std::sync::Arc;
 
 /// A sequence with something changed.
@@ -35,7 +35,7 @@ fn a_vertex_that_leaves_its_seam_tears_the_mesh() {
     // A wedge of a seam goes elsewhere than the others: its step's targets are apart, and the mesh
     // tears there.
     let simplified = sphere();
-    let positions = PositionIds::new(simplified.mesh().positions());
+    let positions = simplified.mesh().position_ids();
     let parts = simplified.collapses().parts();
     let step = (1..parts.step_ends.len())
         .find(|&i| {
@@ -107,10 +107,8 @@ fn the_reference_follows_any_sequence_whatever_comes_apart_in_it() {
         .enumerate()
     {
         let simplified = fixtures::random_collapse(mesh, seed as u64);
-        let (positions, records) = (
-            PositionIds::new(simplified.mesh().positions()),
-            simplified.collapses().records() as usize,
-        );
+        let (positions, records) =
+            (simplified.mesh().position_ids(), simplified.collapses().records() as usize);
         for _ in 0..40 {
             let wrong = changed(&simplified, |parts| {
                 for _ in 0..=rng.below(4) {

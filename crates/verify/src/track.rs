@@ -89,7 +89,7 @@ struct Failures {
 
 impl<'a> Tracker<'a> {
     pub(super) fn new(simplified: &'a Simplified) -> Self {
-        let positions = PositionIds::new(simplified.mesh().positions());
+        let positions = simplified.mesh().position_ids();
         let border = boundary(simplified.mesh(), &positions);
         let (triangles, vertices) =
             (simplified.mesh().triangles().len(), simplified.mesh().vertex_count());

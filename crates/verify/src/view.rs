@@ -34,8 +34,10 @@ impl<'a> ViewReference<'a> {
     /// Prepares the positions and the border of LOD 0.
     #[must_use]
     pub fn new(simplified: &'a Simplified) -> Self {
-        let positions = PositionIds::new(simplified.mesh().positions());
-        let border = boundary(simplified.mesh(), &positions);
+        let mesh = simplified.mesh();
+        // Views draw the mesh at rest; what parts in motion has borders, though they lie together.
+        let positions = PositionIds::new(mesh.positions());
+        let border = boundary(mesh, &mesh.position_ids());
         Self { simplified, positions, border }
     }
 

@@ -6,7 +6,7 @@ use lodc_formats::gltf::{LevelsObject, export_levels};
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, OutputFile, scene_motion};
-use lodc_select::turns;
+use lodc_select::{ObjectLevels, turns};
 use std::path::Path;
 
 /// Makes a GLB with all levels ([`export_levels`]), and a warning for each texture that is missing.
@@ -40,9 +40,9 @@ pub fn levels<M>(
 }
 
 /// The turns of each object as rank and LOD; none for a single object.
-fn turns_of_objects<M>(
+fn turns_of_objects<'a, M>(
     document: &Document,
-    objects: &[LodObject<M>],
+    objects: &'a [LodObject<M>],
     limits: &Limits,
 ) -> Result<Vec<Vec<(u32, u32)>>, FormatError> {
     if objects.len() < 2 {
@@ -50,9 +50,15 @@ fn turns_of_objects<M>(
     }
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
     let scene = scene_motion(document, &infos, limits)?.largest();
-    let simplified: Vec<_> = objects.iter().map(|o| &*o.simplified).collect();
+    let levels = |o: &'a LodObject<M>| ObjectLevels {
+        name: &o.info.name,
+        simplified: &o.simplified,
+        scale: o.info.world_scale,
+        unevenness: 1.0,
+    };
+    let levels: Vec<ObjectLevels<'_>> = objects.iter().map(levels).collect();
     let as_pairs = |turns: Vec<lodc_select::Turn>| {
         turns.into_iter().map(|turn| (turn.rank, turn.lod.0)).collect()
     };
-    Ok(turns(&simplified, &scene).into_iter().map(as_pairs).collect())
+    Ok(turns(&levels, &scene).into_iter().map(as_pairs).collect())
 }

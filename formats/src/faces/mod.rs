@@ -1,10 +1,12 @@
 //! Makes a scene of faces with any number of corners, as OBJ, PLY and STL have them.
 
 mod assemble;
+mod local;
 mod triangulate;
 mod unique;
 
 pub(crate) use assemble::{Assembled, assemble};
+pub(crate) use local::{local, may_be_far};
 pub(crate) use lodc_mesh::NONE;
 use unique::Unique;
 pub(crate) use unique::first_equal;

@@ -27,7 +27,7 @@ pub fn scene_graph(
     limits: &Limits,
 ) -> Result<Graph, FormatError> {
     match document {
-        Document::Obj(_) => Ok(Graph::of_objects(objects.len() as u32)),
+        Document::Obj(obj) => Ok(Graph::of_objects_at(objects.len() as u32, obj.offset)),
         Document::Gltf(gltf) => Stored::read(gltf, limits, |stored, root| {
             let meshes: Vec<u32> = objects.iter().map(|o| o.document_mesh).collect();
             gltf_graph(root, &meshes, &|accessor| stored.numbers(accessor))

@@ -83,3 +83,27 @@ pub(super) fn check_whole_entries(
     let problem = format!("{} bytes are not a whole number of entries of {size}", bytes.len());
     Err(FormatError::new(Fault::Malformed, location(), problem))
 }
+/// One bit for each flag, the lowest of a byte first.
+pub(super) fn put_bits(out: &mut Vec<u8>, flags: &[bool]) {
+    let byte = |flags: &[bool]| {
+        flags.iter().enumerate().fold(0, |byte, (bit, &flag)| byte | u8::from(flag) << bit)
+    };
+    out.extend(flags.chunks(8).map(byte));
+}
+
+/// The flags of [`put_bits`].
+pub(super) fn bits(
+    bytes: &[u8],
+    count: usize,
+    location: impl Fn() -> String,
+) -> Result<Vec<bool>, FormatError> {
+    let wrong = |problem| Err(FormatError::new(Fault::Malformed, location(), problem));
+    if bytes.len() != count.div_ceil(8) {
+        return wrong(format!("{} bytes are not one bit for each of {count}", bytes.len()));
+    }
+    let bit = |i: usize| bytes[i / 8] >> (i % 8) & 1 == 1;
+    if (count..8 * bytes.len()).any(bit) {
+        return wrong("bits behind the last one are set".to_owned());
+    }
+    Ok((0..count).map(bit).collect())
+}

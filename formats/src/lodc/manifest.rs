@@ -11,7 +11,7 @@ use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, Sour
 use bincode::{Decode, Encode};
 use lodc_mesh::{Attribute, Component, Semantic};
 
-const LOCATION: &str = "section MANI";
+pub(super) const LOCATION: &str = "section MANI";
 
 #[derive(Encode, Decode)]
 pub(super) struct Manifest {
@@ -25,6 +25,8 @@ pub(super) struct Manifest {
 pub(crate) enum DocumentEntry {
     Obj(ObjEntry),
     Gltf,
+    /// One with lines of points and lines, or whose mesh stands at an offset.
+    RichObj(ObjEntry, Vec<String>, [f64; 3]),
 }
 
 #[derive(Encode, Decode)]
@@ -168,16 +170,36 @@ pub(crate) fn source_of(format: u8, content_hash: u128) -> Result<Source, String
 impl DocumentEntry {
     pub(crate) fn of(document: &Document) -> Self {
         match document {
-            Document::Obj(obj) => Self::Obj(ObjEntry {
-                libraries: obj.libraries.clone(),
-                materials: obj
-                    .materials
-                    .iter()
-                    .map(|m| (m.name.clone(), m.lines.clone()))
-                    .chain(loose(obj))
-                    .collect(),
-            }),
+            Document::Obj(obj) if obj.loose.is_empty() && obj.offset == [0.0; 3] => {
+                Self::Obj(ObjEntry::of(obj))
+            }
+            Document::Obj(obj) => Self::RichObj(ObjEntry::of(obj), obj.loose.clone(), obj.offset),
             Document::Gltf(_) => Self::Gltf,
+        }
+    }
+
+    /// The document of an OBJ; none for a glTF.
+    ///
+    /// # Errors
+    /// If its offset is none: what is wrong.
+    pub(crate) fn obj(self) -> Result<Option<ObjDocument>, &'static str> {
+        match self {
+            Self::Obj(obj) => Ok(Some(obj.into())),
+            Self::RichObj(obj, loose, offset) if offset.iter().all(|c| c.is_finite()) => {
+                Ok(Some(ObjDocument { loose, offset, ..obj.into() }))
+            }
+            Self::RichObj(..) => Err("has an offset that is not finite"),
+            Self::Gltf => Ok(None),
+        }
+    }
+}
+
+impl ObjEntry {
+    fn of(obj: &ObjDocument) -> Self {
+        let material = |m: &ObjMaterial| (m.name.clone(), m.lines.clone());
+        Self {
+            libraries: obj.libraries.clone(),
+            materials: obj.materials.iter().map(material).collect(),
         }
     }
 }
@@ -251,18 +273,8 @@ impl AttributeEntry {
 
 impl From<ObjEntry> for ObjDocument {
     fn from(entry: ObjEntry) -> Self {
-        let (loose, materials): (Vec<_>, Vec<_>) =
-            entry.materials.into_iter().partition(|(name, _)| name == LOOSE);
         let materials =
-            materials.into_iter().map(|(name, lines)| ObjMaterial { name, lines }).collect();
-        let loose = loose.into_iter().flat_map(|(_, lines)| lines).collect();
-        Self { libraries: entry.libraries, materials, loose }
+            entry.materials.into_iter().map(|(name, lines)| ObjMaterial { name, lines }).collect();
+        Self { libraries: entry.libraries, materials, ..Self::default() }
     }
-}
-
-/// The name among the materials that points and lines have: no line of a file can have it.
-const LOOSE: &str = "\n";
-
-fn loose(obj: &ObjDocument) -> Option<(String, Vec<String>)> {
-    (!obj.loose.is_empty()).then(|| (LOOSE.to_owned(), obj.loose.clone()))
 }

@@ -26,7 +26,7 @@ use lodc_mesh::Simplified;
 use lodc_model::Array;
 pub use lodc_model::Layout;
 pub use made_from::MadeFrom;
-use manifest::{DocumentEntry, Manifest};
+use manifest::Manifest;
 use object::ObjectReader;
 pub use overview::{Bounds, MAX_LEVELS, TableLevel, table_of_levels};
 pub use poses::MAX_POSES;
@@ -140,9 +140,11 @@ pub fn read(bytes: &[u8], model_kinds: &[&str]) -> Result<LodFile, FormatError> 
     let layout = container.layout();
     let manifest = Manifest::decode(container.take(tag::MANIFEST, SCENE, 0)?)?;
     let source = manifest.source()?;
-    let document = match manifest.document {
-        DocumentEntry::Obj(obj) => Document::Obj(obj.into()),
-        DocumentEntry::Gltf => {
+    let obj = manifest.document.obj();
+    let obj = obj.map_err(|e| FormatError::new(Fault::Malformed, manifest::LOCATION, e))?;
+    let document = match obj {
+        Some(obj) => Document::Obj(obj),
+        None => {
             let json = container.take(tag::DOCUMENT_JSON, SCENE, 0)?;
             let json = std::str::from_utf8(json).map_err(|e| {
                 FormatError::new(Fault::Malformed, "section DJSN", format!("is not UTF-8: {e}"))

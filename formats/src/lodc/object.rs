@@ -87,6 +87,11 @@ pub(super) fn write<'a>(
             out.extend(steps::error_growth(&sequence.step_rms));
         });
     }
+    if !simplified.locked().is_empty() {
+        writer.optional(tag::LOCKED, number, 0, |out| {
+            arrays::put_bits(out, simplified.locked());
+        });
+    }
     for i in 0..mesh.attributes().len() {
         writer.for_device(tag::ATTRIBUTE, number, i as u32, layout, move |out| {
             streams::put(out, mesh, i, plan, layout);
@@ -124,8 +129,13 @@ impl ObjectReader<'_, '_> {
         }
         let mesh = self.mesh(number, &entry)?;
         let collapses = read_sequence(&mut self.container, number, &entry, &mesh)?;
-        let simplified =
-            Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(format!("{e}")))?);
+        let mut simplified = Simplified::new(mesh, collapses).map_err(|e| wrong(format!("{e}")))?;
+        if let Some(stored) = self.container.take_optional(tag::LOCKED, number, 0) {
+            let vertices = simplified.mesh().vertex_count();
+            let locked = arrays::bits(stored, vertices, || location(tag::LOCKED, number, 0))?;
+            simplified = simplified.with_locked(locked);
+        }
+        let simplified = Arc::new(simplified);
         if Bounds::of(simplified.mesh().positions()) != entry.bounds {
             return Err(wrong("has other bounds than its vertices".to_owned()));
         }

@@ -53,9 +53,10 @@ pub(super) mod tag {
     pub(crate) const POSES: Tag = *b"POSE";
     pub(crate) const MADE_FROM: Tag = *b"MADE";
     pub(crate) const LEVELS: Tag = *b"LEVL";
+    pub(crate) const LOCKED: Tag = *b"LOCK";
     pub(crate) const MAY_BE_WIDE: [Tag; 5] =
         [POSITIONS, TRIANGLES, TARGETS, ATTRIBUTE, MODEL_ARRAY];
-    pub(crate) const KNOWN: [Tag; 16] = [
+    pub(crate) const KNOWN: [Tag; 17] = [
         MANIFEST,
         LEVELS,
         DOCUMENT_JSON,
@@ -72,6 +73,7 @@ pub(super) mod tag {
         MODEL_ARRAY,
         POSES,
         MADE_FROM,
+        LOCKED,
     ];
 }
 

@@ -42,7 +42,7 @@ pub(super) fn obj_file(name: &str) -> LodFile {
         document: Document::Obj(ObjDocument {
             libraries: vec!["shapes.mtl".to_owned()],
             materials,
-            loose: Vec::new(),
+            ..ObjDocument::default()
         }),
         objects: vec![object(name, &fixtures::named(name).expect("a shape"))],
         made_from: None,

@@ -341,10 +341,10 @@ impl ParsedText {
 }
 
 fn document(entry: DocumentEntry, json: &[u8]) -> Result<Document, FormatError> {
-    match entry {
-        DocumentEntry::Obj(obj) if json.is_empty() => Ok(Document::Obj(obj.into())),
-        DocumentEntry::Obj(_) => Err(malformed("has JSON for an OBJ")),
-        DocumentEntry::Gltf => {
+    match entry.obj().map_err(malformed)? {
+        Some(obj) if json.is_empty() => Ok(Document::Obj(obj)),
+        Some(_) => Err(malformed("has JSON for an OBJ")),
+        None => {
             let json = String::from_utf8(json.to_vec())
                 .map_err(|_| malformed("has JSON that is not UTF-8"))?;
             Ok(Document::Gltf(GltfDocument { json, blob: Vec::new() }))

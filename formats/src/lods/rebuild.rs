@@ -53,7 +53,8 @@ pub fn as_streamed(simplified: &Simplified) -> Result<Simplified, FormatError> {
         decoder.decode(&mut decoding, steps).map_err(|e| malformed(e.0))?;
     }
     let facts = SequenceFacts::of(simplified.collapses());
-    rebuild(&decoder, facts).map(|rebuilt| rebuilt.simplified)
+    let rebuilt = rebuild(&decoder, facts)?.simplified;
+    Ok(rebuilt.with_locked_positions(simplified.locked_positions()))
 }
 
 fn malformed(problem: impl Display) -> FormatError {

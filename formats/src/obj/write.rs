@@ -59,7 +59,7 @@ type Table<K> = HashMap<K, usize>;
 struct Writer {
     text: Vec<u8>,
     /// Positions with colours.
-    v: Table<([u32; 3], [u32; 4])>,
+    v: Table<([u64; 3], [u32; 4])>,
     /// Texture coordinates.
     vt: Table<[u32; 3]>,
     /// Normals.
@@ -116,16 +116,27 @@ impl Writer {
             for vertex in placed.corners(triangle) {
                 let numbers = &mut self.numbers[vertex as usize];
                 if numbers[0] == 0 {
-                    let position = placed.position(vertex);
+                    let position = match placed.far {
+                        Some(_) => placed.exact_position(vertex),
+                        None => placed.position(vertex).map(f64::from),
+                    };
                     let components = color.map_or(0, |c| usize::from(c.components).clamp(3, 4));
                     let rgba: [f32; 4] = std::array::from_fn(|i| match color {
                         Some(c) if i < 3 => self.srgb.of(c, vertex, i),
-                        Some(c) => component(c, vertex, i),
-                        None => 0.0,
+                        Some(c) if i < components => component(c, vertex, i),
+                        _ => 0.0,
                     });
-                    let key = (position.map(f32::to_bits), rgba.map(f32::to_bits));
-                    let values = position.iter().chain(&rgba[..components]);
-                    numbers[0] = number(&mut self.v, key, &mut self.text, "v", values);
+                    let key = (position.map(f64::to_bits), rgba.map(f32::to_bits));
+                    numbers[0] = number(&mut self.v, key, &mut self.text, "v", |text| {
+                        for c in position {
+                            text.push(b' ');
+                            match placed.far {
+                                Some(rounding) => double(text, c, rounding),
+                                None => float(text, single(c)),
+                            }
+                        }
+                        floats(text, &rgba[..components]);
+                    });
                     if let Some(s) = uv {
                         let uvw = coordinates.at(s, vertex);
                         let count = usize::from(s.components).clamp(2, 3);
@@ -134,13 +145,15 @@ impl Writer {
                             uvw.map(f32::to_bits),
                             &mut self.text,
                             "vt",
-                            &uvw[..count],
+                            |text| floats(text, &uvw[..count]),
                         );
                     }
                     if let Some(s) = normal {
                         let n = placed.normal(s, vertex);
-                        numbers[2] =
-                            number(&mut self.vn, n.map(f32::to_bits), &mut self.text, "vn", &n);
+                        let key = n.map(f32::to_bits);
+                        numbers[2] = number(&mut self.vn, key, &mut self.text, "vn", |text| {
+                            floats(text, &n);
+                        });
                     }
                 }
                 corner(&mut faces, *numbers);
@@ -179,23 +192,44 @@ fn decimal(text: &mut Vec<u8>, mut value: usize) {
 }
 
 /// The number of a value; writes it first if it is new.
-fn number<'a, K: Eq + Hash>(
+fn number<K: Eq + Hash>(
     table: &mut Table<K>,
     key: K,
     text: &mut Vec<u8>,
     word: &str,
-    values: impl IntoIterator<Item = &'a f32>,
+    write: impl FnOnce(&mut Vec<u8>),
 ) -> usize {
     let next = table.len() + 1;
     *table.entry(key).or_insert_with(|| {
         text.extend_from_slice(word.as_bytes());
-        for &value in values {
-            text.push(b' ');
-            float(text, value);
-        }
+        write(text);
         text.push(b'\n');
         next
     })
+}
+
+/// Values, each after a space.
+fn floats(text: &mut Vec<u8>, values: &[f32]) {
+    for &value in values {
+        text.push(b' ');
+        float(text, value);
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "it was a single")]
+const fn single(value: f64) -> f32 {
+    value as f32
+}
+
+/// The decimal with the fewest digits that is at most `rounding` from a number: that of the file
+/// which the number was read from, if it had no more digits than a mesh holds.
+fn double(text: &mut Vec<u8>, value: f64, rounding: f64) {
+    // More than an f64 has.
+    const MAX_DECIMALS: usize = 17;
+    let written = (0..MAX_DECIMALS)
+        .map(|decimals| format!("{value:.decimals$}"))
+        .find(|spelt| spelt.parse().is_ok_and(|read: f64| (read - value).abs() <= rounding));
+    text.extend_from_slice(written.unwrap_or_else(|| value.to_string()).as_bytes());
 }
 
 /// The shortest decimal that reads back as the same number.

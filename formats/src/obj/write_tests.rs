@@ -136,8 +136,7 @@ fn the_library_is_written_beside_the_file_and_never_to_standard_output() {
     let objects = [ExportObject { info: &info, mesh: &mesh }];
     let materials =
         vec![ObjMaterial { name: "red".to_owned(), lines: vec!["Kd 1 0 0".to_owned()] }];
-    let document =
-        Document::Obj(ObjDocument { libraries: Vec::new(), materials, ..ObjDocument::default() });
+    let document = Document::Obj(ObjDocument { materials, ..ObjDocument::default() });
     let files = export(Path::new("some/out file.obj"), &document, &objects);
     assert_eq!(files[1].path, Path::new("some/out file.mtl"));
     assert_eq!(files[1].bytes, b"newmtl red\nKd 1 0 0\n");

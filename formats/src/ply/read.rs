@@ -14,7 +14,9 @@ use crate::{
 };
 use columns::{Count, FaceColumn, Rows, VertexColumn};
 use serde::de::{DeserializeSeed, MapAccess};
-use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyReader};
+use serde_ply::{
+    DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyReader, PropertyType, ScalarType,
+};
 use std::collections::BTreeMap;
 use std::io::{BufRead, ErrorKind, Read};
 use xxhash_rust::xxh3::xxh3_128;
@@ -53,6 +55,10 @@ pub(crate) fn import(
     let materials = textures(&header);
     let mut warnings = content.warnings;
     let mut faces = content.faces;
+    let mut offset = [0.0; 3];
+    if let Some(local) = faces::local(&content.exact_positions) {
+        (offset, faces.positions) = local;
+    }
     finish(&mut faces, &content.texture_numbers, &materials, &mut warnings)?;
     if !content.face_colors.is_empty() {
         faces.color_has_alpha = content.face_colors.iter().any(|color| color[3] != 1.0);
@@ -76,7 +82,7 @@ pub(crate) fn import(
     faces::warn(&assembled, &mut warnings);
     let source = Source { format: SourceFormat::Ply, content_hash };
     let loose = loose.statements();
-    let document = ObjDocument { libraries: Vec::new(), materials, loose };
+    let document = ObjDocument { libraries: Vec::new(), materials, loose, offset };
     let file = FaceFile { assembled, name: assets.stem(), source, document, warnings };
     faces::scene(file, assets, options)
 }
@@ -85,6 +91,8 @@ pub(crate) fn import(
 #[derive(Debug, Default)]
 struct Content {
     faces: Faces,
+    /// Positions as they were read, of a file that has some in double precision.
+    exact_positions: Vec<[f64; 3]>,
     /// For each face the number of its texture; empty if faces have none.
     texture_numbers: Vec<u32>,
     /// The ends of edges, which are no edges of faces but lines.
@@ -109,7 +117,12 @@ impl Content {
         let read = match name {
             "vertex" => {
                 let columns = VertexColumn::of(element, &mut unused);
-                let sink = columns::vertices(&mut self.faces, &columns, &count);
+                let exact = element.properties.iter().zip(&columns).any(|(property, column)| {
+                    matches!(column, VertexColumn::Position(_))
+                        && matches!(property.property_type, PropertyType::Scalar(ScalarType::F64))
+                });
+                let exact_positions = exact.then_some(&mut self.exact_positions);
+                let sink = columns::vertices(&mut self.faces, exact_positions, &columns, &count);
                 value(reader, Rows { element, count: &count, sink })
             }
             "face" | "tristrips" => {

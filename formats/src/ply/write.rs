@@ -104,8 +104,10 @@ impl Textures {
     }
 }
 
-/// The properties of vertices besides positions: those that some submesh has.
+/// The properties of vertices; of those besides positions the ones that some submesh has.
 struct Columns {
+    /// Positions in double precision.
+    doubles: bool,
     normals: bool,
     uvs: bool,
     /// Components of colours: 0, 3 or, with opacity, 4.
@@ -114,7 +116,8 @@ struct Columns {
 
 impl Columns {
     fn of(placed: &[Placed<'_>]) -> Self {
-        let mut columns = Self { normals: false, uvs: false, colors: 0 };
+        let doubles = placed.iter().any(Placed::is_far);
+        let mut columns = Self { doubles, normals: false, uvs: false, colors: 0 };
         for p in placed {
             let mesh = p.object.mesh;
             for submesh in 0..mesh.submeshes().len() {
@@ -145,7 +148,7 @@ impl Columns {
         let mut declare = |kind: &str, names: &[&str]| {
             names.iter().for_each(|name| put(format!("property {kind} {name}")));
         };
-        declare("float", &["x", "y", "z"]);
+        declare(if self.doubles { "double" } else { "float" }, &["x", "y", "z"]);
         declare("float", if self.normals { &["nx", "ny", "nz"] } else { &[] });
         declare("float", if self.uvs { &["s", "t"] } else { &[] });
         declare("uchar", &["red", "green", "blue", "alpha"][..self.colors]);
@@ -162,14 +165,22 @@ impl Columns {
 
     /// Bytes of a vertex.
     fn stride(&self) -> usize {
-        12 + usize::from(self.normals) * 12 + usize::from(self.uvs) * 8 + self.colors
+        12 + usize::from(self.doubles) * 12
+            + usize::from(self.normals) * 12
+            + usize::from(self.uvs) * 8
+            + self.colors
     }
 
     /// Writes the vertices of points and lines; all but positions and colours are zero.
     fn write_loose(&self, bytes: &mut Vec<u8>, loose: &Loose) {
         for (v, position) in loose.positions.iter().enumerate() {
-            position.iter().for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
-            let zeros = self.stride() - 12 - self.colors;
+            if self.doubles {
+                position.iter().for_each(|&c| bytes.extend(f64::from(c).to_le_bytes()));
+            } else {
+                position.iter().for_each(|c| bytes.extend(c.to_le_bytes()));
+            }
+            let of_position = if self.doubles { 24 } else { 12 };
+            let zeros = self.stride() - of_position - self.colors;
             bytes.resize(bytes.len() + zeros, 0);
             let rgb = loose.colors.get(v).copied().unwrap_or([1.0; 3]);
             let rgba = [rgb[0], rgb[1], rgb[2], 1.0];
@@ -190,8 +201,14 @@ impl Columns {
         let mut srgb = SrgbValues::default();
         for (vertex, &submesh) in (0..).zip(mesh.vertex_submesh()) {
             let ([normal, uv, color], coordinates) = streams[submesh as usize];
+            if self.doubles {
+                let position = vertices.exact_position(vertex);
+                bytes.extend(position.iter().flat_map(|c| c.to_le_bytes()));
+            }
             let mut put = |x: f32| bytes.extend_from_slice(&x.to_le_bytes());
-            vertices.position(vertex).into_iter().for_each(&mut put);
+            if !self.doubles {
+                vertices.position(vertex).into_iter().for_each(&mut put);
+            }
             if self.normals {
                 let normal = normal.map_or([0.0; 3], |s| vertices.normal(s, vertex));
                 normal.into_iter().for_each(&mut put);

@@ -112,9 +112,10 @@ def read_document(cursor):
     kind = cursor.u32()
     if kind == 1:
         return {}
-    if kind:
+    if kind not in (0, 2):
         raise FormatError(cursor.place, "has a document of an unknown kind")
     material = lambda: (cursor.string(), cursor.many(cursor.string))
-    libraries, materials = cursor.many(cursor.string), cursor.many(material)
-    # One that is named by a line end has the points and lines.
-    return {"libraries": libraries, "materials": [m for m in materials if m[0] != "\n"]}
+    document = {"libraries": cursor.many(cursor.string), "materials": cursor.many(material)}
+    document["loose"] = cursor.many(cursor.string) if kind == 2 else []
+    document["offset"] = [cursor.f64() for _ in range(3)] if kind == 2 else [0.0] * 3
+    return document

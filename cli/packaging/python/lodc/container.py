@@ -13,7 +13,7 @@ REQUIRED, WIDE, HINTS = 1, 2, 0xFFFF0000
 MAY_BE_WIDE = {b"POSI", b"TRIS", b"TARG", b"ATTR", b"MODA"}
 KNOWN = {
     b"MANI", b"DJSN", b"DBLB", b"POSI", b"VSUB", b"TRIS", b"TARG", b"JOIN", b"SERR", b"STRI",
-    b"SRMS", b"ATTR", b"MODA", b"POSE", b"MADE", b"LEVL",
+    b"SRMS", b"LOCK", b"ATTR", b"MODA", b"POSE", b"MADE", b"LEVL",
 }  # fmt: skip
 
 

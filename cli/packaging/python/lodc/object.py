@@ -12,7 +12,7 @@ from .container import Container
 from .errors import need
 from .level_object import LevelObject, Whole
 from .manifest import ObjectEntry
-from .scene import Submesh
+from .scene import Submesh, fractions
 from .selector import Selector, Wish, selector
 from .structures import Array, Interactive, Masking, Speed
 
@@ -75,9 +75,44 @@ class Object:
         self._check(v)
         self._check_overview(container)
         self._models(container)
-        # Positions by number: equal coordinates (−0 is +0) have equal numbers.
+        # Positions by number: equal coordinates (−0 is +0) that move alike have equal numbers.
         bits = (self.positions + np.float32(0)).view(np.uint32)
+        bits = np.concatenate([bits, *self._motion()], axis=1)
         self.position_ids = np.unique(bits, axis=0, return_inverse=True)[1].reshape(-1)
+
+    def _motion(self):
+        """What moves each vertex, as arrays of u32 with a row for each: vertices at one position
+        whose rows are equal stay together in all poses."""
+        moves = [
+            (a.morph_target is None) == (a.meaning in ("joints", "weights"))
+            and a.meaning in ("position", "joints", "weights")
+            for a in self.attributes
+        ]
+        if not any(moves):
+            return []
+        formats = [tuple(i for i in s.attributes if moves[i]) for s in self.submeshes]
+        format_numbers = [formats.index(f) for f in formats]
+        rows = [np.array(format_numbers, np.uint32)[self.vertex_submesh].reshape(-1, 1)]
+        streams = {}
+        for i in np.flatnonzero(moves):
+            a = self.attributes[i]
+            values = fractions(self.values[i]) if a.normalized else self.values[i]
+            key = (a.meaning, a.morph_target or 0, a.set)
+            columns = streams.setdefault(key, np.zeros((len(values), 16), np.float32))
+            columns[:, : a.components] += values.astype(np.float32)
+        for key in sorted(streams):
+            if key[0] == "position":
+                rows.append((streams[key][:, :3] + np.float32(0)).view(np.uint32))
+        sets = sorted(k[2] for k in streams if k[0] == "joints" and ("weights", 0, k[2]) in streams)
+        if sets:
+            joints = np.concatenate([streams["joints", 0, s] for s in sets], axis=1)
+            weights = np.concatenate([streams["weights", 0, s] for s in sets], axis=1)
+            joints[weights == 0] = np.inf
+            order = np.lexsort((weights, joints), axis=1)
+            for columns in (joints, weights):
+                ordered = np.take_along_axis(columns, order, axis=1)
+                rows.append((ordered + np.float32(0)).view(np.uint32))
+        return rows
 
     def _vertex_submesh(self, take, v):
         count = len(self.submeshes)

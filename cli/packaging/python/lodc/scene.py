@@ -78,8 +78,9 @@ class Scene:
             self.materials: list[dict[str, Any]] = [
                 {"name": name, "lines": text} for name, text in lines
             ]
-            whole = [Instance(i, None, "", np.eye(4), None) for i in range(len(meshes))]
-            self.instances += whole
+            place = np.eye(4)
+            place[:3, 3] = self._libraries.get("offset", 0.0)
+            self.instances += [Instance(i, None, "", place, None) for i in range(len(meshes))]
         else:
             self.materials = list(gltf.get("materials", []))
             self._place(meshes)

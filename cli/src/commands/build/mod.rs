@@ -40,9 +40,6 @@ pub(crate) struct BuildArgs {
     /// In that phase components shrink to points and points are joined, until one vertex is left.
     #[arg(long, help_heading = SIMPLIFIED, hide_short_help = true)]
     preserve_topology: bool,
-    /// Keep border vertices until the terminal phase
-    #[arg(long, help_heading = SIMPLIFIED)]
-    lock_border: bool,
     /// Look at the shape alone: no normals, texture coordinates or colours
     ///
     /// They take no part in the cost, and are kept all the same.
@@ -123,7 +120,7 @@ impl BuildArgs {
         Options {
             metric: self.metric.metric,
             preserve_topology: self.preserve_topology,
-            lock_border: self.lock_border,
+            lock_border: self.importance.lock_border,
             attributes: !self.no_attributes,
             weights: self.importance.weights(),
             ..Options::DEFAULT

@@ -10,14 +10,14 @@ use lodc::build::{
     MetricColours, Need, SceneContext, SimplifiedObjects, Size, build_models, check_models,
     measure_all, simplify_all,
 };
-use lodc::{LodFile, LodObject, write};
+use lodc::{LodFile, LodObject, parting_borders, parting_line, write};
 use lodc_assets::Parts;
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::lods::as_streamed;
 use lodc_formats::{Document, ObjectInfo, OutputFile, RequestedFiles, Scene, import};
 use lodc_lod::ModelKind;
-use lodc_mesh::Simplified;
+use lodc_mesh::{Lod, Simplified};
 use lodc_report::documents::InputReport;
 use lodc_simplify::{MetricKind, Options};
 use rayon::prelude::*;
@@ -70,6 +70,7 @@ pub(super) fn make(
         colours: colours.scene_colours(),
         importance: &importance,
         document: &document,
+        poses: args.poses.max_poses(),
         limits,
     };
     let watch = stages.watched(progress);
@@ -92,6 +93,10 @@ pub(super) fn make(
     fill_in_counts(report, &objects);
 
     check_models(&objects, &watch).map_err(bug)?;
+    let coarsest: Vec<Lod> = objects.iter().map(|o| o.simplified.coarsest()).collect();
+    report
+        .warnings
+        .extend(parting_line(&parting_borders(&objects, &coarsest, &document, &limits)?));
 
     progress.stage("write");
     // A stream does not hold what its file was made from, and `unpack` gives this file again.

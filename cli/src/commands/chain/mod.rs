@@ -25,7 +25,7 @@ use clap::Args;
 use levels::{Level, LevelArgs, Measured};
 use lodc::build::refitted_meshes;
 use lodc::level_mesh::Order;
-use lodc::scene_levels;
+use lodc::{parting_borders, parting_line, scene_levels};
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{OutputFile, RequestedFiles};
 use lodc_mesh::Lod;
@@ -85,7 +85,8 @@ impl ChainArgs {
 }
 
 const EXAMPLES: &str = "\
-All levels share one vertex buffer, last to disappear first: each level needs a prefix only. \
+All levels share one vertex buffer, ordered by the last level that uses a vertex: each level needs \
+a prefix only. \
 Without --separate and --index-ranges the levels are tied together by MSFT_lod.
 
 Examples:
@@ -189,6 +190,10 @@ fn chain(
     };
     let (mut levels, mut warnings) =
         stages.run("gone", || levels::described(&asset.objects, chosen, measured, &inventory));
+    if let Some(last) = levels.last() {
+        let parting = parting_borders(&asset.objects, &last.lods, &asset.document, &limits)?;
+        warnings.extend(parting_line(&parting));
+    }
     warnings.splice(0..0, asset.warnings.iter().cloned());
     let target = Target::File(out.to_owned());
     let textures = stages.run("textures", || {

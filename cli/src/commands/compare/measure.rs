@@ -47,14 +47,15 @@ pub(super) fn compare(
     let levels = (!targets.is_empty()).then(|| Errors::to_choose(targets));
     let b = ComparedScene::read(path_b, levels, args, &mut stages, progress)?;
     progress.clear();
-    let (a, mut pictures_of_a) = (a.surface(choice_a, args)?, None);
+    let centre = a.centre(args)?;
+    let (a, mut pictures_of_a) = (a.surface(choice_a, centre, args)?, None);
     let sampling =
         Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
     let original = stages.run("distance", || Original::new(&a.surface, &sampling));
     let diagonal = a.surface.diagonal();
     let (mut comparisons, mut names) = (Vec::new(), Vec::new());
     for (level, choice) in level_choices {
-        let surface = b.surface(choice, args)?;
+        let surface = b.surface(choice, centre, args)?;
         let mut comparison =
             comparison(args, (&a, &original), &surface, &mut pictures_of_a, &mut stages);
         let level_name = level.clone().unwrap_or_else(|| baseline_name(choice.target));

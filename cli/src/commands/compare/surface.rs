@@ -12,7 +12,7 @@ use lodc::{Input, build::SceneColours, level_mesh, read_input, scene_levels};
 use lodc_formats::{Document, scene_graph};
 use lodc_measure::SceneSurface;
 use lodc_mesh::{Lod, Mesh};
-use lodc_scene::Arrangement;
+use lodc_scene::{Arrangement, centre};
 use lodc_select::Target;
 use std::borrow::Cow;
 use std::path::Path;
@@ -81,16 +81,39 @@ impl ComparedScene {
         Ok(Self { name, document, objects, colours })
     }
 
-    /// Returns the surface of the scene, or of a level of it.
-    ///
-    /// # Errors
-    /// If it has no such level, no triangles or too many.
-    pub(super) fn surface(&self, choice: LevelChoice, args: &CompareArgs) -> Outcome<SceneSurface> {
+    /// Returns where the scene shows its objects.
+    fn arrangement(&self, args: &CompareArgs) -> Outcome<Arrangement> {
         let (name, limits) = (&self.name, args.import.options().limits);
         let infos = self.objects.infos();
         let graph = scene_graph(&self.document, &infos, &limits).map_err(|e| e.in_file(name))?;
         let pose = args.pose.of(Path::new(name), &self.document, &graph, &limits)?;
-        let arrangement = Arrangement::new(&graph, &pose, infos.len());
+        Ok(Arrangement::new(&graph, &pose, infos.len()))
+    }
+
+    /// Returns the point about which this scene and others are compared: far from the origin single
+    /// precision needs one.
+    ///
+    /// # Errors
+    /// If the document is damaged, or lacks the pose.
+    pub(super) fn centre(&self, args: &CompareArgs) -> Outcome<[f64; 3]> {
+        Ok(centre(&self.arrangement(args)?, |object| self.objects.mesh(object)))
+    }
+
+    /// Returns the surface of the scene, or of a level of it, about `centre`.
+    ///
+    /// # Errors
+    /// If it has no such level, no triangles or too many.
+    pub(super) fn surface(
+        &self,
+        choice: LevelChoice,
+        centre: [f64; 3],
+        args: &CompareArgs,
+    ) -> Outcome<SceneSurface> {
+        let name = &self.name;
+        let mut arrangement = self.arrangement(args)?;
+        if centre != [0.0; 3] {
+            arrangement = arrangement.moved(centre.map(|c| -c));
+        }
         let meshes = self.meshes(choice, args)?;
         let meshes: Vec<&Mesh> = meshes.iter().map(AsRef::as_ref).collect();
         let triangles = arrangement.triangles(|object| meshes[object].triangles().len());

@@ -13,7 +13,7 @@ use lodc::{
     LodObject,
     build::{measured, refitted_meshes},
     level_mesh::{self, LevelMesh, MeshOptions, Order},
-    scene_levels,
+    parting_borders, parting_line, scene_levels,
 };
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
@@ -135,6 +135,7 @@ fn uniform(
         }
         meshes
     };
+    let parting = parting_borders(&asset.objects, lods, &asset.document, &limits)?;
     let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let gone = stages.run("gone", || inventory.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
     Ok(Level {
@@ -145,6 +146,7 @@ fn uniform(
         warnings: chosen
             .warnings
             .into_iter()
+            .chain(parting_line(&parting))
             .chain(gone.iter().map(MissingPart::to_string))
             .collect(),
         gone: Some(gone),

@@ -104,8 +104,8 @@ fn camera(args: &RenderArgs, drawable: &DrawableScene, aspect: f64) -> Camera {
     };
     if let Some(eye) = args.eye_of_picture() {
         let middle = Camera::middle(&points);
-        let target = args.views.at.target.map_or(middle, |target| target.map(f64::from));
-        let (eye, degrees) = (eye.map(f64::from), args.selector.field_of_view_of_eye());
+        let target = args.views.at.target.unwrap_or(middle);
+        let degrees = args.selector.field_of_view_of_eye();
         let view = Viewpoint { eye, target, up, degrees, zoom: args.zoom };
         return Camera::at(&points, &view, aspect);
     }

@@ -162,7 +162,7 @@ fn check_view(args: &RenderArgs) -> Outcome<()> {
 
 impl RenderArgs {
     /// Returns the eye that the picture is seen from; none if it is seen from a side.
-    fn eye_of_picture(&self) -> Option<[f32; 3]> {
+    fn eye_of_picture(&self) -> Option<[f64; 3]> {
         let side = self.view.is_some() || self.azimuth.is_some() || self.elevation.is_some();
         self.views.at.eye.filter(|_| !side)
     }

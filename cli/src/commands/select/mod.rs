@@ -46,11 +46,11 @@ pub(crate) struct SelectArgs {
     /// Place of the eye
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
           help_heading = SEEN)]
-    eye: Option<[f32; 3]>,
+    eye: Option<[f64; 3]>,
     /// Point looked at; what is wholly behind the eye has its coarsest level
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
           requires = "eye", help_heading = SEEN)]
-    target: Option<[f32; 3]>,
+    target: Option<[f64; 3]>,
     #[command(flatten)]
     screen: ScreenArgs,
     /// Print one JSON document on standard output
@@ -128,11 +128,13 @@ fn select_for_file(args: &SelectArgs, file: &std::path::Path) -> Outcome<()> {
 }
 
 fn select_for_scene(args: &SelectArgs, list: &std::path::Path) -> Outcome<()> {
-    let scene = scene::read(list, &args.limits)?;
+    // Everything is about the eye: far from the origin single precision would be too little.
+    let eye = args.eye.expect("clap requires it");
+    let scene = scene::read(list, eye, &args.limits)?;
     let curves = scene.models.iter().map(|model| model.curve(model.radius)).collect();
     let mut manager = SceneManager::new(curves, scene.instances.clone());
-    let view = args.screen.view(args.eye.expect("clap requires it"));
-    let view = args.target.map_or(view, |target| view.towards(target));
+    let view = args.screen.view([0.0; 3]);
+    let view = args.target.map_or(view, |target| view.towards(scene::about(eye, target)));
     let goal = match (args.budget, args.pixels) {
         (Some(budget), _) => Goal::Triangles(budget),
         (None, pixels) => Goal::Pixels(pixels.expect("clap requires one of them")),

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 #[serde(deny_unknown_fields)]
 struct Line {
     file: PathBuf,
-    position: [f32; 3],
+    position: [f64; 3],
     #[serde(default = "default_scale")]
     scale: f32,
 }
@@ -29,11 +29,17 @@ pub(super) struct Scene {
     pub(super) instances: Vec<Instance>,
 }
 
-/// Reads a scene; blank lines are skipped. Paths are relative to the current folder.
+/// A point about the eye.
+pub(super) fn about(eye: [f64; 3], point: [f64; 3]) -> [f32; 3] {
+    std::array::from_fn(|i| (point[i] - eye[i]) as f32)
+}
+
+/// Reads a scene, with positions about the eye; blank lines are skipped. Paths are relative to the
+/// current folder.
 ///
 /// # Errors
 /// If a line is no valid document, or a file cannot be read.
-pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
+pub(super) fn read(path: &Path, eye: [f64; 3], limits: &LimitArgs) -> Outcome<Scene> {
     let failure = |what: String| Failure::new(Status::Input, format!("{}: {what}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|e| failure(e.to_string()))?;
     let mut scene = Scene::default();
@@ -57,7 +63,8 @@ pub(super) fn read(path: &Path, limits: &LimitArgs) -> Outcome<Scene> {
             }
         };
         // `lodc_select` is given the error curves of models, in their order.
-        scene.instances.push(Instance { curve: model, position: line.position, scale: line.scale });
+        let position = about(eye, line.position);
+        scene.instances.push(Instance { curve: model, position, scale: line.scale });
     }
     Ok(scene)
 }

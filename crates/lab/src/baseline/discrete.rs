@@ -1,7 +1,7 @@
 //! Discrete levels of detail: five meshes, each with 25 % fewer triangles than the one before
 //! (thesis table 3.1).
 
-use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, Simplified};
 use lodc_model::{Array, Changes, Layout, Model, StorageCost, Traffic};
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ impl Discrete {
     #[must_use]
     pub fn build(simplified: &Arc<Simplified>) -> Self {
         let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
-        let positions = PositionIds::new(mesh.positions());
+        let positions = mesh.position_ids();
         let level = |level| {
             let lod = Self::lod(collapses, level);
             let triangles = simplified.triangles_at_with(lod, &positions);

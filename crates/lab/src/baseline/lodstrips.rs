@@ -56,7 +56,7 @@ impl LodStrips {
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
         check_submeshes(&strips, simplified.mesh())?;
         let strips = cut_long(strips, LONGEST_TRACED);
-        let positions = PositionIds::new(simplified.mesh().positions());
+        let positions = simplified.mesh().position_ids();
         let with_dead_ends = false;
         let histories = trace::histories(simplified, &strips, &positions, with_dead_ends)?;
         let (entry_starts, entries) =

@@ -1,6 +1,6 @@
 //! A LOD's index list made from the sequence alone: what a far jump is measured against.
 
-use lodc_mesh::{Lod, PositionIds, Simplified};
+use lodc_mesh::{Lod, Simplified};
 
 /// Makes index lists from scratch. It is the reference answer ([`Simplified::triangles_at`]) with
 /// everything prepared that does not depend on the LOD and nothing allocated, so a jump that is
@@ -22,7 +22,7 @@ impl<'a> Rebuild<'a> {
         let mesh = simplified.mesh();
         Self {
             simplified,
-            positions: PositionIds::new(mesh.positions()).of_vertex,
+            positions: mesh.position_ids().of_vertex,
             resolved: vec![0; mesh.vertex_count()],
             indices: Vec::with_capacity(3 * mesh.triangles().len()),
         }

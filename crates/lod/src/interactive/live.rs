@@ -5,7 +5,7 @@
 
 use super::shaders;
 use lodc_mesh::Mesh;
-use lodc_plan::{BufferId, KernelId, Pass, Program};
+use lodc_plan::{BufferId, KernelId, Pass, Program, VertexRecords};
 
 /// Buffers and the kernel of the count.
 #[derive(Clone, Debug)]
@@ -22,8 +22,13 @@ pub struct Counting {
 }
 
 impl Counting {
-    /// Prepares counting by the positions of `vertices`, records of `stride` words.
-    pub fn new(program: &mut Program, mesh: &Mesh, vertices: BufferId, stride: usize) -> Self {
+    /// Prepares counting by the positions of `vertices`, records that are laid out like these.
+    pub fn new(
+        program: &mut Program,
+        mesh: &Mesh,
+        vertices: BufferId,
+        records: &VertexRecords,
+    ) -> Self {
         let ranges: Vec<u32> =
             mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
         Self {
@@ -31,9 +36,12 @@ impl Counting {
             triangles: program.words("triangles", mesh.triangles().as_flattened()),
             vertices,
             draws: program.zeros("draws", 5 * mesh.submeshes().len()),
-            live: program.kernel(shaders::LIVE),
+            live: match records.place {
+                0 => program.kernel(shaders::LIVE),
+                place => program.kernel_with(shaders::LIVE, &[("place", place as u32)]),
+            },
             count: mesh.submeshes().len() as u32,
-            stride: stride as u32,
+            stride: records.stride as u32,
         }
     }
 

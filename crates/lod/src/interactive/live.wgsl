@@ -4,6 +4,10 @@
 // thread per submesh. Nothing is stored for this and nothing is read back.
 // `Thread`, `number_of` and `WORKGROUP` are in prelude.wgsl.
 
+// The word of a vertex record that tells vertices apart which lie together and part in motion; 0 if
+// there are none.
+override place: u32 = 0u;
+
 struct Parameters {
     submeshes: u32,
     // Words of a vertex record; the first three are the position.
@@ -29,7 +33,7 @@ fn same(a: u32, b: u32) -> bool {
         let y = vertices[b * p.stride + c];
         if (x != y && ((x | y) << 1u) != 0u) { return false; }
     }
-    return true;
+    return place == 0u || vertices[a * p.stride + place] == vertices[b * p.stride + place];
 }
 
 fn dead(triangle: u32) -> bool {

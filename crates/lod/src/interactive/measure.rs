@@ -26,7 +26,7 @@ impl Interactive {
         let records = VertexRecords::positions(mesh);
         let mut program = Program::default();
         let base = Continuous::new(&mut program, simplified, &lists, &records)?;
-        let counting = Counting::new(&mut program, mesh, base.vertices, records.stride);
+        let counting = Counting::new(&mut program, mesh, base.vertices, &records);
         let views = Views::new(simplified, records);
         let dependent = ViewPasses::new(&mut program, &views, base.source, base.vertices);
         let filter = Filter::new(&mut program, mesh, &order(mesh, 16), base.vertices, 3);
@@ -143,13 +143,13 @@ fn memory(simplified: &Simplified, lists: &CollapseLists) -> Result<Vec<Memory>,
         let mut program = Program::default();
         variant(
             &mut program,
-            VertexRecords { stride, words: vec![0; stride * mesh.vertex_count()] },
+            VertexRecords { stride, place: 0, words: vec![0; stride * mesh.vertex_count()] },
         )?;
         Ok(program.size())
     };
     let continuous = |program: &mut Program, records: VertexRecords| {
         let base = Continuous::new(program, simplified, lists, &records)?;
-        Counting::new(program, mesh, base.vertices, records.stride);
+        Counting::new(program, mesh, base.vertices, &records);
         Ok(())
     };
     let filter = |program: &mut Program, mesh: &Mesh, records: VertexRecords, filtered| {

@@ -26,7 +26,7 @@ pub use live::Counting;
 pub use replay::Continuous;
 pub use resident::{Resident, ResidentView};
 
-use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ impl Interactive {
     /// # Errors
     /// If the triangles of a submesh are not in reverse order of their disappearance.
     pub fn build(simplified: &Arc<Simplified>) -> Result<Self, BuildError> {
-        let positions = PositionIds::new(simplified.mesh().positions());
+        let positions = simplified.mesh().position_ids();
         let removal_lods = lodc_mesh::removal_lods(simplified, &positions);
         for (submesh, s) in simplified.mesh().submeshes().iter().enumerate() {
             if let Some(i) =

@@ -147,7 +147,7 @@ impl Interactive {
         let records = VertexRecords::whole(mesh)?;
         let mut program = Program::default();
         let device = Continuous::new(&mut program, simplified, &lists, &records)?;
-        let counting = Counting::new(&mut program, mesh, device.vertices, records.stride);
+        let counting = Counting::new(&mut program, mesh, device.vertices, &records);
         let mut constructed_words = program.uploaded(&[]);
         constructed_words.extend(device.constructed(&lists));
         let construction =
@@ -165,7 +165,7 @@ impl Interactive {
             locate(simplified, whole, words, [counting.triangles, counting.draws], records.stride);
         let mut twin = Twin {
             model: self,
-            positions: PositionIds::new(mesh.positions()),
+            positions: mesh.position_ids(),
             extraction: Extraction::new(&lists),
             lists,
             records,

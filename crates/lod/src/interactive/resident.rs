@@ -31,7 +31,7 @@ impl Resident {
         let records = VertexRecords::whole(mesh)?;
         let mut program = Program::default();
         let continuous = Continuous::new(&mut program, simplified, &lists, &records)?;
-        let counting = Counting::new(&mut program, mesh, continuous.vertices, records.stride);
+        let counting = Counting::new(&mut program, mesh, continuous.vertices, &records);
         let buffers = [continuous.vertices, counting.triangles, counting.draws];
         // At LOD 0 the input itself is drawn.
         let setup = continuous.construction().into_iter().chain([counting.pass()]).collect();

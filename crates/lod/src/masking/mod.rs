@@ -71,7 +71,7 @@ impl Masking {
     /// ([`BuildError::Malformed`]): no sequence of a simplifier does.
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
         let strips = cut_long(strips, Self::LONGEST_STRIP);
-        let positions = PositionIds::new(simplified.mesh().positions());
+        let positions = simplified.mesh().position_ids();
         let histories = history::histories(simplified, &strips, &positions).ok_or_else(|| {
             BuildError::Malformed {
                 array: STRIPS,

@@ -53,7 +53,7 @@ impl Speed {
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
         check_submeshes(&strips, simplified.mesh())?;
         let strips = cut_long(strips, Self::LONGEST_STRIP);
-        let positions = PositionIds::new(simplified.mesh().positions());
+        let positions = simplified.mesh().position_ids();
         let histories = trace::histories(simplified, &strips, &positions, true)?;
         Ok(Self::new(simplified, strips, positions, &histories))
     }
@@ -70,7 +70,7 @@ impl Speed {
         }
         let strips = stored_strips::from_array(strips, simplified.mesh())?;
         let stored = Stored::read(removals, strips.len())?;
-        let positions = PositionIds::new(simplified.mesh().positions());
+        let positions = simplified.mesh().position_ids();
         let targets = simplified.collapses().targets();
         let input = TraceInput { targets, strips: &strips, positions: &positions };
         let histories = trace::in_parallel(&input, |tracer, range| {

@@ -2,7 +2,7 @@
 
 use super::*;
 use lodc::gpu::GpuError;
-use lodc::mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc::mesh::{Lod, OrientedTriangle, Simplified};
 use lodc::models::interactive::view::{Selector, live_triangles};
 
 /// The graphics device; none, with a line that says so, if there is none. Where all tests are asked
@@ -80,8 +80,7 @@ fn views_are_those_of_the_processor_for_every_instance() {
     let file = fixture("terrain.glb");
     let object = &file.objects()[0];
     let simplified = &object.simplified;
-    let (selector, positions) =
-        (Selector::new(simplified), PositionIds::new(simplified.mesh().positions()));
+    let (selector, positions) = (Selector::new(simplified), simplified.mesh().position_ids());
     let mut one = ViewLevels::new(&device, object).expect("a small mesh");
     let mut other = one.another().expect("a small mesh");
     let camera = Camera::around(simplified.mesh());

@@ -93,6 +93,7 @@ impl Builder {
             colours: colours.scene_colours(),
             importance: &Importance::default(),
             document: &document,
+            poses: self.poses,
             limits,
         };
         let simplified = simplify_all(objects, &options, context, &())?;

@@ -6,6 +6,7 @@
 
 use lodc_formats::SceneObject;
 use lodc_lod::ModelKind;
+use lodc_scene::MAX_TARGET_SHAPES;
 use lodc_simplify::MetricKind;
 
 /// The size of a scene.
@@ -15,7 +16,14 @@ pub struct Size {
     pub triangles: u64,
     /// Vertices of all objects.
     pub vertices: u64,
+    /// Vertices of objects in motion, once for each shape that collapses are priced in, at most.
+    pub moving: u64,
 }
+
+/// Poses of an animation that are priced, by default.
+const POSES: u64 = super::DEFAULT_POSES as u64;
+/// Bytes for each vertex and shape: positions of the vertex and of its group, and a quadric.
+const MOVING_BYTES: u64 = 130;
 
 /// Bytes that a stage may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,15 +37,24 @@ pub struct Need {
 impl Size {
     /// The size of some meshes, given by their triangles and vertices.
     pub fn of(meshes: impl Iterator<Item = (usize, usize)>) -> Self {
-        meshes.fold(Self { triangles: 0, vertices: 0 }, |all, (triangles, vertices)| Self {
+        let none = Self { triangles: 0, vertices: 0, moving: 0 };
+        meshes.fold(none, |all, (triangles, vertices)| Self {
             triangles: all.triangles.saturating_add(triangles as u64),
             vertices: all.vertices.saturating_add(vertices as u64),
+            ..all
         })
     }
 
     /// The size of the objects of a scene.
     pub fn of_objects(objects: &[SceneObject]) -> Self {
-        Self::of(objects.iter().map(|o| (o.mesh.triangles().len(), o.mesh.vertex_count())))
+        let moving = |o: &SceneObject| {
+            let moving = || o.mesh.attributes().iter().filter(|a| a.moves());
+            let targets = moving().filter_map(|a| a.morph_target).max().map_or(0, |t| t + 1);
+            let shapes = u64::from(targets.min(MAX_TARGET_SHAPES as u32)) + POSES;
+            if moving().next().is_some() { o.mesh.vertex_count() as u64 * shapes } else { 0 }
+        };
+        let sizes = objects.iter().map(|o| (o.mesh.triangles().len(), o.mesh.vertex_count()));
+        Self { moving: objects.iter().map(moving).sum(), ..Self::of(sizes) }
     }
 
     /// The need of simplification. Metrics other than the quadric simplify the mesh as a whole.
@@ -46,7 +63,8 @@ impl Size {
         let loose = self.bytes(0, 490).saturating_sub(self.bytes(60, 0));
         let plain = self.bytes(205, 0).max(loose);
         let visual = if { metrics }.any(is_visual) { self.bytes(500, 0) } else { 0 };
-        Need { bytes: plain.max(visual), stage: "simplify" }
+        let moving = self.moving.saturating_mul(MOVING_BYTES);
+        Need { bytes: plain.max(visual).saturating_add(moving), stage: "simplify" }
     }
 
     /// The need of measuring errors.
@@ -83,6 +101,7 @@ mod tests {
         let size = |triangles, vertices_per_triangle: f64| Size {
             triangles,
             vertices: (triangles as f64 * vertices_per_triangle) as u64,
+            moving: 0,
         };
         let quadric = || std::iter::once(MetricKind::Quadric);
         // Bytes a triangle: a grid of 2,000,000 triangles, then 300,000 loose ones.
@@ -99,14 +118,14 @@ mod tests {
 
     #[test]
     fn a_hundred_million_triangles_fit_into_24_gigabytes() {
-        let size = |triangles| Size { triangles, vertices: triangles / 2 };
+        let size = |triangles| Size { triangles, vertices: triangles / 2, moving: 0 };
         assert!(size(100_000_000).errors().bytes < 24_000_000_000);
         assert!(size(30_000_000).errors().bytes < 8_000_000_000);
     }
 
     #[test]
     fn sizes_without_end_need_all_there_is() {
-        let size = Size { triangles: u64::MAX, vertices: 3 };
+        let size = Size { triangles: u64::MAX, vertices: 3, moving: 0 };
         assert_eq!(size.errors().bytes, u64::MAX);
         assert_eq!(size.models(&[]).bytes, 0);
     }

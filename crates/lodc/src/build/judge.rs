@@ -7,7 +7,7 @@ use crate::{Error, LodObject, scene_levels};
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
 use lodc_measure::{ReferencePictures, SceneSurface, ShadingOptions, Surface, Viewing};
 use lodc_mesh::Mesh;
-use lodc_scene::{Appearance, Arrangement, share_in_pictures};
+use lodc_scene::{Appearance, Arrangement, centre, share_in_pictures};
 use lodc_select::Target;
 use std::sync::Arc;
 
@@ -100,6 +100,7 @@ impl<'a> Judge<'a> {
         let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
         let graph = scene_graph(context.document, &infos, &context.limits)?;
         let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+        let scene = scene.moved(centre(&scene, |o| &objects[o].mesh).map(|c| -c));
         let count = |object: usize| objects[object].mesh.triangles().len();
         let triangles = scene.triangles(count);
         let shown = scene.thinned(share_in_pictures(triangles));

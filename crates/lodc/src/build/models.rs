@@ -5,7 +5,7 @@ use super::{SimplifiedObjects, Watch};
 use crate::levels::table_lods;
 use crate::{Error, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
-use lodc_mesh::{Lod, PositionIds, Simplified, TriangleHash};
+use lodc_mesh::{Lod, Simplified, TriangleHash};
 use lodc_model::Model;
 use lodc_strip::{Report, StripKind, StripOptions, StripPool};
 use rayon::prelude::*;
@@ -99,7 +99,7 @@ fn self_check(object: &LodObject, report: Report<'_>) -> Result<(), Error> {
     if object.models.is_empty() {
         return Ok(());
     }
-    let positions = PositionIds::new(simplified.mesh().positions());
+    let positions = simplified.mesh().position_ids();
     let reference =
         |&lod: &Lod| simplified.triangles_at_with(lod, &positions).into_iter().collect();
     let references: Vec<TriangleHash> = lods.par_iter().with_max_len(1).map(reference).collect();

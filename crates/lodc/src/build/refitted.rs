@@ -11,7 +11,6 @@ use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
 use lodc_scene::{Coordinates, ObjectShapes, Shape};
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Shares of the way to the best fit that are tried in order: the first that looks clearly better
@@ -45,9 +44,7 @@ pub fn refitted_meshes(
     let noise = noise();
     let one = |((object, &lod), (coordinates, shapes)): (_, (&Vec<_>, &ObjectShapes))| {
         let texture = NoiseTexture { coordinates, noise: &noise };
-        let (mesh, as_modelled) = refitted(object, lod, texture, tick);
-        let input = object.simplified.mesh();
-        let distances = largest_over_shapes(shapes.all(), input, &mesh, Some(as_modelled));
+        let (mesh, distances) = refitted(object, lod, shapes.all(), texture, tick);
         LevelMesh { mesh: ordered(mesh, order), error: distances.upper, rms: Some(distances.rms) }
     };
     Ok(objects.par_iter().zip(lods).zip(coordinates.par_iter().zip(&shapes)).map(one).collect())
@@ -67,41 +64,47 @@ pub fn measured(
 ) -> Result<Vec<LevelMesh>, Error> {
     let shapes = stated_shapes(objects, document, limits)?;
     let one = |((object, mesh), shapes): ((&LodObject, Mesh), &ObjectShapes)| {
-        let distances = largest_over_shapes(shapes.all(), object.simplified.mesh(), &mesh, None);
+        let input = object.simplified.mesh();
+        let distances = largest(&Originals::new(shapes.all(), input).distances(&mesh));
         LevelMesh { mesh, error: distances.upper, rms: Some(distances.rms) }
     };
     Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
 }
 
-/// How far a level is from its input, the largest over all shapes. A skin at rest, default morph
+/// An input in the shapes that its errors are the largest over. A skin at rest, default morph
 /// weights or an uneven scale may make the first another than that of the mesh as it is.
-/// `as_modelled` are the distances of the meshes as they are, if they are known already.
-fn largest_over_shapes(
-    shapes: &[Shape],
-    input: &Mesh,
-    level: &Mesh,
-    as_modelled: Option<Distances>,
-) -> Distances {
-    let mut largest = Distances::default();
-    for shape in shapes {
-        let [input_positions, level_positions] = [shape.of(input), shape.of(level)];
-        let distances = match (&input_positions, as_modelled) {
-            // A shape borrows the positions of the mesh where it leaves all of them as they are.
-            (Cow::Borrowed(_), Some(known)) => known,
-            _ => {
-                measurable(input, &input_positions).distances(&measurable(level, &level_positions))
-            }
-        };
-        largest = largest.max(distances);
-    }
-    largest
+struct Originals<'a> {
+    shapes: &'a [Shape],
+    originals: Vec<Measurable>,
 }
 
-/// A refitted level of an object, with the distances of its mesh as modelled. These are measured:
-/// the stored ones are those of the vertices before they were moved.
+impl<'a> Originals<'a> {
+    fn new(shapes: &'a [Shape], input: &Mesh) -> Self {
+        let originals = shapes.iter().map(|shape| measurable(input, &shape.of(input))).collect();
+        Self { shapes, originals }
+    }
+
+    /// The distances of a level in each shape.
+    fn distances(&self, level: &Mesh) -> Vec<Distances> {
+        let shapes = self.shapes.iter().zip(&self.originals);
+        let in_shape = |(shape, original): (&Shape, &Measurable)| {
+            original.distances(&measurable(level, &shape.of(level)))
+        };
+        shapes.map(in_shape).collect()
+    }
+}
+
+fn largest(distances: &[Distances]) -> Distances {
+    distances.iter().fold(Distances::default(), |most, &distances| most.max(distances))
+}
+
+/// A refitted level of an object, with its distances, the largest over all shapes. These are
+/// measured: the stored ones are those of the vertices before they were moved. What would spoil the
+/// level in one of the shapes is held back.
 fn refitted(
     object: &LodObject,
     lod: Lod,
+    shapes: &[Shape],
     texture: NoiseTexture<'_>,
     tick: &Tick<'_>,
 ) -> (Mesh, Distances) {
@@ -111,21 +114,23 @@ fn refitted(
         return (refit.unmoved(), Distances::default());
     }
     let unmoved = refit.unmoved();
-    let from_input = measurable(input, input.positions());
-    let before = from_input.distances(&measurable(&unmoved, unmoved.positions()));
+    let originals = Originals::new(shapes, input);
+    let before = originals.distances(&unmoved);
     let judge = Judge::new(input, &unmoved, texture);
     // The best level so far, and the share of its image error that a better one has to be below.
-    let (mut best, mut least_kept) = ((unmoved, before), BETTER);
+    let (mut best, mut least_kept) = ((unmoved, largest(&before)), BETTER);
     for share in FIT_SHARES {
         tick();
         let mesh = refit.mesh(share);
-        let distances = from_input.distances(&measurable(&mesh, mesh.positions()));
-        if distances.upper > MAX_BOUND_GROWTH * before.upper {
+        let distances = originals.distances(&mesh);
+        let spoils =
+            |(now, before): (&Distances, &Distances)| now.upper > MAX_BOUND_GROWTH * before.upper;
+        if distances.iter().zip(&before).any(spoils) {
             continue;
         }
         let share_kept = judge.as_ref().map_or(0.0, |judge| judge.kept_share(&mesh));
         if share_kept < least_kept {
-            (best, least_kept) = ((mesh, distances), share_kept);
+            (best, least_kept) = ((mesh, largest(&distances)), share_kept);
         }
         if share_kept <= CLEARLY_BETTER {
             break;
@@ -205,7 +210,8 @@ mod tests {
             let object = LodObject { info, simplified, models: Vec::new() };
             let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT, &|| ()).unmoved();
             let judge = Judge::new(&mesh, &unmoved, texture).expect("attributes");
-            let (level, ..) = refitted(&object, lod, texture, &|| ());
+            let shapes = [Shape::AS_MODELLED];
+            let (level, ..) = refitted(&object, lod, &shapes, texture, &|| ());
             let is_held = level == unmoved;
             assert!(is_held || judge.kept_share(&level) <= BETTER, "{name}");
             held += u32::from(is_held);

@@ -13,6 +13,9 @@ pub struct SceneContext<'a> {
     pub importance: &'a Importance,
     /// Its document: nodes and materials.
     pub document: &'a Document,
+    /// How many poses of its animations collapses are priced in, at most; 0: at rest alone, without
+    /// morph targets, too.
+    pub poses: usize,
     /// Limits on reading the document.
     pub limits: Limits,
 }

@@ -5,10 +5,11 @@ use super::judge::{HybridLevels, Judge, share_at_start};
 use super::watch::run_stage;
 use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
-use lodc_formats::SceneObject;
-use lodc_mesh::{Mesh, PositionIds, Simplified};
+use lodc_formats::{ObjectInfo, SceneObject, scene_motion};
+use lodc_mesh::{Attribute, Mesh, Simplified};
 use lodc_simplify::{
-    Guidance, MetricKind, Options, Prefix, RecordedCollapses, SurfaceColours, simplify_recorded,
+    Guidance, MetricKind, Options, Prefix, RecordedCollapses, SeenShape, SeenShapes,
+    SurfaceColours, Weights, simplify_recorded,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -32,7 +33,8 @@ pub fn simplify_all(
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, Error> {
     run_stage(watch, "simplify", None, || {
-        let scene = SceneWork { objects: &objects, context, watch };
+        let seen = seen_shapes(&objects, options, context)?;
+        let scene = SceneWork { objects: &objects, seen: &seen, context, watch };
         if let Some(chosen) = scene.best_by_pictures(options)? {
             return Ok(chosen);
         }
@@ -40,7 +42,8 @@ pub fn simplify_all(
         // Taking over the objects frees each mesh as soon as it is simplified.
         let objects = objects.into_par_iter().enumerate();
         let one = |(number, object): (usize, SceneObject)| {
-            let work = ObjectWork { number, options: &options[number], context, watch };
+            let (options, seen) = (&options[number], seen[number].as_ref());
+            let work = ObjectWork { number, options, seen, context, watch };
             let (simplified, _) = work.simplified(&object.mesh, None);
             (object.info, simplified)
         };
@@ -48,10 +51,42 @@ pub fn simplify_all(
     })
 }
 
+/// The shapes in which each object is seen: none of one that neither joints nor morph targets move.
+fn seen_shapes(
+    objects: &[SceneObject],
+    options: &[Options],
+    context: SceneContext<'_>,
+) -> Result<Vec<Option<SeenShapes>>, Error> {
+    let SceneContext { document, poses, limits, .. } = context;
+    let moves = |o: &SceneObject| o.mesh.attributes().iter().any(Attribute::moves);
+    if poses == 0 || !objects.iter().any(moves) {
+        return Ok(vec![None; objects.len()]);
+    }
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
+    let motion = scene_motion(document, &infos, &limits)?;
+    let meshes: Vec<&Mesh> = objects.iter().map(|o| &o.mesh).collect();
+    let postures = motion.choose(&meshes, poses);
+    let seen = |number: usize| {
+        let seen = motion.seen(meshes[number], number, &postures[number])?;
+        let weighted = |weight: f64| move |positions| SeenShape { positions, weight };
+        // Costs are squares of lengths.
+        let Weights { skin, morph, .. } = options[number].weights;
+        let (skin, morph) = (skin.powi(2), morph.powi(2));
+        let joints_move = !seen.poses.is_empty();
+        let placements = seen.placements.into_iter().map(weighted(1.0));
+        let poses = seen.poses.into_iter().map(weighted(skin));
+        let others = placements.chain(poses).chain(seen.targets.into_iter().map(weighted(morph)));
+        Some(SeenShapes { at_rest: seen.at_rest, others: others.collect(), joints_move })
+    };
+    Ok((0..objects.len()).into_par_iter().map(seen).collect())
+}
+
 /// The objects of a scene, to be simplified.
 #[derive(Clone, Copy)]
 struct SceneWork<'a> {
     objects: &'a [SceneObject],
+    /// The shapes in which each object is seen, if it moves.
+    seen: &'a [Option<SeenShapes>],
     context: SceneContext<'a>,
     watch: &'a dyn Watch,
 }
@@ -124,7 +159,8 @@ impl SceneWork<'_> {
                 return (run.objects[number].clone(), RecordedCollapses::default());
             }
             let Self { context, watch, .. } = self;
-            let work = ObjectWork { number, options: &options[number], context, watch };
+            let (options, seen) = (&options[number], self.seen[number].as_ref());
+            let work = ObjectWork { number, options, seen, context, watch };
             let (simplified, recorded) = work.simplified(&object.mesh, plan);
             ((object.info.clone(), simplified), recorded)
         };
@@ -137,6 +173,7 @@ impl SceneWork<'_> {
 struct ObjectWork<'a> {
     number: usize,
     options: &'a Options,
+    seen: Option<&'a SeenShapes>,
     context: SceneContext<'a>,
     watch: &'a dyn Watch,
 }
@@ -147,7 +184,7 @@ impl ObjectWork<'_> {
         mesh: &Mesh,
         plan: Option<&Plan<'_>>,
     ) -> (Arc<Simplified>, RecordedCollapses) {
-        let Self { number, options, context, watch } = *self;
+        let Self { number, options, seen, context, watch } = *self;
         // `watch` counts triangles, the simplifier counts wedge groups.
         let triangles = mesh.triangles().len() as u64;
         let reported = AtomicU64::new(0);
@@ -163,6 +200,7 @@ impl ObjectWork<'_> {
             colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
             locked: context.importance.locked.get(number).map_or(&[], Vec::as_slice),
             weights: context.importance.weights.get(number).map_or(&[], Vec::as_slice),
+            shapes: seen,
             hybrid_ranges: plan.map(|plan| plan.hybrid_ranges),
             prefix: prefix.map(|(run, share)| Prefix { collapses: &run.recorded[number], share }),
         };
@@ -188,7 +226,7 @@ fn with_samples(options: &[Options], objects: &[SceneObject], areas: &[f64]) -> 
 
 /// The number of faces of a mesh, of those at the same three positions one.
 fn distinct_faces(mesh: &Mesh) -> u64 {
-    PositionIds::new(mesh.positions()).distinct(mesh.triangles()).len() as u64
+    mesh.position_ids().distinct(mesh.triangles()).len() as u64
 }
 
 fn is_hybrid(options: &Options) -> bool {

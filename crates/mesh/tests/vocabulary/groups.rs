@@ -4,7 +4,7 @@ use lodc_fixtures as fixtures;
 use lodc_mesh::{Mesh, PositionIds, WedgeGroups};
 
 fn groups(mesh: &Mesh) -> (PositionIds, WedgeGroups) {
-    let positions = PositionIds::new(mesh.positions());
+    let positions = mesh.position_ids();
     let groups = WedgeGroups::new(mesh, &positions);
     (positions, groups)
 }

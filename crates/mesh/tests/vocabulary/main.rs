@@ -5,6 +5,7 @@ mod chain;
 mod clean;
 mod groups;
 mod mesh;
+mod motion;
 mod multiset;
 mod position;
 mod sequence;

@@ -115,7 +115,7 @@ fn nothing_simplifies_to_nothing() {
 fn live_triangles_come_first_in_arbitrary_sequences() {
     for seed in 0..30 {
         let s = lodc_fixtures::random_collapse(&lodc_fixtures::random(seed), seed);
-        let positions = lodc_mesh::PositionIds::new(s.mesh().positions());
+        let positions = s.mesh().position_ids();
         for i in (0..s.collapses().steps()).step_by(7) {
             let step = s.collapses().step(i);
             assert_eq!(s.triangles_at_with(step.lod, &positions), s.triangles_at(step.lod));

@@ -20,8 +20,8 @@
 
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
 use lodc_mesh::{
-    Attribute, CollapseSequence, Lod, Mesh, MeshParts, NONE, PositionIds, SequenceParts,
-    Simplified, removal_lods,
+    Attribute, CollapseSequence, Lod, Mesh, MeshParts, NONE, SequenceParts, Simplified,
+    removal_lods,
 };
 
 /// A batch has one step, and one more for this many steps before it: it grows the mesh by a third.
@@ -450,7 +450,7 @@ fn errors_of_batches(sequence: &SequenceParts, batches: &[usize]) -> (Vec<f32>, 
 /// together.
 #[must_use]
 pub fn with_removals(simplified: Simplified) -> Option<Simplified> {
-    let removals = removal_lods(&simplified, &PositionIds::new(simplified.mesh().positions()));
+    let removals = removal_lods(&simplified, &simplified.mesh().position_ids());
     let (mesh, sequence) = simplified.into_parts();
     let (mut mesh, mut sequence) = (mesh.into_parts(), sequence.into_parts());
     let mut sorted = removals.clone();

@@ -2,7 +2,7 @@
 //! which vertices it lies then. They are those that it has in the collapse sequence just before its
 //! removal.
 
-use lodc_mesh::{Csr, PositionIds, Simplified, removal_lods};
+use lodc_mesh::{Csr, Simplified, removal_lods};
 
 /// A triangle of the mesh as it first appears in the stream.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,7 +51,7 @@ impl Resolver {
 pub(crate) fn first_appearances(simplified: &Simplified) -> Vec<FirstAppearance> {
     let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
     let last = collapses.records();
-    let removal = removal_lods(simplified, &PositionIds::new(mesh.positions()));
+    let removal = removal_lods(simplified, &mesh.position_ids());
     let by_removal = Csr::new(last as usize + 1, removal.into_iter().zip(0..));
     let mut resolver = Resolver::new(simplified);
     let mut appearances = vec![FirstAppearance::default(); mesh.triangles().len()];

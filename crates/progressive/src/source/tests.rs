@@ -7,7 +7,7 @@ use crate::source::split_source::SplitSource;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use crate::vertex_split::contexts::Contexts;
 use lodc_mesh::{
-    CollapseSequence, Lod, Mesh, MeshParts, NONE, PositionIds, SequenceParts, Simplified, Submesh,
+    CollapseSequence, Lod, Mesh, MeshParts, NONE, SequenceParts, Simplified, Submesh,
     is_degenerate, removal_lods,
 };
 
@@ -56,7 +56,7 @@ fn hub(n: u32) -> Simplified {
 /// First appearances by definition: the corners resolved one by one at the step before the removal.
 fn check_first_appearances(simplified: &Simplified) {
     let collapses = simplified.collapses();
-    let positions = PositionIds::new(simplified.mesh().positions());
+    let positions = simplified.mesh().position_ids();
     let removal = removal_lods(simplified, &positions);
     let starts: Vec<u32> =
         std::iter::once(0).chain(collapses.parts().step_ends.iter().copied()).collect();

@@ -7,7 +7,11 @@
 
 use glam::{DVec3, Vec3};
 use lodc_measure::{Surface, TriangleTree};
-use lodc_mesh::{Mesh, NONE, PositionIds, position_key};
+use lodc_mesh::{Mesh, NONE, PositionIds, is_degenerate, position_key};
+
+/// A face is on the sheet of a source that is not manifold whose distance from its middle is no
+/// more than this share of its edges. Chosen by hand.
+const SHEET_SHARE: f64 = 0.05;
 
 /// The bits of a position; the same for both signs of zero.
 type Key = [u32; 3];
@@ -19,6 +23,8 @@ pub(super) struct Facing {
     /// The largest number of times that an edge is there more often in one direction than in the
     /// other; at least 1.
     max_surplus: u32,
+    /// Whether no edge has more than two faces.
+    is_manifold: bool,
     /// Every triangle: its positions, rising, and whether an even permutation gives their order in
     /// the triangle.
     triangles: Vec<([Key; 3], bool)>,
@@ -40,7 +46,9 @@ impl Facing {
     pub(super) fn of(mesh: &Mesh) -> Self {
         let key = |v: u32| key(mesh, v);
         let ids = PositionIds::new(mesh.positions());
-        let edges = border(mesh, &ids);
+        let mut edges = distinct_edges(mesh, &ids);
+        let is_manifold = edges.iter().all(|edge| edge.faces <= 2);
+        edges.retain(|edge| edge.net != 0);
         let max_surplus = edges.iter().map(|edge| edge.net.unsigned_abs()).max().unwrap_or(1);
         let mut border: Vec<Key> = edges
             .iter()
@@ -49,13 +57,16 @@ impl Facing {
             .collect();
         border.sort_unstable();
         border.dedup();
-        let mut triangles: Vec<_> = mesh.triangles().iter().map(|t| sorted(t.map(key))).collect();
+        // At rest a triangle may be a point or a line, which faces nowhere.
+        let corners = mesh.triangles().iter().map(|t| t.map(key));
+        let mut triangles: Vec<_> =
+            corners.filter(|keys| !is_degenerate(*keys)).map(sorted).collect();
         triangles.sort_unstable();
         triangles.dedup();
         let positions = mesh.positions().iter().map(|&p| p.into()).collect();
         let surface =
             Surface { positions, triangles: mesh.triangles().to_vec(), ..Surface::default() };
-        Self { border, max_surplus, triangles, tree: surface.tree() }
+        Self { border, max_surplus, is_manifold, triangles, tree: surface.tree() }
     }
 
     /// Returns whether no edge is on the border.
@@ -76,7 +87,8 @@ impl Facing {
             let key = key(level, ids.first_vertex[id as usize]);
             moved != Moved::ToPositions || self.border.binary_search(&key).is_ok()
         };
-        let mut doubtful = border(level, &ids);
+        let mut doubtful = distinct_edges(level, &ids);
+        doubtful.retain(|edge| edge.net != 0);
         if !self.is_closed() {
             doubtful.retain(|edge| {
                 edge.net.unsigned_abs() > self.max_surplus
@@ -99,9 +111,10 @@ impl Facing {
         // A triangle that the source has the other way round alone.
         let source_triangle = || {
             let is_turned = |t: &[u32; 3]| {
-                let (positions, is_even) = sorted(t.map(|v| key(level, v)));
+                let keys = t.map(|v| key(level, v));
+                let (positions, is_even) = sorted(keys);
                 let has = |is_even| self.triangles.binary_search(&(positions, is_even)).is_ok();
-                has(!is_even) && !has(is_even)
+                !is_degenerate(keys) && has(!is_even) && !has(is_even)
             };
             level.triangles().iter().position(is_turned)
         };
@@ -116,8 +129,13 @@ impl Facing {
         let corners = level.triangles()[triangle].map(position);
         let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
         let middle = corners.iter().sum::<DVec3>() / 3.0;
-        let nearest = self.tree.nearest_triangle(middle, NONE).triangle;
-        nearest != NONE && normal(corners).dot(normal(self.tree.corners_of(nearest))) < 0.0
+        let nearest = self.tree.nearest_triangle(middle, NONE);
+        // Where sheets meet, the nearest one is that of the face only if it is very near.
+        let reach =
+            SHEET_SHARE * corners[0].distance(corners[1]).max(corners[1].distance(corners[2]));
+        nearest.triangle != NONE
+            && (self.is_manifold || nearest.squared <= reach * reach)
+            && normal(corners).dot(normal(self.tree.corners_of(nearest.triangle))) < 0.0
     }
 }
 
@@ -125,29 +143,33 @@ impl Facing {
 struct Edge {
     /// Numbers of positions, rising.
     ends: [u32; 2],
+    /// Faces beside it.
+    faces: u32,
     /// Times that it leads from the lower to the higher number minus times that it leads back.
     net: i32,
 }
 
 fn edges([a, b, c]: [u32; 3]) -> [Edge; 3] {
     [[a, b], [b, c], [c, a]].map(|[from, to]| match from < to {
-        true => Edge { ends: [from, to], net: 1 },
-        false => Edge { ends: [to, from], net: -1 },
+        true => Edge { ends: [from, to], faces: 1, net: 1 },
+        false => Edge { ends: [to, from], faces: 1, net: -1 },
     })
 }
 
-/// The edges of a mesh that do not cancel out, by their ends.
-fn border(mesh: &Mesh, ids: &PositionIds) -> Vec<Edge> {
+/// The edges of a mesh by their ends.
+fn distinct_edges(mesh: &Mesh, ids: &PositionIds) -> Vec<Edge> {
     let position_edges = |t: &[u32; 3]| edges(t.map(|v| ids.of_vertex[v as usize]));
     let mut all: Vec<Edge> = mesh.triangles().iter().flat_map(position_edges).collect();
     all.retain(|edge| edge.ends[0] != edge.ends[1]);
     all.sort_unstable_by_key(|edge| edge.ends);
     all.dedup_by(|next, edge| {
         let is_same = next.ends == edge.ends;
-        edge.net += if is_same { next.net } else { 0 };
+        if is_same {
+            edge.net += next.net;
+            edge.faces += next.faces;
+        }
         is_same
     });
-    all.retain(|edge| edge.net != 0);
     all
 }
 

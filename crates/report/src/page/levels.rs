@@ -8,7 +8,7 @@ use lodc_measure::{
     heat,
 };
 use lodc_mesh::Mesh;
-use lodc_scene::{Appearance, Arrangement};
+use lodc_scene::{Appearance, Arrangement, centre};
 use lodc_select::{Selection, Target};
 use rayon::prelude::*;
 
@@ -56,6 +56,7 @@ pub fn page_levels(
     appearance: &Appearance,
 ) -> Result<Vec<PageLevel>, Error> {
     let input: Vec<&Mesh> = objects.iter().map(|o| o.simplified.mesh()).collect();
+    let arrangement = &arrangement.moved(centre(arrangement, |o| input[o]).map(|c| -c));
     let input_triangles: usize = input.iter().map(|m| m.triangles().len()).sum();
     let input = SceneSurface::new(&input, arrangement, appearance);
     let looks = ShadingOptions { checkerboard: false, ..input.common_looks(&input) };

@@ -6,7 +6,8 @@
 
 use super::link::{Link, Marks};
 use super::plan::WedgePlan;
-use crate::cut::{Corner, OPEN, Wedges, WorkingMesh};
+use crate::cut::{Corner, InMotion, OPEN, Wedges, WorkingMesh};
+use crate::number::each_shape;
 use crate::price::{Attributes, MAX_LEN, OneRing};
 use glam::DVec3;
 use lodc_mesh::NONE;
@@ -71,24 +72,28 @@ impl Rules {
     /// Returns the verdict on moving `from` onto its neighbour `to`; none if that is illegal.
     pub(super) fn check(
         self,
-        mesh: &WorkingMesh,
+        (mesh, in_motion): (&WorkingMesh, Option<InMotion<'_>>),
         from: u32,
         to: u32,
         marks: &mut Marks,
     ) -> Option<Verdict> {
-        self.check_with(mesh, from, to, marks, || keeps_orientation(mesh, from, to))
+        let keeps_in_motion = || keeps_orientation_in_motion(in_motion, from, to);
+        let keeps = || keeps_orientation(mesh, from, to) && keeps_in_motion();
+        self.check_with(mesh, from, to, marks, keeps)
     }
 
     /// The same for a group whose faces have been gathered, to be checked for many neighbours.
     pub(super) fn check_gathered(
         self,
-        mesh: &WorkingMesh,
+        (mesh, in_motion): (&WorkingMesh, Option<InMotion<'_>>),
         from: u32,
         to: u32,
         marks: &mut Marks,
         faces: &MovingFaces,
     ) -> Option<Verdict> {
-        self.check_with(mesh, from, to, marks, || faces.keep_orientation(mesh, to))
+        let keeps_in_motion = || keeps_orientation_in_motion(in_motion, from, to);
+        let keeps = || faces.keep_orientation(mesh, to) && keeps_in_motion();
+        self.check_with(mesh, from, to, marks, keeps)
     }
 
     fn check_with(
@@ -248,6 +253,24 @@ fn keeps_orientation_exactly(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     }
     let mut faces = mesh.star(from).iter().map(|&corner| MovingFace::new(mesh, corner, position));
     faces.all(|face| face.keeps_orientation(to, target))
+}
+
+/// Returns whether no face around `from` turns over in a shape in motion when `from` moves onto
+/// `to`. Faces may turn farther there than at rest, since poses squeeze some of them as it is.
+fn keeps_orientation_in_motion(in_motion: Option<InMotion<'_>>, from: u32, to: u32) -> bool {
+    let Some(view) = in_motion else { return true };
+    let mesh = view.mesh;
+    each_shape(view.around(from)).all(|shape| {
+        let at = |group: u32| view.position(group, shape).as_dvec3();
+        let (position, target) = (at(from), at(to));
+        mesh.star(from).iter().all(|&corner| {
+            let others = mesh.others(corner);
+            let [ahead, behind] = others.map(at);
+            let old = (ahead - position).cross(behind - position);
+            let new = (ahead - target).cross(behind - target);
+            others.contains(&to) || old.dot(new) >= 0.0
+        })
+    })
 }
 
 /// Returns whether the triangle of a moving corner, `ahead` and `behind` keeps the orientation of

@@ -16,7 +16,9 @@ pub(crate) use heap::Heap;
 pub(crate) use legality::{Rules, Stage};
 pub(crate) use plan::{Planner, WedgePlan};
 
-use crate::cut::{Choice, HUB_VALENCE, OPEN, RESTRICTED, Region, SEAM, STALE};
+use crate::cut::{
+    Choice, HUB_VALENCE, InMotion, OPEN, RESTRICTED, Region, SEAM, STALE, WorkingMesh,
+};
 use crate::metric::Reprice;
 use crate::price::{PriceLists, Priced, Pricer, Scratch, scaled};
 use legality::{MovingFaces, keeps_texture};
@@ -81,6 +83,12 @@ impl<M: Reprice> Selector<'_, M> {
         self.confirm(from, known, buffers).or_else(|| self.search(from, buffers))
     }
 
+    /// The mesh at rest and in motion.
+    #[inline]
+    fn shapes(&self) -> (&WorkingMesh, Option<InMotion<'_>>) {
+        (&self.pricer.region.mesh, self.pricer.in_motion())
+    }
+
     /// Returns whether wedges decide about legality and price.
     fn wedges_matter(&self, from: u32) -> bool {
         self.pricer.region.mesh.has(from, SEAM) || self.pricer.context.attributes.texture.is_some()
@@ -98,13 +106,14 @@ impl<M: Reprice> Selector<'_, M> {
         // The choice of a restricted group is what a search has found, all factors included.
         let is_found =
             self.pricer.region.mesh.has(from, RESTRICTED) && !self.pricer.metric.is_active();
-        let Region { mesh, .. } = self.pricer.region;
-        let verdict = self.rules.check(mesh, from, known.to, &mut buffers.marks)?;
+        let verdict = self.rules.check(self.shapes(), from, known.to, &mut buffers.marks)?;
         if verdict.factor > 1.0 && !is_found {
             return None;
         }
         if is_planned {
-            if !self.try_plan(from, known.to, buffers) || buffers.tried.fakes > 0 && !is_found {
+            if !self.try_plan(from, known.to, buffers)
+                || buffers.tried.costly_fakes > 0 && !is_found
+            {
                 return None;
             }
             std::mem::swap(&mut buffers.tried, &mut buffers.plan);
@@ -146,9 +155,9 @@ impl<M: Reprice> Selector<'_, M> {
             }
             let SelectionBuffers { marks, faces, .. } = &mut *buffers;
             let verdict = if gathered {
-                self.rules.check_gathered(mesh, from, to, marks, faces)
+                self.rules.check_gathered(self.shapes(), from, to, marks, faces)
             } else {
-                self.rules.check(mesh, from, to, marks)
+                self.rules.check(self.shapes(), from, to, marks)
             };
             let Some(verdict) = verdict else {
                 buffers.refused = true;
@@ -160,7 +169,7 @@ impl<M: Reprice> Selector<'_, M> {
                     buffers.refused = true;
                     continue;
                 }
-                factor *= 1.0 + FAKE_FACTOR * f64::from(buffers.tried.fakes);
+                factor *= 1.0 + FAKE_FACTOR * f64::from(buffers.tried.costly_fakes);
             }
             buffers.refused |= factor > 1.0;
             let cost = cost * factor;
@@ -213,7 +222,7 @@ impl<M: Reprice> Selector<'_, M> {
         list.iter().filter(|p| is_touched(p.to)).all(|p| {
             p.to != known.to
                 && (scaled(p.cost(mesh)) > known.cost
-                    || self.rules.check(mesh, from, p.to, marks).is_none())
+                    || self.rules.check(self.shapes(), from, p.to, marks).is_none())
         })
     }
 
@@ -221,7 +230,7 @@ impl<M: Reprice> Selector<'_, M> {
     pub(crate) fn planner(&self) -> Planner<'_> {
         let Pricer { context, region, .. } = &self.pricer;
         Planner {
-            input: context.input.mesh,
+            input: context.input,
             mesh: &region.mesh,
             wedges: &region.wedges,
             attributes: &context.attributes,

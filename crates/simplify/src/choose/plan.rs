@@ -3,8 +3,9 @@
 //! a new vertex (fake) (thesis 4.2.1).
 
 use crate::cut::{SEAM, Wedges, WorkingMesh, next, previous};
+use crate::number::Input;
 use crate::price::Attributes;
-use lodc_mesh::{Mesh, NONE};
+use lodc_mesh::NONE;
 
 /// A wedge without an edge to the target takes an existing wedge there if their attributes differ
 /// by less than this share of the mesh's size: a normal off by about 12°, half a pixel of a picture
@@ -39,6 +40,8 @@ pub(crate) struct WedgePlan {
     twins: Vec<(u32, u32)>,
     /// Number of fakes that it takes.
     pub(crate) fakes: u32,
+    /// Number of those that make a seam: the attributes that count are at no wedge of the target.
+    pub(crate) costly_fakes: u32,
     /// A wedge had edges to several wedges of the target: a seam ends here.
     pub(crate) ambiguous: bool,
 }
@@ -46,7 +49,7 @@ pub(crate) struct WedgePlan {
 impl WedgePlan {
     pub(crate) fn clear(&mut self) {
         self.wedges.clear();
-        self.fakes = 0;
+        (self.fakes, self.costly_fakes) = (0, 0);
         self.ambiguous = false;
     }
 
@@ -60,7 +63,7 @@ impl WedgePlan {
 /// The data that planning reads.
 #[derive(Clone, Copy)]
 pub(crate) struct Planner<'a> {
-    pub(crate) input: &'a Mesh,
+    pub(crate) input: &'a Input<'a>,
     pub(crate) mesh: &'a WorkingMesh,
     pub(crate) wedges: &'a Wedges,
     pub(crate) attributes: &'a Attributes,
@@ -175,12 +178,20 @@ impl Planner<'_> {
         plan.twins.sort_by_key(|twin| twin.0);
         for p in plan.wedges.iter_mut().filter(|p| p.target == NONE) {
             let first = plan.twins.partition_point(|twin| twin.0 < class(p.wedge));
-            p.target = match plan.twins.get(first) {
-                Some(twin) if twin.0 == class(p.wedge) => twin.1,
-                _ if !p.has_faces => plan.true_target,
-                _ => self.reusable(p.wedge, to).unwrap_or(NONE),
+            let target = match plan.twins.get(first) {
+                Some(twin) if twin.0 == class(p.wedge) => Some(twin.1),
+                _ if !p.has_faces => Some(plan.true_target),
+                _ => self.reusable(p.wedge, to),
             };
-            plan.fakes += u32::from(p.target == NONE);
+            let keeps_flat = |target: &u32| !p.has_faces || self.keeps_flat(p.wedge, *target);
+            p.target = target.filter(keeps_flat).unwrap_or(NONE);
+            if p.target == NONE {
+                plan.fakes += 1;
+                let makes_seam = target.is_none()
+                    && (!self.input.ignores_attributes()
+                        || self.wedges.meets_smoothly(self.input, p.wedge, to).is_none());
+                plan.costly_fakes += u32::from(makes_seam);
+            }
         }
         let known = plan.wedges.len();
         for wedge in self.wedges.of_group(from) {
@@ -196,6 +207,12 @@ impl Planner<'_> {
         plan.wedges.sort_unstable_by_key(|p| p.wedge);
     }
 
+    /// Returns whether faces that are flat stay so when a wedge becomes another.
+    fn keeps_flat(&self, wedge: u32, target: u32) -> bool {
+        let source = |w: u32| self.wedges.attribute_source[w as usize];
+        self.input.keeps_flat(source(wedge), source(target))
+    }
+
     /// A wedge at `to` that `wedge` may become although they share no face: same submesh, and the
     /// same attributes, nearly the same, or in the last stages the most similar ones.
     fn reusable(&self, wedge: u32, to: u32) -> Option<u32> {
@@ -203,7 +220,7 @@ impl Planner<'_> {
         let mut best: Option<(f64, u32)> = None;
         let candidates = self.wedges.of_group(to).take(MAX_REUSED);
         for t in candidates.filter(|&t| self.wedges.submesh(t) == submesh) {
-            if self.wedges.alike(self.input, wedge, t) {
+            if self.wedges.alike(self.input.mesh, wedge, t) {
                 return Some(t);
             }
             let distance = self.attribute_distance(wedge, t);
@@ -221,7 +238,6 @@ impl Planner<'_> {
 mod tests {
     use super::*;
     use crate::cut::Region;
-    use crate::number::Input;
 
     /// Plans all collapses of groups on the seam of a sphere: (target is on the seam, wedges,
     /// distinct targets, fakes).
@@ -233,7 +249,7 @@ mod tests {
         let attributes =
             Attributes::new(&sphere, |_| crate::Weights::DEFAULT, input.scale, input.size);
         let planner = Planner {
-            input: &sphere,
+            input: &input,
             mesh,
             wedges,
             attributes: &attributes,

@@ -12,9 +12,10 @@ mod merge;
 pub(crate) use log::{CollapseLog, Sources, renumber_wedges};
 
 use crate::choose::{LegalCollapse, WedgePlan};
-use crate::cut::{DEAD, OPEN, Region, SEAM};
+use crate::cut::{DEAD, OPEN, Quadric, Region, SEAM};
 use crate::metric::Reprice;
-use lodc_mesh::{Mesh, NONE};
+use crate::number::Input;
+use lodc_mesh::NONE;
 
 /// The groups whose faces a commit changed.
 #[derive(Default)]
@@ -80,7 +81,7 @@ impl Touched {
 
 /// Everything that a commit changes.
 pub(crate) struct Commit<'a, M> {
-    pub(crate) input: &'a Mesh,
+    pub(crate) input: &'a Input<'a>,
     pub(crate) region: &'a mut Region,
     pub(crate) metric: &'a mut M,
     pub(crate) log: &'a mut CollapseLog,
@@ -120,9 +121,11 @@ impl<M: Reprice> Commit<'_, M> {
 
     /// Moves `from`'s faces and quadrics.
     fn merge(&mut self, from: u32, to: u32) {
-        let Self { region, metric, log, .. } = self;
+        let Self { input, region, metric, log, .. } = self;
         metric.collapsed(&region.mesh, &region.wedges, from, to);
-        region.quadrics.merge(&mut region.mesh, from, to);
+        region.merge_in_motion(&input.shapes, from, to);
+        let moving_cost = region.moving.greatest(to, |quadric| quadric.c);
+        region.quadrics.merge(&mut region.mesh, from, to, moving_cost);
         region.mesh.merge(from, to, |triangle| log.dead.push(triangle));
         region.mesh.add_flags(from, DEAD);
     }
@@ -138,7 +141,9 @@ impl<M: Reprice> Commit<'_, M> {
         for &g in &touched.groups {
             stamps[g as usize] = stamp;
         }
-        let error = metric.error().unwrap_or_else(|| region.quadrics.error(legal.choice.to));
+        let to = legal.choice.to;
+        let at_rest = metric.error().unwrap_or_else(|| region.quadrics.error(to));
+        let error = at_rest.max(region.moving.greatest(to, Quadric::distance));
         log.end_step(stamp, error as f32, legal.changes_topology);
     }
 
@@ -184,9 +189,9 @@ impl<M: Reprice> Commit<'_, M> {
             // Wedges with the same attributes share a fake. A position with more than 64 wedges
             // (chosen by hand; real meshes have a handful) may get some it could have shared.
             let mut earlier = plan.wedges[..i].iter().filter(|p| p.is_fake).take(64);
-            let target = match earlier.find(|p| wedges.alike(input, p.wedge, wedge)) {
+            let target = match earlier.find(|p| wedges.alike(input.mesh, p.wedge, wedge)) {
                 Some(p) => p.target,
-                None => wedges.add_fake(to, plan.true_target, wedge),
+                None => wedges.add_fake(input, to, plan.true_target, wedge),
             };
             plan.wedges[i].target = target;
             plan.wedges[i].is_fake = true;

@@ -186,6 +186,7 @@ impl<'a> Gathering<'a> {
         let number = self.add_group(group);
         let new = &mut self.new;
         new.quadrics.surface.push(old.quadrics.surface[local as usize]);
+        new.moving.push_of(&old.moving, local);
         if !new.quadrics.border_of.is_empty() {
             new.quadrics.border_of.push(NONE);
         }

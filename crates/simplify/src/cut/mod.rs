@@ -8,6 +8,7 @@
 //! number of threads.
 
 mod gather;
+mod in_motion;
 mod mesh;
 mod neighborhood;
 mod quadrics;
@@ -16,13 +17,14 @@ mod table;
 mod wedges;
 
 pub(crate) use gather::{Home, RegionLists, Round};
+pub(crate) use in_motion::InMotion;
 pub(crate) use mesh::{
     Corner, DEAD, Facet, HUB_VALENCE, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, STALE, Star,
     WorkingMesh, next, previous,
 };
 pub(crate) use neighborhood::{
-    EdgeKind, Entry, FeaturePlane, Neighborhood, fold_plane, is_seam, plane_along, seam_weight,
-    target,
+    EdgeKind, Entry, FeaturePlane, Neighborhood, PosedSurroundings, fold_plane, is_seam,
+    plane_along, seam_weight, target,
 };
 pub(crate) use quadrics::{Quadric, Quadrics, Symmetric, add_outer, times};
 pub(crate) use region::{Choice, Region};

@@ -1,7 +1,7 @@
 //! The surroundings of a group: its edges to other groups, and which of them are borders or
 //! seams.
 
-use super::mesh::{Facet, WorkingMesh, next, previous};
+use super::mesh::{Corner, Facet, WorkingMesh, next, previous};
 use super::wedges::Wedges;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
@@ -65,6 +65,14 @@ impl Entry {
 pub(crate) struct FeaturePlane {
     pub(crate) normal: DVec3,
     pub(crate) weight: f64,
+}
+
+/// The facets and planes around a group in another shape than at rest.
+#[derive(Default)]
+pub(crate) struct PosedSurroundings {
+    /// The faces of the star.
+    pub(crate) facets: Vec<Facet>,
+    pub(crate) planes: Vec<FeaturePlane>,
 }
 
 /// The surroundings of one group; its buffers are used again for the next.
@@ -139,32 +147,39 @@ impl Neighborhood {
         entries: Range<usize>,
     ) -> EdgeKind {
         let faces = &self.entries[entries];
-        let class = |e: &Entry| (wedges.class(e.wedge), wedges.class(e.neighbor_wedge));
+        let class = |e: &Entry| (wedges.seam_class(e.wedge), wedges.seam_class(e.neighbor_wedge));
         let kind = match faces.len() {
             1 => EdgeKind::Border,
             2 if class(&faces[0]) == class(&faces[1]) => EdgeKind::Smooth,
             _ => EdgeKind::Seam,
         };
         let edge = mesh.position(faces[0].group) - mesh.position(group);
-        let weight = match kind {
-            EdgeKind::Smooth => {
-                let [m, n] = [0, 1].map(|i| self.facets[faces[i].slot as usize].normal);
-                self.planes.extend(fold_plane(m, n, edge));
-                return kind;
-            }
-            EdgeKind::Border => {
-                self.borders += 1;
-                BORDER_WEIGHT
-            }
-            EdgeKind::Seam => {
-                self.seams += 1;
-                seam_weight(wedges, faces)
-            }
-        };
-        let normals = faces.iter().map(|e| self.facets[e.slot as usize].normal.as_dvec3());
-        let weight = weight * edge.length_squared();
-        self.planes.extend(normals.filter_map(|n| plane_along(n, edge, weight)));
+        self.borders += u32::from(kind == EdgeKind::Border);
+        self.seams += u32::from(kind == EdgeKind::Seam);
+        add_planes(wedges, kind, faces, &self.facets, edge, &mut self.planes);
         kind
+    }
+
+    /// Fits facets and planes of the gathered surroundings to another shape, given the positions of
+    /// groups in it.
+    pub(crate) fn pose(
+        &self,
+        mesh: &WorkingMesh,
+        wedges: &Wedges,
+        group: u32,
+        position: impl Fn(u32) -> DVec3,
+        posed: &mut PosedSurroundings,
+    ) {
+        let PosedSurroundings { facets, planes } = posed;
+        let facet = |c: &Corner| Facet::new(mesh.faces[c.face() as usize].groups.map(&position));
+        facets.clear();
+        facets.extend(mesh.star(group).iter().map(facet));
+        planes.clear();
+        let origin = position(group);
+        for edge in &self.edges {
+            let direction = position(edge.group) - origin;
+            add_planes(wedges, edge.kind, self.entries_at(edge), facets, direction, planes);
+        }
     }
 
     /// The faces at an edge.
@@ -190,7 +205,7 @@ pub(crate) fn target(wedges: &Wedges, faces: &[Entry], wedge: u32) -> Option<u32
 /// group and at its other end in both.
 #[inline]
 pub(crate) fn is_seam(wedges: &Wedges, wedge: [u32; 2], neighbor_wedge: [u32; 2]) -> bool {
-    let alike = |[a, b]: [u32; 2]| a == b || wedges.class(a) == wedges.class(b);
+    let alike = |[a, b]: [u32; 2]| a == b || wedges.seam_class(a) == wedges.seam_class(b);
     !alike(wedge) || !alike(neighbor_wedge)
 }
 
@@ -211,6 +226,30 @@ pub(crate) fn seam_weight(wedges: &Wedges, faces: &[Entry]) -> f64 {
     let submesh = |e: &Entry| wedges.submesh(e.wedge);
     let is_within_submesh = faces.iter().all(|e| submesh(e) == submesh(&faces[0]));
     if is_within_submesh { SEAM_WEIGHT } else { MATERIAL_WEIGHT }
+}
+
+/// Adds the planes that collapses should keep for an edge, given its sorted faces and the facets of
+/// the star.
+fn add_planes(
+    wedges: &Wedges,
+    kind: EdgeKind,
+    faces: &[Entry],
+    facets: &[Facet],
+    edge: DVec3,
+    planes: &mut Vec<FeaturePlane>,
+) {
+    let weight = match kind {
+        EdgeKind::Smooth => {
+            let [m, n] = [0, 1].map(|i| facets[faces[i].slot as usize].normal);
+            planes.extend(fold_plane(m, n, edge));
+            return;
+        }
+        EdgeKind::Border => BORDER_WEIGHT,
+        EdgeKind::Seam => seam_weight(wedges, faces),
+    };
+    let normals = faces.iter().map(|e| facets[e.slot as usize].normal.as_dvec3());
+    let weight = weight * edge.length_squared();
+    planes.extend(normals.filter_map(|n| plane_along(n, edge, weight)));
 }
 
 /// The plane along an edge, upright on a face there; none if the face has no area.

@@ -6,7 +6,7 @@
 //! quadric has planes through its own point only, so `b` and `c` start as zero and there is no
 //! large number to subtract from another.
 
-use super::mesh::WorkingMesh;
+use super::mesh::{Facet, WorkingMesh};
 use super::neighborhood::Neighborhood;
 use glam::DVec3;
 use lodc_mesh::NONE;
@@ -54,6 +54,11 @@ impl Quadric {
         self.weight += weight;
     }
 
+    /// Adds the plane of a face with a corner at the quadric's point.
+    pub(super) fn add_facet(&mut self, facet: &Facet) {
+        self.add_plane(facet.normal.as_dvec3(), f64::from(facet.area));
+    }
+
     /// Its value with the point moved by `delta`; never negative.
     #[inline]
     fn at(&self, delta: DVec3) -> f64 {
@@ -99,7 +104,7 @@ impl Quadrics {
         for f in 0..mesh.faces.len() as u32 {
             let facet = mesh.facet(f);
             for &g in mesh.faces[f as usize].groups.iter().filter(|&&g| (g as usize) < own) {
-                surface[g as usize].add_plane(facet.normal.as_dvec3(), f64::from(facet.area));
+                surface[g as usize].add_facet(&facet);
             }
         }
         Self { surface, ..Self::default() }

@@ -4,15 +4,16 @@
 //! A region's own groups come first. After them come the groups of other regions that share faces
 //! with them: position and cost only. Own groups next to those are locked.
 
+use super::in_motion::{InMotion, MovingQuadrics};
 use super::mesh::{
     Corner, Face, GroupPosition, HUB_VALENCE, LOCKED, OPEN, SEAM, SHARED_POSITION, Star,
     WorkingMesh, next, previous,
 };
-use super::neighborhood::{Neighborhood, has_seams};
+use super::neighborhood::{Neighborhood, PosedSurroundings, has_seams};
 use super::quadrics::Quadrics;
 use super::table::Table;
 use super::wedges::Wedges;
-use crate::number::Input;
+use crate::number::{GroupShapes, Input, each_shape};
 use lodc_mesh::NONE;
 use prefetch_index::prefetch_index;
 use std::ops::Range;
@@ -37,6 +38,8 @@ pub(crate) struct Region {
     pub(crate) mesh: WorkingMesh,
     pub(crate) wedges: Wedges,
     pub(crate) quadrics: Quadrics,
+    /// Accumulated quadrics in other shapes than at rest.
+    pub(crate) moving: MovingQuadrics,
     /// The best collapse of each own group.
     pub(crate) choices: Vec<Choice>,
     /// The greatest cost of any collapse so far that touched each own group.
@@ -110,6 +113,7 @@ impl Region {
             quadric.add_plane(p.unit_normal, p.area);
         }
         region.classify(input, own);
+        region.accumulate_in_motion(&input.shapes, own as u32);
         region.choices = vec![Choice::NONE; own];
         region.stamps = vec![0.0; own];
         region
@@ -126,9 +130,55 @@ impl Region {
         self.mesh.clear();
         self.wedges.clear();
         self.quadrics.clear();
+        self.moving.clear();
         self.choices.clear();
         self.stamps.clear();
         self.groups.clear();
+    }
+
+    /// What pricing reads of the region in motion; none if it has one shape only.
+    #[inline]
+    pub(crate) fn in_motion<'a>(&'a self, shapes: &'a GroupShapes) -> Option<InMotion<'a>> {
+        let Self { mesh, quadrics, moving, groups, .. } = self;
+        (!moving.is_empty()).then_some(InMotion { shapes, mesh, quadrics, moving, groups })
+    }
+
+    /// Adds the quadrics in motion of `from` to those of `to`, before those at rest are added.
+    pub(crate) fn merge_in_motion(&mut self, shapes: &GroupShapes, from: u32, to: u32) {
+        let mut merged = self.moving.take_buffer();
+        let Some(view) = self.in_motion(shapes) else { return };
+        let set = self.moving.set(from) | self.moving.set(to);
+        merged.extend(each_shape(set).map(|shape| view.merged(from, to, shape)));
+        self.moving.replace(to, from, set, merged);
+    }
+
+    /// Sums up the quadrics in motion of the own groups, of which the first `own` are, over the
+    /// input's faces and borders.
+    pub(super) fn accumulate_in_motion(&mut self, shapes: &GroupShapes, own: u32) {
+        if shapes.is_empty() {
+            return;
+        }
+        let (mut moving, none) = (MovingQuadrics::default(), MovingQuadrics::default());
+        let (mut around, mut posed) = (Neighborhood::default(), PosedSurroundings::default());
+        let Self { mesh, wedges, quadrics, groups, .. } = &*self;
+        let view = InMotion { shapes, mesh, quadrics, moving: &none, groups };
+        for group in 0..own {
+            let set = view.around(group);
+            let row = moving.push(set);
+            if set == 0 {
+                continue;
+            }
+            around.gather(mesh, wedges, group);
+            for (shape, quadric) in each_shape(set).zip(row) {
+                let position = |g: u32| view.position(g, shape).as_dvec3();
+                around.pose(mesh, wedges, group, position, &mut posed);
+                posed.facets.iter().for_each(|facet| quadric.add_facet(facet));
+                if around.borders > 0 {
+                    posed.planes.iter().for_each(|p| quadric.add_plane(p.normal, p.weight));
+                }
+            }
+        }
+        self.moving = moving;
     }
 
     /// Number of own groups.

@@ -1,7 +1,7 @@
 //! The wedges (vertices) of every group in flat arrays: their submesh, the input vertices that
 //! position and attributes come from, and which wedges have equal attributes.
 
-use crate::number::{Wedge, same_attributes};
+use crate::number::{Input, Wedge, same_attributes};
 use lodc_mesh::{Mesh, NONE};
 
 /// The wedges of one region, originals first, fakes after them. A fake has the position of one
@@ -20,6 +20,8 @@ pub(crate) struct Wedges {
     submesh: Vec<u32>,
     /// Equal for the wedges of a group with the same attributes.
     class: Vec<u32>,
+    /// Equal for those between which there is no seam; empty if these are the same.
+    seam_class: Vec<u32>,
     /// The first wedge of each group; `NONE` for none.
     first: Vec<u32>,
     /// The next wedge of the same group; `NONE` at the end.
@@ -31,8 +33,11 @@ pub(crate) struct Wedges {
 impl Wedges {
     /// Empties all lists, which keep their capacity.
     pub(super) fn clear(&mut self) {
-        let Self { ids, position_source, attribute_source, submesh, class, first, next, .. } = self;
-        for list in [ids, position_source, attribute_source, submesh, class, first, next] {
+        let Self { ids, position_source, attribute_source, submesh, class, .. } = self;
+        for list in [ids, position_source, attribute_source, submesh, class] {
+            list.clear();
+        }
+        for list in [&mut self.seam_class, &mut self.first, &mut self.next] {
             list.clear();
         }
         self.numbered = 0;
@@ -52,6 +57,7 @@ impl Wedges {
             attribute_source: self.attribute_source[w],
             submesh: self.submesh[w],
             class: self.class[w],
+            seam_class: self.seam_class(w as u32),
         }
     }
 
@@ -61,6 +67,12 @@ impl Wedges {
         self.position_source.push(wedge.position_source);
         self.attribute_source.push(wedge.attribute_source);
         self.submesh.push(wedge.submesh);
+        if self.seam_class.is_empty() && wedge.seam_class != wedge.class {
+            self.seam_class.clone_from(&self.class);
+        }
+        if !self.seam_class.is_empty() || wedge.seam_class != wedge.class {
+            self.seam_class.push(wedge.seam_class);
+        }
         self.class.push(wedge.class);
         self.next.push(NONE);
         self.numbered = self.ids.len();
@@ -79,6 +91,12 @@ impl Wedges {
     #[inline]
     pub(crate) fn class(&self, w: u32) -> u32 {
         self.class.get(w as usize).copied().unwrap_or(w)
+    }
+
+    /// Equal for the wedges of a group between which there is no seam.
+    #[inline]
+    pub(crate) fn seam_class(&self, w: u32) -> u32 {
+        self.seam_class.get(w as usize).copied().unwrap_or_else(|| self.class(w))
     }
 
     #[inline]
@@ -108,11 +126,19 @@ impl Wedges {
     /// `attribute_wedge`.
     pub(crate) fn add_fake(
         &mut self,
+        input: &Input<'_>,
         group: u32,
         position_wedge: u32,
         attribute_wedge: u32,
     ) -> u32 {
         let w = self.ids.len() as u32;
+        if input.ignores_attributes() {
+            if self.seam_class.is_empty() {
+                self.seam_class.clone_from(&self.class);
+            }
+            let class = self.meets_smoothly(input, attribute_wedge, group);
+            self.seam_class.push(class.map_or(NONE - w, |same| self.seam_class(same)));
+        }
         self.ids.push(NONE);
         self.position_source.push(self.position_source[position_wedge as usize]);
         self.attribute_source.push(self.attribute_source[attribute_wedge as usize]);
@@ -135,6 +161,9 @@ impl Wedges {
         let start = std::mem::replace(&mut self.numbered, self.ids.len());
         for (w, id) in (start..self.ids.len()).zip(first..) {
             self.ids[w] = id;
+            if self.seam_class.get(w) == Some(&(NONE - w as u32)) {
+                self.seam_class[w] = id;
+            }
             self.class[w] = id;
         }
         let sources = self.position_source[start..].iter().zip(&self.attribute_source[start..]);
@@ -146,6 +175,15 @@ impl Wedges {
         let Some(last) = self.of_group(from).last() else { return };
         self.next[last as usize] = self.first[to as usize];
         self.first[to as usize] = std::mem::replace(&mut self.first[from as usize], NONE);
+    }
+
+    /// A wedge at a group between which and another wedge there would be no seam.
+    pub(crate) fn meets_smoothly(&self, input: &Input<'_>, wedge: u32, group: u32) -> Option<u32> {
+        let source = |w: u32| self.attribute_source[w as usize];
+        // Bounded as elsewhere: real meshes have a handful of wedges at a position.
+        self.of_group(group).take(64).find(|&t| {
+            self.submesh(t) == self.submesh(wedge) && input.meets_smoothly(source(t), source(wedge))
+        })
     }
 
     /// Leaves `group` without wedges.

@@ -61,6 +61,24 @@ impl Quadrics {
         self.refit_features(from, a, area, features)
     }
 
+    /// Fits the quadric of a group in a shape in motion, where `old` is the accumulated one.
+    pub(crate) fn refit_in_motion(
+        old: &Quadric,
+        facets: &[Facet],
+        features: &[FeaturePlane],
+    ) -> Refitted {
+        let mut a = [0.0; 6];
+        for f in facets {
+            add_outer(&mut a, f.normal.as_dvec3(), f64::from(f.area));
+        }
+        for plane in features {
+            add_outer(&mut a, plane.normal, plane.weight);
+        }
+        let mut refitted = Refitted { a, b: DVec3::ZERO, c: 0.0 };
+        refitted.remember(old);
+        refitted
+    }
+
     /// Completes a quadric that has been fitted to the faces of a group's star, or leaves them out,
     /// with the planes of features through it. `area` is that of the faces.
     pub(crate) fn refit_features(
@@ -85,13 +103,13 @@ impl Quadrics {
     }
 
     /// Adds the quadrics of `from` to those of `to`, moved there, and updates the cost of moving
-    /// onto `to`.
-    pub(crate) fn merge(&mut self, mesh: &mut WorkingMesh, from: u32, to: u32) {
+    /// onto `to`; in motion that is `moving_cost`, if it is greater.
+    pub(crate) fn merge(&mut self, mesh: &mut WorkingMesh, from: u32, to: u32, moving_cost: f64) {
         let delta = mesh.position(to) - mesh.position(from);
         let moved = self.surface[from as usize].transported(delta);
         self.surface[to as usize].add(&moved);
         mesh.group_positions[to as usize].target_cost =
-            (MEMORY * self.surface[to as usize].c) as f32;
+            (MEMORY * self.surface[to as usize].c.max(moving_cost)) as f32;
         let Some(border) = self.border(from) else { return };
         let moved = border.transported(delta);
         let (source, target) = (self.border_of[from as usize], self.border_of[to as usize]);

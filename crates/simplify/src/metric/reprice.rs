@@ -36,6 +36,11 @@ pub(crate) trait Reprice: Sync {
         1.0
     }
 
+    /// Factor of what a collapse costs more in motion than at rest, before that is added.
+    fn motion_weight(&self) -> f64 {
+        1.0
+    }
+
     /// Replaces the costs of `from`'s candidates (cost and target), which come in no order. With
     /// `only_cheapest`, the costs of others need not be right, only higher than the cheapest.
     fn reprice(

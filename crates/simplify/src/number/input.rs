@@ -1,8 +1,12 @@
 //! The input mesh with its groups and wedges numbered along a space-filling curve.
 
+use super::cards::cards;
 use super::curve::Curve;
+use super::flat::{flat_vertices, normals};
+use super::shapes::GroupShapes;
+use crate::SeenShapes;
 use glam::{DVec3, Vec3};
-use lodc_mesh::{Csr, Mesh, PositionIds, Semantic, WedgeGroups};
+use lodc_mesh::{Attribute, Csr, Mesh, PositionIds, Semantic, WedgeGroups};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -24,11 +28,25 @@ pub(crate) struct Input<'a> {
     shared: Vec<bool>,
     /// For each group: true if it stays until the terminal phase; empty if none does.
     locked: Vec<bool>,
+    /// Where groups are in motion.
+    pub(crate) shapes: GroupShapes,
+    /// Positions at rest, by vertex.
+    at_rest: &'a [[f32; 3]],
     /// Planes besides those of the faces, by group.
     pub(crate) planes: Vec<FollowerPlane>,
     /// None if every group has one wedge, with the group's number.
     lists: Option<WedgeLists>,
+    /// What of a vertex counts at seams; none if all does.
+    counting: Option<Counting>,
+    /// By vertex: whether all its faces are flat, that is have one normal at all three corners.
+    /// Empty if there is no such vertex.
+    flat: Vec<bool>,
+    /// By group: whether it is a corner of a card. Empty if there is none.
+    card: Vec<bool>,
 }
+
+/// Which attributes count at seams, by submesh and attribute.
+struct Counting(Vec<Vec<bool>>);
 
 /// The plane of a face that is not in the mesh, but follows faces that are, at one of its corners.
 pub(crate) struct FollowerPlane {
@@ -48,6 +66,8 @@ struct WedgeLists {
     bounds: Vec<u32>,
     /// For each wedge the first one of its group with the same attributes.
     class: Vec<u32>,
+    /// The same of the attributes that count; empty if all do.
+    seam_class: Vec<u32>,
 }
 
 /// The data of one wedge.
@@ -62,21 +82,32 @@ pub(crate) struct Wedge {
     pub(crate) submesh: u32,
     /// Equal for the wedges of a group with the same attributes.
     pub(crate) class: u32,
+    /// Equal for those between which there is no seam.
+    pub(crate) seam_class: u32,
 }
 
 impl<'a> Input<'a> {
+    /// The input of a mesh that has one shape only.
+    #[cfg(test)]
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
-        Self::with_positions(mesh, &PositionIds::new(mesh.positions()))
+        Self::with_positions(mesh, &mesh.position_ids(), &crate::seen::AS_MODELLED)
     }
 
-    /// The same where the positions are numbered already.
-    pub(crate) fn with_positions(mesh: &'a Mesh, positions: &PositionIds) -> Self {
+    /// The input of a mesh whose positions are numbered, in the shapes in which it is seen.
+    pub(crate) fn with_positions(
+        mesh: &'a Mesh,
+        positions: &PositionIds,
+        seen: &'a SeenShapes,
+    ) -> Self {
         let groups = WedgeGroups::new(mesh, positions);
-        let diagonal = mesh.diagonal();
-        let scale = if diagonal > 0.0 { (-diagonal.log2().floor()).exp2() } else { 1.0 };
-        let (lo, hi) = mesh.bounds();
+        let at_rest = seen.at_rest_of(mesh);
+        let (lo, hi) = bounds(at_rest);
+        let diagonal = diagonal(at_rest);
+        let others = seen.others.iter().map(|shape| self::diagonal(&shape.positions));
+        let largest = others.fold(diagonal, f64::max);
+        let scale = if largest > 0.0 { (-largest.log2().floor()).exp2() } else { 1.0 };
         let order = Curve::new(lo, hi, 0.0)
-            .order(groups.len(), |g| mesh.positions()[groups.first_vertex[g] as usize]);
+            .order(groups.len(), |g| at_rest[groups.first_vertex[g] as usize]);
         let mut rank = vec![0u32; groups.len()];
         for (i, &g) in (0..).zip(&order) {
             rank[g as usize] = i;
@@ -97,8 +128,13 @@ impl<'a> Input<'a> {
         let lists = (!one_wedge_each).then(|| WedgeLists::new(mesh, &group_of, order.len()));
         let size = diagonal * scale;
         let (locked, planes) = (Vec::new(), Vec::new());
+        let vertices = first_vertex.iter().copied();
+        let shapes = GroupShapes::new(seen, at_rest, vertices, scale);
+        let card = cards(mesh, &group_of, order.len());
         Self {
             mesh,
+            shapes,
+            at_rest,
             scale,
             size,
             group_of,
@@ -108,7 +144,53 @@ impl<'a> Input<'a> {
             locked,
             planes,
             lists,
+            counting: None,
+            flat: flat_vertices(mesh),
+            card,
         }
+    }
+
+    /// Makes seams where attributes differ that count, by submesh.
+    pub(crate) fn count(&mut self, counts: impl Fn(u32, &Attribute) -> bool) {
+        let of_submesh = |s: u32| self.mesh.attributes().iter().map(|a| counts(s, a)).collect();
+        let by_submesh: Vec<Vec<bool>> =
+            (0..self.mesh.submeshes().len() as u32).map(of_submesh).collect();
+        if by_submesh.iter().flatten().all(|&counts| counts) {
+            return;
+        }
+        self.counting = Some(Counting(by_submesh));
+        if let Some(mut lists) = self.lists.take() {
+            lists.seam_class = lists.classes(self.mesh, |a, b| self.meets_smoothly(a, b));
+            self.lists = Some(lists);
+        }
+    }
+
+    /// Returns whether two vertices of one submesh have the same attributes, but for those that do
+    /// not count.
+    pub(crate) fn meets_smoothly(&self, a: u32, b: u32) -> bool {
+        let Some(Counting(by_submesh)) = &self.counting else {
+            return same_attributes(self.mesh, a, b);
+        };
+        let counts = &by_submesh[self.mesh.vertex_submesh()[a as usize] as usize];
+        let counting = self.mesh.attributes().iter().zip(counts).filter(|(_, counts)| **counts);
+        let mut compared = counting.map(|(s, _)| s).filter(|s| is_compared(s));
+        a == b || compared.all(|s| s.at(a) == s.at(b))
+    }
+
+    /// Returns whether attributes that differ may make no seam.
+    pub(crate) fn ignores_attributes(&self) -> bool {
+        self.counting.is_some()
+    }
+
+    /// Returns whether a vertex that takes over faces of another spoils none of them: one that had
+    /// one normal at all corners still has it.
+    pub(crate) fn keeps_flat(&self, from: u32, to: u32) -> bool {
+        if self.flat.is_empty() || !self.flat[from as usize] {
+            return true;
+        }
+        let submesh = self.mesh.vertex_submesh()[from as usize];
+        let mut normals = normals(self.mesh, &self.mesh.submeshes()[submesh as usize]);
+        normals.all(|a| a.at(from) == a.at(to))
     }
 
     /// Locks the groups of some vertices: they stay until the terminal phase. No list means none.
@@ -120,6 +202,13 @@ impl<'a> Input<'a> {
     #[inline]
     pub(crate) fn is_locked(&self, group: u32) -> bool {
         !self.locked.is_empty() && self.locked[group as usize]
+    }
+
+    /// Returns whether a group is a corner of a card: two faces by themselves that share an edge and
+    /// a rectangle of the texture.
+    #[inline]
+    pub(crate) fn is_card(&self, group: u32) -> bool {
+        !self.card.is_empty() && self.card[group as usize]
     }
 
     /// Number of groups.
@@ -169,6 +258,7 @@ impl<'a> Input<'a> {
             attribute_source: vertex,
             submesh: self.mesh.vertex_submesh()[vertex as usize],
             class: self.lists.as_ref().map_or(id, |l| l.class[id as usize]),
+            seam_class: self.lists.as_ref().map_or(id, |l| l.seam_class(id)),
         }
     }
 
@@ -180,13 +270,33 @@ impl<'a> Input<'a> {
 
     /// Position of a group in the mesh's units.
     pub(crate) fn position(&self, group: usize) -> [f32; 3] {
-        self.mesh.positions()[self.first_vertex[group] as usize]
+        self.at_rest[self.first_vertex[group] as usize]
+    }
+
+    /// Corners of the bounding box at rest, in the mesh's units.
+    pub(crate) fn bounds(&self) -> ([f32; 3], [f32; 3]) {
+        bounds(self.at_rest)
     }
 
     /// Returns whether another group starts at the same position.
     pub(crate) fn shares_position(&self, group: u32) -> bool {
         self.position_id.get(group as usize).is_some_and(|&p| self.shared[p as usize])
     }
+}
+
+/// Smallest and largest coordinates; zeros without positions.
+fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
+    let mut positions = positions.iter();
+    let Some(&first) = positions.next() else { return ([0.0; 3], [0.0; 3]) };
+    positions.fold((first, first), |(lo, hi), p| {
+        (std::array::from_fn(|i| lo[i].min(p[i])), std::array::from_fn(|i| hi[i].max(p[i])))
+    })
+}
+
+/// Length of the bounding box's diagonal.
+fn diagonal(positions: &[[f32; 3]]) -> f64 {
+    let (lo, hi) = bounds(positions);
+    (0..3).map(|i| (f64::from(hi[i]) - f64::from(lo[i])).powi(2)).sum::<f64>().sqrt()
 }
 
 /// For each group: true if one of its vertices is locked; empty if none is.
@@ -209,17 +319,33 @@ impl WedgeLists {
         for (wedge, &v) in (0..).zip(&vertex) {
             of_vertex[v as usize] = wedge;
         }
-        let class = (0..groups)
-            .into_par_iter()
-            .with_min_len(1024)
-            .flat_map_iter(|g| classes(mesh, &vertex, bounds[g]..bounds[g + 1]))
-            .collect();
-        Self { of_vertex, vertex, bounds, class }
+        let (class, seam_class) = Default::default();
+        let lists = Self { of_vertex, vertex, bounds, class, seam_class };
+        let class = lists.classes(mesh, |a, b| same_attributes(mesh, a, b));
+        Self { class, ..lists }
+    }
+
+    /// For each wedge the first one of its group and submesh that is `alike`, two vertices given.
+    fn classes(&self, mesh: &Mesh, alike: impl Fn(u32, u32) -> bool + Sync) -> Vec<u32> {
+        let groups = self.bounds.len() - 1;
+        let of_group =
+            |g: usize| classes(mesh, &self.vertex, self.bounds[g]..self.bounds[g + 1], &alike);
+        (0..groups).into_par_iter().with_min_len(1024).flat_map_iter(of_group).collect()
+    }
+
+    fn seam_class(&self, wedge: u32) -> u32 {
+        let list = if self.seam_class.is_empty() { &self.class } else { &self.seam_class };
+        list[wedge as usize]
     }
 }
 
-/// For each wedge of a group the first one with the same attributes, which may be itself.
-fn classes(mesh: &Mesh, vertex: &[u32], wedges: Range<u32>) -> Vec<u32> {
+/// For each wedge of a group the first one that is alike, which may be itself.
+fn classes(
+    mesh: &Mesh,
+    vertex: &[u32],
+    wedges: Range<u32>,
+    is_alike: &impl Fn(u32, u32) -> bool,
+) -> Vec<u32> {
     let submesh = |w: u32| mesh.vertex_submesh()[vertex[w as usize] as usize];
     let mut class: Vec<u32> = wedges.clone().collect();
     for w in wedges.clone() {
@@ -228,7 +354,7 @@ fn classes(mesh: &Mesh, vertex: &[u32], wedges: Range<u32>) -> Vec<u32> {
         let alike = (wedges.start..w).take(64).find(|&u| {
             class[(u - wedges.start) as usize] == u
                 && submesh(u) == submesh(w)
-                && same_attributes(mesh, vertex[u as usize], vertex[w as usize])
+                && is_alike(vertex[u as usize], vertex[w as usize])
         });
         if let Some(u) = alike {
             class[(w - wedges.start) as usize] = u;
@@ -240,7 +366,10 @@ fn classes(mesh: &Mesh, vertex: &[u32], wedges: Range<u32>) -> Vec<u32> {
 /// Compares two vertices' attributes. Tangents do not count: they follow from normals and texture
 /// coordinates, and exporters make them anew for each face.
 pub(crate) fn same_attributes(mesh: &Mesh, a: u32, b: u32) -> bool {
-    let compared =
-        mesh.attributes().iter().filter(|s| !s.is_spatial() && s.semantic != Semantic::Tangent);
-    a == b || compared.into_iter().all(|s| s.at(a) == s.at(b))
+    let mut compared = mesh.attributes().iter().filter(|s| is_compared(s));
+    a == b || compared.all(|s| s.at(a) == s.at(b))
+}
+
+fn is_compared(attribute: &Attribute) -> bool {
+    !attribute.is_spatial() && attribute.semantic != Semantic::Tangent
 }

@@ -6,8 +6,12 @@
 //! read a group together with its neighbours, so neighbours in space have to be neighbours in
 //! memory. The mesh itself stays as it is: the output, [`Input`], says what has which number.
 
+mod cards;
 mod curve;
+mod flat;
 mod input;
+mod shapes;
 
 pub(crate) use curve::{Curve, sorted};
 pub(crate) use input::{FollowerPlane, Input, Wedge, same_attributes};
+pub(crate) use shapes::{GroupShapes, ShapeSet, each_shape, index_in};

@@ -82,20 +82,22 @@ impl Attributes {
         scale: f64,
         size: f64,
     ) -> Self {
+        let by_submesh: Vec<Weights> = (0..mesh.submeshes().len() as u32).map(weights).collect();
+        let counts = |weight: fn(&Weights) -> f64| by_submesh.iter().any(|w| weight(w) > 0.0);
         let mut columns: Vec<Column<'_>> = Vec::new();
         let mut texture = None;
         for a in mesh.attributes().iter().filter(|a| a.morph_target.is_none()) {
             let components = usize::from(a.components);
             match a.semantic {
-                Semantic::Normal => {
+                Semantic::Normal if counts(|w| w.normal) => {
                     let column = Column::of(a, |w| w.normal, NORMAL_LENGTH, size);
                     columns.extend((0..components.min(3)).map(column));
                 }
-                Semantic::Color(_) => {
+                Semantic::Color(_) if counts(|w| w.color) => {
                     let column = Column::of(a, |w| w.color, COLOR_LENGTH, size);
                     columns.extend((0..components.min(4)).map(column));
                 }
-                Semantic::TexCoord(set) if components >= 2 => {
+                Semantic::TexCoord(set) if components >= 2 && counts(|w| w.uv) => {
                     if set == 0 && texture.is_none() {
                         texture = Some(columns.len());
                     }
@@ -107,13 +109,12 @@ impl Attributes {
         }
         let stride = columns.len().next_multiple_of(4);
         let mut rows = Vec::with_capacity(stride * mesh.vertex_count());
-        let by_submesh: Vec<Weights> = (0..mesh.submeshes().len() as u32).map(weights).collect();
         for (v, &submesh) in (0u32..).zip(mesh.vertex_submesh()) {
             let weights = &by_submesh[submesh as usize];
             rows.extend(columns.iter().map(|column| column.at(v, weights)));
             rows.resize(stride * (v as usize + 1), 0.0);
         }
-        let joints = joints(mesh);
+        let joints = if counts(|w| w.skin) { joints(mesh) } else { Vec::new() };
         let submeshes = mesh.vertex_submesh()[..joints.len()].iter();
         let joint_scale = |s: &u32| by_submesh[*s as usize].skin * JOINT_LENGTH * size;
         let joint_scales = submeshes.map(joint_scale).collect();

@@ -18,9 +18,11 @@ pub(crate) use attributes::Attributes;
 pub(crate) use one_ring::{MAX_LEN, OneRing};
 pub(crate) use price_lists::{PriceLists, Priced};
 
-use crate::cut::{Choice, EdgeKind, Neighborhood, OPEN, Region, SEAM};
+use crate::cut::{
+    Choice, EdgeKind, InMotion, Neighborhood, OPEN, PosedSurroundings, Quadrics, Region, SEAM,
+};
 use crate::metric::Reprice;
-use crate::number::Input;
+use crate::number::{Input, each_shape};
 use crate::options::Options;
 use glam::Vec4;
 use gradients::{Gradients, WedgeAttributes};
@@ -52,6 +54,10 @@ impl Context<'_> {
 #[derive(Default)]
 pub(crate) struct Scratch<S> {
     around: Neighborhood,
+    /// The same in another shape.
+    posed: PosedSurroundings,
+    /// The costs of collapses at rest.
+    at_rest: Vec<f64>,
     gradients: Gradients,
     /// The collapses of one group by the quadric and attributes.
     pub(crate) priced: Vec<Priced>,
@@ -109,12 +115,13 @@ impl<M: Reprice> Pricer<'_, M> {
         }
         let Region { mesh, quadrics, .. } = self.region;
         let quadric = &quadrics.surface[from as usize];
+        let in_motion = self.in_motion();
         if self.context.attributes.is_empty() {
-            one_ring::cheapest(mesh, quadric, from, &NoSurcharge)
+            one_ring::cheapest(mesh, quadric, from, in_motion, &NoSurcharge)
         } else {
             let weight = self.metric.attribute_weight() as f32;
             let surcharge = RingAttributes { view: self.attributes(), weight };
-            one_ring::cheapest(mesh, quadric, from, &surcharge)
+            one_ring::cheapest(mesh, quadric, from, in_motion, &surcharge)
         }
     }
 
@@ -128,6 +135,12 @@ impl<M: Reprice> Pricer<'_, M> {
             }
         }
         if best.1 == NONE { Choice::NONE } else { Choice { cost: scaled(best.0), to: best.1 } }
+    }
+
+    /// The region in motion, if the mesh has other shapes.
+    #[inline]
+    pub(crate) fn in_motion(&self) -> Option<InMotion<'_>> {
+        self.region.in_motion(&self.context.input.shapes)
     }
 
     /// The attributes of the region's wedges.
@@ -179,6 +192,10 @@ impl<M: Reprice> Pricer<'_, M> {
     /// Prices all collapses of a group by the quadric and attributes.
     fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
         scratch.priced.clear();
+        if self.is_half_card(from) {
+            self.price_half_card(from, scratch);
+            return;
+        }
         let is_ring = !self.region.mesh.has(from, OPEN) && !self.metric.is_active();
         match self.region.mesh.valence(from) {
             0 => {}
@@ -188,9 +205,30 @@ impl<M: Reprice> Pricer<'_, M> {
         }
     }
 
+    /// Returns whether a group is a corner of a card that has lost one of its two faces.
+    fn is_half_card(&self, group: u32) -> bool {
+        let Region { mesh, groups, .. } = self.region;
+        let alone = |g: u32| mesh.valence(g) == 1;
+        self.context.input.is_card(groups[group as usize])
+            && alone(group)
+            && mesh.others(mesh.star(group)[0]).into_iter().all(alone)
+    }
+
+    /// Half a card costs nothing more: it goes next, unless it is locked.
+    fn price_half_card(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
+        let mesh = &self.region.mesh;
+        if self.permitted(from, 2, 0).is_none() {
+            return;
+        }
+        for to in mesh.others(mesh.star(from)[0]) {
+            let target_cost = f64::from(mesh.group_positions[to as usize].target_cost);
+            scratch.priced.push(Priced { own_cost: -target_cost, to });
+        }
+    }
+
     /// Prices all collapses of any group.
     fn price_star(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        let Scratch { around, gradients, priced, .. } = scratch;
+        let Scratch { around, posed, at_rest, gradients, priced, .. } = scratch;
         let Region { mesh, wedges, quadrics, .. } = self.region;
         let attributes = self.attributes();
         let with_attributes =
@@ -203,8 +241,32 @@ impl<M: Reprice> Pricer<'_, M> {
         }
         let attribute_weight = self.metric.attribute_weight();
         let origin = mesh.position(from);
-        for edge in around.edges.iter().filter(|e| permitted.allows(e.kind)) {
-            let geometric = refitted.cost(mesh.position(edge.group) - origin);
+        let permitted = || around.edges.iter().filter(|e| permitted.allows(e.kind));
+        for edge in permitted() {
+            let own_cost = refitted.cost(mesh.position(edge.group) - origin);
+            priced.push(Priced { own_cost, to: edge.group });
+        }
+        if let Some(view) = self.in_motion() {
+            at_rest.clear();
+            at_rest.extend(priced.iter().map(|p| p.own_cost));
+            for shape in each_shape(view.around(from)) {
+                let position = |g: u32| view.position(g, shape).as_dvec3();
+                around.pose(mesh, wedges, from, position, posed);
+                let PosedSurroundings { facets, planes } = &*posed;
+                let old = view.quadric(from, shape);
+                let refitted = Quadrics::refit_in_motion(&old, facets, planes);
+                let (origin, weight) = (position(from), view.shapes.weight(shape));
+                for priced in priced.iter_mut() {
+                    let cost = weight * refitted.cost(position(priced.to) - origin);
+                    priced.own_cost = priced.own_cost.max(cost);
+                }
+            }
+            let weight = self.metric.motion_weight();
+            for (priced, at_rest) in priced.iter_mut().zip(&*at_rest) {
+                priced.own_cost = at_rest + weight * (priced.own_cost - at_rest);
+            }
+        }
+        for (priced, edge) in priced.iter_mut().zip(permitted()) {
             let surcharge = if with_attributes {
                 let delta = mesh.group_positions[edge.group as usize].position
                     - mesh.group_positions[from as usize].position;
@@ -212,7 +274,7 @@ impl<M: Reprice> Pricer<'_, M> {
             } else {
                 0.0
             };
-            priced.push(Priced { own_cost: geometric + surcharge, to: edge.group });
+            priced.own_cost += surcharge;
         }
     }
 
@@ -236,15 +298,36 @@ impl<M: Reprice> Pricer<'_, M> {
         }
         let attribute_weight = self.metric.attribute_weight();
         let spokes = ring.ring.spokes();
-        for (i, _, faces) in ring.edges().filter(|e| permitted.allows(e.1)) {
+        let permitted = || ring.edges().filter(|e| permitted.allows(e.1));
+        for (i, ..) in permitted() {
+            let by_faces = f64::from(by_faces[i / 4][i % 4]);
+            let own_cost = by_faces + refitted.cost(spokes[i].as_dvec3());
+            priced.push(Priced { own_cost, to: star[i].ahead });
+        }
+        if let Some(view) = self.in_motion() {
+            for shape in each_shape(view.around(from)) {
+                let moved = OneRing::<N>::in_motion(&view, from, star, shape);
+                around.planes.clear();
+                ring.add_planes_in(&moved, wedges, &mut around.planes);
+                let mut by_faces = [Vec4::ZERO; N];
+                moved.add_faces(&moved.weights().0, &mut by_faces);
+                let old = view.quadric(from, shape);
+                let refitted = Quadrics::refit_in_motion(&old, &[], &around.planes);
+                let (spokes, weight) = (moved.spokes(), view.shapes.weight(shape));
+                for (priced, (i, ..)) in priced.iter_mut().zip(permitted()) {
+                    let by_faces = f64::from(by_faces[i / 4][i % 4]);
+                    let cost = weight * (by_faces + refitted.cost(spokes[i].as_dvec3()));
+                    priced.own_cost = priced.own_cost.max(cost);
+                }
+            }
+        }
+        for (priced, (i, _, faces)) in priced.iter_mut().zip(permitted()) {
             let surcharge = if with_attributes {
                 attribute_weight * gradients.cost(attributes, spokes[i], faces)
             } else {
                 0.0
             };
-            let by_faces = f64::from(by_faces[i / 4][i % 4]);
-            let geometric = by_faces + refitted.cost(spokes[i].as_dvec3());
-            priced.push(Priced { own_cost: geometric + surcharge, to: star[i].ahead });
+            priced.own_cost += surcharge;
         }
     }
 

@@ -4,8 +4,9 @@
 //! the cross product of consecutive spokes, a face costs `wᵢ(cᵢ·δ)²` with `wᵢ = ½/|cᵢ|`, so nothing
 //! cancels in single precision. Only element-wise operations: the same bits on every machine.
 
-use crate::cut::{Choice, Corner, Quadric, WorkingMesh, fold_plane};
+use crate::cut::{Choice, Corner, InMotion, Quadric, WorkingMesh, fold_plane};
 use crate::metric::{MEMORY, TIE_WEIGHT};
+use crate::number::each_shape;
 use glam::{BVec4A, Mat4, Vec3, Vec4};
 
 /// Factor of a cost before it becomes a key of the queue. In working units every mesh is one to two
@@ -53,12 +54,13 @@ pub(super) fn cheapest(
     mesh: &WorkingMesh,
     quadric: &Quadric,
     from: u32,
+    in_motion: Option<InMotion<'_>>,
     surcharge: &impl Surcharge,
 ) -> Option<Choice> {
     let star = mesh.star(from);
     match star.len() {
-        3..=7 => Some(price::<2>(mesh, quadric, from, star, surcharge)),
-        8..=MAX_LEN => Some(price::<3>(mesh, quadric, from, star, surcharge)),
+        3..=7 => Some(price::<2>(mesh, quadric, from, star, in_motion, surcharge)),
+        8..=MAX_LEN => Some(price::<3>(mesh, quadric, from, star, in_motion, surcharge)),
         _ => None,
     }
 }
@@ -104,11 +106,25 @@ fn following<const N: usize>(lanes: &LaneArray<N>, t: usize) -> Vec4 {
 impl<const N: usize> OneRing<N> {
     #[inline]
     pub(crate) fn new(mesh: &WorkingMesh, from: u32, star: &[Corner]) -> Self {
+        let origin = mesh.group_positions[from as usize].position;
+        Self::of_rows(origin, star, |group| mesh.group_positions[group as usize].row())
+    }
+
+    /// The ring in a shape in motion, without costs of targets.
+    #[inline]
+    pub(super) fn in_motion(view: &InMotion<'_>, from: u32, star: &[Corner], shape: u32) -> Self {
+        let position = |group: u32| view.position(group, shape);
+        Self::of_rows(position(from), star, |group| position(group).extend(0.0))
+    }
+
+    /// The ring, given the position of its group, and of its neighbours with their costs.
+    #[inline(always)]
+    fn of_rows(origin: Vec3, star: &[Corner], neighbour: impl Fn(u32) -> Vec4) -> Self {
         let len = star.len();
-        let origin = mesh.group_positions[from as usize].position.extend(0.0);
+        let origin = origin.extend(0.0);
         let mut row = [Vec4::ZERO; MAX_LEN + 2];
         for (row, corner) in row.iter_mut().zip(star) {
-            *row = mesh.group_positions[corner.ahead as usize].row() - origin;
+            *row = neighbour(corner.ahead) - origin;
         }
         // The first two neighbours once more, for the face between the last and the first.
         row[len] = row[0];
@@ -217,6 +233,18 @@ impl<const N: usize> OneRing<N> {
         })
     }
 
+    /// The costs of moving onto each neighbour by the shape alone.
+    #[inline(always)]
+    fn geometric(&self, quadric: &Quadric) -> LaneArray<N> {
+        let (weights, area) = self.weights();
+        let mut sums = self.accumulated(quadric, area);
+        self.add_faces(&weights, &mut sums);
+        if self.is_folded() {
+            self.add_folds(&mut sums);
+        }
+        sums
+    }
+
     /// Adds what moving onto each neighbour costs by the planes of the faces. Face by face and all
     /// neighbours at a time: the other way round each face would have to be read again for each
     /// vector of neighbours.
@@ -284,6 +312,25 @@ impl<const N: usize> OneRing<N> {
     }
 }
 
+/// Raises what moving onto each neighbour costs to what it costs in the shape in motion where that
+/// is most.
+#[inline(never)]
+fn raise_in_motion<const N: usize>(
+    view: &InMotion<'_>,
+    from: u32,
+    star: &[Corner],
+    sums: &mut LaneArray<N>,
+) {
+    for shape in each_shape(view.around(from)) {
+        let ring = OneRing::<N>::in_motion(view, from, star, shape);
+        let weight = Vec4::splat(view.shapes.weight(shape) as f32);
+        let moving = ring.geometric(&view.quadric(from, shape));
+        for (sum, cost) in sums.iter_mut().zip(moving) {
+            *sum = sum.max(cost * weight);
+        }
+    }
+}
+
 /// Returns whether a surcharge is none.
 #[inline(always)]
 fn is_zero<S: Surcharge>(_: &S) -> bool {
@@ -296,14 +343,13 @@ fn price<const N: usize>(
     quadric: &Quadric,
     from: u32,
     star: &[Corner],
+    in_motion: Option<InMotion<'_>>,
     surcharge: &impl Surcharge,
 ) -> Choice {
     let ring = OneRing::<N>::new(mesh, from, star);
-    let (weights, area) = ring.weights();
-    let mut sums = ring.accumulated(quadric, area);
-    ring.add_faces(&weights, &mut sums);
-    if ring.is_folded() {
-        ring.add_folds(&mut sums);
+    let mut sums = ring.geometric(quadric);
+    if let Some(view) = in_motion {
+        raise_in_motion(&view, from, star, &mut sums);
     }
     if !is_zero(surcharge) {
         for (sum, cost) in sums.iter_mut().zip(surcharge.costs(&ring, star)) {
@@ -335,7 +381,7 @@ mod tests {
             let mut around = Neighborhood::default();
             for g in (0..region.own_groups() as u32).filter(|&g| !mesh.has(g, OPEN)) {
                 let quadric = &quadrics.surface[g as usize];
-                let Some(choice) = super::cheapest(mesh, quadric, g, &NoSurcharge) else {
+                let Some(choice) = super::cheapest(mesh, quadric, g, None, &NoSurcharge) else {
                     continue;
                 };
                 around.gather(mesh, wedges, g);

@@ -61,11 +61,21 @@ impl<const N: usize> SeamRing<N> {
 
     /// Adds the planes that collapses should keep: along seams, and where two faces fold back.
     pub(super) fn add_planes(&self, wedges: &Wedges, planes: &mut Vec<FeaturePlane>) {
-        let folded = self.ring.is_folded();
+        self.add_planes_in(&self.ring, wedges, planes);
+    }
+
+    /// The same in another shape, given the ring in it.
+    pub(super) fn add_planes_in(
+        &self,
+        ring: &OneRing<N>,
+        wedges: &Wedges,
+        planes: &mut Vec<FeaturePlane>,
+    ) {
+        let folded = ring.is_folded();
         if self.seams == 0 && !folded {
             return;
         }
-        let (spokes, normals) = (self.ring.spokes(), self.ring.normals());
+        let (spokes, normals) = (ring.spokes(), ring.normals());
         for (i, kind, entries) in self.edges() {
             let edge = spokes[i].as_dvec3();
             let normal = |e: &Entry| normals[e.slot as usize].normalize_or_zero();

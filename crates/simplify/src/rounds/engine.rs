@@ -314,7 +314,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
         self.state.selection.lists.release(from);
         let Self { context, region, metric, log, state, .. } = self;
         let LoopState { selection, touched, .. } = state;
-        Commit { input: context.input.mesh, region, metric: &mut **metric, log, touched }.run(
+        Commit { input: context.input, region, metric: &mut **metric, log, touched }.run(
             from,
             legal,
             &mut selection.plan,

@@ -216,7 +216,7 @@ impl<'a> Rounds<'a> {
                 }
             }
         }
-        let (lo, hi) = input.mesh.bounds();
+        let (lo, hi) = input.bounds();
         let order = Curve::new(lo, hi, shift)
             .order(live_groups.len(), |i| input.position(live_groups[i] as usize));
         let order: Vec<u32> = order.into_iter().map(|i| live_groups[i as usize]).collect();

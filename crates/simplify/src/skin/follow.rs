@@ -140,7 +140,7 @@ impl Following<'_> {
         plan.clear();
         if !region.wedges.is_bare() {
             let planner = Planner {
-                input: input.mesh,
+                input,
                 mesh: &region.mesh,
                 wedges: &region.wedges,
                 attributes: &context.attributes,
@@ -152,7 +152,7 @@ impl Following<'_> {
         let choice = Choice { cost: 0.0, to };
         let legal = LegalCollapse { choice, changes_topology, is_planned: true };
         let metric = &mut QuadricOnly;
-        let commit = Commit { input: input.mesh, region, metric, log, touched };
+        let commit = Commit { input, region, metric, log, touched };
         commit.run(from, legal, plan);
         for &twin in &touched.united {
             united[twin as usize] = to;

@@ -91,7 +91,7 @@ impl Skin {
     /// faces connect them; these faces become part of the next skin. Returns whether there are such
     /// groups.
     fn keep_split_groups(&self, mesh: &Mesh, whole: &WedgeGroups, follows: &mut [bool]) -> bool {
-        let groups = WedgeGroups::new(&self.mesh, &PositionIds::new(self.mesh.positions()));
+        let groups = WedgeGroups::new(&self.mesh, &self.mesh.position_ids());
         let mut of_whole = vec![NONE; whole.len()];
         let mut split = vec![false; whole.len()];
         let mut any = false;

@@ -4,7 +4,7 @@ use super::levels::{self, Level};
 use super::message::{Message, Tag};
 use lodc_formats::lodc::{self, LodFile, LodObject};
 use lodc_formats::{Document, FormatError};
-use lodc_mesh::{Lod, Simplified, is_degenerate, position_key};
+use lodc_mesh::{Lod, PositionIds, Simplified, is_degenerate};
 
 /// Reads a file and puts all of it into a message.
 pub(super) fn message(bytes: &[u8]) -> Result<Message, FormatError> {
@@ -47,10 +47,11 @@ fn vertices(out: &mut Message, object: u32, simplified: &Simplified) {
 /// The levels of an object, the coarsest first.
 fn all_levels(simplified: &Simplified) -> Vec<Level> {
     let collapses = simplified.collapses();
+    let positions = simplified.mesh().position_ids();
     let mut levels = Vec::new();
     let mut lod = Lod(0);
     loop {
-        let level = level(simplified, lod);
+        let level = level(simplified, &positions, lod);
         let triangles = collapses.triangles_at(lod);
         levels.push(level);
         let next = collapses.lod_for_triangles(levels::max_coarser(triangles));
@@ -64,11 +65,11 @@ fn all_levels(simplified: &Simplified) -> Vec<Level> {
 }
 
 /// The triangles of a LOD, with vertices in stream order.
-fn level(simplified: &Simplified, lod: Lod) -> Level {
+fn level(simplified: &Simplified, positions: &PositionIds, lod: Lod) -> Level {
     let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
     let vertex_at_lod = collapses.resolve_all(lod);
     let last = collapses.records();
-    let position = |v: u32| position_key(mesh.positions()[v as usize]);
+    let position = |v: u32| positions.of_vertex[v as usize];
     let live = (0..).zip(mesh.submeshes()).flat_map(|(number, submesh)| {
         // Triangles are in the order of their removal, the last first: after the first degenerate
         // one all are.

@@ -165,11 +165,10 @@ pub(super) fn rounding(
     Ok(grids.into_iter().map(|grid| grid.map_or(0.0, half_diagonal)).collect())
 }
 
-/// Spells the numbers of nodes and materials as shortly as single precision allows.
+/// Spells the numbers of materials as shortly as single precision allows. Those of nodes stay: in
+/// the world single precision may be too little.
 fn shorten_numbers(root: &mut Object) {
-    for key in ["nodes", "materials"] {
-        root.get_mut(key).into_iter().for_each(shorten);
-    }
+    root.get_mut("materials").into_iter().for_each(shorten);
 }
 
 fn shorten(value: &mut Json) {

@@ -348,6 +348,13 @@ fn wrong_nodes(root: &Object, node: usize, ids: &[usize]) -> Option<String> {
     ids.iter().find_map(|&id| {
         let coarser = &root["nodes"][id];
         let key = PLACING.into_iter().find(|key| coarser[*key] != finest[*key]);
+        let extensions = |of: &Json| {
+            let mut extensions = of["extensions"].as_object().cloned().unwrap_or_default();
+            extensions.shift_remove("MSFT_lod");
+            extensions
+        };
+        let key =
+            key.or_else(|| (extensions(coarser) != extensions(finest)).then_some("extensions"));
         let problem = key.map(|key| format!("nodes[{id}].{key}: is not that of nodes[{node}]"));
         problem.or_else(|| {
             (channels(id) != finest_channels)

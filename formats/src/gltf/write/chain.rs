@@ -339,7 +339,8 @@ fn put_ranges(primitive: &mut Object, levels: &[Vec<u32>]) {
     primitive["extras"]["lodc"] = object! { "levels" => ranges };
 }
 
-/// A node for a coarser level: what places and deforms the mesh, without children.
+/// A node for a coarser level: what places, deforms and otherwise concerns the mesh (visibility,
+/// say), without children.
 fn level_node(node: &Json, mesh: usize, level: usize) -> Json {
     let mut copy = Object::default();
     if let Some(name) = node["name"].as_str() {
@@ -350,8 +351,10 @@ fn level_node(node: &Json, mesh: usize, level: usize) -> Json {
             copy[key] = value.clone();
         }
     }
-    if let Some(instances) = node["extensions"].get("EXT_mesh_gpu_instancing") {
-        copy["extensions"] = object! { "EXT_mesh_gpu_instancing" => instances.clone() };
+    let mut extensions = node["extensions"].as_object().cloned().unwrap_or_default();
+    extensions.shift_remove("MSFT_lod");
+    if !extensions.is_empty() {
+        copy["extensions"] = Json::Object(extensions);
     }
     copy["mesh"] = mesh.into();
     Json::Object(copy)

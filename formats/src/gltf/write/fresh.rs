@@ -28,7 +28,13 @@ pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> (Object, V
             object.submeshes.iter().map(|s| primitive(s.material.as_ref())).collect();
         object! { "name" => &*object.name, "primitives" => primitives }
     };
-    let node = |i: usize| object! { "name" => &*objects[i].name, "mesh" => i };
+    let node = |i: usize| {
+        let mut node = object! { "name" => &*objects[i].name, "mesh" => i };
+        if obj.offset != [0.0; 3] {
+            node["translation"] = obj.offset.into();
+        }
+        node
+    };
     let mut root = Object::default();
     let (mut meshes, mut blob): (Vec<Json>, _) = (objects.iter().map(mesh).collect(), Vec::new());
     let mut nodes: Vec<Json> = (0..objects.len()).map(node).collect();

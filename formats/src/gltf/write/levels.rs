@@ -11,9 +11,7 @@ use crate::gltf::prune;
 use crate::images::{TextureMode, Textures};
 use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
-use lodc_mesh::{
-    Attribute, Component, Mesh, PositionIds, SequenceParts, Simplified, Submesh, removal_lods,
-};
+use lodc_mesh::{Attribute, Component, Mesh, SequenceParts, Simplified, Submesh, removal_lods};
 use std::path::Path;
 
 /// An object with all of its levels.
@@ -105,7 +103,7 @@ struct Levels<'a> {
 
 impl<'a> Levels<'a> {
     fn new(object: &'a LevelsObject<'a>, mesh: &'a Mesh) -> Self {
-        let positions = PositionIds::new(mesh.positions());
+        let positions = mesh.position_ids();
         let mut vertices = vec![Vec::new(); mesh.submeshes().len()];
         let mut local = vec![0; mesh.vertex_count()];
         for (v, &s) in mesh.vertex_submesh().iter().enumerate().rev() {

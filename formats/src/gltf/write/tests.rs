@@ -271,8 +271,7 @@ fn obj_like() -> (ObjDocument, ObjectInfo, Mesh) {
         document_mesh: 0,
         poses: vec![],
     };
-    let document =
-        ObjDocument { libraries: Vec::new(), materials: vec![material], ..ObjDocument::default() };
+    let document = ObjDocument { materials: vec![material], ..ObjDocument::default() };
     (document, info, Mesh::try_from(parts).expect("a triangle"))
 }
 

@@ -40,8 +40,7 @@ fn obj(objects: Vec<LodObject>) -> LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 77 },
         document: Document::Obj(ObjDocument {
             libraries: vec!["a.mtl".to_owned()],
-            materials: Vec::new(),
-            loose: Vec::new(),
+            ..ObjDocument::default()
         }),
         objects,
         made_from: None,

@@ -390,6 +390,22 @@ pub(super) fn vertices(bytes: &[u8], limits: &Limits) -> Result<[u64; 3], Format
     Ok(counts)
 }
 
+/// The positions of a file that was read without a fault, in double precision.
+pub(super) fn exact_positions(bytes: &[u8], limits: &Limits) -> Result<Vec<[f64; 3]>, FormatError> {
+    let mut lines = Lines::new(bytes, limits.line_bytes);
+    let mut positions = Vec::new();
+    let mut word = lines.first_statement()?;
+    while let Some(statement) = word {
+        if statement == b"v" {
+            let mut coordinate = || lines.token().and_then(number::<f64>).unwrap_or_default();
+            positions.push([coordinate(), coordinate(), coordinate()]);
+        }
+        lines.skip();
+        word = lines.next_statement()?;
+    }
+    Ok(positions)
+}
+
 /// The largest number of positions, texture coordinates or normals that indices and limits allow.
 pub(super) fn max_vertices(limits: &Limits) -> u64 {
     limits.vertices.min(u64::from(NONE) - 1)

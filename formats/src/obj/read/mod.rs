@@ -39,6 +39,13 @@ pub(crate) fn import(
     let mut parsed = parse::parse(&bytes, assets.limits())?;
     parse::check_faces(&parsed)?;
     let painted = if parsed.faces.colors.is_empty() { polypaint(&bytes) } else { Vec::new() };
+    let mut offset = [0.0; 3];
+    if faces::may_be_far(&parsed.faces.positions) {
+        let exact = chunk::exact_positions(&bytes, assets.limits())?;
+        if let Some(local) = faces::local(&exact) {
+            (offset, parsed.faces.positions) = local;
+        }
+    }
     // The text is the largest thing in memory, and is not needed any more.
     drop(bytes);
     let libraries = std::mem::take(&mut parsed.libraries);
@@ -65,7 +72,7 @@ pub(crate) fn import(
     drop(parsed);
 
     let source = Source { format: SourceFormat::Obj, content_hash };
-    let document = ObjDocument { libraries, materials: materials.list, loose };
+    let document = ObjDocument { libraries, materials: materials.list, loose, offset };
     faces::scene(FaceFile { assembled, name, source, document, warnings }, assets, options)
 }
 

@@ -1,13 +1,16 @@
 //! Parses numbers in text, correctly rounded.
 
-/// The number that a word spells, correctly rounded, or NaN or infinity; none if it spells none.
-pub(super) fn number(token: &[u8]) -> Option<f32> {
+use std::str::FromStr;
+
+/// The number that a word spells, correctly rounded to `f32` or `f64`, or NaN or infinity; none if
+/// it spells none.
+pub(super) fn number<T: FromStr + From<f32>>(token: &[u8]) -> Option<T> {
     let standard = std::str::from_utf8(token).ok()?.parse();
     standard.ok().or_else(|| unusual(token))
 }
 
 /// The value of a spelling that is in no standard, but found in files.
-fn unusual(token: &[u8]) -> Option<f32> {
+fn unusual<T: FromStr + From<f32>>(token: &[u8]) -> Option<T> {
     let text = std::str::from_utf8(token).ok()?;
     // A sign before the exponent's letter, `3.1+e2`.
     if let Some(at) =
@@ -25,9 +28,9 @@ fn unusual(token: &[u8]) -> Option<f32> {
         || unsigned.starts_with("1.#qnan")
         || unsigned.starts_with("1.#ind")
     {
-        return Some(f32::NAN);
+        return Some(f32::NAN.into());
     }
-    unsigned.starts_with("1.#inf").then_some(f32::INFINITY)
+    unsigned.starts_with("1.#inf").then(|| f32::INFINITY.into())
 }
 
 /// A whole number, with sign; none if there is anything else or it does not fit.
@@ -71,7 +74,7 @@ mod tests {
                 _ => format!("{:.17}", random.unit()),
             };
             let expected: f32 = text.parse().expect(&text);
-            let got = number(text.as_bytes()).expect(&text);
+            let got: f32 = number(text.as_bytes()).expect(&text);
             assert!(
                 got.to_bits() == expected.to_bits() || got.is_nan() && expected.is_nan(),
                 "{text}: {got}"
@@ -91,7 +94,7 @@ mod tests {
         ] {
             let expected: f32 = text.parse().expect(text);
             assert_eq!(
-                number(text.as_bytes()).expect(text).to_bits(),
+                number::<f32>(text.as_bytes()).expect(text).to_bits(),
                 expected.to_bits(),
                 "{text}"
             );
@@ -115,7 +118,7 @@ mod tests {
             ("00000000000000000000000001", 1.0),
         ] {
             assert_eq!(
-                number(text.as_bytes()).map(f32::to_bits),
+                number::<f32>(text.as_bytes()).map(f32::to_bits),
                 Some(f32::to_bits(value)),
                 "{text}"
             );
@@ -127,7 +130,7 @@ mod tests {
             "", "-", "+", ".", "1,5", "0x10", "1e", "e5", "1.2.3", "1_0", "abc", "+e2", "--1",
             "1+e", "\u{661}",
         ] {
-            assert_eq!(number(text.as_bytes()), None, "{text}");
+            assert_eq!(number::<f32>(text.as_bytes()), None, "{text}");
         }
     }
 

@@ -209,9 +209,11 @@ const fn single(v: f64) -> f32 {
     v as f32
 }
 
-/// Returns a sink that adds vertices to `faces`, value by value.
+/// Returns a sink that adds vertices to `faces`, value by value, and their positions to
+/// `exact_positions`, if that is there.
 pub(super) fn vertices<'a>(
     faces: &'a mut Faces,
+    mut exact_positions: Option<&'a mut Vec<[f64; 3]>>,
     columns: &'a [VertexColumn],
     count: &'a Count,
 ) -> impl FnMut(usize, &[f64]) -> Result<(), String> + 'a {
@@ -224,6 +226,9 @@ pub(super) fn vertices<'a>(
         let vertex = count.rows() as usize - 1;
         if faces.positions.len() <= vertex {
             faces.positions.push([0.0; 3]);
+            if let Some(exact) = &mut exact_positions {
+                exact.push([0.0; 3]);
+            }
             faces.normals.resize(if normals { vertex + 1 } else { 0 }, [0.0; 3]);
             faces.texcoords.resize(if texcoords { vertex + 1 } else { 0 }, [0.0; 2]);
             faces.colors.resize(if colors { vertex + 1 } else { 0 }, [1.0; 4]);
@@ -235,6 +240,9 @@ pub(super) fn vertices<'a>(
                     return Err(format!("the coordinate {} is not finite", values[0]));
                 }
                 faces.positions[vertex][axis] = value;
+                if let Some(exact) = &mut exact_positions {
+                    exact[vertex][axis] = values[0];
+                }
             }
             VertexColumn::Normal(axis) => faces.normals[vertex][axis] = single(values[0]),
             VertexColumn::Texcoord(axis) => faces.texcoords[vertex][axis] = single(values[0]),

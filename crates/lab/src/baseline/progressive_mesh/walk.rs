@@ -9,7 +9,7 @@ use lodc_mesh::{Mesh, NONE, PositionIds, Simplified, removal_lods};
 /// Makes the records of a sequence.
 pub(super) fn records(simplified: &Simplified) -> Records {
     let mesh = simplified.mesh();
-    let positions = PositionIds::new(mesh.positions());
+    let positions = mesh.position_ids();
     let removal_lods = removal_lods(simplified, &positions);
     let mut by_removal: Vec<u32> = (0..removal_lods.len() as u32).collect();
     by_removal.sort_by_key(|&t| removal_lods[t as usize]);

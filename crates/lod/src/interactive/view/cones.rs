@@ -4,7 +4,7 @@
 //! All wedges of a position take their LOD from one cone, so they move together and the surface
 //! does not tear. (The thesis takes each vertex's own normal, and wedges have different ones.)
 
-use lodc_mesh::{CollapseSequence, Mesh, NONE, PositionIds, WedgeGroups};
+use lodc_mesh::{CollapseSequence, Mesh, NONE, WedgeGroups};
 
 /// Directions within an angle of less than 90° of an axis; or all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +85,7 @@ impl Cones {
     /// near-linear time.
     #[must_use]
     pub fn new(mesh: &Mesh, collapses: &CollapseSequence, shape: &[[f32; 3]]) -> Self {
-        let groups = WedgeGroups::new(mesh, &PositionIds::new(mesh.positions()));
+        let groups = WedgeGroups::new(mesh, &mesh.position_ids());
         let mut cones = face_cones(mesh, shape, &groups);
         widen_by_collapses(&mut cones, &groups, collapses);
         let mut used = vec![false; groups.len()];

@@ -156,7 +156,6 @@ pub fn finest_within(max_triangles: u64, coarsest: u32, mut count: impl FnMut(u3
 mod tests {
     use super::*;
     use crate::interactive::view::{Selector, drawn_triangles};
-    use lodc_mesh::PositionIds;
 
     fn families() -> [Family; 5] {
         [
@@ -212,8 +211,7 @@ mod tests {
         let simplified = lodc_fixtures::random_collapse(&lodc_fixtures::icosphere(3), 1);
         let last = simplified.collapses().last_visible();
         let range = LodRange { fine: Lod(0), coarse: Lod(last.0 / 2), last };
-        let (selector, positions) =
-            (Selector::new(&simplified), PositionIds::new(simplified.mesh().positions()));
+        let (selector, positions) = (Selector::new(&simplified), simplified.mesh().position_ids());
         for family in families() {
             let count = |setting| {
                 let lods = selector.lods_at(&family, setting, &range);

@@ -17,7 +17,10 @@ pub fn drawn_triangles(simplified: &Simplified, positions: &PositionIds, states:
     if states.par_iter().all(|state| state.progress == 0) {
         return count(&|&v| positions.of_vertex[states[v as usize].entry as usize]);
     }
-    let ids = PositionIds::new(&positions_of(simplified, states));
+    let ids = match moved(simplified, states) {
+        Ok(moved) => moved.position_ids(),
+        Err(_) => PositionIds::new(&positions_of(simplified, states)),
+    };
     count(&|&v| ids.of_vertex[v as usize])
 }
 
@@ -44,20 +47,24 @@ pub fn live_triangles(
 /// # Errors
 /// If states are not those of the vertices of this mesh.
 pub fn morphed_mesh(simplified: &Simplified, states: &[State]) -> Result<Mesh, MeshError> {
+    let moved = moved(simplified, states)?;
+    let (mesh, ids) = (simplified.mesh(), moved.position_ids());
+    let live = |t: &OrientedTriangle| !is_degenerate(t.corners.map(|v| ids.of_vertex[v as usize]));
+    moved.extract(&oriented(mesh).filter(live).collect::<Vec<_>>())
+}
+
+/// The vertices of a view, without triangles.
+fn moved(simplified: &Simplified, states: &[State]) -> Result<Mesh, MeshError> {
     let mesh = simplified.mesh();
-    let positions = positions_of(simplified, states);
-    let ids = PositionIds::new(&positions);
     let no_triangles = |s: &Submesh| Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
     let entries = || states.iter().map(|state| state.entry);
-    let moved = Mesh::try_from(MeshParts {
-        positions,
+    Mesh::try_from(MeshParts {
+        positions: positions_of(simplified, states),
         vertex_submesh: mesh.vertex_submesh().to_vec(),
         attributes: mesh.attributes().iter().map(|a| a.gathered(entries())).collect(),
         triangles: Vec::new(),
         submeshes: mesh.submeshes().iter().map(no_triangles).collect(),
-    })?;
-    let live = |t: &OrientedTriangle| !is_degenerate(t.corners.map(|v| ids.of_vertex[v as usize]));
-    moved.extract(&oriented(mesh).filter(live).collect::<Vec<_>>())
+    })
 }
 
 /// The triangles of LOD 0.

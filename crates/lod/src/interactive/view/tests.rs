@@ -3,7 +3,7 @@
 use super::*;
 use crate::interactive::replay::lists;
 use lodc_fixtures as fixtures;
-use lodc_mesh::{Lod, PositionIds};
+use lodc_mesh::Lod;
 use std::sync::Arc;
 
 fn views_of(simplified: &Simplified) -> Views<'_> {
@@ -93,7 +93,7 @@ fn cones_bound_the_normals_of_all_that_collapses_into_a_group() {
 fn morphing_shows_the_same_entries_and_triangles_and_goes_the_last_part_of_the_way() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 1);
     let views = views_of(&simplified);
-    let positions = PositionIds::new(simplified.mesh().positions());
+    let positions = simplified.mesh().position_ids();
     let (lists, vertices) = (lists(&simplified).expect("a small mesh"), views.links().len() as u32);
     for lod in 0..simplified.collapses().records() {
         let view = |morph| ViewQuery { criterion: Criterion::everywhere(Lod(lod)), morph };

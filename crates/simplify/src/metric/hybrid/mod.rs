@@ -154,6 +154,12 @@ impl Reprice for HybridMetric<'_> {
         if self.active { ATTRIBUTE_WEIGHT } else { 1.0 }
     }
 
+    /// Samples lie on the surface at rest. What a collapse costs more in motion counts like as much
+    /// squared distance of what is visible: `reprice` multiplies it by the weight of the quadric.
+    fn motion_weight(&self) -> f64 {
+        if self.active { DISTANCE_SHARE.powi(-2) } else { 1.0 }
+    }
+
     fn collapsed(&mut self, mesh: &WorkingMesh, wedges: &Wedges, from: u32, to: u32) {
         self.last_rms = None;
         if self.samples_follow {

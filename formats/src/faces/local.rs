@@ -1,0 +1,84 @@
+//! Positions that stand too far from the origin for single precision, as an offset and a local
+//! mesh.
+
+/// Share of an object's diagonal by which single precision may round a coordinate.
+const MAX_ROUNDING: f64 = 1e-7;
+
+/// Returns whether single precision may round these positions by more than a mesh should be off:
+/// half a unit in the last place of the largest coordinate.
+pub(crate) fn may_be_far(positions: &[[f32; 3]]) -> bool {
+    let Some((low, high)) = bounds(positions.iter().map(|p| p.map(f64::from))) else {
+        return false;
+    };
+    let largest = (0..3).map(|k| low[k].abs().max(high[k].abs())).fold(0.0, f64::max);
+    largest * f64::from(f32::EPSILON) / 2.0 > MAX_ROUNDING * length(low, high)
+}
+
+/// Returns an offset and the positions without it in single precision; none if these are as exact
+/// without an offset.
+pub(crate) fn local(positions: &[[f64; 3]]) -> Option<([f64; 3], Vec<[f32; 3]>)> {
+    let (low, high) = bounds(positions.iter().copied())?;
+    let diagonal = length(low, high);
+    let rounding = |c: f64| (c - f64::from(single(c))).abs();
+    let largest = positions.as_flattened().iter().copied().map(rounding).fold(0.0, f64::max);
+    if largest <= MAX_ROUNDING * diagonal {
+        return None;
+    }
+    // A multiple of a power of two about an eighth of the size: few digits, and the same for most
+    // levels of an object.
+    let step = (diagonal.log2().floor() - 2.0).exp2();
+    let offset = std::array::from_fn(|k| (f64::midpoint(low[k], high[k]) / step).round() * step);
+    if !offset.iter().all(|c: &f64| c.is_finite()) {
+        return None;
+    }
+    let moved = |p: &[f64; 3]| std::array::from_fn(|k| single(p[k] - offset[k]));
+    Some((offset, positions.iter().map(moved).collect()))
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a mesh is in single precision")]
+const fn single(c: f64) -> f32 {
+    c as f32
+}
+
+fn bounds(mut positions: impl Iterator<Item = [f64; 3]>) -> Option<([f64; 3], [f64; 3])> {
+    let first = positions.next()?;
+    let wider = |(low, high): ([f64; 3], [f64; 3]), p: [f64; 3]| {
+        let low = std::array::from_fn(|k| low[k].min(p[k]));
+        (low, std::array::from_fn(|k| high[k].max(p[k])))
+    };
+    Some(positions.fold((first, first), wider))
+}
+
+fn length(low: [f64; 3], high: [f64; 3]) -> f64 {
+    (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_far_mesh_is_exact_to_a_ten_millionth_of_its_size() {
+        for (far, size) in [(4_649_776.123, 3.7), (1e9, 1e-3), (-3e5, 10.0), (1e15, 1.0)] {
+            let at = |i: u32, k: f64| far * k + size * f64::from(i * 7919 % 1000) / 1000.0;
+            let exact: Vec<[f64; 3]> =
+                (0..500).map(|i| [at(i, 1.0), at(i * 3, 0.5), at(i * 7, -0.25)]).collect();
+            let (offset, local) = local(&exact).expect("far from the origin");
+            for (exact, local) in exact.iter().zip(&local) {
+                for k in 0..3 {
+                    let off = (exact[k] - (offset[k] + f64::from(local[k]))).abs();
+                    assert!(off <= 1e-7 * size + far.abs() * f64::EPSILON, "{far}: {off}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_single_precision_holds_stays_as_it_is() {
+        let near = [[1.5, 2.25, -8.0], [3.0, 2.5, -7.0], [1e6, 0.0, 0.25]];
+        assert_eq!(local(&near), None);
+        // Far, but exact.
+        assert_eq!(local(&[[1e6, 0.0, 0.0], [1e6 + 1.0, 1.0, 0.0]]), None);
+        assert_eq!(local(&[]), None);
+    }
+}
