@@ -167,7 +167,7 @@ fn a_wrong_name_lists_the_right_ones() {
     assert!(fails("color").contains("red is 1"));
     assert!(!f.has("m.lodc"));
     let run = f.lodc(["build", "m.obj", "--weight", "size=2"]).ends(2);
-    assert!(run.err.contains("neither normal, uv, color nor skin"), "{}", run.err);
+    assert!(run.err.contains("neither normal, uv, color, skin nor morph"), "{}", run.err);
 }
 
 #[test]

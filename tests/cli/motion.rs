@@ -144,8 +144,8 @@ impl Model {
         text.resize(text.len().next_multiple_of(4), b' ');
         let word = |n: usize| (n as u32).to_le_bytes();
         let total = 28 + text.len() + bytes.len();
-        let chunk = |kind: &[u8], data: Vec<u8>| [&word(data.len())[..], kind, &data].concat();
-        let header = [&b"glTF"[..], &word(2), &word(total)].concat();
+        let chunk = |kind: &[u8], data: Vec<u8>| [&word(data.len())[..], kind, &data[..]].concat();
+        let header = [&b"glTF"[..], &word(2)[..], &word(total)[..]].concat();
         [header, chunk(b"JSON", text), chunk(b"BIN\0", bytes)].concat()
     }
 }

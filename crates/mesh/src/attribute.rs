@@ -84,8 +84,8 @@ impl Attribute {
         matches!(self.semantic, Semantic::Position | Semantic::Joints(_) | Semantic::Weights(_))
     }
 
-    /// Returns whether the stream moves vertices by themselves: joints, their weights, and deltas of
-    /// positions.
+    /// Returns whether the stream moves vertices by themselves: joints, their weights, and deltas
+    /// of positions.
     #[must_use]
     pub fn moves(&self) -> bool {
         match self.semantic {

@@ -1,13 +1,13 @@
 //! Borders: edges with one face.
 
-use crate::{Mesh, PositionIds, is_degenerate};
+use crate::{Mesh, is_degenerate};
 
 impl Mesh {
     /// Returns a vertex at either end of each border edge. Edges are pairs of positions, and faces
     /// at the same three positions count as one: both sides of a sheet have the same border.
     #[must_use]
     pub fn border_edges(&self) -> Vec<[u32; 2]> {
-        let ids = PositionIds::new(self.positions());
+        let ids = self.position_ids();
         // Each edge as the positions of its ends, the smaller first, and a vertex at either.
         let mut edges: Vec<([u32; 2], [u32; 2])> = Vec::new();
         for triangle in ids.distinct(self.triangles()) {

@@ -54,7 +54,7 @@ impl Simplified {
         }
         assert_eq!(locked.len(), self.mesh.vertex_count(), "an entry for each vertex");
         // A position is kept while one of its vertices is.
-        let ids = PositionIds::new(self.mesh.positions());
+        let ids = self.mesh.position_ids();
         let mut last_record = vec![0; ids.len()];
         for (v, &id) in (0..).zip(&ids.of_vertex) {
             last_record[id as usize] = v;

@@ -5,7 +5,8 @@ use crate::{Attribute, MeshParts, position_key};
 use std::collections::BTreeMap;
 
 /// The most earlier vertices of a cell that a vertex is compared with. At rest a cell has a few;
-/// only vertices that part in motion, each in another way, may be many at one place. Chosen by hand.
+/// only vertices that part in motion, each in another way, may be many at one place. Chosen by
+/// hand.
 const MAX_COMPARED: usize = 256;
 
 /// Snaps every position to the first earlier one within `tolerance` (mesh units) that moves alike:

@@ -372,6 +372,23 @@ mod tests {
         hit.squared
     }
 
+    #[test]
+    fn triangles_without_any_area_are_found() {
+        for count in [1usize, 3, 200] {
+            let line = |i: usize| {
+                let at = |t: f32| [t * 3.0, t * 2.0 + i as f32 * 10.0, t];
+                [at(0.0), at(1.0), at(-1.0)]
+            };
+            let triangles: Vec<_> = (0..count).map(line).collect();
+            let tree = MovingTree::of_all(count as u32, |t| triangles[t as usize]);
+            let all = Corners(triangles, vec![true; count]);
+            for i in 0..count {
+                let point = DVec3::new(0.0, i as f64 * 10.0, 0.0);
+                assert!(nearest(&tree, &all, point) < 1e-12, "{i} of {count}");
+            }
+        }
+    }
+
     /// Triangles of very unlike size, some long and askew, some in a fan.
     fn unlike(count: usize, random: &mut SplitMix64) -> Vec<[[f32; 3]; 3]> {
         let mut point = |s: f32| [0; 3].map(|_| (random.unit() - 0.5) * s);

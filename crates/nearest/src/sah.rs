@@ -299,7 +299,9 @@ fn references(
     let is_large = |r: &&Reference| f64::from(r.extent.half_area()) > allowed;
     let large: Vec<f64> = references.iter().filter(is_large).map(excess).collect();
     let parts = |limit: f64| -> f64 { large.iter().map(|e| (e / limit).max(1.0) - 1.0).sum() };
-    let mut limit = allowed;
+    // Triangles may have no area at all: none is cut into more parts than all references.
+    let largest = large.iter().copied().fold(0.0, f64::max);
+    let mut limit = allowed.max(largest / max_count as f64);
     while !large.is_empty() && parts(limit) > (max_count - count) as f64 {
         limit *= 1.5;
     }

@@ -41,7 +41,6 @@ use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
 use number::Input;
 use price::{Attributes, Context};
 use rounds::{Progress, as_one, in_regions};
-use seen::AS_MODELLED;
 use skin::Skin;
 
 pub use metric::{Checkerboard, SurfaceColours};
@@ -145,7 +144,8 @@ fn simplify_with(
     if let Some(simplified) = skin.and_then(|skin| run.by_skin(&skin, &positions)) {
         return simplified;
     }
-    let seen = guidance.shapes.unwrap_or(&AS_MODELLED);
+    let as_modelled = SeenShapes::default();
+    let seen = guidance.shapes.unwrap_or(&as_modelled);
     let mut input = Input::with_positions(mesh, &positions, seen);
     drop(positions);
     input.lock(guidance.locked);
@@ -186,8 +186,8 @@ impl<'a> Run<'a> {
     ) -> Option<(Simplified, RecordedCollapses)> {
         let (layer_collapses, recorded, legal) = {
             let seen = self.guidance.shapes.map(|seen| seen.gathered(&skin.vertices));
-            let seen = seen.as_ref().unwrap_or(&AS_MODELLED);
-            let mut input = Input::with_positions(&skin.mesh, &skin.mesh.position_ids(), seen);
+            let seen = seen.unwrap_or_default();
+            let mut input = Input::with_positions(&skin.mesh, &skin.mesh.position_ids(), &seen);
             self.count(&mut input);
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
@@ -197,7 +197,8 @@ impl<'a> Run<'a> {
             let recorded = std::mem::take(&mut log.recorded);
             (skin::layer_collapses(&input, &skin.vertices, &log, legal, by_stamp), recorded, legal)
         };
-        let mut input = Input::with_positions(self.mesh, positions, &AS_MODELLED);
+        let as_modelled = SeenShapes::default();
+        let mut input = Input::with_positions(self.mesh, positions, &as_modelled);
         self.count(&mut input);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);

@@ -22,10 +22,6 @@ pub struct SeenShape {
     pub weight: f64,
 }
 
-/// The mesh as it was modelled.
-pub(crate) static AS_MODELLED: SeenShapes =
-    SeenShapes { at_rest: Vec::new(), others: Vec::new(), joints_move: false };
-
 impl SeenShapes {
     /// The positions at rest of a mesh.
     pub(crate) fn at_rest_of<'a>(&'a self, mesh: &'a Mesh) -> &'a [[f32; 3]] {

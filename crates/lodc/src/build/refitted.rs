@@ -185,6 +185,47 @@ fn measurable(mesh: &Mesh, positions: &[[f32; 3]]) -> Measurable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lodc_mesh::Posture;
+    use lodc_scene::{Graph, Motion, Node};
+
+    #[test]
+    fn no_shape_is_spoilt() {
+        let noise = noise();
+        let node = Node { objects: vec![0], ..Node::default() };
+        let graph = Graph { roots: vec![0], nodes: vec![node], skins: Vec::new() };
+        let motion = Motion::new(graph, Vec::new(), 1);
+        let mesh = lodc_fixtures::named("morphing_sphere").expect("a shape");
+        let coordinates = vec![Coordinates::PLAIN; mesh.submeshes().len()];
+        let texture = NoiseTexture { coordinates: &coordinates, noise: &noise };
+        let options = lodc_simplify::Options::DEFAULT;
+        let object = object_of("sphere", lodc_simplify::simplify(&mesh, &options, &|_, _| {}));
+        let input = object.simplified.mesh();
+        let shapes = motion.shapes(input, 0, &[Posture::Target(0), Posture::Target(1)]);
+        assert_eq!(shapes.all().len(), 3);
+        let originals = Originals::new(shapes.all(), input);
+        for part in [2, 4, 8, 20] {
+            let triangles = mesh.triangles().len() as u32 / part;
+            let lod = object.simplified.collapses().lod_for_triangles(triangles);
+            let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT, &|| ()).unmoved();
+            let (level, stated) = refitted(&object, lod, shapes.all(), texture, &|| ());
+            let [before, after] = [&unmoved, &level].map(|mesh| originals.distances(mesh));
+            for (before, after) in before.iter().zip(&after) {
+                assert!(after.upper <= MAX_BOUND_GROWTH * before.upper, "{after:?} {before:?}");
+            }
+            assert_eq!(stated, largest(&after));
+        }
+    }
+
+    fn object_of(name: &str, simplified: lodc_mesh::Simplified) -> LodObject {
+        let info = ObjectInfo {
+            name: name.to_string(),
+            submeshes: Vec::new(),
+            world_scale: 1.0,
+            poses: vec![],
+            document_mesh: 0,
+        };
+        LodObject { info, simplified: Arc::new(simplified), models: Vec::new() }
+    }
 
     #[test]
     fn levels_look_better_or_stay() {
@@ -199,15 +240,7 @@ mod tests {
             let lod = simplified.collapses().lod_for_triangles(mesh.triangles().len() as u32 / 4);
             let coordinates = vec![Coordinates::PLAIN; mesh.submeshes().len()];
             let texture = NoiseTexture { coordinates: &coordinates, noise: &noise };
-            let info = ObjectInfo {
-                name: name.to_string(),
-                submeshes: Vec::new(),
-                world_scale: 1.0,
-                poses: vec![],
-                document_mesh: 0,
-            };
-            let simplified = Arc::new(simplified);
-            let object = LodObject { info, simplified, models: Vec::new() };
+            let object = object_of(name, simplified);
             let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT, &|| ()).unmoved();
             let judge = Judge::new(&mesh, &unmoved, texture).expect("attributes");
             let shapes = [Shape::AS_MODELLED];

@@ -90,7 +90,7 @@ impl<'a> Input<'a> {
     /// The input of a mesh that has one shape only.
     #[cfg(test)]
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
-        Self::with_positions(mesh, &mesh.position_ids(), &crate::seen::AS_MODELLED)
+        Self::with_positions(mesh, &mesh.position_ids(), Box::leak(Box::default()))
     }
 
     /// The input of a mesh whose positions are numbered, in the shapes in which it is seen.
