@@ -105,6 +105,15 @@ pub enum Document {
 }
 
 impl Document {
+    /// Returns whether it has materials.
+    #[must_use]
+    pub fn has_materials(&self) -> bool {
+        match self {
+            Self::Obj(obj) => !obj.materials.is_empty(),
+            Self::Gltf(gltf) => gltf.json.contains("\"materials\":"),
+        }
+    }
+
     /// Returns whether it names images that materials may show.
     #[must_use]
     pub fn has_textures(&self) -> bool {
@@ -114,17 +123,6 @@ impl Document {
                 lines.any(|line| line.trim_start().starts_with("map_Kd"))
             }
             Self::Gltf(gltf) => gltf.json.contains("\"textures\":"),
-        }
-    }
-}
-
-impl Document {
-    /// Returns whether it has materials.
-    #[must_use]
-    pub fn has_materials(&self) -> bool {
-        match self {
-            Self::Obj(obj) => !obj.materials.is_empty(),
-            Self::Gltf(gltf) => gltf.json.contains("\"materials\":"),
         }
     }
 }

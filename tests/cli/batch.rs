@@ -295,7 +295,7 @@ fn a_configuration_gives_defaults_that_flags_beat() {
     let run = f.lodc(["build", "in", "-o", "out", "--profile", "slow"]).fails(2);
     assert!(run.err.contains("no profile slow; there are: fast"), "{}", run.err);
     for (wrong, part) in [
-        ("[defaults]\nmetrik = \"kl\"", "is metric meant?"),
+        ("[defaults]\nmetrik = \"kl\"", "did you mean `metric`?"),
         ("[default]\n", "line 1"),
         ("[defaults]\nallow-path = \"/\"", "only the command line"),
         ("[defaults]\nshard = \"1/2\"", "for a whole run"),
@@ -329,7 +329,7 @@ fn limits_of_a_configuration_a_list_and_the_command_line_count_key_by_key() {
     }
     f.file("lodc.toml", "[defaults]\nlimit-vertices = 3\n");
     let run = f.lodc(["build", "a.obj"]).fails(2);
-    assert!(run.err.contains("is limit meant?"), "{}", run.err);
+    assert!(run.err.contains("did you mean `limit`?"), "{}", run.err);
 }
 
 #[test]

@@ -209,7 +209,7 @@ fn several_objects_are_counted_one_by_one_and_together() {
 #[test]
 fn what_has_no_triangles_passes_through_with_a_warning() {
     let f = Folder::new();
-    f.file("points.obj", "v 0 0 0\nv 1 1 1\np 1 2\n");
+    f.file("points.obj", "v 0 0 0\nv 1 1 1\np 1 2\nf 1 1 2\n");
     let run = f.lodc(["build", "points.obj"]).ends(0);
     assert!(run.err.contains("warning"), "{}", run.err);
     f.lodc(["verify", "points.lodc"]).ends(0);

@@ -70,7 +70,7 @@ fn a_part_that_is_none_is_named() {
     let f = folder(4);
     for (table, part) in [
         ("objects = [\"a\"]\nmodels = [\"speed\"]", "models"),
-        ("objects = [\"a\"]\nmetrik = \"kl\"", "is metric meant?"),
+        ("objects = [\"a\"]\nmetrik = \"kl\"", "did you mean `metric`?"),
         ("materials = [\"a\"]\nmetric = \"kl\"", "only lock"),
         ("objects = [\"a\"]\nmetric = \"x\"", "no metric x"),
         ("metric = \"kl\"", "names neither files nor objects nor materials"),

@@ -240,7 +240,7 @@ fn nodes_place_objects_as_the_scene_says() {
 #[test]
 fn an_empty_mesh_is_an_empty_picture() {
     let f = Folder::new();
-    f.file("e.obj", "v 0 0 0\n");
+    f.file("e.obj", "v 0 0 0\nf 1 1 1\n");
     let Some(_) = render(
         &f,
         ["render", "e.obj", "-o", "e.png", "--size", "20x20", "--background", "#010203"],

@@ -103,7 +103,7 @@ fn two_results_of_one_name_or_on_one_stream_are_refused() {
         vec!["-o", "-", "--json"],
         vec!["-o", "-", "--format", "gltf"],
         vec!["-o", "y.lodc", "--format", "glb"],
-        vec!["-o", "z.stl"],
+        vec!["-o", "z.xyz"],
     ] {
         f.lodc(["extract", "y.lodc", "--ratio", "0.5"].iter().chain(&args)).fails(2);
     }

@@ -65,7 +65,7 @@ pub(crate) struct ChainArgs {
     /// Needs --separate. Errors are measured on the result.
     #[arg(long, requires = "separate", help_heading = BECOMES, display_order = 2)]
     refit: bool,
-    /// File (.glb, .gltf; --separate: .obj, .ply, .stl), or folder
+    /// File (.glb, .gltf; --separate: any), or folder
     ///
     /// For several inputs always a folder. A folder that is there, or a name with / at its end,
     /// means a file inside it. Results of a folder keep its structure and the inputs' extensions
