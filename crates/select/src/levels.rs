@@ -1,8 +1,9 @@
 //! Chooses the levels of a scene's objects by one error for all, one number of triangles for all,
 //! or for each object by itself.
 
+use crate::candidate::Candidate;
 use crate::loss::Visibility;
-use crate::selection::{Candidate, RecordError, Selection, Target, select};
+use crate::selection::{RecordError, Selection, Target, select};
 use lodc_mesh::Simplified;
 use lodc_scene::Arrangement;
 use std::fmt;

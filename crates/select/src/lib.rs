@@ -4,8 +4,8 @@
 //! [`select`] does it. Each object keeps an error by itself. A number of triangles is shared out
 //! among the objects: triangles are removed where the error is least, so that a number never costs
 //! more error than a smaller one could have had. Among steps that err nearly alike those go first
-//! with which the scene loses least for each triangle ([`losses`]). [`SceneLevels`] does both for the
-//! objects of a scene, [`SceneViews`] chooses a level for every part of their surfaces, and
+//! with which the scene loses least for each triangle ([`losses`]). [`SceneLevels`] does both for
+//! the objects of a scene, [`SceneViews`] chooses a level for every part of their surfaces, and
 //! [`SceneManager`] levels for many instances, frame by frame.
 //!
 //! ```
@@ -37,6 +37,7 @@
 //! ```
 
 mod budget;
+mod candidate;
 mod levels;
 mod loss;
 mod number;
@@ -48,11 +49,12 @@ mod views;
 mod visibility;
 
 pub use budget::{CurveLevel, Goal, Instance, LevelCurve, SceneManager, View};
+pub use candidate::Candidate;
 pub use levels::{ObjectLevels, SceneLevels, SelectError};
 pub use loss::losses;
 pub use number::decimal;
 pub use order::{Turn, turns};
 pub use parse::{bound, count, rms_bound, share, size};
 pub use quadric::accumulated_error;
-pub use selection::{Candidate, RecordError, Selection, Target, scene_diagonal, select};
+pub use selection::{RecordError, Selection, Target, scene_diagonal, select};
 pub use views::{Criterion, SceneViews, ShownScene, ViewOptions};

@@ -8,11 +8,8 @@
 //! (triangles, loss) over an object's levels is cut into segments; the steps of a segment share its
 //! slope, and segments go by slope, so that what is seen least goes first (Shoham and Gersho 1988).
 
-use crate::levels::ObjectLevels;
-use crate::loss::losses;
-use crate::selection::Candidate;
+use crate::candidate::Candidate;
 use lodc_mesh::Lod;
-use lodc_scene::Arrangement;
 use std::ops::Range;
 
 /// Bits of an error's float that are dropped: the others number 16 bands in each octave, of which
@@ -53,12 +50,10 @@ pub struct Turn {
 /// order of their ranks while the scene has too many triangles; where one would remove more
 /// than is needed, it takes the object's finest level that fits.
 #[must_use]
-pub fn turns(objects: &[ObjectLevels<'_>], scene: &Arrangement) -> Vec<Vec<Turn>> {
-    let simplified: Vec<_> = objects.iter().map(|o| o.simplified).collect();
-    let candidates: Vec<Candidate<'_>> = objects.iter().map(ObjectLevels::candidate).collect();
+pub fn turns(objects: &[Candidate<'_>], losses: &[Vec<f64>]) -> Vec<Vec<Turn>> {
     let mut turns = vec![Vec::new(); objects.len()];
-    for (rank, segment) in (0..).zip(order(&candidates, &losses(&simplified, scene))) {
-        let collapses = candidates[segment.object].collapses;
+    for (rank, segment) in (0..).zip(order(objects, losses)) {
+        let collapses = objects[segment.object].collapses;
         let lod = Lod(collapses.parts().step_ends[segment.end - 1]);
         turns[segment.object].push(Turn { rank, lod });
     }

@@ -1,5 +1,6 @@
 //! Chooses one level of detail per object for a target: a record, a share, a count, an error.
 
+use crate::candidate::Candidate;
 use crate::number::{decimal, threshold};
 use crate::order::within_triangles;
 use lodc_mesh::{CollapseSequence, Lod};
@@ -23,51 +24,6 @@ pub enum Target {
     Rms(f64),
     /// At most this share of the bounding box's diagonal as root mean square distance.
     RmsShare(f64),
-}
-
-/// An object to choose a level of detail for.
-#[derive(Clone, Copy, Debug)]
-pub struct Candidate<'a> {
-    /// Its name, for warnings.
-    pub name: &'a str,
-    /// Its levels.
-    pub collapses: &'a CollapseSequence,
-    /// World units per mesh unit.
-    pub scale: f64,
-    /// Diagonal of its bounding box, in mesh units.
-    pub diagonal: f64,
-    /// The coarsest level that keeps what is locked
-    /// ([`Simplified::coarsest`](lodc_mesh::Simplified::coarsest)).
-    pub coarsest: Lod,
-}
-
-impl Candidate<'_> {
-    /// World units per mesh unit, a finite number of at least 0.
-    pub(crate) fn world_scale(&self) -> f64 {
-        if self.scale.is_finite() { self.scale.abs() } else { 1.0 }
-    }
-
-    /// The coarsest level that has a triangle and keeps what is locked.
-    pub(crate) fn last(&self) -> Lod {
-        self.coarsest.min(self.collapses.last_visible())
-    }
-
-    /// What that level is the last of, for messages.
-    fn why_last(&self) -> &'static str {
-        match self.coarsest < self.collapses.last_visible() {
-            true => "keeps what is locked",
-            false => "has a triangle",
-        }
-    }
-
-    /// A target in the object's own units, given one in world units.
-    fn own(&self, target: Target) -> Target {
-        match target {
-            Target::Error(e) => Target::Error(e / self.world_scale()),
-            Target::Rms(e) => Target::Rms(e / self.world_scale()),
-            other => other,
-        }
-    }
 }
 
 /// The levels that were chosen.
@@ -140,7 +96,7 @@ pub fn select<L: AsRef<[Vec<f64>]>>(
     let mut chosen = Selection::default();
     match objects {
         [one] if !per_object => {
-            let lod = level_of_object(one, one.own(target), &mut chosen.warnings);
+            let lod = level_of_object(one, own(one, target), &mut chosen.warnings);
             chosen.lods.push(lod);
         }
         several if several.len() > 1 && !per_object => {
@@ -188,6 +144,15 @@ impl Selection {
         let rms: Option<Vec<f64>> = rms.collect();
         self.rms = rms.map(|all| all.into_iter().fold(0.0, f64::max));
         self.error = error;
+    }
+}
+
+/// A target in an object's own units, given one in world units.
+fn own(object: &Candidate<'_>, target: Target) -> Target {
+    match target {
+        Target::Error(e) => Target::Error(e / object.world_scale()),
+        Target::Rms(e) => Target::Rms(e / object.world_scale()),
+        other => other,
     }
 }
 

@@ -6,7 +6,7 @@ use lodc_formats::gltf::{LevelsObject, export_levels};
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, OutputFile, scene_motion};
-use lodc_select::{ObjectLevels, turns};
+use lodc_select::{ObjectLevels, losses, turns};
 use std::path::Path;
 
 /// Makes a GLB with all levels ([`export_levels`]), and a warning for each texture that is missing.
@@ -60,5 +60,8 @@ fn turns_of_objects<'a, M>(
     let as_pairs = |turns: Vec<lodc_select::Turn>| {
         turns.into_iter().map(|turn| (turn.rank, turn.lod.0)).collect()
     };
-    Ok(turns(&levels, &scene).into_iter().map(as_pairs).collect())
+    let simplified: Vec<_> = levels.iter().map(|o| o.simplified).collect();
+    let candidates: Vec<_> = levels.iter().map(ObjectLevels::candidate).collect();
+    let turns = turns(&candidates, &losses(&simplified, &scene));
+    Ok(turns.into_iter().map(as_pairs).collect())
 }

@@ -60,7 +60,8 @@ class LodFile:
         ``triangles`` (500 or ``"10k"``), ``error`` or ``rms`` (a distance, or ``"0.5%"`` of the
         diagonal), or ``lod`` (of every object).
 
-        Over several objects triangles are shared out as the program does it: where the error is least.
+        Over several objects triangles are shared out as the program does it: where the error
+        is least.
         """
         wish = selector(lod=lod, ratio=ratio, triangles=triangles, error=error, rms=rms)
         origin = Origin("extract", self.data, self.folder)

@@ -204,8 +204,8 @@ impl<'a> Input<'a> {
         !self.locked.is_empty() && self.locked[group as usize]
     }
 
-    /// Returns whether a group is a corner of a card: two faces by themselves that share an edge and
-    /// a rectangle of the texture.
+    /// Returns whether a group is a corner of a card: two faces by themselves that share an edge
+    /// and a rectangle of the texture.
     #[inline]
     pub(crate) fn is_card(&self, group: u32) -> bool {
         !self.card.is_empty() && self.card[group as usize]
