@@ -236,7 +236,7 @@ const OWNED: &[(&str, &[&str])] = &[
     // No time is ever written, nor decides what is up to date.
     ("SystemTime", &["cli/", "formats/src/write"]),
     // For looking up only: what is written never follows a map's order.
-    ("HashMap", &["formats/src/obj/write.rs"]),
+    ("HashMap", &["formats/src/obj/write.rs", "formats/src/colours.rs"]),
     ("HashSet", &[]),
     ("mul_add", &[]),
 ];

@@ -1,8 +1,9 @@
 """Outputs in the eyes of a reader that is not ours: trimesh. `exchange.py LODC CORPUS`
 
-Ten files of each format, real ones where the corpus has them, others made here, become every format at full detail. What
-trimesh finds in an output has to be what it finds in the input: triangles, bounds, names of materials, which texture each
-has, colours of vertices. Triangles without area are not counted: lodc drops them."""
+Ten files of each format, real ones where the corpus has them, others made here, become every
+format at full detail. What trimesh finds in an output has to be what it finds in the input:
+triangles, bounds, names of materials, which texture each has, colours of vertices. Triangles
+without area are not counted: lodc drops them."""
 
 import json
 import os
@@ -15,8 +16,8 @@ import numpy
 import trimesh
 
 PNG = bytes.fromhex(
-    "89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c4890000000d49444154789c63f8cfc0f01f0005000"
-    "1ffabce54d40000000049454e44ae426082"
+    "89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c489"
+    "0000000d49444154789c63f8cfc0f01f00050001ffabce54d40000000049454e44ae426082"
 )
 FORMATS = ("glb", "gltf", "obj", "ply", "stl")
 
@@ -27,7 +28,9 @@ def grid(n, bump):
     z = (x * 7 + y * bump) % 5 / 4
     points = numpy.stack([x, y, z], -1).reshape(-1, 3).astype(float)
     a = (y[:-1, :-1] * (n + 1) + x[:-1, :-1]).ravel()
-    faces = numpy.concatenate([numpy.stack([a, a + 1, a + n + 2], -1), numpy.stack([a, a + n + 2, a + n + 1], -1)])
+    faces = numpy.concatenate(
+        [numpy.stack([a, a + 1, a + n + 2], -1), numpy.stack([a, a + n + 2, a + n + 1], -1)]
+    )
     return points, faces, points[:, :2] / n
 
 
@@ -47,7 +50,9 @@ def made(folder, extension, number):
         for i, face in enumerate(faces):
             if kind == 2 and i % (len(faces) // 2) == 0:
                 lines.append("usemtl " + ("wood", "stone")[min(1, i // (len(faces) // 2))])
-            lines.append("f " + " ".join(f"{v + 1}/{v + 1}" if kind == 2 else f"{v + 1}" for v in face))
+            lines.append(
+                "f " + " ".join(f"{v + 1}/{v + 1}" if kind == 2 else f"{v + 1}" for v in face)
+            )
         path.write_text("\n".join(lines) + "\n")
         if kind == 2:
             (folder / f"made{number}.mtl").write_text(
@@ -58,7 +63,9 @@ def made(folder, extension, number):
         return path
     mesh = trimesh.Trimesh(points, faces, process=False)
     if kind == 1 and extension != "stl":
-        mesh.visual.vertex_colors = numpy.concatenate([colours, numpy.full((len(points), 1), 255)], -1)
+        mesh.visual.vertex_colors = numpy.concatenate(
+            [colours, numpy.full((len(points), 1), 255)], -1
+        )
     mesh.export(path)
     return path
 
@@ -98,7 +105,9 @@ def facts(path):
         if material is not None:
             bindings.add((material.name or "", image.tobytes() if image is not None else None))
         if visual.kind == "vertex":
-            colours.update(map(tuple, visual.vertex_colors[numpy.unique(mesh.faces)][:, :3].tolist()))
+            colours.update(
+                map(tuple, visual.vertex_colors[numpy.unique(mesh.faces)][:, :3].tolist())
+            )
     corners = numpy.concatenate(corners) if corners else numpy.zeros((0, 3, 3))
     same = lambda i, j: (corners[:, i].astype("f4") == corners[:, j].astype("f4")).all(-1)
     corners = corners[~(same(0, 1) | same(1, 2) | same(2, 0))]
@@ -140,7 +149,8 @@ def compare(source, output):
         return
     if all(is_gltf) or "ply" not in kinds and source.name.startswith("made"):
         if bindings_a != bindings_b and {m for m, _ in bindings_a} != {""}:
-            yield f"materials {sorted(n for n, _ in bindings_b)}, not {sorted(n for n, _ in bindings_a)}"
+            names = [sorted(n for n, _ in bindings) for bindings in (bindings_b, bindings_a)]
+            yield "materials {}, not {}".format(*names)
     if source.name.startswith("made"):
         if is_gltf[1] and not is_gltf[0]:
             colours_a = linear(colours_a)
@@ -164,7 +174,9 @@ def main():
                 path = made(folder / extension, kind, number)
                 if extension == "gltf":
                     gltf = path.with_suffix(".gltf")
-                    subprocess.run([lodc, "extract", path, "--lod", "0", "-o", gltf, "-q"], check=True)
+                    subprocess.run(
+                        [lodc, "extract", path, "--lod", "0", "-o", gltf, "-q"], check=True
+                    )
                     path = gltf
                 files.append(path)
             for source in files:
@@ -173,9 +185,13 @@ def main():
                     out.mkdir(exist_ok=True)
                     output = out / f"{source.stem}.{target}"
                     run = subprocess.run(
-                        [lodc, "extract", source, "--ratio", "1", "-o", output, "-q"], capture_output=True, text=True
+                        [lodc, "extract", source, "--ratio", "1", "-o", output, "-q"],
+                        capture_output=True,
+                        text=True,
                     )
-                    problems = [run.stderr.strip()] if run.returncode else list(compare(source, output))
+                    problems = (
+                        [run.stderr.strip()] if run.returncode else list(compare(source, output))
+                    )
                     wrong += [f"{source.name} as {target}: {p}" for p in problems]
                     count += 1
     print(f"{count} outputs read by trimesh {trimesh.__version__}, {len(wrong)} differ")

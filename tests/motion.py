@@ -336,7 +336,7 @@ EXPRESSIONS = [
 def named_targets(rng, positions):
     targets = []
     for center, radius, direction in EXPRESSIONS:
-        for side in ((1, -1) if center[0] else (1,)):
+        for side in (1, -1) if center[0] else (1,):
             c = [side * center[0], center[1], center[2]]
             d = [side * direction[0] * rng.uniform(0.8, 1.2), direction[1], direction[2]]
             targets.append(clipped(expression(positions, c, radius, d)))

@@ -3,7 +3,7 @@
 //! (github.com/vrm-c/vrm-specification), OMI (github.com/omigroup/gltf-extensions), Mozilla Hubs,
 //! and drafts that files use. docs/EXTENSIONS.md shows the table.
 
-use super::schema::Pool::{
+use super::pool::Pool::{
     self, Accessors, BufferViews, Buffers, Images, Lights, Materials, Meshes, Nodes, Textures,
 };
 

@@ -43,6 +43,7 @@ mod meshopt;
 mod missing;
 #[cfg(feature = "gltf")]
 mod part_names;
+mod pool;
 mod prune;
 #[cfg(feature = "export")]
 mod quantize;
