@@ -180,11 +180,13 @@ impl Ladder<'_> {
         let triangles = f64::from(self.sequence.step(steps - 1).triangles.max(1));
         let [from, to] = [finer, coarser].map(|rung| f64::from(rung.triangles.max(1)).ln());
         let share = if from > to { (from - triangles.ln()) / (from - to) } else { 1.0 };
-        let rms = if finer.rms_ratio > 0.0 && coarser.rms_ratio > 0.0 {
-            let ratio = finer.rms_ratio.ln() * (1.0 - share) + coarser.rms_ratio.ln() * share;
-            proposed * ratio.exp()
-        } else {
-            finer.rms + (coarser.rms - finer.rms) * share
+        let rms = match [finer.rms_ratio, coarser.rms_ratio] {
+            [0.0, 0.0] => finer.rms + (coarser.rms - finer.rms) * share,
+            [0.0, ratio] | [ratio, 0.0] => proposed * ratio,
+            ratios => {
+                let [finer, coarser] = ratios.map(f64::ln);
+                proposed * (finer * (1.0 - share) + coarser * share).exp()
+            }
         };
         [error.clamp(finer.upper, coarser.upper), rms.clamp(finer.rms, coarser.rms)]
     }
@@ -265,19 +267,21 @@ impl Ladder<'_> {
         let found = self.original.measure(step.lod, known, samples, rough);
         work.boxes += found.boxes;
         let accepted = self.original.accepted(known);
+        // Rounding errors of a level without any distance tell nothing of those beside it.
+        let rms = if found.rms > self.original.rounding() { found.rms } else { 0.0 };
         let proposed_rms = Proposals::after(&self.proposals.rms, steps);
         let mut rung = Rung {
             steps,
             triangles: step.triangles,
             upper: found.upper,
             lower: found.lower,
-            rms: found.rms,
+            rms,
             excess: if found.upper > accepted {
                 found.upper / self.original.accepted(proposed)
             } else {
                 1.0
             },
-            rms_ratio: if proposed_rms > 0.0 { found.rms / proposed_rms } else { 0.0 },
+            rms_ratio: if proposed_rms > 0.0 { rms / proposed_rms } else { 0.0 },
         };
         rung.follow(finer);
         rung
