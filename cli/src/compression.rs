@@ -6,8 +6,10 @@ use crate::help::BECOMES;
 use crate::mesh_output::FormatName;
 use clap::{Args, ValueEnum};
 use lodc::level_mesh::Order;
+use lodc_formats::OutputFile;
 use lodc_formats::export::{Additions, Precision, Provenance};
 use lodc_formats::images::PlacedTextures;
+use lodc_report::text::size;
 
 /// Options of compression.
 #[derive(Args, Clone, Copy, Debug)]
@@ -16,6 +18,8 @@ pub(crate) struct CompressArgs {
     /// Compression of .glb and .gltf [default: as in the input]
     ///
     /// Of geometry, samples of animations and matrices of skins. A .lodc file is not compressed.
+    /// Files that compression and --quantize together would make larger have neither, with a
+    /// warning.
     #[arg(long, value_enum)]
     compress: Option<Compression>,
     /// Bits per number in .glb and .gltf: pos=14,normal=10,uv=12 [default: all]
@@ -44,6 +48,31 @@ pub(crate) struct Packing {
 }
 
 impl Packing {
+    /// Neither compressed nor quantised.
+    pub(crate) const PLAIN: Self = Self {
+        compress: false,
+        precision: Precision { position: None, normal: None, uv: None, color: None, weight: None },
+    };
+
+    /// What to write instead if files become larger by this: they are to be small where they are
+    /// both quantised and compressed.
+    pub(crate) fn alternative(self) -> Option<Self> {
+        (self.compress && self.precision != Precision::default()).then_some(Self::PLAIN)
+    }
+
+    /// A line for people where the alternative is smaller; `packed` and `plain` are the files.
+    pub(crate) fn prefers_plain(packed: &[OutputFile], plain: &[OutputFile]) -> Option<String> {
+        let bytes = |files: &[OutputFile]| files.iter().map(|f| f.bytes.len() as u64).sum::<u64>();
+        let [packed, plain] = [packed, plain].map(bytes);
+        (plain < packed).then(|| {
+            format!(
+                "neither quantised nor compressed: that would take {} instead of {}",
+                size(packed),
+                size(plain)
+            )
+        })
+    }
+
     /// The packing of an export.
     pub(crate) fn of(additions: &Additions) -> Self {
         Self { compress: additions.compress, precision: additions.precision }

@@ -1,6 +1,6 @@
 //! Writing one level of detail, in any format.
 
-pub use crate::gltf::write::rounding;
+pub use crate::gltf::write::{RoundedObject, rounded};
 pub use crate::options::{Additions, ExportObject, Precision};
 pub use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
 

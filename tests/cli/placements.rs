@@ -38,15 +38,15 @@ fn rock(n: usize, seed: f64) -> (Vec<[f64; 3]>, Vec<u32>) {
 
 /// A glTF under construction: meshes, then nodes and more as JSON.
 #[derive(Default)]
-struct Scene {
+pub(crate) struct Scene {
     bytes: Vec<u8>,
     views: Vec<Value>,
-    accessors: Vec<Value>,
-    meshes: Vec<Value>,
+    pub(crate) accessors: Vec<Value>,
+    pub(crate) meshes: Vec<Value>,
 }
 
 impl Scene {
-    fn of_rocks(sizes: &[usize]) -> Self {
+    pub(crate) fn of_rocks(sizes: &[usize]) -> Self {
         let mut scene = Self::default();
         for (i, &n) in sizes.iter().enumerate() {
             let (points, corners) = rock(n, i as f64);
@@ -68,7 +68,7 @@ impl Scene {
         scene
     }
 
-    fn floats(&mut self, numbers: &[f32], kind: &str) -> usize {
+    pub(crate) fn floats(&mut self, numbers: &[f32], kind: &str) -> usize {
         let width = match kind {
             "VEC4" => 4,
             "VEC3" => 3,
@@ -78,18 +78,28 @@ impl Scene {
         self.accessor(&bytes, 5126, numbers.len() / width, kind)
     }
 
-    fn accessor(&mut self, bytes: &[u8], component: u32, count: usize, kind: &str) -> usize {
-        let view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
-        self.views.push(view);
-        self.bytes.extend(bytes);
+    pub(crate) fn accessor(
+        &mut self,
+        bytes: &[u8],
+        component: u32,
+        count: usize,
+        kind: &str,
+    ) -> usize {
+        let view = self.view(bytes);
         self.accessors.push(json!({
-            "bufferView": self.views.len() - 1, "componentType": component, "count": count,
-            "type": kind}));
+            "bufferView": view, "componentType": component, "count": count, "type": kind}));
         self.accessors.len() - 1
     }
 
+    pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {
+        let view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
+        self.views.push(view);
+        self.bytes.extend(bytes);
+        self.views.len() - 1
+    }
+
     /// The file; `more` has nodes, and animations if there are any.
-    fn file(&self, roots: &[usize], more: &Value) -> String {
+    pub(crate) fn file(&self, roots: &[usize], more: &Value) -> String {
         let uri = format!("data:application/octet-stream;base64,{}", base64(&self.bytes));
         let mut file = json!({
             "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": roots}],

@@ -49,6 +49,12 @@ fn instances_share_a_budget() {
     assert_eq!(chosen["triangles"].as_u64(), Some(sum));
     assert!(sum <= 1500);
     assert!(instances[0]["triangles"].as_u64() >= instances[17]["triangles"].as_u64());
+    assert!(chosen["pixels"].as_f64().expect("a bound") < 1e6);
+    // No bound lets the coarsest levels fit, from wherever they are seen.
+    for eye in ["0,0,40", "0,0,-30"] {
+        let args = ["select", "--scene", "scene.jsonl", "--eye", eye, "--budget", "1", "--json"];
+        assert!(f.lodc(args).ends(0).json()["pixels"].is_null());
+    }
     let behind = select(&["--budget", "1500", "--target", "0,0,100"]);
     assert!(behind["triangles"].as_u64() < chosen["triangles"].as_u64());
     f.file("wrong.jsonl", "{\"file\": \"a.lodc\"}");

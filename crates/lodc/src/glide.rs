@@ -1,6 +1,9 @@
 //! Where the vertices of each level of a chain move as the next, coarser level takes over: the data
 //! of its morph targets.
 
+pub use crate::shapes::bends;
+
+use crate::shapes::farthest_vertex;
 use crate::{Error, LodObject, level_mesh::LevelMesh};
 use lodc_mesh::{Attribute, Lod, Mesh, MeshParts, NONE, Semantic, Simplified, Submesh};
 use lodc_scene::Shape;
@@ -156,27 +159,6 @@ pub fn joints_error(shapes: &[Shape], now: &Mesh, next: &Mesh, moving: &Range<u3
         }
     }
     farthest_vertex(shapes, &Mesh::try_from(parts).expect("other values of a mesh"), now, moving)
-}
-
-/// The largest distance between the same vertices of two meshes, over all shapes.
-fn farthest_vertex(shapes: &[Shape], a: &Mesh, b: &Mesh, moving: &Range<u32>) -> f64 {
-    let in_shape = |shape: &Shape| {
-        let (a, b) = (shape.of(a), shape.of(b));
-        let between = |v: u32| {
-            let [p, q] = [a[v as usize], b[v as usize]].map(|p| p.map(f64::from));
-            (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>().sqrt()
-        };
-        moving.clone().map(between).fold(0.0, f64::max)
-    };
-    shapes.iter().map(in_shape).fold(0.0, f64::max)
-}
-
-/// Returns whether joints or morph targets move a mesh.
-#[must_use]
-pub fn bends(mesh: &Mesh) -> bool {
-    let moves =
-        |a: &Attribute| matches!(a.semantic, Semantic::Joints(_)) || a.morph_target.is_some();
-    mesh.attributes().iter().any(moves)
 }
 
 /// Returns the [`GlidingLevel`] of each level of an object. The meshes have their vertices in the

@@ -1,10 +1,12 @@
 //! Levels of detail as meshes of their own, with triangles and vertices in a chosen order; their
 //! distances from the input.
 
+#[cfg(feature = "export")]
+use crate::shapes::{bends, farthest_vertex, stated_shapes};
 use crate::{Error, LodObject, levels};
 #[cfg(feature = "export")]
 use lodc_formats::{
-    Document, FormatError,
+    Document, FormatError, Limits,
     export::{ExportObject, Precision},
 };
 use lodc_lod::ModelKind;
@@ -119,8 +121,9 @@ pub fn largest_distance(
     objects.iter().zip(distances).fold((0.0, Some(0.0)), larger)
 }
 
-/// Returns how far quantising moves vertices of exported meshes at most. A level's error grows by
-/// no more than that.
+/// Returns how far quantising moves vertices of exported meshes at most, in the placements and
+/// poses that errors are the largest over: where targets add to each other or joints move vertices,
+/// farther than at rest. A level's error grows by no more than that.
 ///
 /// # Errors
 /// If the document is damaged.
@@ -133,7 +136,23 @@ pub fn rounding<'a>(
 ) -> Result<Rounding, FormatError> {
     let one = |(o, mesh): (&'a LodObject, &'a Mesh)| ExportObject { info: &o.info, mesh };
     let exported: Vec<ExportObject<'_>> = objects.iter().zip(meshes).map(one).collect();
-    let by_object = lodc_formats::export::rounding(document, &exported, precision)?;
+    let Some(rounded) = lodc_formats::export::rounded(document, &exported, precision)? else {
+        return Ok(Rounding { by_object: vec![0.0; objects.len()], largest: 0.0 });
+    };
+    let bending = exported.iter().any(|object| bends(object.mesh));
+    let shapes = match bending {
+        true => stated_shapes(objects, document, &Limits::DEFAULT)?,
+        false => Vec::new(),
+    };
+    let moved = |o: usize| -> f64 {
+        let (mesh, rounded) = (exported[o].mesh, &rounded[o]);
+        if !bends(mesh) {
+            return rounded.moved;
+        }
+        let all = 0..mesh.vertex_count() as u32;
+        farthest_vertex(shapes[o].all(), mesh, &rounded.mesh, &all).max(rounded.moved)
+    };
+    let by_object: Vec<f64> = (0..objects.len()).map(moved).collect();
     let scaled = |(o, moved): (&LodObject, &f64)| o.info.world_scale * moved;
     let largest = objects.iter().zip(&by_object).map(scaled).fold(0.0, f64::max);
     Ok(Rounding { by_object, largest })

@@ -3,7 +3,9 @@
 
 use crate::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
-use lodc_scene::ObjectShapes;
+use lodc_mesh::{Attribute, Mesh, Semantic};
+use lodc_scene::{ObjectShapes, Shape};
+use std::ops::Range;
 
 /// Returns for each object of a file the shapes that its errors are the largest over: in the
 /// placements that stand for all, then in the poses of its description. Each gives the positions of
@@ -23,4 +25,25 @@ pub fn stated_shapes(
         motion.shapes(object.simplified.mesh(), number, &object.info.poses)
     };
     Ok(objects.iter().enumerate().map(shapes).collect())
+}
+
+/// The largest distance between some vertices of two meshes, over all shapes.
+pub(crate) fn farthest_vertex(shapes: &[Shape], a: &Mesh, b: &Mesh, moving: &Range<u32>) -> f64 {
+    let in_shape = |shape: &Shape| {
+        let (a, b) = (shape.of(a), shape.of(b));
+        let between = |v: u32| {
+            let [p, q] = [a[v as usize], b[v as usize]].map(|p| p.map(f64::from));
+            (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>().sqrt()
+        };
+        moving.clone().map(between).fold(0.0, f64::max)
+    };
+    shapes.iter().map(in_shape).fold(0.0, f64::max)
+}
+
+/// Returns whether joints or morph targets move a mesh.
+#[must_use]
+pub fn bends(mesh: &Mesh) -> bool {
+    let moves =
+        |a: &Attribute| matches!(a.semantic, Semantic::Joints(_)) || a.morph_target.is_some();
+    mesh.attributes().iter().any(moves)
 }

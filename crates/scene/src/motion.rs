@@ -79,6 +79,12 @@ impl Motion {
         Self { graph, animations, rest, stretching, parents, channels }
     }
 
+    /// The nodes, also those that the scene does not show.
+    #[must_use]
+    pub fn graph(&self) -> &Graph {
+        &self.graph
+    }
+
     /// The objects at rest.
     #[must_use]
     pub fn rest(&self) -> &Arrangement {

@@ -3,6 +3,7 @@
 use super::extension_table::{EXTENSIONS, PREFIXES};
 use super::json::{Json, Object, malformed};
 use crate::{Fault, FormatError};
+use std::collections::BTreeSet;
 
 /// Compressed vertex and index data: decoded.
 pub(crate) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
@@ -75,8 +76,16 @@ fn numbers(version: &str) -> Option<(u32, u32)> {
 pub(crate) struct Unknown {
     /// The name of the first.
     pub(crate) name: String,
-    /// The largest whole number in any of them: what has a larger number they cannot name.
-    pub(crate) largest: usize,
+    /// The whole numbers in them.
+    pub(crate) numbers: BTreeSet<usize>,
+}
+
+impl Unknown {
+    /// Returns whether what has a number must keep it: larger ones than any of theirs they cannot
+    /// name.
+    pub(crate) fn may_name(&self, number: usize) -> bool {
+        self.numbers.last().is_some_and(|&largest| number <= largest)
+    }
 }
 
 /// Looks for unknown extensions with a whole number somewhere. While there is one, what it might
@@ -92,12 +101,13 @@ fn unknown_below(key: &str, value: &Json, found: &mut Option<Unknown>) {
     match value {
         Json::Object(members) if key == "extensions" => {
             for (name, body) in members.iter() {
-                if !is_known(name)
-                    && let Some(number) = largest_whole_number(body)
-                {
-                    let first = || Unknown { name: name.clone(), largest: number };
-                    let unknown = found.get_or_insert_with(first);
-                    unknown.largest = unknown.largest.max(number);
+                let mut numbers = BTreeSet::new();
+                if !is_known(name) {
+                    whole_numbers(body, &mut numbers);
+                }
+                if !numbers.is_empty() {
+                    let first = || Unknown { name: name.clone(), numbers: BTreeSet::new() };
+                    found.get_or_insert_with(first).numbers.extend(numbers);
                 }
                 unknown_below("", body, found);
             }
@@ -109,12 +119,12 @@ fn unknown_below(key: &str, value: &Json, found: &mut Option<Unknown>) {
     }
 }
 
-fn largest_whole_number(value: &Json) -> Option<usize> {
+fn whole_numbers(value: &Json, found: &mut BTreeSet<usize>) {
     match value {
-        Json::Number(_) => value.as_index(),
-        Json::Array(elements) => elements.iter().filter_map(largest_whole_number).max(),
-        Json::Object(members) => members.values().filter_map(largest_whole_number).max(),
-        _ => None,
+        Json::Number(_) => found.extend(value.as_index()),
+        Json::Array(elements) => elements.iter().for_each(|v| whole_numbers(v, found)),
+        Json::Object(members) => members.values().for_each(|v| whole_numbers(v, found)),
+        _ => {}
     }
 }
 

@@ -46,6 +46,7 @@ pub(super) struct LevelArgs {
 }
 
 /// One level of a chain.
+#[derive(Clone)]
 pub(super) struct Level {
     /// One LOD per object.
     pub(super) lods: Vec<Lod>,

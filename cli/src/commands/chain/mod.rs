@@ -11,6 +11,7 @@ use super::asset::{self, Errors};
 use super::each::{self, AssetOptions};
 use super::export::{self, ExportArgs, ExportResult};
 use crate::batch::Asset;
+use crate::compression::Packing;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{BECOMES, LEVEL, MORE, OUTPUT};
@@ -201,17 +202,29 @@ fn chain(
     });
     let (textures, images) = textures?;
     warnings.extend_from_slice(&textures.warnings);
-    let additions = packing.additions(textures, None);
     if args.glide.moved_streams().is_some() {
         glide::check(&levels)?;
     }
-    let made = stages.run("export", || match args.separate {
-        true if args.glide.moved_streams().is_some() => {
-            separate::gliding_files(args, out, format, &asset, &mut levels, additions)
+    let files = |packing: Packing, levels: &mut [Level]| {
+        let additions = packing.additions(textures.clone(), None);
+        match args.separate {
+            true if args.glide.moved_streams().is_some() => {
+                separate::gliding_files(args, out, format, &asset, levels, additions)
+            }
+            true => separate::files(args, out, format, &asset, levels, additions),
+            false => shared::files(args, out, format, &asset, levels, additions),
         }
-        true => separate::files(args, out, format, &asset, &mut levels, additions),
-        false => shared::files(args, out, format, &asset, &mut levels, additions),
-    })?;
+    };
+    let mut alternative = packing.alternative().map(|plain| (plain, levels.clone()));
+    let mut made = stages.run("export", || files(packing, &mut levels))?;
+    if let Some((packing, plain_levels)) = &mut alternative {
+        let plain = stages.run("export", || files(*packing, plain_levels))?;
+        if let Some(line) = Packing::prefers_plain(&made.files, &plain.files) {
+            warnings.push(line);
+            levels.clone_from(plain_levels);
+            made = plain;
+        }
+    }
     warnings.extend(made.left_out.clone());
     stages.run("write", || output::commit(&made.files))?;
     progress.clear();

@@ -3,6 +3,7 @@
 use super::ExtractArgs;
 use crate::commands::asset::{self, AssetWithLevels, Errors};
 use crate::commands::export::ExportResult;
+use crate::compression::Packing;
 use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{DependencyRule, Target};
@@ -46,27 +47,37 @@ pub(super) fn extract(
         Some(name) => view(args, name, order, input, &asset, &mut stages)?,
         None => uniform(args, order, input, &asset, &mut stages)?,
     };
-    level_mesh::add_rounding_to_all(
-        &asset.objects,
-        &asset.document,
-        &mut level.meshes,
-        packing.precision,
-    )?;
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
     });
     let (textures, images) = textures?;
-    let mut report = report(args, input, &asset, &level, target);
+    let measured: Vec<_> = level.meshes.iter().map(|mesh| (mesh.error, mesh.rms)).collect();
+    let mut packed = |packing: Packing| -> Outcome<_> {
+        let meshes = &mut level.meshes;
+        for (mesh, distance) in meshes.iter_mut().zip(&measured) {
+            (mesh.error, mesh.rms) = *distance;
+        }
+        let (objects, document) = (&asset.objects, &asset.document);
+        level_mesh::add_rounding_to_all(objects, document, meshes, packing.precision)?;
+        let mut report = report(args, input, &asset, &level, target);
+        report.warnings.extend_from_slice(&textures.warnings);
+        let provenance = Some(provenance(&asset, &report));
+        let additions = packing.additions(textures.clone(), provenance);
+        let objects = level_mesh::export_objects(objects, &level.meshes);
+        report.warnings.extend(format.left_out(document, &objects));
+        let files = mesh_output::files(target, format, document, &objects, &additions)?;
+        Ok((report, files))
+    };
+    let (mut report, mut files) = stages.run("export", || packed(packing))?;
+    if let Some(alternative) = packing.alternative() {
+        let (plain_report, plain_files) = stages.run("export", || packed(alternative))?;
+        if let Some(line) = Packing::prefers_plain(&files, &plain_files) {
+            (report, files) = (plain_report, plain_files);
+            report.warnings.push(line);
+        }
+    }
     let looks_matter = asset.document.has_textures() && report.kept_share <= FEW;
     let tip = (asset.is_by_quadric(simplify) && looks_matter).then_some(TIP);
-    report.warnings.extend_from_slice(&textures.warnings);
-    let provenance = Some(provenance(&asset, &report));
-    let additions = packing.additions(textures, provenance);
-    let objects = level_mesh::export_objects(&asset.objects, &level.meshes);
-    report.warnings.extend(format.left_out(&asset.document, &objects));
-    let files = stages.run("export", || {
-        mesh_output::files(target, format, &asset.document, &objects, &additions)
-    })?;
     stages.run("write", || mesh_output::write(target, files))?;
     progress.clear();
     let mut files = asset.files;

@@ -81,8 +81,8 @@ struct FileReport {
 struct SceneReport {
     schema_version: u32,
     triangles: u64,
-    /// Bound on the projected error of every instance.
-    pixels: f64,
+    /// Bound on the projected error of every instance; null if the budget is too small for any.
+    pixels: Option<f64>,
     instances: Vec<LevelReport>,
 }
 
@@ -148,7 +148,7 @@ fn select_for_scene(args: &SelectArgs, list: &std::path::Path) -> Outcome<()> {
     let instances = (0..scene.instances.len()).map(|i| level(model_of(i), &manager, i));
     let instances: Vec<LevelReport> = instances.collect();
     if args.json {
-        let (schema_version, pixels) = (SCHEMA_VERSION, decimal(manager.pixels()));
+        let (schema_version, pixels) = (SCHEMA_VERSION, manager.pixels().map(decimal));
         return console::json(&SceneReport { schema_version, triangles, pixels, instances });
     }
     for (number, instance) in instances.iter().enumerate() {

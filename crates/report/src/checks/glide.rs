@@ -3,16 +3,18 @@
 
 use super::report::CheckReport;
 use lodc_formats::{Glide, GlidePart, ShippedLevels};
-use lodc_mesh::position_key;
+use lodc_mesh::{DisjointSets, position_key};
 use std::collections::BTreeMap;
 
-/// Largest number of positions, among those that rounding cannot tell apart, of which the nearest
-/// is searched for. Chosen by hand, to bound the time that crafted files take.
+/// Largest number of positions that rounding cannot tell apart for one vertex. Chosen by hand, to
+/// bound the time that crafted files take.
 const MAX_CANDIDATES: usize = 64;
 
 /// Checks that each level that moves becomes the next one: the triangles that then have an area are
 /// the next level's, all of them, corner by corner, with the other values that move, to one unit in
-/// the last place of the larger number. None if no level moves.
+/// the last place of the larger number. Positions of the next level among which a vertex that moves
+/// may have come to any, as rounding goes, are one: triangles between them have no area. None if no
+/// level moves.
 #[must_use]
 pub fn check_glide(shipped: &ShippedLevels) -> Option<CheckReport> {
     let count = shipped.glides.len() as u64;
@@ -64,11 +66,18 @@ fn kind_difference(from: &GlidePart, to: &GlidePart) -> Option<String> {
     if from.width != to.width && !from.triangles.is_empty() && !to.triangles.is_empty() {
         return Some("moves other values than the next level has".to_owned());
     }
-    let positions = CornerPositions::of(to, width);
+    let mut positions = CornerPositions::of(to, width);
+    let mut found: Vec<Option<u32>> = vec![None; from.values.len() / width];
+    let mut is_sought = vec![false; found.len()];
+    for &v in from.triangles.as_flattened() {
+        if !std::mem::replace(&mut is_sought[v as usize], true) {
+            let [before, moved] = [&from.values, &from.moved].map(|all| row(all, v, width));
+            found[v as usize] = positions.find(before, moved);
+        }
+    }
     let mut arrived: Vec<Corners> = Vec::new();
     for t in &from.triangles {
-        let moved_to =
-            t.map(|v| positions.find(row(&from.values, v, width), row(&from.moved, v, width)));
+        let moved_to = t.map(|v| found[v as usize].map(|number| positions.one_of(number)));
         match moved_to {
             [Some(a), Some(b), Some(c)] if a != b && b != c && c != a => {
                 arrived.push(rotated([a, b, c], *t));
@@ -85,7 +94,7 @@ fn kind_difference(from: &GlidePart, to: &GlidePart) -> Option<String> {
     let mut wanted: Vec<Corners> = to
         .triangles
         .iter()
-        .map(|t| rotated(t.map(|v| positions.of_vertex[v as usize]), *t))
+        .map(|t| rotated(t.map(|v| positions.one_of(positions.of_vertex[v as usize])), *t))
         .collect();
     wanted.retain(|&Corners { positions: [a, b, c], .. }| a != b && b != c && c != a);
     // Triangles at the same positions are sorted by their other values, rounded so that values
@@ -168,6 +177,8 @@ struct CornerPositions {
     of_vertex: Vec<u32>,
     /// For each axis the numbers in the order of their coordinates on it.
     by_coordinate: [Vec<u32>; 3],
+    /// Those that rounding cannot tell apart.
+    alike: DisjointSets,
 }
 
 impl CornerPositions {
@@ -188,14 +199,21 @@ impl CornerPositions {
             all.sort_by(|a, b| coordinate(a).total_cmp(&coordinate(b)));
             all
         });
-        Self { numbers, positions, of_vertex, by_coordinate }
+        let alike = DisjointSets::new(positions.len());
+        Self { numbers, positions, of_vertex, by_coordinate, alike }
     }
 
-    /// Returns the position that a vertex has moved to: exactly, or else the nearest of those that
-    /// it may have missed by rounding.
-    fn find(&self, before: &[f32], moved: &[f32]) -> Option<u32> {
-        if let Some(&number) = self.numbers.get(&position_key(position(moved))) {
-            return Some(number);
+    /// The number that stands for a position and for all that rounding cannot tell from it.
+    fn one_of(&mut self, number: u32) -> u32 {
+        self.alike.find(number)
+    }
+
+    /// Returns a position that a vertex has moved to: exactly, or one that it may have missed by
+    /// rounding. All of these are one from now on.
+    fn find(&mut self, before: &[f32], moved: &[f32]) -> Option<u32> {
+        let exact = self.numbers.get(&position_key(position(moved))).copied();
+        if before[..3] == moved[..3] && exact.is_some() {
+            return exact;
         }
         let near_on_axis = |axis: usize| -> &[u32] {
             let (all, to) = (&self.by_coordinate[axis], moved[axis]);
@@ -207,13 +225,15 @@ impl CornerPositions {
         };
         // The axis on which the fewest are near: on another many coordinates may be about zero.
         let fewest = [0, 1, 2].map(near_on_axis).into_iter().min_by_key(|all| all.len())?;
-        let position = |n: u32| self.positions[n as usize];
-        let is_candidate =
-            |n: &&u32| (0..3).all(|k| is_near(before[k], moved[k], position(**n)[k]));
-        let distance =
-            |n: u32| (0..3).map(|k| (position(n)[k] - moved[k]).abs()).fold(0.0, f32::max);
-        let candidates = fewest.iter().filter(is_candidate).take(MAX_CANDIDATES);
-        candidates.copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+        let is_candidate = |n: &&u32| {
+            (0..3).all(|k| is_near(before[k], moved[k], self.positions[**n as usize][k]))
+        };
+        let mut candidates = fewest.iter().filter(is_candidate).take(MAX_CANDIDATES).copied();
+        let first = exact.or_else(|| candidates.next())?;
+        candidates.for_each(|other| {
+            self.alike.join(first, other);
+        });
+        Some(first)
     }
 }
 

@@ -10,8 +10,11 @@ use lodc_formats::{
     Document, FormatError, Limits, ObjDocument, ObjectInfo, Scene, SceneObject, ShippedLevels,
     scene_motion,
 };
-use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
-use lodc_scene::{Arrangement, MeasuredPlacement, Motion, Placement, posed_positions};
+use lodc_mesh::{Attribute, Component, Mesh, Posture, Semantic};
+use lodc_scene::{
+    Arrangement, Graph, MeasuredPlacement, Motion, Node, Placement, Transform, largest_stretch,
+    posed_positions,
+};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -208,7 +211,10 @@ impl<'a> Measure<'a> {
         // Errors may be the largest over poses that are not known, as in an OBJ.
         let bends = self.stretches || self.source.objects.iter().any(|o| bends(&o.mesh));
         let poses_known = !bends || self.poses.is_some() && !self.is_flattened(level);
-        let may_be_too_large = poses_known && pairs.len() >= self.source.objects.len();
+        // What rounded weights of joints do to a vertex depends on where its joints have it.
+        let may_be_too_large = poses_known
+            && pairs.len() >= self.source.objects.len()
+            && !rounds_weights(level, self.source);
         // A point that is known to be far enough may be missed, so that only the upper bound shows
         // that the error is too large.
         if may_be_too_large && least > upper {
@@ -231,18 +237,62 @@ impl<'a> Measure<'a> {
         Ok((!is_near(rms)).then(what))
     }
 
-    /// Half the diagonal of a cell of the coarsest grid that a level's vertices are on, which
-    /// stated errors include.
+    /// Half the diagonal of a cell of the coarsest grid that a level's vertices are on, for what is
+    /// at rest and for each morph target as much as it counts: stated errors include that.
     fn rounding(&self, level: &Scene, shown: &Motion) -> f64 {
         if !has_own_grids(level, self.source) {
             return 0.0;
         }
-        // Coordinates are whole numbers, so the scale of an object's placement is the step of its
-        // grid.
-        let step =
-            |(o, object): (usize, &SceneObject)| shown.measured_placements(&object.mesh, o).scale;
-        let largest = level.objects.iter().enumerate().map(step).fold(0.0, f64::max);
+        let of_object = |(o, object): (usize, &SceneObject)| {
+            // Coordinates are whole numbers, so the scale of an object's placement is the step of
+            // its grid.
+            let measured = shown.measured_placements(&object.mesh, o);
+            let step = match measured.placements.first() {
+                Some(at) if at.placement.node.is_some() => measured.scale,
+                _ => largest_stretch(&self.unshown(level, shown, o).transform.matrix3),
+            };
+            step * (1.0 + self.largest_weights(o))
+        };
+        let largest = level.objects.iter().enumerate().map(of_object).fold(0.0, f64::max);
         0.5 * 3f64.sqrt() * largest
+    }
+
+    /// The largest sum of the weights of an object's morph targets, whatever their signs, in the
+    /// shapes that its errors are the largest over.
+    fn largest_weights(&self, object: usize) -> f64 {
+        if object >= self.source.objects.len() {
+            return 0.0;
+        }
+        let rest = || self.motion.rest().of(object);
+        let poses = self.poses.and_then(|poses| poses.get(object)).map_or(&[][..], Vec::as_slice);
+        let posed = poses.iter().filter_map(|&pose| self.motion.placed(rest().next()?, pose));
+        let sum = |placement: &Placement| placement.weights.iter().map(|w| w.abs()).sum::<f64>();
+        rest().map(sum).chain(posed.map(|placement| sum(&placement))).fold(0.0, f64::max)
+    }
+
+    /// An object that a level does not show, in the numbers of the source's mesh.
+    fn unshown(&self, level: &Scene, shown: &Motion, object: usize) -> Placement {
+        let as_modelled = Placement::as_modelled(object);
+        if !has_own_grids(level, self.source) {
+            return as_modelled;
+        }
+        let shows = |node: &&Node| node.objects.contains(&(object as u32));
+        let skin = |graph: &Graph| -> Option<Transform> {
+            let node = graph.nodes.iter().find(shows)?;
+            graph.skins.get(node.skin? as usize)?.inverse_bind.first().copied()
+        };
+        let [from, to] = [self.motion.graph(), shown.graph()];
+        let transform = match [skin(from), skin(to)] {
+            [Some(from), Some(to)] => from.inverse() * to,
+            // An object on a grid has been moved to a child of its node, behind all others.
+            _ => to
+                .nodes
+                .iter()
+                .skip(from.nodes.len())
+                .find(shows)
+                .map_or(Transform::IDENTITY, |node| node.local.matrix()),
+        };
+        Placement { transform, ..as_modelled }
     }
 
     /// Returns whether a level does not have the source's objects one by one: it is one mesh, or
@@ -265,11 +315,13 @@ impl<'a> Measure<'a> {
             let meshes = [&self.source.objects[object].mesh, &level.objects[object].mesh];
             let as_modelled = Placement::as_modelled(object);
             let measured = self.motion.measured_placements(meshes[0], object).placements;
-            let at_rest = |motion: &Motion, number: usize| {
-                let mut all = motion.rest().of(object);
+            let source_rest = |number: usize| self.motion.rest().of(object).nth(number).cloned();
+            let level_rest = |number: usize| {
+                let all = || shown.rest().of(object);
                 // An object on a grid has been moved to a child of its node: nodes come in the same
                 // order.
-                all.nth(number).or_else(|| motion.rest().of(object).next()).cloned()
+                let at = all().nth(number).or_else(|| all().next()).filter(|at| at.node.is_some());
+                at.cloned().unwrap_or_else(|| self.unshown(level, shown, object))
             };
             let pair = |placements: [&Placement; 2], growth: f64| {
                 let posed = [0, 1].map(|side| posed_positions(meshes[side], placements[side]));
@@ -280,17 +332,16 @@ impl<'a> Measure<'a> {
                 })
             };
             let in_placement = |at: &MeasuredPlacement| {
-                let level_rest = at_rest(shown, at.rest).unwrap_or_else(|| as_modelled.clone());
                 let level_at = match at.moment {
-                    Some(moment) => shown.shown_at(&level_rest, moment)?,
-                    None => level_rest,
+                    Some(moment) => shown.shown_at(&level_rest(at.rest), moment)?,
+                    None => level_rest(at.rest),
                 };
                 Some(pair([&at.placement, &level_at], at.growth))
             };
             let poses =
                 self.poses.and_then(|poses| poses.get(object)).map_or(&[][..], Vec::as_slice);
             let in_pose = |(at, &pose): (&MeasuredPlacement, &Posture)| {
-                let rest = [at_rest(&self.motion, at.rest)?, at_rest(shown, at.rest)?];
+                let rest = [source_rest(at.rest)?, level_rest(at.rest)];
                 // What has no joints is moved and stretched as in the placement.
                 let moved = |motion: &Motion, rest: &Placement| match at.moment {
                     Some(moment) if rest.joints.is_empty() => motion.shown_at(rest, moment),
@@ -306,7 +357,7 @@ impl<'a> Measure<'a> {
             let in_poses = posed.iter().flat_map(|at| poses.iter().map(move |pose| (at, pose)));
             let mut pairs: Vec<_> = measured.iter().filter_map(in_placement).collect();
             if measured.is_empty() {
-                pairs.push(pair([&as_modelled; 2], 1.0));
+                pairs.push(pair([&as_modelled, &self.unshown(level, shown, object)], 1.0));
             }
             pairs.extend(in_poses.filter_map(in_pose));
             pairs
@@ -378,6 +429,19 @@ fn bends(mesh: &Mesh) -> bool {
 /// Returns whether the values of a level were put on grids that are not the source's.
 fn has_own_grids(level: &Scene, source: &Scene) -> bool {
     level.quantized && (level.requantized || !source.quantized)
+}
+
+/// Returns whether weights of joints that are floats in the source were rounded.
+fn rounds_weights(level: &Scene, source: &Scene) -> bool {
+    let has_floats = |mesh: &Mesh| {
+        let is_float = |a: &Attribute| {
+            matches!(a.semantic, Semantic::Weights(_)) && a.component == Component::F32
+        };
+        mesh.attributes().iter().any(is_float)
+    };
+    let mut pairs = level.objects.iter().zip(&source.objects);
+    has_own_grids(level, source)
+        && pairs.any(|(level, source)| has_floats(&source.mesh) && !has_floats(&level.mesh))
 }
 
 /// Returns whether a level has the bits of the source's values.

@@ -133,11 +133,11 @@ impl SceneManager {
         self.curve(instance).at(self.current[instance])
     }
 
-    /// The bound of the last frame: no error takes more pixels, unless the budget of triangles was
-    /// too small for that.
+    /// The bound of the last frame: no error takes more pixels. None if the coarsest levels of all
+    /// have more triangles than the budget.
     #[must_use]
-    pub fn pixels(&self) -> f32 {
-        error_of(self.bound)
+    pub fn pixels(&self) -> Option<f32> {
+        (self.bound < LAST_STEP).then(|| error_of(self.bound))
     }
 
     /// Number of times that the triangles of all instances were summed so far; a measure of work.

@@ -33,6 +33,12 @@ impl<const N: usize> Grid<N> {
             number.round().clamp(0.0, MAX_NUMBER) as u16
         })
     }
+
+    /// The value of the numbers that are nearest to one.
+    pub(super) fn rounded(&self, value: [f32; N]) -> [f32; N] {
+        let numbers = self.numbers(value);
+        std::array::from_fn(|k| (self.offset[k] + self.step * f64::from(numbers[k])) as f32)
+    }
 }
 
 /// The largest number of `bits` bits.

@@ -149,20 +149,57 @@ fn position_grids(
     }
 }
 
-/// The largest distance that rounding moves a vertex of each object: half the diagonal of a cell,
-/// in mesh units.
+/// What rounding does to the places of an object's vertices.
+#[derive(Clone, Debug)]
+pub struct RoundedObject {
+    /// The largest distance that it moves a vertex at rest: half the diagonal of a cell, in mesh
+    /// units.
+    pub moved: f64,
+    /// The object without triangles, its positions, its targets' and the weights of its joints
+    /// rounded, in mesh units.
+    pub mesh: Mesh,
+}
+
+/// What rounding does to each object.
 ///
 /// # Errors
 /// If the document is damaged.
-pub(super) fn rounding(
+pub(super) fn rounded(
     precision: Precision,
     document: &Document,
     root: &Object,
     written_objects: &[WrittenObject<'_>],
-) -> Result<Vec<f64>, FormatError> {
-    let grids = position_grids(precision, document, root, written_objects)?;
-    let half_diagonal = |grid: Grid<3>| 0.5 * 3f64.sqrt() * grid.step;
-    Ok(grids.into_iter().map(|grid| grid.map_or(0.0, half_diagonal)).collect())
+) -> Result<Vec<RoundedObject>, FormatError> {
+    let positions = position_grids(precision, document, root, written_objects)?;
+    let textures = TextureGrids::default();
+    let quantizer = Quantizer { precision, positions, textures, keeps_srgb: false };
+    let rounded = |(object, written): (usize, &WrittenObject<'_>)| {
+        let geometry = &*written.geometry;
+        let coding = |submesh: usize, stream: &Attribute| match stream.semantic {
+            Semantic::Position | Semantic::Weights(_) => {
+                match quantizer.coding(object, submesh, stream, geometry) {
+                    Coding::Offsets(step) => Coding::Multiples(step),
+                    other => other,
+                }
+            }
+            _ => Coding::Exact,
+        };
+        let mut parts = coded(geometry, None, coding).into_parts();
+        // Rounding may bring corners of a triangle together.
+        parts.triangles.clear();
+        for submesh in &mut parts.submeshes {
+            (submesh.first_triangle, submesh.triangle_count) = (0, 0);
+        }
+        let grid = quantizer.positions[object];
+        if let Some(grid) = grid {
+            parts.positions.iter_mut().for_each(|p| *p = grid.rounded(*p));
+        }
+        RoundedObject {
+            moved: grid.map_or(0.0, |grid| 0.5 * 3f64.sqrt() * grid.step),
+            mesh: Mesh::try_from(parts).expect("positions of no triangle"),
+        }
+    };
+    Ok(written_objects.iter().enumerate().map(rounded).collect())
 }
 
 /// Spells the numbers of materials as shortly as single precision allows. Those of nodes stay: in

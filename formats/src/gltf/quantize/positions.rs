@@ -95,9 +95,9 @@ fn groups(root: &Object, written_objects: &[WrittenObject<'_>]) -> Vec<Vec<usize
     groups.into_values().collect()
 }
 
-/// Returns whether everything that shows an object can be given a transform: nodes without
-/// instances, and skins. Positions stay that are stored as integers, and those of meshes that also
-/// have points or lines.
+/// Returns whether there is something that shows an object, and all of that can be given a
+/// transform: nodes without instances, and skins. Positions stay that are stored as integers, and
+/// those of meshes that also have points or lines.
 fn is_movable(root: &Object, written_objects: &[WrittenObject<'_>], object: usize) -> bool {
     let written = &written_objects[object];
     let is_written = |mesh: usize| written_objects.iter().any(|written| written.mesh == mesh);
@@ -112,6 +112,7 @@ fn is_movable(root: &Object, written_objects: &[WrittenObject<'_>], object: usiz
     };
     primitives(root, written.mesh).len() == written.primitives.len()
         && written.geometry.attributes().iter().all(is_float_or_other)
+        && nodes_showing(root, written.mesh).next().is_some()
         && nodes_showing(root, written.mesh).all(can_move)
 }
 

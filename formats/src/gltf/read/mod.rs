@@ -12,6 +12,7 @@ mod draco;
 mod feature_ids;
 mod forest;
 mod glide;
+mod levels_inside;
 mod object;
 #[cfg(feature = "export")]
 mod plain;
@@ -52,7 +53,8 @@ pub(crate) fn import(
     assets: &mut Assets,
     options: &ImportOptions,
 ) -> Result<Scene, FormatError> {
-    let (root, opened) = open(&bytes, assets, options)?;
+    let (mut root, mut opened) = open(&bytes, assets, options)?;
+    levels_inside::keep_finest(&mut root, &mut opened.warnings)?;
     opened.scene(root, assets, options)
 }
 

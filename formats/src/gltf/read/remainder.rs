@@ -12,9 +12,9 @@ use crate::words::counted;
 use crate::{FormatError, GltfDocument};
 use std::collections::BTreeSet;
 
-/// Takes the given primitives' geometry (mesh, primitive) out of a document and compacts the rest.
-/// What an unknown extension might point to keeps its number; where it was old geometry, it is
-/// empty.
+/// Takes the given primitives' geometry (mesh, primitive) and what nothing names out of a document
+/// and compacts the rest. What an unknown extension might point to keeps its number; where it was
+/// old geometry, or the extension does not have its number, it is empty.
 pub(super) fn remainder(
     mut root: Object,
     stripped: &[(usize, usize)],
@@ -44,20 +44,21 @@ pub(super) fn remainder(
     if let Some(Unknown { name, .. }) = &unknown {
         warnings.push(format!(
             "the extension {name} is unknown: numbers that it may use stay, vertex data that they \
-             may name is gone"
+             may name and what nothing names is gone"
         ));
     }
     let mut kept_views: Vec<usize> = (0..Pool::BufferViews.len(&root)).collect();
     let mut emptied = vec![false; kept_views.len()];
     for (pool, referenced_before) in pools.into_iter().zip(referenced_before) {
-        // What nothing referred to from the start may be meant for other programs.
-        let referenced_after = referenced(&mut root, pool).into_iter();
-        let used: Vec<bool> = referenced_after
+        // An unknown extension has a number of what it names, and keeps all up to its largest.
+        let has_number = |i: usize| unknown.as_ref().is_some_and(|u| u.numbers.contains(&i));
+        let may_be_named = |i: usize| unknown.as_ref().is_some_and(|u| u.may_name(i));
+        let used: Vec<bool> = referenced(&mut root, pool)
+            .into_iter()
             .zip(referenced_before)
-            .map(|(is_used, was_used)| is_used || !was_used)
+            .enumerate()
+            .map(|(i, (is_used, was_used))| is_used || !was_used && has_number(i))
             .collect();
-        // An unknown extension may name what has such a number.
-        let may_be_named = |i: usize| unknown.as_ref().is_some_and(|u| i <= u.largest);
         let keep: Vec<bool> =
             used.iter().enumerate().map(|(i, used)| *used || may_be_named(i)).collect();
         if pool == Pool::Accessors {

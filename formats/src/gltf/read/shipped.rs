@@ -271,7 +271,7 @@ impl Chain {
 }
 
 /// All primitives, each with the number of its mesh and its own.
-fn primitives(root: &Object) -> impl Iterator<Item = ((usize, usize), &Object)> {
+pub(super) fn primitives(root: &Object) -> impl Iterator<Item = ((usize, usize), &Object)> {
     (0..Pool::Meshes.len(root))
         .flat_map(|m| mesh_primitives(root, m).map(move |(p, primitive)| ((m, p), primitive)))
 }
@@ -282,7 +282,7 @@ fn mesh_primitives(root: &Object, mesh: usize) -> impl Iterator<Item = (usize, &
 }
 
 /// The ranges of a primitive's index accessor, one for each level; none without them.
-fn ranges(primitive: &Object) -> &[Json] {
+pub(super) fn ranges(primitive: &Object) -> &[Json] {
     primitive["extras"]["lodc"]["levels"].list()
 }
 
@@ -373,7 +373,7 @@ fn target(channel: &mut Json) -> Option<usize> {
 }
 
 /// Gives a primitive an index accessor of one level alone; false if it has no triangle there.
-fn take_range(
+pub(super) fn take_range(
     document: &mut Object,
     (mesh, primitive): (usize, usize),
     level: usize,

@@ -110,13 +110,15 @@ fn put_levels(
     }
     let (mut copies, mut of_avatars) = (Vec::new(), Copies::default());
     for level in levels {
+        // Engines reach levels by nodes: what none shows has one.
+        let Some(nodes) = nodes_showing.get(&level.mesh) else { continue };
         let meshes = level.put(root, writer, gliding);
         let mut coarser = meshes[1..].to_vec();
         coarser.dedup();
         coarser.retain(|mesh| *mesh != level.mesh);
         of_avatars.meshes.insert(level.mesh, coarser);
         if meshes.len() > 1 {
-            for &node in nodes_showing.get(&level.mesh).into_iter().flatten() {
+            for &node in nodes {
                 copies.extend(level.put_nodes(root, node, &meshes[1..]));
             }
         }

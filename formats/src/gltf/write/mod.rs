@@ -23,6 +23,7 @@ use std::borrow::Cow;
 use std::path::Path;
 use writer::Writer;
 
+pub use super::quantize::RoundedObject;
 pub use chain::{ChainObject, ChainShape, export_chain};
 pub use differences::MovedStreams;
 pub use glide::Glide;
@@ -63,18 +64,17 @@ pub(crate) fn export<'a>(
     if binary { glb(path, &root, &blob).map(|file| vec![file]) } else { Ok(gltf(path, root, blob)) }
 }
 
-/// Returns the largest distance that quantising moves a vertex of each object, in mesh units; 0
-/// where positions stay as they are.
+/// Returns what quantising does to each object; none if it moves no vertex.
 ///
 /// # Errors
 /// If the document is damaged.
-pub fn rounding<'a>(
+pub fn rounded<'a>(
     document: &Document,
     objects: &[ExportObject<'a>],
     precision: Precision,
-) -> Result<Vec<f64>, FormatError> {
-    if precision.position.is_none() {
-        return Ok(vec![0.0; objects.len()]);
+) -> Result<Option<Vec<RoundedObject>>, FormatError> {
+    if precision.position.is_none() && precision.weight.is_none() {
+        return Ok(None);
     }
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let (root, _) = source_document(document, &infos, &Additions::default())?;
@@ -82,7 +82,7 @@ pub fn rounding<'a>(
         |(i, o): (usize, &ExportObject<'a>)| written_object(document, i, o.info, o.mesh);
     let written_objects =
         objects.iter().enumerate().map(written_object).collect::<Result<Vec<_>, _>>()?;
-    quantize::rounding(precision, document, &root, &written_objects)
+    quantize::rounded(precision, document, &root, &written_objects).map(Some)
 }
 
 /// The document that geometry goes into, additions included, and the bytes that it refers to

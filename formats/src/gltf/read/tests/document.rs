@@ -56,15 +56,31 @@ fn nothing_is_renumbered_under_an_unknown_extension_with_numbers() {
 }
 
 #[test]
-fn an_accessor_that_nothing_names_keeps_the_view_that_geometry_left() {
+fn what_nothing_names_goes_with_its_bytes() {
     let mut root = animated();
+    let without = gltf(&sound(&root)).blob.len();
+    let more = |root: &mut Value, pool: &str, entry: Value| {
+        root[pool].as_array_mut().expect("a list").push(entry);
+    };
     let position = root["accessors"][0].clone();
-    root["accessors"].as_array_mut().expect("accessors").push(position);
-    let remaining = parsed(&sound(&root));
-    let accessors = remaining["accessors"].as_array().expect("accessors");
-    assert_eq!(accessors.len(), 3);
-    let view = accessors[2]["bufferView"].as_u64().expect("a view") as usize;
-    assert_eq!(remaining["bufferViews"][view]["byteLength"], 3 * 12);
+    more(&mut root, "accessors", position);
+    let all = root["buffers"][0]["byteLength"].clone();
+    more(&mut root, "bufferViews", json!({ "buffer": 0, "byteLength": all }));
+    let scene = sound(&root);
+    let remaining = parsed(&scene);
+    assert_eq!(remaining["accessors"].as_array().map(Vec::len), Some(2));
+    assert_eq!(remaining["bufferViews"].as_array().map(Vec::len), Some(3));
+    assert_eq!(gltf(&scene).blob.len(), without);
+    // Of what an unknown extension may name, its numbers stay, and the bytes of those that it has.
+    for (number, kept) in [(4, true), (9, false)] {
+        root["extensions"] = json!({ "X_unknown": { "data": number } });
+        let scene = sound(&root);
+        let remaining = parsed(&scene);
+        assert_eq!(remaining["bufferViews"].as_array().map(Vec::len), Some(5));
+        let length = remaining["bufferViews"][4]["byteLength"].clone();
+        assert_eq!(length, if kept { all.clone() } else { json!(4) });
+        assert!(scene.warnings.iter().any(|w| w.contains("what nothing names is gone")));
+    }
 }
 
 #[test]
@@ -76,8 +92,10 @@ fn views_that_overlap_do_not_multiply() {
     for i in 0..200u64 {
         b.views.push(json!({ "buffer": 0, "byteOffset": offset + i, "byteLength": 800 }));
     }
-    let scene =
-        sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }])));
+    let mut root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }]));
+    let image = |view: usize| json!({ "bufferView": view, "mimeType": "image/png" });
+    root["images"] = (1..202).map(image).collect();
+    let scene = sound(&root);
     assert_eq!(gltf(&scene).blob.len(), 1000);
     let remaining = parsed(&scene);
     assert_eq!(remaining["bufferViews"][200]["byteOffset"], json!(199));
