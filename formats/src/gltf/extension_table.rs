@@ -513,7 +513,7 @@ pub(super) const LISTS_OF_BINDS: [&str; 3] = ["binds", "meshAnnotations", "morph
 /// Extensions of a primitive that count or name its vertices or triangles, which change: dropped
 /// from primitives with triangles.
 pub(super) const DROPPED_FROM_PRIMITIVES: [&str; 4] = [
-    super::extensions::DRACO,
+    "KHR_draco_mesh_compression",
     "CESIUM_primitive_outline",
     "EXT_mesh_primitive_edge_visibility",
     "FB_ngon_encoding",

@@ -99,7 +99,7 @@ fn of_primitive(
             primitive["attributes"][&*name(number)] = added.accessor(ids).into();
             match extension {
                 "EXT_mesh_features" => set["attribute"] = number.into(),
-                _ => set["featureIds"] = object! { "attribute" => name(number) }.into(),
+                _ => set["featureIds"] = object! { "attribute" => name(number) },
             }
             made += 1;
             true

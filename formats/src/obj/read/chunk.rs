@@ -322,9 +322,9 @@ impl<'a> Reader<'a> {
         let line = self.lines.number();
         let notes = &mut self.chunk.notes;
         if is_line {
-            notes.lines.add(line)
+            notes.lines.add(line);
         } else {
-            notes.points.add(line)
+            notes.points.add(line);
         }
         self.chunk.elements.push(Element { is_line, vertices });
         Ok(())
