@@ -45,7 +45,7 @@ pub(super) enum Moved {
 impl Facing {
     pub(super) fn of(mesh: &Mesh) -> Self {
         let key = |v: u32| key(mesh, v);
-        let ids = PositionIds::new(mesh.positions());
+        let ids = mesh.position_ids();
         let mut edges = distinct_edges(mesh, &ids);
         let is_manifold = edges.iter().all(|edge| edge.faces <= 2);
         edges.retain(|edge| edge.net != 0);
@@ -82,7 +82,7 @@ impl Facing {
         if !self.is_closed() && moved == Moved::IntoOtherUnits {
             return None;
         }
-        let ids = PositionIds::new(level.positions());
+        let ids = level.position_ids();
         let is_on_border = |id: u32| {
             let key = key(level, ids.first_vertex[id as usize]);
             moved != Moved::ToPositions || self.border.binary_search(&key).is_ok()
