@@ -3,12 +3,12 @@
 /// A part of a mesh with one material: a run of its triangles.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Submesh {
-    /// The index of its first triangle in [`Mesh::triangles`].
+    /// The index of its first triangle in [`Mesh::triangles`](crate::Mesh::triangles).
     pub first_triangle: u32,
     /// Number of its triangles.
     pub triangle_count: u32,
     /// Attribute streams that its vertices have, as indices into
-    /// [`Mesh::attributes`].
+    /// [`Mesh::attributes`](crate::Mesh::attributes).
     pub attributes: Vec<u32>,
 }
 

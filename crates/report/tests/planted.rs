@@ -525,7 +525,7 @@ const MOVING: &[Defect] = &[
 /// independent samples see them.
 const FOREIGN: &[Defect] = &[
     ("errors that are 0", |p| p.scale_errors(0.0), "the error is 0, measured are"),
-    ("errors of half the size", |p| p.scale_errors(0.5), "measured are 0.07"),
+    ("errors of half the size", |p| p.scale_errors(0.5), "measured are 0."),
     ("errors of four times the size", |p| p.scale_errors(4.0), "no point is farther than"),
     ("errors of ten times the size", |p| p.scale_errors(10.0), "no point is farther than"),
     (

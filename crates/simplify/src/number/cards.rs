@@ -2,7 +2,7 @@
 
 use lodc_mesh::{Attribute, DisjointSets, Mesh, NONE, Semantic};
 
-/// Marks the corners of cards, by group: see [`Input::is_card`].
+/// Marks the corners of cards, by group: see `Input::is_card`.
 pub(super) fn cards(mesh: &Mesh, group_of: &[u32], groups: usize) -> Vec<bool> {
     let is_texture = |a: &&Attribute| a.semantic == Semantic::TexCoord(0) && a.components == 2;
     let textures: Vec<&Attribute> = mesh.attributes().iter().filter(is_texture).collect();
