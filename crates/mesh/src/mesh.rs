@@ -24,6 +24,12 @@ impl MeshParts {
     pub(crate) fn motion(&self) -> MotionStreams<'_> {
         MotionStreams::of(&self.attributes, &self.submeshes, &self.vertex_submesh)
     }
+
+    /// Numbers the positions of the vertices, as [`Mesh::position_ids`] does.
+    #[must_use]
+    pub fn position_ids(&self) -> PositionIds {
+        PositionIds::in_motion(&self.positions, &self.motion())
+    }
 }
 
 /// A valid triangle mesh: positions are finite, indices are in range, no triangle has two corners
@@ -67,7 +73,7 @@ impl Mesh {
     /// shapes that morph targets and joints can give the mesh has one number.
     #[must_use]
     pub fn position_ids(&self) -> PositionIds {
-        PositionIds::in_motion(self.positions(), &self.0.motion())
+        self.0.position_ids()
     }
     /// Returns for each attribute stream the submeshes that have it: row `i` holds those of stream
     /// `i`, rising.
