@@ -42,6 +42,10 @@ const NEIGHBOURS: [f64; 2] = [1.15, 1.06];
 /// many left is measured, and some with up to four times as many.
 const FEW_TRIANGLES: u32 = 16_384;
 const LAST_TRIANGLES: u64 = 16;
+
+/// In meshes of few triangles proposals between rungs are raised by more: of 150 mutated meshes one
+/// had a level 1.16 times as far as was proposed. Chosen by hand.
+const MARGIN_OF_FEW: f64 = 1.12;
 const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
 
 /// Triangles of the input for each sample of a rung, within limits. Chosen by hand.
@@ -169,7 +173,8 @@ impl Ladder<'_> {
         let proposed = Proposals::after(&self.proposals.largest, steps);
         let is_followed = steps <= self.proposals.largest.len();
         let error = if is_followed && proposed > self.original.rounding() {
-            proposed * MARGIN * excess
+            let is_few = self.sequence.parts().triangles <= FEW_TRIANGLES;
+            proposed * if is_few { MARGIN_OF_FEW } else { MARGIN } * excess
         } else if is_followed && excess <= PROPOSED[0] {
             0.0
         } else {

@@ -545,7 +545,7 @@ fn limits_a_hundred_times_as_small_end_in_errors_that_hold() {
         let options = lodc_simplify::Options::DEFAULT;
         let simplified = lodc_simplify::simplify(mesh, &options, &|_, _| {});
         let (collapses, size) = (simplified.collapses(), mesh.diagonal());
-        let positions = mesh.positions();
+        let positions = simplified.mesh().positions();
         let usual = measured(&simplified);
         for (number, limits) in limits.into_iter().enumerate() {
             let settings = Settings { limits, ..Settings::AT_REST };
