@@ -43,6 +43,7 @@ impl Loose {
     }
 
     /// Reads such statements; what is none is passed over.
+    #[cfg(any(feature = "export", test))]
     pub(crate) fn read(statements: &[String]) -> Self {
         let mut loose = Self::default();
         for statement in statements {
@@ -77,6 +78,7 @@ impl Loose {
     }
 
     /// The lines as pairs of vertices.
+    #[cfg(feature = "export")]
     pub(crate) fn segments(&self) -> impl Iterator<Item = [u32; 2]> {
         self.lines.iter().flat_map(|line| line.windows(2).map(|pair| [pair[0], pair[1]]))
     }
