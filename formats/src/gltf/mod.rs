@@ -52,7 +52,7 @@ pub(crate) mod read;
 mod schema;
 #[cfg(any(feature = "import", feature = "export"))]
 mod semantic;
-#[cfg(any(feature = "import", feature = "export"))]
+#[cfg(feature = "gltf")]
 mod texture_transform;
 #[cfg(feature = "gltf")]
 mod typed;
