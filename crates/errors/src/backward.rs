@@ -5,16 +5,15 @@ use crate::components::Components;
 use crate::gap::{Moved, fan_gap};
 use crate::input::Input;
 use crate::origin::Origin;
-use crate::settings::Limits;
+use crate::settings::{FEW_TRIANGLES, Limits};
 use crate::work::{ROUNDING_SQUARED, Work};
 use glam::DVec3;
 use lodc_nearest::{FarthestSearch, MovingSurface, TriangleSearcher};
 use rayon::prelude::*;
 
-/// Every new face is searched in meshes of no more triangles than the first; in larger ones where
-/// no more faces are left than the second, or than the mesh has triangles, divided by the third.
-/// Chosen by hand: of scans a level at 1.5 % was farther than it stated with 600 faces.
-const FEW_TRIANGLES: u32 = 16_384;
+/// Every new face is searched in meshes of few triangles; in larger ones where no more faces are
+/// left than the first, or than the mesh has triangles, divided by the second. Chosen by hand: of
+/// scans a level at 1.5 % was farther than it stated with 600 faces.
 const FEW_FACES: u32 = 4_096;
 const FEW_DIVISOR: u32 = 32;
 

@@ -1,7 +1,9 @@
 //! The distance between two surfaces that need not have a point in common: of levels that are not
 //! of the collapse sequence, since their vertices were moved, rounded or chosen otherwise.
 
+use crate::check::samples;
 use crate::difference::{Difference, Sampled};
+use crate::input::to_dvec3;
 use crate::settings::Limits;
 use glam::DVec3;
 use lodc_mesh::NONE;
@@ -53,11 +55,11 @@ impl Measurable {
         let all: Vec<[[f32; 3]; 3]> = triangles.into_iter().filter(has_area).collect();
         let order = morton_order(0..all.len() as u32, |t| all[t as usize]);
         let corners: Vec<[[f32; 3]; 3]> = order.iter().map(|&t| all[t as usize]).collect();
-        let areas: Vec<f32> = corners.iter().map(|&t| area(in_doubles(t)) as f32).collect();
+        let areas: Vec<f32> = corners.iter().map(|&t| area(t.map(to_dvec3)) as f32).collect();
         let [low, high] = corners
             .as_flattened()
             .iter()
-            .map(|&p| DVec3::from(p.map(f64::from)))
+            .map(|&p| to_dvec3(p))
             .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
                 [low.min(p), high.max(p)]
             });
@@ -70,23 +72,22 @@ impl Measurable {
         }
     }
 
-    /// The number of triangles.
-    #[must_use]
-    pub fn triangles(&self) -> usize {
-        self.corners.len()
-    }
-
     /// Measures how far another surface is from this one.
     #[must_use]
     pub fn distances(&self, other: &Self) -> Distances {
-        self.distances_beyond(0.0, other, Limits::DEFAULT.samples)
+        self.measure(0.0, other, Limits::DEFAULT.samples)
     }
 
-    /// As [`Self::distances`], where a distance is known, up to which nothing is searched closely:
-    /// it is the least that is returned as a lower bound. `samples` points on either surface tell
-    /// the mean.
+    /// As [`Self::distances`], for a check: up to a distance that is known nothing is searched
+    /// closely, and it is the least that is returned as a lower bound. The mean is known closely
+    /// before something is refused, roughly at first.
     #[must_use]
-    pub fn distances_beyond(&self, known: f64, other: &Self, samples: usize) -> Distances {
+    pub fn check_distances(&self, known: f64, other: &Self, closely: bool) -> Distances {
+        let triangles = self.corners.len().max(other.corners.len());
+        self.measure(known, other, samples(triangles, closely))
+    }
+
+    fn measure(&self, known: f64, other: &Self, samples: usize) -> Distances {
         if self.corners.is_empty() || other.corners.is_empty() {
             let is_same = self.corners.len() == other.corners.len();
             let distance = if is_same { 0.0 } else { f64::INFINITY };
@@ -119,15 +120,10 @@ impl Measurable {
 impl Triangles for Measurable {
     #[inline]
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
-        in_doubles(self.corners[triangle as usize])
+        self.corners[triangle as usize].map(to_dvec3)
     }
     #[inline]
     fn is_live(&self, _: u32) -> bool {
         true
     }
-}
-
-#[inline]
-fn in_doubles(corners: [[f32; 3]; 3]) -> [DVec3; 3] {
-    corners.map(|p| DVec3::from(p.map(f64::from)))
 }

@@ -136,7 +136,7 @@ impl Checked {
         // An infinite error is that of a level without triangles.
         let known = if self.stated.is_finite() { 0.95 * share * self.stated / scale } else { 0.0 };
         let LevelDistances { lower, upper, rms, .. } =
-            original.measure(self.lod, known, few_samples(original.input.triangles.len()), None);
+            original.measure(self.lod, known, samples(original.input.triangles.len(), false), None);
         // What was known is not what was found.
         if lower > known && lower * scale > self.lower {
             (self.lower, self.pose) = (lower * scale, pose);
@@ -164,7 +164,7 @@ impl Checked {
             // Errors never fall: a finer level may be the one with that distance.
             let errors = &collapses.parts().step_errors;
             let first = errors.partition_point(|&e| f64::from(e) < stated);
-            let few = few_samples(simplified.mesh().triangles().len());
+            let few = samples(simplified.mesh().triangles().len(), false);
             let bound = measured(simplified, shapes, collapses.step(first).lod, few).0;
             let bound = bound.max(self.upper.min(stated / MAX_STATED));
             if stated > MAX_STATED * bound {
@@ -193,9 +193,11 @@ impl Checked {
     }
 }
 
-/// Samples that tell the root mean square distance of a level of some triangles at first.
-fn few_samples(triangles: usize) -> usize {
-    (SAMPLES_PER_TRIANGLE * triangles).clamp(SAMPLES[0], SAMPLES[1])
+/// Samples on either of two surfaces of some triangles that tell a root mean square distance, for a
+/// check: before one is refused it is known closely.
+pub(crate) fn samples(triangles: usize, closely: bool) -> usize {
+    let few = (SAMPLES_PER_TRIANGLE * triangles).clamp(SAMPLES[0], SAMPLES[1]);
+    if closely { SAMPLES_BEFORE_REFUSAL } else { few }
 }
 
 /// Measures a level: an upper bound of its distance, and the root mean square, the largest over all

@@ -15,7 +15,7 @@ use crate::Tick;
 use crate::floor::{Floor, MARGIN};
 use crate::level::Original;
 use crate::rough::RoughSquare;
-use crate::settings::Limits;
+use crate::settings::{FEW_TRIANGLES, Limits};
 use crate::step_errors::StepErrors;
 use lodc_mesh::CollapseSequence;
 
@@ -38,9 +38,8 @@ const ALIKE_RATIOS: [f64; 2] = [1.35, 1.12];
 /// in meshes of few triangles the second. Chosen by hand.
 const NEIGHBOURS: [f64; 2] = [1.15, 1.06];
 
-/// Meshes of no more triangles than this have few; of theirs every level that has no more than so
-/// many left is measured, and some with up to four times as many.
-const FEW_TRIANGLES: u32 = 16_384;
+/// Of meshes of few triangles every level that has no more than so many left is measured, and some
+/// with up to four times as many.
 const LAST_TRIANGLES: u64 = 16;
 
 /// In meshes of few triangles proposals between rungs are raised by more: of 150 mutated meshes one

@@ -1,5 +1,9 @@
 //! How closely a pass searches, and the limits of all work.
 
+/// Meshes of no more triangles than this have few: all of their levels are looked at more closely.
+/// Chosen by hand.
+pub(crate) const FEW_TRIANGLES: u32 = 16_384;
+
 /// How closely a pass searches.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {

@@ -37,12 +37,6 @@ const RMS_SLACK: f64 = 0.01;
 /// Of the distance below which an error is too large, the share that is not searched closely.
 const UNSEARCHED_SHARE: f64 = 0.9;
 
-/// Samples that tell a root mean square distance: for each triangle, at least and at most, and
-/// before one is refused. Chosen by hand.
-const SAMPLES_PER_TRIANGLE: usize = 4;
-const SAMPLES: [usize; 2] = [64, 2_048];
-const SAMPLES_BEFORE_REFUSAL: usize = 32_768;
-
 /// Distances below this share of the diagonal are rounding errors, or not worth a refusal. Chosen
 /// by hand.
 const NEGLIGIBLE_SHARE: f64 = 1e-6;
@@ -196,15 +190,13 @@ impl<'a> Measure<'a> {
         let looseness = MAX_STATED * self.looseness;
         // A distance of which the stated error is not too large.
         let least = (stated - slack).max(0.0) / looseness;
-        let measured = |samples: Option<usize>| {
+        let measured = |closely: bool| {
             let of = |[from, to]: &[Measurable; 2]| {
-                let few = SAMPLES_PER_TRIANGLE * from.triangles().max(to.triangles());
-                let samples = samples.unwrap_or(few.clamp(SAMPLES[0], SAMPLES[1]));
-                from.distances_beyond(UNSEARCHED_SHARE * least, to, samples)
+                from.check_distances(UNSEARCHED_SHARE * least, to, closely)
             };
             pairs.par_iter().map(of).reduce(Distances::default, Distances::max)
         };
-        let Distances { lower, upper, rms } = measured(None);
+        let Distances { lower, upper, rms } = measured(false);
         if lower > MAX_MEASURED * stated + negligible {
             return Ok(Some(format!("the error is {stated}, measured are {lower}")));
         }
@@ -232,7 +224,7 @@ impl<'a> Measure<'a> {
         if is_near(rms) {
             return Ok(None);
         }
-        let Distances { rms, .. } = measured(Some(SAMPLES_BEFORE_REFUSAL));
+        let Distances { rms, .. } = measured(true);
         let what = || format!("the root mean square distance is {stated_rms}, measured are {rms}");
         Ok((!is_near(rms)).then(what))
     }
