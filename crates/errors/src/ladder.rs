@@ -12,7 +12,7 @@
 //! corrected by the ratio of measured to proposed ones.
 
 use crate::Tick;
-use crate::floor::{Floor, MARGIN};
+use crate::floor::Floor;
 use crate::level::Original;
 use crate::rough::RoughSquare;
 use crate::settings::{FEW_TRIANGLES, Limits};
@@ -42,9 +42,6 @@ const NEIGHBOURS: [f64; 2] = [1.15, 1.06];
 /// with up to four times as many.
 const LAST_TRIANGLES: u64 = 16;
 
-/// In meshes of few triangles proposals between rungs are raised by more: of 150 mutated meshes one
-/// had a level 1.16 times as far as was proposed. Chosen by hand.
-const MARGIN_OF_FEW: f64 = 1.12;
 const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
 
 /// Triangles of the input for each sample of a rung, within limits. Chosen by hand.
@@ -172,8 +169,7 @@ impl Ladder<'_> {
         let proposed = Proposals::after(&self.proposals.largest, steps);
         let is_followed = steps <= self.proposals.largest.len();
         let error = if is_followed && proposed > self.original.rounding() {
-            let is_few = self.sequence.parts().triangles <= FEW_TRIANGLES;
-            proposed * if is_few { MARGIN_OF_FEW } else { MARGIN } * excess
+            proposed * self.floor.margin * excess
         } else if is_followed && excess <= PROPOSED[0] {
             0.0
         } else {
