@@ -573,6 +573,23 @@ mod tests {
     }
 
     #[test]
+    fn a_thin_strip_that_stands_on_slivers_is_divided_along_its_length() {
+        // Each sliver is seen from its edge: halves across that never get shorter.
+        let sliver = |i: u32| {
+            let x = f64::from(i) / 20.0;
+            [[-1.0, 0.0], [1.0, 0.0], [0.0, 0.01]].map(|[y, z]| DVec3::new(x, y, z))
+        };
+        let slivers: Vec<[DVec3; 3]> = (0..=20).map(sliver).collect();
+        for width in [0.0, 1e-12, 1e-6] {
+            let [a, b, c] = [[0.0, 0.0], [1.0, 0.0], [1.0, width]];
+            let strip = [a, b, c].map(|[x, z]| DVec3::new(x, 0.0, z));
+            let found = FarthestSearch::for_size(1.0).farthest(&[strip], &tree(&slivers));
+            assert!(found.opened_boxes < 2_000, "{width}: {found:?}");
+            assert!(found.upper < 0.026 && found.lower > 0.024, "{width}: {found:?}");
+        }
+    }
+
+    #[test]
     fn bounds_hold_for_random_triangles() {
         let mut random = lodc_mesh::SplitMix64::new(3);
         for round in 0..60 {

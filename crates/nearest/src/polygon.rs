@@ -192,6 +192,7 @@ impl Polygon {
     /// wide as the triangle than as long, else across the middle of the longest diagonal or edge. A
     /// wide part beside slivers would else be divided into pieces as short as they are thin.
     pub(crate) fn halves(&self, [a, b, c]: [DVec3; 3]) -> [Self; 2] {
+        let (longest_squared, from, to) = self.longest();
         let edges = [b - a, c - b, a - c];
         let along = edges.into_iter().fold(DVec3::ZERO, |longest, edge| {
             if edge.length_squared() > longest.length_squared() { edge } else { longest }
@@ -201,20 +202,21 @@ impl Polygon {
         let across = normal.cross(along).normalize_or_zero();
         let width = if length > 0.0 { normal.length() / length } else { 0.0 };
         if length > SLIVER_RATIO * width && width > 0.0 {
-            let extent = |direction: DVec3| {
-                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-                for p in self.corners() {
-                    let at = (*p - a).dot(direction);
-                    (low, high) = (low.min(at), high.max(at));
-                }
-                (high - low, a + direction * (0.5 * low + 0.5 * high))
-            };
-            let (own_width, middle) = extent(across);
-            let (own_length, _) = extent(along / length);
-            if own_width * length > own_length * width {
-                return self.cut(middle, across, 0.0);
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for p in self.corners() {
+                let at = (*p - a).dot(across);
+                (low, high) = (low.min(at), high.max(at));
+            }
+            // A thin part that stands on the triangle is long in neither of its directions.
+            if (high - low) * length > longest_squared.sqrt() * width {
+                return self.cut(a + across * (0.5 * low + 0.5 * high), across, 0.0);
             }
         }
+        self.cut((from + to) * 0.5, (to - from).normalize_or_zero(), 0.0)
+    }
+
+    /// Returns the squared length of its longest diagonal or edge, and both ends.
+    fn longest(&self) -> (f64, DVec3, DVec3) {
         let mut longest = (0.0, DVec3::ZERO, DVec3::ZERO);
         for (i, &a) in self.corners().iter().enumerate() {
             for &b in &self.corners()[i + 1..] {
@@ -224,8 +226,7 @@ impl Polygon {
                 }
             }
         }
-        let (_, a, b) = longest;
-        self.cut((a + b) * 0.5, (b - a).normalize_or_zero(), 0.0)
+        longest
     }
 }
 
