@@ -27,7 +27,7 @@ const MAX_RMS_RATIO: f64 = 1.3;
 
 /// Root mean square distances that differ by no more than this share of the error are not refused:
 /// a small part of the surface decides them, and they are interpolated between measured levels.
-const RMS_SLACK: f64 = 0.04;
+const RMS_SLACK: f64 = 0.02;
 
 /// Samples on either surface that tell a root mean square distance: for each triangle of the input,
 /// at least and at most, and before one is refused.

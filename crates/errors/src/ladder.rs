@@ -35,8 +35,10 @@ const PROPOSED: [f64; 2] = [1.1, 1.0];
 const ALIKE_RATIOS: [f64; 2] = [1.35, 1.12];
 
 /// No level is measured between two whose numbers of triangles differ by no more than this factor;
-/// in meshes of few triangles the second. Chosen by hand.
-const NEIGHBOURS: [f64; 2] = [1.15, 1.06];
+/// in meshes of few triangles the second, while so many are left: of fewer each step counts, those
+/// that remove no triangle, too. Chosen by hand.
+const NEIGHBOURS: [f64; 2] = [1.15, 1.02];
+const NEIGHBOURS_TRIANGLES: u32 = 64;
 
 /// Of meshes of few triangles every level that has no more than so many left is measured, and some
 /// with up to four times as many.
@@ -231,7 +233,9 @@ impl Ladder<'_> {
         let (steps, triangles) = finer.map_or((0, all), |rung| (rung.steps, rung.triangles));
         let [from, to] = [triangles, coarser.triangles].map(f64::from);
         let few = usize::from(all <= FEW_TRIANGLES);
-        if coarser.steps <= steps + 1 || from <= NEIGHBOURS[few] * to {
+        let are_neighbours = from <= NEIGHBOURS[few] * to
+            && (few == 0 || coarser.triangles >= NEIGHBOURS_TRIANGLES);
+        if coarser.steps <= steps + 1 || are_neighbours {
             return None;
         }
         let tiny = TINY_SHARE * self.original.input.diagonal;
