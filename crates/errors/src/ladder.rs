@@ -233,8 +233,8 @@ impl Ladder<'_> {
         let (steps, triangles) = finer.map_or((0, all), |rung| (rung.steps, rung.triangles));
         let [from, to] = [triangles, coarser.triangles].map(f64::from);
         let few = usize::from(all <= FEW_TRIANGLES);
-        let are_neighbours = from <= NEIGHBOURS[few] * to
-            && (few == 0 || coarser.triangles >= NEIGHBOURS_TRIANGLES);
+        let are_neighbours =
+            from <= NEIGHBOURS[few] * to && (few == 0 || coarser.triangles >= NEIGHBOURS_TRIANGLES);
         if coarser.steps <= steps + 1 || are_neighbours {
             return None;
         }
