@@ -41,7 +41,7 @@ pub use colours::{distinct, heat};
 pub use distance::{Distances, Original, Sampling, distances};
 pub use field::DistanceField;
 pub use heat::heat_sheet;
-pub use lodc_nearest::TriangleTree;
+pub use lodc_nearest::{TriangleTree, distance_squared};
 pub use picture::{ImageError, Picture, ShadingOptions, Viewing, compare_pictures, pictures};
 pub use reference::ReferencePictures;
 pub use scene::SceneSurface;

@@ -6,12 +6,19 @@
 //! turned over adds its edges twice.
 
 use glam::{DVec3, Vec3};
-use lodc_measure::{Surface, TriangleTree};
+use lodc_measure::{Surface, TriangleTree, distance_squared};
 use lodc_mesh::{Mesh, NONE, PositionIds, is_degenerate, position_key};
 
 /// A face is on the sheet of a source that is not manifold whose distance from its middle is no
 /// more than this share of its edges. Chosen by hand.
 const SHEET_SHARE: f64 = 0.05;
+
+/// A sheet faces as a face does if the cosine between their normals is more than this. Chosen by
+/// hand.
+const MIN_COSINE: f64 = 0.7;
+
+/// Most triangles that look turned over and are compared with all of an open source. Chosen by hand.
+const MAX_COMPARED: usize = 64;
 
 /// The bits of a position; the same for both signs of zero.
 type Key = [u32; 3];
@@ -29,6 +36,7 @@ pub(super) struct Facing {
     /// the triangle.
     triangles: Vec<([Key; 3], bool)>,
     tree: TriangleTree,
+    triangle_count: u32,
 }
 
 /// Where the vertices of a level may be.
@@ -66,7 +74,9 @@ impl Facing {
         let positions = mesh.positions().iter().map(|&p| p.into()).collect();
         let surface =
             Surface { positions, triangles: mesh.triangles().to_vec(), ..Surface::default() };
-        Self { border, max_surplus, is_manifold, triangles, tree: surface.tree() }
+        let triangle_count = mesh.triangles().len() as u32;
+        let tree = surface.tree();
+        Self { border, max_surplus, is_manifold, triangles, tree, triangle_count }
     }
 
     /// Returns whether no edge is on the border.
@@ -79,7 +89,14 @@ impl Facing {
     /// inside of the source, or a larger surplus than any of the source; and the triangle has to
     /// face away from the source next to it.
     pub(super) fn turned_over(&self, level: &Mesh, moved: Moved) -> Option<usize> {
-        if !self.is_closed() && moved == Moved::IntoOtherUnits {
+        // Where more than two faces meet at edges, such edges become one, and faces of one sheet lie
+        // on others.
+        let tells_nothing = match moved {
+            Moved::ToPositions => false,
+            Moved::Freely => !self.is_manifold,
+            Moved::IntoOtherUnits => true,
+        };
+        if !self.is_closed() && tells_nothing {
             return None;
         }
         let ids = level.position_ids();
@@ -105,9 +122,12 @@ impl Facing {
             doubtful_edges > 0 && (self.is_closed() || self.faces_away(level, t))
         };
         let triangles = level.triangles().iter().map(doubtful_edges).enumerate();
-        let turned_over = triangles
-            .filter(is_turned)
-            .max_by_key(|&(t, doubtful_edges)| (doubtful_edges, usize::MAX - t));
+        let mut turned: Vec<(usize, usize)> = triangles.filter(is_turned).collect();
+        turned.sort_by_key(|&(t, doubtful_edges)| (std::cmp::Reverse(doubtful_edges), t));
+        let turned_over = turned
+            .iter()
+            .take(MAX_COMPARED)
+            .find(|&&(t, _)| self.is_closed() || !self.has_sheet_near(level, t));
         // A triangle that the source has the other way round alone.
         let source_triangle = || {
             let is_turned = |t: &[u32; 3]| {
@@ -120,23 +140,56 @@ impl Facing {
         };
         let keeps_positions = moved == Moved::ToPositions && !self.is_closed();
         let source_triangle = || if keeps_positions { source_triangle() } else { None };
-        turned_over.map(|(t, _)| t).or_else(source_triangle)
+        turned_over.map(|&(t, _)| t).or_else(source_triangle)
     }
 
     /// Returns whether a triangle faces away from where the source next to its middle faces.
     fn faces_away(&self, level: &Mesh, triangle: usize) -> bool {
+        let face = Face::of(level, triangle);
+        let nearest = self.tree.nearest_triangle(face.middle, NONE);
+        // Where sheets meet, the nearest one is that of the face only if it is very near.
+        nearest.triangle != NONE
+            && (self.is_manifold || nearest.squared <= face.reach * face.reach)
+            && face.normal.dot(normal(self.tree.corners_of(nearest.triangle))) < 0.0
+    }
+
+    /// Returns whether a sheet of the source that faces as a triangle of a level is near its
+    /// middle: of a thin plate one side may collapse onto the other.
+    fn has_sheet_near(&self, level: &Mesh, triangle: usize) -> bool {
+        let face = Face::of(level, triangle);
+        (0..self.triangle_count).any(|t| {
+            let corners = self.tree.corners_of(t);
+            let cosine = face.normal.dot(normal(corners).normalize_or_zero());
+            cosine > MIN_COSINE * face.normal.length()
+                && distance_squared(face.middle, corners) <= face.reach * face.reach
+        })
+    }
+}
+
+/// A triangle of a level.
+struct Face {
+    middle: DVec3,
+    /// Twice its area long.
+    normal: DVec3,
+    /// Sheets within this of its middle are very near.
+    reach: f64,
+}
+
+impl Face {
+    fn of(level: &Mesh, triangle: usize) -> Self {
         let position = |v: u32| Vec3::from(level.positions()[v as usize]).as_dvec3();
         let corners = level.triangles()[triangle].map(position);
-        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
-        let middle = corners.iter().sum::<DVec3>() / 3.0;
-        let nearest = self.tree.nearest_triangle(middle, NONE);
-        // Where sheets meet, the nearest one is that of the face only if it is very near.
-        let reach =
-            SHEET_SHARE * corners[0].distance(corners[1]).max(corners[1].distance(corners[2]));
-        nearest.triangle != NONE
-            && (self.is_manifold || nearest.squared <= reach * reach)
-            && normal(corners).dot(normal(self.tree.corners_of(nearest.triangle))) < 0.0
+        let [a, b, c] = corners;
+        Self {
+            middle: corners.iter().sum::<DVec3>() / 3.0,
+            normal: normal(corners),
+            reach: SHEET_SHARE * a.distance(b).max(b.distance(c)),
+        }
     }
+}
+
+fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
 }
 
 /// An edge between two positions, and how often more in one direction than in the other.
@@ -192,7 +245,7 @@ fn sorted(mut positions: [Key; 3]) -> ([Key; 3], bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lodc_mesh::{Lod, Simplified};
+    use lodc_mesh::{Lod, MeshParts, Simplified, Submesh};
     use lodc_simplify::{Options, simplify};
 
     /// Largest number of triangles of a mesh, each of which is turned over in its turn.
@@ -239,6 +292,36 @@ mod tests {
             if facing.is_closed() || facing.max_surplus == 1 && all > MIN_TURNED {
                 assert_eq!(missed, 0, "{name}: of {all}");
             }
+        }
+    }
+
+    #[test]
+    fn one_side_of_a_thin_plate_may_lie_on_the_other() {
+        // Two open squares, one above the other, that face away from each other.
+        let plate = |thickness: f32| {
+            let at = |v: u32| {
+                let side = if v < 4 { 0.5 } else { -0.5 };
+                [(v & 1) as f32, (v >> 1 & 1) as f32, side * thickness]
+            };
+            MeshParts {
+                positions: (0..8).map(at).collect(),
+                triangles: vec![[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7]],
+                vertex_submesh: vec![0; 8],
+                submeshes: vec![Submesh {
+                    first_triangle: 0,
+                    triangle_count: 4,
+                    attributes: vec![],
+                }],
+                ..MeshParts::default()
+            }
+        };
+        for (thickness, is_found) in [(0.01, false), (0.5, true)] {
+            let source = Mesh::try_from(plate(thickness)).expect("a mesh");
+            let mut parts = plate(thickness);
+            parts.triangles[0].swap(1, 2);
+            let level = Mesh::try_from(parts).expect("a mesh");
+            let found = Facing::of(&source).turned_over(&level, Moved::Freely);
+            assert_eq!(found.is_some(), is_found, "{thickness}");
         }
     }
 }
