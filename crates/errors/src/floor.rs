@@ -1,14 +1,8 @@
 //! Errors that are stated already: a pass looks for what is above them.
 
-use crate::settings::FEW_TRIANGLES;
-
 /// Stated error over the distance found, for what no sample saw. With it none of 707 measured
 /// levels at rest or in stated poses is farther than stated (docs/design-notes/errors.md).
 pub(crate) const MARGIN: f64 = 1.06;
-
-/// The same in meshes of few triangles: of 150 mutated meshes one had a level 1.16 times as far as
-/// was proposed. Chosen by hand.
-const MARGIN_OF_FEW: f64 = 1.12;
 
 /// Distances above this many times a stated error, before its [`MARGIN`], raise it. Less than
 /// [`MARGIN`]: the rest is for what no sample sees in this shape. Chosen by hand.
@@ -21,20 +15,17 @@ pub(crate) struct Floor<'a> {
     errors: &'a [f32],
     /// Mesh units per unit of the pass.
     mesh_scale: f64,
-    /// Stated error over the distance found.
-    pub(crate) margin: f64,
 }
 
 impl<'a> Floor<'a> {
-    pub(crate) fn new(errors: &'a [f32], mesh_scale: f64, triangles: u32) -> Self {
-        let margin = if triangles <= FEW_TRIANGLES { MARGIN_OF_FEW } else { MARGIN };
-        Self { errors, mesh_scale, margin }
+    pub(crate) fn new(errors: &'a [f32], mesh_scale: f64) -> Self {
+        Self { errors, mesh_scale }
     }
 
     /// Returns the squared distance, in units of the pass, up to which a step raises nothing.
     #[inline]
     pub(crate) fn squared(&self, step: usize) -> f64 {
-        let distance = self.stated(step) / (self.mesh_scale * self.margin) * RAISING_EXCESS;
+        let distance = self.stated(step) / (self.mesh_scale * MARGIN) * RAISING_EXCESS;
         distance * distance
     }
 

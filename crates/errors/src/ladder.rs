@@ -12,7 +12,7 @@
 //! corrected by the ratio of measured to proposed ones.
 
 use crate::Tick;
-use crate::floor::Floor;
+use crate::floor::{Floor, MARGIN};
 use crate::level::Original;
 use crate::rough::RoughSquare;
 use crate::settings::{FEW_TRIANGLES, Limits};
@@ -171,7 +171,7 @@ impl Ladder<'_> {
         let proposed = Proposals::after(&self.proposals.largest, steps);
         let is_followed = steps <= self.proposals.largest.len();
         let error = if is_followed && proposed > self.original.rounding() {
-            proposed * self.floor.margin * excess
+            proposed * MARGIN * excess
         } else if is_followed && excess <= PROPOSED[0] {
             0.0
         } else {
@@ -246,8 +246,9 @@ impl Ladder<'_> {
             excess <= PROPOSED[few] || is_alike(error, coarser.upper, ALIKE[few]);
         let ratio = finer.map_or(coarser.rms_ratio, |rung| rung.rms_ratio);
         let ratios = [ratio, coarser.rms_ratio];
-        let ratios_are_alike =
-            ratios[0].max(ratios[1]) <= ALIKE_RATIOS[few] * ratios[0].min(ratios[1]);
+        // Without a ratio nothing is known of where a mean rises.
+        let [low, high] = [ratios[0].min(ratios[1]), ratios[0].max(ratios[1])];
+        let ratios_are_alike = low > 0.0 && high <= ALIKE_RATIOS[few] * low;
         let means_are_alike = ratios_are_alike || is_alike(rms, coarser.rms, ALIKE[few]);
         if errors_are_alike && means_are_alike {
             return None;

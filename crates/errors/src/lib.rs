@@ -142,8 +142,7 @@ fn measure_above(
 ) -> StepErrors {
     assert_eq!(posed.len(), simplified.mesh().vertex_count(), "a position for each vertex");
     let (input, corner_vertices) = Input::new(simplified, posed);
-    let floor =
-        Floor::new(&before.error, input.mesh_scale, simplified.mesh().triangles().len() as u32);
+    let floor = Floor::new(&before.error, input.mesh_scale);
     // Within the pool: else each block would wait for a thread of it to wake.
     rayon::scope(|_| {
         let pass = Pass { input: &input, simplified, floor, settings, tick };

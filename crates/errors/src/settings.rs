@@ -16,8 +16,11 @@ pub(crate) struct Settings {
 
 impl Settings {
     /// For the shape in which all steps are measured.
-    pub(crate) const AT_REST: Self =
-        Self { few_triangles_samples: 20_000.0, few_faces_samples: 2_000, limits: Limits::DEFAULT };
+    pub(crate) const AT_REST: Self = Self {
+        few_triangles_samples: 20_000.0,
+        few_faces_samples: 20_000,
+        limits: Limits::DEFAULT,
+    };
 
     /// For shapes of which only what exceeds the errors of another one matters.
     pub(crate) const IN_POSES: Self = Self { few_triangles_samples: 10_000.0, ..Self::AT_REST };
