@@ -13,13 +13,15 @@ use std::time::Instant;
 #[derive(Debug)]
 pub(crate) struct Stages {
     done: Vec<StageReport>,
+    /// What the stages told of their result.
+    notes: Vec<String>,
     clock: Clock,
 }
 
 impl Stages {
     /// No stages yet, of an input with this clock.
     pub(crate) fn new(clock: Clock) -> Self {
-        Self { done: Vec::new(), clock }
+        Self { done: Vec::new(), notes: Vec::new(), clock }
     }
     /// Does work as a stage of this name, unless the asset's time is over.
     pub(crate) fn run<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
@@ -48,6 +50,10 @@ impl Stages {
         let seconds = start.elapsed().as_secs_f64();
         detail(&format!("{name:>9} {seconds:9.3} s {:7} MiB peak", memory::peak_bytes() >> 20));
         self.done.push(StageReport { name, seconds });
+    }
+    /// Takes what the stages told of their result, for its warnings.
+    pub(crate) fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
     }
     /// Seconds of all stages.
     pub(crate) fn seconds(&self) -> f64 {
@@ -92,5 +98,9 @@ impl Watch for Watched<'_> {
         if let Some(start) = stages.start.take() {
             stages.all.add(stage, start);
         }
+    }
+    fn note(&self, line: String) {
+        let mut stages = self.stages.lock().unwrap_or_else(PoisonError::into_inner);
+        stages.all.notes.push(line);
     }
 }

@@ -253,6 +253,8 @@ fn simplified_showing(
             simplified = measure_all(simplified, &document, &limits, poses, &watch)?;
         }
     }
+    drop(watch);
+    warnings.extend(stages.take_notes());
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();
     let colours = colours.colours;

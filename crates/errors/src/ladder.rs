@@ -132,6 +132,8 @@ impl Ladder<'_> {
     pub(crate) fn complete(&self, planned: &[usize]) -> StepErrors {
         let (sequence, input) = (self.sequence, self.original.input);
         let mut errors = StepErrors::with_capacity(sequence.steps());
+        let last = planned.last().copied().unwrap_or(0);
+        errors.ends_in_ladder = self.proposals.largest.len() < last;
         let all = input.triangles.len() as u32;
         let mut finer = Rung {
             steps: 0,

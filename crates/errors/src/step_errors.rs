@@ -9,11 +9,15 @@ pub struct StepErrors {
     pub error: Vec<f32>,
     /// The largest root mean square distance so far, over the area, the larger of both ways.
     pub rms: Vec<f32>,
+    /// Whether the pass met its limit of work: from there on, levels were measured one by one, and
+    /// steps between two of them state the error of the coarser one.
+    pub ends_in_ladder: bool,
 }
 
 impl StepErrors {
     pub(crate) fn with_capacity(steps: usize) -> Self {
-        Self { error: Vec::with_capacity(steps), rms: Vec::with_capacity(steps) }
+        let [error, rms] = [0; 2].map(|_| Vec::with_capacity(steps));
+        Self { error, rms, ends_in_ladder: false }
     }
 
     /// Raises each distance to that of the same step in `other`, where that is larger.
@@ -23,6 +27,7 @@ impl StepErrors {
         };
         raise_all(&mut self.error, &other.error);
         raise_all(&mut self.rms, &other.rms);
+        self.ends_in_ladder |= other.ends_in_ladder;
     }
 
     /// Adds a step: distances are rounded up and kept from falling.

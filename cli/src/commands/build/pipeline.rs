@@ -93,6 +93,8 @@ pub(super) fn make(
     fill_in_counts(report, &objects);
 
     check_models(&objects, &watch).map_err(bug)?;
+    drop(watch);
+    report.warnings.extend(stages.take_notes());
     let coarsest: Vec<Lod> = objects.iter().map(|o| o.simplified.coarsest()).collect();
     report
         .warnings

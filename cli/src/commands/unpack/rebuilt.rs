@@ -41,8 +41,9 @@ pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
         let what = "the stream is not complete, and a .lodc file needs all of it: a mesh does not";
         return Err(Failure::new(Status::Input, format!("{name}: {what}")));
     }
-    let (simplified, warnings) = stages.run("rebuild", || rebuild_objects(unpacker, name))?;
+    let (simplified, mut warnings) = stages.run("rebuild", || rebuild_objects(unpacker, name))?;
     let file = measure_and_build(args, unpacker, simplified, name, &mut stages)?;
+    warnings.extend(stages.take_notes());
     stages.run("write", || output::write(&target, lodc::write(&file)))?;
     let arrived = unpacker.arrived().map_err(|e| e.in_file(name))?;
     let arrived = arrived.expect("a complete stream has a head");

@@ -42,9 +42,21 @@ pub fn measure_all(
             .with_distances(distances.error, distances.rms)
             .expect("the pass has a distance for each step, none below the one before");
         watch.add(triangles(&measured));
-        (info, Arc::new(measured))
+        let line = distances.ends_in_ladder.then(|| {
+            format!(
+                "{}: errors of coarse levels are measured one by one, and those between are stated \
+                 as the next coarser: a mesh like this takes too much work otherwise",
+                info.name
+            )
+        });
+        ((info, Arc::new(measured)), line)
     };
-    Ok(run_stage(watch, "errors", units, || objects.into_par_iter().enumerate().map(one).collect()))
+    let measured: Vec<_> = run_stage(watch, "errors", units, || {
+        objects.into_par_iter().enumerate().map(one).collect()
+    });
+    let (objects, lines): (SimplifiedObjects, Vec<Option<String>>) = measured.into_iter().unzip();
+    lines.into_iter().flatten().for_each(|line| watch.note(line));
+    Ok(objects)
 }
 
 /// Shapes of which all are measured at a time.

@@ -8,6 +8,8 @@ pub trait Watch: Sync {
     fn add(&self, _units: u64) {}
     /// The stage is over.
     fn end(&self, _stage: &'static str) {}
+    /// A line about the result, for who uses it.
+    fn note(&self, _line: String) {}
 }
 
 impl Watch for () {}
