@@ -17,7 +17,8 @@ const SHEET_SHARE: f64 = 0.05;
 /// hand.
 const MIN_COSINE: f64 = 0.7;
 
-/// Most triangles that look turned over and are compared with all of an open source. Chosen by hand.
+/// Most triangles that look turned over and are compared with all of an open source. Chosen by
+/// hand.
 const MAX_COMPARED: usize = 64;
 
 /// The bits of a position; the same for both signs of zero.
@@ -89,8 +90,8 @@ impl Facing {
     /// inside of the source, or a larger surplus than any of the source; and the triangle has to
     /// face away from the source next to it.
     pub(super) fn turned_over(&self, level: &Mesh, moved: Moved) -> Option<usize> {
-        // Where more than two faces meet at edges, such edges become one, and faces of one sheet lie
-        // on others.
+        // Where more than two faces meet at edges, such edges become one, and faces of one sheet
+        // lie on others.
         let tells_nothing = match moved {
             Moved::ToPositions => false,
             Moved::Freely => !self.is_manifold,
