@@ -15,7 +15,7 @@ use crate::work::{ROUNDING_SQUARED, Work};
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, NONE};
 use lodc_nearest::{
-    FarthestSearch, Hit, MovingSurface, Query, TriangleSearcher, Triangles, centroid,
+    FarthestSearch, Hit, MovingSurface, Query, TriangleSearcher, Triangles, area, centroid,
 };
 use std::ops::Range;
 
@@ -31,9 +31,21 @@ const SEARCHED_BEYOND: f64 = 0.75;
 /// A triangle is large while E² is below this share of its longest edge, squared: the edge is
 /// longer than 20 E. Samples alone would miss holes between them. Chosen by hand.
 const LARGE_TRIANGLE_SHARE: f64 = 2.5e-3;
+/// Most triangles of a mesh whose slivers keep more samples. Chosen by hand.
+const MAX_TRIANGLES_WITH_SLIVERS: usize = 1 << 18;
 /// Most triangles of a mesh in which large ones are searched: meshes of more have enough points.
 /// Chosen by hand.
 const MAX_TRIANGLES_COVERED: usize = 1 << 16;
+
+/// Most samples for each triangle of a mesh of few: objects of a hundred triangles come by the
+/// thousand. Chosen by hand.
+const SAMPLES_PER_TRIANGLE: f64 = 32.0;
+
+/// A triangle is a sliver if its longest edge, squared, is more than this many times its area; and
+/// a long one while that is more than this many times E². In its middle it may be far where its
+/// corners are near: it keeps the samples that it is tried at. Chosen by hand.
+const SLIVER_RATIO_SQUARED: f64 = 16.0;
+const LONG_RATIO_SQUARED: f64 = 4.0;
 
 /// A new sample is kept if its squared distance is beyond this share of E² (0.3 of E): nearer ones
 /// rarely come to decide E. Chosen by hand.
@@ -90,7 +102,9 @@ impl<'a> Forward<'a> {
         settings: Settings,
     ) -> Self {
         let mut faces = Faces::new(input, corner_vertices);
-        let samples = Samples::new(input, &mut faces.all, settings.few_triangles_samples);
+        let most = SAMPLES_PER_TRIANGLE * input.triangles.len() as f64;
+        let in_all = settings.few_triangles_samples.min(most);
+        let samples = Samples::new(input, &mut faces.all, in_all);
         Self {
             input,
             floor,
@@ -251,6 +265,7 @@ impl<'a> Forward<'a> {
             }
             let points = self.input.triangles[t as usize];
             let corners = self.input.corners_of(points);
+            let is_long_sliver = self.is_long_sliver(corners);
             for k in 0..4 {
                 // Each inner edge is tried by the triangle that has it in rising order.
                 if k < 3 && points[k] > points[(k + 1) % 3] {
@@ -262,7 +277,8 @@ impl<'a> Forward<'a> {
                 };
                 let kept_beyond = self.max_squared * KEPT_BEYOND_SQUARED;
                 let (hit, is_finished) = self.find_face(p, t, kept_beyond);
-                if hit.squared <= kept_beyond.max(ROUNDING_SQUARED) || hit.triangle == NONE {
+                let is_near = hit.squared <= kept_beyond.max(ROUNDING_SQUARED);
+                if is_near && !is_long_sliver || hit.triangle == NONE {
                     continue;
                 }
                 let sample = Sample::without_area(p.to_array().map(|x| x as f32), t);
@@ -276,6 +292,15 @@ impl<'a> Forward<'a> {
                 }
             }
         }
+    }
+
+    fn is_long_sliver(&self, corners: [DVec3; 3]) -> bool {
+        let [a, b, c] = corners;
+        let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
+        let longest = edges[0].max(edges[1]).max(edges[2]);
+        self.input.triangles.len() <= MAX_TRIANGLES_WITH_SLIVERS
+            && longest > LONG_RATIO_SQUARED * self.max_squared
+            && longest > SLIVER_RATIO_SQUARED * area(corners)
     }
 
     /// Returns a live face near a point, one found in the tree if the others are too far: `face` if
