@@ -48,7 +48,8 @@ const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
 
 /// Triangles of the input for each sample of a rung, within limits. Chosen by hand.
 const TRIANGLES_PER_SAMPLE: usize = 4;
-/// Most samples of a rung of a very small mesh: so many, and more for each triangle. Chosen by hand.
+/// Most samples of a rung of a very small mesh: so many, and more for each triangle. Chosen by
+/// hand.
 const FEWEST_SAMPLES: usize = 256;
 const SAMPLES_PER_TRIANGLE: usize = 4;
 
