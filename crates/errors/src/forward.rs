@@ -31,8 +31,6 @@ const SEARCHED_BEYOND: f64 = 0.75;
 /// A triangle is large while E² is below this share of its longest edge, squared: the edge is
 /// longer than 20 E. Samples alone would miss holes between them. Chosen by hand.
 const LARGE_TRIANGLE_SHARE: f64 = 2.5e-3;
-/// Most triangles of a mesh whose slivers keep more samples. Chosen by hand.
-const MAX_TRIANGLES_WITH_SLIVERS: usize = 1 << 18;
 /// Most triangles of a mesh in which large ones are searched: meshes of more have enough points.
 /// Chosen by hand.
 const MAX_TRIANGLES_COVERED: usize = 1 << 16;
@@ -46,6 +44,8 @@ const SAMPLES_PER_TRIANGLE: f64 = 32.0;
 /// corners are near: it keeps the samples that it is tried at. Chosen by hand.
 const SLIVER_RATIO_SQUARED: f64 = 16.0;
 const LONG_RATIO_SQUARED: f64 = 4.0;
+/// Most triangles of a mesh whose slivers keep more samples. Chosen by hand.
+const MAX_TRIANGLES_WITH_SLIVERS: usize = 1 << 18;
 
 /// A new sample is kept if its squared distance is beyond this share of E² (0.3 of E): nearer ones
 /// rarely come to decide E. Chosen by hand.
