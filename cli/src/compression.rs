@@ -48,16 +48,12 @@ pub(crate) struct Packing {
 }
 
 impl Packing {
-    /// Neither compressed nor quantised.
-    pub(crate) const PLAIN: Self = Self {
-        compress: false,
-        precision: Precision { position: None, normal: None, uv: None, color: None, weight: None },
-    };
-
-    /// What to write instead if files become larger by this: they are to be small where they are
-    /// both quantised and compressed.
+    /// What to write instead if files become larger by this: neither compressed nor quantised. They
+    /// are to be small where they are both.
     pub(crate) fn alternative(self) -> Option<Self> {
-        (self.compress && self.precision != Precision::default()).then_some(Self::PLAIN)
+        let precision = Precision::default();
+        (self.compress && self.precision != precision)
+            .then_some(Self { compress: false, precision })
     }
 
     /// A line for people where the alternative is smaller; `packed` and `plain` are the files.

@@ -8,6 +8,7 @@
 
 use crate::input::Input;
 use glam::DVec3;
+use lodc_nearest::longest_edge_squared;
 
 /// Most triangles that are looked at; where more lie over a face, a search by branch and bound
 /// takes less. Chosen by hand.
@@ -60,8 +61,7 @@ impl Base {
     fn new([a, b, c]: [DVec3; 3], limit: f64) -> Option<Self> {
         let (ab, ac) = (b - a, c - a);
         let normal = ab.cross(ac);
-        let longest_squared =
-            ab.length_squared().max(ac.length_squared()).max((c - b).length_squared());
+        let longest_squared = longest_edge_squared([a, b, c]);
         let double_area_squared = normal.length_squared();
         if double_area_squared <= 1e-6 * longest_squared * longest_squared {
             return None;

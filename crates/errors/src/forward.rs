@@ -16,6 +16,7 @@ use glam::DVec3;
 use lodc_mesh::{CollapseSequence, NONE};
 use lodc_nearest::{
     FarthestSearch, Hit, MovingSurface, Query, TriangleSearcher, Triangles, area, centroid,
+    longest_edge_squared,
 };
 use std::ops::Range;
 
@@ -295,9 +296,7 @@ impl<'a> Forward<'a> {
     }
 
     fn is_long_sliver(&self, corners: [DVec3; 3]) -> bool {
-        let [a, b, c] = corners;
-        let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
-        let longest = edges[0].max(edges[1]).max(edges[2]);
+        let longest = longest_edge_squared(corners);
         self.input.triangles.len() <= MAX_TRIANGLES_WITH_SLIVERS
             && longest > LONG_RATIO_SQUARED * self.max_squared
             && longest > SLIVER_RATIO_SQUARED * area(corners)
@@ -380,9 +379,7 @@ impl<'a> Forward<'a> {
     }
 
     fn is_large(&self, triangle: u32) -> bool {
-        let [a, b, c] = self.input.corners(triangle);
-        let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
-        let longest = edges[0].max(edges[1]).max(edges[2]);
+        let longest = longest_edge_squared(self.input.corners(triangle));
         self.max_squared.max(ROUNDING_SQUARED) < LARGE_TRIANGLE_SHARE * longest
     }
 

@@ -43,7 +43,6 @@ const NEIGHBOURS_TRIANGLES: u32 = 64;
 /// Of meshes of few triangles every level that has no more than so many left is measured, and some
 /// with up to four times as many.
 const LAST_TRIANGLES: u64 = 16;
-
 const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
 
 /// Triangles of the input for each sample of a rung, within limits. Chosen by hand.

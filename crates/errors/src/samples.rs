@@ -7,7 +7,7 @@ use crate::input::{Input, to_dvec3};
 use crate::origin::Origin;
 use glam::DVec3;
 use lodc_mesh::{NONE, SplitMix64};
-use lodc_nearest::{Triangles, area, centroid};
+use lodc_nearest::{Triangles, area, centroid, longest_edge_squared};
 
 /// Most samples put inside a large or long triangle. Where they do not suffice, the triangle is
 /// searched as a whole. Chosen by hand: more take time in every step.
@@ -191,10 +191,7 @@ fn extra_counts(
     areas: &[f32],
     few_triangles_samples: f64,
 ) -> Vec<u8> {
-    let longest_edge = |f: &Face| {
-        let [a, b, c] = input.corners_of(f.points);
-        (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt()
-    };
+    let longest_edge = |f: &Face| longest_edge_squared(input.corners_of(f.points)).sqrt();
     let has_few_triangles = (faces.len() as f64) < few_triangles_samples;
     let total_area: f64 = areas.iter().copied().map(f64::from).sum();
     let total_length: f64 =

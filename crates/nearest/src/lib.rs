@@ -30,4 +30,6 @@ pub use morton::morton_order;
 pub use moving::{Hit, MovingTree, Query, Triangles};
 pub use surface::{MovingSurface, Surface};
 pub use tree::{Nearest, TriangleTree};
-pub use triangle::{area, centroid, closest, distance_squared, is_within, point_at};
+pub use triangle::{
+    area, centroid, closest, distance_squared, is_within, longest_edge_squared, point_at,
+};

@@ -137,6 +137,13 @@ pub fn centroid([a, b, c]: [DVec3; 3]) -> DVec3 {
     (a + b + c) * (1.0 / 3.0)
 }
 
+/// Returns the squared length of a triangle's longest edge.
+#[inline]
+#[must_use]
+pub fn longest_edge_squared([a, b, c]: [DVec3; 3]) -> f64 {
+    (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared())
+}
+
 /// Returns the area of a triangle.
 #[inline]
 #[must_use]

@@ -5,6 +5,7 @@ use super::facing::{Facing, Moved};
 use super::report::CheckReport;
 use glam::DVec3;
 use lodc::build::{Distances, Measurable};
+use lodc::glide::bends;
 use lodc_formats::import::document_difference;
 use lodc_formats::{
     Document, FormatError, Limits, ObjDocument, ObjectInfo, Scene, SceneObject, ShippedLevels,
@@ -409,13 +410,6 @@ fn scene_box(scene: &Scene, arrangement: &Arrangement) -> [DVec3; 2] {
 fn motion(scene: &Scene, limits: &Limits) -> Result<Motion, FormatError> {
     let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
     scene_motion(&scene.document, &infos, limits)
-}
-
-/// Returns whether joints or morph targets may give a mesh another shape.
-fn bends(mesh: &Mesh) -> bool {
-    let moves =
-        |a: &Attribute| matches!(a.semantic, Semantic::Joints(_)) || a.morph_target.is_some();
-    mesh.attributes().iter().any(moves)
 }
 
 /// Returns whether the values of a level were put on grids that are not the source's.
