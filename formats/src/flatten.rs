@@ -61,9 +61,10 @@ impl<'a> Placed<'a> {
     pub(crate) fn vertices(&self) -> Vertices<'a> {
         let mesh = self.object.mesh;
         let posed = self.placement.as_ref().map(|p| posed(mesh, p));
-        let far = posed
-            .as_ref()
-            .and_then(|posed| rounding_if_far(posed.positions.iter().map(|p| p.to_array())));
+        let far = match &posed {
+            Some(posed) => rounding_if_far(posed.positions.iter().map(|p| p.to_array())),
+            None => rounding_if_far(mesh.positions().iter().map(|p| p.map(f64::from))),
+        };
         Vertices { mesh, posed, far }
     }
 
@@ -109,6 +110,11 @@ pub(crate) struct Vertices<'a> {
 }
 
 impl Vertices<'_> {
+    /// Returns whether the vertices stand elsewhere than in the mesh.
+    pub(crate) const fn are_posed(&self) -> bool {
+        self.posed.is_some()
+    }
+
     /// A vertex's position in the scene, in single precision.
     pub(crate) fn position(&self, vertex: u32) -> [f32; 3] {
         match &self.posed {

@@ -116,7 +116,8 @@ impl Writer {
             for vertex in placed.corners(triangle) {
                 let numbers = &mut self.numbers[vertex as usize];
                 if numbers[0] == 0 {
-                    let position = match placed.far {
+                    let far = placed.far.filter(|_| placed.are_posed());
+                    let position = match far {
                         Some(_) => placed.exact_position(vertex),
                         None => placed.position(vertex).map(f64::from),
                     };
@@ -130,9 +131,10 @@ impl Writer {
                     numbers[0] = number(&mut self.v, key, &mut self.text, "v", |text| {
                         for c in position {
                             text.push(b' ');
-                            match placed.far {
-                                Some(rounding) => double(text, c, rounding),
-                                None => float(text, single(c)),
+                            match (far, placed.far) {
+                                (Some(rounding), _) => double(text, c, rounding),
+                                (None, Some(rounding)) => far_float(text, single(c), rounding),
+                                (None, None) => float(text, single(c)),
                             }
                         }
                         floats(text, &rgba[..components]);
@@ -230,6 +232,26 @@ fn double(text: &mut Vec<u8>, value: f64, rounding: f64) {
         .map(|decimals| format!("{value:.decimals$}"))
         .find(|spelt| spelt.parse().is_ok_and(|read: f64| (read - value).abs() <= rounding));
     text.extend_from_slice(written.unwrap_or_else(|| value.to_string()).as_bytes());
+}
+
+/// A decimal that reads back as the same number and is at most `rounding` off: read in double
+/// precision, the shortest may be as far off as single precision rounds.
+fn far_float(text: &mut Vec<u8>, value: f32, rounding: f64) {
+    let start = text.len();
+    float(text, value);
+    let is_near = |spelt: &[u8]| {
+        let spelt = std::str::from_utf8(spelt).unwrap_or_default();
+        let off = |read: f64| (read - f64::from(value)).abs();
+        spelt.parse().is_ok_and(|read| off(read) <= rounding) && spelt.parse() == Ok(value)
+    };
+    if value.is_finite() && !is_near(&text[start..]) {
+        text.truncate(start);
+        double(text, value.into(), rounding);
+        if !is_near(&text[start..]) {
+            text.truncate(start);
+            text.extend_from_slice(f64::from(value).to_string().as_bytes());
+        }
+    }
 }
 
 /// The shortest decimal that reads back as the same number.

@@ -60,12 +60,11 @@ fn every_valid_model_imports_with_the_counts_of_the_manifest() {
 }
 
 /// Validator codes of what makes geometry or the scene unreadable.
-const FATAL: [&str; 17] = [
+const FATAL: [&str; 16] = [
     "UNRESOLVED_REFERENCE",
     "BUFFER_VIEW_TOO_LONG",
     "ACCESSOR_TOO_LONG",
     "ACCESSOR_INDEX_OOB",
-    "ACCESSOR_INDEX_PRIMITIVE_RESTART",
     "ACCESSOR_SPARSE_COUNT_OUT_OF_RANGE",
     "MESH_PRIMITIVE_INDICES_ACCESSOR_INVALID_FORMAT",
     "NODE_LOOP",
