@@ -3,6 +3,7 @@
 //! of a primitive one after another in one index accessor.
 
 use super::avatars::{self, Copies};
+use super::buffers::{Drawn, VertexBuffers};
 use super::differences::Deltas;
 use super::glide::{self, Glide};
 use super::writer::{MeshWriter, Writer};
@@ -71,11 +72,11 @@ pub fn export_chain<'a>(
     for (i, (object, written_object)) in objects.iter().zip(&written_objects).enumerate() {
         let geometry = quantizer.geometry(i, written_object);
         let next = quantizer.next(i, written_object);
+        let next = next.as_deref();
         let mut object_levels = Levels::new(object, written_object.mesh);
+        let mut mesh_writer = writer.mesh_writer(&geometry, vertex_buffers(object, &geometry));
         for (s, &number) in written_object.primitives.iter().enumerate() {
             let primitive = submesh_primitive(&mut root, object_levels.mesh, number)?;
-            let mut mesh_writer = writer.mesh_writer(&geometry);
-            let next = next.as_deref();
             if !object_levels.primitive(&mut mesh_writer, (s, number), primitive, next, shape)? {
                 empty.push((object_levels.mesh, number));
             }
@@ -92,6 +93,28 @@ pub fn export_chain<'a>(
     let mut files = if binary { vec![glb(path, &root, &blob)?] } else { gltf(path, root, blob) };
     files.extend(additions.textures.copies.iter().cloned());
     Ok(files)
+}
+
+/// The vertex buffers of an object, those that coarse levels draw first. What moves from level to
+/// level is a run of a submesh's own vertices: there submeshes share none.
+fn vertex_buffers(object: &ChainObject<'_>, mesh: &Mesh) -> VertexBuffers {
+    let mut last_level = vec![0; mesh.vertex_count()];
+    for (level, submeshes) in (0..).zip(&object.levels) {
+        submeshes.iter().flatten().flatten().for_each(|&v| last_level[v as usize] = level);
+    }
+    let drawn = |s: usize| {
+        let corners = || object.levels.iter().flat_map(|level| level[s].as_flattened());
+        let mut vertices: Vec<u32> = corners().copied().collect();
+        let indices = vertices.len();
+        vertices.sort_unstable();
+        vertices.dedup();
+        Drawn { vertices, indices }
+    };
+    let drawn = (0..mesh.submeshes().len()).map(drawn).collect();
+    if object.glide.is_some() {
+        return VertexBuffers::apart(mesh, drawn);
+    }
+    VertexBuffers::new(mesh, drawn, |v| last_level[v as usize])
 }
 
 /// Puts the coarser levels of all meshes into the document, and the ways to the next one. Meshes
@@ -170,26 +193,20 @@ impl<'a> Levels<'a> {
         shape: ChainShape,
     ) -> Result<bool, FormatError> {
         self.numbers.push(number);
-        let corners = |level: &Vec<Vec<[u32; 3]>>| level[submesh].as_flattened().to_vec();
-        let levels: Vec<Vec<u32>> = self.object.levels.iter().map(corners).collect();
-        if levels.iter().all(Vec::is_empty) {
+        let levels: Vec<&[u32]> =
+            self.object.levels.iter().map(|level| level[submesh].as_flattened()).collect();
+        if levels.iter().all(|corners| corners.is_empty()) {
             return Ok(false);
         }
-        let mut vertices: Vec<u32> = levels.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        mesh_writer.attributes(submesh, &vertices, primitive)?;
-        let number_of = |v: &u32| vertices.partition_point(|w| w < v) as u32;
-        let local: Vec<Vec<u32>> =
-            levels.iter().map(|l| l.iter().map(number_of).collect()).collect();
+        mesh_writer.attributes(submesh, primitive)?;
         if shape == ChainShape::IndexRanges {
-            let all = mesh_writer.indices(&local.concat(), vertices.len());
-            primitive["indices"] = all;
+            primitive["indices"] = mesh_writer.indices(submesh, &levels.concat());
+            let local: Vec<Vec<u32>> = levels.iter().map(|l| mesh_writer.numbers(l)).collect();
             put_ranges(primitive, &local);
             return Ok(true);
         }
-        for (level, indices) in local.iter().enumerate().filter(|(_, i)| !i.is_empty()) {
-            let accessor = mesh_writer.indices(indices, vertices.len());
+        for (level, corners) in levels.iter().enumerate().filter(|(_, l)| !l.is_empty()) {
+            let accessor = mesh_writer.indices(submesh, corners);
             if level == 0 {
                 primitive["indices"] = accessor.clone();
             }
@@ -202,12 +219,12 @@ impl<'a> Levels<'a> {
             if let (Some(glide), Some(next)) = (&self.object.glide, next)
                 && let Some(moving) = &glide.moving[level]
             {
+                let vertices = mesh_writer.vertices(submesh);
                 let index_of = |v: u32| vertices.partition_point(|&w| w < v);
                 let run = index_of(moving.start)..index_of(moving.end);
                 let next = (next, glide.streams);
                 let attributes = &primitive["attributes"];
-                let (target, replaced) =
-                    mesh_writer.target(submesh, &vertices, run, next, attributes);
+                let (target, replaced) = mesh_writer.target(submesh, run, next, attributes);
                 (level_primitive.target, level_primitive.attributes) = (Some(target), replaced);
             }
             self.primitives[level].push(level_primitive);

@@ -4,6 +4,7 @@
 //! Vertices of a primitive are in reverse order of their disappearance, so those of a level are
 //! the first ones; triangles that disappear last come first.
 
+use super::buffers::{Drawn, VertexBuffers};
 use super::writer::Writer;
 use super::{adapted, document_mesh, document_primitive, glb, source_document, submesh_primitive};
 use crate::gltf::json::{Json, Object, object};
@@ -61,12 +62,18 @@ pub fn export_levels(
         let finest = object.simplified.mesh();
         let adapted = adapted(document, finest);
         let levels = Levels::new(object, &adapted);
-        for (s, info) in object.info.submeshes.iter().enumerate() {
-            let number = document_primitive(document, info, s);
-            let primitive = submesh_primitive(&mut root, mesh, number)?;
-            if !levels.primitive(&mut writer, s, primitive)? {
+        let mut mesh_writer = writer.mesh_writer(&adapted, levels.buffers());
+        let numbers = || {
+            let infos = object.info.submeshes.iter().enumerate();
+            infos.map(|(s, info)| (s, document_primitive(document, info, s)))
+        };
+        for (s, number) in numbers() {
+            if !mesh_writer.primitive(s, submesh_primitive(&mut root, mesh, number)?)? {
                 empty.push((mesh, number));
             }
+        }
+        for (s, number) in numbers() {
+            levels.collapses(&mut writer, s, submesh_primitive(&mut root, mesh, number)?)?;
         }
         let extras = levels.sequence(&mut writer)?;
         if let Some(mesh) = root.object_mut("meshes", mesh) {
@@ -115,28 +122,25 @@ impl<'a> Levels<'a> {
         Self { object, mesh, removals, vertices, local }
     }
 
-    /// Writes a submesh. False if it has no triangle.
-    fn primitive(
+    /// Buffers that have the last vertices to disappear first.
+    fn buffers(&self) -> VertexBuffers {
+        let drawn = |vertices: &Vec<u32>| Drawn { vertices: vertices.clone(), indices: 0 };
+        VertexBuffers::apart(self.mesh, self.vertices.iter().map(drawn).collect())
+    }
+
+    /// Writes what a submesh's vertices and triangles become.
+    fn collapses(
         &self,
         writer: &mut Writer,
         s: usize,
         primitive: &mut Object,
-    ) -> Result<bool, FormatError> {
+    ) -> Result<(), FormatError> {
         let submesh: &Submesh = &self.mesh.submeshes()[s];
         if submesh.triangle_count == 0 {
-            return Ok(false);
+            return Ok(());
         }
         let range = submesh.triangles();
         let vertices = &self.vertices[s];
-        let indices: Vec<u32> = self.mesh.triangles()[range.clone()]
-            .as_flattened()
-            .iter()
-            .map(|&v| self.local[v as usize])
-            .collect();
-        let mut mesh_writer = writer.mesh_writer(self.mesh);
-        mesh_writer.attributes(s, vertices, primitive)?;
-        let indices = mesh_writer.indices(&indices, vertices.len());
-        primitive["indices"] = indices;
         let targets: Vec<u32> = vertices.iter().map(|&v| self.target(v, s)).collect();
         let extras = &mut primitive["extras"]["lodc"];
         *extras = object! {
@@ -147,7 +151,7 @@ impl<'a> Levels<'a> {
         if let Some(strips) = self.object.strips {
             extras["strips"] = words(writer, &strips[range])?;
         }
-        Ok(true)
+        Ok(())
     }
 
     /// The vertex of submesh `s` that `v` becomes; itself if it is the last one there. A vertex

@@ -2,6 +2,7 @@
 //! or a chain of levels, or all of them.
 
 mod avatars;
+mod buffers;
 mod chain;
 mod compressed;
 mod differences;
@@ -18,7 +19,8 @@ use super::{glb, prune, schema, uri};
 use crate::options::{Additions, ExportObject, Precision};
 use crate::provenance::{LevelFacts, Provenance};
 use crate::{Document, FormatError, GENERATOR, Limits, ObjectInfo, OutputFile, SubmeshInfo};
-use lodc_mesh::{Mesh, Posture};
+use buffers::{Drawn, VertexBuffers};
+use lodc_mesh::{Mesh, Posture, Submesh};
 use std::borrow::Cow;
 use std::path::Path;
 use writer::Writer;
@@ -50,7 +52,8 @@ pub(crate) fn export<'a>(
     let mut empty = Vec::new();
     for (i, written_object) in written_objects.iter().enumerate() {
         let geometry = quantizer.geometry(i, written_object);
-        let mut mesh_writer = writer.mesh_writer(&geometry);
+        let buffers = VertexBuffers::new(&geometry, drawn(&geometry), |_| 0);
+        let mut mesh_writer = writer.mesh_writer(&geometry, buffers);
         for (s, &number) in written_object.primitives.iter().enumerate() {
             if !mesh_writer
                 .primitive(s, submesh_primitive(&mut root, written_object.mesh, number)?)?
@@ -62,6 +65,20 @@ pub(crate) fn export<'a>(
     prune::without(&mut root, &empty);
     writer.finish(&mut root, &mut blob);
     if binary { glb(path, &root, &blob).map(|file| vec![file]) } else { Ok(gltf(path, root, blob)) }
+}
+
+/// The vertices of each submesh in the order in which its triangles first use them.
+fn drawn(mesh: &Mesh) -> Vec<Drawn> {
+    let mut is_drawn = vec![false; mesh.vertex_count()];
+    let of_submesh = |submesh: &Submesh| {
+        let corners = mesh.triangles()[submesh.triangles()].as_flattened();
+        let first_use = |&&v: &&u32| !std::mem::replace(&mut is_drawn[v as usize], true);
+        Drawn {
+            vertices: corners.iter().filter(first_use).copied().collect(),
+            indices: corners.len(),
+        }
+    };
+    mesh.submeshes().iter().map(of_submesh).collect()
 }
 
 /// Returns what quantising does to each object; none if it moves no vertex.

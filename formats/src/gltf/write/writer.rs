@@ -2,6 +2,7 @@
 //! each stride and index type or, where they are compressed (meshopt), one for each attribute
 //! stream.
 
+use super::buffers::VertexBuffers;
 use super::compressed::Compressed;
 use super::differences::{Deltas, MovedStreams, differences};
 use super::samples::{self, Samples};
@@ -15,6 +16,7 @@ use crate::gltf::views::put;
 use crate::options::Additions;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Target of views with vertex attributes (glTF 2.0).
@@ -82,9 +84,13 @@ impl Writer {
         }
     }
 
-    /// Starts a mesh.
-    pub(super) fn mesh_writer<'w>(&'w mut self, mesh: &'w Mesh) -> MeshWriter<'w> {
-        MeshWriter { writer: self, mesh, numbers: Vec::new() }
+    /// Starts a mesh whose primitives have these buffers.
+    pub(super) fn mesh_writer<'w>(
+        &'w mut self,
+        mesh: &'w Mesh,
+        buffers: VertexBuffers,
+    ) -> MeshWriter<'w> {
+        MeshWriter { writer: self, mesh, buffers, written: BTreeMap::new() }
     }
 
     /// Puts accessors, buffer views and the buffer into the document, and the data behind what
@@ -355,53 +361,59 @@ impl Writer {
 pub(super) struct MeshWriter<'w> {
     writer: &'w mut Writer,
     mesh: &'w Mesh,
-    /// The number of each vertex in its primitive; `u32::MAX` while it has none. A vertex belongs
-    /// to one submesh only.
-    numbers: Vec<u32>,
+    buffers: VertexBuffers,
+    /// Attributes and morph targets of the buffers that are written.
+    written: BTreeMap<usize, (Object, Vec<Object>)>,
 }
 
 impl MeshWriter<'_> {
-    /// Puts the triangles of a submesh into a primitive; false if there are none. Vertices are in
-    /// the order in which triangles first use them; those that none uses are left out.
+    /// Puts the triangles of a submesh into a primitive; false if there are none.
     pub(super) fn primitive(
         &mut self,
         s: usize,
         primitive: &mut Object,
     ) -> Result<bool, FormatError> {
-        let mesh = self.mesh;
-        let submesh = &mesh.submeshes()[s];
+        let submesh = &self.mesh.submeshes()[s];
         if submesh.triangle_count == 0 {
             return Ok(false);
         }
-        // Not before: chains make a mesh writer for each submesh, which needs no numbers.
-        self.numbers.resize(mesh.vertex_count(), u32::MAX);
-        let mut vertices = Vec::new();
-        let mut indices = Vec::with_capacity(3 * submesh.triangle_count as usize);
-        for &v in mesh.triangles()[submesh.triangles()].iter().flatten() {
-            let number = &mut self.numbers[v as usize];
-            if *number == u32::MAX {
-                *number = vertices.len() as u32;
-                vertices.push(v);
-            }
-            indices.push(*number);
-        }
-        self.attributes(s, &vertices, primitive)?;
-        let indices = self.indices(&indices, vertices.len());
-        primitive["indices"] = indices;
+        self.attributes(s, primitive)?;
+        primitive["indices"] =
+            self.indices(s, self.mesh.triangles()[submesh.triangles()].as_flattened());
         Ok(true)
     }
 
-    /// Puts the streams of a submesh into a primitive, `vertices` in the given order.
+    /// Puts the streams of a submesh's buffer into a primitive.
     pub(super) fn attributes(
         &mut self,
         submesh: usize,
-        vertices: &[u32],
         primitive: &mut Object,
     ) -> Result<(), FormatError> {
+        let buffer = self.buffers.of_submesh(submesh);
+        let target_count = primitive.list("targets").len();
+        let (attributes, targets) = match self.written.get(&buffer) {
+            Some(written) if written.1.len() == target_count => written.clone(),
+            _ => self.streams(submesh, target_count)?,
+        };
+        self.written.insert(buffer, (attributes.clone(), targets.clone()));
+        primitive["attributes"] = Json::Object(attributes);
+        if target_count > 0 {
+            primitive["targets"] = targets.into_iter().map(Json::Object).collect();
+        }
+        Ok(())
+    }
+
+    /// Writes the streams of a submesh's buffer; returns the attributes at rest and of each morph
+    /// target.
+    fn streams(
+        &mut self,
+        submesh: usize,
+        target_count: usize,
+    ) -> Result<(Object, Vec<Object>), FormatError> {
+        let vertices = self.buffers.vertices(submesh);
         let mesh = self.mesh;
         let submesh = &mesh.submeshes()[submesh];
         let mut attributes = Object::default();
-        let target_count = primitive.list("targets").len();
         let mut targets: Vec<Object> = vec![Object::default(); target_count];
         let streams = || submesh.attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
         if !streams().any(|a| a.semantic == Semantic::Position && a.morph_target.is_none()) {
@@ -423,24 +435,20 @@ impl MeshWriter<'_> {
             };
             members.insert(name, accessor);
         }
-        primitive["attributes"] = Json::Object(attributes);
-        if target_count > 0 {
-            primitive["targets"] = targets.into_iter().map(Json::Object).collect();
-        }
-        Ok(())
+        Ok((attributes, targets))
     }
 
-    /// The morph target that moves a run of a submesh's `vertices` to where they are in `next`, and
+    /// The morph target that moves a run of a submesh's vertices to where they are in `next`, and
     /// the attributes that are replaced because the run takes over joints and weights from there.
     pub(super) fn target(
         &mut self,
         submesh: usize,
-        vertices: &[u32],
         run: Range<usize>,
         (next, moved_streams): (&Mesh, MovedStreams),
         attributes: &Json,
     ) -> (Object, Object) {
         let (mut target, mut replaced) = (Object::default(), Object::default());
+        let vertices = self.buffers.vertices(submesh);
         let range = run.start as u32..run.end as u32;
         let moving = &vertices[run];
         for deltas in differences(self.mesh, next, submesh, moving, moved_streams) {
@@ -459,9 +467,20 @@ impl MeshWriter<'_> {
         (target, replaced)
     }
 
-    /// An accessor of indices into this number of vertices.
-    pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Json {
-        self.writer.indices(indices, vertices)
+    /// The vertices of a submesh's buffer, in their order there.
+    pub(super) fn vertices(&self, submesh: usize) -> &[u32] {
+        self.buffers.vertices(submesh)
+    }
+
+    /// Corners of triangles as indices into the submesh's buffer.
+    pub(super) fn numbers(&self, corners: &[u32]) -> Vec<u32> {
+        self.buffers.indices(corners)
+    }
+
+    /// An accessor of corners as indices into the submesh's buffer.
+    pub(super) fn indices(&mut self, submesh: usize, corners: &[u32]) -> Json {
+        let indices = self.buffers.indices(corners);
+        self.writer.indices(&indices, self.buffers.vertices(submesh).len())
     }
 }
 

@@ -1,0 +1,345 @@
+//! Which vertices of a mesh's primitives go into one vertex buffer: what primitives of many
+//! materials share is stored once, as exporters write it.
+
+use lodc_mesh::{DisjointSets, Mesh};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, HashMap};
+
+/// Share of a primitive's vertices that other primitives must have, too, for it to share a buffer
+/// with them: those that just meet at a border keep small buffers of their own.
+const MIN_SHARED: f64 = 0.1;
+
+/// Stands for no number.
+const NONE: u32 = u32::MAX;
+
+/// What a primitive draws.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Drawn {
+    /// Its vertices, each once, in the order that a buffer of its own has.
+    pub(super) vertices: Vec<u32>,
+    /// Number of its indices.
+    pub(super) indices: usize,
+}
+
+/// The vertex buffers of a mesh.
+#[derive(Debug)]
+pub(super) struct VertexBuffers {
+    /// For each submesh its buffer.
+    of_submesh: Vec<usize>,
+    /// For each buffer its vertices; of those that are the same in all bytes the first one.
+    vertices: Vec<Vec<u32>>,
+    /// For each vertex its number in its buffer.
+    numbers: Vec<u32>,
+}
+
+impl VertexBuffers {
+    /// The buffers of submeshes that draw this. In a buffer that several share, vertices that
+    /// coarser levels draw come first; `last_level` is the coarsest that draws a vertex.
+    pub(super) fn new(mesh: &Mesh, drawn: Vec<Drawn>, last_level: impl Fn(u32) -> u32) -> Self {
+        let mut buffers = Self::none(mesh, drawn.len());
+        for submeshes in of_one_format(mesh, &drawn) {
+            Classes::new(mesh, &drawn, &submeshes).share(&last_level, &mut buffers);
+        }
+        buffers.add(drawn);
+        buffers
+    }
+
+    /// A buffer for each submesh.
+    pub(super) fn apart(mesh: &Mesh, drawn: Vec<Drawn>) -> Self {
+        let mut buffers = Self::none(mesh, drawn.len());
+        buffers.add(drawn);
+        buffers
+    }
+
+    fn none(mesh: &Mesh, submeshes: usize) -> Self {
+        Self {
+            of_submesh: vec![usize::MAX; submeshes],
+            vertices: Vec::new(),
+            numbers: vec![NONE; mesh.vertex_count()],
+        }
+    }
+
+    /// Adds the buffers of submeshes that have none.
+    fn add(&mut self, drawn: Vec<Drawn>) {
+        for (buffer, drawn) in self.of_submesh.iter_mut().zip(drawn) {
+            if *buffer == usize::MAX {
+                (0..).zip(&drawn.vertices).for_each(|(n, &v)| self.numbers[v as usize] = n);
+                *buffer = self.vertices.len();
+                self.vertices.push(drawn.vertices);
+            }
+        }
+    }
+
+    /// The number of a submesh's buffer.
+    pub(super) fn of_submesh(&self, submesh: usize) -> usize {
+        self.of_submesh[submesh]
+    }
+
+    /// The vertices of a submesh's buffer, in their order there.
+    pub(super) fn vertices(&self, submesh: usize) -> &[u32] {
+        &self.vertices[self.of_submesh[submesh]]
+    }
+
+    /// Corners of triangles as indices into their buffer.
+    pub(super) fn indices(&self, corners: &[u32]) -> Vec<u32> {
+        corners.iter().map(|&v| self.numbers[v as usize]).collect()
+    }
+}
+
+/// Submeshes with vertices of the same streams, where there are several.
+fn of_one_format(mesh: &Mesh, drawn: &[Drawn]) -> impl Iterator<Item = Vec<usize>> {
+    let mut groups: BTreeMap<&[u32], Vec<usize>> = BTreeMap::new();
+    for (s, submesh) in mesh.submeshes().iter().enumerate() {
+        if !drawn[s].vertices.is_empty() {
+            groups.entry(&submesh.attributes).or_default().push(s);
+        }
+    }
+    groups.into_values().filter(|submeshes| submeshes.len() > 1)
+}
+
+/// The vertices of submeshes of one format, those that are the same in all bytes as one class.
+struct Classes<'a> {
+    members: Vec<Member<'a>>,
+    /// For each class its first vertex.
+    first: Vec<u32>,
+    /// Bytes of a vertex.
+    stride: usize,
+}
+
+/// A submesh, and for each of its vertices the class.
+struct Member<'a> {
+    submesh: usize,
+    drawn: &'a Drawn,
+    classes: Vec<u32>,
+}
+
+impl<'a> Classes<'a> {
+    fn new(mesh: &Mesh, drawn: &'a [Drawn], submeshes: &[usize]) -> Self {
+        let streams = mesh.submeshes()[submeshes[0]].attributes.iter();
+        let streams: Vec<_> = streams.map(|&a| &mesh.attributes()[a as usize]).collect();
+        let mut keys = Vec::new();
+        for &v in submeshes.iter().flat_map(|&s| &drawn[s].vertices) {
+            let position = mesh.positions()[v as usize];
+            position.iter().for_each(|c| keys.extend_from_slice(&c.to_le_bytes()));
+            streams.iter().for_each(|a| keys.extend_from_slice(a.at(v)));
+        }
+        let stride = size_of::<[f32; 3]>() + streams.iter().map(|a| a.stride()).sum::<usize>();
+        let mut keys = keys.chunks_exact(stride);
+        let mut first = Vec::new();
+        let mut known: HashMap<&[u8], u32> = HashMap::new();
+        let mut class = |&v: &u32| {
+            *known.entry(keys.next().unwrap_or_default()).or_insert_with(|| {
+                first.push(v);
+                first.len() as u32 - 1
+            })
+        };
+        let member = |&submesh: &usize| Member {
+            submesh,
+            drawn: &drawn[submesh],
+            classes: drawn[submesh].vertices.iter().map(&mut class).collect(),
+        };
+        let members = submeshes.iter().map(member).collect();
+        Self { members, first, stride }
+    }
+
+    /// Adds the buffers that several submeshes share, where that saves bytes.
+    fn share(&self, last_level: &impl Fn(u32) -> u32, buffers: &mut VertexBuffers) {
+        // Families have no class in common.
+        let mut number = vec![NONE; self.first.len()];
+        for family in self.families() {
+            let members = || family.iter().map(|&m| &self.members[m]);
+            // The classes of the family, each with its last level, in the order of their first use.
+            let mut used: Vec<(u32, u32)> = Vec::new();
+            for member in members() {
+                for (&class, &v) in member.classes.iter().zip(&member.drawn.vertices) {
+                    let number = &mut number[class as usize];
+                    if *number == NONE {
+                        *number = used.len() as u32;
+                        used.push((class, 0));
+                    }
+                    let last = &mut used[*number as usize].1;
+                    *last = last_level(v).max(*last);
+                }
+            }
+            if !self.saves_bytes(&family, used.len()) {
+                continue;
+            }
+            used.sort_by_key(|&(_, last)| Reverse(last));
+            (0..).zip(&used).for_each(|(n, &(class, _))| number[class as usize] = n);
+            for member in members() {
+                for (&class, &v) in member.classes.iter().zip(&member.drawn.vertices) {
+                    buffers.numbers[v as usize] = number[class as usize];
+                }
+                buffers.of_submesh[member.submesh] = buffers.vertices.len();
+            }
+            let first = |&(class, _): &(u32, u32)| self.first[class as usize];
+            buffers.vertices.push(used.iter().map(first).collect());
+        }
+    }
+
+    /// Members that share enough vertices with each other, directly or by others.
+    fn families(&self) -> impl Iterator<Item = Vec<usize>> {
+        let mut user = vec![NONE; self.first.len()];
+        let mut is_shared = vec![false; self.first.len()];
+        for (m, member) in (0..).zip(&self.members) {
+            for &class in &member.classes {
+                let user = &mut user[class as usize];
+                is_shared[class as usize] |= *user != NONE && *user != m;
+                *user = m;
+            }
+        }
+        let shares_enough = |member: &Member<'_>| {
+            let shared = member.classes.iter().filter(|&&class| is_shared[class as usize]).count();
+            shared as f64 >= MIN_SHARED * member.classes.len() as f64
+        };
+        let mut sets = DisjointSets::new(self.members.len());
+        user.fill(NONE);
+        let sharing = (0..).zip(&self.members).filter(|(_, member)| shares_enough(member));
+        for (m, member) in sharing {
+            for &class in &member.classes {
+                let user = &mut user[class as usize];
+                if *user != NONE {
+                    sets.join(*user, m);
+                }
+                *user = m;
+            }
+        }
+        let mut families: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for m in 0..self.members.len() {
+            families.entry(sets.find(m as u32)).or_default().push(m);
+        }
+        families.into_values().filter(|members| members.len() > 1)
+    }
+
+    /// Returns whether one buffer of `count` vertices takes fewer bytes than one for each member.
+    /// Indices into it may be wider.
+    fn saves_bytes(&self, family: &[usize], count: usize) -> bool {
+        let bytes = |vertices: usize, indices: usize| {
+            let wide = u16::try_from(vertices).is_err();
+            vertices * self.stride + indices * if wide { 4 } else { 2 }
+        };
+        let drawn = || family.iter().map(|&m| self.members[m].drawn);
+        let apart: usize = drawn().map(|d| bytes(d.vertices.len(), d.indices)).sum();
+        bytes(count, drawn().map(|d| d.indices).sum()) < apart
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_mesh::{MeshParts, Submesh};
+
+    /// A grid of `side`² quads whose triangles belong to the submesh that `submesh` says, with
+    /// vertices of its own for each.
+    fn grid(side: u32, submeshes: u32, submesh: impl Fn(u32) -> u32) -> Mesh {
+        let corner = |x: u32, y: u32| y * (side + 1) + x;
+        let quads = (0..side * side).map(|q| (q % side, q / side));
+        let triangles: Vec<[u32; 3]> = quads
+            .flat_map(|(x, y)| {
+                let [a, b] = [corner(x, y), corner(x + 1, y)];
+                let [c, d] = [corner(x, y + 1), corner(x + 1, y + 1)];
+                [[a, b, d], [a, d, c]]
+            })
+            .collect();
+        let mut parts = MeshParts::default();
+        for s in 0..submeshes {
+            let mut number = BTreeMap::new();
+            let first_triangle = parts.triangles.len() as u32;
+            for (_, t) in (0..).zip(&triangles).filter(|(i, _)| submesh(*i) == s) {
+                parts.triangles.push(t.map(|v| {
+                    *number.entry(v).or_insert_with(|| {
+                        let [x, y] = [v % (side + 1), v / (side + 1)].map(|c| c as f32);
+                        parts.positions.push([x, y, 0.0]);
+                        parts.vertex_submesh.push(s);
+                        parts.positions.len() as u32 - 1
+                    })
+                }));
+            }
+            parts.submeshes.push(Submesh {
+                first_triangle,
+                triangle_count: parts.triangles.len() as u32 - first_triangle,
+                attributes: vec![],
+            });
+        }
+        Mesh::try_from(parts).expect("a mesh")
+    }
+
+    fn buffers(mesh: &Mesh) -> VertexBuffers {
+        VertexBuffers::new(mesh, super::super::drawn(mesh), |_| 0)
+    }
+
+    /// Every triangle has the corners that it had.
+    fn check(mesh: &Mesh, buffers: &VertexBuffers) {
+        for (s, submesh) in mesh.submeshes().iter().enumerate() {
+            let corners = mesh.triangles()[submesh.triangles()].as_flattened();
+            for (&v, i) in corners.iter().zip(buffers.indices(corners)) {
+                let written = buffers.vertices(s)[i as usize];
+                assert_eq!(mesh.positions()[written as usize], mesh.positions()[v as usize]);
+            }
+        }
+    }
+
+    #[test]
+    fn scattered_materials_share_one_buffer() {
+        let mesh = grid(16, 4, |t| t * 7 % 4);
+        let buffers = buffers(&mesh);
+        check(&mesh, &buffers);
+        assert_eq!(buffers.vertices.len(), 1);
+        assert_eq!(buffers.vertices(0).len(), 17 * 17);
+    }
+
+    #[test]
+    fn what_meets_at_a_border_alone_has_buffers_of_its_own() {
+        let mesh = grid(32, 2, |t| t / (32 * 32));
+        let buffers = buffers(&mesh);
+        check(&mesh, &buffers);
+        assert_eq!(buffers.vertices.len(), 2);
+    }
+
+    #[test]
+    fn families_share_apart_from_each_other() {
+        // Two materials scattered below, two above, and a wide band of a fifth between them.
+        let mesh = grid(32, 5, |t| match t / 64 {
+            0..4 => t % 2,
+            4..28 => 4,
+            _ => 2 + t % 2,
+        });
+        let buffers = buffers(&mesh);
+        check(&mesh, &buffers);
+        assert_eq!(buffers.of_submesh(0), buffers.of_submesh(1));
+        assert_eq!(buffers.of_submesh(2), buffers.of_submesh(3));
+        assert_eq!(buffers.vertices.len(), 3);
+    }
+
+    #[test]
+    fn one_buffer_that_needs_wide_indices_has_to_save_more_than_it_costs() {
+        // Two halves that fit 16 bits each, an eighth of their vertices shared.
+        let striped = |side: u32| grid(side, 2, move |t| (t / 2 % side) / 16 % 2);
+        let small = buffers(&striped(128));
+        assert_eq!(small.vertices.len(), 1);
+        let large = striped(320);
+        let buffers = buffers(&large);
+        check(&large, &buffers);
+        assert_eq!(buffers.vertices.len(), 2);
+    }
+
+    #[test]
+    fn what_coarse_levels_draw_comes_first() {
+        let mesh = grid(8, 2, |t| t % 2);
+        let level = |v: u32| v % 3;
+        let buffers = VertexBuffers::new(&mesh, super::super::drawn(&mesh), level);
+        check(&mesh, &buffers);
+        let mut last = BTreeMap::new();
+        for v in 0..mesh.vertex_count() as u32 {
+            let key = mesh.positions()[v as usize].map(f32::to_bits);
+            let last = last.entry(key).or_insert(0);
+            *last = level(v).max(*last);
+        }
+        let order: Vec<u32> = buffers
+            .vertices(0)
+            .iter()
+            .map(|&v| last[&mesh.positions()[v as usize].map(f32::to_bits)])
+            .collect();
+        assert!(order.is_sorted_by(|a, b| a >= b), "{order:?}");
+    }
+}
