@@ -31,8 +31,8 @@ pub(crate) fn output(
     for e in &mut sequence.step_errors {
         *e = (f64::from(*e) / input.scale).min(f64::from(f32::MAX)) as f32;
     }
-    let position_of = |w: u32| sources.of(w).0;
-    let attributes_of = |w: u32| sources.of(w).1;
+    let position_of = |w: u32| sources.of(w).position;
+    let attributes_of = |w: u32| sources.of(w).attributes;
     // The vertex that a fake's position comes from may belong to a submesh that lacks a spatial
     // attribute; it is read from the vertex of the other attributes then.
     let users = mesh.users_of_streams();
@@ -63,10 +63,7 @@ pub(crate) fn output(
         .collect();
     let mesh = Mesh::try_from(MeshParts {
         positions: wedges.par_iter().map(|&w| mesh.positions()[position_of(w) as usize]).collect(),
-        vertex_submesh: wedges
-            .par_iter()
-            .map(|&w| mesh.vertex_submesh()[attributes_of(w) as usize])
-            .collect(),
+        vertex_submesh: wedges.par_iter().map(|&w| sources.of(w).submesh).collect(),
         attributes,
         triangles,
         submeshes: mesh.submeshes().to_vec(),

@@ -1,6 +1,6 @@
 //! Promises of a simplification, on shapes small enough to think about.
 
-use crate::{Guidance, Options, Weights, simplify, simplify_guided, simplify_with};
+use crate::{Guidance, MetricKind, Options, Weights, simplify, simplify_guided, simplify_with};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Attribute, Component, Lod, Mesh, MeshParts, Semantic, Simplified, Submesh};
 
@@ -285,6 +285,52 @@ fn seams_cost_no_fakes_on_a_sphere_and_its_texture_never_turns_over() {
             let [a, b, c] = t.corners.map(|v| [texture.value(v, 0), texture.value(v, 1)]);
             let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             assert!(area <= 1e-6, "LOD {}: texture turned over, area {area}", step.0);
+        }
+    }
+}
+
+/// A new vertex where materials meet has the attributes of the vertex that it lies on, not those
+/// that it comes from: they go on from one material to the other.
+#[test]
+fn texture_coordinates_go_on_where_materials_meet() {
+    let whole = grid(12);
+    let (mut parts, materials) = (MeshParts::default(), 3);
+    for s in 0..materials {
+        let first_triangle = parts.triangles.len() as u32;
+        let of_material = whole.triangles().iter().zip(0u32..).filter(|(_, i)| i * 7 % 5 % 3 == s);
+        let mut number = vec![u32::MAX; whole.vertex_count()];
+        for (t, _) in of_material {
+            parts.triangles.push(t.map(|v| {
+                let number = &mut number[v as usize];
+                if *number == u32::MAX {
+                    *number = parts.positions.len() as u32;
+                    parts.positions.push(whole.positions()[v as usize]);
+                    parts.vertex_submesh.push(s);
+                }
+                *number
+            }));
+        }
+        let triangle_count = parts.triangles.len() as u32 - first_triangle;
+        parts.submeshes.push(Submesh { first_triangle, triangle_count, attributes: vec![0] });
+    }
+    let coordinates = parts.positions.iter().flat_map(|p| [p[0] / 12.0, p[1] / 12.0]);
+    parts.attributes.push(Attribute {
+        semantic: Semantic::TexCoord(0),
+        morph_target: None,
+        component: Component::F32,
+        components: 2,
+        normalized: false,
+        bytes: coordinates.flat_map(f32::to_le_bytes).collect(),
+    });
+    let mesh = Mesh::try_from(parts).expect("a mesh");
+    for options in [Options::DEFAULT, Options { metric: MetricKind::Hybrid, ..Options::DEFAULT }] {
+        let simplified = run_with(&mesh, options);
+        let result = simplified.mesh();
+        assert!(result.vertex_count() > mesh.vertex_count(), "no vertex was added");
+        for v in 0..result.vertex_count() as u32 {
+            let [x, y, _] = result.positions()[v as usize];
+            let coordinates = [0, 1].map(|c| result.attributes()[0].value(v, c));
+            assert_eq!(coordinates, [x / 12.0, y / 12.0], "vertex {v}");
         }
     }
 }

@@ -16,6 +16,10 @@ const MAX_REUSE_DISTANCE: f64 = 2e-3;
 /// meshes have a handful at a position, artificial ones may have all of theirs there.
 const MAX_REUSED: usize = 1024;
 
+/// The most wedges with an edge to the target that are compared with one of another submesh.
+/// Chosen by hand: an edge of real meshes has two.
+const MAX_ACROSS: usize = 64;
+
 /// One wedge of the moving group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlannedWedge {
@@ -24,6 +28,8 @@ pub(crate) struct PlannedWedge {
     pub(crate) target: u32,
     /// True if that is a fake.
     pub(crate) is_fake: bool,
+    /// The wedge whose attributes a fake has.
+    pub(crate) attributes: u32,
     /// True if it has faces that outlive the collapse.
     has_faces: bool,
 }
@@ -38,6 +44,8 @@ pub(crate) struct WedgePlan {
     /// For each wedge with an edge to the target its class (equal for equal attributes) and the
     /// wedge at the other end of that edge; sorted by class.
     twins: Vec<(u32, u32)>,
+    /// The first wedges with an edge to the target, each with the wedge at the other end.
+    across: Vec<(u32, u32)>,
     /// Number of fakes that it takes.
     pub(crate) fakes: u32,
     /// Number of those that make a seam: the attributes that count are at no wedge of the target.
@@ -87,10 +95,12 @@ impl Planner<'_> {
             let end = [next(corner.at()), previous(corner.at())]
                 .into_iter()
                 .find(|&end| groups[end] == to);
+            let wedge = wedges[corner.at()];
             plan.wedges.push(PlannedWedge {
-                wedge: wedges[corner.at()],
+                wedge,
                 target: end.map_or(NONE, |end| wedges[end]),
                 is_fake: false,
+                attributes: wedge,
                 has_faces: end.is_none(),
             });
         }
@@ -138,7 +148,8 @@ impl Planner<'_> {
         } else {
             shared().expect("a collapse follows an edge")
         };
-        plan.wedges.push(PlannedWedge { wedge, target, is_fake: false, has_faces: true });
+        let (is_fake, has_faces) = (false, true);
+        plan.wedges.push(PlannedWedge { wedge, target, is_fake, attributes: wedge, has_faces });
         plan.true_target = target;
     }
 
@@ -176,18 +187,30 @@ impl Planner<'_> {
             plan.wedges.iter().filter(|p| p.target != NONE).map(|p| (class(p.wedge), p.target)),
         );
         plan.twins.sort_by_key(|twin| twin.0);
+        let with_edge = self.input.has_formats_in_common();
+        let with_edge = plan.wedges.iter().filter(|p| with_edge && p.target != NONE);
+        plan.across.clear();
+        plan.across.extend(with_edge.take(MAX_ACROSS).map(|p| (p.wedge, p.target)));
         for p in plan.wedges.iter_mut().filter(|p| p.target == NONE) {
             let first = plan.twins.partition_point(|twin| twin.0 < class(p.wedge));
+            let mut across = None;
             let target = match plan.twins.get(first) {
                 Some(twin) if twin.0 == class(p.wedge) => Some(twin.1),
                 _ if !p.has_faces => Some(plan.true_target),
-                _ => self.reusable(p.wedge, to),
+                _ => {
+                    across = self.across(p.wedge, &plan.across);
+                    let same = |target| self.same_in_submesh(p.wedge, target, to);
+                    across.and_then(same).or_else(|| self.reusable(p.wedge, to))
+                }
             };
             let keeps_flat = |target: &u32| !p.has_faces || self.keeps_flat(p.wedge, *target);
             p.target = target.filter(keeps_flat).unwrap_or(NONE);
+            across = across.filter(keeps_flat);
             if p.target == NONE {
                 plan.fakes += 1;
+                p.attributes = across.unwrap_or(p.wedge);
                 let makes_seam = target.is_none()
+                    && across.is_none()
                     && (!self.input.ignores_attributes()
                         || self.wedges.meets_smoothly(self.input, p.wedge, to).is_none());
                 plan.costly_fakes += u32::from(makes_seam);
@@ -200,11 +223,27 @@ impl Planner<'_> {
                     wedge,
                     target: plan.true_target,
                     is_fake: false,
+                    attributes: wedge,
                     has_faces: false,
                 });
             }
         }
         plan.wedges.sort_unstable_by_key(|p| p.wedge);
+    }
+
+    /// The wedge that one of another submesh becomes whose attributes are the same as `wedge`'s:
+    /// where materials meet in the middle of a surface, attributes go on from one to the other.
+    fn across(&self, wedge: u32, with_edge: &[(u32, u32)]) -> Option<u32> {
+        let same = |(other, _): &&(u32, u32)| self.wedges.alike_across(self.input, wedge, *other);
+        with_edge.iter().find(same).map(|&(_, target)| target)
+    }
+
+    /// A wedge at `to` with the attributes of `other`, in the submesh of `wedge`.
+    fn same_in_submesh(&self, wedge: u32, other: u32, to: u32) -> Option<u32> {
+        let submesh = self.wedges.submesh(wedge);
+        let candidates = self.wedges.of_group(to).take(MAX_REUSED);
+        let mut candidates = candidates.filter(|&t| self.wedges.submesh(t) == submesh);
+        candidates.find(|&t| self.wedges.alike_across(self.input, t, other))
     }
 
     /// Returns whether faces that are flat stay so when a wedge becomes another.

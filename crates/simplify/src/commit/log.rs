@@ -1,7 +1,7 @@
 //! The log of all collapses of a simplification, in their order, and the vertices from which every
 //! wedge, fakes among them, has its position and attributes.
 
-use crate::cut::Region;
+use crate::cut::{FakeSource, Region};
 use crate::number::Input;
 use crate::recorded::RecordedCollapses;
 use std::ops::Range;
@@ -101,8 +101,7 @@ impl CollapseLog {
 /// The sources of the data of every wedge of the whole mesh.
 pub(crate) struct Sources<'a> {
     input: &'a Input<'a>,
-    /// For each fake the input vertices that its position and its other attributes come from.
-    fakes: Vec<(u32, u32)>,
+    fakes: Vec<FakeSource>,
 }
 
 impl<'a> Sources<'a> {
@@ -117,11 +116,15 @@ impl<'a> Sources<'a> {
         renumber_wedges(region, log);
     }
 
-    /// The vertex whose position and other spatial data a wedge has, and the one whose other
-    /// attributes it has.
-    pub(crate) fn of(&self, wedge: u32) -> (u32, u32) {
+    /// The vertex whose position and other spatial data a wedge has, the one whose other
+    /// attributes it has, and its submesh.
+    pub(crate) fn of(&self, wedge: u32) -> FakeSource {
         match self.input.vertex_of().get(wedge as usize) {
-            Some(&vertex) => (vertex, vertex),
+            Some(&vertex) => FakeSource {
+                position: vertex,
+                attributes: vertex,
+                submesh: self.input.mesh.vertex_submesh()[vertex as usize],
+            },
             None => self.fakes[wedge as usize - self.input.wedges()],
         }
     }

@@ -191,7 +191,10 @@ impl<M: Reprice> Commit<'_, M> {
             let mut earlier = plan.wedges[..i].iter().filter(|p| p.is_fake).take(64);
             let target = match earlier.find(|p| wedges.alike(input.mesh, p.wedge, wedge)) {
                 Some(p) => p.target,
-                None => wedges.add_fake(input, to, plan.true_target, wedge),
+                None => {
+                    let sources = [plan.true_target, plan.wedges[i].attributes];
+                    wedges.add_fake(input, to, wedge, sources)
+                }
             };
             plan.wedges[i].target = target;
             plan.wedges[i].is_fake = true;

@@ -28,4 +28,4 @@ pub(crate) use neighborhood::{
 };
 pub(crate) use quadrics::{Quadric, Quadrics, Symmetric, add_outer, times};
 pub(crate) use region::{Choice, Region};
-pub(crate) use wedges::Wedges;
+pub(crate) use wedges::{FakeSource, Wedges};

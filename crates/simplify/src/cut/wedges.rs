@@ -4,6 +4,16 @@
 use crate::number::{Input, Wedge, same_attributes};
 use lodc_mesh::{Mesh, NONE};
 
+/// Where the data of a fake come from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FakeSource {
+    /// The input vertex whose position, joints, weights and morph position deltas it has.
+    pub(crate) position: u32,
+    /// The input vertex whose other attributes it has.
+    pub(crate) attributes: u32,
+    pub(crate) submesh: u32,
+}
+
 /// The wedges of one region, originals first, fakes after them. A fake has the position of one
 /// vertex of the input and the attributes of another.
 ///
@@ -122,27 +132,27 @@ impl Wedges {
         first != NONE && self.next[first as usize] == NONE
     }
 
-    /// Makes a fake at `group` with the position of `position_wedge` and the attributes of
-    /// `attribute_wedge`.
+    /// Makes a fake at `group` in the submesh of `wedge`, with the position of one wedge and the
+    /// attributes of another.
     pub(crate) fn add_fake(
         &mut self,
         input: &Input<'_>,
         group: u32,
-        position_wedge: u32,
-        attribute_wedge: u32,
+        wedge: u32,
+        [position_wedge, attribute_wedge]: [u32; 2],
     ) -> u32 {
         let w = self.ids.len() as u32;
         if input.ignores_attributes() {
             if self.seam_class.is_empty() {
                 self.seam_class.clone_from(&self.class);
             }
-            let class = self.meets_smoothly(input, attribute_wedge, group);
+            let class = self.meets_smoothly(input, wedge, group);
             self.seam_class.push(class.map_or(NONE - w, |same| self.seam_class(same)));
         }
         self.ids.push(NONE);
         self.position_source.push(self.position_source[position_wedge as usize]);
         self.attribute_source.push(self.attribute_source[attribute_wedge as usize]);
-        self.submesh.push(self.submesh[attribute_wedge as usize]);
+        self.submesh.push(self.submesh[wedge as usize]);
         // A class of its own until `number_fakes`: counted down from the greatest number, where no
         // wedge of the whole mesh has one.
         self.class.push(NONE - w);
@@ -156,8 +166,8 @@ impl Wedges {
         self.ids.len() - self.numbered
     }
 
-    /// Numbers the new fakes from `first` on and returns their position and attribute sources.
-    pub(crate) fn number_fakes(&mut self, first: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+    /// Numbers the new fakes from `first` on and returns where their data come from.
+    pub(crate) fn number_fakes(&mut self, first: u32) -> impl Iterator<Item = FakeSource> + '_ {
         let start = std::mem::replace(&mut self.numbered, self.ids.len());
         for (w, id) in (start..self.ids.len()).zip(first..) {
             self.ids[w] = id;
@@ -166,8 +176,12 @@ impl Wedges {
             }
             self.class[w] = id;
         }
-        let sources = self.position_source[start..].iter().zip(&self.attribute_source[start..]);
-        sources.map(|(&position, &attributes)| (position, attributes))
+        let numbered = start..self.ids.len();
+        numbered.map(|w| FakeSource {
+            position: self.position_source[w],
+            attributes: self.attribute_source[w],
+            submesh: self.submesh[w],
+        })
     }
 
     /// Makes `from`'s wedges wedges of `to`.
@@ -191,6 +205,15 @@ impl Wedges {
         if let Some(first) = self.first.get_mut(group as usize) {
             *first = NONE;
         }
+    }
+
+    /// Returns whether two wedges of submeshes with the same streams have, bit for bit, the same
+    /// attributes, spatial ones left aside.
+    pub(crate) fn alike_across(&self, input: &Input<'_>, a: u32, b: u32) -> bool {
+        let source = |w: u32| self.attribute_source[w as usize];
+        let submeshes = input.mesh.submeshes();
+        let streams = |w: u32| &submeshes[self.submesh(w) as usize].attributes;
+        streams(a) == streams(b) && same_attributes(input.mesh, source(a), source(b))
     }
 
     /// Returns whether two wedges have the same submesh and, bit for bit, the same attributes,

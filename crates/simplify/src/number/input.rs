@@ -8,6 +8,7 @@ use crate::SeenShapes;
 use glam::{DVec3, Vec3};
 use lodc_mesh::{Attribute, Csr, Mesh, PositionIds, Semantic, WedgeGroups};
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// A mesh ready to be cut into regions.
@@ -43,6 +44,7 @@ pub(crate) struct Input<'a> {
     flat: Vec<bool>,
     /// By group: whether it is a corner of a card. Empty if there is none.
     card: Vec<bool>,
+    has_formats_in_common: bool,
 }
 
 /// Which attributes count at seams, by submesh and attribute.
@@ -147,7 +149,13 @@ impl<'a> Input<'a> {
             counting: None,
             flat: flat_vertices(mesh),
             card,
+            has_formats_in_common: has_formats_in_common(mesh),
         }
+    }
+
+    /// Returns whether several submeshes have the same attribute streams.
+    pub(crate) const fn has_formats_in_common(&self) -> bool {
+        self.has_formats_in_common
     }
 
     /// Makes seams where attributes differ that count, by submesh.
@@ -282,6 +290,12 @@ impl<'a> Input<'a> {
     pub(crate) fn shares_position(&self, group: u32) -> bool {
         self.position_id.get(group as usize).is_some_and(|&p| self.shared[p as usize])
     }
+}
+
+/// Returns whether several submeshes have the same attribute streams.
+fn has_formats_in_common(mesh: &Mesh) -> bool {
+    let mut formats = HashSet::new();
+    mesh.submeshes().iter().any(|submesh| !formats.insert(&submesh.attributes))
 }
 
 /// Smallest and largest coordinates; zeros without positions.

@@ -29,6 +29,23 @@ pub(super) struct WedgeAttributes<'a> {
     pub(super) attributes: &'a Attributes,
 }
 
+impl WedgeAttributes<'_> {
+    /// The wedge at the other end of an edge with these faces that one of another submesh becomes
+    /// whose attributes are the same as `wedge`'s.
+    fn across(&self, faces: &[Entry], wedge: u32) -> Option<u32> {
+        let Self { wedges, attributes, .. } = *self;
+        if wedges.is_bare() {
+            return None;
+        }
+        let row = |w: u32| attributes.row(wedges.attribute_source[w as usize]);
+        let is_alike = |e: &&Entry| {
+            wedges.submesh(e.wedge) != wedges.submesh(wedge) && row(e.wedge) == row(wedge)
+        };
+        // Bounded as in `target`.
+        faces.iter().take(64).find(is_alike).map(|e| e.neighbor_wedge)
+    }
+}
+
 /// The dual basis of a face's plane, by which differences along its two spokes become gradients,
 /// and the face's area.
 #[derive(Clone, Copy, Default)]
@@ -208,7 +225,9 @@ impl Gradients {
             x * (xx * x + 2.0 * (xy * y + xz * z)) + y * (yy * y + 2.0 * (yz * z)) + z * (zz * z);
         let mut cost = f64::from(scattered.max(0.0));
         for (i, &(wedge, area)) in self.wedges.iter().enumerate() {
-            let target = target(view.wedges, faces, wedge).unwrap_or(wedge);
+            let target = target(view.wedges, faces, wedge)
+                .or_else(|| view.across(faces, wedge))
+                .unwrap_or(wedge);
             let rows = [wedge, target].map(|w| view.wedges.attribute_source[w as usize]);
             let mut squared = Vec4::ZERO;
             let means = self.means.iter().skip(i).step_by(self.wedges.len());

@@ -218,7 +218,7 @@ impl Patch {
             let mut face_wedges = mesh.wedges(face);
             let submesh = wedges.submesh(face_wedges[0]);
             let moving = &mut face_wedges[corner.at()];
-            *moving = self.target(wedges, *moving);
+            *moving = self.target(source, *moving);
             let vertices = face_wedges.map(|w| attribute_vertex(wedges, w));
             let shading = if appearance.has_normals() {
                 vertices.map(|v| appearance.normal(v))
@@ -263,13 +263,19 @@ impl Patch {
     }
 
     /// The wedge whose attributes a wedge of the moving group has after the move: one at the target
-    /// that it shares a face with, else the counterpart of a wedge with the same attributes. Else
-    /// it becomes a fake and keeps its own.
-    fn target(&self, wedges: &Wedges, wedge: u32) -> u32 {
+    /// that it shares a face with, else the counterpart of a wedge with the same attributes, if
+    /// need be of another submesh. Else it becomes a fake and keeps its own.
+    fn target(&self, &Source { wedges, appearance, .. }: &Source<'_>, wedge: u32) -> u32 {
         let class = wedges.class(wedge);
+        let look = |w: u32| {
+            let vertex = attribute_vertex(wedges, w);
+            let normal = appearance.has_normals().then(|| appearance.normal(vertex));
+            (normal, appearance.coordinates(vertex))
+        };
         let same = self.targets.iter().find(|t| t.0 == wedge);
         let alike = || self.targets.iter().find(|t| wedges.class(t.0) == class);
-        same.or_else(alike).map_or(wedge, |t| t.1)
+        let across = || self.targets.iter().find(|t| look(t.0) == look(wedge));
+        same.or_else(alike).or_else(across).map_or(wedge, |t| t.1)
     }
 
     /// The sum of the normals of moved faces at a vertex that are shaded together with a face of
