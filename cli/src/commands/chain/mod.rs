@@ -100,8 +100,8 @@ struct Files {
     files: Vec<OutputFile>,
     /// The main file of each level.
     of_level: Vec<PathBuf>,
-    /// What of the input the format cannot hold.
-    left_out: Option<String>,
+    /// What of the input the format cannot hold, or holds at a price.
+    note: Option<String>,
 }
 
 pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
@@ -225,7 +225,7 @@ fn chain(
             made = plain;
         }
     }
-    warnings.extend(made.left_out.clone());
+    warnings.extend(made.note.clone());
     stages.run("write", || output::commit(&made.files))?;
     progress.clear();
     let name = input.display().to_string();

@@ -43,7 +43,7 @@ pub(super) fn files(
         additions.textures.copies.clear();
         of_level.push(path);
     }
-    Ok(Files { files, of_level, left_out })
+    Ok(Files { files, of_level, note: left_out })
 }
 
 /// The meshes of the objects at a level, with its distances.
@@ -129,7 +129,7 @@ pub(super) fn gliding_files(
         additions.textures.copies.clear();
         of_level.push(path);
     }
-    Ok(Files { files, of_level, left_out: None })
+    Ok(Files { files, of_level, note: None })
 }
 
 /// The triangles of a level by submesh, in an order for vertex caches or for compression.

@@ -12,10 +12,15 @@ use lodc::{
 };
 use lodc_formats::export::Additions;
 use lodc_formats::gltf::{ChainObject, ChainShape, Glide, MovedStreams, export_chain};
+use lodc_formats::{ObjectInfo, OutputFile, scene_graph};
 use lodc_mesh::{Chain, GlidingChain, Lod, Mesh};
+use lodc_report::text::{count, size};
 use lodc_strip::{codec_order_list, order_list};
 use rayon::prelude::*;
 use std::path::Path;
+
+/// Nodes for each mesh from which on a line says what they cost. Chosen by hand.
+const MIN_REPEATED: usize = 10;
 
 /// Makes the file, and says of each level what that does to it: error, vertices, distances.
 pub(super) fn files(
@@ -81,7 +86,42 @@ pub(super) fn files(
     let binary = format != FormatName::Gltf;
     additions.provenance = Some(provenance(args, asset, levels));
     let files = export_chain(out, binary, &asset.document, &objects, shape, &additions)?;
-    Ok(Files { files, of_level: vec![out.to_owned(); levels.len()], left_out: None })
+    let note = match shape {
+        ChainShape::Nodes => repeated_nodes(args, asset, &files)?,
+        ChainShape::IndexRanges => None,
+    };
+    Ok(Files { files, of_level: vec![out.to_owned(); levels.len()], note })
+}
+
+/// A line where most of a file are nodes that only repeat a mesh: each has a node for every level.
+fn repeated_nodes(
+    args: &ChainArgs,
+    asset: &AssetWithLevels,
+    files: &[OutputFile],
+) -> Outcome<Option<String>> {
+    let Some(first) = files.first() else { return Ok(None) };
+    // The text of a GLB is its first chunk, which states its length.
+    let text = match first.bytes.get(12..16).and_then(|length| length.try_into().ok()) {
+        Some(length) if first.bytes.starts_with(b"glTF") => u32::from_le_bytes(length).into(),
+        _ => first.bytes.len() as u64,
+    };
+    let all: u64 = files.iter().map(|file| file.bytes.len() as u64).sum();
+    if 2 * text < all {
+        return Ok(None);
+    }
+    let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(&asset.document, &infos, &args.export.import.limits().limits())?;
+    let nodes = graph.nodes.iter().filter(|node| !node.objects.is_empty()).count();
+    let meshes = infos.len();
+    Ok((nodes >= MIN_REPEATED * meshes).then(|| {
+        format!(
+            "{} of {} are nodes and their like: {nodes} nodes show {} and are repeated for every \
+             level; instances (EXT_mesh_gpu_instancing) and --index-ranges need none of that",
+            size(text),
+            size(all),
+            count(meshes as u64, "mesh"),
+        )
+    }))
 }
 
 /// The levels of an object, each in an order for vertex caches or for compression.

@@ -8,7 +8,7 @@ use crate::SeenShapes;
 use glam::{DVec3, Vec3};
 use lodc_mesh::{Attribute, Csr, Mesh, PositionIds, Semantic, WedgeGroups};
 use rayon::prelude::*;
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// A mesh ready to be cut into regions.
@@ -294,7 +294,7 @@ impl<'a> Input<'a> {
 
 /// Returns whether several submeshes have the same attribute streams.
 fn has_formats_in_common(mesh: &Mesh) -> bool {
-    let mut formats = HashSet::new();
+    let mut formats = BTreeSet::new();
     mesh.submeshes().iter().any(|submesh| !formats.insert(&submesh.attributes))
 }
 

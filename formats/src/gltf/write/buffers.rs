@@ -2,8 +2,9 @@
 //! materials share is stored once, as exporters write it.
 
 use lodc_mesh::{DisjointSets, Mesh};
+use rayon::prelude::*;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// Share of a primitive's vertices that other primitives must have, too, for it to share a buffer
 /// with them: those that just meet at a border keep small buffers of their own.
@@ -124,19 +125,30 @@ impl<'a> Classes<'a> {
             streams.iter().for_each(|a| keys.extend_from_slice(a.at(v)));
         }
         let stride = size_of::<[f32; 3]>() + streams.iter().map(|a| a.stride()).sum::<usize>();
-        let mut keys = keys.chunks_exact(stride);
-        let mut first = Vec::new();
-        let mut known: HashMap<&[u8], u32> = HashMap::new();
-        let mut class = |&v: &u32| {
-            *known.entry(keys.next().unwrap_or_default()).or_insert_with(|| {
+        let vertices: Vec<u32> =
+            submeshes.iter().flat_map(|&s| &drawn[s].vertices).copied().collect();
+        let key = |i: u32| &keys[i as usize * stride..][..stride];
+        let mut sorted: Vec<u32> = (0..vertices.len() as u32).collect();
+        sorted.par_sort_unstable_by_key(|&i| (key(i), i));
+        let mut leader = vec![0; vertices.len()];
+        for same in sorted.chunk_by(|&i, &j| key(i) == key(j)) {
+            same.iter().for_each(|&i| leader[i as usize] = same[0]);
+        }
+        // Classes are numbered as their first vertices come.
+        let (mut first, mut class_of) = (Vec::new(), vec![0; vertices.len()]);
+        for (i, &v) in vertices.iter().enumerate() {
+            let leader = leader[i] as usize;
+            if leader == i {
+                class_of[i] = first.len() as u32;
                 first.push(v);
-                first.len() as u32 - 1
-            })
-        };
+            }
+            class_of[i] = class_of[leader];
+        }
+        let mut classes = class_of.into_iter();
         let member = |&submesh: &usize| Member {
             submesh,
             drawn: &drawn[submesh],
-            classes: drawn[submesh].vertices.iter().map(&mut class).collect(),
+            classes: classes.by_ref().take(drawn[submesh].vertices.len()).collect(),
         };
         let members = submeshes.iter().map(member).collect();
         Self { members, first, stride }

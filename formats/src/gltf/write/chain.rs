@@ -339,10 +339,15 @@ impl<'a> Levels<'a> {
         let copies = ids.iter().map(|&id| [node, id]).collect();
         let entry = root.object_mut("nodes", node).expect("the node that was copied");
         entry["extensions"]["MSFT_lod"] = object! { "ids" => ids };
-        entry["extras"]["MSFT_screencoverage"] = self.object.coverage.clone().into();
+        entry["extras"]["MSFT_screencoverage"] = self.object.coverage.iter().map(share).collect();
         extensions::add(root, "extensionsUsed", "MSFT_lod");
         copies
     }
+}
+
+/// A share of the screen, to four digits: every node that shows a mesh has all of them.
+fn share(share: &f64) -> Json {
+    format!("{share:.3e}").parse().unwrap_or(*share).into()
 }
 
 /// Ranges of the index accessor by level: first index, number of indices, vertices of the prefix.
