@@ -150,7 +150,7 @@ fn avatars_keep_what_they_name_at_every_level() {
         assert_eq!(root["extensions"], source["extensions"]);
         // `.vrm` is a GLB, in and out, in folders too.
         f.lodc(["extract", "in.gltf", "--ratio", "1", "-o", "a.vrm"]).ends(0);
-        std::fs::create_dir(f.join("avatars")).expect("a folder");
+        fs::create_dir(f.join("avatars")).expect("a folder");
         fs::rename(f.join("a.vrm"), f.join("avatars/a.vrm")).expect("renamed");
         f.lodc(["extract", "avatars", "--ratio", "50%", "-o", "levels"]).ends(0);
         assert!(f.has("levels/a.vrm.glb"));
