@@ -87,6 +87,9 @@ pub(crate) fn import(
     faces::scene(file, assets, options)
 }
 
+/// More vertices that nothing uses are no points that someone placed. Chosen by hand.
+const MAX_POINTS: usize = 1 << 20;
+
 /// Everything between the header and the end.
 #[derive(Debug, Default)]
 struct Content {
@@ -186,11 +189,16 @@ impl Content {
                 *used = true;
             }
         }
-        let points: Vec<u32> =
+        let mut points: Vec<u32> =
             (0..).zip(&used).filter_map(|(v, used)| (!used).then_some(v)).collect();
         if !self.lines.is_empty() {
             let edges = counted(self.lines.len(), "edge passes", "edges pass");
             self.warnings.push(format!("{edges} through unchanged, as lines"));
+        }
+        if points.len() > MAX_POINTS {
+            let text = format!("{} vertices that no face uses were dropped", points.len());
+            self.warnings.push(format!("{text}: more than {MAX_POINTS}"));
+            points.clear();
         }
         if !points.is_empty() {
             let vertices = counted(points.len(), "vertex", "vertices");

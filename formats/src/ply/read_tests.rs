@@ -130,6 +130,17 @@ fn points_alone_are_refused_as_what_they_are() {
 }
 
 #[test]
+fn vertices_that_nothing_uses_are_points_unless_there_are_too_many() {
+    for (count, kept) in [(5, 2), (MAX_POINTS + 3, MAX_POINTS), (MAX_POINTS + 4, 0)] {
+        let positions = vec![[0.5; 3]; count];
+        let faces = Faces { positions, corner_v: vec![0, 1, 4], ..Faces::default() };
+        let mut content = Content { faces, ..Content::default() };
+        assert_eq!(content.loose(&[]).points.len(), kept);
+        assert_eq!(content.warnings.len(), 1, "{:?}", content.warnings);
+    }
+}
+
+#[test]
 fn no_faces_need_no_properties() {
     let faces = PLAIN.to_owned() + "element face 0\n" + POINTS;
     let error = import_bytes(faces.as_bytes()).expect_err("no face");

@@ -93,10 +93,12 @@ fn loose_mesh(loose: &Loose, offset: [f64; 3], root: &mut Object, blob: &mut Vec
     let lines: Vec<[u32; 2]> = loose.segments().collect();
     for (mode, all) in [(0u32, &loose.points[..]), (1, lines.as_flattened())] {
         if !all.is_empty() {
-            let indices = accessor("SCALAR", UNSIGNED_INT, all.len(), &indices(all));
-            primitives.push(object! {
-                "attributes" => attributes.clone(), "indices" => indices, "mode" => mode,
-            });
+            let mut primitive = object! { "attributes" => attributes.clone(), "mode" => mode };
+            if !all.iter().copied().eq(0..count as u32) {
+                let bytes = indices(all);
+                primitive["indices"] = accessor("SCALAR", UNSIGNED_INT, all.len(), &bytes).into();
+            }
+            primitives.push(primitive);
         }
     }
     let (lo, hi) = bounds(&positions);
