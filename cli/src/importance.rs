@@ -55,8 +55,8 @@ impl ImportanceArgs {
             return Ok(());
         }
         Err(Failure::usage(format!(
-            "{input}: its order of collapses is fixed: --weight, --lock and --lock-border belong to \
-             `lodc build`"
+            "{input}: its order of collapses is fixed: --weight, --lock and --lock-border belong \
+             to `lodc build`"
         )))
     }
 
