@@ -17,10 +17,10 @@ pub(crate) fn bits_by_kind<const N: usize>(
             part.split_once('=').ok_or_else(|| format!("\"{part}\" is not KIND=BITS"))?;
         let bits = bits.parse::<u8>().ok().filter(|b| range.contains(b));
         let (fewest, most) = range.clone().into_inner();
-        let bits =
-            bits.ok_or_else(|| format!("\"{part}\": bits are a number from {fewest} to {most}"))?;
+        let bits = bits
+            .ok_or_else(|| format!("\"{part}\": bits must be a number from {fewest} to {most}"))?;
         let Some(index) = kinds.iter().position(|k| *k == kind) else {
-            return Err(format!("\"{kind}\" is none of {}", kinds.join(", ")));
+            return Err(format!("\"{kind}\" is not one of {}", kinds.join(", ")));
         };
         if all[index].replace(bits).is_some() {
             return Err(format!("\"{kind}\" is given twice"));

@@ -55,7 +55,8 @@ impl ImportanceArgs {
             return Ok(());
         }
         Err(Failure::usage(format!(
-            "{input}: has its order of collapses: give --weight, --lock and --lock-border to build"
+            "{input}: its order of collapses is fixed: --weight, --lock and --lock-border belong \
+             to `lodc build`"
         )))
     }
 
@@ -147,14 +148,14 @@ pub(crate) fn weights(text: &str) -> Result<Weights, String> {
         let (kind, number) =
             part.split_once('=').ok_or_else(|| format!("\"{part}\" is not KIND=FACTOR"))?;
         let factor = number.parse::<f64>().ok().filter(|f| (0.0..=1e6).contains(f));
-        let factor = factor.ok_or_else(|| format!("\"{part}\": factors are 0 to 1e6"))?;
+        let factor = factor.ok_or_else(|| format!("\"{part}\": a factor must be from 0 to 1e6"))?;
         let slot = match kind {
             "normal" => &mut weights.normal,
             "uv" => &mut weights.uv,
             "color" => &mut weights.color,
             "skin" => &mut weights.skin,
             "morph" => &mut weights.morph,
-            _ => return Err(format!("\"{kind}\" is neither normal, uv, color, skin nor morph")),
+            _ => return Err(format!("\"{kind}\" is not one of normal, uv, color, skin, morph")),
         };
         *slot = factor;
         if !kinds_seen.insert(kind) {

@@ -237,7 +237,7 @@ fn limit(text: &str) -> Result<Limit, String> {
     let read = || {
         let (name, number) = text.split_once('=').ok_or("KEY=VALUE is needed")?;
         let key = KEYS.iter().find(|key| key.name == name);
-        let key = key.ok_or_else(|| format!("there is no key {name}"))?;
+        let key = key.ok_or_else(|| format!("unknown key {name}"))?;
         Ok(Limit { key, number: (key.parse)(number)? })
     };
     read().map_err(|why: String| {

@@ -121,6 +121,8 @@ fn options_of(command: &Command) -> CommandOptions {
     let visible = command.get_arguments().filter(|a| !a.is_hide_set());
     let names = visible.filter_map(|a| a.get_long());
     let options = names.filter(|n| !RUN_OPTIONS.contains(n)).map(str::to_owned).collect();
+    let switches = command.get_arguments().filter(|a| !a.get_action().takes_values());
+    let switches = switches.filter_map(|a| a.get_long()).map(str::to_owned).collect();
     let long = |id: &Id| {
         let mut all = command.get_arguments();
         all.find(|a| a.get_id() == id).and_then(|a| a.get_long()).map(str::to_owned)
@@ -133,6 +135,7 @@ fn options_of(command: &Command) -> CommandOptions {
     CommandOptions {
         name: command.get_name().to_owned(),
         options,
+        switches,
         exclusive_groups: exclusive_groups.collect(),
     }
 }
@@ -142,8 +145,8 @@ fn first_line(error: &clap::Error) -> String {
     let text = error.to_string();
     let mut lines = text.lines().map(str::trim);
     let what = lines.next().unwrap_or_default().trim_start_matches("error: ").to_owned();
-    match lines.find(|line| line.starts_with("tip: ")) {
-        Some(tip) => format!("{what} ({tip})"),
+    match lines.find(|line| line.starts_with("tip: ") || line.starts_with("[possible values: ")) {
+        Some(tip) => format!("{what} ({})", tip.trim_matches(['[', ']'])),
         None => what,
     }
 }

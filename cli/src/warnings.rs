@@ -61,8 +61,8 @@ mod tests {
             "the object bolt is gone",
             "1 polygon was triangulated",
             "the object nut is gone (97 % of what is seen)",
-            "a texture is missing: a.png: cannot be read",
-            "a texture is missing: b.png: cannot be read",
+            "a texture is missing: a.png: no such file",
+            "a texture is missing: b.png: no such file",
             "level 2: the object nut is gone",
         ]);
         assert_eq!(
@@ -70,7 +70,7 @@ mod tests {
             [
                 "the object bolt is gone (3 warnings of this kind, --verbose lists all)",
                 "1 polygon was triangulated",
-                "a texture is missing: a.png: cannot be read \
+                "a texture is missing: a.png: no such file \
              (2 warnings of this kind, --verbose lists all)",
             ]
         );
@@ -79,10 +79,10 @@ mod tests {
     #[test]
     fn warnings_of_different_kinds_stay() {
         let all = [
-            "a.mtl: 2 materials are defined more than once, the first one holds",
+            "a.mtl: 2 materials are defined more than once: the first definition is used",
             "a.mtl: skipped 2 lines before the first material",
-            "of each face was left out: `flags`",
-            "of each vertex was left out: `quality`",
+            "1 property of each face was ignored: `flags`",
+            "1 property of each vertex was ignored: `quality`",
         ];
         assert_eq!(lines(&all), all);
     }

@@ -2,6 +2,8 @@
 //! relative paths. Paths that lead out of its folder, by name or through symbolic links, devices
 //! and pipes are refused, and sizes are limited.
 
+#[cfg(feature = "gltf")]
+use crate::percent::percent_decoded;
 use crate::{Fault, FormatError, Limits, RequestedFiles};
 use std::ffi::OsStr;
 use std::fs::{File, Metadata, OpenOptions};
@@ -95,7 +97,8 @@ impl Assets {
     }
 
     /// Reads the file that a name as people have them leads to: as it is, with its backslashes as
-    /// slashes or, if it names a folder of another machine, by its last part beside the asset.
+    /// slashes, if it names a folder of another machine, by its last part beside the asset, or
+    /// percent-decoded.
     ///
     /// # Errors
     /// As [`Self::read_reference`] for the name as it is.
@@ -110,6 +113,8 @@ impl Assets {
         if first.fault == Fault::Forbidden || is_of_another_machine(&with_slashes) {
             others.push(last_part(&with_slashes));
         }
+        let decoded = percent_decoded(&with_slashes).and_then(|b| String::from_utf8(b).ok());
+        others.extend(decoded.as_deref());
         for other in others.into_iter().filter(|other| *other != name) {
             if let Ok(bytes) = self.read_reference(other) {
                 self.set_replaced(name);
@@ -257,11 +262,11 @@ fn is_inside(path: &Path, roots: &[PathBuf]) -> bool {
 /// The message does not depend on the system: warnings are written into files, too.
 fn unreadable(error: &io::Error) -> FormatError {
     let problem = match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        io::ErrorKind::NotFound => "no such file".to_owned(),
         io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
-        _ => error.to_string(),
+        _ => format!("cannot be read: {error}"),
     };
-    FormatError::new(Fault::Unreadable, "", format!("cannot be read: {problem}"))
+    FormatError::new(Fault::Unreadable, "", problem)
 }
 
 fn require_regular(metadata: &Metadata) -> Result<(), FormatError> {

@@ -41,7 +41,7 @@ impl<const CHECK: usize> FileHeader<CHECK> {
     /// Checks the header that `bytes` begin with; false if it is cut short.
     pub(crate) fn check(&self, bytes: &[u8]) -> Result<bool, FormatError> {
         let error = |fault, problem: String| Err(FormatError::new(fault, "header", problem));
-        let other_format = || error(Fault::Malformed, format!("this is not a {}", self.name));
+        let other_format = || error(Fault::Malformed, format!("not a {}", self.name));
         let Some(header) = bytes.get(..self.length) else {
             let length = bytes.len().min(MAGIC_BYTES);
             let is_beginning = bytes[..length] == self.magic[..length];

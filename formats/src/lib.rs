@@ -88,6 +88,8 @@ mod loose;
 mod obj;
 #[cfg(any(feature = "import", feature = "export"))]
 mod options;
+#[cfg(feature = "gltf")]
+mod percent;
 #[cfg(any(feature = "import", feature = "export"))]
 mod ply;
 #[cfg(any(feature = "import", feature = "export"))]
@@ -102,7 +104,7 @@ mod stl;
 mod testing;
 #[cfg(feature = "export")]
 mod textures;
-#[cfg(feature = "import")]
+#[cfg(any(feature = "import", feature = "export"))]
 mod words;
 mod write;
 

@@ -8,7 +8,8 @@ use std::fmt::Write;
 /// Points and lines, their vertices apart from those of triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Loose {
-    pub(crate) positions: Vec<[f32; 3]>,
+    /// In the file's own coordinates, however far from the origin.
+    pub(crate) positions: Vec<[f64; 3]>,
     /// Empty, or sRGB values for each position.
     pub(crate) colors: Vec<[f32; 3]>,
     pub(crate) points: Vec<u32>,
@@ -17,6 +18,7 @@ pub(crate) struct Loose {
 }
 
 impl Loose {
+    #[cfg(any(feature = "export", test))]
     pub(crate) fn is_empty(&self) -> bool {
         self.points.is_empty() && self.lines.is_empty()
     }
@@ -28,8 +30,8 @@ impl Loose {
         let mut statements = Vec::with_capacity(self.positions.len() + self.lines.len() + 1);
         for (v, position) in self.positions.iter().enumerate() {
             let mut line = String::from("v");
-            let numbers = position.iter().chain(self.colors.get(v).into_iter().flatten());
-            numbers.for_each(|x| put(&mut line, x));
+            position.iter().for_each(|&c| coordinate(&mut line, c));
+            self.colors.get(v).into_iter().flatten().for_each(|c| put(&mut line, c));
             statements.push(line);
         }
         let element = |word: &str, vertices: &[u32]| {
@@ -50,11 +52,11 @@ impl Loose {
             let mut words = statement.split_ascii_whitespace();
             match words.next() {
                 Some("v") => {
-                    let numbers: Vec<f32> = words.filter_map(|w| w.parse().ok()).collect();
+                    let numbers: Vec<f64> = words.filter_map(|w| w.parse().ok()).collect();
                     let [x, y, z, color @ ..] = &numbers[..] else { continue };
                     if let [r, g, b, ..] = color {
                         loose.colors.resize(loose.positions.len(), [1.0; 3]);
-                        loose.colors.push([*r, *g, *b]);
+                        loose.colors.push([*r, *g, *b].map(single));
                     }
                     loose.positions.push([*x, *y, *z]);
                 }
@@ -83,11 +85,11 @@ impl Loose {
         self.lines.iter().flat_map(|line| line.windows(2).map(|pair| [pair[0], pair[1]]))
     }
 
-    /// Picks points and lines out of a file's positions, whose indices are those of `points` and
-    /// `lines`. `colors` is empty or has one for each position.
+    /// Picks points and lines out of a file, whose indices are those of `points` and `lines`.
+    /// `colors` is empty or has one for each position.
     #[cfg(feature = "import")]
     pub(crate) fn of_file(
-        positions: &[[f32; 3]],
+        position: impl Fn(usize) -> [f64; 3],
         colors: &[[f32; 4]],
         points: &[u32],
         lines: &[Vec<u32>],
@@ -97,7 +99,7 @@ impl Loose {
         let mut number = |v: &u32| {
             let next = numbers.len() as u32;
             *numbers.entry(*v).or_insert_with(|| {
-                loose.positions.push(positions[*v as usize]);
+                loose.positions.push(position(*v as usize));
                 loose.colors.extend(colors.get(*v as usize).map(|[r, g, b, _]| [*r, *g, *b]));
                 next
             })
@@ -106,6 +108,19 @@ impl Loose {
         let lines = lines.iter().map(|line| line.iter().map(&mut number).collect()).collect();
         Self { points, lines, ..loose }
     }
+}
+
+/// Writes a coordinate with the digits that it needs: in single precision if that holds it.
+fn coordinate(line: &mut String, c: f64) {
+    match single(c) {
+        short if f64::from(short) == c => put(line, &short),
+        _ => put(line, &c),
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "colours are in single precision")]
+const fn single(c: f64) -> f32 {
+    c as f32
 }
 
 fn put(line: &mut String, value: &dyn std::fmt::Display) {
@@ -119,7 +134,7 @@ mod tests {
     #[test]
     fn statements_read_back() {
         let loose = Loose {
-            positions: vec![[0.0; 3], [1.0, 2.5, -3e-7], [4.0; 3]],
+            positions: vec![[0.0; 3], [1.0, 2.5, -3e-7], [4_649_776.123, 4.0, 1e30]],
             colors: vec![[0.5, 0.25, 1.0]; 3],
             points: vec![2, 0],
             lines: vec![vec![0, 1, 2], vec![2, 0]],

@@ -296,6 +296,10 @@ fn a_configuration_gives_defaults_that_flags_beat() {
     assert!(run.err.contains("no profile slow; there are: fast"), "{}", run.err);
     for (wrong, part) in [
         ("[defaults]\nmetrik = \"kl\"", "did you mean `metric`?"),
+        (
+            "[defaults]\nlock-border = \"yes\"",
+            "[defaults]: lock-border: must be true or false, not \"yes\"",
+        ),
         ("[default]\n", "line 1"),
         ("[defaults]\nallow-path = \"/\"", "only the command line"),
         ("[defaults]\nshard = \"1/2\"", "for a whole run"),

@@ -113,7 +113,7 @@ fn numbers_up_to_255_and_polypaint_are_read() {
     assert!(values.chunks(3).all(|c| (c[1] - 0.215_860_5).abs() < 1e-6));
     f.file("short.obj", format!("{}#MRGB ff102030\n", grid(4)));
     let run = f.lodc(["extract", "short.obj", "--lod", "0", "-o", "o.glb"]).ends(0);
-    assert!(run.err.contains("1 colour of #MRGB lines for 25 positions ignored"), "{}", run.err);
+    assert!(run.err.contains("#MRGB lines have 1 colour for 25 positions: ignored"), "{}", run.err);
 }
 
 /// A binary STL of two triangles with these attributes.
@@ -157,7 +157,34 @@ fn faces_of_a_ply_give_their_corners_colours() {
     let body = "0 0 0\n1 0 0\n1 1 0\n0 1 1\n3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n";
     f.file("a.ply", format!("{header}{body}"));
     let run = f.lodc(["extract", "a.ply", "--lod", "0", "-o", "o.obj"]).ends(0);
-    assert!(!run.err.contains("left out"), "{}", run.err);
+    assert!(!run.err.contains("ignored"), "{}", run.err);
     let found = colours(&f.read("o.obj"));
     assert_eq!(found, ["0 0 1", "0 0 1", "0 0 1", "1 0 0", "1 0 0", "1 0 0"]);
+}
+
+#[test]
+fn colours_of_a_ply_have_several_names_and_kinds() {
+    let f = Folder::new();
+    for (kind, names, values) in [
+        ("uchar", ["red", "green", "blue", "alpha"], "255 0 51 102"),
+        ("uint8", ["diffuse_red", "diffuse_green", "diffuse_blue", "alpha"], "255 0 51 102"),
+        ("uchar", ["r", "g", "b", "a"], "255 0 51 102"),
+        ("ushort", ["red", "green", "blue", "alpha"], "65535 0 13107 26214"),
+        ("float", ["red", "green", "blue", "alpha"], "1 0 0.2 0.4"),
+        ("double", ["r", "g", "b", "a"], "1 0 0.2 0.4"),
+        ("float32", ["red", "green", "blue", "alpha"], "255 0 51 102"),
+    ] {
+        let properties = names.map(|name| format!("property {kind} {name}\n")).concat();
+        let vertices = ["0 0 0", "1 0 0", "1 1 0"].map(|v| format!("{v} {values}\n")).concat();
+        f.file(
+            "a.ply",
+            format!(
+                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                 property float z\n{properties}element face 1\n\
+                 property list uchar int vertex_indices\nend_header\n{vertices}3 0 1 2\n"
+            ),
+        );
+        f.lodc(["extract", "a.ply", "--lod", "0", "-o", "o.obj"]).ends(0);
+        assert_eq!(colours(&f.read("o.obj")), ["1 0 0.2 0.4"; 3], "{kind} {names:?}");
+    }
 }

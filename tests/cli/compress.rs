@@ -79,7 +79,7 @@ fn bits_that_make_no_sense_are_refused() {
     part(&f);
     let refused = [
         ("o.glb", "pos=20", "from 2 to 16"),
-        ("o.glb", "colour=8", "none of pos, normal, uv, color, weight"),
+        ("o.glb", "colour=8", "not one of pos, normal, uv, color, weight"),
         ("o.obj", "pos=14", "only .glb and .gltf can be quantised"),
     ];
     for (output, bits, word) in refused {

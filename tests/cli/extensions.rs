@@ -1,8 +1,11 @@
 //! Extensions of glTF: what their indices lead to is there at every level, geometry that nothing
 //! names is gone.
 
-use crate::support::{Folder, base64, glb_document, scene, unbase64};
+use crate::support::{Folder, base64, bounded, glb_document, outside, scene, unbase64};
 use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
 
 /// Two grids of 1,152 triangles each, changed, with further bytes behind theirs.
 fn changed(change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> String {
@@ -147,8 +150,8 @@ fn avatars_keep_what_they_name_at_every_level() {
         assert_eq!(root["extensions"], source["extensions"]);
         // `.vrm` is a GLB, in and out, in folders too.
         f.lodc(["extract", "in.gltf", "--ratio", "1", "-o", "a.vrm"]).ends(0);
-        std::fs::create_dir(f.join("avatars")).expect("a folder");
-        std::fs::rename(f.join("a.vrm"), f.join("avatars/a.vrm")).expect("renamed");
+        fs::create_dir(f.join("avatars")).expect("a folder");
+        fs::rename(f.join("a.vrm"), f.join("avatars/a.vrm")).expect("renamed");
         f.lodc(["extract", "avatars", "--ratio", "50%", "-o", "levels"]).ends(0);
         assert!(f.has("levels/a.vrm.glb"));
         f.lodc(["chain", "avatars/a.vrm", "-o", "chain.vrm"]).ends(0);
@@ -253,4 +256,34 @@ fn implicit_feature_ids_name_the_vertices_that_they_named() {
         // Vertices of the grid are numbered row by row.
         assert_eq!(p[1] * 25.0 + p[0], id);
     }
+}
+
+/// What packages declare, beside a page with the table.
+fn declared(modules: &Path, page: &Path) -> Value {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/extensions.mjs");
+    let output = bounded("node")
+        .args([script.as_path(), modules, page])
+        .stderr(Stdio::inherit())
+        .output()
+        .expect("node is there if the packages are");
+    assert!(output.status.success(), "extensions.mjs failed");
+    serde_json::from_slice(&output.stdout).expect("the script prints JSON")
+}
+
+#[test]
+fn the_table_has_what_packages_declare() {
+    let Some(modules) = outside("LODC_DECLARATIONS") else { return };
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/EXTENSIONS.md");
+    let seen = declared(&modules, &page);
+    assert_eq!(seen["differences"], json!([]));
+    assert!(seen["indices"].as_u64() > Some(70), "{seen}");
+    // One row less, and one that nothing declares.
+    let f = Folder::new();
+    let row = "nodes[].extensions.VRMC_node_constraint.constraint.aim.source";
+    let text =
+        fs::read_to_string(page).expect("the page is there").replace(row, &format!("{row}s"));
+    f.file("page.md", text);
+    let seen = declared(&modules, &f.path().join("page.md"));
+    let differences = [format!("the table lacks {row}"), format!("no package declares {row}s")];
+    assert_eq!(seen["differences"], json!(differences));
 }

@@ -54,6 +54,20 @@ fn ply(points: &[[f64; 3]], faces: &[[usize; 3]]) -> Vec<u8> {
     bytes
 }
 
+/// The same as text whose header says single precision.
+fn text_ply(points: &[[f64; 3]], faces: &[[usize; 3]]) -> String {
+    let mut text = format!(
+        "ply\r\nformat ascii 1.0\r\nelement vertex {}\r\nproperty float x\r\n\
+         property float32 y\r\nproperty   float z\r\nelement face {}\r\n\
+         property list uchar int vertex_indices\r\nend_header\r\n",
+        points.len(),
+        faces.len()
+    );
+    points.iter().for_each(|p| text += &(spelt(p) + "\r\n"));
+    faces.iter().for_each(|[a, b, c]| text += &format!("3 {a} {b} {c}\r\n"));
+    text
+}
+
 /// The positions of an OBJ as text, sorted.
 fn positions(obj: &[u8]) -> Vec<String> {
     let text = String::from_utf8(obj.to_vec()).expect("text");
@@ -84,15 +98,18 @@ fn an_obj_far_away_keeps_its_doubles_and_its_digits() {
     let (points, faces) = patch(12, 3.7, FAR);
     f.file("site.obj", obj(&points, &faces));
     f.file("site.ply", ply(&points, &faces));
+    f.file("text.ply", text_ply(&points, &faces));
     let mut expected: Vec<String> = points.iter().map(spelt).collect();
     expected.sort();
-    for (input, more) in [("site.obj", "site.lodc"), ("site.ply", "ply.lodc")] {
+    let inputs = [("site.obj", "site.lodc"), ("site.ply", "ply.lodc"), ("text.ply", "text.lodc")];
+    for (input, more) in inputs {
         f.lodc(["build", input, "-o", more, "-q"]).ends(0);
         for from in [input, more] {
             let args = ["extract", from, "--ratio", "1", "-q", "-o"];
             f.lodc(args.iter().chain(&["full.obj"])).ends(0);
             assert_eq!(positions(&f.read("full.obj")), expected, "{from}");
             f.lodc(args.iter().chain(&["full.ply"])).ends(0);
+            assert!(f.read("full.ply").windows(17).any(|w| w == b"property double x"));
             f.lodc(["extract", "full.ply", "--ratio", "1", "-q", "-o", "again.obj"]).ends(0);
             assert_eq!(positions(&f.read("again.obj")), expected, "{from} by PLY");
             f.lodc(args.iter().chain(&["full.glb"])).ends(0);

@@ -241,7 +241,7 @@ fn what_cannot_glide_is_refused() {
             &["-o", "x.obj", "--separate", "--geomorph"][..],
             "only .glb and .gltf hold morph targets",
         ),
-        (&["-o", "x.glb", "--geomorph=joint"], "`joint` is none of tangent, uv, color, joints"),
+        (&["-o", "x.glb", "--geomorph=joint"], "`joint` is not one of tangent, uv, color, joints"),
         (&["-o", "x.glb", "--geomorph", "--index-ranges"], "cannot be used with"),
     ] {
         let run = f.lodc(["chain", "machine_part.glb"].iter().chain(args)).ends(2);

@@ -136,7 +136,7 @@ fn a_material_has_weights_of_its_own() {
     f.lodc(["extract", "m.lodc", "-o", "o.obj", "--ratio", "55%", "-q"]).ends(0);
     assert_eq!(faces(&f, "o.obj"), own);
     let late = f.lodc(["extract", "m.lodc", "-o", "o.obj", "--ratio", "1", "--part", part]);
-    assert!(late.fails(2).err.contains("to build"));
+    assert!(late.fails(2).err.contains("belong to `lodc build`"));
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn a_wrong_name_lists_the_right_ones() {
     assert!(fails("color").contains("red is 1"));
     assert!(!f.has("m.lodc"));
     let run = f.lodc(["build", "m.obj", "--weight", "size=2"]).ends(2);
-    assert!(run.err.contains("neither normal, uv, color, skin nor morph"), "{}", run.err);
+    assert!(run.err.contains("not one of normal, uv, color, skin, morph"), "{}", run.err);
 }
 
 #[test]

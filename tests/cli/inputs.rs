@@ -172,5 +172,5 @@ fn scans_and_prints_are_read_like_any_mesh() {
     assert!(f.has("out/scan.ply.lodc") && f.has("out/print.stl.lodc"));
     f.file("cut.ply", &f.read("scan.ply")[..2000]);
     let run = f.lodc(["build", "cut.ply"]).fails(3);
-    assert!(run.err.contains("cut.ply: header: 360 elements `vertex` do not fit"), "{}", run.err);
+    assert!(run.err.contains("cut.ply: header: 360 `vertex` elements do not fit"), "{}", run.err);
 }

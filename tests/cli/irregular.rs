@@ -30,7 +30,7 @@ fn an_offset_without_a_view_is_zeros() {
         root["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 2}]);
     });
     f.file("a.gltf", root);
-    read_with(&f, "a.gltf", "1 accessor has a byteOffset but no bufferView, ignored");
+    read_with(&f, "a.gltf", "1 accessor has a byteOffset but no bufferView: the offset is ignored");
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn a_primitive_without_vertices_is_dropped() {
         root["nodes"].as_array_mut().expect("nodes").push(json!({"mesh": 1, "name": "bare"}));
     });
     f.file("a.gltf", root);
-    read_with(&f, "a.gltf", "2 primitives without a vertex dropped");
+    read_with(&f, "a.gltf", "2 primitives without a vertex were dropped");
     f.lodc(["verify", "o.glb", "--source", "a.gltf"]).ends(0);
 }
 
@@ -116,6 +116,14 @@ fn indices_of_normals_that_the_file_lacks_are_ignored() {
     read_with(&f, "relative.obj", "name normals, of which the file has none");
     f.file("both.obj", with(&|v| format!("{v}/{v}/{v}")));
     read_with(&f, "both.obj", "name texture coordinates, of which the file has none");
+    // 0 is none, whether the file has any or not.
+    f.file("zero.obj", with(&|v| format!("{v}/0/0")));
+    read_with(&f, "zero.obj", "512 indices 0 of texture coordinates or normals");
+    f.file("zeros.obj", format!("vn 0 0 1\n{}", with(&|v| format!("{v}//0"))));
+    read_with(&f, "zeros.obj", "indices 0 of texture coordinates or normals are taken for none");
+    f.file("position.obj", with(&|v| v.replace('5', "0")));
+    let run = f.lodc(["extract", "position.obj", "--lod", "0", "-o", "o.glb"]).fails(3);
+    assert!(run.err.contains("indices start at 1"), "{}", run.err);
     // Where there are some, an index beyond them is an error.
     f.file("beyond.obj", format!("vn 0 0 1\n{}", with(&|v| format!("{v}//{v}"))));
     let run = f.lodc(["extract", "beyond.obj", "--lod", "0", "-o", "o.glb"]).fails(3);
@@ -133,7 +141,7 @@ fn base64_may_be_broken_into_lines_and_backslashes_are_slashes() {
         root["buffers"][0]["uri"] = json!(format!("{head},{}", lines.join("\r\n")));
     });
     f.file("lines.gltf", broken);
-    read_with(&f, "lines.gltf", "1 data URI has white space, ignored");
+    read_with(&f, "lines.gltf", "1 data URI has white space, which is ignored");
     let mut bytes = Vec::new();
     let backslash = changed(|root| {
         let uri = root["buffers"][0]["uri"].as_str().expect("data").to_owned();
@@ -142,5 +150,5 @@ fn base64_may_be_broken_into_lines_and_backslashes_are_slashes() {
     });
     f.file("sub/m.bin", &bytes);
     f.file("slash.gltf", backslash);
-    read_with(&f, "slash.gltf", "1 URI has backslashes, read as slashes");
+    read_with(&f, "slash.gltf", "1 URI has backslashes, which are read as slashes");
 }

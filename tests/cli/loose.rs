@@ -87,7 +87,67 @@ fn lines_and_points_of_an_obj_pass_into_every_format() {
     let run = f.lodc(["extract", "o.ply", "--lod", "0", "-o", "q.obj"]).ends(0);
     assert!(run.err.contains("2 edges pass through unchanged"), "{}", run.err);
     let back = elements(&String::from_utf8(f.read("q.obj")).expect("text"));
-    assert_eq!(back, ["l 100 0 0, 101 0.5 0", "l 101 0.5 0, 102 0 0"]);
+    let points = "p 103 0 7, 102 0 0";
+    assert_eq!(back, [points, "l 100 0 0, 101 0.5 0", "l 101 0.5 0, 102 0 0"]);
     let run = f.lodc(["extract", "a.obj", "--ratio", "50%", "-o", "o.stl"]).ends(0);
     assert!(run.err.contains("left out: points and lines"), "{}", run.err);
+}
+
+#[test]
+fn edges_and_loose_vertices_of_a_ply_pass_into_every_format() {
+    let f = Folder::new();
+    for far in [0.0, 4_649_776.5] {
+        // A grid of 128 triangles, two vertices of an edge, and one of nothing.
+        let x = |x: f64| far + x;
+        let mut text = String::from(
+            "ply\nformat ascii 1.0\nelement vertex 84\nproperty float x\nproperty float y\n\
+             property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+             element face 128\nproperty list uchar int vertex_indices\n\
+             element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n",
+        );
+        for i in 0..81 {
+            let height = [0.0, 0.3][usize::from(i % 7 == 0)];
+            text += &format!("{} {} {height} 255 255 255\n", x(f64::from(i % 9)), i / 9);
+        }
+        for end in [[9.2, 0.5], [10.3, 4.125], [11.7, 2.0]] {
+            text += &format!("{} {} 0 10 20 30\n", x(end[0]), end[1]);
+        }
+        for i in 0..64 {
+            let a = i / 8 * 9 + i % 8;
+            text += &format!("3 {a} {} {}\n3 {a} {} {}\n", a + 1, a + 10, a + 10, a + 9);
+        }
+        f.file("a.ply", text + "81 82\n");
+        let color = "0.039215688 0.078431375 0.11764706";
+        let expected = [
+            format!("p {} 2 0 {color}", x(11.7)),
+            format!("l {} 0.5 0 {color}, {} 4.125 0 {color}", x(9.2), x(10.3)),
+        ];
+        let run = f.lodc(["extract", "a.ply", "--ratio", "50%", "-o", "o.obj"]).ends(0);
+        assert!(run.err.contains("1 edge passes through unchanged, as lines"), "{}", run.err);
+        let said = "1 vertex that no face uses passes through unchanged, as points";
+        assert!(run.err.contains(said), "{}", run.err);
+        f.lodc(["build", "a.ply", "-o", "a.lodc"]).ends(0);
+        for input in ["a.ply", "a.lodc"] {
+            let to = |out: &str| {
+                f.lodc(["extract", input, "--ratio", "50%", "-o", out]).ends(0);
+            };
+            to("o.obj");
+            assert_eq!(elements(&String::from_utf8(f.read("o.obj")).expect("text")), expected);
+            to("o.ply");
+            to("o.glb");
+            for again in ["o.obj", "o.ply", "o.glb"] {
+                f.lodc(["extract", again, "--lod", "0", "-o", "again.obj"]).ends(0);
+                let back = elements(&String::from_utf8(f.read("again.obj")).expect("text"));
+                let numbers = |all: &[String]| -> Vec<f64> {
+                    let words = all.iter().flat_map(|line| line.split([' ', ',']));
+                    words.filter_map(|word| word.parse().ok()).collect()
+                };
+                let words: Vec<usize> = back.iter().map(|line| line.split(' ').count()).collect();
+                assert_eq!(words, [7, 13], "{input} by {again}: {back:?}");
+                for (found, wanted) in numbers(&back).iter().zip(numbers(&expected)) {
+                    assert!((found - wanted).abs() < 1e-6, "{input} by {again}: {back:?}");
+                }
+            }
+        }
+    }
 }

@@ -47,7 +47,10 @@ fn libraries_and_textures_may_be_in_quotes() {
     f.file("a.obj", textured("mtllib \"scan model.mtl\"\nusemtl skin"));
     f.file("b.obj", textured("mtllib \"no such.mtl\" \"scan model.mtl\"\nusemtl \"skin\""));
     assert!(!embeds(&f, "a.obj", &[]).contains("warning: the material"));
-    assert!(embeds(&f, "b.obj", &[]).contains("was not read: no such.mtl"));
+    assert!(embeds(&f, "b.obj", &[]).contains("not read: no such.mtl"));
+    f.file("c.mtl", "newmtl skin\nmap_Kd -bm 1 'my wood.png'\n");
+    f.file("c.obj", textured("mtllib 'no such.mtl' 'c.mtl'\nusemtl 'skin'"));
+    assert!(embeds(&f, "c.obj", &[]).contains("not read: no such.mtl"));
     // The copy of a texture has no quotes either.
     std::fs::create_dir(f.join("out")).expect("a folder");
     f.lodc(["extract", "a.obj", "--lod", "0", "-o", "out/o.obj"]).ends(0);
@@ -135,6 +138,9 @@ fn image_uris_with_percent_signs_drives_and_file_are_found_or_named() {
         ("wood.png", "file:///home/someone/wood.png"),
         ("sub/wood.png", "sub\\wood.png"),
         ("a b.png", "a%20b.png"),
+        ("wood.png", "wood.png?v=3"),
+        ("a b.png", "a%20b.png#top"),
+        ("C#.png", "C#.png"),
     ] {
         let f = Folder::new();
         let mut root: Value = serde_json::from_str(&scene(&[1.0], 4)).expect("a scene");
@@ -151,4 +157,19 @@ fn image_uris_with_percent_signs_drives_and_file_are_found_or_named() {
         assert!(!embeds(&f, "a.gltf", &[]).contains("missing"), "{uri}");
     }
     assert!(f.names().is_empty());
+}
+
+#[test]
+fn a_texture_of_a_library_may_be_percent_encoded() {
+    let f = Folder::new();
+    f.file("a.mtl", "newmtl skin\nKd 1 1 1\nmap_Kd my%20wood.png\n");
+    f.file("a.obj", textured("mtllib a.mtl\nusemtl skin"));
+    f.file("my wood.png", PNG);
+    assert!(!embeds(&f, "a.obj", &[]).contains("missing"));
+    // The name as it is comes first.
+    f.file("my%20wood.png", [PNG, b"longer"].concat());
+    embeds(&f, "a.obj", &[]);
+    let (root, _) = glb_document(&f.read("o.glb"));
+    let view = root["images"][0]["bufferView"].as_u64().expect("a view") as usize;
+    assert_eq!(root["bufferViews"][view]["byteLength"], PNG.len() + 6);
 }

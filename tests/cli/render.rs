@@ -296,3 +296,28 @@ fn nonsense_and_failures_are_one_line_and_leave_what_was_there() {
     f.lodc(["render", "broken.lodc", "-o", "old.png"]).fails(3);
     assert_eq!(f.read("old.png"), b"kept");
 }
+
+#[test]
+fn colours_of_vertices_look_like_the_same_colour_of_a_material() {
+    let f = Folder::new();
+    let painted = |line: &str| match line.starts_with("v ") {
+        true => format!("{line} 0.5 0.25 0.75\n"),
+        false => format!("{line}\n"),
+    };
+    f.file("painted.obj", grid(8).lines().map(painted).collect::<String>());
+    f.file("kd.mtl", "newmtl m\nKd 0.5 0.25 0.75\n");
+    f.file("kd.obj", format!("mtllib kd.mtl\nusemtl m\n{}", grid(8)));
+    f.lodc(["extract", "painted.obj", "--lod", "0", "-o", "painted.glb"]).ends(0);
+    f.lodc(["extract", "painted.obj", "--lod", "0", "-o", "painted.ply"]).ends(0);
+    f.lodc(["build", "painted.obj"]).ends(0);
+    let drawn = |input: &str| {
+        let common = ["render", input, "-o", "o.png", "--size", "80x60", "--view", "front"];
+        render(&f, common.iter().chain(&["--orthographic"])).map(|_| picture(&f, "o.png").bytes)
+    };
+    let Some(expected) = drawn("kd.obj") else { return };
+    for input in ["painted.obj", "painted.glb", "painted.ply", "painted.lodc"] {
+        let found = drawn(input).expect("there is a device");
+        let off = found.iter().zip(&expected).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(off <= Some(2), "{input}: off by {off:?}");
+    }
+}

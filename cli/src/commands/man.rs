@@ -25,7 +25,7 @@ pub(crate) fn run(args: &ManArgs, mut program: Command) -> Outcome<()> {
         None => program,
         Some(name) => match program.find_subcommand(name) {
             Some(command) => command.clone(),
-            None => return Err(Failure::usage(format!("{name}: there is no such command"))),
+            None => return Err(Failure::usage(format!("{name}: unknown command"))),
         },
     };
     let mut text = Vec::new();

@@ -24,7 +24,12 @@ pub(crate) fn read_lodc(path: &Path, limits: Limits) -> Outcome<(LodFile, Vec<u8
 /// # Errors
 /// If it is damaged.
 pub(crate) fn parse_lodc(bytes: &[u8], name: &str) -> Outcome<LodFile> {
-    let file = read(bytes).map_err(|e| e.in_file(name))?;
+    let file = read(bytes).map_err(|mut e| {
+        if e.problem.starts_with("not a ") {
+            e.problem += "; `lodc build` makes one of a mesh";
+        }
+        e.in_file(name)
+    })?;
     console::warnings(name, &file.left_out);
     Ok(file)
 }

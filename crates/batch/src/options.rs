@@ -63,6 +63,8 @@ pub struct CommandOptions {
     pub name: String,
     /// Long names of its options.
     pub options: Vec<String>,
+    /// Long names of those that take no value.
+    pub switches: Vec<String>,
     /// Groups of long names; of each group only one option can be given.
     pub exclusive_groups: Vec<Vec<String>>,
 }

@@ -273,7 +273,8 @@ impl Parts<'_> {
         if !self.0.iter().any(decides_sequence) {
             return Ok(());
         }
-        let what = "has its order of collapses: give metric, weight and lock of parts to build";
+        let what = "its order of collapses is fixed: metric, weight and lock of parts belong to \
+                    `lodc build`";
         Err(AssetError::Usage(format!("{input}: {what}")))
     }
 }

@@ -7,12 +7,25 @@ use crate::image::Image;
 pub struct Appearance {
     /// All materials; the first one is for submeshes without a material.
     pub materials: Vec<Material>,
+    /// The one that stands for the first where vertices have colours: these alone are seen.
+    pub painted: Option<usize>,
     /// For every object and submesh the index of its material.
     pub of_submesh: Vec<Vec<usize>>,
     /// The images of the materials' textures.
     pub images: Vec<Image>,
     /// A line for each image that could not be loaded.
     pub warnings: Vec<String>,
+}
+
+impl Appearance {
+    /// The material of a submesh, of which the vertices have colours or not.
+    #[must_use]
+    pub fn material_of(&self, object: usize, submesh: usize, has_colours: bool) -> usize {
+        match self.of_submesh[object][submesh] {
+            0 if has_colours => self.painted.unwrap_or(0),
+            material => material,
+        }
+    }
 }
 
 /// A material, reduced to its base colour.

@@ -163,7 +163,7 @@ fn level_of_object(object: &Candidate<'_>, target: Target, warnings: &mut Vec<St
         Target::Lod(n) => {
             if n > c.last().0 {
                 warnings.push(format!(
-                    "{}: there are {} records, fewer than {n}: took the last LOD",
+                    "{}: LOD {n} does not exist: used the last one, LOD {}",
                     object.name,
                     c.last().0
                 ));

@@ -26,7 +26,7 @@ function map(rest) {
 }
 
 /** A glTF document of one object whose submeshes name materials of an OBJ. */
-export function documentOf({ materials }, { submeshes }) {
+export function documentOf({ materials }, { submeshes, attributes }) {
   const textures = [];
   const all = materials.map(({ name, lines }) => {
     const say = {};
@@ -61,12 +61,17 @@ export function documentOf({ materials }, { submeshes }) {
   const plain = all.length;
   const grey = { baseColorFactor: [0.6, 0.6, 0.6, 1], metallicFactor: 0, roughnessFactor: 0.9 };
   all.push({ pbrMetallicRoughness: grey, doubleSided: true });
-  const number = (name) => {
+  // Where vertices have colours, these alone are seen.
+  const white = { ...grey, baseColorFactor: [1, 1, 1, 1] };
+  all.push({ pbrMetallicRoughness: white, doubleSided: true });
+  const isPainted = (streams) => (
+    streams.some((s) => attributes[s].name === 'color' && attributes[s].target < 0));
+  const number = ({ material: name, streams }) => {
     const at = materials.findIndex((material) => material.name === name);
-    return at < 0 ? plain : at;
+    return at < 0 ? plain + isPainted(streams) : at;
   };
-  const primitives = submeshes.map(({ material }) => (
-    { attributes: {}, material: number(material) }));
+  const primitives = submeshes.map((submesh) => (
+    { attributes: {}, material: number(submesh) }));
   return {
     asset: { version: '2.0' },
     extensionsUsed: ['KHR_texture_transform'],

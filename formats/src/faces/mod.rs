@@ -199,7 +199,7 @@ fn clean(parts: &mut MeshParts, weld: f64, warnings: &mut Vec<String>) {
         warnings.push(counted(cleaning.degenerate_triangles, one, several));
     }
     if parts.triangles.is_empty() {
-        warnings.push("there is no triangle: nothing to simplify".to_owned());
+        warnings.push("no triangles: nothing to simplify".to_owned());
     }
 }
 

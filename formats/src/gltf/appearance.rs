@@ -36,8 +36,10 @@ pub(crate) fn appearance(
             let used = used.contains(&number);
             materials.push(if used { reader.material(source)? } else { Material::default() });
         }
-        let Pictures { list, warnings, .. } = reader.pictures;
-        Ok(Appearance { materials, of_submesh: submesh_materials, images: list, warnings })
+        let Pictures { list: images, warnings, .. } = reader.pictures;
+        let painted = Some(materials.len());
+        materials.push(Material::default());
+        Ok(Appearance { materials, painted, of_submesh: submesh_materials, images, warnings })
     })
 }
 

@@ -22,13 +22,17 @@ pub(super) const EXTENSIONS: &[Entry] = &[
     ),
     (
         "EXT_mesh_gpu_instancing",
-        &[("nodes[].extensions.EXT_mesh_gpu_instancing.attributes{}", Accessors)],
+        &[
+            ("nodes[].extensions.EXT_mesh_gpu_instancing.attributes{}", Accessors),
+            ("nodes[].extensions.EXT_mesh_gpu_instancing.mesh", Meshes),
+        ],
     ),
     (
         "EXT_mesh_manifold",
         &[
             ("meshes[].extensions.EXT_mesh_manifold.manifoldPrimitive.indices", Accessors),
             ("meshes[].extensions.EXT_mesh_manifold.manifoldPrimitive.attributes{}", Accessors),
+            ("meshes[].extensions.EXT_mesh_manifold.manifoldPrimitive.material", Materials),
             ("meshes[].extensions.EXT_mesh_manifold.mergeIndices", Accessors),
             ("meshes[].extensions.EXT_mesh_manifold.mergeValues", Accessors),
         ],
@@ -202,6 +206,7 @@ pub(super) const EXTENSIONS: &[Entry] = &[
         &[
             ("extensions.KHR_techniques_webgl.shaders[].bufferView", BufferViews),
             ("extensions.KHR_techniques_webgl.techniques[].uniforms{}.node", Nodes),
+            ("extensions.KHR_techniques_webgl.techniques[].uniforms{}.value.index", Textures),
             ("materials[].extensions.KHR_techniques_webgl.values{}.index", Textures),
         ],
     ),

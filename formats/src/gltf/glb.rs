@@ -1,6 +1,7 @@
 //! The binary container (glTF 2.0, 4): a header, a JSON chunk and at most one binary chunk.
 
 use super::json::malformed;
+use crate::words::counted;
 use crate::{Fault, FormatError};
 use std::ops::Range;
 
@@ -49,7 +50,9 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
     }
     let mut warnings = Vec::new();
     if length < bytes.len() {
-        warnings.push(format!("{} bytes after the end of the GLB ignored", bytes.len() - length));
+        let after = counted(bytes.len() - length, "byte", "bytes");
+        let was = if bytes.len() - length == 1 { "was" } else { "were" };
+        warnings.push(format!("{after} after the end of the GLB {was} ignored"));
     }
     let (mut json, mut bin): (Option<Range<usize>>, Option<Range<usize>>) = (None, None);
     let (mut offset, mut number, mut ignored) = (12, 0usize, 0usize);
@@ -79,7 +82,9 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
         number += 1;
     }
     if ignored > 0 {
-        warnings.push(format!("{ignored} GLB chunks of unknown kind dropped"));
+        let (one, several) =
+            ("GLB chunk of an unknown type was", "GLB chunks of unknown types were");
+        warnings.push(format!("{} ignored", counted(ignored, one, several)));
     }
     let json = json.ok_or_else(|| malformed("", "the GLB has no JSON chunk"))?;
     Ok(Chunks { json, bin, warnings })

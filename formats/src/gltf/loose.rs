@@ -56,7 +56,7 @@ fn add(
     let count = points.len() as u32;
     loose.positions.extend(points.iter().map(|&p| {
         let p = transform.transform_point3(p.into());
-        p.to_array().map(|c| c as f32)
+        p.to_array()
     }));
     if let Some((colors, components)) = attribute("COLOR_0")? {
         loose.colors.resize(first as usize, [1.0; 3]);

@@ -2,6 +2,7 @@
 
 use super::json::malformed;
 use crate::assets::last_part;
+use crate::percent::{percent_decoded, percent_encoded};
 use crate::{Assets, Fault, FormatError};
 
 /// The bytes that a buffer's URI stands for. `data:` URIs do not touch the file system; nothing
@@ -23,11 +24,18 @@ pub(crate) fn read(uri: &str, location: &str, assets: &mut Assets) -> Result<Vec
         return assets.read_reference(last_part(&path)).map_err(missing);
     }
     match assets.read_name(&path) {
-        // A name with a percent sign that happens to decode.
-        Err(e) if e.fault == Fault::Unreadable && path != uri => {
-            let found = assets.read_reference(uri).map_err(|_| e)?;
-            assets.set_replaced(&path);
-            Ok(found)
+        // A name with a percent sign that happens to decode, or with a query or a place inside the
+        // file behind it.
+        Err(e) if e.fault == Fault::Unreadable => {
+            let address = uri.split(['?', '#']).next().and_then(self::path);
+            let others = [Some(uri.to_owned()), address].into_iter().flatten();
+            for other in others.filter(|other| *other != path) {
+                if let Ok(found) = assets.read_reference(&other) {
+                    assets.set_replaced(&path);
+                    return Ok(found);
+                }
+            }
+            Err(e)
         }
         other => other,
     }
@@ -99,35 +107,6 @@ pub(crate) fn decoded_data(uri: &str) -> Option<(String, Vec<u8>)> {
     Some((media_type, data(after_scheme, "").ok()?))
 }
 
-/// `%XX` turned into bytes; `None` where a `%` is not followed by two hexadecimal digits.
-pub(crate) fn percent_decoded(text: &str) -> Option<Vec<u8>> {
-    let mut out = Vec::with_capacity(text.len());
-    let mut bytes = text.bytes();
-    while let Some(b) = bytes.next() {
-        if b == b'%' {
-            let mut digit = || char::from(bytes.next()?).to_digit(16);
-            let value = digit()? * 16 + digit()?;
-            out.push(value as u8);
-        } else {
-            out.push(b);
-        }
-    }
-    Some(out)
-}
-
-/// A file name as a URI: everything but unreserved characters percent-encoded.
-pub(crate) fn percent_encoded(name: &str) -> String {
-    let mut out = String::with_capacity(name.len());
-    for b in name.bytes() {
-        if b.is_ascii_alphanumeric() || b"-._~".contains(&b) {
-            out.push(char::from(b));
-        } else {
-            out.push_str(&format!("%{b:02X}"));
-        }
-    }
-    out
-}
-
 /// Base 64 of either alphabet (RFC 4648, 4 and 5), padded or not; `None` for anything else.
 pub(crate) fn base64_decoded(text: &[u8]) -> Option<Vec<u8>> {
     let end = text.iter().rposition(|&b| b != b'=').map_or(0, |i| i + 1);
@@ -184,14 +163,6 @@ mod tests {
         for text in ["T", "TWFuT", "T===", "TQ=", "TW Fu", "TQ=A", "=", "TWFu\n", "T\u{e9}aa"] {
             assert_eq!(base64_decoded(text.as_bytes()), None, "{text}");
         }
-    }
-
-    #[test]
-    fn percent_encoding_goes_both_ways() {
-        let name = "Unicode ❤♻ %41.bin";
-        assert_eq!(percent_decoded(&percent_encoded(name)).as_deref(), Some(name.as_bytes()));
-        assert_eq!(percent_decoded("%4"), None);
-        assert_eq!(percent_decoded("%+1"), None);
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub(crate) fn decode_if(
             (b"BM", "a BMP picture"),
         ];
         let kind = other_kinds.iter().find(|(magic, _)| bytes.starts_with(magic));
-        let kind = kind.map_or("of no known kind", |(_, kind)| kind);
+        let kind = kind.map_or("of an unknown format", |(_, kind)| kind);
         let problem = format!("is {kind}; PNG and JPEG can be read");
         Err(FormatError::new(Fault::Unsupported, "", problem))
     }
@@ -56,7 +56,7 @@ fn check_size(
     allowed: impl FnOnce(u64) -> Result<(), FormatError>,
 ) -> Result<(), FormatError> {
     if width == 0 || height == 0 {
-        return Err(FormatError::new(Fault::Malformed, "", "has no pixel"));
+        return Err(FormatError::new(Fault::Malformed, "", "has no pixels"));
     }
     if width > MAX_SIDE || height > MAX_SIDE || (width as u64) * (height as u64) > MAX_PIXELS {
         let problem = format!(

@@ -325,7 +325,7 @@ impl ParsedText {
             &decoded
         };
         let (entry, used) = decode_front::<TextEntry>(text)
-            .ok_or_else(|| malformed("ends too early or has what cannot be"))?;
+            .ok_or_else(|| malformed("ends too early or has invalid values"))?;
         let json = &text[used..];
         let source =
             source_of(entry.format, entry.content_hash).map_err(|problem| malformed(&problem))?;
@@ -333,7 +333,7 @@ impl ParsedText {
             return Err(malformed("has another format or number of objects than the head"));
         }
         let order = buffer_order(&entry.runs, head.buffer)
-            .ok_or_else(|| malformed("has runs of the buffer that cannot be"))?;
+            .ok_or_else(|| malformed("has invalid runs of the buffer"))?;
         let document = document(entry.document, json)?;
         let objects = entry.objects.into_iter().map(object_info).collect::<Result<_, _>>()?;
         Ok((Self { source, document, objects }, order))

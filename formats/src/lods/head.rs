@@ -37,16 +37,16 @@ impl Head {
         let (&format, mut unread) = bytes.split_first().ok_or_else(|| malformed("is empty"))?;
         let format = source_format(format).map_err(|problem| malformed(&problem))?;
         let mut number = |max: u64| {
-            take_leb128(&mut unread, max).ok_or_else(|| malformed("has a number that cannot be"))
+            take_leb128(&mut unread, max).ok_or_else(|| malformed("has an invalid number"))
         };
         let u32_max = u64::from(u32::MAX);
         let (objects, text, stored) = (number(u32_max)?, number(u32_max)?, number(u32_max)?);
         let buffer = number(u64::MAX)?;
         if stored > text || !format.is_gltf() && buffer > 0 {
-            return Err(malformed("announces a document that cannot be"));
+            return Err(malformed("announces a document of an invalid size"));
         }
         if !unread.is_empty() {
-            return Err(malformed("has bytes left over"));
+            return Err(malformed("has extra bytes at its end"));
         }
         let [objects, text, stored] = [objects, text, stored].map(|n| n as u32);
         Ok(Self { format, objects, text, stored, buffer })

@@ -37,7 +37,7 @@ pub(super) fn to_bytes(mesh: &MeshHeader, codec: &mut TextCodec) -> Option<Vec<u
 
 /// Takes a header off the front of a payload.
 pub(super) fn take(bytes: &mut &[u8], codec: &mut TextCodec) -> Result<MeshHeader, FormatError> {
-    let short = || malformed("is too short for what it should hold");
+    let short = || malformed("is too short for its content");
     let mut length = || take_leb128(bytes, MAX_BYTES).ok_or_else(short);
     let [plain, coded] = [length()? as usize, length()? as usize];
     let (header, rest) = bytes.split_at_checked(coded).ok_or_else(short)?;
@@ -112,7 +112,7 @@ fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
         return Err(malformed("has vertices without a submesh"));
     }
     if !bytes.is_empty() {
-        return Err(malformed("has bytes left over"));
+        return Err(malformed("has extra bytes at its end"));
     }
     Ok(MeshHeader { submeshes, attributes, layout, vertices, triangles, steps, exact })
 }
@@ -139,13 +139,13 @@ fn submeshes(rest: &mut &[u8]) -> Result<Vec<Submesh>, FormatError> {
 /// Takes a number below 2^32 off the front.
 fn number(bytes: &mut &[u8]) -> Result<u32, FormatError> {
     let number = take_leb128(bytes, u64::from(u32::MAX));
-    number.map(|n| n as u32).ok_or_else(|| malformed("has a number that cannot be"))
+    number.map(|n| n as u32).ok_or_else(|| malformed("has an invalid number"))
 }
 
 /// Takes a byte off the front.
 fn byte(bytes: &mut &[u8]) -> Result<u8, FormatError> {
     let (&first, rest) =
-        bytes.split_first().ok_or_else(|| malformed("is too short for what it should hold"))?;
+        bytes.split_first().ok_or_else(|| malformed("is too short for its content"))?;
     *bytes = rest;
     Ok(first)
 }

@@ -36,10 +36,12 @@ pub(crate) fn appearance(
         let is_used = used.contains(m.name.as_str());
         materials.push(if is_used { material(m, &mut pictures, assets)? } else { PLAIN });
     }
+    materials.push(Material { colour: [1.0; 4], ..PLAIN });
     let numbers = numbers(&obj.materials);
     let number = |name: &str| numbers.get(name).map_or(0, |number| 1 + number);
     let material_of = |s: &SubmeshInfo| s.material.as_deref().map_or(0, number);
     Ok(Appearance {
+        painted: Some(materials.len() - 1),
         materials,
         of_submesh: objects.iter().map(|o| o.submeshes.iter().map(material_of).collect()).collect(),
         images: pictures.list,

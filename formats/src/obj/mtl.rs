@@ -17,11 +17,17 @@ pub(crate) fn file(line: &str) -> Option<&str> {
     options_and_file(rest).map(|(_, file)| file)
 }
 
+/// What may stand around a name.
+pub(crate) const QUOTES: [char; 2] = ['"', '\''];
+
 /// A name without the quotes that some programs put around it.
 pub(crate) fn unquoted(name: &str) -> &str {
     let name = name.trim();
-    let inner = name.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
-    inner.filter(|inner| !inner.contains('"')).map_or(name, str::trim)
+    let inner = QUOTES.iter().find_map(|&quote| {
+        let inner = name.strip_prefix(quote)?.strip_suffix(quote)?;
+        (!inner.contains(quote)).then_some(inner)
+    });
+    inner.map_or(name, str::trim)
 }
 
 /// An option of a texture, with its dash, and its arguments.
@@ -46,7 +52,7 @@ fn options_and_file(rest: &str) -> Option<(Vec<MapOption<'_>>, &str)> {
             // The last word is the file.
             let Some((word, after)) = words.split_once(char::is_whitespace) else { break };
             // -o, -s and -t take one to three numbers.
-            if max_arguments > 1 && word.parse::<f64>().is_err() || word.starts_with('"') {
+            if max_arguments > 1 && word.parse::<f64>().is_err() || word.starts_with(QUOTES) {
                 break;
             }
             arguments.push(word);
@@ -98,7 +104,7 @@ pub(crate) fn with_file(line: &str, file: &str) -> String {
         Some(old) => {
             // Behind the name are at most quotes and spaces.
             let start = line.rfind(old).unwrap_or(0);
-            let before = line[..start].trim_end_matches('"');
+            let before = line[..start].trim_end_matches(QUOTES);
             format!("{before}{file}")
         }
         None => line.to_owned(),

@@ -44,19 +44,19 @@ pub(crate) fn import(
     for element in &header.elem_defs {
         content.read(element, &mut reader, assets.limits())?;
     }
-    let vertices = content.faces.positions.len() as u32;
-    content.lines.retain(|ends| ends.iter().all(|&v| v < vertices));
-    let loose =
-        Loose::of_file(&content.faces.positions, &content.faces.colors, &[], &content.lines);
-    if !loose.is_empty() {
-        let edges = counted(loose.lines.len(), "edge passes", "edges pass");
-        content.warnings.push(format!("{edges} through unchanged, as lines"));
+    let mut exact = std::mem::take(&mut content.exact_positions);
+    if exact.is_empty()
+        && header.format == PlyFormat::Ascii
+        && faces::may_be_far(&content.faces.positions)
+    {
+        exact = exact_positions(bytes, assets.limits())?;
     }
+    let loose = content.loose(&exact);
     let materials = textures(&header);
     let mut warnings = content.warnings;
     let mut faces = content.faces;
     let mut offset = [0.0; 3];
-    if let Some(local) = faces::local(&content.exact_positions) {
+    if let Some(local) = faces::local(&exact) {
         (offset, faces.positions) = local;
     }
     finish(&mut faces, &content.texture_numbers, &materials, &mut warnings)?;
@@ -87,6 +87,9 @@ pub(crate) fn import(
     faces::scene(file, assets, options)
 }
 
+/// More vertices that nothing uses are no points that someone placed. Chosen by hand.
+const MAX_POINTS: usize = 1 << 20;
+
 /// Everything between the header and the end.
 #[derive(Debug, Default)]
 struct Content {
@@ -99,8 +102,9 @@ struct Content {
     lines: Vec<Vec<u32>>,
     /// For each face its colour; empty if faces have none.
     face_colors: Vec<[f32; 4]>,
-    /// Faces with fewer than three corners.
+    /// Faces with fewer than three corners, and those corners.
     small_faces: u64,
+    small_corners: Vec<u32>,
     warnings: Vec<String>,
 }
 
@@ -152,15 +156,19 @@ impl Content {
             }
             _ => {
                 if element.count > 0 {
-                    let elements = counted(element.count, "element", "elements");
-                    self.warnings.push(format!("left out {elements} `{name}`"));
+                    let named = |noun| format!("`{name}` {noun}");
+                    let elements = counted(element.count, &named("element"), &named("elements"));
+                    self.warnings.push(format!("ignored {elements}"));
                 }
                 value(reader, Rows { element, count: &count, sink: |_: usize, _: &[f64]| Ok(()) })
             }
         };
         if !unused.is_empty() && element.count > 0 {
+            let was = [" was", " were"][usize::from(unused.len() > 1)];
+            let properties = counted(unused.len(), "property", "properties");
             let names = unused.join("`, `");
-            self.warnings.push(format!("of each {name} was left out: `{names}`"));
+            let text = format!("{properties} of each {name}{was} ignored: `{names}`");
+            self.warnings.push(text);
         }
         read.map_err(|e| {
             let location = format!("{name} {}", count.rows());
@@ -168,6 +176,73 @@ impl Content {
             FormatError::new(fault, location, problem)
         })
     }
+
+    /// Edges as lines, and vertices that nothing uses as points. `exact` is empty or has the
+    /// positions in double precision.
+    fn loose(&mut self, exact: &[[f64; 3]]) -> Loose {
+        let positions = &self.faces.positions;
+        self.lines.retain(|ends| ends.iter().all(|&v| (v as usize) < positions.len()));
+        let mut used = vec![false; positions.len()];
+        let ends = self.lines.iter().flatten();
+        for &v in self.faces.corner_v.iter().chain(&self.small_corners).chain(ends) {
+            if let Some(used) = used.get_mut(v as usize) {
+                *used = true;
+            }
+        }
+        let mut points: Vec<u32> =
+            (0..).zip(&used).filter_map(|(v, used)| (!used).then_some(v)).collect();
+        if !self.lines.is_empty() {
+            let edges = counted(self.lines.len(), "edge passes", "edges pass");
+            self.warnings.push(format!("{edges} through unchanged, as lines"));
+        }
+        if points.len() > MAX_POINTS {
+            let text = format!("{} vertices that no face uses were dropped", points.len());
+            self.warnings.push(format!("{text}: more than {MAX_POINTS}"));
+            points.clear();
+        }
+        if !points.is_empty() {
+            let vertices = counted(points.len(), "vertex", "vertices");
+            let pass = if points.len() == 1 { "passes" } else { "pass" };
+            let text = format!("{vertices} that no face uses {pass} through unchanged, as points");
+            self.warnings.push(text);
+        }
+        let position = |v: usize| match exact.get(v) {
+            Some(exact) => *exact,
+            None => positions[v].map(f64::from),
+        };
+        Loose::of_file(position, &self.faces.colors, &points, &self.lines)
+    }
+}
+
+/// The positions of an ASCII file with all the digits that it has, where its header says that they
+/// are in single precision.
+fn exact_positions(bytes: &[u8], limits: &Limits) -> Result<Vec<[f64; 3]>, FormatError> {
+    let mut header = Vec::new();
+    let mut rest = bytes;
+    for line in bytes.split_inclusive(|&b| b == b'\n') {
+        rest = &rest[line.len()..];
+        let text = String::from_utf8_lossy(line);
+        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        match words[..] {
+            ["property", "float" | "float32", axis @ ("x" | "y" | "z")] => {
+                header.extend(format!("property double {axis}\n").bytes());
+            }
+            _ => header.extend(line),
+        }
+        if words == ["end_header"] {
+            break;
+        }
+    }
+    let mut reader = PlyReader::from_reader(header.as_slice().chain(rest).chain(&b"\n"[..]))
+        .map_err(|e| header_error(&e))?;
+    let mut content = Content::default();
+    for element in &reader.header().clone().elem_defs {
+        content.read(element, &mut reader, limits)?;
+        if element.name == "vertex" {
+            break;
+        }
+    }
+    Ok(content.exact_positions)
 }
 
 /// Reads the next element.
@@ -190,7 +265,7 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
         if matches!(name.as_str(), "vertex" | "face" | "tristrips")
             && header.elem_defs[..number].iter().any(|e| e.name == *name)
         {
-            let problem = format!("there are two elements `{name}`");
+            let problem = format!("element `{name}` is declared twice");
             return Err(FormatError::new(Fault::Malformed, HEADER, problem));
         }
         let min_bytes: u64 = match header.format {
@@ -205,7 +280,7 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
         }
         // One byte more is the line end that may be missing.
         if count.saturating_mul(min_bytes) > bytes as u64 + 1 {
-            let problem = format!("{count} elements `{name}` do not fit into the file");
+            let problem = format!("{count} `{name}` elements do not fit into the file");
             return Err(FormatError::new(Fault::Malformed, HEADER, problem));
         }
         let limit = match name.as_str() {
@@ -214,7 +289,7 @@ fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), Format
             _ => u64::MAX,
         };
         if count > limit {
-            let problem = format!("{count} elements `{name}`: the limit is {limit}");
+            let problem = format!("{count} `{name}` elements: the limit is {limit}");
             return Err(FormatError::new(Fault::Limit, HEADER, problem));
         }
     }
@@ -240,7 +315,7 @@ fn check_faces(header: &PlyHeader) -> Result<(), FormatError> {
     };
     let vertices = counted(count("vertex"), "vertex", "vertices");
     let problem = match count("vertex") {
-        0 => "not a mesh: it has no vertex and no face".to_owned(),
+        0 => "not a mesh: no vertex and no face".to_owned(),
         _ => format!("{kind}, not a mesh: {vertices} and no face"),
     };
     Err(FormatError::new(Fault::Unsupported, HEADER, problem))
@@ -258,7 +333,7 @@ fn finish(
     if let Some(corner) = faces.corner_v.iter().position(|&v| v as usize >= vertices) {
         let face = faces.face_ends.partition_point(|&end| end as usize <= corner);
         let problem = format!(
-            "vertex {} is not there: the file has {vertices}, counted from 0",
+            "vertex {} does not exist (the file has {vertices}, counted from 0)",
             faces.corner_v[corner]
         );
         return Err(FormatError::new(Fault::Malformed, format!("face {}", face + 1), problem));
@@ -308,7 +383,7 @@ fn header_error(error: &DeserializeError) -> FormatError {
 /// Whose fault an error of `serde-ply` or a sink is, and its message.
 fn fault_and_problem(error: &DeserializeError) -> (Fault, String) {
     if error.0.kind() == ErrorKind::UnexpectedEof {
-        return (Fault::Malformed, "the file ends before it".to_owned());
+        return (Fault::Malformed, "the file ends too early".to_owned());
     }
     let text = error.0.to_string();
     if let Some(limit) = text.strip_prefix(columns::LIMIT) {

@@ -38,7 +38,7 @@ fn attributes_of_vertices_are_kept_and_the_rest_is_named() {
     assert_eq!(floats(&scene, &Semantic::Color(0))[9], lodc_scene::to_linear(0.2));
     assert_eq!(
         scene.warnings,
-        ["of each vertex was left out: `quality`", "1 polygon was triangulated"]
+        ["1 property of each vertex was ignored: `quality`", "1 polygon was triangulated"]
     );
     assert_eq!(
         (scene.objects[0].info.name.as_str(), scene.source.format),
@@ -109,7 +109,7 @@ fn faces_may_have_textures_and_coordinates_of_their_own() {
     assert!(
         scene.warnings.contains(&"1 face names a texture that the file does not have".to_owned())
     );
-    assert!(scene.warnings.contains(&"of each face was left out: `flags`".to_owned()));
+    assert!(scene.warnings.contains(&"1 property of each face was ignored: `flags`".to_owned()));
 }
 
 #[test]
@@ -130,6 +130,17 @@ fn points_alone_are_refused_as_what_they_are() {
 }
 
 #[test]
+fn vertices_that_nothing_uses_are_points_unless_there_are_too_many() {
+    for (count, kept) in [(5, 2), (MAX_POINTS + 3, MAX_POINTS), (MAX_POINTS + 4, 0)] {
+        let positions = vec![[0.5; 3]; count];
+        let faces = Faces { positions, corner_v: vec![0, 1, 4], ..Faces::default() };
+        let mut content = Content { faces, ..Content::default() };
+        assert_eq!(content.loose(&[]).points.len(), kept);
+        assert_eq!(content.warnings.len(), 1, "{:?}", content.warnings);
+    }
+}
+
+#[test]
 fn no_faces_need_no_properties() {
     let faces = PLAIN.to_owned() + "element face 0\n" + POINTS;
     let error = import_bytes(faces.as_bytes()).expect_err("no face");
@@ -141,12 +152,12 @@ fn what_is_wrong_is_said_with_its_place() {
     let faces = "element face 1\nproperty list uchar int vertex_indices\n";
     let all = |face: &str| PLAIN.to_owned() + faces + POINTS + face;
     for (source, message) in [
-        ("ply\nformat ascii 1.0\n".to_owned(), "header: the file ends before it"),
+        ("ply\nformat ascii 1.0\n".to_owned(), "header: the file ends too early"),
         ("ply\nend_header\n".to_owned(), "header: missing format specification"),
         (PLAIN.replace("float x", "half x"), "header: unknown scalar type: half"),
-        (all("3 0 1 4\n"), "face 1: vertex 4 is not there: the file has 4, counted from 0"),
-        (all("3 0 1 -1\n"), "face 1: vertex -1 is no index"),
-        (all("3 0 1\n"), "face 1: the file ends before it"),
+        (all("3 0 1 4\n"), "face 1: vertex 4 does not exist (the file has 4, counted from 0)"),
+        (all("3 0 1 -1\n"), "face 1: -1 is not the number of a vertex"),
+        (all("3 0 1\n"), "face 1: the file ends too early"),
         (all("3 0 1 x\n"), "face 1: failed to parse i32 from ASCII"),
         (
             all("3 0 1 2").replace("1 1 0\n", "1 inf 0\n"),
@@ -154,7 +165,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ),
         (
             all("").replace("vertex 4", "vertex 4000000000"),
-            "header: 4000000000 elements `vertex` do not",
+            "header: 4000000000 `vertex` elements do not",
         ),
         (
             all("").replace("face 1\n", "face 1\nelement x 18446744073709551615\n"),
@@ -164,7 +175,7 @@ fn what_is_wrong_is_said_with_its_place() {
             faces.replace("element", "ply\nformat ascii 1.0\nelement") + &PLAIN[21..] + POINTS,
             "comes before",
         ),
-        (PLAIN.to_owned() + &PLAIN[21..] + POINTS, "there are two elements `vertex`"),
+        (PLAIN.to_owned() + &PLAIN[21..] + POINTS, "element `vertex` is declared twice"),
     ] {
         let error = import_bytes(source.as_bytes()).expect_err(message);
         assert!(error.to_string().contains(message), "{error} instead of {message}");

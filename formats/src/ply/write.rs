@@ -9,7 +9,7 @@ use crate::provenance::Provenance;
 use crate::{Fault, FormatError, OutputFile};
 use lodc_mesh::Semantic;
 use lodc_scene::stream;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -25,7 +25,11 @@ pub(crate) fn export(
     provenance: Option<&Provenance>,
 ) -> Result<Vec<OutputFile>, FormatError> {
     let of_triangles: usize = placed.iter().map(|p| p.object.mesh.vertex_count()).sum();
-    let vertices = of_triangles + loose.positions.len();
+    // Points are vertices that nothing uses: one that is the end of a line, too, is there twice.
+    let edges: Vec<[u32; 2]> = loose.segments().collect();
+    let ends: BTreeSet<u32> = edges.iter().flatten().copied().collect();
+    let again: Vec<u32> = loose.points.iter().copied().filter(|p| ends.contains(p)).collect();
+    let vertices = of_triangles + loose.positions.len() + again.len();
     let triangles: usize = placed.iter().map(|p| p.object.mesh.triangles().len()).sum();
     if i32::try_from(vertices).is_err() {
         return Err(FormatError::new(
@@ -38,7 +42,6 @@ pub(crate) fn export(
     if !loose.colors.is_empty() {
         columns.colors = columns.colors.max(3);
     }
-    let edges: Vec<[u32; 2]> = loose.segments().collect();
     let counts = [vertices, triangles, edges.len()];
     let mut bytes = columns.header(counts, &textures, provenance).into_bytes();
     bytes.reserve(vertices * columns.stride() + triangles * 17);
@@ -60,7 +63,8 @@ pub(crate) fn export(
         }
         first += mesh.vertex_count() as u32;
     }
-    columns.write_loose(&mut bytes, loose);
+    let all = (0..loose.positions.len()).chain(again.iter().map(|&v| v as usize));
+    all.for_each(|v| columns.write_loose(&mut bytes, loose, v));
     bytes.extend_from_slice(&faces);
     for end in edges.as_flattened() {
         bytes.extend_from_slice(&(of_triangles as u32 + end).to_le_bytes());
@@ -171,21 +175,20 @@ impl Columns {
             + self.colors
     }
 
-    /// Writes the vertices of points and lines; all but positions and colours are zero.
-    fn write_loose(&self, bytes: &mut Vec<u8>, loose: &Loose) {
-        for (v, position) in loose.positions.iter().enumerate() {
-            if self.doubles {
-                position.iter().for_each(|&c| bytes.extend(f64::from(c).to_le_bytes()));
-            } else {
-                position.iter().for_each(|c| bytes.extend(c.to_le_bytes()));
-            }
-            let of_position = if self.doubles { 24 } else { 12 };
-            let zeros = self.stride() - of_position - self.colors;
-            bytes.resize(bytes.len() + zeros, 0);
-            let rgb = loose.colors.get(v).copied().unwrap_or([1.0; 3]);
-            let rgba = [rgb[0], rgb[1], rgb[2], 1.0];
-            rgba[..self.colors].iter().for_each(|c| bytes.push(byte(*c)));
+    /// Writes a vertex of points and lines; all but its position and colour is zero.
+    fn write_loose(&self, bytes: &mut Vec<u8>, loose: &Loose, v: usize) {
+        let position = loose.positions[v];
+        if self.doubles {
+            position.iter().for_each(|c| bytes.extend(c.to_le_bytes()));
+        } else {
+            position.iter().for_each(|&c| bytes.extend(single(c).to_le_bytes()));
         }
+        let of_position = if self.doubles { 24 } else { 12 };
+        let zeros = self.stride() - of_position - self.colors;
+        bytes.resize(bytes.len() + zeros, 0);
+        let rgb = loose.colors.get(v).copied().unwrap_or([1.0; 3]);
+        let rgba = [rgb[0], rgb[1], rgb[2], 1.0];
+        rgba[..self.colors].iter().for_each(|c| bytes.push(byte(*c)));
     }
 
     fn write(&self, bytes: &mut Vec<u8>, placed: &Placed<'_>) {
@@ -225,6 +228,11 @@ impl Columns {
             (0..self.colors).for_each(|i| bytes.push(byte(channel(i))));
         }
     }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a mesh is in single precision")]
+const fn single(c: f64) -> f32 {
+    c as f32
 }
 
 /// A fraction as a byte, to nearest; what is no number is black.

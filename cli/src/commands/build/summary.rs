@@ -42,18 +42,24 @@ fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {
     );
     let _ = writeln!(
         text,
-        "  {}, {}, {} ({:.1} % of the vertices)",
+        "  {}, {}, {}",
         count(objects.len() as u64, "object"),
         count(sum(|c| c.steps), "step"),
-        count(fakes, "fake vertex"),
-        percent(fakes, referenced)
+        match fakes {
+            0 => "no vertices duplicated at seams".to_owned(),
+            _ => format!(
+                "{} duplicated at seams ({:.1} %)",
+                count(fakes, "vertex"),
+                percent(fakes, referenced)
+            ),
+        }
     );
     if let [one] = counts.as_slice() {
         let legal =
             objects[0].simplified.collapses().triangles_at(lodc_mesh::Lod(one.last_legal_lod));
         let _ = writeln!(
             text,
-            "  last legal LOD {} of {} ({} left)",
+            "  valid down to LOD {} of {} ({} left)",
             grouped(u64::from(one.last_legal_lod)),
             grouped(one.records),
             count(u64::from(legal), "triangle")

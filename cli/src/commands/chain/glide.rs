@@ -43,7 +43,7 @@ fn moved_streams(text: &str) -> Result<MovedStreams, String> {
             "uv" => moved_streams.texture_coordinates = true,
             "color" => moved_streams.colours = true,
             "joints" => moved_streams.joints = true,
-            _ => return Err(format!("`{word}` is none of tangent, uv, color, joints")),
+            _ => return Err(format!("`{word}` is not one of tangent, uv, color, joints")),
         }
     }
     Ok(moved_streams)

@@ -59,7 +59,7 @@ pub(super) fn text(name: &str, report: &StreamInfoReport) -> String {
     let _ = writeln!(text, "  names, nodes, materials and buffers: {has} of {of}");
     let begun = report.objects.iter().filter(|o| o.vertices > 0).count() as u64;
     let objects = count(u64::from(objects), "object");
-    let _ = writeln!(text, "  {objects}, {} of them begun", grouped(begun));
+    let _ = writeln!(text, "  {} of {objects} begun", grouped(begun));
     for o in &report.objects {
         let _ = writeln!(
             text,

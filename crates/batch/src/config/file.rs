@@ -114,12 +114,12 @@ impl ConfigFile {
                 match value {
                     Value::Object(inner) if vocabulary.is_command(key) => {
                         let command = [vocabulary.command(key)];
-                        for option in inner.keys() {
+                        for option in inner {
                             let table = format!("{table}, {key}");
                             self.check_option(&table, option, vocabulary, &command)?;
                         }
                     }
-                    _ => self.check_option(&table, key, vocabulary, &all_commands)?,
+                    _ => self.check_option(&table, (key, value), vocabulary, &all_commands)?,
                 }
             }
         }
@@ -132,19 +132,24 @@ impl ConfigFile {
         Ok(())
     }
 
-    /// Refuses an option that none of `commands` has for assets.
+    /// Refuses an option that none of `commands` has for assets, and a switch that is neither on
+    /// nor off.
     fn check_option(
         &self,
         table: &str,
-        option: &str,
+        (option, value): (&String, &Value),
         vocabulary: &Vocabulary,
         commands: &[&CommandOptions],
     ) -> Result<(), AssetError> {
+        let is_switch = |command: &&CommandOptions| command.switches.contains(option);
         let what = if option == "allow-path" {
             "only the command line permits further folders".to_owned()
         } else if commands.iter().any(|command| command.has(option)) {
-            return Ok(());
-        } else if vocabulary.run_options.contains(&option) {
+            if value.is_boolean() || !commands.iter().any(is_switch) {
+                return Ok(());
+            }
+            format!("must be true or false, not {value}")
+        } else if vocabulary.run_options.contains(&option.as_str()) {
             "is for a whole run, not for assets: say it on the command line".to_owned()
         } else {
             match Vocabulary::suggestion(option, commands) {

@@ -181,10 +181,10 @@ impl Part<'_> {
                 return SubmeshStyle { material: matte, normals, uv: None, colour: None, fixed };
             }
         };
-        let material = looks.of_submesh[object][submesh];
+        let colour = stream(mesh, submesh, &Semantic::Color(0));
+        let material = looks.material_of(object, submesh, colour.is_some());
         let set = looks.materials[material].texture.map(|t| t.set);
         let uv = set.and_then(|set| stream(mesh, submesh, &Semantic::TexCoord(set)));
-        let colour = stream(mesh, submesh, &Semantic::Color(0));
         SubmeshStyle { material, normals, uv, colour, fixed: None }
     }
 

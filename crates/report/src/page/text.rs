@@ -89,7 +89,7 @@ fn put_level(out: &mut String, level: &PageLevel, content: &PageContent<'_>) {
             ("Root mean square", level.rms.map_or_else(|| "–".to_owned(), distance)),
             ("Pictures differ by", format!("{:.1} of 255", level.image.rmse)),
             ("Outlines differ by", format!("{:.2} %", 100.0 * level.image.silhouette)),
-            ("One pixel from", distance(one_pixel_distance(level.error))),
+            ("Below one pixel beyond", distance(one_pixel_distance(level.error))),
         ];
         out.push_str("<dl>\n");
         for (name, value) in rows {

@@ -55,15 +55,16 @@ pub(super) fn make_explicit(
             }
         }
     }
+    let (one, several) = ("set of implicit feature ids was", "sets of implicit feature ids were");
     if dropped > 0 {
-        let sets = counted(dropped, "set", "sets");
-        warnings.push(format!("{sets} of implicit feature ids dropped: too many vertices"));
+        let sets = counted(dropped, one, several);
+        warnings.push(format!("{sets} dropped: too many vertices"));
     }
     if made == 0 {
         return 0;
     }
-    let sets = counted(made, "set", "sets");
-    warnings.push(format!("{sets} of implicit feature ids made explicit: vertices are renumbered"));
+    let sets = counted(made, one, several);
+    warnings.push(format!("{sets} made explicit, because vertices are renumbered"));
     let length = added.bytes.len();
     let buffer = root.entries("buffers").len();
     root.append("buffers", vec![object! { "byteLength" => length }]);

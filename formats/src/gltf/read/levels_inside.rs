@@ -30,8 +30,8 @@ pub(super) fn keep_finest(
     drop_nodes(root, &dropped)?;
     let count = dropped.iter().filter(|is_dropped| **is_dropped).count();
     if count > 0 {
-        let nodes = counted(count, "node", "nodes");
-        warnings.push(format!("levels inside the file ({NAME}): {nodes} of coarser ones left out"));
+        let nodes = counted(count, "node of a coarser one is", "nodes of coarser ones are");
+        warnings.push(format!("the file has levels of its own ({NAME}): {nodes} left out"));
     }
     Ok(())
 }

@@ -28,6 +28,7 @@ use super::json::{self, Json, Object};
 use super::views::{self, Buffers, Views};
 use super::{document, extensions, glb, schema, uri};
 use crate::options::ImportOptions;
+use crate::words;
 use crate::{
     Assets, Document, FormatError, ObjectInfo, Scene, SceneObject, Source, SourceFormat,
     SubmeshInfo,
@@ -81,7 +82,7 @@ fn open<'a>(
     } else {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf");
         if text.is_some() {
-            warnings.push("a byte order mark before the JSON ignored".to_owned());
+            warnings.push("the byte order mark before the JSON is ignored".to_owned());
         }
         (SourceFormat::Gltf, text.unwrap_or(bytes), None)
     };
@@ -176,29 +177,53 @@ fn read_objects(
         objects.push(scene_object(name, m, triangles, submeshes.iter().map(|&s| numbers[s])));
     }
     let counts = &reading.counts;
-    let mut warn = |problem: &str, count: usize| {
+    for (count, one, several) in [
+        (
+            counts.degenerate,
+            "triangle with two corners at one position was dropped",
+            "triangles with two corners at one position were dropped",
+        ),
+        (
+            reading.unused_vertices() + counts.lonely_vertices,
+            "vertex that no triangle uses was dropped",
+            "vertices that no triangle uses were dropped",
+        ),
+        (counts.welded, "vertex was welded to a neighbour", "vertices were welded to a neighbour"),
+        (
+            counts.leftover_corners,
+            "corner after the last whole triangle of its primitive was dropped",
+            "corners after the last whole triangle of their primitives were dropped",
+        ),
+        (
+            counts.third_coordinates,
+            "attribute has a third texture coordinate, which is dropped",
+            "attributes have a third texture coordinate, which is dropped",
+        ),
+        (
+            counts.not_finite,
+            "value of an attribute is not a finite number and stays as it is",
+            "values of attributes are not finite numbers and stay as they are",
+        ),
+        (
+            points_or_lines,
+            "primitive of points or lines passes through unchanged",
+            "primitives of points or lines pass through unchanged",
+        ),
+        (
+            without_positions,
+            "primitive without positions passes through unchanged",
+            "primitives without positions pass through unchanged",
+        ),
+        (
+            counts.only_degenerate,
+            "primitive whose triangles have no area passes through unchanged",
+            "primitives whose triangles have no area pass through unchanged",
+        ),
+    ] {
         if count > 0 {
-            warnings.push(format!("{problem}: {count}"));
+            warnings.push(words::counted(count, one, several));
         }
-    };
-    warn("triangles with two corners at one position dropped", counts.degenerate);
-    warn(
-        "vertices that no triangle uses dropped",
-        reading.unused_vertices() + counts.lonely_vertices,
-    );
-    warn("vertices moved onto others by welding", counts.welded);
-    warn(
-        "corners after the last whole triangle of their primitive dropped",
-        counts.leftover_corners,
-    );
-    warn("attributes with a third texture coordinate, which is dropped", counts.third_coordinates);
-    warn("attribute values that are not finite numbers, kept as they are", counts.not_finite);
-    warn("primitives of points or lines, passed through unchanged", points_or_lines);
-    warn("primitives without positions, passed through unchanged", without_positions);
-    warn(
-        "primitives without a triangle of any area, passed through unchanged",
-        counts.only_degenerate,
-    );
+    }
     Ok(objects)
 }
 

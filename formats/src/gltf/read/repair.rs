@@ -24,11 +24,11 @@ pub(super) fn addresses(root: &mut Object, warnings: &mut Vec<String>) {
     }
     if backslashes > 0 {
         let uris = counted(backslashes, "URI has", "URIs have");
-        warnings.push(format!("{uris} backslashes, read as slashes"));
+        warnings.push(format!("{uris} backslashes, which are read as slashes"));
     }
     if spaced > 0 {
         let uris = counted(spaced, "data URI has", "data URIs have");
-        warnings.push(format!("{uris} white space, ignored"));
+        warnings.push(format!("{uris} white space, which is ignored"));
     }
 }
 
@@ -43,7 +43,7 @@ pub(super) fn accessors(root: &mut Object, warnings: &mut Vec<String>) {
     }
     if lost > 0 {
         let accessors = counted(lost, "accessor has", "accessors have");
-        warnings.push(format!("{accessors} a byteOffset but no bufferView, ignored"));
+        warnings.push(format!("{accessors} a byteOffset but no bufferView: the offset is ignored"));
     }
     drop_empty_primitives(root, warnings);
 }
@@ -62,8 +62,8 @@ fn drop_empty_primitives(root: &mut Object, warnings: &mut Vec<String>) {
     if empty.is_empty() {
         return;
     }
-    let primitives = counted(empty.len(), "primitive", "primitives");
-    warnings.push(format!("{primitives} without a vertex dropped"));
+    let (one, several) = ("primitive without a vertex was", "primitives without a vertex were");
+    warnings.push(format!("{} dropped", counted(empty.len(), one, several)));
     prune::without(root, &empty);
     if extensions::unknown(root).is_some() {
         // Numbers stay as they are: an accessor without bytes stands for zeros.

@@ -28,8 +28,8 @@ pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> (Object, V
             object.submeshes.iter().map(|s| primitive(s.material.as_ref())).collect();
         object! { "name" => &*object.name, "primitives" => primitives }
     };
-    let node = |i: usize| {
-        let mut node = object! { "name" => &*objects[i].name, "mesh" => i };
+    let placed = |name: &str, mesh: usize| {
+        let mut node = object! { "name" => name, "mesh" => mesh };
         if obj.offset != [0.0; 3] {
             node["translation"] = obj.offset.into();
         }
@@ -37,11 +37,11 @@ pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> (Object, V
     };
     let mut root = Object::default();
     let (mut meshes, mut blob): (Vec<Json>, _) = (objects.iter().map(mesh).collect(), Vec::new());
-    let mut nodes: Vec<Json> = (0..objects.len()).map(node).collect();
+    let mut nodes: Vec<Json> = (0..objects.len()).map(|i| placed(&objects[i].name, i)).collect();
     let loose = Loose::read(&obj.loose);
     if !loose.is_empty() {
-        nodes.push(object! { "name" => LOOSE, "mesh" => meshes.len() });
-        meshes.push(loose_mesh(&loose, &mut root, &mut blob));
+        nodes.push(placed(LOOSE, meshes.len()));
+        meshes.push(loose_mesh(&loose, obj.offset, &mut root, &mut blob));
         root["buffers"] = vec![object! { "byteLength" => blob.len() }].into();
     }
     let roots: Vec<usize> = (0..nodes.len()).collect();
@@ -60,8 +60,8 @@ pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> (Object, V
 /// The name of the mesh with points and lines.
 const LOOSE: &str = "points and lines";
 
-/// The mesh with points and lines, its bytes at the end of `blob`.
-fn loose_mesh(loose: &Loose, root: &mut Object, blob: &mut Vec<u8>) -> Json {
+/// The mesh with points and lines about an offset, its bytes at the end of `blob`.
+fn loose_mesh(loose: &Loose, offset: [f64; 3], root: &mut Object, blob: &mut Vec<u8>) -> Json {
     let mut accessor = |kind: &str, component: u32, count: usize, bytes: &[u8]| {
         let view = root.list("bufferViews").len();
         root.append("bufferViews", vec![put_bytes(blob, bytes)]);
@@ -80,7 +80,10 @@ fn loose_mesh(loose: &Loose, root: &mut Object, blob: &mut Vec<u8>) -> Json {
     let indices =
         |values: &[u32]| -> Vec<u8> { values.iter().flat_map(|i| i.to_le_bytes()).collect() };
     let count = loose.positions.len();
-    let position = accessor("VEC3", FLOAT, count, &floats(&loose.positions));
+    #[expect(clippy::cast_possible_truncation, reason = "glTF has single precision")]
+    let near = |p: &[f64; 3]| std::array::from_fn(|k| (p[k] - offset[k]) as f32);
+    let positions: Vec<[f32; 3]> = loose.positions.iter().map(near).collect();
+    let position = accessor("VEC3", FLOAT, count, &floats(&positions));
     let mut attributes = object! { "POSITION" => position };
     if !loose.colors.is_empty() {
         let light: Vec<[f32; 3]> = loose.colors.iter().map(|c| c.map(to_linear)).collect();
@@ -90,13 +93,15 @@ fn loose_mesh(loose: &Loose, root: &mut Object, blob: &mut Vec<u8>) -> Json {
     let lines: Vec<[u32; 2]> = loose.segments().collect();
     for (mode, all) in [(0u32, &loose.points[..]), (1, lines.as_flattened())] {
         if !all.is_empty() {
-            let indices = accessor("SCALAR", UNSIGNED_INT, all.len(), &indices(all));
-            primitives.push(object! {
-                "attributes" => attributes.clone(), "indices" => indices, "mode" => mode,
-            });
+            let mut primitive = object! { "attributes" => attributes.clone(), "mode" => mode };
+            if !all.iter().copied().eq(0..count as u32) {
+                let bytes = indices(all);
+                primitive["indices"] = accessor("SCALAR", UNSIGNED_INT, all.len(), &bytes).into();
+            }
+            primitives.push(primitive);
         }
     }
-    let (lo, hi) = bounds(&loose.positions);
+    let (lo, hi) = bounds(&positions);
     if let Some(entry) = root.object_mut("accessors", position) {
         entry["min"] = lo.map(f64::from).into();
         entry["max"] = hi.map(f64::from).into();

@@ -15,8 +15,9 @@ mod writer;
 
 use super::json::{self, Json, Object, object};
 use super::quantize::{self, Quantizer, WrittenObject};
-use super::{glb, prune, schema, uri};
+use super::{glb, prune, schema};
 use crate::options::{Additions, ExportObject, Precision};
+use crate::percent::percent_encoded;
 use crate::provenance::{LevelFacts, Provenance};
 use crate::{Document, FormatError, GENERATOR, Limits, ObjectInfo, OutputFile, SubmeshInfo};
 use buffers::{Drawn, VertexBuffers};
@@ -152,7 +153,7 @@ fn put_provenance(root: &mut Object, provenance: &Provenance, requantizes: bool)
         };
     }
     if let Some(next) = &provenance.next {
-        all["next"] = uri::percent_encoded(next).into();
+        all["next"] = percent_encoded(next).into();
     }
     all["refitted"] = provenance.refitted.into();
     if requantizes {
@@ -245,7 +246,7 @@ fn glb(path: &Path, root: &Object, blob: &[u8]) -> Result<OutputFile, FormatErro
 fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
     let buffer_path = path.with_extension("bin");
     if !blob.is_empty() {
-        let name = buffer_path.file_name().map(|n| uri::percent_encoded(&n.to_string_lossy()));
+        let name = buffer_path.file_name().map(|n| percent_encoded(&n.to_string_lossy()));
         if let Some(buffer) = root.objects_mut("buffers").next() {
             buffer["uri"] = name.unwrap_or_default().into();
         }

@@ -60,7 +60,7 @@ pub(super) fn take_octahedral(
         || attribute.component != Component::F32
         || attribute.components < 3
     {
-        return Err(malformed("has a system of numbers that cannot be"));
+        return Err(malformed("has an invalid quantisation grid"));
     }
     Ok(Some(Octahedral { bits }))
 }
@@ -75,7 +75,7 @@ pub(super) fn take(
     if channels == 0 {
         return Ok(Vec::new());
     }
-    let wrong = || malformed("has a system of numbers that cannot be");
+    let wrong = || malformed("has an invalid quantisation grid");
     let system = match (byte(bytes)?, component) {
         (INTEGER, component) if component != Component::F32 => NumberSystem::Integer,
         (FLOAT, Component::F32) => NumberSystem::Float,
@@ -96,7 +96,7 @@ pub(super) fn take(
 
 fn float(bytes: &mut &[u8]) -> Result<f32, FormatError> {
     let word = bytes.split_first_chunk();
-    let (word, rest) = word.ok_or_else(|| malformed("is too short for what it should hold"))?;
+    let (word, rest) = word.ok_or_else(|| malformed("is too short for its content"))?;
     *bytes = rest;
     Ok(f32::from_le_bytes(*word))
 }

@@ -348,6 +348,10 @@ impl<'a> Reader<'a> {
         let Some(number) = integer(part) else {
             return Err(self.malformed(format!("`{}` is not a corner of a face", quoted(token))));
         };
+        if number == 0 && kind > 0 {
+            self.chunk.notes.zeros.add(self.lines.number());
+            return Ok(0);
+        }
         if number == 0 {
             return Err(self.malformed(format!("`{}`: indices start at 1", quoted(token))));
         }

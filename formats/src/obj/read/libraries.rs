@@ -2,7 +2,7 @@
 //! export can write them again.
 
 use super::lines::text;
-use crate::obj::mtl::unquoted;
+use crate::obj::mtl::{QUOTES, unquoted};
 use crate::words::counted;
 use crate::{Assets, Fault, FormatError, ObjMaterial};
 use std::collections::BTreeSet;
@@ -80,7 +80,7 @@ impl Materials {
             assets.set_replaced(whole_name);
             assets.set_replaced(&whole_name.replace('\\', "/"));
         }
-        let warning = |e| format!("the material library was not read: {e}");
+        let warning = |e| format!("material library not read: {e}");
         self.warnings.extend(missing.into_iter().map(warning));
         Ok(found)
     }
@@ -118,7 +118,7 @@ impl Materials {
         if repeated > 0 {
             let materials = counted(repeated, "material is", "materials are");
             self.warnings.push(format!(
-                "{library}: {materials} defined more than once, the first one holds"
+                "{library}: {materials} defined more than once: the first definition is used"
             ));
         }
         if stray > 0 {
@@ -134,7 +134,7 @@ fn quoted_words(list: &str) -> Vec<&str> {
     let mut words = Vec::new();
     let mut rest = list.trim_start();
     while !rest.is_empty() {
-        let in_quotes = rest.strip_prefix('"').and_then(|text| text.split_once('"'));
+        let in_quotes = QUOTES.iter().find_map(|&q| rest.strip_prefix(q)?.split_once(q));
         let (word, after) = in_quotes.unwrap_or_else(|| {
             let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
             rest.split_at(end)

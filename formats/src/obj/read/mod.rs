@@ -39,9 +39,9 @@ pub(crate) fn import(
     let mut parsed = parse::parse(&bytes, assets.limits())?;
     parse::check_faces(&parsed)?;
     let painted = if parsed.faces.colors.is_empty() { polypaint(&bytes) } else { Vec::new() };
-    let mut offset = [0.0; 3];
+    let (mut offset, mut exact) = ([0.0; 3], Vec::new());
     if faces::may_be_far(&parsed.faces.positions) {
-        let exact = chunk::exact_positions(&bytes, assets.limits())?;
+        exact = chunk::exact_positions(&bytes, assets.limits())?;
         if let Some(local) = faces::local(&exact) {
             (offset, parsed.faces.positions) = local;
         }
@@ -59,12 +59,13 @@ pub(crate) fn import(
     let (colors, positions) = (painted.len(), parsed.faces.positions.len());
     if colors > 0 && colors != positions {
         let colors = counted(colors, "colour", "colours");
-        warnings.push(format!("{colors} of #MRGB lines for {positions} positions ignored"));
+        warnings.push(format!("#MRGB lines have {colors} for {positions} positions: ignored"));
     } else if colors > 0 {
         parsed.faces.colors = painted;
         parsed.notes.uncolored = Count::default();
     }
-    let loose = loose(&mut parsed).statements();
+    let loose = loose(&mut parsed, &exact).statements();
+    drop(exact);
     let assembled = faces::assemble(&parsed.faces, content_hash as u64);
     notes::warn(&parsed, &assembled, &mut warnings);
     notes::warn_undefined(&assembled, &materials.list, &mut warnings);
@@ -76,15 +77,20 @@ pub(crate) fn import(
     faces::scene(FaceFile { assembled, name, source, document, warnings }, assets, options)
 }
 
-/// The points and lines of a file; vertices that are not there are left out.
-fn loose(parsed: &mut Parsed) -> Loose {
+/// The points and lines of a file; vertices that are not there are left out. `exact` is empty or
+/// has the positions in double precision.
+fn loose(parsed: &mut Parsed, exact: &[[f64; 3]]) -> Loose {
     let count = parsed.faces.positions.len() as i64;
     let there = |v: &i64| u32::try_from(*v).ok().filter(|_| *v < count);
     let points: Vec<u32> = parsed.points.iter().filter_map(there).collect();
     let elements = std::mem::take(&mut parsed.line_elements);
     let lines: Vec<Vec<u32>> =
         elements.iter().map(|line| line.iter().filter_map(there).collect()).collect();
-    Loose::of_file(&parsed.faces.positions, &parsed.faces.colors, &points, &lines)
+    let position = |v: usize| match exact.get(v) {
+        Some(exact) => *exact,
+        None => parsed.faces.positions[v].map(f64::from),
+    };
+    Loose::of_file(position, &parsed.faces.colors, &points, &lines)
 }
 
 /// The colours that ZBrush writes into comments: `#MRGB`, then eight hexadecimal digits for each

@@ -12,7 +12,7 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
     let mut warn_lines = |count: Count, one: &str, several: &str| {
         if count.times > 0 {
             let what = counted(count.times, one, several);
-            warnings.push(format!("{what} (first on line {})", count.line));
+            warnings.push(format!("{what} ({} {})", place(count), count.line));
         }
     };
     warn_lines(
@@ -37,13 +37,13 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
     );
     warn_lines(
         notes.extra_values,
-        "line has more numbers than its meaning needs: the last ones were left out",
-        "lines have more numbers than their meaning needs: the last ones were left out",
+        "line has more numbers than its statement takes: the last ones were ignored",
+        "lines have more numbers than their statements take: the last ones were ignored",
     );
     warn_lines(
         notes.weights,
-        "position has a weight, which was left out",
-        "positions have a weight, which was left out",
+        "position has a weight, which was ignored",
+        "positions have a weight, which was ignored",
     );
     let [_, texcoords, normals] = notes.dangling;
     warn_lines(
@@ -56,6 +56,11 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
         "corner names a normal, of which the file has none",
         "corners name normals, of which the file has none",
     );
+    warn_lines(
+        notes.zeros,
+        "index 0 of texture coordinates or a normal is taken for none",
+        "indices 0 of texture coordinates or normals are taken for none",
+    );
     if !parsed.faces.colors.is_empty() {
         warn_lines(
             notes.uncolored,
@@ -65,12 +70,13 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
     }
     if notes.unknown.times > 0 {
         let (first, line) = (&notes.unknown_first, notes.unknown.line);
+        let place = place(notes.unknown);
         let lines = counted(
             notes.unknown.times,
             "line that is not an OBJ statement",
             "lines that are not OBJ statements",
         );
-        warnings.push(format!("skipped {lines} (first on line {line}: `{first}`)"));
+        warnings.push(format!("skipped {lines} ({place} {line}: `{first}`)"));
     }
     faces::warn(assembled, warnings);
     let mut warn_count = |count: u64, one: &str, several: &str| {
@@ -88,6 +94,11 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
         "group shares a material with others: they are kept as one submesh with all their names",
         "groups share a material with others: they are kept as one submesh with all their names",
     );
+}
+
+/// What stands before the number of the first line of some.
+const fn place(count: Count) -> &'static str {
+    if count.times == 1 { "line" } else { "first on line" }
 }
 
 /// Says which materials no library has.

@@ -205,7 +205,7 @@ pub(super) fn check_faces(parsed: &Parsed) -> Result<(), FormatError> {
     let problem = if notes.free_form.times > 0 {
         "free-form curves or surfaces, not a mesh: no face".to_owned()
     } else if faces.positions.is_empty() {
-        "not a mesh: it has no vertex and no face".to_owned()
+        "not a mesh: no vertex and no face".to_owned()
     } else {
         let kind = if notes.lines.times > 0 { "lines" } else { "a point cloud" };
         format!("{kind}, not a mesh: {vertices} and no face")

@@ -36,6 +36,8 @@ pub(super) struct Notes {
     pub(super) weights: Count,
     /// Indices of texture coordinates (1) and normals (2) of which the file has none.
     pub(super) dangling: [Count; 3],
+    /// Corners with 0 as the number of texture coordinates or of a normal.
+    pub(super) zeros: Count,
     /// Positions without a colour.
     pub(super) uncolored: Count,
 }
@@ -56,6 +58,7 @@ impl Notes {
         for (count, more) in self.dangling.iter_mut().zip(more.dangling) {
             count.append(more, lines_before);
         }
+        self.zeros.append(more.zeros, lines_before);
         self.uncolored.append(more.uncolored, lines_before);
     }
 }

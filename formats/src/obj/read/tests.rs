@@ -123,7 +123,7 @@ fn libraries_are_read_from_the_own_folder_only() {
     ] {
         let scene = read(lost);
         assert!(!names(&scene).contains(&"secret".to_owned()), "{lost}");
-        assert!(warned(&scene, "was not read"), "{lost}: {:?}", scene.warnings);
+        assert!(warned(&scene, "material library not read"), "{lost}: {:?}", scene.warnings);
         assert!(warned(&scene, "1 material is used but not defined: `red`"), "{lost}");
         assert!(
             scene.files.read().iter().all(|f| f.starts_with(scratch.path("asset"))),

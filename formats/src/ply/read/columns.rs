@@ -157,7 +157,9 @@ impl VertexColumn {
     pub(super) fn of(element: &ElementDef, unused: &mut Vec<String>) -> Vec<Self> {
         let has = |name: &str| element.has_property(name);
         let (normals, colors) =
-            (has("nx") && has("ny") && has("nz"), has("red") || has("diffuse_red"));
+            (has("nx") && has("ny") && has("nz"), has("red") || has("diffuse_red") || has("r"));
+        // One letter means a colour only together.
+        let letters = has("r") && has("g") && has("b");
         let meaning = |name: &str, number: ScalarType| match name {
             "x" => Self::Position(0),
             "y" => Self::Position(1),
@@ -170,6 +172,10 @@ impl VertexColumn {
             "red" | "diffuse_red" => Self::Color(0, full_intensity(number)),
             "green" | "diffuse_green" => Self::Color(1, full_intensity(number)),
             "blue" | "diffuse_blue" => Self::Color(2, full_intensity(number)),
+            "r" if letters => Self::Color(0, full_intensity(number)),
+            "g" if letters => Self::Color(1, full_intensity(number)),
+            "b" if letters => Self::Color(2, full_intensity(number)),
+            "a" if letters => Self::Color(3, full_intensity(number)),
             "alpha" if colors => Self::Color(3, full_intensity(number)),
             _ => Self::Unused,
         };
@@ -328,6 +334,7 @@ pub(super) fn faces<'a>(
             strip_triangles(&corners, &mut content.faces)?;
         } else if corners.len() < 3 {
             content.small_faces += 1;
+            content.small_corners.extend(corners.iter().copied().filter_map(index));
         } else {
             face(&corners, &texcoords, &mut content.faces)?;
             if textures {
@@ -380,7 +387,7 @@ fn strip_triangles(strips: &[f64], faces: &mut Faces) -> Result<(), String> {
 }
 
 fn vertex(corner: f64) -> Result<u32, String> {
-    index(corner).ok_or_else(|| format!("vertex {corner} is no index"))
+    index(corner).ok_or_else(|| format!("{corner} is not the number of a vertex"))
 }
 
 /// Which properties of an element are the two ends of an edge; none if it has none.

@@ -102,7 +102,7 @@ class Stream:
         if not self.used:
             if len(self._waiting) < HEADER:
                 magic = self._waiting[:8]
-                need(magic == MAGIC[: len(magic)], "header", "this is not a .lods stream")
+                need(magic == MAGIC[: len(magic)], "header", "not a .lods stream")
                 return self
             check_header(self._waiting[:HEADER], MAGIC, ".lods stream", xxh32, 4)
             self._waiting, self.used = self._waiting[HEADER:], HEADER

@@ -44,7 +44,7 @@ fn indices_of_every_width_read_the_same_and_stitches_are_dropped() {
         let root = b.with_meshes(&json!([{ "primitives": [primitive] }]));
         let scene = sound(&root);
         assert_eq!(corners(&scene.objects[0].mesh).len(), 2);
-        assert_eq!(scene.warnings, ["triangles with two corners at one position dropped: 4"]);
+        assert_eq!(scene.warnings, ["4 triangles with two corners at one position were dropped"]);
     }
 }
 
@@ -201,7 +201,7 @@ fn vertices_shared_by_primitives_are_split_and_only_unused_ones_counted() {
     let primitive = |i: usize| json!({ "attributes": { "POSITION": p }, "indices": i });
     let scene = sound(&b.with_meshes(&json!([{ "primitives": [primitive(i), primitive(j)] }])));
     assert_eq!(scene.objects[0].mesh.vertex_count(), 6);
-    assert_eq!(scene.warnings, ["vertices that no triangle uses dropped: 6"]);
+    assert_eq!(scene.warnings, ["6 vertices that no triangle uses were dropped"]);
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn welding_joins_near_positions_and_says_so() {
     let root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }]));
     let options = ImportOptions { weld: 1e-3, ..ImportOptions::default() };
     let scene = read_bytes(root.to_string().as_bytes(), &options).expect("sound");
-    assert_eq!(scene.warnings, ["vertices moved onto others by welding: 2"]);
+    assert_eq!(scene.warnings, ["2 vertices were welded to a neighbour"]);
     assert_eq!(scene.objects[0].mesh.positions()[3], [0.0; 3]);
 }
 
