@@ -17,7 +17,7 @@ pub(super) fn check_every_step(file: &LodFile, case: &str) {
 }
 
 /// Every step of the stream shows its level of the file.
-fn check_steps(file: &LodFile, packed: &Packed, case: &str) {
+pub(super) fn check_steps(file: &LodFile, packed: &Packed, case: &str) {
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
     let mut start = 0;
     for end in ends(&packed.bytes) {

@@ -10,6 +10,7 @@ mod points;
 mod prefixes;
 mod quantize;
 mod round_trip;
+mod turns;
 
 use super::block::{self, Block, FILE_HEADER, Parsed};
 use super::{PackOptions, Packed, Unpacker, pack};
