@@ -27,8 +27,9 @@ fn rocks(kind: u64) -> String {
             2 => [1.0, 2.0, 4.0, 8.0, 16.0][i % 5],
             _ => 0.5 + rng.unit(),
         };
+        let scales = [scale; 3];
         let place = [40.0 * (i % 7) as f32, 0.0, 40.0 * (i / 7) as f32];
-        json!({"mesh": i, "name": format!("rock{i}"), "scale": [scale; 3], "translation": place})
+        json!({"mesh": i, "name": format!("rock{i}"), "scale": scales, "translation": place})
     };
     let nodes: Vec<Value> = (0..objects).map(|i| node(i, &mut rng)).collect();
     let roots: Vec<usize> = (0..objects).collect();

@@ -39,9 +39,9 @@ fn every_block_of_a_scene_ends_with_levels_of_its_objects() {
         for block_bytes in [None, Some(1), Some(100)] {
             let options = PackOptions { block_bytes, ..PackOptions::default() };
             let packed = pack(file, &options).expect("a sound file");
-            let several =
-                file.objects.iter().filter(|o| !o.simplified.mesh().triangles().is_empty());
-            assert_eq!(has_turns(&packed.bytes), several.count() > 1, "scene {number}");
+            let visible = |o: &&LodObject| !o.simplified.mesh().triangles().is_empty();
+            let several = file.objects.iter().filter(visible).count() > 1;
+            assert!(!several || has_turns(&packed.bytes), "scene {number}");
             let ordered = in_stream_order(file);
             every_step::check_steps(&ordered, &packed, &format!("scene {number}"));
             let again = pack(&ordered, &options).expect("a sound file");
