@@ -59,8 +59,8 @@ impl EncodedSteps {
 }
 
 impl<'a> MeshEncoder<'a> {
-    /// Prepares a mesh. Its steps are coded in batches if these are wanted and the steps are in such
-    /// an order, see [`in_batches`](crate::in_batches); else each is coded with its parent.
+    /// Prepares a mesh. Its steps are coded in batches if these are wanted and the steps are in
+    /// such an order, see [`in_batches`](crate::in_batches); else each is coded with its parent.
     #[must_use]
     pub fn new(simplified: &'a Simplified, layout: VertexLayout, order: StepOrder) -> Self {
         Self::with_rule(simplified, layout, order, StarRule::DEFAULT)

@@ -99,8 +99,8 @@ struct SubmeshEntry {
     document_primitive: u32,
 }
 impl EncodedDocument {
-    /// Encodes a document for a stream whose steps have `step_bytes`, those up to the first triangle
-    /// `first_bytes`; `None` if its text would be too long.
+    /// Encodes a document for a stream whose steps have `step_bytes`, those up to the first
+    /// triangle `first_bytes`; `None` if its text would be too long.
     pub(super) fn new<'a>(
         source: &Source,
         document: &Document,

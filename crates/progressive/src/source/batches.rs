@@ -29,14 +29,34 @@ use lodc_mesh::{
 /// leave fewer levels that a prefix can show, since within a batch the order is not the metric's.
 const EARLIER_STEPS_PER_STEP: usize = 3;
 
-/// In a scene a batch ends early where the error falls below this share of that at its beginning, so
-/// that objects take turns while their errors are alike. Chosen by hand, with the next two.
+/// In a scene a batch ends early where the error falls below this share of that at its beginning,
+/// so that objects take turns while their errors are alike. Chosen by hand, with the next two.
 const SHARE_OF_ERROR: f32 = 0.8;
 /// A batch that ends early has one step, and one more for this many steps before it.
 const EARLIER_STEPS_PER_EARLY_STEP: usize = 32;
-/// Batches end early as long as there are no more than this many, and this many more for each bit
-/// of the number of steps: orders of more batches are not taken for such.
-const EARLY_BATCHES: [usize; 2] = [4, 3];
+/// Batches end early as long as there are no more than these.
+const MAX_EARLY_BATCHES: MaxBatches = MaxBatches { all: 4, per_bit: 3, steps: 64 };
+/// Orders of more batches are not taken for such. An order that was not made of batches falls into
+/// about one for each two steps. Batches that each grow the mesh by a third are 2.4 for each
+/// doubling of the steps. Four, eight more at the beginning, and one for each 32 steps leave room
+/// for cuts at fixed levels, where the error falls and before steps that must wait for others.
+const MAX_BATCHES: MaxBatches = MaxBatches { all: 8, per_bit: 4, steps: 32 };
+
+/// A bound on the number of batches.
+struct MaxBatches {
+    all: usize,
+    /// More for each bit of the number of steps.
+    per_bit: usize,
+    /// One more for so many steps.
+    steps: usize,
+}
+
+impl MaxBatches {
+    fn of(&self, steps: usize) -> usize {
+        let bits = (usize::BITS - steps.leading_zeros()) as usize;
+        self.all + self.per_bit * bits + steps / self.steps
+    }
+}
 
 /// The order of an object's steps in a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,8 +94,7 @@ pub(crate) fn errors_by_steps(
 /// Returns the number of steps at whose error the batch number `batches` ends early, if it begins
 /// behind `done` steps.
 fn early_end(errors: Option<&[f32]>, batches: usize, done: usize) -> Option<usize> {
-    let bits = (usize::BITS - done.leading_zeros()) as usize;
-    let errors = errors.filter(|_| batches <= EARLY_BATCHES[0] + EARLY_BATCHES[1] * bits)?;
+    let errors = errors.filter(|_| batches <= MAX_EARLY_BATCHES.of(done))?;
     let least = SHARE_OF_ERROR * errors.get(done)?;
     let first = done + 1 + done / EARLIER_STEPS_PER_EARLY_STEP;
     Some(first + errors.get(first..)?.partition_point(|&error| error >= least))
@@ -158,9 +177,9 @@ impl StepTree<'_> {
         self.groups[self.targets[vertex as usize] as usize]
     }
 
-    /// Cuts steps, in their present order, into the fewest batches, but for the first, of one step, so
-    /// that errors are known from the first triangle on, and those that end early. `None` if that
-    /// order was not made of batches.
+    /// Cuts steps, in their present order, into the fewest batches, but for the first, of one step,
+    /// so that errors are known from the first triangle on, and those that end early. `None` if
+    /// that order was not made of batches.
     pub(crate) fn batches(&self) -> Option<Vec<Batch>> {
         let steps = self.steps()?;
         let mut walk = ListWalk::new(self.points, self.targets.len());
@@ -185,13 +204,7 @@ impl StepTree<'_> {
             }
             batches.push(Batch { first_vertex: first, steps: count as u32 });
             remaining = &remaining[count..];
-            // An order that was not made of batches falls into about one for each two steps.
-            // Batches that each grow the mesh by a third are 2.4 for each doubling of the steps.
-            // Four, eight more at the beginning, and one for each 32 steps leave room for cuts at
-            // fixed levels and before steps that must wait for others.
-            let done = steps.len() - remaining.len();
-            let max_batches = 8 + 4 * (usize::BITS - done.leading_zeros()) as usize + done / 32;
-            if count == 0 || batches.len() > max_batches {
+            if count == 0 || batches.len() > MAX_BATCHES.of(done + count) {
                 return None;
             }
         }
