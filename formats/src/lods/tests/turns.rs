@@ -70,7 +70,7 @@ fn equal_objects_are_a_turn_apart() {
 
 #[test]
 fn damaged_and_forged_turns_do_no_harm() {
-    let file = scene((0..12).map(|seed| fixtures::random(seed)));
+    let file = scene((0..12).map(fixtures::random));
     let bytes = pack(&file, &PackOptions::default()).expect("a sound file").bytes;
     assert!(has_turns(&bytes));
     let mut random = Random(21);
