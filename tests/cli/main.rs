@@ -48,6 +48,7 @@ mod select;
 mod shaders;
 mod shipped;
 mod stream;
+mod stream_scenes;
 mod strips;
 mod support;
 mod textures;

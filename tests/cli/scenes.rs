@@ -127,7 +127,7 @@ fn errors_contain_what_rounding_does_to_targets() {
 }
 
 /// Adds a chain of joints to the first mesh, whose vertices have `sets` times four weights.
-fn add_skin(scene: &mut Scene, joints: usize, sets: usize) -> Value {
+pub(crate) fn add_skin(scene: &mut Scene, joints: usize, sets: usize) -> Value {
     let vertices = vertices(scene, 0);
     for set in 0..sets {
         let joint = |v: usize, k: usize| (v + 4 * set + k) % joints;

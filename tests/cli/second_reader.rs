@@ -5,7 +5,7 @@ use crate::support::{Folder, bounded, outside};
 use lodc::{LodFile, LodObject};
 use lodc_fixtures::{Rng, named, random_collapse};
 use lodc_formats::lodc::Layout;
-use lodc_formats::lods::{PackOptions, Unpacker, in_batches, pack};
+use lodc_formats::lods::{PackOptions, StepOrder, Unpacker, in_batches, pack};
 use lodc_formats::{Document, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
@@ -199,7 +199,7 @@ fn streams_with_many_points_are_read_alike_step_by_step() {
         let name = format!("{shape}{seed}");
         // Half of them keep the order of all steps; of the others the file has that of a stream.
         let exact = seed % 2 == 0;
-        let ordered = if exact { None } else { in_batches(&simplified) };
+        let ordered = if exact { None } else { in_batches(&simplified, StepOrder::Batches) };
         let file = file(&name, ordered.unwrap_or(simplified), Layout::Packed);
         let options = PackOptions { block_bytes: Some(100), exact, ..PackOptions::default() };
         let stream = pack(&file, &options).expect("a sound file").bytes;

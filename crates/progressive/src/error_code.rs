@@ -5,11 +5,17 @@
 /// Low mantissa bits that are dropped: 4 of 23 remain. A constant of the format.
 const DROPPED_BITS: u32 = 19;
 
-/// The codes of the two errors of a level: the upper bound and the root mean square distance.
+/// The codes of the two errors of a level: the upper bound and the root mean square distance. Zero
+/// for an object without vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ErrorCodes {
     pub(crate) error: u32,
     pub(crate) rms: u32,
+}
+
+impl ErrorCodes {
+    /// The codes before the first batch ends: an infinite error, and no distance.
+    pub(crate) const UNKNOWN: Self = Self { error: 0xfff, rms: 0xfff };
 }
 
 /// Returns the code of an error: the upper 13 bits of the float, rounded up.
@@ -47,5 +53,8 @@ mod tests {
             assert_eq!(rms_value(rms_code(Some(x))), Some(value));
         }
         assert_eq!(rms_value(rms_code(None)), None);
+        let ErrorCodes { error, rms } = ErrorCodes::UNKNOWN;
+        assert_eq!((error_value(error), rms_value(rms)), (f32::INFINITY, None));
+        assert!(error >= error_code(f32::INFINITY) && rms >= rms_code(None), "codes only fall");
     }
 }

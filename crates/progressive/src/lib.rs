@@ -19,7 +19,7 @@
 //! 5. It gives the new vertex its *values*: those of a vertex nearby, or residuals to a prediction
 //!    from the vertices around.
 //! 6. Consecutive splits of one collapse, one for each wedge, are a *step*; a batch ends with the
-//!    errors of the level after it.
+//!    errors of the level after it. In a block objects may take *turns*, each of some batches.
 //! 7. A bit is coded with an *adaptive probability*, chosen by context and updated after each use;
 //!    or plainly, where both values are equally likely.
 //! 8. The same generic code encodes and decodes, so that the two sides cannot differ; what only an
@@ -51,18 +51,18 @@
 //! | `partial_mesh` | the mesh so far: corner lists, stars, links, splits |
 //! | `vertex_data` | number systems, layouts, quantisation, prediction of values |
 //! | `source` | what an encoder knows: the splits of a collapse sequence |
-//! | `vertex_split` | coding of splits: parent, new triangles, corner transfer, points, contexts |
+//! | `vertex_split` | coding of splits: parent, triangles, corner transfer, points, turns, contexts |
 //!
 //! # Example
 //!
 //! Encode a sphere in blocks, and decode them one after the other:
 //!
 //! ```
-//! use lodc_progressive::{BlockTarget, Contexts, MeshDecoder, MeshEncoder, StepBlock,
+//! use lodc_progressive::{BlockTarget, Contexts, MeshDecoder, MeshEncoder, StepBlock, StepOrder,
 //! VertexLayout};
 //!
 //! let sphere = lodc_fixtures::random_collapse(&lodc_fixtures::icosphere(2), 7);
-//! let mut encoder = MeshEncoder::new(&sphere, VertexLayout::choose(&sphere), false);
+//! let mut encoder = MeshEncoder::new(&sphere, VertexLayout::choose(&sphere), StepOrder::Batches);
 //! let header = encoder.header().clone();
 //! let (mut contexts, mut blocks, mut bytes) = (Contexts::new(), Vec::new(), 0);
 //! while !encoder.is_complete() {
@@ -98,6 +98,8 @@ mod partial_mesh;
 mod source;
 #[cfg(test)]
 mod trace;
+mod turns_decoder;
+mod turns_encoder;
 mod vertex_data;
 mod vertex_split;
 
@@ -106,7 +108,9 @@ pub use header::MeshHeader;
 pub use invalid::InvalidStream;
 pub use mesh_decoder::{MeshDecoder, StepBlock};
 pub use mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};
-pub use source::batches::{in_batches, with_removals};
+pub use source::batches::{StepOrder, in_batches, with_removals};
+pub use turns_decoder::decode_turns;
+pub use turns_encoder::TurnsEncoder;
 pub use vertex_data::number_system::NumberSystem;
 pub use vertex_data::octahedral::Octahedral;
 pub use vertex_data::quantize::{ErrorBound, Quantize};

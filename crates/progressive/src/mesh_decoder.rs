@@ -24,7 +24,7 @@ pub struct MeshDecoder {
     steps: u32,
 }
 
-/// Some consecutive steps of an object as a block holds them.
+/// Steps as a block holds them.
 #[derive(Clone, Copy, Debug)]
 pub struct StepBlock<'a> {
     /// Number of steps.
@@ -59,18 +59,43 @@ impl MeshDecoder {
             return Err(InvalidStream("has no steps, or more than the header says"));
         }
         let mut coder = Decoder::new(block.splits);
-        let MeshHeader { vertices, triangles, .. } = self.header;
-        let limits = StepLimits { vertices, triangles, bytes: block.bytes };
         for remaining in (0..block.steps).rev() {
-            let step = self.codec.code_step(&mut coder, &DecoderSource, contexts, limits);
-            let checked = step.and_then(|()| self.check_step(&coder, remaining == 0));
-            if let Err(e) = checked {
-                self.codec.complete_values();
-                return Err(e);
-            }
-            self.steps += 1;
+            self.decode_step(&mut coder, contexts, block.bytes, remaining == 0)?;
         }
         Ok(())
+    }
+
+    /// Decodes a step, the last one of its block or another.
+    pub(crate) fn decode_step(
+        &mut self,
+        coder: &mut Decoder<'_>,
+        contexts: &mut Contexts,
+        bytes: usize,
+        is_last: bool,
+    ) -> Result<(), InvalidStream> {
+        if self.has_all_steps() {
+            return Err(InvalidStream("has more steps than the header says"));
+        }
+        let MeshHeader { vertices, triangles, .. } = self.header;
+        let limits = StepLimits { vertices, triangles, bytes };
+        let step = self.codec.code_step(coder, &DecoderSource, contexts, limits);
+        let checked = step.and_then(|()| self.check_step(coder, is_last));
+        if let Err(e) = checked {
+            self.codec.complete_values();
+            return Err(e);
+        }
+        self.steps += 1;
+        Ok(())
+    }
+
+    /// Returns whether as many steps have been decoded as the header says.
+    pub(crate) fn has_all_steps(&self) -> bool {
+        self.steps == self.header.steps
+    }
+
+    /// Returns whether no batch has begun of which steps are still to come.
+    pub(crate) fn is_between_batches(&self) -> bool {
+        self.codec.is_between_batches()
     }
 
     fn check_step(&self, coder: &Decoder<'_>, is_last: bool) -> Result<(), InvalidStream> {
@@ -106,7 +131,7 @@ impl MeshDecoder {
     /// Returns whether everything that the header says has been decoded.
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        self.steps == self.header.steps
+        self.has_all_steps()
             && self.vertex_count() == self.header.vertices
             && self.triangle_count() == self.header.triangles
             && self.codec.points.are_complete()

@@ -1,13 +1,16 @@
 //! The encoder of one object: writes blocks of steps of about a wanted size, coarse to fine.
 
 use crate::entropy::encoder::Encoder;
+use crate::error_code::error_value;
 use crate::header::MeshHeader;
+use crate::source::batches::StepOrder;
 use crate::source::coding_parents::StarRule;
 use crate::source::encoder_source::EncoderSource;
 use crate::vertex_data::vertex_layout::VertexLayout;
+use crate::vertex_split::budget::Cost;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
-use lodc_mesh::{Lod, Simplified};
+use lodc_mesh::Simplified;
 
 /// Encodes the steps of one object, coarse to fine.
 pub struct MeshEncoder<'a> {
@@ -41,22 +44,36 @@ pub struct BlockTarget {
 /// extremely well are padded, so a few bytes too many do not matter.
 const PADDING_UNIT: usize = 64;
 
+impl EncodedSteps {
+    /// Finishes steps of objects of which none has cost more, behind so many bytes of the stream.
+    pub(crate) fn new(steps: u32, coder: Encoder, cost: Cost, bytes_before: usize) -> Self {
+        let splits = coder.finish();
+        // A decoder refuses steps that take more memory or time than their bytes may: splits that
+        // compress that well are padded.
+        let mut padding = 0;
+        while !cost.is_within_budget(bytes_before + splits.len() + padding) {
+            padding += PADDING_UNIT;
+        }
+        Self { steps, splits: splits.into_bytes(padding) }
+    }
+}
+
 impl<'a> MeshEncoder<'a> {
-    /// Prepares a mesh. Its steps are coded in batches if `exact` is false and they are in such an
-    /// order, see [`in_batches`](crate::in_batches); else each is coded with its parent.
+    /// Prepares a mesh. Its steps are coded in batches if these are wanted and the steps are in
+    /// such an order, see [`in_batches`](crate::in_batches); else each is coded with its parent.
     #[must_use]
-    pub fn new(simplified: &'a Simplified, layout: VertexLayout, exact: bool) -> Self {
-        Self::with_rule(simplified, layout, exact, StarRule::DEFAULT)
+    pub fn new(simplified: &'a Simplified, layout: VertexLayout, order: StepOrder) -> Self {
+        Self::with_rule(simplified, layout, order, StarRule::DEFAULT)
     }
 
     /// Like [`Self::new`], with another rule for large stars: tests use smaller ones.
     pub(crate) fn with_rule(
         simplified: &'a Simplified,
         layout: VertexLayout,
-        exact: bool,
+        order: StepOrder,
         rule: StarRule,
     ) -> Self {
-        let source = EncoderSource::new(simplified, &layout, exact, rule);
+        let source = EncoderSource::new(simplified, &layout, order, rule);
         let submeshes = simplified.mesh().submeshes().len() as u32;
         let exact = source.batches().is_none();
         let header = MeshHeader::new(simplified, layout.clone(), source.count_steps(), exact);
@@ -97,37 +114,43 @@ impl<'a> MeshEncoder<'a> {
         self.vertices() == self.header.vertices && self.codec.points.are_complete()
     }
 
-    /// Object-space error of the mesh that is encoded so far.
+    /// Object-space error of the mesh that is encoded so far, as a decoder knows it.
     #[must_use]
     pub fn error(&self) -> f32 {
-        let lod = Lod(self.header.vertices.saturating_sub(self.vertices().max(1)));
-        self.simplified.collapses().error_at(lod)
+        error_value(self.codec.errors.error)
+    }
+
+    /// Returns whether no batch has begun of which steps are still to come.
+    pub(crate) fn is_between_batches(&self) -> bool {
+        self.codec.is_between_batches()
+    }
+
+    /// What the object has cost so far.
+    pub(crate) fn cost(&self) -> Cost {
+        self.codec.cost()
+    }
+
+    /// Encodes the next step; the object must not be complete.
+    pub(crate) fn encode_step(&mut self, coder: &mut Encoder, contexts: &mut Contexts) {
+        let MeshHeader { vertices, triangles, .. } = self.header;
+        let limits = StepLimits { vertices, triangles, bytes: usize::MAX };
+        let step = self.codec.code_step(coder, &self.source, contexts, limits);
+        step.expect("an encoder's source has only valid splits");
     }
 
     /// Encodes the next steps, at least one; the object must not be complete.
     pub fn encode(&mut self, contexts: &mut Contexts, target: BlockTarget) -> EncodedSteps {
-        let MeshHeader { vertices, triangles, .. } = self.header;
-        let limits = StepLimits { vertices, triangles, bytes: usize::MAX };
         let mut coder = Encoder::default();
         let mut steps = 0;
         loop {
-            let step = self.codec.code_step(&mut coder, &self.source, contexts, limits);
-            step.expect("an encoder's source has only valid splits");
+            self.encode_step(&mut coder, contexts);
             steps += 1;
             let must_go_on = target.until_triangle && self.triangles() == 0;
             if coder.len() >= target.bytes && !must_go_on || self.is_complete() {
                 break;
             }
         }
-        let splits = coder.finish();
-        // A decoder refuses steps that take more memory or time than their bytes may: splits that
-        // compress that well are padded.
-        let mut padding = 0;
-        let bytes = target.bytes_before + splits.len();
-        while !self.codec.cost().is_within_budget(bytes + padding) {
-            padding += PADDING_UNIT;
-        }
-        EncodedSteps { steps, splits: splits.into_bytes(padding) }
+        EncodedSteps::new(steps, coder, self.cost(), target.bytes_before)
     }
 
     /// Bytes of the thesis's packages for the steps so far, the uncompressed form that streams are

@@ -52,6 +52,8 @@ impl Names {
         let BoundedCode(parent) = &c.parent;
         names.add(parent, "parent".to_owned());
         names.symbols(&c.wedge_distance, "wedge_distance");
+        names.gamma(&c.turns.object, "object");
+        names.add(&c.turns.goes_on, "goes_on".to_owned());
         names.gamma(&c.batches.steps, "batch");
         for (i, by_class) in c.batches.splits.iter().enumerate() {
             for (j, by_triangles) in by_class.iter().enumerate() {

@@ -25,8 +25,8 @@ const PAYLOAD_CHECKSUM_BYTES: usize = 4;
 /// A block whose checksums are right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Block<'a> {
-    /// 0: the head, a piece of the document, or the end of the stream; else one more than the
-    /// number of an object.
+    /// 0: the head, a piece of the document, the end of the stream, or, with steps, those of
+    /// objects that take turns; else one more than the number of an object.
     pub(super) tag: u32,
     /// Number of refinement steps in the payload.
     pub(super) steps: u32,

@@ -57,18 +57,22 @@ pub(super) struct EncodedDocument {
     pub(super) bytes: Vec<u8>,
     /// The first bytes, which the stream sends before any triangle.
     pub(super) leading: usize,
+    /// End of the bytes that come at once behind the first triangles, if they have not come before:
+    /// the text and, unless they are many, the matrices of skins.
+    pub(super) prompt_end: usize,
     /// End of the bytes that say where everything is: the text and the matrices of skins.
     pub(super) placement_end: usize,
     /// End of the bytes that a picture of the scene at rest needs: animations follow.
     pub(super) picture_end: usize,
 }
 
-/// The part of a document that comes before the first triangles takes at most one of this number of
-/// bytes of a stream. Chosen by hand: a larger part delays the first triangles.
-const LEADING_SHARE: u64 = 20;
-/// The largest number of bytes of that part, chosen by hand. The nodes and skins of a rig come
-/// first whatever their share: without them its parts would be in the wrong places.
+/// The part of a document that comes before the first triangles ends, and these with it, in the
+/// first one of this number of parts of a stream. Chosen by hand.
+pub(super) const LEADING_SHARE: u64 = 20;
+/// The largest number of bytes of that part, chosen by hand.
 const MAX_LEADING: u64 = 16 << 10;
+/// More than the bytes of the file header, the first block and the fields of a block.
+const CONTAINER_BYTES: u64 = 64;
 
 /// What precedes the JSON in a document's text. These records are the file format.
 #[derive(Encode, Decode)]
@@ -95,15 +99,14 @@ struct SubmeshEntry {
     document_primitive: u32,
 }
 impl EncodedDocument {
-    /// Encodes a document for a stream whose steps have `step_bytes`; `None` if its text would be
-    /// too long. The document of a rig has nodes and skins that its meshes cannot be placed
-    /// without.
+    /// Encodes a document for a stream whose steps have `step_bytes`, those up to the first
+    /// triangle `first_bytes`; `None` if its text would be too long.
     pub(super) fn new<'a>(
         source: &Source,
         document: &Document,
         objects: impl Iterator<Item = (&'a ObjectInfo, SequenceFacts)> + Clone,
-        is_rig: bool,
         step_bytes: u64,
+        first_bytes: u64,
     ) -> Option<Self> {
         let mut entry = TextEntry {
             format: format_code(source.format),
@@ -125,9 +128,10 @@ impl EncodedDocument {
         let placement = runs.iter().filter(|r| r.purpose == Purpose::Placement);
         let placement: u64 = placement.map(length).sum();
         let total = step_bytes + text.len() as u64 + buffer.len() as u64;
-        let max_leading = (total / LEADING_SHARE).min(MAX_LEADING);
+        let max_leading = (total / LEADING_SHARE).saturating_sub(first_bytes + CONTAINER_BYTES);
+        let max_leading = max_leading.min(MAX_LEADING);
         let mut leading = text.len() as u64 + placement;
-        let text_leads = leading <= if is_rig { MAX_LEADING } else { max_leading };
+        let text_leads = leading <= max_leading;
         // Small images lead, too, as far as they fit.
         let mut is_leading = |run: &BufferRun| match run.purpose {
             Purpose::Placement => true,
@@ -139,7 +143,7 @@ impl EncodedDocument {
             }
         };
         let (first, later): (Vec<_>, Vec<_>) = runs.drain(..).partition(|run| is_leading(run));
-        let first_bytes: u64 = first.iter().map(length).sum();
+        let leading_runs: u64 = first.iter().map(length).sum();
         let animation_bytes = later.iter().filter(|r| r.purpose == Purpose::Animation);
         let animation_bytes: u64 = animation_bytes.map(length).sum();
         runs.extend(first.into_iter().chain(later));
@@ -154,7 +158,8 @@ impl EncodedDocument {
         Some(Self {
             text_bytes,
             stored: u32::try_from(stored).ok()?,
-            leading: if text_leads { stored + first_bytes as usize } else { 0 },
+            leading: if text_leads { stored + leading_runs as usize } else { 0 },
+            prompt_end: stored + if placement <= MAX_LEADING { placement as usize } else { 0 },
             placement_end: stored + placement as usize,
             picture_end: bytes.len() - (animation_bytes + unlisted_bytes) as usize,
             bytes,

@@ -19,7 +19,7 @@ mod unpack;
 
 pub use arrived::Arrived;
 pub use document::SequenceFacts;
-pub use lodc_progressive::{ErrorBound, Quantize, in_batches};
+pub use lodc_progressive::{ErrorBound, Quantize, StepOrder, in_batches};
 pub use pack::{PackOptions, Packed, PackedObject, pack};
 pub use rebuild::{Rebuilt, as_streamed};
 pub use unpack::{Progress, Unpacker};

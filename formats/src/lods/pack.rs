@@ -2,15 +2,15 @@
 //! the order of their errors, cut into blocks, with the document's pieces between them.
 
 use super::block::{self, Block, FILE_HEADER};
-use super::document::{EncodedDocument, SequenceFacts};
+use super::document::{EncodedDocument, LEADING_SHARE, SequenceFacts};
 use super::head::Head;
 use super::mesh_header;
 use crate::lodc::{LodFile, LodObject};
 use crate::{Fault, FormatError};
-use lodc_mesh::{Semantic, Simplified};
+use lodc_mesh::{Simplified, put_leb128};
 use lodc_progressive::{
-    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, TextCodec,
-    VertexLayout, in_batches,
+    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, StepOrder, TextCodec,
+    TurnsEncoder, VertexLayout, in_batches,
 };
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -82,35 +82,47 @@ struct ObjectWriter<'a> {
 /// # Errors
 /// If something is larger than the format allows.
 pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, FormatError> {
+    let batches = StepOrder::batches(file.objects.len());
+    let order = if options.exact { StepOrder::Exact } else { batches };
     let ordered: Vec<Cow<'_, Simplified>> =
-        file.objects.iter().map(|o| in_stream_order(&o.simplified, options.exact)).collect();
-    let writer = |(object, simplified)| ObjectWriter::new(object, simplified, options);
+        file.objects.iter().map(|o| in_stream_order(&o.simplified, order)).collect();
+    let quantize = &options.quantize;
+    let writer = |(object, simplified)| ObjectWriter::new(object, simplified, order, quantize);
     let mut writers: Vec<_> =
         file.objects.iter().zip(ordered.iter().map(Cow::as_ref)).map(writer).collect();
     let block_bytes = options.block_bytes.unwrap_or(BLOCK_BYTES) as usize;
     let blocks = step_blocks(&mut writers, block_bytes)?;
-    let step_bytes: usize = blocks.iter().map(|block| block.payload.len()).sum();
+    let bytes_of = |blocks: &[StepsBlock]| -> u64 {
+        blocks.iter().map(|block| (BLOCK_FIELDS + block.payload.len()) as u64).sum()
+    };
+    let first_picture = blocks.partition_point(|block| block.triangles == 0);
+    let (step_bytes, first_bytes) = (bytes_of(&blocks), bytes_of(&blocks[..first_picture]));
     let descriptions =
         file.objects.iter().map(|o| (&o.info, SequenceFacts::of(o.simplified.collapses())));
-    let is_rig = file.objects.iter().any(|o| {
-        let attributes = o.simplified.mesh().attributes();
-        attributes.iter().any(|a| matches!(a.semantic, Semantic::Joints(_)))
-    });
     let document =
-        EncodedDocument::new(&file.source, &file.document, descriptions, is_rig, step_bytes as u64)
+        EncodedDocument::new(&file.source, &file.document, descriptions, step_bytes, first_bytes)
             .ok_or_else(|| too_large("the names and the JSON of the scene have more than 4 GiB"))?;
+    let all_bytes = step_bytes + document.bytes.len() as u64;
     let mut stream = StreamWriter::new(file, document);
     stream.put_document(stream.document.leading);
     let triangles: u64 = writers.iter().map(|w| u64::from(w.encoder.triangles())).sum();
     for block in blocks {
-        // Geometry first; then the document and the steps take turns.
-        if block.all_visible {
+        // Triangles first; then what says where they are, and the document and steps take turns.
+        let share_passed = LEADING_SHARE * stream.bytes.len() as u64 >= all_bytes;
+        let are_apart = block.all_visible && writers.len() > 1;
+        if block.triangles > 0 && (share_passed || are_apart) {
+            stream.put_document(stream.document.prompt_end.saturating_sub(stream.document_bytes));
+        }
+        if block.all_visible && stream.document_bytes >= stream.document.prompt_end {
             let tenth_shown = 10 * block.triangles >= triangles;
             stream.put_due_document(tenth_shown);
         }
-        let StepsBlock { object, steps, ref payload, header_bytes, .. } = block;
-        let bytes = stream.put_steps(Block { tag: object as u32 + 1, steps, payload });
-        writers[object].bytes += bytes - header_bytes;
+        let StepsBlock { tag, steps, ref payload, ref shares, .. } = block;
+        let fields = stream.put_steps(Block { tag, steps, payload }) - payload.len() as u64;
+        if let [(first, _), ..] = shares[..] {
+            writers[first].bytes += fields;
+        }
+        shares.iter().for_each(|&(object, bytes)| writers[object].bytes += bytes);
     }
     stream.put_document_up_to(stream.document.picture_end);
     stream.put_document_up_to(stream.document.bytes.len());
@@ -123,11 +135,12 @@ pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, Forma
 
 /// A block of steps, and what the blocks before it show.
 struct StepsBlock {
-    object: usize,
+    /// 0 if objects take turns, else one more than the number of the object.
+    tag: u32,
     steps: u32,
     payload: Vec<u8>,
-    /// Bytes of the object's header, with which the payload begins.
-    header_bytes: u64,
+    /// Objects that have steps, and how many bytes of the payload are theirs.
+    shares: Vec<(usize, u64)>,
     /// True if each object that has triangles shows some.
     all_visible: bool,
     /// Triangles of all objects.
@@ -139,30 +152,133 @@ fn step_blocks(
     writers: &mut [ObjectWriter<'_>],
     block_bytes: usize,
 ) -> Result<Vec<StepsBlock>, FormatError> {
-    let mut contexts = Box::new(Contexts::new());
-    let mut header_codec = TextCodec::default();
     // The object that is farthest from its final mesh comes next, the first of equals.
-    let mut queue: BinaryHeap<(u64, Reverse<usize>)> = BinaryHeap::new();
-    queue.extend(
-        (writers.iter().enumerate()).filter_map(|(i, w)| Some((w.priority()?, Reverse(i)))),
-    );
-    let (mut blocks, mut bytes, mut triangles) = (Vec::new(), FILE_HEADER.length, 0);
-    while let Some((priority, Reverse(object))) = queue.pop() {
-        let writer = &mut writers[object];
-        // The first block of an object ends as soon as it shows something.
-        let until_triangle = priority == NO_TRIANGLE_YET && block_bytes > 0;
-        let max_bytes = if until_triangle { 0 } else { next_block_bytes(bytes).min(block_bytes) };
-        let target = BlockTarget { bytes: max_bytes, bytes_before: bytes, until_triangle };
-        let header = writer.start(&mut header_codec)?;
-        let before = writer.encoder.triangles();
-        let (steps, payload) = writer.encode(&mut contexts, target, &header)?;
-        bytes += BLOCK_FIELDS + payload.len();
-        let (header_bytes, all_visible) = (header.len() as u64, priority < NO_TRIANGLE_YET);
-        blocks.push(StepsBlock { object, steps, payload, header_bytes, all_visible, triangles });
-        triangles += u64::from(writer.encoder.triangles() - before);
-        queue.extend(writer.priority().map(|priority| (priority, Reverse(object))));
+    let queued = |(i, w): (usize, &ObjectWriter<'_>)| Some((w.priority()?, Reverse(i)));
+    let queue = writers.iter().enumerate().filter_map(queued).collect();
+    let mut encoder = StepsEncoder {
+        writers,
+        queue,
+        contexts: Box::new(Contexts::new()),
+        header_codec: TextCodec::default(),
+        bytes: FILE_HEADER.length,
+        triangles: 0,
+    };
+    let mut blocks = Vec::new();
+    while let Some(&(priority, Reverse(object))) = encoder.queue.peek() {
+        let has_steps = !encoder.writers[object].encoder.is_complete();
+        let take_turns = encoder.queue.len() > 1 && block_bytes > 0 && has_steps;
+        let (all_visible, triangles) = (priority < NO_TRIANGLE_YET, encoder.triangles);
+        let (tag, EncodedSteps { steps, splits: payload }, shares) = if take_turns {
+            encoder.turns(block_bytes)?
+        } else {
+            encoder.one_object(block_bytes)?
+        };
+        if payload.len() > block::MAX_PAYLOAD {
+            return Err(too_large("a single block has more than 16 MiB"));
+        }
+        encoder.bytes += BLOCK_FIELDS + payload.len();
+        blocks.push(StepsBlock { tag, steps, payload, shares, all_visible, triangles });
     }
     Ok(blocks)
+}
+
+/// A block of steps: its tag, its steps with the payload, and the bytes of each object in it.
+type EncodedBlock = (u32, EncodedSteps, Vec<(usize, u64)>);
+
+/// Encodes steps block by block.
+struct StepsEncoder<'w, 'a> {
+    writers: &'w mut [ObjectWriter<'a>],
+    /// Objects that are not complete, by priority.
+    queue: BinaryHeap<(u64, Reverse<usize>)>,
+    contexts: Box<Contexts>,
+    header_codec: TextCodec,
+    /// Bytes of the stream so far, without the document.
+    bytes: usize,
+    /// Triangles of all objects so far.
+    triangles: u64,
+}
+
+impl StepsEncoder<'_, '_> {
+    /// Encodes a block of the first object of the queue.
+    fn one_object(&mut self, block_bytes: usize) -> Result<EncodedBlock, FormatError> {
+        let (priority, Reverse(object)) = self.queue.pop().expect("an object in the queue");
+        // The first block of an object ends as soon as it shows something.
+        let until_triangle = priority == NO_TRIANGLE_YET && block_bytes > 0;
+        let bytes = if until_triangle { 0 } else { next_block_bytes(self.bytes).min(block_bytes) };
+        let target = BlockTarget { bytes, bytes_before: self.bytes, until_triangle };
+        let writer = &mut self.writers[object];
+        let mut payload = writer.start(&mut self.header_codec)?;
+        // An object without vertices has no steps, only its header.
+        let mut encoded = EncodedSteps::default();
+        if !writer.encoder.is_complete() {
+            let before = writer.encoder.triangles();
+            encoded = writer.encoder.encode(&mut self.contexts, target);
+            self.triangles += u64::from(writer.encoder.triangles() - before);
+        }
+        let share = encoded.splits.len() as u64;
+        payload.append(&mut encoded.splits);
+        self.queue.extend(writer.priority().map(|priority| (priority, Reverse(object))));
+        let encoded = EncodedSteps { splits: payload, ..encoded };
+        Ok((object as u32 + 1, encoded, vec![(object, share)]))
+    }
+
+    /// Encodes a block in which objects take turns, from the first of the queue on.
+    fn turns(&mut self, block_bytes: usize) -> Result<EncodedBlock, FormatError> {
+        let Self { writers, queue, .. } = self;
+        let max_bytes = next_block_bytes(self.bytes).min(block_bytes);
+        let (mut headers, mut header_count, mut shares) = (Vec::new(), 0, Vec::new());
+        let mut turns = TurnsEncoder::new(&mut self.contexts, writers.len() as u32);
+        let mut must_follow = false;
+        while must_follow || shares.is_empty() || headers.len() + turns.bytes() < max_bytes {
+            let Some((_, Reverse(object))) = queue.pop() else { break };
+            let writer = &mut writers[object];
+            if !writer.header_written {
+                headers.extend(writer.start(&mut self.header_codec)?);
+                header_count += 1;
+            }
+            if !writer.encoder.is_complete() {
+                let (bytes, triangles) = (turns.bytes(), writer.encoder.triangles());
+                let (scale, next) = (writer.scale, queue.peek().map(|next| next.0));
+                let goes_on = |encoder: &MeshEncoder<'_>| goes_on(priority(encoder, scale), next);
+                let max_bytes = max_bytes.saturating_sub(headers.len());
+                must_follow = turns.turn(object as u32, &mut writer.encoder, max_bytes, goes_on);
+                shares.push((object, (turns.bytes() - bytes) as u64));
+                self.triangles += u64::from(writer.encoder.triangles() - triangles);
+            }
+            queue.extend(writer.priority().map(|priority| (priority, Reverse(object))));
+        }
+        let encoded = turns.finish(self.bytes);
+        let mut payload = Vec::new();
+        put_leb128(&mut payload, header_count);
+        payload.append(&mut headers);
+        // Lengths of turns are estimates.
+        let estimated: u64 = shares.iter().map(|(_, bytes)| bytes).sum();
+        let all = encoded.splits.len() as u64;
+        shares.iter_mut().for_each(|(_, bytes)| *bytes = *bytes * all / estimated.max(1));
+        let rest = all - shares.iter().map(|(_, bytes)| bytes).sum::<u64>();
+        shares.iter_mut().take(1).for_each(|(_, bytes)| *bytes += rest);
+        payload.extend(encoded.splits);
+        Ok((0, EncodedSteps { splits: payload, ..encoded }, shares))
+    }
+}
+
+/// Returns whether an object of some priority goes on, given the next one's. It does as long as its
+/// error is no more than 1/16 below that of the next, which is how precise errors in streams are.
+fn goes_on(priority: u64, next: Option<u64>) -> bool {
+    let error = |priority| f64::from_bits(priority);
+    match next {
+        Some(NO_TRIANGLE_YET) => priority == NO_TRIANGLE_YET,
+        Some(next) => priority == NO_TRIANGLE_YET || error(priority) * 1.0625 >= error(next),
+        None => true,
+    }
+}
+
+/// Returns a number that rises with the world error of an object so far that is not complete.
+fn priority(encoder: &MeshEncoder<'_>, scale: f64) -> u64 {
+    if encoder.triangles() == 0 && encoder.header().triangles > 0 {
+        return NO_TRIANGLE_YET;
+    }
+    (f64::from(encoder.error()) * scale + 0.0).to_bits()
 }
 
 /// Returns how long the next block may be: blocks grow with the stream.
@@ -178,9 +294,8 @@ const END_BYTES: u64 = 9;
 const BLOCK_FIELDS: usize = 9;
 
 /// The mesh with its steps in the order in which they are packed.
-fn in_stream_order(simplified: &Simplified, exact: bool) -> Cow<'_, Simplified> {
-    let batches = if exact { None } else { in_batches(simplified) };
-    batches.map_or(Cow::Borrowed(simplified), Cow::Owned)
+fn in_stream_order(simplified: &Simplified, order: StepOrder) -> Cow<'_, Simplified> {
+    in_batches(simplified, order).map_or(Cow::Borrowed(simplified), Cow::Owned)
 }
 
 /// The bytes of a stream so far.
@@ -232,9 +347,9 @@ impl StreamWriter {
     /// Puts the part of the document that is due before the next steps: placements take turns with
     /// steps, byte for byte, and so do images after a tenth of the triangles.
     fn put_due_document(&mut self, tenth_shown: bool) {
-        let EncodedDocument { leading, placement_end, picture_end, .. } = self.document;
+        let EncodedDocument { prompt_end, placement_end, picture_end, .. } = self.document;
         while self.document_bytes < placement_end
-            && ((self.document_bytes - leading) as u64) < self.step_bytes
+            && ((self.document_bytes - prompt_end) as u64) < self.step_bytes
         {
             self.put_next_document(placement_end);
         }
@@ -261,22 +376,28 @@ impl StreamWriter {
         self.put_document(max_bytes.min(end - self.document_bytes));
     }
 
-    /// Puts the next bytes of the document as a block.
+    /// Puts the next bytes of the document, as one block if it can have them.
     fn put_document(&mut self, length: usize) {
-        if length > 0 {
-            let payload = &self.document.bytes[self.document_bytes..][..length];
+        for payload in
+            self.document.bytes[self.document_bytes..][..length].chunks(MAX_DOCUMENT_BLOCK)
+        {
             block::put(&mut self.bytes, self.blocks, Block { tag: 0, steps: 0, payload });
             self.blocks += 1;
-            self.document_bytes += length;
         }
+        self.document_bytes += length;
     }
 }
 
 impl<'a> ObjectWriter<'a> {
-    fn new<M>(object: &'a LodObject<M>, simplified: &'a Simplified, options: &PackOptions) -> Self {
+    fn new<M>(
+        object: &'a LodObject<M>,
+        simplified: &'a Simplified,
+        order: StepOrder,
+        quantize: &Quantize,
+    ) -> Self {
         let mut layout = VertexLayout::choose(simplified);
-        let bounds = options.quantize.apply(simplified.mesh(), &mut layout);
-        let encoder = MeshEncoder::new(simplified, layout, options.exact);
+        let bounds = quantize.apply(simplified.mesh(), &mut layout);
+        let encoder = MeshEncoder::new(simplified, layout, order);
         let is_as_in_file = std::ptr::eq(simplified, &*object.simplified);
         let exact_levels = match (is_as_in_file, encoder.header().exact) {
             (true, _) => simplified.collapses().steps() as u32,
@@ -291,14 +412,10 @@ impl<'a> ObjectWriter<'a> {
 
     /// Returns a number that rises with the world error of the mesh so far; none if it is complete.
     fn priority(&self) -> Option<u64> {
-        let encoder = &self.encoder;
-        if !self.header_written || encoder.triangles() == 0 && encoder.header().triangles > 0 {
-            Some(NO_TRIANGLE_YET)
-        } else if encoder.is_complete() {
-            None
-        } else {
-            Some((f64::from(encoder.error()) * self.scale + 0.0).to_bits())
+        if !self.header_written {
+            return Some(NO_TRIANGLE_YET);
         }
+        (!self.encoder.is_complete()).then(|| priority(&self.encoder, self.scale))
     }
 
     /// Returns the header if it is still to come, else nothing.
@@ -308,27 +425,6 @@ impl<'a> ObjectWriter<'a> {
         }
         mesh_header::to_bytes(self.encoder.header(), codec)
             .ok_or_else(|| too_large("an object has too many submeshes and attributes"))
-    }
-
-    /// Encodes the next steps. Returns their number and a block's payload, which starts with
-    /// `header`.
-    fn encode(
-        &mut self,
-        contexts: &mut Contexts,
-        target: BlockTarget,
-        header: &[u8],
-    ) -> Result<(u32, Vec<u8>), FormatError> {
-        let mut payload = header.to_vec();
-        // An object without vertices has no steps, only its header.
-        let mut encoded = EncodedSteps::default();
-        if !self.encoder.is_complete() {
-            encoded = self.encoder.encode(contexts, target);
-        }
-        payload.extend(encoded.splits);
-        if payload.len() > block::MAX_PAYLOAD {
-            return Err(too_large("a single block has more than 16 MiB"));
-        }
-        Ok((encoded.steps, payload))
     }
 
     fn finish(self) -> PackedObject {

@@ -5,8 +5,8 @@ use super::document::SequenceFacts;
 use crate::{Fault, FormatError};
 use lodc_mesh::{CollapseSequence, Lod, Mesh, SequenceParts, Simplified};
 use lodc_progressive::{
-    BlockTarget, Contexts, MeshDecoder, MeshEncoder, StepBlock, VertexLayout, in_batches,
-    with_removals,
+    BlockTarget, Contexts, MeshDecoder, MeshEncoder, StepBlock, StepOrder, VertexLayout,
+    in_batches, with_removals,
 };
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -38,9 +38,9 @@ pub(super) fn rebuild(decoder: &MeshDecoder, facts: SequenceFacts) -> Result<Reb
 ///
 /// # Errors
 /// Never for a sound mesh: what a stream decodes is checked.
-pub fn as_streamed(simplified: &Simplified) -> Result<Simplified, FormatError> {
-    let ordered = in_batches(simplified).map_or(Cow::Borrowed(simplified), Cow::Owned);
-    let mut encoder = MeshEncoder::new(&ordered, VertexLayout::choose(&ordered), false);
+pub fn as_streamed(simplified: &Simplified, order: StepOrder) -> Result<Simplified, FormatError> {
+    let ordered = in_batches(simplified, order).map_or(Cow::Borrowed(simplified), Cow::Owned);
+    let mut encoder = MeshEncoder::new(&ordered, VertexLayout::choose(&ordered), order);
     let mut decoder = MeshDecoder::new(encoder.header().clone());
     let (mut encoding, mut decoding) = (Box::new(Contexts::new()), Box::new(Contexts::new()));
     let mut bytes_so_far = 0;

@@ -15,6 +15,12 @@ pub(super) struct ReceivedObject {
     pub(super) decoder: MeshDecoder,
 }
 
+impl AsMut<MeshDecoder> for ReceivedObject {
+    fn as_mut(&mut self) -> &mut MeshDecoder {
+        &mut self.decoder
+    }
+}
+
 /// A scene so far.
 #[derive(Debug)]
 pub(super) struct Received {
@@ -23,13 +29,16 @@ pub(super) struct Received {
     pub(super) objects: Vec<ReceivedObject>,
     /// Number of objects whose header has arrived: the first ones.
     pub(super) announced: usize,
+    /// Vertices and triangles that they will have.
+    announced_size: [u64; 2],
 }
 
 impl Received {
     /// A scene of which the first block has arrived.
     pub(super) fn new(payload: &[u8]) -> Result<Self, FormatError> {
         let (head, document) = (Head::parse(payload)?, ReceivedDocument::default());
-        let mut received = Self { head, document, objects: Vec::new(), announced: 0 };
+        let (objects, announced) = (Vec::new(), 0);
+        let mut received = Self { head, document, objects, announced, announced_size: [0; 2] };
         // A document without bytes has no blocks.
         received.read_document(&[])?;
         Ok(received)
@@ -64,12 +73,10 @@ impl Received {
         header: MeshHeader,
         limits: &Limits,
     ) -> Result<(), FormatError> {
-        let sum = |count: fn(&MeshHeader) -> u32| -> u64 {
-            let before: u64 =
-                self.objects.iter().map(|o| u64::from(count(o.decoder.header()))).sum();
-            before + u64::from(count(&header))
-        };
-        if sum(|m| m.vertices) > limits.vertices || sum(|m| m.triangles) > limits.triangles {
+        let [vertices, triangles] = &mut self.announced_size;
+        *vertices += u64::from(header.vertices);
+        *triangles += u64::from(header.triangles);
+        if *vertices > limits.vertices || *triangles > limits.triangles {
             let problem = "announces more vertices or triangles than the limit";
             return Err(FormatError::new(Fault::Limit, "objects", problem));
         }

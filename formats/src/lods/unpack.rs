@@ -8,8 +8,8 @@ use super::mesh_header;
 use super::rebuild::{self, Rebuilt};
 use super::received::{Received, ReceivedObject};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
-use lodc_mesh::{Cleaning, Mesh, MeshParts};
-use lodc_progressive::{Contexts, MeshDecoder, StepBlock, TextCodec};
+use lodc_mesh::{Cleaning, Mesh, MeshParts, take_leb128};
+use lodc_progressive::{Contexts, MeshDecoder, StepBlock, TextCodec, decode_turns};
 
 /// Reads a stream from wherever its bytes come.
 ///
@@ -302,10 +302,29 @@ impl Unpacker {
         match (block.tag, block.payload) {
             (0, []) if block.steps == 0 && received.is_complete() => self.complete = true,
             (0, piece) if block.steps == 0 && !piece.is_empty() => received.read_document(piece)?,
+            (0, _) if block.steps > 0 => return self.read_turns(block),
             (0, _) => return Err(malformed("ends the stream before everything is complete")),
             _ => return self.read_steps(block),
         }
         Ok(())
+    }
+
+    /// Reads a block in which objects take turns: headers of objects, then the steps.
+    fn read_turns(&mut self, block: Block<'_>) -> Result<(), FormatError> {
+        let received = self.received.as_mut().expect("block 0 was read");
+        let mut payload = block.payload;
+        let headers = take_leb128(&mut payload, u64::from(u32::MAX));
+        for _ in 0..headers.ok_or_else(|| malformed("has no number of headers"))? {
+            if !received.awaits_header(received.announced) {
+                return Err(malformed("has a header of an object that does not exist"));
+            }
+            received
+                .announce(mesh_header::take(&mut payload, &mut self.header_codec)?, &self.limits)?;
+        }
+        let bytes = self.bytes as usize + block.payload.len();
+        let steps = StepBlock { steps: block.steps, splits: payload, bytes };
+        decode_turns(&mut received.objects, received.head.objects, &mut self.contexts, steps)
+            .map_err(|e| malformed(e.0))
     }
 
     fn read_steps(&mut self, block: Block<'_>) -> Result<(), FormatError> {

@@ -14,7 +14,7 @@ use lodc::{LodFile, LodObject, parting_borders, parting_line, write};
 use lodc_assets::Parts;
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
-use lodc_formats::lods::as_streamed;
+use lodc_formats::lods::{self, as_streamed};
 use lodc_formats::{Document, ObjectInfo, OutputFile, RequestedFiles, Scene, import};
 use lodc_lod::ModelKind;
 use lodc_mesh::{Lod, Simplified};
@@ -123,8 +123,9 @@ pub(super) fn make(
 
 /// Returns the objects with their steps in the order of streams.
 fn streamed(objects: SimplifiedObjects) -> Outcome<SimplifiedObjects> {
+    let order = lods::StepOrder::batches(objects.len());
     let object = |(info, simplified): (ObjectInfo, Arc<Simplified>)| {
-        Ok((info, Arc::new(as_streamed(&simplified)?)))
+        Ok((info, Arc::new(as_streamed(&simplified, order)?)))
     };
     objects.into_par_iter().map(object).collect()
 }

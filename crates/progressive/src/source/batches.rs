@@ -29,6 +29,77 @@ use lodc_mesh::{
 /// leave fewer levels that a prefix can show, since within a batch the order is not the metric's.
 const EARLIER_STEPS_PER_STEP: usize = 3;
 
+/// In a scene a batch ends early where the error falls below this share of that at its beginning,
+/// so that objects take turns while their errors are alike. Chosen by hand, with the next two.
+const SHARE_OF_ERROR: f32 = 0.8;
+/// A batch that ends early has one step, and one more for this many steps before it.
+const EARLIER_STEPS_PER_EARLY_STEP: usize = 32;
+/// Batches end early as long as there are no more than these.
+const MAX_EARLY_BATCHES: MaxBatches = MaxBatches { all: 4, per_bit: 3, steps: 64 };
+/// Orders of more batches are not taken for such. An order that was not made of batches falls into
+/// about one for each two steps. Batches that each grow the mesh by a third are 2.4 for each
+/// doubling of the steps. Four, eight more at the beginning, and one for each 32 steps leave room
+/// for cuts at fixed levels, where the error falls and before steps that must wait for others.
+const MAX_BATCHES: MaxBatches = MaxBatches { all: 8, per_bit: 4, steps: 32 };
+
+/// A bound on the number of batches.
+struct MaxBatches {
+    all: usize,
+    /// More for each bit of the number of steps.
+    per_bit: usize,
+    /// One more for so many steps.
+    steps: usize,
+}
+
+impl MaxBatches {
+    fn of(&self, steps: usize) -> usize {
+        let bits = (usize::BITS - steps.leading_zeros()) as usize;
+        self.all + self.per_bit * bits + steps / self.steps
+    }
+}
+
+/// The order of an object's steps in a stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepOrder {
+    /// That of the sequence: every level can be shown.
+    Exact,
+    /// Batches that grow as fast as they can, which is cheapest: for an object that is alone.
+    Batches,
+    /// Batches that end where the error falls: for objects that take turns.
+    BatchesInTurns,
+}
+
+impl StepOrder {
+    /// That of batches, for each object of a stream with so many.
+    #[must_use]
+    pub fn batches(objects: usize) -> Self {
+        if objects > 1 { Self::BatchesInTurns } else { Self::Batches }
+    }
+}
+
+/// The error of the level with each number of steps, from no step on; nothing where batches do not
+/// depend on it.
+pub(crate) fn errors_by_steps(
+    simplified: &Simplified,
+    points: u32,
+    order: StepOrder,
+) -> Option<Vec<f32>> {
+    let parts = simplified.collapses().parts();
+    let vertices = simplified.mesh().vertex_count() as u32;
+    let steps = parts.step_ends.partition_point(|&end| end <= vertices - points);
+    let errors = || parts.step_errors[..steps].iter().rev().copied().collect();
+    (order == StepOrder::BatchesInTurns).then(errors)
+}
+
+/// Returns the number of steps at whose error the batch number `batches` ends early, if it begins
+/// behind `done` steps.
+fn early_end(errors: Option<&[f32]>, batches: usize, done: usize) -> Option<usize> {
+    let errors = errors.filter(|_| batches <= MAX_EARLY_BATCHES.of(done))?;
+    let least = SHARE_OF_ERROR * errors.get(done)?;
+    let first = done + 1 + done / EARLIER_STEPS_PER_EARLY_STEP;
+    Some(first + errors.get(first..)?.partition_point(|&error| error >= least))
+}
+
 /// The splits of an object in stream order.
 pub(crate) struct StepTree<'a> {
     /// The target of each vertex.
@@ -42,6 +113,8 @@ pub(crate) struct StepTree<'a> {
     /// Numbers of vertices of two levels that batches must not change: the last legal one, and the
     /// first with another topology.
     pub(crate) fixed_levels: [u32; 2],
+    /// What [`errors_by_steps`] gives.
+    pub(crate) errors: Option<Vec<f32>>,
 }
 
 /// Consecutive steps that come in one walk through the list of groups.
@@ -104,8 +177,9 @@ impl StepTree<'_> {
         self.groups[self.targets[vertex as usize] as usize]
     }
 
-    /// Cuts steps, in their present order, into the fewest batches. `None` if that order was not
-    /// made of batches.
+    /// Cuts steps, in their present order, into the fewest batches, but for the first, of one step,
+    /// so that errors are known from the first triangle on, and those that end early. `None` if
+    /// that order was not made of batches.
     pub(crate) fn batches(&self) -> Option<Vec<Batch>> {
         let steps = self.steps()?;
         let mut walk = ListWalk::new(self.points, self.targets.len());
@@ -113,7 +187,11 @@ impl StepTree<'_> {
         let mut remaining = &steps[..];
         while let Some(&first) = remaining.first() {
             let (mut group, mut count) = (0, 0);
-            while let Some(&step) = remaining.get(count) {
+            let done = steps.len() - remaining.len();
+            let early_end = early_end(self.errors.as_deref(), batches.len() + 1, done);
+            let end = if done == 0 { Some(1) } else { early_end };
+            let longest = end.map_or(remaining.len(), |end| end.saturating_sub(done).max(1));
+            while let Some(&step) = remaining[..longest.min(remaining.len())].get(count) {
                 if self.group_of_target(step) == group {
                     walk.split(group, step);
                     count += 1;
@@ -126,13 +204,7 @@ impl StepTree<'_> {
             }
             batches.push(Batch { first_vertex: first, steps: count as u32 });
             remaining = &remaining[count..];
-            // An order that was not made of batches falls into about one for each two steps.
-            // Batches that each grow the mesh by a third are 2.4 for each doubling of the steps.
-            // Four, eight more at the beginning, and one for each 32 steps leave room for cuts at
-            // fixed levels and before steps that must wait for others.
-            let done = steps.len() - remaining.len();
-            let max_batches = 8 + 4 * (usize::BITS - done.leading_zeros()) as usize + done / 32;
-            if count == 0 || batches.len() > max_batches {
+            if count == 0 || batches.len() > MAX_BATCHES.of(done + count) {
                 return None;
             }
         }
@@ -153,12 +225,15 @@ impl StepTree<'_> {
         let (mut first_split, mut next_split) =
             (vec![NONE; self.targets.len()], vec![NONE; self.targets.len()]);
         let mut index_in_order = vec![u32::MAX; self.targets.len()];
+        let mut batches = 0;
         while order.len() < steps.len() {
             let done = order.len();
+            batches += 1;
             let max_end = (done + 1 + done / EARLIER_STEPS_PER_STEP).min(steps.len());
             let is_fixed =
                 |&end: &usize| steps.get(end).is_some_and(|s| self.fixed_levels.contains(s));
             let mut end = (done + 1..max_end).find(is_fixed).unwrap_or(max_end);
+            end = early_end(self.errors.as_deref(), batches, done).map_or(end, |e| e.min(end));
             begin(done);
             loop {
                 for &step in steps[done..end].iter().rev() {
@@ -254,9 +329,12 @@ pub(crate) fn wedge_groups(
 
 /// Returns a mesh with the steps of its sequence in batches, the order of streams: the levels at
 /// the ends of batches and their errors stay as they are. `None` if there is no such order for it,
-/// or if it is in one already.
+/// if it is in one already, or if the order is exact.
 #[must_use]
-pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
+pub fn in_batches(simplified: &Simplified, order: StepOrder) -> Option<Simplified> {
+    if order == StepOrder::Exact {
+        return None;
+    }
     let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
     let (vertices, last) = (mesh.vertex_count(), collapses.records());
     let targets = collapses.targets().iter().rev().map(|&t| last - t);
@@ -275,6 +353,7 @@ pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
         groups: &wedge_groups(&continues, |a, b| bits(a) == bits(b)),
         points,
         fixed_levels: fixed_levels(simplified),
+        errors: errors_by_steps(simplified, points, order),
     };
     if tree.batches().is_some() {
         return None;

@@ -5,7 +5,9 @@
 
 use crate::error_code::{ErrorCodes, error_code, rms_code};
 use crate::partial_mesh::new_triangle::Side;
-use crate::source::batches::{Batch, StepTree, find_continued_steps, fixed_levels, wedge_groups};
+use crate::source::batches::{
+    Batch, StepOrder, StepTree, errors_by_steps, find_continued_steps, fixed_levels, wedge_groups,
+};
 use crate::source::coding_parents::{SplitPlan, Splits, StarRule};
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
 use crate::source::named_stars::{NamedStars, Transfers};
@@ -48,12 +50,12 @@ pub(crate) struct EncoderSource {
 }
 
 impl EncoderSource {
-    /// Derives the splits. They come in batches if `exact` is false and the sequence has that
+    /// Derives the splits. They come in batches if these are wanted and the sequence has that
     /// order.
     pub(crate) fn new(
         simplified: &Simplified,
         layout: &VertexLayout,
-        exact: bool,
+        step_order: StepOrder,
         rule: StarRule,
     ) -> Self {
         let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
@@ -96,7 +98,9 @@ impl EncoderSource {
             groups: &groups,
             points,
             fixed_levels: fixed_levels(simplified),
+            errors: errors_by_steps(simplified, points, step_order),
         };
+        let exact = step_order == StepOrder::Exact;
         let batches = if exact || parents != targets { None } else { tree.batches() };
         Self {
             named_stars: transfers.named_stars(named),

@@ -1,5 +1,6 @@
 use crate::mesh_decoder::{MeshDecoder, StepBlock};
 use crate::mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};
+use crate::source::batches::StepOrder;
 use crate::source::coding_parents::StarRule;
 use crate::source::encoder_source::EncoderSource;
 use crate::source::first_appearance::first_appearances;
@@ -95,7 +96,7 @@ fn chains_and_hubs_take_near_linear_time() {
     let n = 100_000;
     for simplified in [chain(n), hub(n)] {
         let layout = VertexLayout::choose(&simplified);
-        let source = EncoderSource::new(&simplified, &layout, true, StarRule::DEFAULT);
+        let source = EncoderSource::new(&simplified, &layout, StepOrder::Exact, StarRule::DEFAULT);
         let triangles: usize = (0..n).map(|v| source.new_triangles(v).len()).sum();
         assert_eq!(triangles, n as usize - 2);
         assert!((1..n).all(|v| source.parent(v) < v && source.indices(v).len() == 3));
@@ -113,7 +114,7 @@ fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
     let target_of = |v: u32| if v.is_multiple_of(2) || v == n - 2 { n - 1 } else { n - 2 };
     let book = simplified(positions, triangles, (0..n - 1).map(target_of).collect());
     let layout = VertexLayout::choose(&book);
-    let source = EncoderSource::new(&book, &layout, true, StarRule::DEFAULT);
+    let source = EncoderSource::new(&book, &layout, StepOrder::Exact, StarRule::DEFAULT);
     let target = |new: u32| n - 1 - target_of(n - 1 - new);
     for new in 2..n {
         // Each of the first 256 triangles leaves the stars of both hubs small enough.
@@ -122,7 +123,7 @@ fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
         assert_eq!(source.repeats_target(new), new >= 2 + 257, "{new}");
     }
     // The thesis's packages have a bit for each triangle of a star.
-    let mut encoder = MeshEncoder::new(&book, layout, true);
+    let mut encoder = MeshEncoder::new(&book, layout, StepOrder::Exact);
     let (mut contexts, mut decoded) = (Contexts::new(), Contexts::new());
     let mut decoder = MeshDecoder::new(encoder.header().clone());
     while !encoder.is_complete() {

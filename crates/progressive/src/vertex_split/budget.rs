@@ -11,6 +11,11 @@ pub(crate) struct Cost {
 }
 
 impl Cost {
+    /// The larger size and the larger work of two costs.
+    pub(crate) fn max(self, other: Self) -> Self {
+        Self { size: self.size.max(other.size), work: self.work.max(other.work) }
+    }
+
     /// Returns whether a stream of `bytes` bytes may cost this much: a size of 2^20 and 1,024 for
     /// each byte, and work of 2^26 and 2^16 for each byte. Real streams take a hundredth of that;
     /// without a bound a few bytes could ask for any amount of memory and time.

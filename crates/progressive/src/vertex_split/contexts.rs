@@ -8,6 +8,7 @@ use crate::vertex_split::group_list::BatchContexts;
 use crate::vertex_split::named_star::NamedStarContexts;
 use crate::vertex_split::new_triangles::TriangleContexts;
 use crate::vertex_split::point_contexts::PointContexts;
+use crate::vertex_split::turns::TurnContexts;
 
 /// The contexts of a stream. They go on from block to block and from object to object.
 /// `docs/STREAM.md` has a table of them.
@@ -22,6 +23,7 @@ pub struct Contexts {
     pub(crate) wedge_distance: [AdaptiveSymbol; 2],
     /// The submesh is the parent's.
     pub(crate) same_submesh: AdaptiveBit,
+    pub(crate) turns: TurnContexts,
     pub(crate) batches: BatchContexts,
     pub(crate) named_star: NamedStarContexts,
     pub(crate) triangles: TriangleContexts,
@@ -54,6 +56,7 @@ impl Contexts {
             parent: BoundedCode::NEW,
             wedge_distance: [AdaptiveSymbol::NEW; 2],
             same_submesh: AdaptiveBit::NEW,
+            turns: TurnContexts::NEW,
             batches: BatchContexts::NEW,
             named_star: NamedStarContexts::NEW,
             triangles: TriangleContexts::NEW,

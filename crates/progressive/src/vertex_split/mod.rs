@@ -28,3 +28,4 @@ pub(crate) mod points;
 pub(crate) mod points_code;
 #[cfg(test)]
 mod points_tests;
+pub(crate) mod turns;

@@ -6,6 +6,7 @@ use crate::mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};
 use crate::partial_mesh::mesh::PartialMesh;
 use crate::partial_mesh::new_triangle::{NewTriangle, Side};
 use crate::partial_mesh::split::{ParentStar, SplitBuffers, SplitEdge};
+use crate::source::batches::StepOrder;
 use crate::source::coding_parents::StarRule;
 use crate::source::encoder_source::EncoderSource;
 use crate::source::split_source::{DecoderSource, SplitSource};
@@ -22,7 +23,7 @@ use lodc_mesh::{
 /// Returns whether a star was named.
 fn check(simplified: &Simplified, rule: StarRule, what: &str) -> bool {
     let layout = VertexLayout::choose(simplified);
-    let mut encoder = MeshEncoder::with_rule(simplified, layout, true, rule);
+    let mut encoder = MeshEncoder::with_rule(simplified, layout, StepOrder::Exact, rule);
     let mut decoder = MeshDecoder::new(encoder.header().clone());
     decoder.set_large_star(rule.large_star);
     let (mut encoded, mut decoded) = (Contexts::new(), Contexts::new());
@@ -47,7 +48,7 @@ fn check(simplified: &Simplified, rule: StarRule, what: &str) -> bool {
     let targets = simplified.collapses().targets().iter().rev().map(|t| last - t);
     assert!(targets.eq(decoder.targets().iter().skip(1).copied()), "{what}");
     let layout = &encoder.header().layout;
-    let source = EncoderSource::new(simplified, layout, true, rule);
+    let source = EncoderSource::new(simplified, layout, StepOrder::Exact, rule);
     (0..encoder.header().vertices).any(|v| source.named_star(v).is_some())
 }
 
@@ -115,7 +116,7 @@ fn hubs_that_are_named_are_not_walked_around() {
     let layout = VertexLayout::choose(&flaps);
     let [named, walked] = [32, 1 << 30].map(|max_total_ratio| {
         let rule = StarRule { max_total_ratio, ..StarRule::DEFAULT };
-        let mut encoder = MeshEncoder::with_rule(&flaps, layout.clone(), true, rule);
+        let mut encoder = MeshEncoder::with_rule(&flaps, layout.clone(), StepOrder::Exact, rule);
         let target = BlockTarget { bytes: usize::MAX, bytes_before: 0, until_triangle: false };
         encoder.encode(&mut Contexts::new(), target);
         encoder.package_bytes()

@@ -124,6 +124,12 @@ impl ObjectCodec {
         }
     }
 
+    /// Returns whether no batch has begun of which steps are still to come; always so if the order
+    /// is exact.
+    pub(crate) fn is_between_batches(&self) -> bool {
+        self.groups.as_ref().is_none_or(|groups| groups.steps_remaining == 0)
+    }
+
     /// Codes one step: its vertices, then the errors of the mesh with all of them.
     pub(crate) fn code_step<C: Coder, S: SplitSource>(
         &mut self,
@@ -157,7 +163,7 @@ impl ObjectCodec {
             }
             if !self.continued {
                 self.points.one_by_one = false;
-                if self.groups.as_ref().is_none_or(|groups| groups.steps_remaining == 0) {
+                if self.is_between_batches() {
                     self.code_errors(coder, source.error_codes(new), contexts);
                 }
                 return Ok(());

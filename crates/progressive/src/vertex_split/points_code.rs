@@ -2,6 +2,7 @@
 //! when a split needs it (docs/STREAM.md, section 4).
 
 use crate::entropy::coder::Coder;
+use crate::error_code::ErrorCodes;
 use crate::invalid::InvalidStream;
 use crate::source::split_source::SplitSource;
 use crate::vertex_data::vertex_values::Neighborhood;
@@ -46,6 +47,7 @@ impl ObjectCodec {
         for _ in 0..count {
             self.mesh.add_vertex(0);
         }
+        self.errors = ErrorCodes::UNKNOWN;
         self.points = Points::new(count);
         self.targets.resize(count as usize, 0);
         self.continues.resize(count as usize, false);

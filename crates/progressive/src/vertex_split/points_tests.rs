@@ -2,6 +2,7 @@ use crate::entropy::encoder::Encoder;
 use crate::header::MeshHeader;
 use crate::mesh_decoder::{MeshDecoder, StepBlock};
 use crate::mesh_encoder::{BlockTarget, MeshEncoder};
+use crate::source::batches::StepOrder;
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use crate::vertex_split::contexts::Contexts;
@@ -36,7 +37,7 @@ fn two_triangles_and_a_point() -> Simplified {
 fn points_come_when_a_split_or_a_triangle_needs_them_and_the_others_last() {
     let simplified = two_triangles_and_a_point();
     let layout = VertexLayout::choose(&simplified);
-    let mut encoder = MeshEncoder::new(&simplified, layout, true);
+    let mut encoder = MeshEncoder::new(&simplified, layout, StepOrder::Exact);
     let mut decoder = MeshDecoder::new(encoder.header().clone());
     let (mut encoded, mut decoded) = (Contexts::new(), Contexts::new());
     let mut come = Vec::new();
@@ -81,7 +82,8 @@ fn a_few_bytes_cannot_announce_many_points() {
 #[test]
 fn a_position_that_is_not_finite_fails_its_step() {
     let simplified = two_triangles_and_a_point();
-    let mut encoder = MeshEncoder::new(&simplified, VertexLayout::choose(&simplified), true);
+    let mut encoder =
+        MeshEncoder::new(&simplified, VertexLayout::choose(&simplified), StepOrder::Exact);
     let mut header = encoder.header().clone();
     // What is 2 or more in the steps of the encoder is infinite in these.
     header.layout.systems.fill(NumberSystem::Grid { origin: 0.0, step: f32::MAX });

@@ -10,6 +10,7 @@ mod points;
 mod prefixes;
 mod quantize;
 mod round_trip;
+mod turns;
 
 use super::block::{self, Block, FILE_HEADER, Parsed};
 use super::{PackOptions, Packed, Unpacker, pack};
@@ -19,7 +20,7 @@ use crate::{
     Document, GltfDocument, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo,
 };
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
-use lodc_progressive::in_batches;
+use lodc_progressive::{StepOrder, in_batches};
 use std::sync::Arc;
 
 fn object(name: &str, simplified: Simplified) -> LodObject {
@@ -68,7 +69,9 @@ fn stepwise(file: &LodFile) -> Packed {
 /// The file with its objects in the order in which a stream has them.
 fn in_stream_order(file: &LodFile) -> LodFile {
     let ordered = |o: &LodObject| {
-        let simplified = in_batches(&o.simplified).map_or(Arc::clone(&o.simplified), Arc::new);
+        let order = StepOrder::batches(file.objects.len());
+        let simplified =
+            in_batches(&o.simplified, order).map_or(Arc::clone(&o.simplified), Arc::new);
         LodObject { info: o.info.clone(), simplified, models: Vec::new() }
     };
     LodFile {

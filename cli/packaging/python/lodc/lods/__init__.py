@@ -11,6 +11,7 @@ from ..level import Level, Origin
 from ..level_object import LevelObject
 from ..scene import Scene
 from ..xxh32 import xxh32
+from .coder import Substream
 from .contexts import Contexts
 from .object import StreamObject, read_header
 from .text import TextCodec
@@ -142,14 +143,14 @@ class Stream:
         if self._blocks == 0:
             need(tag == steps == 0, place, "is not a head")
             self._head(payload, place)
+        elif tag == 0 and steps > 0:
+            self._turns(place, steps, payload)
         elif tag == 0 and payload:
-            need(steps == 0, place, "has steps without an object")
             self._document(payload, place)
         elif tag == 0:
             whole = self._announced == self.all_objects and all(
                 o.is_complete() for o in self.objects
             )
-            need(steps == 0 and not payload, place, "is not an end")
             need(
                 whole and self._document_left == 0,
                 place,
@@ -163,11 +164,7 @@ class Stream:
         cursor, whole = Cursor(payload, place), len(payload)
         is_first = number == self._announced and number < self.all_objects
         if is_first:
-            if number == len(self.objects):
-                self.objects.append(StreamObject(number, place))
-            self.objects[number].place = place
-            self.objects[number].start(read_header(cursor, self._headers))
-            self._announced += 1
+            self._announce(cursor, place)
         need(number < self._announced, place, "belongs to an object that does not exist")
         obj, payload = self.objects[number], payload[cursor.at :]
         obj.place = place
@@ -176,6 +173,38 @@ class Stream:
             return
         obj.used = self.used + whole
         obj.read(payload, steps, self._contexts, self.each_step)
+
+    def _announce(self, cursor, place):
+        """Reads the header of the next object."""
+        number = self._announced
+        if number == len(self.objects):
+            self.objects.append(StreamObject(number, place))
+        self.objects[number].place = place
+        self.objects[number].start(read_header(cursor, self._headers))
+        self._announced += 1
+
+    def _turns(self, place, steps, payload):
+        """Reads a block in which objects take turns."""
+        cursor, contexts = Cursor(payload, place), self._contexts
+        for _ in range(cursor.varint()):
+            need(self._announced < self.all_objects, place, "has a header too many")
+            self._announce(cursor, place)
+        coder = Substream(payload[cursor.at :])
+        while steps > 0:
+            distance = coder.gamma(contexts.object)
+            number = (contexts.expected_object + distance) % max(self.all_objects, 1)
+            contexts.expected_object = (number + 1) % max(self.all_objects, 1)
+            need(number < self._announced, place, "names an object that has no header yet")
+            obj = self.objects[number]
+            obj.place, obj.used = place, self.used + len(payload)
+            while True:
+                obj.step(coder, contexts, self.each_step)
+                steps -= 1
+                if steps == 0 or obj.steps == obj.header.steps:
+                    break
+                if obj.is_between_batches() and not coder.bit(contexts.goes_on):
+                    break
+        need(coder.is_finished(), place, "does not end with its steps")
 
     def _head(self, payload, place):
         c = Cursor(payload, place)

@@ -28,6 +28,9 @@ class Contexts:
     def __init__(self):
         self.first_index = Gamma()
         self.parent = Symbol()
+        self.object = Gamma()
+        self.goes_on = Bit()
+        self.expected_object = 0
         self.wedge_distance = table(Symbol, 2)
         self.batch = Gamma()
         self.splits = table(Bit, 8, 8, 10)

@@ -248,17 +248,26 @@ class StreamObject:
         need(0 < steps <= self.header.steps - self.steps, self.place, "has no steps, or too many")
         coder = Substream(payload)
         for _ in range(steps):
-            self._step(coder, contexts)
-            need(not coder.is_exhausted(), self.place, "ends before its steps do")
-            need(
-                len(self.mesh.triangles) <= self.header.triangles,
-                self.place,
-                "has more triangles than its header says",
-            )
-            self.steps += 1
-            if each_step:
-                each_step(self)
+            self.step(coder, contexts, each_step)
         need(coder.is_finished(), self.place, "does not end with its steps")
+
+    def step(self, coder, contexts, each_step=None):
+        """Decodes a step."""
+        need(self.steps < self.header.steps, self.place, "has too many steps")
+        self._step(coder, contexts)
+        need(not coder.is_exhausted(), self.place, "ends before its steps do")
+        need(
+            len(self.mesh.triangles) <= self.header.triangles,
+            self.place,
+            "has more triangles than its header says",
+        )
+        self.steps += 1
+        if each_step:
+            each_step(self)
+
+    def is_between_batches(self):
+        """Whether no batch has begun of which steps are still to come."""
+        return self.header.exact or not (self.groups and self.groups.steps_left)
 
     def _step(self, coder, contexts):
         if not self.mesh.corners:

@@ -53,6 +53,7 @@ def announce(obj, coder, contexts):
         obj.place,
         "expands more than any real stream",
     )
+    obj.error_code = obj.rms_code = 0xFFF
     obj.points = Points(count)
     for _ in range(count):
         obj.mesh.add_vertex(0)
