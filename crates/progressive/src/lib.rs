@@ -51,7 +51,7 @@
 //! | `partial_mesh` | the mesh so far: corner lists, stars, links, splits |
 //! | `vertex_data` | number systems, layouts, quantisation, prediction of values |
 //! | `source` | what an encoder knows: the splits of a collapse sequence |
-//! | `vertex_split` | coding of splits: parent, triangles, corner transfer, points, turns, contexts |
+//! | `vertex_split` | coding of splits: parent, triangles, corners, points, turns, contexts |
 //!
 //! # Example
 //!
