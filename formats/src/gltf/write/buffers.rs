@@ -2,7 +2,6 @@
 //! materials share is stored once, as exporters write it.
 
 use lodc_mesh::{DisjointSets, Mesh};
-use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
@@ -129,7 +128,7 @@ impl<'a> Classes<'a> {
             submeshes.iter().flat_map(|&s| &drawn[s].vertices).copied().collect();
         let key = |i: u32| &keys[i as usize * stride..][..stride];
         let mut sorted: Vec<u32> = (0..vertices.len() as u32).collect();
-        sorted.par_sort_unstable_by_key(|&i| (key(i), i));
+        sorted.sort_unstable_by_key(|&i| (key(i), i));
         let mut leader = vec![0; vertices.len()];
         for same in sorted.chunk_by(|&i, &j| key(i) == key(j)) {
             same.iter().for_each(|&i| leader[i as usize] = same[0]);
