@@ -42,6 +42,7 @@ mod refused;
 #[cfg(feature = "gpu")]
 mod render;
 mod report;
+mod scene_kinds;
 mod scenes;
 mod second_reader;
 mod select;

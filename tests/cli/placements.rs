@@ -39,8 +39,8 @@ fn rock(n: usize, seed: f64) -> (Vec<[f64; 3]>, Vec<u32>) {
 /// A glTF under construction: meshes, then nodes and more as JSON.
 #[derive(Default)]
 pub(crate) struct Scene {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) views: Vec<Value>,
     pub(crate) accessors: Vec<Value>,
     pub(crate) meshes: Vec<Value>,
 }
@@ -72,6 +72,7 @@ impl Scene {
         let width = match kind {
             "VEC4" => 4,
             "VEC3" => 3,
+            "VEC2" => 2,
             _ => 1,
         };
         let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();

@@ -15,18 +15,18 @@ fn chained(scene: &str, options: &[&str]) -> Folder {
     f
 }
 
-fn number_of(scene: &Scene, accessor: usize) -> usize {
+pub(crate) fn number_of(scene: &Scene, accessor: usize) -> usize {
     scene.accessors[accessor]["count"].as_u64().expect("a count") as usize
 }
 
 /// Vertices of the first mesh.
-fn vertices(scene: &Scene, mesh: usize) -> usize {
+pub(crate) fn vertices(scene: &Scene, mesh: usize) -> usize {
     let position = &scene.meshes[mesh]["primitives"][0]["attributes"]["POSITION"];
     number_of(scene, position.as_u64().expect("an accessor") as usize)
 }
 
 /// A bowl with a seam whose two sides differ by the rounding of an angle.
-fn lathe(columns: usize, rows: usize) -> String {
+pub(crate) fn lathe(columns: usize, rows: usize) -> String {
     let mut scene = Scene::default();
     let mut points: Vec<f32> = Vec::new();
     for row in 0..=rows {
@@ -65,7 +65,7 @@ fn seams_off_by_rounding_glide() {
 }
 
 /// Adds morph targets to the first mesh, every other one as a sparse accessor.
-fn add_targets(scene: &mut Scene, count: usize) {
+pub(crate) fn add_targets(scene: &mut Scene, count: usize) {
     let vertices = vertices(scene, 0);
     let targets: Vec<Value> = (0..count)
         .map(|t| {
@@ -103,7 +103,7 @@ fn add_targets(scene: &mut Scene, count: usize) {
 }
 
 /// An animation of weights that go from 0 to 1 and to −0.5.
-fn moving_weights(scene: &mut Scene, targets: usize) -> Value {
+pub(crate) fn moving_weights(scene: &mut Scene, targets: usize) -> Value {
     let times = scene.floats(&[0.0, 0.5, 1.0], "SCALAR");
     scene.accessors[times]["min"] = json!([0.0]);
     scene.accessors[times]["max"] = json!([1.0]);

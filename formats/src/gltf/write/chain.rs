@@ -345,9 +345,9 @@ impl<'a> Levels<'a> {
     }
 }
 
-/// A share of the screen, to four digits: every node that shows a mesh has all of them.
+/// A share of the screen, to six digits: every node that shows a mesh has all of them.
 fn share(share: &f64) -> Json {
-    format!("{share:.3e}").parse().unwrap_or(*share).into()
+    format!("{share:.5e}").parse().unwrap_or(*share).into()
 }
 
 /// Ranges of the index accessor by level: first index, number of indices, vertices of the prefix.
