@@ -131,15 +131,6 @@ const FIRST_TRIANGLES: usize = 600;
 const RICH_FIRST_STEPS: &[(&str, usize)] =
     &[("gltf/misc/vintageDeskFan/vintageFan_animated.gltf", 900)];
 
-/// Small streams of rigs with many joints: the nodes and skins that a rig stands by come first, and
-/// are more than a twentieth of these.
-const RIGGED_HEADS: &[&str] = &[
-    "gltf/bevy/Fox.glb",
-    "gltf/misc/generic-hand-left.glb",
-    "paper/jaiqua.glb",
-    "paper/ninja.glb",
-];
-
 /// Bytes up to which pieces of the document come without a vertex between them.
 fn head(stream: &[u8]) -> Result<usize, String> {
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
@@ -176,8 +167,8 @@ fn check_stream(folder: &Folder, path: &str, triangles: u64) -> Result<(), Strin
         return Err(format!("no triangles in {first} bytes behind a head of {head}"));
     }
     let twentieth = stream.len() / 20;
-    let is_small = stream.len() <= 20_000 || RIGGED_HEADS.contains(&path);
-    if is_small != (head > twentieth || stream.len() <= 20_000) {
+    let is_small = stream.len() <= 20_000;
+    if !is_small && head > twentieth {
         return Err(format!("a head of {head} bytes in a stream of {}", stream.len()));
     }
     if triangles > 0 && !is_small && shown(twentieth)? == 0 {

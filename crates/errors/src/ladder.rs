@@ -49,7 +49,7 @@ const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
 const TRIANGLES_PER_SAMPLE: usize = 4;
 /// Most samples of a rung of a very small mesh: so many, and more for each triangle. Chosen by
 /// hand.
-const FEWEST_SAMPLES: usize = 256;
+const FEWEST_SAMPLES: usize = 1024;
 const SAMPLES_PER_TRIANGLE: usize = 4;
 
 /// Distances below this share of the diagonal are alike whatever they are. Chosen by hand.
