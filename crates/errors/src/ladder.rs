@@ -49,8 +49,11 @@ const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
 const TRIANGLES_PER_SAMPLE: usize = 4;
 /// Most samples of a rung of a very small mesh: so many, and more for each triangle. Chosen by
 /// hand.
-const FEWEST_SAMPLES: usize = 1024;
+const FEWEST_SAMPLES: usize = 256;
 const SAMPLES_PER_TRIANGLE: usize = 4;
+/// The same of those of up to so many triangles, whose rungs are few. Chosen by hand.
+const SAMPLES_OF_VERY_FEW: usize = 1280;
+const VERY_FEW_TRIANGLES: usize = 64;
 
 /// Distances below this share of the diagonal are alike whatever they are. Chosen by hand.
 const TINY_SHARE: f64 = 1e-6;
@@ -274,7 +277,10 @@ impl Ladder<'_> {
         let triangles = self.original.input.triangles.len();
         let [fewest, most] = self.limits.rung_samples;
         let samples = (triangles / TRIANGLES_PER_SAMPLE).clamp(fewest, most);
-        let samples = samples.min(FEWEST_SAMPLES + SAMPLES_PER_TRIANGLE * triangles);
+        let samples = samples.min(match triangles {
+            0..=VERY_FEW_TRIANGLES => SAMPLES_OF_VERY_FEW,
+            _ => FEWEST_SAMPLES + SAMPLES_PER_TRIANGLE * triangles,
+        });
         let found = self.original.measure(step.lod, known, samples, rough);
         work.boxes += found.boxes;
         let accepted = self.original.accepted(known);
