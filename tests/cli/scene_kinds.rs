@@ -1,5 +1,5 @@
-//! Small scenes of every kind: what `chain` makes of them in every way is accepted, and vertices that
-//! primitives share stay shared.
+//! Small scenes of every kind: what `chain` makes of them in every way is accepted, and vertices
+//! that primitives share stay shared.
 
 use crate::placements::Scene;
 use crate::scenes::{add_skin, add_targets, lathe, moving_weights, number_of, vertices};
