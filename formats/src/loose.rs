@@ -85,11 +85,13 @@ impl Loose {
         self.lines.iter().flat_map(|line| line.windows(2).map(|pair| [pair[0], pair[1]]))
     }
 
-    /// Picks points and lines out of a file, whose indices are those of `points` and `lines`.
-    /// `colors` is empty or has one for each position.
+    /// Picks points and lines out of a file's positions, whose indices are those of `points` and
+    /// `lines`. `exact` is empty or has the positions in double precision, `colors` is empty or has
+    /// one for each.
     #[cfg(feature = "import")]
     pub(crate) fn of_file(
-        position: impl Fn(usize) -> [f64; 3],
+        positions: &[[f32; 3]],
+        exact: &[[f64; 3]],
         colors: &[[f32; 4]],
         points: &[u32],
         lines: &[Vec<u32>],
@@ -99,7 +101,10 @@ impl Loose {
         let mut number = |v: &u32| {
             let next = numbers.len() as u32;
             *numbers.entry(*v).or_insert_with(|| {
-                loose.positions.push(position(*v as usize));
+                let position = exact.get(*v as usize).copied();
+                loose
+                    .positions
+                    .push(position.unwrap_or_else(|| positions[*v as usize].map(f64::from)));
                 loose.colors.extend(colors.get(*v as usize).map(|[r, g, b, _]| [*r, *g, *b]));
                 next
             })
@@ -118,8 +123,8 @@ fn coordinate(line: &mut String, c: f64) {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "colours are in single precision")]
-const fn single(c: f64) -> f32 {
+#[expect(clippy::cast_possible_truncation, reason = "meshes and colours are in single precision")]
+pub(crate) const fn single(c: f64) -> f32 {
     c as f32
 }
 

@@ -1,9 +1,8 @@
 //! Engines read chains: Babylon.js, which knows MSFT_lod, and three.js through its parser.
 
-use crate::support::{Folder, bounded, corpus, outside};
+use crate::support::{self, Folder, bounded, corpus, outside};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
 
 /// Bits that quantised files keep.
 const BITS: &str = "pos=14,normal=10,uv=12,color=8,weight=8";
@@ -16,16 +15,7 @@ fn modules() -> Option<PathBuf> {
 /// Runs a script of this folder over a list; returns what it prints.
 fn script(folder: &Folder, modules: &Path, name: &str, list: &Value) -> Value {
     folder.file("list.json", list.to_string());
-    let output = bounded("node")
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests").join(name))
-        .arg(modules)
-        .arg("list.json")
-        .current_dir(folder.path())
-        .stderr(Stdio::inherit())
-        .output()
-        .expect("node is there if the engines are");
-    assert!(output.status.success(), "{name} failed");
-    serde_json::from_slice(&output.stdout).expect("the script prints JSON")
+    support::script(name, folder.path(), [modules, Path::new("list.json")])
 }
 
 /// The fixture, and models of the corpus where it is there: one mesh each, shown once.

@@ -1,11 +1,10 @@
 //! Extensions of glTF: what their indices lead to is there at every level, geometry that nothing
 //! names is gone.
 
-use crate::support::{Folder, base64, bounded, glb_document, outside, scene, unbase64};
+use crate::support::{Folder, base64, glb_document, outside, scene, script, unbase64};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
-use std::process::Stdio;
 
 /// Two grids of 1,152 triangles each, changed, with further bytes behind theirs.
 fn changed(change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> String {
@@ -258,32 +257,22 @@ fn implicit_feature_ids_name_the_vertices_that_they_named() {
     }
 }
 
-/// What packages declare, beside a page with the table.
-fn declared(modules: &Path, page: &Path) -> Value {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/extensions.mjs");
-    let output = bounded("node")
-        .args([script.as_path(), modules, page])
-        .stderr(Stdio::inherit())
-        .output()
-        .expect("node is there if the packages are");
-    assert!(output.status.success(), "extensions.mjs failed");
-    serde_json::from_slice(&output.stdout).expect("the script prints JSON")
-}
-
 #[test]
 fn the_table_has_what_packages_declare() {
     let Some(modules) = outside("LODC_DECLARATIONS") else { return };
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/EXTENSIONS.md");
-    let seen = declared(&modules, &page);
+    let f = Folder::new();
+    // What packages declare, beside a page with the table.
+    let declared = |page: &Path| script("extensions.mjs", f.path(), [modules.as_path(), page]);
+    let seen = declared(&page);
     assert_eq!(seen["differences"], json!([]));
     assert!(seen["indices"].as_u64() > Some(70), "{seen}");
     // One row less, and one that nothing declares.
-    let f = Folder::new();
     let row = "nodes[].extensions.VRMC_node_constraint.constraint.aim.source";
     let text =
         fs::read_to_string(page).expect("the page is there").replace(row, &format!("{row}s"));
     f.file("page.md", text);
-    let seen = declared(&modules, &f.path().join("page.md"));
+    let seen = declared(&f.path().join("page.md"));
     let differences = [format!("the table lacks {row}"), format!("no package declares {row}s")];
     assert_eq!(seen["differences"], json!(differences));
 }

@@ -51,21 +51,26 @@ impl Scene {
         for (i, &n) in sizes.iter().enumerate() {
             let (points, corners) = rock(n, i as f64);
             let numbers: Vec<f32> = points.iter().flatten().map(|&c| c as f32).collect();
-            let bound = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
-                (0..3)
-                    .map(|k| numbers.iter().skip(k).step_by(3).copied().reduce(pick).expect("one"))
-                    .collect()
-            };
-            let (low, high) = (bound(f32::min), bound(f32::max));
-            let positions = scene.floats(&numbers, "VEC3");
-            scene.accessors[positions]["min"] = json!(low);
-            scene.accessors[positions]["max"] = json!(high);
-            let indices: Vec<u8> = corners.iter().flat_map(|i| i.to_le_bytes()).collect();
-            let indices = scene.accessor(&indices, 5125, corners.len(), "SCALAR");
-            let primitive = json!({"attributes": {"POSITION": positions}, "indices": indices});
-            scene.meshes.push(json!({"name": format!("rock{i}"), "primitives": [primitive]}));
+            scene.mesh(&format!("rock{i}"), &numbers, &corners);
         }
         scene
+    }
+
+    /// Adds a mesh: three numbers for each vertex, three corners for each triangle.
+    pub(crate) fn mesh(&mut self, name: &str, numbers: &[f32], corners: &[u32]) {
+        let bound = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
+            (0..3)
+                .map(|k| numbers.iter().skip(k).step_by(3).copied().reduce(pick).expect("one"))
+                .collect()
+        };
+        let (low, high) = (bound(f32::min), bound(f32::max));
+        let positions = self.floats(numbers, "VEC3");
+        self.accessors[positions]["min"] = json!(low);
+        self.accessors[positions]["max"] = json!(high);
+        let indices: Vec<u8> = corners.iter().flat_map(|i| i.to_le_bytes()).collect();
+        let indices = self.accessor(&indices, 5125, corners.len(), "SCALAR");
+        let primitive = json!({"attributes": {"POSITION": positions}, "indices": indices});
+        self.meshes.push(json!({"name": name, "primitives": [primitive]}));
     }
 
     pub(crate) fn floats(&mut self, numbers: &[f32], kind: &str) -> usize {

@@ -130,13 +130,7 @@ fn cards(count: usize) -> String {
         let first = 4 * i as u32;
         corners.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
     }
-    let position = scene.floats(&points, "VEC3");
-    scene.accessors[position]["min"] = json!([-2, -2, -2]);
-    scene.accessors[position]["max"] = json!([2, 2, 2]);
-    let bytes: Vec<u8> = corners.iter().flat_map(|i| i.to_le_bytes()).collect();
-    let indices = scene.accessor(&bytes, 5125, corners.len(), "SCALAR");
-    let primitive = json!({"attributes": {"POSITION": position}, "indices": indices});
-    scene.meshes.push(json!({"name": "cards", "primitives": [primitive]}));
+    scene.mesh("cards", &points, &corners);
     scene.file(&[0], &json!({"nodes": [{"mesh": 0}]}))
 }
 

@@ -45,13 +45,7 @@ pub(crate) fn lathe(columns: usize, rows: usize) -> String {
             corners.extend([a, a + 1, b + 1, a, b + 1, b]);
         }
     }
-    let position = scene.floats(&points, "VEC3");
-    scene.accessors[position]["min"] = json!([-2, -2, -2]);
-    scene.accessors[position]["max"] = json!([2, 2, 2]);
-    let bytes: Vec<u8> = corners.iter().flat_map(|i| i.to_le_bytes()).collect();
-    let indices = scene.accessor(&bytes, 5125, corners.len(), "SCALAR");
-    let primitive = json!({"attributes": {"POSITION": position}, "indices": indices});
-    scene.meshes.push(json!({"name": "bowl", "primitives": [primitive]}));
+    scene.mesh("bowl", &points, &corners);
     scene.file(&[0], &json!({"nodes": [{"mesh": 0}]}))
 }
 

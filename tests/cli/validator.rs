@@ -1,10 +1,9 @@
 //! The Khronos glTF validator judges what is exported: a file that was valid before is valid after.
 
-use crate::support::{Folder, REFUSED, bounded, corpus, grid, manifest, outside};
+use crate::support::{Folder, REFUSED, corpus, grid, manifest, outside, script};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
 
 /// The folder of the validator. None if it is not asked for.
 fn validator() -> Option<PathBuf> {
@@ -19,19 +18,11 @@ fn errors(
     names: &[String],
     with_files: bool,
 ) -> BTreeMap<String, Vec<String>> {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/validate.js");
     folder.file("list.json", serde_json::to_string(names).expect("names are JSON"));
-    let output = bounded("node")
-        .arg(script)
-        .arg(validator)
-        .arg("list.json")
-        .args(with_files.then_some("--with-files"))
-        .current_dir(folder.path())
-        .stderr(Stdio::inherit())
-        .output()
-        .expect("node is there if the validator is");
-    assert!(output.status.success(), "the validator itself failed");
-    serde_json::from_slice(&output.stdout).expect("the script prints JSON")
+    let args = [Some(validator.as_os_str()), Some("list.json".as_ref())];
+    let args = args.into_iter().chain([with_files.then_some("--with-files".as_ref())]);
+    let errors = script("validate.js", folder.path(), args.flatten());
+    serde_json::from_value(errors).expect("lists of errors by file")
 }
 
 #[test]

@@ -52,6 +52,18 @@ fn plain(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
     .expect("a mesh made by hand")
 }
 
+/// Two floats for each vertex.
+fn texture_coordinates(bytes: Vec<u8>) -> Attribute {
+    Attribute {
+        semantic: Semantic::TexCoord(0),
+        morph_target: None,
+        component: Component::F32,
+        components: 2,
+        normalized: false,
+        bytes,
+    }
+}
+
 #[test]
 fn every_shape_obeys_the_rules() {
     for (name, shape) in shapes::ALL {
@@ -314,14 +326,8 @@ fn texture_coordinates_go_on_where_materials_meet() {
         parts.submeshes.push(Submesh { first_triangle, triangle_count, attributes: vec![0] });
     }
     let coordinates = parts.positions.iter().flat_map(|p| [p[0] / 12.0, p[1] / 12.0]);
-    parts.attributes.push(Attribute {
-        semantic: Semantic::TexCoord(0),
-        morph_target: None,
-        component: Component::F32,
-        components: 2,
-        normalized: false,
-        bytes: coordinates.flat_map(f32::to_le_bytes).collect(),
-    });
+    let coordinates = texture_coordinates(coordinates.flat_map(f32::to_le_bytes).collect());
+    parts.attributes.push(coordinates);
     let mesh = Mesh::try_from(parts).expect("a mesh");
     for options in [Options::DEFAULT, Options { metric: MetricKind::Hybrid, ..Options::DEFAULT }] {
         let simplified = run_with(&mesh, options);
@@ -422,14 +428,7 @@ fn colours_of_a_palette_never_run_into_each_other() {
         triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
     let mut parts = plain(positions, triangles).into_parts();
-    parts.attributes.push(Attribute {
-        semantic: Semantic::TexCoord(0),
-        morph_target: None,
-        component: Component::F32,
-        components: 2,
-        normalized: false,
-        bytes: uv,
-    });
+    parts.attributes.push(texture_coordinates(uv));
     parts.submeshes[0].attributes.push(0);
     let s = run(&Mesh::try_from(parts).expect("a mesh made by hand"));
     let cells = &s.mesh().attributes()[0];

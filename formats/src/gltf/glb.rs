@@ -50,9 +50,9 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
     }
     let mut warnings = Vec::new();
     if length < bytes.len() {
-        let after = counted(bytes.len() - length, "byte", "bytes");
-        let was = if bytes.len() - length == 1 { "was" } else { "were" };
-        warnings.push(format!("{after} after the end of the GLB {was} ignored"));
+        let (one, several) =
+            ("byte after the end of the GLB was", "bytes after the end of the GLB were");
+        warnings.push(format!("{} ignored", counted(bytes.len() - length, one, several)));
     }
     let (mut json, mut bin): (Option<Range<usize>>, Option<Range<usize>>) = (None, None);
     let (mut offset, mut number, mut ignored) = (12, 0usize, 0usize);

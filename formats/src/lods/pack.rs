@@ -93,7 +93,7 @@ pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, Forma
     let block_bytes = options.block_bytes.unwrap_or(BLOCK_BYTES) as usize;
     let blocks = step_blocks(&mut writers, block_bytes)?;
     let bytes_of = |blocks: &[StepsBlock]| -> u64 {
-        blocks.iter().map(|block| (BLOCK_FIELDS + block.payload.len()) as u64).sum()
+        blocks.iter().map(|block| (BLOCK_FIELDS + block.encoded.payload.len()) as u64).sum()
     };
     let first_picture = blocks.partition_point(|block| block.triangles == 0);
     let (step_bytes, first_bytes) = (bytes_of(&blocks), bytes_of(&blocks[..first_picture]));
@@ -117,12 +117,15 @@ pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, Forma
             let tenth_shown = 10 * block.triangles >= triangles;
             stream.put_due_document(tenth_shown);
         }
-        let StepsBlock { tag, steps, ref payload, ref shares, .. } = block;
+        let EncodedBlock { tag, steps, payload, shares } = &block.encoded;
+        let (tag, steps) = (*tag, *steps);
         let fields = stream.put_steps(Block { tag, steps, payload }) - payload.len() as u64;
         if let [(first, _), ..] = shares[..] {
             writers[first].bytes += fields;
         }
-        shares.iter().for_each(|&(object, bytes)| writers[object].bytes += bytes);
+        for &(object, bytes) in shares {
+            writers[object].bytes += bytes;
+        }
     }
     stream.put_document_up_to(stream.document.picture_end);
     stream.put_document_up_to(stream.document.bytes.len());
@@ -135,12 +138,7 @@ pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, Forma
 
 /// A block of steps, and what the blocks before it show.
 struct StepsBlock {
-    /// 0 if objects take turns, else one more than the number of the object.
-    tag: u32,
-    steps: u32,
-    payload: Vec<u8>,
-    /// Objects that have steps, and how many bytes of the payload are theirs.
-    shares: Vec<(usize, u64)>,
+    encoded: EncodedBlock,
     /// True if each object that has triangles shows some.
     all_visible: bool,
     /// Triangles of all objects.
@@ -168,22 +166,29 @@ fn step_blocks(
         let has_steps = !encoder.writers[object].encoder.is_complete();
         let take_turns = encoder.queue.len() > 1 && block_bytes > 0 && has_steps;
         let (all_visible, triangles) = (priority < NO_TRIANGLE_YET, encoder.triangles);
-        let (tag, EncodedSteps { steps, splits: payload }, shares) = if take_turns {
+        let encoded = if take_turns {
             encoder.turns(block_bytes)?
         } else {
             encoder.one_object(block_bytes)?
         };
-        if payload.len() > block::MAX_PAYLOAD {
+        if encoded.payload.len() > block::MAX_PAYLOAD {
             return Err(too_large("a single block has more than 16 MiB"));
         }
-        encoder.bytes += BLOCK_FIELDS + payload.len();
-        blocks.push(StepsBlock { tag, steps, payload, shares, all_visible, triangles });
+        encoder.bytes += BLOCK_FIELDS + encoded.payload.len();
+        blocks.push(StepsBlock { encoded, all_visible, triangles });
     }
     Ok(blocks)
 }
 
-/// A block of steps: its tag, its steps with the payload, and the bytes of each object in it.
-type EncodedBlock = (u32, EncodedSteps, Vec<(usize, u64)>);
+/// A block of steps.
+struct EncodedBlock {
+    /// 0 if objects take turns, else one more than the number of the object.
+    tag: u32,
+    steps: u32,
+    payload: Vec<u8>,
+    /// Objects that have steps, and how many bytes of the payload are theirs.
+    shares: Vec<(usize, u64)>,
+}
 
 /// Encodes steps block by block.
 struct StepsEncoder<'w, 'a> {
@@ -215,11 +220,10 @@ impl StepsEncoder<'_, '_> {
             encoded = writer.encoder.encode(&mut self.contexts, target);
             self.triangles += u64::from(writer.encoder.triangles() - before);
         }
-        let share = encoded.splits.len() as u64;
+        let shares = vec![(object, encoded.splits.len() as u64)];
         payload.append(&mut encoded.splits);
         self.queue.extend(writer.priority().map(|priority| (priority, Reverse(object))));
-        let encoded = EncodedSteps { splits: payload, ..encoded };
-        Ok((object as u32 + 1, encoded, vec![(object, share)]))
+        Ok(EncodedBlock { tag: object as u32 + 1, steps: encoded.steps, payload, shares })
     }
 
     /// Encodes a block in which objects take turns, from the first of the queue on.
@@ -258,7 +262,7 @@ impl StepsEncoder<'_, '_> {
         let rest = all - shares.iter().map(|(_, bytes)| bytes).sum::<u64>();
         shares.iter_mut().take(1).for_each(|(_, bytes)| *bytes += rest);
         payload.extend(encoded.splits);
-        Ok((0, EncodedSteps { splits: payload, ..encoded }, shares))
+        Ok(EncodedBlock { tag: 0, steps: encoded.steps, payload, shares })
     }
 }
 

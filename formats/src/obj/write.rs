@@ -116,8 +116,7 @@ impl Writer {
             for vertex in placed.corners(triangle) {
                 let numbers = &mut self.numbers[vertex as usize];
                 if numbers[0] == 0 {
-                    let far = placed.far.filter(|_| placed.are_posed());
-                    let position = match far {
+                    let position = match placed.far {
                         Some(_) => placed.exact_position(vertex),
                         None => placed.position(vertex).map(f64::from),
                     };
@@ -131,10 +130,10 @@ impl Writer {
                     numbers[0] = number(&mut self.v, key, &mut self.text, "v", |text| {
                         for c in position {
                             text.push(b' ');
-                            match (far, placed.far) {
-                                (Some(rounding), _) => double(text, c, rounding),
-                                (None, Some(rounding)) => far_float(text, single(c), rounding),
-                                (None, None) => float(text, single(c)),
+                            match placed.far {
+                                Some(rounding) if placed.are_posed() => double(text, c, rounding),
+                                Some(rounding) => far_float(text, single(c), rounding),
+                                None => float(text, single(c)),
                             }
                         }
                         floats(text, &rgba[..components]);

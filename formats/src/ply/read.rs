@@ -206,11 +206,7 @@ impl Content {
             let text = format!("{vertices} that no face uses {pass} through unchanged, as points");
             self.warnings.push(text);
         }
-        let position = |v: usize| match exact.get(v) {
-            Some(exact) => *exact,
-            None => positions[v].map(f64::from),
-        };
-        Loose::of_file(position, &self.faces.colors, &points, &self.lines)
+        Loose::of_file(positions, exact, &self.faces.colors, &points, &self.lines)
     }
 }
 

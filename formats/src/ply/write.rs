@@ -3,7 +3,7 @@
 
 use crate::colours::SrgbValues;
 use crate::flatten::{Placed, component};
-use crate::loose::Loose;
+use crate::loose::{Loose, single};
 use crate::obj::write::Library;
 use crate::provenance::Provenance;
 use crate::{Fault, FormatError, OutputFile};
@@ -228,11 +228,6 @@ impl Columns {
             (0..self.colors).for_each(|i| bytes.push(byte(channel(i))));
         }
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "a mesh is in single precision")]
-const fn single(c: f64) -> f32 {
-    c as f32
 }
 
 /// A fraction as a byte, to nearest; what is no number is black.

@@ -198,6 +198,23 @@ pub(crate) fn bounded(program: impl AsRef<OsStr>) -> Command {
     command
 }
 
+/// What a script of `tests` prints as JSON, run by Node.js in a folder.
+pub(crate) fn script<S: AsRef<OsStr>>(
+    name: &str,
+    folder: &Path,
+    args: impl IntoIterator<Item = S>,
+) -> Value {
+    let output = bounded("node")
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests").join(name))
+        .args(args)
+        .current_dir(folder)
+        .stderr(Stdio::inherit())
+        .output()
+        .expect("node is there if the packages are");
+    assert!(output.status.success(), "{name} failed");
+    serde_json::from_slice(&output.stdout).expect("the script prints JSON")
+}
+
 /// The folder of real meshes. None if it is not asked for, or if `LODC_CORPUS=none` leaves it out.
 pub(crate) fn corpus() -> Option<PathBuf> {
     let folder = outside("LODC_CORPUS").filter(|folder| folder != Path::new("none"))?;

@@ -187,10 +187,11 @@ impl Planner<'_> {
             plan.wedges.iter().filter(|p| p.target != NONE).map(|p| (class(p.wedge), p.target)),
         );
         plan.twins.sort_by_key(|twin| twin.0);
-        let with_edge = self.input.has_formats_in_common();
-        let with_edge = plan.wedges.iter().filter(|p| with_edge && p.target != NONE);
         plan.across.clear();
-        plan.across.extend(with_edge.take(MAX_ACROSS).map(|p| (p.wedge, p.target)));
+        if self.input.has_formats_in_common() {
+            let with_edge = plan.wedges.iter().filter(|p| p.target != NONE).take(MAX_ACROSS);
+            plan.across.extend(with_edge.map(|p| (p.wedge, p.target)));
+        }
         for p in plan.wedges.iter_mut().filter(|p| p.target == NONE) {
             let first = plan.twins.partition_point(|twin| twin.0 < class(p.wedge));
             let mut across = None;
@@ -240,10 +241,14 @@ impl Planner<'_> {
 
     /// A wedge at `to` with the attributes of `other`, in the submesh of `wedge`.
     fn same_in_submesh(&self, wedge: u32, other: u32, to: u32) -> Option<u32> {
+        self.candidates(wedge, to).find(|&t| self.wedges.alike_across(self.input, t, other))
+    }
+
+    /// The wedges at `to` that are in the submesh of `wedge`.
+    fn candidates(&self, wedge: u32, to: u32) -> impl Iterator<Item = u32> {
         let submesh = self.wedges.submesh(wedge);
-        let candidates = self.wedges.of_group(to).take(MAX_REUSED);
-        let mut candidates = candidates.filter(|&t| self.wedges.submesh(t) == submesh);
-        candidates.find(|&t| self.wedges.alike_across(self.input, t, other))
+        let all = self.wedges.of_group(to).take(MAX_REUSED);
+        all.filter(move |&t| self.wedges.submesh(t) == submesh)
     }
 
     /// Returns whether faces that are flat stay so when a wedge becomes another.
@@ -255,10 +260,8 @@ impl Planner<'_> {
     /// A wedge at `to` that `wedge` may become although they share no face: same submesh, and the
     /// same attributes, nearly the same, or in the last stages the most similar ones.
     fn reusable(&self, wedge: u32, to: u32) -> Option<u32> {
-        let submesh = self.wedges.submesh(wedge);
         let mut best: Option<(f64, u32)> = None;
-        let candidates = self.wedges.of_group(to).take(MAX_REUSED);
-        for t in candidates.filter(|&t| self.wedges.submesh(t) == submesh) {
+        for t in self.candidates(wedge, to) {
             if self.wedges.alike(self.input.mesh, wedge, t) {
                 return Some(t);
             }

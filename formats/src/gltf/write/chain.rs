@@ -193,20 +193,20 @@ impl<'a> Levels<'a> {
         shape: ChainShape,
     ) -> Result<bool, FormatError> {
         self.numbers.push(number);
-        let levels: Vec<&[u32]> =
-            self.object.levels.iter().map(|level| level[submesh].as_flattened()).collect();
-        if levels.iter().all(|corners| corners.is_empty()) {
+        let indices =
+            |level: &Vec<Vec<[u32; 3]>>| mesh_writer.numbers(level[submesh].as_flattened());
+        let levels: Vec<Vec<u32>> = self.object.levels.iter().map(indices).collect();
+        if levels.iter().all(Vec::is_empty) {
             return Ok(false);
         }
         mesh_writer.attributes(submesh, primitive)?;
         if shape == ChainShape::IndexRanges {
             primitive["indices"] = mesh_writer.indices(submesh, &levels.concat());
-            let local: Vec<Vec<u32>> = levels.iter().map(|l| mesh_writer.numbers(l)).collect();
-            put_ranges(primitive, &local);
+            put_ranges(primitive, &levels);
             return Ok(true);
         }
-        for (level, corners) in levels.iter().enumerate().filter(|(_, l)| !l.is_empty()) {
-            let accessor = mesh_writer.indices(submesh, corners);
+        for (level, indices) in levels.iter().enumerate().filter(|(_, i)| !i.is_empty()) {
+            let accessor = mesh_writer.indices(submesh, indices);
             if level == 0 {
                 primitive["indices"] = accessor.clone();
             }

@@ -378,8 +378,8 @@ impl MeshWriter<'_> {
             return Ok(false);
         }
         self.attributes(s, primitive)?;
-        primitive["indices"] =
-            self.indices(s, self.mesh.triangles()[submesh.triangles()].as_flattened());
+        let numbers = self.numbers(self.mesh.triangles()[submesh.triangles()].as_flattened());
+        primitive["indices"] = self.indices(s, &numbers);
         Ok(true)
     }
 
@@ -393,9 +393,12 @@ impl MeshWriter<'_> {
         let target_count = primitive.list("targets").len();
         let (attributes, targets) = match self.written.get(&buffer) {
             Some(written) if written.1.len() == target_count => written.clone(),
-            _ => self.streams(submesh, target_count)?,
+            _ => {
+                let written = self.streams(submesh, target_count)?;
+                self.written.insert(buffer, written.clone());
+                written
+            }
         };
-        self.written.insert(buffer, (attributes.clone(), targets.clone()));
         primitive["attributes"] = Json::Object(attributes);
         if target_count > 0 {
             primitive["targets"] = targets.into_iter().map(Json::Object).collect();
@@ -472,15 +475,14 @@ impl MeshWriter<'_> {
         self.buffers.vertices(submesh)
     }
 
-    /// Corners of triangles as indices into the submesh's buffer.
+    /// Corners of triangles as indices into the buffer of their submesh.
     pub(super) fn numbers(&self, corners: &[u32]) -> Vec<u32> {
         self.buffers.indices(corners)
     }
 
-    /// An accessor of corners as indices into the submesh's buffer.
-    pub(super) fn indices(&mut self, submesh: usize, corners: &[u32]) -> Json {
-        let indices = self.buffers.indices(corners);
-        self.writer.indices(&indices, self.buffers.vertices(submesh).len())
+    /// An accessor of indices into a submesh's buffer.
+    pub(super) fn indices(&mut self, submesh: usize, indices: &[u32]) -> Json {
+        self.writer.indices(indices, self.vertices(submesh).len())
     }
 }
 

@@ -86,11 +86,7 @@ fn loose(parsed: &mut Parsed, exact: &[[f64; 3]]) -> Loose {
     let elements = std::mem::take(&mut parsed.line_elements);
     let lines: Vec<Vec<u32>> =
         elements.iter().map(|line| line.iter().filter_map(there).collect()).collect();
-    let position = |v: usize| match exact.get(v) {
-        Some(exact) => *exact,
-        None => parsed.faces.positions[v].map(f64::from),
-    };
-    Loose::of_file(position, &parsed.faces.colors, &points, &lines)
+    Loose::of_file(&parsed.faces.positions, exact, &parsed.faces.colors, &points, &lines)
 }
 
 /// The colours that ZBrush writes into comments: `#MRGB`, then eight hexadecimal digits for each
