@@ -92,6 +92,53 @@ fn the_heatmap_is_a_png_and_the_rest_is_refused_in_one_line() {
     f.lodc(["compare", "-", "-"]).fails(2);
 }
 
+/// A square of two triangles, each with a colour of its own by its vertices or by its material.
+fn two_colours(vertices: [&str; 2], materials: [&str; 2]) -> String {
+    let corners = |colour: &str| format!("v 0 0 0 {colour}\nv 4 4 0 {colour}\n");
+    let [first, second] = vertices.map(|c| corners(c));
+    let [one, two] = materials;
+    format!(
+        "mtllib k.mtl\n{first}v 4 0 0 {}\n{second}v 0 4 0 {}\n{one}\nf 1 3 2\n{two}\nf 4 5 6\n",
+        vertices[0], vertices[1]
+    )
+}
+
+#[test]
+fn colours_of_vertices_and_of_materials_are_compared() {
+    let f = Folder::new();
+    let grey = "0.5 0.5 0.5";
+    f.file("k.mtl", "newmtl grey\nKd 0.5 0.5 0.5\nnewmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n");
+    let (red, blue) = ("1 0 0", "0 0 1");
+    f.file("red_blue.obj", two_colours([red, blue], [""; 2]));
+    f.file("blue_red.obj", two_colours([blue, red], [""; 2]));
+    f.file("kd_red_blue.obj", two_colours([""; 2], ["usemtl red", "usemtl blue"]));
+    f.file("kd_blue_red.obj", two_colours([""; 2], ["usemtl blue", "usemtl red"]));
+    f.file("kd_blue.obj", two_colours([""; 2], ["usemtl blue"; 2]));
+    f.file("plain.obj", two_colours([""; 2], [""; 2]));
+    f.file("grey.obj", two_colours([grey; 2], [""; 2]));
+    let image = |a: &str, b: &str| {
+        let all = ["compare", a, b, "--json", "--views", "6", "--size", "64", "--samples", "100"];
+        f.lodc(all).ends(0).json()["image"].clone()
+    };
+    let rmse = |a: &str, b: &str| image(a, b)["rmse"].as_f64().expect("a number");
+    for [a, b] in [["red_blue.obj", "blue_red.obj"], ["kd_red_blue.obj", "kd_blue_red.obj"]] {
+        assert_eq!(rmse(a, a), 0.0);
+        assert!(rmse(a, b) > 60.0, "{a} {b}: {}", rmse(a, b));
+    }
+    assert_eq!(image("red_blue.obj", "grey.obj")["vertex_colors"], true);
+    // One material is left of two: it has been seen to change.
+    assert!(rmse("kd_red_blue.obj", "kd_blue.obj") > 40.0);
+    // What only one of two has is left out.
+    for a in ["red_blue.obj", "kd_red_blue.obj"] {
+        assert_eq!(rmse(a, "plain.obj"), 0.0, "{a}");
+    }
+    // Every format shows the same.
+    for name in ["same.glb", "same.ply"] {
+        f.lodc(["extract", "red_blue.obj", "--lod", "0", "-o", name]).ends(0);
+        assert!(rmse("red_blue.obj", name) < 0.5, "{name}");
+    }
+}
+
 /// A square whose texture is striped red and green, which are equally bright, moved by a share of
 /// its width.
 fn striped(f: &Folder, name: &str, shift: f64) {

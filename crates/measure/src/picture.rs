@@ -27,6 +27,8 @@ pub struct ShadingOptions {
     pub checkerboard: bool,
     /// Show the surface's materials, with their textures; else it is white.
     pub materials: bool,
+    /// Multiply by the colours of vertices.
+    pub vertex_colours: bool,
 }
 
 /// The number and size of pictures, taken from all sides.
@@ -101,6 +103,7 @@ impl<'a> ShadedSurface<'a> {
         let looks = ShadingOptions {
             checkerboard: looks.checkerboard && !surface.texture.is_empty(),
             materials: looks.materials && !surface.material_of.is_empty(),
+            vertex_colours: looks.vertex_colours && !surface.colours.is_empty(),
             ..looks
         };
         Self { surface, normals, looks }
@@ -202,14 +205,19 @@ fn picture(
         // counter-clockwise in space are clockwise here.
         let cosine = normal.dot(camera.toward.as_vec3()) * if area < 0.0 { 1.0 } else { -1.0 };
         let light = (AMBIENT + LAMP * cosine.max(0.0)).min(1.0);
-        let colour = if looks.materials {
-            painted(surface, fragment.item() as usize, shares, area)
+        let behind = if looks.materials {
+            material_colour(surface, fragment.item() as usize, shares, area)
         } else if looks.checkerboard
             && is_dark(texture_coordinates(surface, triangle, shares) * SQUARES)
         {
             Vec3::splat(DARK)
         } else {
             Vec3::ONE
+        };
+        let colour = if looks.vertex_colours {
+            behind * as_shown(mix(triangle.map(|v| surface.colours[v as usize])))
+        } else {
+            behind
         };
         colours[i] = (colour * light * 255.0).into();
         if let Some(point) = shown_points.get_mut(i) {
@@ -227,12 +235,10 @@ fn texture_coordinates(surface: &Surface, triangle: [u32; 3], shares: [f32; 3]) 
 
 /// The colour of a triangle at shares of its corners. `area` is twice that of its picture, in
 /// squared subpixels.
-fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
+fn material_colour(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
     let material = &surface.materials[surface.material_of[t] as usize];
     let [r, g, b, _] = material.colour;
-    // Colours are linear, texels are sRGB. A square root is close to sRGB's curve, and the same on
-    // every machine.
-    let colour = Vec3::new(r, g, b).max(Vec3::ZERO).map(f32::sqrt);
+    let colour = as_shown(Vec3::new(r, g, b));
     let Some(texture) = material.texture else { return colour };
     let image = &surface.images[texture.image];
     let transformed = |uv: Vec2| Vec2::from(texture.to_image(uv.into()));
@@ -247,6 +253,12 @@ fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
             texels_per_pixel,
             texture.wrap,
         )
+}
+
+/// A linear colour as texels have it, in sRGB. A square root is close to its curve, and the same on
+/// every machine.
+fn as_shown(linear: Vec3) -> Vec3 {
+    linear.max(Vec3::ZERO).map(f32::sqrt)
 }
 
 /// Returns whether a point, in squares of the checkerboard, is in a dark one.

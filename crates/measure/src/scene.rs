@@ -1,9 +1,10 @@
 //! The surface of a scene: the triangles of every object where the default scene places it, with
-//! normals, texture coordinates and materials.
+//! normals, texture coordinates, colours of vertices and materials.
 
 use crate::picture::ShadingOptions;
 use crate::surface::Surface;
 use crate::texture::Pyramid;
+use glam::Vec3;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 use lodc_scene::{Appearance, Arrangement, Coordinates, Placement, Texture, posed, stream};
 use std::sync::Arc;
@@ -15,12 +16,17 @@ pub struct SceneSurface {
     pub surface: Surface,
     /// True if every submesh has texture coordinates.
     pub all_textured: bool,
+    /// True if a material has a texture, and a submesh coordinates to read it.
+    has_textures: bool,
+    /// True if two submeshes have materials of different colours.
+    has_colours: bool,
 }
 
 impl SceneSurface {
     /// Places the objects of a scene, whose meshes at some level of detail are `meshes`. The
-    /// surface has normals if every submesh has them, and materials if one has a texture; texture
-    /// coordinates are those that the submesh's texture reads, moved as it moves them.
+    /// surface has normals if every submesh has them, and colours of vertices and materials if one
+    /// has them; texture coordinates are those that the submesh's texture reads, moved as it moves
+    /// them.
     #[must_use]
     pub fn new(meshes: &[&Mesh], scene: &Arrangement, looks: &Appearance) -> Self {
         let images = looks.images.iter().map(Pyramid::new);
@@ -36,7 +42,11 @@ impl SceneSurface {
         looks: &Appearance,
         images: impl FnOnce() -> Arc<[Pyramid]>,
     ) -> Self {
-        let material = |o: usize, s: usize| looks.of_submesh.get(o)?.get(s).copied();
+        let has = |o: usize, s: usize, semantic| stream(meshes[o], s, &semantic).is_some();
+        let material = |o: usize, s: usize| {
+            looks.of_submesh.get(o)?.get(s)?;
+            Some(looks.material_of(o, s, has(o, s, Semantic::Color(0))))
+        };
         let coordinates = |o: usize, s: usize| {
             material(o, s).map_or(Coordinates::PLAIN, |m| looks.materials[m].coordinates)
         };
@@ -47,10 +57,10 @@ impl SceneSurface {
             };
             scene.placements().iter().flat_map(placed)
         };
-        let has = |o: usize, s: usize, semantic| stream(meshes[o], s, &semantic).is_some();
         let is_textured = |(o, s)| has(o, s, Semantic::TexCoord(coordinates(o, s).set));
         let with_normals = submeshes().all(|(o, s)| has(o, s, Semantic::Normal));
         let with_texture = submeshes().any(is_textured);
+        let with_colours = submeshes().any(|(o, s)| has(o, s, Semantic::Color(0)));
         let mut surface = Surface::default();
         for placement in scene.placements() {
             let object = placement.object;
@@ -64,33 +74,54 @@ impl SceneSurface {
                     surface.texture.push(read.to_image(uv).into());
                 }
             }
+            if with_colours {
+                for (v, &s) in (0..).zip(mesh.vertex_submesh()) {
+                    let of_vertex = stream(mesh, s as usize, &Semantic::Color(0));
+                    surface.colours.push(of_vertex.map_or(Vec3::ONE, |a| colour(a, v)));
+                }
+            }
             for (s, submesh) in mesh.submeshes().iter().enumerate() {
                 let material = material(object, s).unwrap_or(0) as u32;
                 surface.material_of.extend(submesh.triangles().map(|_| material));
             }
         }
-        if with_texture && looks.materials.iter().any(|m| m.texture.is_some()) {
+        let has_textures = with_texture && looks.materials.iter().any(|m| m.texture.is_some());
+        let colour_of = |(o, s)| material(o, s).map(|m| looks.materials[m].colour);
+        let first = submeshes().next().and_then(colour_of);
+        let has_colours = submeshes().any(|s| colour_of(s) != first);
+        if has_textures || submeshes().any(|(o, s)| material(o, s).is_some_and(|m| m > 0)) {
             surface.materials.clone_from(&looks.materials);
-            for texture in surface.materials.iter_mut().filter_map(|m| m.texture.as_mut()) {
-                texture.transform = Texture::UNTRANSFORMED;
+            for material in &mut surface.materials {
+                material.texture = material
+                    .texture
+                    .filter(|_| has_textures)
+                    .map(|texture| Texture { transform: Texture::UNTRANSFORMED, ..texture });
             }
-            surface.images = images();
+            if has_textures {
+                surface.images = images();
+            }
         } else {
             surface.material_of.clear();
         }
-        Self { surface, all_textured: with_texture && submeshes().all(is_textured) }
+        let all_textured = with_texture && submeshes().all(is_textured);
+        Self { surface, all_textured, has_textures, has_colours }
     }
 
-    /// Everything that this surface and another can be shown with: materials, or else a
-    /// checkerboard where there are coordinates only.
+    /// Everything that this surface and another can be shown with: colours of vertices, and
+    /// materials or else a checkerboard where there are coordinates only.
     #[must_use]
     pub fn common_looks(&self, other: &Self) -> ShadingOptions {
         let both = |has: fn(&Self) -> bool| has(self) && has(other);
-        let materials = both(|s| !s.surface.materials.is_empty());
+        let neither_textured = !self.has_textures && !other.has_textures;
+        let materials = both(|s| s.has_textures)
+            || (neither_textured
+                && both(|s| !s.surface.materials.is_empty())
+                && (self.has_colours || other.has_colours));
         ShadingOptions {
             own_normals: both(|s| !s.surface.normals.is_empty()),
             checkerboard: !materials && both(|s| s.all_textured),
             materials,
+            vertex_colours: both(|s| !s.surface.colours.is_empty()),
         }
     }
 }
@@ -110,6 +141,15 @@ fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, with_normals: 
     }));
 }
 
+/// The colour of a vertex, without its opacity; white where it is no number.
+fn colour(stream: &Attribute, v: u32) -> Vec3 {
+    let component = |i: usize| {
+        let value = if i < usize::from(stream.components) { stream.value(v, i) } else { 1.0 };
+        if value.is_finite() { value.clamp(0.0, 1.0) } else { 1.0 }
+    };
+    Vec3::from([0, 1, 2].map(component))
+}
+
 fn pair(stream: &Attribute, v: u32) -> [f32; 2] {
     let component = |i: usize| {
         if i < usize::from(stream.components) { stream.value(v, i) } else { 0.0 }
@@ -120,7 +160,6 @@ fn pair(stream: &Attribute, v: u32) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
     use lodc_scene::{Graph, LocalTransform, Node, Pose};
 
     #[test]

@@ -18,6 +18,9 @@ pub struct Surface {
     pub normals: Vec<Vec3>,
     /// One pair of texture coordinates per position; empty if there are none.
     pub texture: Vec<Vec2>,
+    /// One linear colour per position, 0 to 1, by which others are multiplied; empty if there are
+    /// none.
+    pub colours: Vec<Vec3>,
     /// The material of each triangle; empty if there are none.
     pub material_of: Vec<u32>,
     /// Materials.

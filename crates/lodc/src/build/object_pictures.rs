@@ -40,7 +40,9 @@ impl ObjectPictures {
     pub(super) fn new(mesh: &Mesh, coordinates: &[Coordinates], noise: &Arc<[Pyramid]>) -> Self {
         let appearance = noise_appearance(coordinates);
         let scene_surface = surface(mesh, &appearance, noise);
-        let all = scene_surface.common_looks(&scene_surface);
+        // Colours of vertices are read from the input, not fitted: they must not decide on places.
+        let looks = scene_surface.common_looks(&scene_surface);
+        let all = ShadingOptions { vertex_colours: false, ..looks };
         let shaded = ShadingOptions { materials: false, ..all };
         let checkerboard = ShadingOptions { checkerboard: scene_surface.all_textured, ..shaded };
         let mut kinds = vec![shaded];

@@ -115,6 +115,8 @@ pub struct ImageReport {
     pub texture: bool,
     /// Both meshes wore their materials' colours and textures.
     pub textures: bool,
+    /// Both meshes wore the colours of their vertices.
+    pub vertex_colors: bool,
 }
 
 impl ImageReport {
@@ -129,6 +131,7 @@ impl ImageReport {
             normals: looks.own_normals,
             texture: looks.checkerboard,
             textures: looks.materials,
+            vertex_colors: looks.vertex_colours,
         }
     }
 }
@@ -320,16 +323,17 @@ impl PairReport {
         text += &line("hausdorff", &c.hausdorff);
         if let Some(image) = &c.image {
             text += &format!(
-                "image     RMSE {:.2} of 255, silhouette {:.3} % of the pixels; {}, {}{}\n",
+                "image     RMSE {:.2} of 255, silhouette {:.3} % of the pixels; {}, {}{}{}\n",
                 image.rmse,
                 100.0 * image.silhouette,
                 count(u64::from(image.views), "view"),
                 if image.normals { "own normals" } else { "smooth normals" },
                 match (image.textures, image.texture) {
-                    (true, _) => ", textures",
+                    (true, _) => ", materials",
                     (_, true) => ", checkerboard",
                     _ => "",
-                }
+                },
+                if image.vertex_colors { ", vertex colors" } else { "" }
             );
         }
         text

@@ -1,6 +1,7 @@
-//! The look of the input: the normals and texture coordinates that renderers read, and the colours
-//! behind them.
+//! The look of the input: the normals, texture coordinates and colours of vertices that renderers
+//! read, and the colours behind them.
 
+use super::samples::mix;
 use crate::cut::Wedges;
 use glam::Vec3;
 use lodc_mesh::{Attribute, Mesh, Semantic};
@@ -64,23 +65,26 @@ impl SurfaceColours for Checkerboard {
     }
 }
 
-/// Normals and texture coordinates of every vertex of the input, and the colours behind them.
+/// Normals, texture coordinates and colours of every vertex of the input, and the colours behind
+/// them.
 pub(super) struct Appearance<'a> {
     /// Empty if the mesh is shaded with the normals of its triangles.
     normals: Vec<Vec3>,
     /// Empty if no submesh is coloured by texture coordinates.
     texture: Vec<[f32; 2]>,
+    /// Linear colours of the vertices, by which others are multiplied; empty if no submesh has any.
+    painted: Vec<Vec3>,
     colours: Option<&'a dyn SurfaceColours>,
 }
 
 impl<'a> Appearance<'a> {
     /// The look of a shape alone: white, with the normals of its triangles.
     pub(super) fn of_shape() -> Self {
-        Self { normals: Vec::new(), texture: Vec::new(), colours: None }
+        Self { normals: Vec::new(), texture: Vec::new(), painted: Vec::new(), colours: None }
     }
 
-    /// Reads normals, if every submesh with triangles has them, and for each submesh the texture
-    /// coordinates that its colours are read with.
+    /// Reads normals, if every submesh with triangles has them, for each submesh the texture
+    /// coordinates that its colours are read with, and the colours of vertices.
     pub(super) fn new(mesh: &Mesh, colours: &'a dyn SurfaceColours) -> Self {
         let stream = |submesh: u32, semantic: &Semantic| -> Option<&Attribute> {
             let found = mesh.submeshes()[submesh as usize].attributes.iter();
@@ -109,6 +113,12 @@ impl<'a> Appearance<'a> {
                 [0, 1].map(|c| a.value(v, c)).map(|x| if x.is_finite() { x } else { 0.0 })
             })
         };
+        let colour = |(v, &s): (u32, &u32)| {
+            let stream = stream(s, &Semantic::Color(0)).filter(|a| a.components >= 3);
+            let colour = stream.map_or(Vec3::ONE, |a| Vec3::from([0, 1, 2].map(|c| a.value(v, c))));
+            if colour.is_finite() { colour.clamp(Vec3::ZERO, Vec3::ONE) } else { Vec3::ONE }
+        };
+        let is_painted = shown().any(|s| stream(s, &Semantic::Color(0)).is_some());
         Self {
             normals: if has_normals { vertices().map(normal).collect() } else { Vec::new() },
             texture: if coordinates.iter().any(Option::is_some) {
@@ -116,6 +126,7 @@ impl<'a> Appearance<'a> {
             } else {
                 Vec::new()
             },
+            painted: if is_painted { vertices().map(colour).collect() } else { Vec::new() },
             colours: Some(colours),
         }
     }
@@ -135,15 +146,33 @@ impl<'a> Appearance<'a> {
         self.texture.get(vertex as usize).copied().unwrap_or_default()
     }
 
-    /// Returns whether a submesh's colour varies with texture coordinates.
-    pub(super) fn is_textured(&self) -> bool {
-        !self.texture.is_empty()
+    /// The linear colour of a vertex, by which that of its surface is multiplied.
+    pub(super) fn vertex_colour(&self, vertex: u32) -> Vec3 {
+        self.painted.get(vertex as usize).copied().unwrap_or(Vec3::ONE)
     }
 
-    /// The colour of a submesh at texture coordinates, averaged over an area of texture space.
-    pub(super) fn colour(&self, submesh: u32, at: [f32; 2], footprint: f32) -> Colour {
-        let white = [1.0; 3];
-        Colour::new(self.colours.map_or(white, |c| c.at(submesh, at, footprint)))
+    /// Returns whether a submesh's colour varies: with texture coordinates or from vertex to vertex.
+    pub(super) fn is_coloured(&self) -> bool {
+        !self.texture.is_empty() || !self.painted.is_empty()
+    }
+
+    /// The colour of a submesh at shares of the second and third of three vertices and at texture
+    /// coordinates, averaged over an area of texture space.
+    pub(super) fn colour(
+        &self,
+        submesh: u32,
+        vertices: [u32; 3],
+        shares: [f32; 2],
+        at: [f32; 2],
+        footprint: f32,
+    ) -> Colour {
+        let behind = self.colours.map_or([1.0; 3], |c| c.at(submesh, at, footprint));
+        if self.painted.is_empty() {
+            return Colour::new(behind);
+        }
+        // A square root approximates sRGB's curve, and gives the same bits on every machine.
+        let painted = mix(&vertices.map(|v| self.vertex_colour(v)), shares).map(f32::sqrt);
+        Colour::new((painted * Vec3::from(behind)).into())
     }
 }
 

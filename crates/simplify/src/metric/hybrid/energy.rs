@@ -41,8 +41,8 @@ const TESTED_POINTS: [[f32; 2]; 4] = [
 struct QuadShading {
     /// The errors, each times the weight of its sample.
     error: Vec4,
-    /// The error as a function of the normals, for the colours at the nearest points; none without
-    /// textures.
+    /// The error as a function of the normals, for the colours at the nearest points; none where all
+    /// of a submesh has one.
     by_normals: Option<ShadingError<Vec4>>,
 }
 
@@ -160,13 +160,15 @@ impl Patch {
         };
         let mut shading = quad.shading;
         let mut by_normals = None;
-        if appearance.is_textured() {
+        if appearance.is_coloured() {
             let (mut was, mut now, mut slides) = ([Vec3::ZERO; 4], [Vec3::ZERO; 4], [0.0; 4]);
             for (i, &s) in quad.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
                 let (s, f) = (samples.get(s), &self.moved[faces[i] as usize]);
-                let at = mix_coordinates(&f.texture, [u[i], v[i]]);
+                let shares = [u[i], v[i]];
+                let at = mix_coordinates(&f.texture, shares);
                 was[i] = s.colour.channels().into();
-                now[i] = appearance.colour(f.submesh, at, s.footprint).channels().into();
+                let shown = appearance.colour(f.submesh, f.vertices, shares, at, s.footprint);
+                now[i] = shown.channels().into();
                 slides[i] = slide_error(s, at);
             }
             let [was, now] = [was, now].map(|colours| Vec3x4::new(&colours));

@@ -25,6 +25,8 @@ pub(super) struct PatchFace {
     /// The normals that its corners are shaded with.
     pub(super) shading: [Vec3; 3],
     pub(super) submesh: u32,
+    /// The vertices whose attributes the corners have; read only if the face moves.
+    pub(super) vertices: [u32; 3],
     /// Texture coordinates of the corners.
     pub(super) texture: [[f32; 2]; 3],
     /// The index of its first four samples: in [`Patch::samples`] if it moves, else in
@@ -180,13 +182,15 @@ impl Patch {
             }
             vertex => smooth(self.fixed_at(vertex).iter().copied(), normal),
         });
-        let (submesh, texture, first) = (0, [[0.0; 2]; 3], self.shaded.len() as u32);
+        let (submesh, vertices, texture) = (0, [0; 3], [[0.0; 2]; 3]);
+        let first = self.shaded.len() as u32;
         self.surrounding.push(PatchFace {
             face,
             corners,
             normal,
             shading,
             submesh,
+            vertices,
             texture,
             first,
         });
@@ -226,7 +230,16 @@ impl Patch {
                 [normal; 3]
             };
             let texture = vertices.map(|v| appearance.coordinates(v));
-            self.moved.push(PatchFace { face, corners, normal, shading, submesh, texture, first });
+            self.moved.push(PatchFace {
+                face,
+                corners,
+                normal,
+                shading,
+                submesh,
+                vertices,
+                texture,
+                first,
+            });
             self.triangles.push(triangle);
         }
         if !appearance.has_normals() {
@@ -270,7 +283,7 @@ impl Patch {
         let look = |w: u32| {
             let vertex = attribute_vertex(wedges, w);
             let normal = appearance.has_normals().then(|| appearance.normal(vertex));
-            (normal, appearance.coordinates(vertex))
+            (normal, appearance.coordinates(vertex), appearance.vertex_colour(vertex))
         };
         let same = self.targets.iter().find(|t| t.0 == wedge);
         let alike = || self.targets.iter().find(|t| wedges.class(t.0) == class);

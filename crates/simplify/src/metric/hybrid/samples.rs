@@ -262,7 +262,7 @@ impl SampledSurface<'_> {
             .map(|i| {
                 let at = if count == 1 { [1.0 / 3.0; 2] } else { spread(i, count) };
                 let texture = mix_coordinates(&uv, at);
-                let colour = appearance.colour(submesh, texture, footprint);
+                let colour = appearance.colour(submesh, vertices, at, texture, footprint);
                 Sample {
                     position: mix(&positions, at),
                     normal: mix(&normals, at).normalize_or_zero(),

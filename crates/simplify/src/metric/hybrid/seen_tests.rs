@@ -11,22 +11,8 @@ use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Simplified, Sub
 
 const HYBRID: Options = Options { metric: MetricKind::Hybrid, ..Options::DEFAULT };
 
-fn mesh(
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-    texture: Option<Vec<[f32; 2]>>,
-) -> Mesh {
-    let attributes: Vec<Attribute> = texture
-        .into_iter()
-        .map(|values| Attribute {
-            semantic: Semantic::TexCoord(0),
-            morph_target: None,
-            component: Component::F32,
-            components: 2,
-            normalized: false,
-            bytes: values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect(),
-        })
-        .collect();
+fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>, attribute: Option<Attribute>) -> Mesh {
+    let attributes: Vec<Attribute> = attribute.into_iter().collect();
     let submesh = Submesh {
         first_triangle: 0,
         triangle_count: triangles.len() as u32,
@@ -40,6 +26,18 @@ fn mesh(
         submeshes: vec![submesh],
     })
     .expect("a valid mesh")
+}
+
+/// An attribute of floats.
+fn floats<const N: usize>(semantic: Semantic, values: &[[f32; N]]) -> Attribute {
+    Attribute {
+        semantic,
+        morph_target: None,
+        component: Component::F32,
+        components: N as u8,
+        normalized: false,
+        bytes: values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect(),
+    }
 }
 
 /// A grid of `n` by `n` squares over the unit square: positions and triangles.
@@ -155,21 +153,40 @@ fn bled(simplified: &Simplified, triangles: u32, texture: &dyn Fn([f32; 3]) -> f
     wrong as f32 / all as f32
 }
 
+/// Levels so coarse that one place in a hundred is wrong where colours are not seen.
+const COARSE: [u32; 7] = [30, 35, 40, 45, 50, 60, 80];
+
+/// A coordinate across the unit square that is 0.5 along a bent line.
+fn bent(p: [f32; 3]) -> f32 {
+    let bend = p[1] * (1.0 - p[1]);
+    0.5 + 4.0 * (p[0] - 0.3 - bend) * (0.2 + (p[0] - 0.3 - bend).abs())
+}
+
 #[test]
 fn charts_do_not_bleed() {
     // The square is flat, so nothing but its colours says which vertices matter.
     let (positions, triangles) = grid(24);
-    let wavy = |p: [f32; 3]| {
-        let bend = p[1] * (1.0 - p[1]);
-        0.5 + 4.0 * (p[0] - 0.3 - bend) * (0.2 + (p[0] - 0.3 - bend).abs())
-    };
-    let texture = positions.iter().map(|&p| [wavy(p), p[1]]).collect();
-    let mesh = mesh(positions, triangles, Some(texture));
+    let texture: Vec<[f32; 2]> = positions.iter().map(|&p| [bent(p), p[1]]).collect();
+    let mesh = mesh(positions, triangles, Some(floats(Semantic::TexCoord(0), &texture)));
     let seen = simplify_coloured(&mesh, &HYBRID, &TwoCharts, &|_, _| {});
     let blind = simplify(&mesh, &Options { attributes: false, ..Options::DEFAULT }, &|_, _| {});
-    // So few triangles that one place in a hundred is wrong where colours are not seen.
     let all = |simplified: &Simplified| -> f32 {
-        [30, 35, 40, 45, 50, 60, 80].map(|count| bled(simplified, count, &wavy)).iter().sum()
+        COARSE.map(|count| bled(simplified, count, &bent)).iter().sum()
+    };
+    let (with, without) = (all(&seen), all(&blind));
+    assert!(without > 0.05 && with < 0.6 * without, "{with} with colours, {without} without");
+}
+
+#[test]
+fn colours_of_vertices_do_not_bleed() {
+    let (positions, triangles) = grid(24);
+    let side = |p: [f32; 3]| if bent(p) < 0.5 { 0.02 } else { 0.98 };
+    let colours: Vec<[f32; 3]> = positions.iter().map(|&p| [side(p), 0.2, 0.2]).collect();
+    let mesh = mesh(positions, triangles, Some(floats(Semantic::Color(0), &colours)));
+    let seen = simplify(&mesh, &HYBRID, &|_, _| {});
+    let blind = simplify(&mesh, &Options { attributes: false, ..Options::DEFAULT }, &|_, _| {});
+    let all = |simplified: &Simplified| -> f32 {
+        COARSE.map(|count| bled(simplified, count, &side)).iter().sum()
     };
     let (with, without) = (all(&seen), all(&blind));
     assert!(without > 0.05 && with < 0.6 * without, "{with} with colours, {without} without");
