@@ -15,7 +15,7 @@ use crate::Tick;
 use crate::floor::{Floor, MARGIN};
 use crate::level::Original;
 use crate::rough::RoughSquare;
-use crate::settings::{FEW_TRIANGLES, Limits};
+use crate::settings::{Limits, Settings};
 use crate::step_errors::StepErrors;
 use lodc_mesh::CollapseSequence;
 
@@ -99,14 +99,14 @@ struct Rung {
 }
 
 /// Returns after how many steps levels are measured in any case, in rising order: the last is the
-/// coarsest level that has triangles.
-pub(crate) fn planned(sequence: &CollapseSequence) -> Vec<usize> {
+/// coarsest level that has triangles. Of meshes of `few_triangles` they are more.
+pub(crate) fn planned(sequence: &CollapseSequence, few_triangles: bool) -> Vec<usize> {
     let all = u64::from(sequence.parts().triangles);
     let last = sequence.steps_at(sequence.last_visible());
     let shares = PERCENTAGES.map(|percent| all * percent / 100);
     let below = std::iter::successors(shares.last().copied(), |t| Some(t / DIVISOR)).skip(1);
     // Where few triangles are left each counts.
-    let few = if all <= u64::from(FEW_TRIANGLES) { &BEFORE_LAST[..] } else { &[] };
+    let few = if few_triangles { &BEFORE_LAST[..] } else { &[] };
     let last_few = if few.is_empty() { 0 } else { LAST_TRIANGLES };
     let mut planned: Vec<usize> = shares
         .into_iter()
@@ -128,7 +128,7 @@ pub(crate) struct Ladder<'a> {
     pub(crate) sequence: &'a CollapseSequence,
     pub(crate) proposals: &'a Proposals,
     pub(crate) floor: Floor<'a>,
-    pub(crate) limits: Limits,
+    pub(crate) settings: Settings,
     pub(crate) tick: &'a Tick<'a>,
 }
 
@@ -221,8 +221,8 @@ impl Ladder<'_> {
         work: &mut Work,
     ) {
         if let Some(steps) = self.middle(finer.as_ref(), &coarser)
-            && work.levels < self.limits.max_levels
-            && work.boxes < self.limits.max_boxes(self.original.input.triangles.len())
+            && work.levels < self.limits().max_levels
+            && work.boxes < self.limits().max_boxes(self.original.input.triangles.len())
         {
             work.levels += 1;
             let middle = self.rung(steps, finer.as_ref(), work);
@@ -240,7 +240,7 @@ impl Ladder<'_> {
         let all = self.sequence.parts().triangles;
         let (steps, triangles) = finer.map_or((0, all), |rung| (rung.steps, rung.triangles));
         let [from, to] = [triangles, coarser.triangles].map(f64::from);
-        let few = usize::from(all <= FEW_TRIANGLES);
+        let few = usize::from(self.settings.few_triangles);
         let are_neighbours =
             from <= NEIGHBOURS[few] * to && (few == 0 || coarser.triangles >= NEIGHBOURS_TRIANGLES);
         if coarser.steps <= steps + 1 || are_neighbours {
@@ -267,6 +267,10 @@ impl Ladder<'_> {
         Some(middle.clamp(steps + 1, coarser.steps - 1))
     }
 
+    fn limits(&self) -> &Limits {
+        &self.settings.limits
+    }
+
     /// Measures the level after some steps; `finer` is a rung before it.
     fn rung(&self, steps: usize, finer: Option<&Rung>, work: &mut Work) -> Rung {
         (self.tick)();
@@ -275,10 +279,10 @@ impl Ladder<'_> {
         let known = proposed.max(finer.map_or(0.0, |rung| rung.lower));
         let rough = self.proposals.distances_after(steps);
         let triangles = self.original.input.triangles.len();
-        let [fewest, most] = self.limits.rung_samples;
+        let [fewest, most] = self.limits().rung_samples;
         let samples = (triangles / TRIANGLES_PER_SAMPLE).clamp(fewest, most);
         let samples = samples.min(match triangles {
-            0..=VERY_FEW_TRIANGLES => SAMPLES_OF_VERY_FEW,
+            0..=VERY_FEW_TRIANGLES if self.settings.few_triangles => SAMPLES_OF_VERY_FEW,
             _ => FEWEST_SAMPLES + SAMPLES_PER_TRIANGLE * triangles,
         });
         let found = self.original.measure(step.lod, known, samples, rough);

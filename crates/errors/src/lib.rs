@@ -12,7 +12,7 @@
 //! ```
 //! let mesh = lodc_fixtures::torus();
 //! let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| ());
-//! let distances = lodc_errors::measure(&simplified, simplified.mesh().positions(), &|| ());
+//! let distances = lodc_errors::measure(&simplified, simplified.mesh().positions(), 0, &|| ());
 //! assert_eq!(distances.error.len(), simplified.collapses().steps());
 //! assert!(distances.error.is_sorted(), "coarser is never nearer");
 //! ```
@@ -71,15 +71,22 @@ const MAX_TRIANGLES_IN_PAIRS: usize = 1 << 20;
 pub type Tick<'a> = dyn Fn() + Sync + 'a;
 
 /// Measures every step of a sequence. `posed` is the surface that is compared: a position for each
-/// vertex of the mesh, in the mesh's units, all finite.
+/// vertex of the mesh, in the mesh's units, all finite. `scene_triangles` are those of all meshes
+/// of the scene that it is one of: each of many small ones takes a share of the work that one takes.
 ///
 /// All threads share the work; the result is the same with any number.
 ///
 /// # Panics
 /// If there are not as many positions as vertices.
 #[must_use]
-pub fn measure(simplified: &Simplified, posed: &[[f32; 3]], tick: &Tick<'_>) -> StepErrors {
-    measure_above(&StepErrors::default(), simplified, posed, Settings::AT_REST, tick)
+pub fn measure(
+    simplified: &Simplified,
+    posed: &[[f32; 3]],
+    scene_triangles: usize,
+    tick: &Tick<'_>,
+) -> StepErrors {
+    let settings = Settings::AT_REST.in_scene(simplified.mesh().triangles().len(), scene_triangles);
+    measure_above(&StepErrors::default(), simplified, posed, settings, tick)
 }
 
 /// Raises what [`measure`] found to the distances of the same sequence in other shapes, each a
@@ -89,6 +96,7 @@ pub fn measure(simplified: &Simplified, posed: &[[f32; 3]], tick: &Tick<'_>) -> 
 ///
 /// Shapes of large effect come first. Two at a time are measured, and none after two that raise no
 /// error of a level above 1 % of the triangles by more than a twentieth. Returns how many were.
+/// `scene_triangles` as for [`measure`].
 ///
 /// All threads share the work; the result is the same with any number.
 ///
@@ -98,19 +106,20 @@ pub fn raise<S: AsRef<[[f32; 3]]> + Send>(
     errors: &mut StepErrors,
     simplified: &Simplified,
     mut shapes: impl Iterator<Item = S>,
+    scene_triangles: usize,
     tick: &Tick<'_>,
 ) -> usize {
     assert_eq!(errors.error.len(), simplified.collapses().steps(), "a distance for each step");
     let (collapses, triangles) = (simplified.collapses(), simplified.mesh().triangles().len());
     let coarsest = collapses.lod_for_triangles(triangles as u32 / COARSEST_DIVISOR);
     let counted_steps = collapses.steps_at(coarsest);
+    let settings = Settings::IN_POSES.in_scene(triangles, scene_triangles);
     let in_pairs = triangles <= MAX_TRIANGLES_IN_PAIRS;
     let noticeable = NOTICEABLE_SHARE * simplified.mesh().diagonal();
     let mut measured_shapes = 0;
     while let Some(first) = shapes.next() {
         let second = shapes.next();
-        let one =
-            |shape: S| measure_above(errors, simplified, shape.as_ref(), Settings::IN_POSES, tick);
+        let one = |shape: S| measure_above(errors, simplified, shape.as_ref(), settings, tick);
         let (first, second) = if in_pairs {
             rayon::join(|| one(first), || second.map(one))
         } else {
@@ -147,11 +156,10 @@ fn measure_above(
     rayon::scope(|_| {
         let pass = Pass { input: &input, simplified, floor, settings, tick };
         let sequence = simplified.collapses();
-        let planned = planned(sequence);
+        let planned = planned(sequence, settings.few_triangles);
         let proposals = &pass.run(&corner_vertices, &planned);
-        let limits = settings.limits;
-        let original = Original::new(&input, simplified, &corner_vertices, limits);
-        Ladder { original, sequence, proposals, floor, limits, tick }.complete(&planned)
+        let original = Original::new(&input, simplified, &corner_vertices, settings.limits);
+        Ladder { original, sequence, proposals, floor, settings, tick }.complete(&planned)
     })
 }
 

@@ -1,12 +1,17 @@
 //! How closely a pass searches, and the limits of all work.
 
-/// Meshes of no more triangles than this have few: all of their levels are looked at more closely.
-/// Chosen by hand.
+/// Meshes of no more triangles than this have few, with all others of their scene: all of their
+/// levels are looked at more closely. Chosen by hand.
 pub(crate) const FEW_TRIANGLES: u32 = 16_384;
+
+/// Samples of a mesh of a large scene, for each triangle, if it has few triangles. Chosen by hand.
+const SAMPLES_IN_SCENE: f64 = 8.0;
 
 /// How closely a pass searches.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
+    /// Meshes of few triangles are looked at closely, and this is one.
+    pub(crate) few_triangles: bool,
     /// Samples that a mesh of few triangles gets in all.
     pub(crate) few_triangles_samples: f64,
     /// Samples that all faces together keep where few faces are left.
@@ -17,6 +22,7 @@ pub(crate) struct Settings {
 impl Settings {
     /// For the shape in which all steps are measured.
     pub(crate) const AT_REST: Self = Self {
+        few_triangles: true,
         few_triangles_samples: 20_000.0,
         few_faces_samples: 20_000,
         limits: Limits::DEFAULT,
@@ -24,6 +30,18 @@ impl Settings {
 
     /// For shapes of which only what exceeds the errors of another one matters.
     pub(crate) const IN_POSES: Self = Self { few_triangles_samples: 10_000.0, ..Self::AT_REST };
+
+    /// For a mesh of some triangles in a scene whose meshes have so many together: each takes its
+    /// share of what one mesh of as many would take, or a little more.
+    pub(crate) fn in_scene(self, triangles: usize, scene_triangles: usize) -> Self {
+        let scene_triangles = scene_triangles.max(triangles).max(1);
+        let share = triangles as f64 / scene_triangles as f64;
+        let samples = self.few_triangles_samples;
+        let in_scene = (samples * share).max(SAMPLES_IN_SCENE * triangles as f64).min(samples);
+        let few_triangles = scene_triangles <= FEW_TRIANGLES as usize;
+        let few_triangles_samples = if few_triangles { samples } else { in_scene };
+        Self { few_triangles, few_triangles_samples, ..self }
+    }
 }
 
 /// Limits of the work that any mesh may take. Where one is met, an answer is not given: another way

@@ -80,7 +80,7 @@ fn triangles_left(bare: &CollapseSequence, triangles: &[[u32; 3]], records: usiz
 }
 
 fn measured(simplified: &Simplified) -> StepErrors {
-    measure(simplified, simplified.mesh().positions(), &|| ())
+    measure(simplified, simplified.mesh().positions(), 0, &|| ())
 }
 
 /// The level's surface.
@@ -232,7 +232,7 @@ fn a_scaled_shape_scales_the_errors() {
     let plain = measured(&simplified);
     let doubled: Vec<[f32; 3]> =
         simplified.mesh().positions().iter().map(|p| p.map(|x| 2.0 * x)).collect();
-    let other = measure(&simplified, &doubled, &|| ());
+    let other = measure(&simplified, &doubled, 0, &|| ());
     let twice: Vec<f32> = plain.error.iter().map(|e| 2.0 * e).collect();
     assert_eq!(other.error, twice);
 }
@@ -243,7 +243,7 @@ fn the_shape_counts_and_not_positions() {
     let card = sequence(&SQUARE, &HALVES, &[1, 2, 3]);
     let mut posed = SQUARE;
     posed[3] = [0.0, 0.0, 3.0];
-    let [flat, folded] = [measured(&card), measure(&card, &posed, &|| ())].map(|e| e.error[0]);
+    let [flat, folded] = [measured(&card), measure(&card, &posed, 0, &|| ())].map(|e| e.error[0]);
     // The corner at the origin is off by its distance to the line from (1, 0, 0) to (0, 0, 3).
     assert!(
         is_stated(flat, 0.5f64.sqrt()) && is_stated(folded, 3.0 / 10.0f64.sqrt()),
@@ -379,7 +379,7 @@ fn errors_are_the_largest_over_all_shapes() {
         let shapes = [turn, -turn / 2.0, 2.0 * turn].map(|turn| twisted(mesh, turn));
         let rest = measured(&simplified);
         let mut errors = rest.clone();
-        assert_eq!(raise(&mut errors, &simplified, shapes.iter(), &|| ()), 3, "{name}");
+        assert_eq!(raise(&mut errors, &simplified, shapes.iter(), 0, &|| ()), 3, "{name}");
         assert!(errors.error.is_sorted() && errors.rms.is_sorted());
         assert!(rest.error.iter().zip(&errors.error).all(|(rest, all)| rest <= all));
         assert!(rest.error.iter().zip(&errors.error).any(|(rest, all)| 1.1 * rest < *all));
@@ -408,10 +408,10 @@ fn shapes_that_raise_nothing_end_the_search() {
     let rest = measured(&simplified);
     let mut errors = rest.clone();
     let same = vec![simplified.mesh().positions().to_vec(); 8];
-    assert_eq!(raise(&mut errors, &simplified, same.iter(), &|| ()), 2);
+    assert_eq!(raise(&mut errors, &simplified, same.iter(), 0, &|| ()), 2);
     assert!(rest.error.iter().zip(&errors.error).all(|(rest, all)| *all <= 1.07 * rest));
-    assert_eq!(raise(&mut errors, &simplified, same[..1].iter(), &|| ()), 1);
-    assert_eq!(raise(&mut errors, &simplified, same[..0].iter(), &|| ()), 0);
+    assert_eq!(raise(&mut errors, &simplified, same[..1].iter(), 0, &|| ()), 1);
+    assert_eq!(raise(&mut errors, &simplified, same[..0].iter(), 0, &|| ()), 0);
 }
 
 #[test]
@@ -423,7 +423,7 @@ fn the_number_of_threads_changes_no_shape() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let mut errors = rest.clone();
-        pool.install(|| raise(&mut errors, &simplified, shapes.iter(), &|| ()));
+        pool.install(|| raise(&mut errors, &simplified, shapes.iter(), 0, &|| ()));
         errors
     };
     let one = with(1);
@@ -594,7 +594,7 @@ fn work_is_left_where_a_tick_unwinds() {
                     std::panic::resume_unwind(Box::new("late"));
                 }
             };
-            let work = || pool.install(|| measure(&simplified, positions, &tick));
+            let work = || pool.install(|| measure(&simplified, positions, 0, &tick));
             let left = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work));
             let late = left.err().and_then(|e| e.downcast_ref().copied());
             (late, ticks.into_inner())

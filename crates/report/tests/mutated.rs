@@ -28,7 +28,7 @@ fn built(mesh: &Mesh) -> Vec<LodObject> {
     let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
     let motion = Motion::new(Graph::of_objects(1), vec![], 1);
     let shapes = motion.shapes(simplified.mesh(), 0, &[]);
-    let (errors, _) = step_errors(&simplified, &shapes, &|| ());
+    let (errors, _) = step_errors(&simplified, &shapes, 0, &|| ());
     let measured = simplified.with_distances(errors.error, errors.rms);
     let simplified = Arc::new(measured.expect("errors never fall"));
     let submesh = |s| SubmeshInfo { name: String::new(), material: None, document_primitive: s };

@@ -31,12 +31,12 @@ pub fn measure_all(
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, FormatError> {
     let triangles = |s: &Simplified| s.mesh().triangles().len() as u64;
-    let counts_triangles = objects.len() > 1;
-    let units = counts_triangles.then(|| objects.iter().map(|(_, s)| triangles(s)).sum());
+    let all: u64 = objects.iter().map(|(_, s)| triangles(s)).sum();
+    let units = (objects.len() > 1).then_some(all);
     let motion = choose_poses(&mut objects, document, limits, poses)?;
     let one = |(number, (mut info, simplified)): (usize, (ObjectInfo, Arc<Simplified>))| {
         let shapes = motion.shapes(simplified.mesh(), number, &info.poses);
-        let (distances, poses) = step_errors(&simplified, &shapes, &|| watch.add(0));
+        let (distances, poses) = step_errors(&simplified, &shapes, all as usize, &|| watch.add(0));
         info.poses.truncate(poses);
         let measured = Arc::unwrap_or_clone(simplified)
             .with_distances(distances.error, distances.rms)
@@ -63,23 +63,24 @@ pub fn measure_all(
 const SHAPES_AT_ONCE: usize = 2;
 
 /// Measures every step of a sequence: the largest distances over all shapes of placements, and over
-/// those of postures until two of them raise no error noticeably. Returns how many of these were
-/// measured.
+/// those of postures until two of them raise no error noticeably. `scene_triangles` are those of all
+/// objects of the scene. Returns how many of the postures were measured.
 #[must_use]
 pub fn step_errors(
     simplified: &Simplified,
     shapes: &ObjectShapes,
+    scene_triangles: usize,
     tick: &Tick<'_>,
 ) -> (StepErrors, usize) {
     let mesh = simplified.mesh();
     let posed = |shape: &'_ Shape| shape.of(mesh).into_owned();
     let (first, others) = shapes.of_placements().split_first().expect("a placement at least");
-    let mut errors = lodc_errors::measure(simplified, &first.of(mesh), tick);
+    let mut errors = lodc_errors::measure(simplified, &first.of(mesh), scene_triangles, tick);
     for some in others.chunks(SHAPES_AT_ONCE) {
-        lodc_errors::raise(&mut errors, simplified, some.iter().map(posed), tick);
+        lodc_errors::raise(&mut errors, simplified, some.iter().map(posed), scene_triangles, tick);
     }
     let postures = shapes.of_postures().iter().map(posed);
-    let measured = lodc_errors::raise(&mut errors, simplified, postures, tick);
+    let measured = lodc_errors::raise(&mut errors, simplified, postures, scene_triangles, tick);
     (errors, measured)
 }
 

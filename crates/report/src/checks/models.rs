@@ -111,15 +111,17 @@ pub fn check_errors_again(
         return Ok(Vec::new());
     }
     let shapes = stated_shapes(&file.objects, &file.document, limits)?;
+    let triangles = |o: &LodObject| o.simplified.mesh().triangles().len();
+    let all = file.objects.iter().map(triangles).sum();
     let measured = file.objects.par_iter().zip(&shapes).filter(|(o, _)| is_measured(o));
-    Ok(measured.map(|(o, shapes)| errors_again(o, shapes)).collect())
+    Ok(measured.map(|(o, shapes)| errors_again(o, shapes, all)).collect())
 }
 
-fn errors_again(object: &LodObject, shapes: &ObjectShapes) -> CheckReport {
+fn errors_again(object: &LodObject, shapes: &ObjectShapes, scene_triangles: usize) -> CheckReport {
     let simplified = &object.simplified;
     let collapses = simplified.collapses();
     let stored = collapses.parts();
-    let (remeasured, _) = step_errors(simplified, shapes, &|| ());
+    let (remeasured, _) = step_errors(simplified, shapes, scene_triangles, &|| ());
     let differs = |stored: &[f32], remeasured: &[f32], what: &str| {
         let (step, (stored, remeasured)) = stored
             .iter()

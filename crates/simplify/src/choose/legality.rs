@@ -55,6 +55,8 @@ pub(super) struct Verdict {
     pub(super) factor: f64,
     /// It closes a handle, joins sheets or takes a component away.
     pub(super) changes_topology: bool,
+    /// It takes the last faces around both groups away.
+    pub(super) vanishes: bool,
 }
 
 /// The rules that hold at present.
@@ -131,7 +133,7 @@ impl Rules {
             return None;
         }
         let factor = if changes_topology { TOPOLOGY_FACTOR } else { 1.0 };
-        Some(Verdict { factor, changes_topology })
+        Some(Verdict { factor, changes_topology, vanishes: link.vanishes })
     }
 }
 

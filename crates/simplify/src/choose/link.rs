@@ -64,6 +64,8 @@ pub(crate) struct Link {
     pub(crate) holds: bool,
     /// Number of faces with a corner at both ends: those that the collapse removes.
     pub(super) shared_faces: usize,
+    /// True if no face of either end is left.
+    pub(super) vanishes: bool,
 }
 
 impl Link {
@@ -90,7 +92,8 @@ impl Link {
             let is_near = |group: u32| near.iter().fold(false, |any, &g| any | (g == group));
             common += mesh.star(to).iter().filter(|c| is_near(c.ahead)).count();
         }
-        Self { holds: found && common == 2, shared_faces: if found { 2 } else { 0 } }
+        let shared_faces = if found { 2 } else { 0 };
+        Self { holds: found && common == 2, shared_faces, vanishes: false }
     }
 
     /// Between any two stars. Neighbours of `from` are marked with `near`, those of both ends with
@@ -148,7 +151,7 @@ impl Link {
                         .any(|&c| others(c).contains(&h) && others(c).contains(&to))
             })
         };
-        Self { holds: manifold && !vanishes && !doubles(), shared_faces }
+        Self { holds: manifold && !vanishes && !doubles(), shared_faces, vanishes }
     }
 }
 
@@ -203,7 +206,7 @@ mod tests {
     #[test]
     fn an_edge_of_a_closed_surface_may_collapse() {
         for link in links(&bipyramid(), 2, 3) {
-            assert_eq!(link, Link { holds: true, shared_faces: 2 });
+            assert_eq!(link, Link { holds: true, shared_faces: 2, vanishes: false });
         }
     }
 

@@ -21,7 +21,7 @@ use crate::cut::{
 };
 use crate::metric::Reprice;
 use crate::price::{PriceLists, Priced, Pricer, Scratch, scaled};
-use legality::{MovingFaces, keeps_texture};
+use legality::{MovingFaces, Verdict, keeps_texture};
 use link::Marks;
 
 /// What each fake adds to the factor of a cost: a collapse with one fake costs nine times as much,
@@ -107,7 +107,8 @@ impl<M: Reprice> Selector<'_, M> {
         let is_found =
             self.pricer.region.mesh.has(from, RESTRICTED) && !self.pricer.metric.is_active();
         let verdict = self.rules.check(self.shapes(), from, known.to, &mut buffers.marks)?;
-        if verdict.factor > 1.0 && !is_found {
+        let factor = verdict.factor * self.loose_factor(from, verdict);
+        if factor > 1.0 && !is_found {
             return None;
         }
         if is_planned {
@@ -163,7 +164,7 @@ impl<M: Reprice> Selector<'_, M> {
                 buffers.refused = true;
                 continue;
             };
-            let mut factor = verdict.factor;
+            let mut factor = verdict.factor * self.loose_factor(from, verdict);
             if is_planned {
                 if !self.try_plan(from, to, buffers) {
                     buffers.refused = true;
@@ -184,6 +185,16 @@ impl<M: Reprice> Selector<'_, M> {
             changes_topology,
             is_planned,
         })
+    }
+
+    /// By how much a collapse is dearer that takes a loose part away, or the first face of a card,
+    /// whose other one follows.
+    fn loose_factor(&self, from: u32, verdict: Verdict) -> f64 {
+        let Pricer { context, region, .. } = &self.pricer;
+        let group = region.groups[from as usize];
+        let goes =
+            verdict.vanishes || context.input.is_card(group) && !self.pricer.is_half_card(from);
+        if goes { context.input.loose_factor(group) } else { 1.0 }
     }
 
     /// Fills the candidates of a group, from kept prices if there are any.

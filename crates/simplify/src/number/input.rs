@@ -3,6 +3,7 @@
 use super::cards::cards;
 use super::curve::Curve;
 use super::flat::{flat_vertices, normals};
+use super::loose;
 use super::shapes::GroupShapes;
 use crate::SeenShapes;
 use glam::{DVec3, Vec3};
@@ -44,6 +45,9 @@ pub(crate) struct Input<'a> {
     flat: Vec<bool>,
     /// By group: whether it is a corner of a card. Empty if there is none.
     card: Vec<bool>,
+    /// By group: by how much the price of its loose part's going is multiplied. Empty if there is
+    /// none.
+    loose: Vec<f32>,
     has_formats_in_common: bool,
 }
 
@@ -133,6 +137,9 @@ impl<'a> Input<'a> {
         let vertices = first_vertex.iter().copied();
         let shapes = GroupShapes::new(seen, at_rest, vertices, scale);
         let card = cards(mesh, &group_of, order.len());
+        let position = |g: usize| at_rest[first_vertex[g] as usize].into();
+        let triangles = mesh.triangles().iter().map(|t| t.map(|v| group_of[v as usize]));
+        let loose = loose::factors(order.len(), position, triangles);
         Self {
             mesh,
             shapes,
@@ -149,6 +156,7 @@ impl<'a> Input<'a> {
             counting: None,
             flat: flat_vertices(mesh),
             card,
+            loose,
             has_formats_in_common: has_formats_in_common(mesh),
         }
     }
@@ -217,6 +225,13 @@ impl<'a> Input<'a> {
     #[inline]
     pub(crate) fn is_card(&self, group: u32) -> bool {
         !self.card.is_empty() && self.card[group as usize]
+    }
+
+    /// By how much the price of going is multiplied for the loose part that a group is of, at least
+    /// 1: the parts around it may have gone before.
+    #[inline]
+    pub(crate) fn loose_factor(&self, group: u32) -> f64 {
+        self.loose.get(group as usize).copied().map_or(1.0, f64::from)
     }
 
     /// Number of groups.

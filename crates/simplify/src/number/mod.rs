@@ -10,6 +10,7 @@ mod cards;
 mod curve;
 mod flat;
 mod input;
+mod loose;
 mod shapes;
 
 pub(crate) use curve::{Curve, sorted};

@@ -206,7 +206,7 @@ impl<M: Reprice> Pricer<'_, M> {
     }
 
     /// Returns whether a group is a corner of a card that has lost one of its two faces.
-    fn is_half_card(&self, group: u32) -> bool {
+    pub(crate) fn is_half_card(&self, group: u32) -> bool {
         let Region { mesh, groups, .. } = self.region;
         let alone = |g: u32| mesh.valence(g) == 1;
         self.context.input.is_card(groups[group as usize])
