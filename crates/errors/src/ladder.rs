@@ -54,6 +54,8 @@ const SAMPLES_PER_TRIANGLE: usize = 4;
 /// The same of those of up to so many triangles, whose rungs are few. Chosen by hand.
 const SAMPLES_OF_VERY_FEW: usize = 1280;
 const VERY_FEW_TRIANGLES: usize = 64;
+/// The same of those of large scenes.
+const SAMPLES_IN_SCENE: [usize; 2] = [128, 1];
 
 /// Distances below this share of the diagonal are alike whatever they are. Chosen by hand.
 const TINY_SHARE: f64 = 1e-6;
@@ -281,8 +283,10 @@ impl Ladder<'_> {
         let triangles = self.original.input.triangles.len();
         let [fewest, most] = self.limits().rung_samples;
         let samples = (triangles / TRIANGLES_PER_SAMPLE).clamp(fewest, most);
+        let [besides, per_triangle] = SAMPLES_IN_SCENE;
         let samples = samples.min(match triangles {
-            0..=VERY_FEW_TRIANGLES if self.settings.few_triangles => SAMPLES_OF_VERY_FEW,
+            _ if self.settings.is_in_scene => besides + per_triangle * triangles,
+            0..=VERY_FEW_TRIANGLES => SAMPLES_OF_VERY_FEW,
             _ => FEWEST_SAMPLES + SAMPLES_PER_TRIANGLE * triangles,
         });
         let found = self.original.measure(step.lod, known, samples, rough);

@@ -5,13 +5,15 @@
 pub(crate) const FEW_TRIANGLES: u32 = 16_384;
 
 /// Samples of a mesh of a large scene, for each triangle, if it has few triangles. Chosen by hand.
-const SAMPLES_IN_SCENE: f64 = 8.0;
+const SAMPLES_IN_SCENE: f64 = 4.0;
 
 /// How closely a pass searches.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
     /// Meshes of few triangles are looked at closely, and this is one.
     pub(crate) few_triangles: bool,
+    /// The mesh is one of a scene that has many triangles, and has few itself.
+    pub(crate) is_in_scene: bool,
     /// Samples that a mesh of few triangles gets in all.
     pub(crate) few_triangles_samples: f64,
     /// Samples that all faces together keep where few faces are left.
@@ -23,6 +25,7 @@ impl Settings {
     /// For the shape in which all steps are measured.
     pub(crate) const AT_REST: Self = Self {
         few_triangles: true,
+        is_in_scene: false,
         few_triangles_samples: 20_000.0,
         few_faces_samples: 20_000,
         limits: Limits::DEFAULT,
@@ -40,7 +43,8 @@ impl Settings {
         let in_scene = (samples * share).max(SAMPLES_IN_SCENE * triangles as f64).min(samples);
         let few_triangles = scene_triangles <= FEW_TRIANGLES as usize;
         let few_triangles_samples = if few_triangles { samples } else { in_scene };
-        Self { few_triangles, few_triangles_samples, ..self }
+        let is_in_scene = !few_triangles && triangles <= FEW_TRIANGLES as usize;
+        Self { few_triangles, is_in_scene, few_triangles_samples, ..self }
     }
 }
 

@@ -97,18 +97,19 @@ pub(super) fn factors(
         let centre = component.centre();
         let extent = 0.5 * (component.high - component.low).length_squared();
         // Those that are left when it goes stand at multiples of twice this stride, from 0 on.
-        let stride = 1 << i.trailing_zeros().min(31);
+        let stride = 1usize << i.trailing_zeros().min(26);
         let around = |m: &usize| [i.checked_sub(m * stride), i.checked_add(m * stride)];
         let left = MULTIPLES.iter().flat_map(around).flatten().filter_map(|i| parts.get(i));
-        let left = left.map(|&other| components[other].centre());
         let first = component.first as usize;
         let reach = first.saturating_sub(REACH)..(first + REACH).min(groups);
-        let nearest = left
-            .chain(reach.filter(|&group| is_large(group)).map(&position))
-            .map(|other| other.distance_squared(centre))
-            .fold(f32::INFINITY, f32::min);
-        // It stands for those that went before it, too.
-        let factor = stride as f32 * nearest / extent;
+        let nearest = |others: &mut dyn Iterator<Item = Vec3>| {
+            others.map(|other| other.distance_squared(centre)).fold(f32::INFINITY, f32::min)
+        };
+        let mut left = left.map(|&other| components[other].centre());
+        let mut larger = reach.filter(|&group| is_large(group)).map(&position);
+        // It stands for the parts that went before it, too, but not on a larger component.
+        let cost = (stride as f32 * nearest(&mut left)).min(nearest(&mut larger));
+        let factor = cost / extent;
         factor_of[part] = if factor.is_finite() { factor.max(1.0) } else { f32::MAX };
     }
     component_of.iter().map(|&of| factor_of[of as usize]).collect()
@@ -155,7 +156,7 @@ mod tests {
             }
         }
         let parts = factors(positions.len(), |g| positions[g], triangles.iter().copied());
-        assert!(!parts.is_empty() && parts.iter().all(|&f| f < 40.0), "{parts:?}");
+        assert!(!parts.is_empty() && parts.iter().all(|&f| f < 2.0), "{parts:?}");
     }
 
     #[test]
