@@ -187,6 +187,31 @@ fn a_flat_square_goes_down_to_two_triangles_without_error() {
 }
 
 #[test]
+fn tiles_of_their_own_are_left_everywhere() {
+    let n = 32;
+    let tile = |i: u32| {
+        let [x, y] = [(i % n) as f32, (i / n) as f32];
+        let corners = [[0.0, 0.0], [0.9, 0.0], [0.9, 0.9], [0.0, 0.9]];
+        corners.map(|[u, v]| [x + u, y + v, (0.3 * x).sin() + (0.2 * y).cos()])
+    };
+    let positions: Vec<[f32; 3]> = (0..n * n).flat_map(tile).collect();
+    let faces = |i: u32| [[4 * i, 4 * i + 1, 4 * i + 2], [4 * i, 4 * i + 2, 4 * i + 3]];
+    let simplified = run(&plain(positions.clone(), (0..n * n).flat_map(faces).collect()));
+    // One in ten, then one in twenty of the triangles: a fifth and a tenth of the tiles.
+    for (triangles, farthest) in [(n * n / 5, 4.0), (n * n / 10, 6.0)] {
+        let left = simplified.triangles_at(simplified.collapses().lod_for_triangles(triangles));
+        let at = |v: u32| glam::Vec3::from(simplified.mesh().positions()[v as usize]);
+        let left: Vec<glam::Vec3> = left.iter().map(|t| at(t.corners[0])).collect();
+        let distance = |p: &[f32; 3]| {
+            let to = |q: &glam::Vec3| q.distance(glam::Vec3::from(*p));
+            left.iter().map(to).fold(f32::INFINITY, f32::min)
+        };
+        let most = positions.iter().map(distance).fold(0.0, f32::max);
+        assert!(most < farthest, "{triangles} triangles: {most} tiles from the next");
+    }
+}
+
+#[test]
 fn the_inner_of_two_coarse_levels_never_costs_less_error() {
     for (name, shape) in shapes::ALL {
         let s = run(&shape());
