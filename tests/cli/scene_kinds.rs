@@ -67,6 +67,69 @@ fn primitives_over_one_vertex_buffer_stay_so() {
     assert!(chain.len() as f64 <= 1.8 * all.len() as f64, "{} of {}", chain.len(), all.len());
 }
 
+#[test]
+fn meshes_over_the_same_accessors_stay_so() {
+    let f = Folder::new();
+    let mut scene = Scene::of_rocks(&[24]);
+    let whole = scene.meshes[0].clone();
+    for material in 0..4 {
+        let mut mesh = whole.clone();
+        mesh["primitives"][0]["material"] = material.into();
+        scene.meshes.push(mesh);
+    }
+    let nodes: Vec<Value> =
+        (0..5).map(|i| json!({"mesh": i, "translation": [3 * i, 0, 0]})).collect();
+    let more = json!({"nodes": nodes, "materials": materials(4)});
+    f.file("s.gltf", scene.file(&[0, 1, 2, 3, 4], &more));
+    for (ratio, share) in [("100%", 1.0), ("25%", 0.25)] {
+        f.lodc(["extract", "s.gltf", "--ratio", ratio, "-o", "x.glb", "-q"]).ends(0);
+        f.lodc(["verify", "x.glb", "--source", "s.gltf"]).ends(0);
+        let (_, bytes) = glb_document(&f.read("x.glb"));
+        let wanted = 1.1 * share * scene.bytes.len() as f64;
+        assert!(bytes.len() as f64 <= wanted, "{ratio}: {}", bytes.len());
+    }
+}
+
+/// What every way of `chain` writes of a mesh of many materials has few more bytes than that of the
+/// same mesh of one: also where each level moves to the next.
+#[test]
+fn chains_of_many_materials_are_as_small_as_those_of_one() {
+    let ways: [&[&str]; 3] = [&[], &["--geomorph"], &["--geomorph", "--quantize", "pos=14"]];
+    for way in ways {
+        let [one, six] = [1, 6].map(|count| {
+            let f = Folder::new();
+            let more = json!({"nodes": [{"mesh": 0}], "materials": materials(count)});
+            f.file("s.gltf", scattered(48, count).file(&[0], &more));
+            let levels = ["--levels", "100%,50%,25%,10%", "-o", "c.glb", "-q"];
+            f.lodc(["chain", "s.gltf"].iter().chain(&levels).chain(way)).ends(0);
+            f.lodc(["verify", "c.glb", "--source", "s.gltf"]).ends(0);
+            glb_document(&f.read("c.glb")).1.len()
+        });
+        assert!(six as f64 <= 1.1 * one as f64, "{way:?}: {six} bytes, {one} of one material");
+    }
+}
+
+#[test]
+fn levels_of_meshes_that_no_node_shows_are_not_carried_along() {
+    let f = Folder::new();
+    f.file("none.gltf", Scene::of_rocks(&[8]).file(&[], &json!({})).replace("\"nodes\":[]", ""));
+    let refused = f.lodc(["chain", "none.gltf", "-o", "c.glb"]).ends(3);
+    assert!(refused.err.contains("no node shows a mesh"), "{}", refused.err);
+    f.lodc(["chain", "none.gltf", "--index-ranges", "-o", "c.glb", "-q"]).ends(0);
+    f.lodc(["verify", "c.glb", "--source", "none.gltf"]).ends(0);
+    f.file("s.gltf", Scene::of_rocks(&[8, 20]).file(&[0], &json!({"nodes": [{"mesh": 0}]})));
+    for way in [&[][..], &["--geomorph"]] {
+        f.lodc(["chain", "s.gltf", "-o", "c.glb", "-q"].iter().chain(way)).ends(0);
+        f.lodc(["verify", "c.glb", "--source", "s.gltf"]).ends(0);
+        let (root, _) = glb_document(&f.read("c.glb"));
+        let accessors = root["accessors"].as_array().expect("accessors").len();
+        let text = root["meshes"].to_string();
+        let named =
+            |a: usize| [",", "}", "]"].iter().any(|end| text.contains(&format!(":{a}{end}")));
+        assert!((0..accessors).all(named), "{way:?}: {root}");
+    }
+}
+
 /// Scenes of every kind, small.
 fn kinds() -> Vec<(&'static str, String)> {
     let node = || json!({"nodes": [{"mesh": 0}]});
@@ -91,6 +154,7 @@ fn kinds() -> Vec<(&'static str, String)> {
     vec![
         ("seam", lathe(14, 12)),
         ("cards", cards(200)),
+        ("strips and fans", strips_and_fans()),
         ("materials", {
             let more = json!({"nodes": [{"mesh": 0}], "materials": materials(4)});
             scattered(12, 4).file(&[0], &more)
@@ -98,6 +162,13 @@ fn kinds() -> Vec<(&'static str, String)> {
         ("morphing", {
             let more = json!({"nodes": [{"mesh": 0}], "animations": animations});
             morphing.file(&[0], &more)
+        }),
+        ("two weights", {
+            let mut scene = Scene::of_rocks(&[10]);
+            add_targets(&mut scene, 4);
+            let nodes = json!([{"mesh": 0, "weights": [1, 1, 1, 1]},
+                {"mesh": 0, "weights": [0, 0.2, 0, 0.2], "translation": [4, 0, 0]}]);
+            scene.file(&[0, 1], &json!({"nodes": nodes}))
         }),
         ("skinned", { skinned.file(&[0, 1, 2, 3, 4], &json!({"nodes": bones, "skins": skins})) }),
         ("scales", Scene::of_rocks(&[6, 8, 10]).file(&[0, 1, 2], &json!({"nodes": scales}))),
@@ -113,6 +184,37 @@ fn kinds() -> Vec<(&'static str, String)> {
         }),
         ("plain", Scene::of_rocks(&[16]).file(&[0], &node())),
     ]
+}
+
+/// A rock of a strip and two fans, with lines and points, all over the same vertices.
+fn strips_and_fans() -> String {
+    let mut scene = Scene::of_rocks(&[10]);
+    let whole = scene.meshes[0]["primitives"][0].clone();
+    // Rows have twenty vertices, behind the top.
+    let row = |r: u32| (0..=20).map(move |c| 1 + 20 * r + c % 20);
+    let mut strip: Vec<u32> = Vec::new();
+    for r in 0..8 {
+        let between: Vec<u32> = row(r + 1).zip(row(r)).flat_map(|(a, b)| [a, b]).collect();
+        if let Some(&last) = strip.last() {
+            strip.extend([last, between[0]]);
+        }
+        strip.extend(between);
+    }
+    let last = vertices(&scene, 0) as u32 - 1;
+    let rim: Vec<u32> = row(0).collect();
+    let top: Vec<u32> = std::iter::once(0).chain(rim.into_iter().rev()).collect();
+    let bottom: Vec<u32> = std::iter::once(last).chain(row(8)).collect();
+    let lines: Vec<u32> = row(3).collect();
+    let mut primitives = Vec::new();
+    for (mode, corners) in [(5, &strip), (6, &top), (6, &bottom), (3, &lines), (0, &lines)] {
+        let bytes: Vec<u8> = corners.iter().flat_map(|i| i.to_le_bytes()).collect();
+        let mut primitive = whole.clone();
+        primitive["mode"] = mode.into();
+        primitive["indices"] = scene.accessor(&bytes, 5125, corners.len(), "SCALAR").into();
+        primitives.push(primitive);
+    }
+    scene.meshes[0]["primitives"] = primitives.into();
+    scene.file(&[0], &json!({"nodes": [{"mesh": 0}]}))
 }
 
 /// Cards of two triangles each, turned anyhow.
@@ -136,10 +238,11 @@ fn cards(count: usize) -> String {
 
 #[test]
 fn chains_of_every_kind_made_in_every_way_are_accepted() {
-    let ways: [&[&str]; 5] = [
+    let ways: [&[&str]; 6] = [
         &[],
         &["--geomorph"],
         &["--separate"],
+        &["--separate", "--geomorph"],
         &["--quantize", "pos=14,normal=8,uv=12,weight=8"],
         &["--compress", "meshopt", "--quantize", "pos=12"],
     ];

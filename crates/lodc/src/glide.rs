@@ -93,8 +93,13 @@ impl GlidingLevel {
             let stride = stream.stride();
             for (v, &(from, goal)) in goals.iter().enumerate() {
                 let source = if std::ptr::eq(from, next) { &sources[0] } else { &sources[1] };
-                let same_submesh = from.vertex_submesh()[goal as usize] == moved.vertex_submesh[v];
-                if let Some(source) = source.as_ref().filter(|a| a.is_spatial() || same_submesh) {
+                let submeshes = [from.vertex_submesh()[goal as usize], moved.vertex_submesh[v]];
+                let is_taken = |a: &&Attribute| {
+                    let [to, own] = submeshes.map(|s| &from.submeshes()[s as usize].attributes);
+                    let is_normal = a.semantic == Semantic::Normal;
+                    a.is_spatial() || submeshes[0] == submeshes[1] || is_normal && to == own
+                };
+                if let Some(source) = source.as_ref().filter(is_taken) {
                     stream.bytes[v * stride..][..stride].copy_from_slice(source.at(goal));
                 }
             }

@@ -2,7 +2,7 @@
 //! A gliding chain also says where each vertex moves when the next level replaces its own
 //! (geomorphing).
 
-use crate::{Attribute, Lod, Mesh, MeshError, MeshParts, NONE, Simplified, Submesh};
+use crate::{Attribute, Lod, Mesh, MeshError, MeshParts, NONE, Semantic, Simplified, Submesh};
 
 /// Triangles of a level by submesh.
 pub type LevelTriangles = Vec<Vec<[u32; 3]>>;
@@ -33,16 +33,23 @@ pub struct GlidingChain {
 
 impl GlidingChain {
     /// Returns the mesh with every vertex moved to what it becomes, without triangles. A vertex
-    /// that becomes one of another submesh takes its position alone: its other values stay.
+    /// that becomes one of another submesh takes its position alone, and its normal if both have
+    /// the same streams: its other values stay.
     #[must_use]
     pub fn next(&self) -> Mesh {
         let mesh = &self.chain.mesh;
         let submesh = |v: u32| mesh.vertex_submesh()[v as usize];
-        let value_source = |(v, &to): (u32, &u32)| if submesh(v) == submesh(to) { to } else { v };
-        let value_sources: Vec<u32> = (0..).zip(&self.becomes).map(value_source).collect();
-        let attribute = |a: &Attribute| match a.is_spatial() {
-            true => a.gathered(self.becomes.iter().copied()),
-            false => a.gathered(value_sources.iter().copied()),
+        let streams = |v: u32| &mesh.submeshes()[submesh(v) as usize].attributes;
+        let sources = |is_taken: &dyn Fn(u32, u32) -> bool| -> Vec<u32> {
+            let source = |(v, &to): (u32, &u32)| if is_taken(v, to) { to } else { v };
+            (0..).zip(&self.becomes).map(source).collect()
+        };
+        let value_sources = sources(&|v, to| submesh(v) == submesh(to));
+        let normal_sources = sources(&|v, to| streams(v) == streams(to));
+        let attribute = |a: &Attribute| match a.semantic {
+            _ if a.is_spatial() => a.gathered(self.becomes.iter().copied()),
+            Semantic::Normal => a.gathered(normal_sources.iter().copied()),
+            _ => a.gathered(value_sources.iter().copied()),
         };
         let parts = MeshParts {
             positions: self.becomes.iter().map(|&v| mesh.positions()[v as usize]).collect(),

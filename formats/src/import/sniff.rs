@@ -23,7 +23,7 @@ pub(super) enum Sniffed {
 }
 
 /// First bytes of formats.
-const MAGIC: [(&[u8], Sniffed); 26] = [
+const MAGIC: [(&[u8], Sniffed); 27] = [
     (b"glTF", Sniffed::Glb),
     (b"\x1f\x8b", Sniffed::Other("a gzip file")),
     (b"PK\x03\x04", Sniffed::Other("a zip archive (also usdz, 3mf, docx)")),
@@ -50,6 +50,7 @@ const MAGIC: [(&[u8], Sniffed); 26] = [
     (b"\x89PNG", Sniffed::Other("a PNG picture")),
     (b"\xff\xd8\xff", Sniffed::Other("a JPEG picture")),
     (b"\x89LODC", Sniffed::Made),
+    (b"\x89LODS", Sniffed::Made),
 ];
 
 /// Returns the kind that `bytes` seem to be; the extension of `path` decides only for formats
@@ -98,6 +99,8 @@ mod tests {
         assert_eq!(format(b"", Path::new("a.obj")), Sniffed::Obj);
         assert_eq!(format(b"ply\nformat", Path::new("a.obj")), Sniffed::Ply);
         assert_eq!(format(b"solid name", Path::new("-")), Sniffed::Stl);
+        assert_eq!(format(b"\x89LODC\r\n", Path::new("a.obj")), Sniffed::Made);
+        assert_eq!(format(b"\x89LODS\r\n", Path::new("a.obj")), Sniffed::Made);
         assert_eq!(format(b"\0\0\0\0", Path::new("a.STL")), Sniffed::Stl);
         let mut binary = vec![b' '; 134];
         binary[80..84].copy_from_slice(&1u32.to_le_bytes());

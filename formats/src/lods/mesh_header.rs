@@ -11,7 +11,8 @@ mod systems;
 use attribute::{attribute, put_attribute};
 
 const LOCATION: &str = "header of an object";
-/// Largest number of bytes of a header before compression; a reader refuses more. Chosen by hand.
+/// Largest number of bytes of headers that are coded together, before compression; a reader refuses
+/// more. Chosen by hand.
 const MAX_BYTES: u64 = 1 << 24;
 /// Largest number of streams that all submeshes list together; a reader refuses more. Chosen by
 /// hand.
@@ -21,33 +22,38 @@ pub(super) fn malformed(problem: &str) -> FormatError {
     FormatError::new(Fault::Malformed, LOCATION, problem)
 }
 
-/// Returns the header as a payload begins with it; `None` if it would be too long.
-pub(super) fn to_bytes(mesh: &MeshHeader, codec: &mut TextCodec) -> Option<Vec<u8>> {
-    let entries: usize = mesh.submeshes.iter().map(|s| s.attributes.len()).sum();
-    let (plain, mut out) = (plain(mesh), Vec::new());
-    if entries > MAX_ENTRIES || plain.len() as u64 > MAX_BYTES {
-        return None;
-    }
-    let coded = codec.encode(&plain);
-    put_leb128(&mut out, plain.len() as u64);
-    put_leb128(&mut out, coded.len() as u64);
-    out.extend_from_slice(&coded);
-    Some(out)
+/// Headers that both sides code before any other.
+const TYPICAL: &[u8] = include_bytes!("mesh_header/typical_headers.bin");
+
+/// The codec of all headers of a stream.
+pub(super) fn codec() -> TextCodec {
+    let mut codec = TextCodec::default();
+    // Their encoding itself is dropped.
+    let _ = codec.encode(TYPICAL);
+    codec
 }
 
-/// Takes a header off the front of a payload.
-pub(super) fn take(bytes: &mut &[u8], codec: &mut TextCodec) -> Result<MeshHeader, FormatError> {
+/// Adds headers, coded together, as a payload has them.
+pub(super) fn put(out: &mut Vec<u8>, headers: &[u8], codec: &mut TextCodec) {
+    let coded = codec.encode(headers);
+    put_leb128(out, headers.len() as u64);
+    put_leb128(out, coded.len() as u64);
+    out.extend_from_slice(&coded);
+}
+
+/// Takes headers that are coded together off the front of a payload.
+pub(super) fn take(bytes: &mut &[u8], codec: &mut TextCodec) -> Result<Vec<u8>, FormatError> {
     let short = || malformed("is too short for its content");
     let mut length = || take_leb128(bytes, MAX_BYTES).ok_or_else(short);
     let [plain, coded] = [length()? as usize, length()? as usize];
-    let (header, rest) = bytes.split_at_checked(coded).ok_or_else(short)?;
+    let (headers, rest) = bytes.split_at_checked(coded).ok_or_else(short)?;
     *bytes = rest;
-    let decoded = codec.decode(header, plain);
-    parse(&decoded.ok_or_else(|| malformed("cannot be decoded"))?)
+    codec.decode(headers, plain).ok_or_else(|| malformed("cannot be decoded"))
 }
 
-/// Returns a header before it is coded.
-fn plain(mesh: &MeshHeader) -> Vec<u8> {
+/// Returns a header before it is coded; `None` if it would be too long.
+pub(super) fn plain(mesh: &MeshHeader) -> Option<Vec<u8>> {
+    let entries: usize = mesh.submeshes.iter().map(|s| s.attributes.len()).sum();
     let mut out = Vec::new();
     for n in [mesh.vertices, mesh.triangles, mesh.steps, u32::from(mesh.exact)] {
         put_leb128(&mut out, n.into());
@@ -77,12 +83,11 @@ fn plain(mesh: &MeshHeader) -> Vec<u8> {
         attributes.iter().for_each(|&a| put_leb128(&mut out, a.into()));
         previous = attributes;
     }
-    out
+    (entries <= MAX_ENTRIES && out.len() as u64 <= MAX_BYTES).then_some(out)
 }
 
-/// Reads what [`plain`] writes.
-fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
-    let rest = &mut bytes;
+/// Reads what [`plain`] writes off the front of headers.
+pub(super) fn parse(rest: &mut &[u8]) -> Result<MeshHeader, FormatError> {
     let [vertices, triangles, steps] = [number(rest)?, number(rest)?, number(rest)?];
     // Whether steps are in the order of the sequence, a step to a level, or in batches.
     let exact = match number(rest)? {
@@ -111,10 +116,12 @@ fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
     if submeshes.is_empty() && vertices > 0 {
         return Err(malformed("has vertices without a submesh"));
     }
-    if !bytes.is_empty() {
-        return Err(malformed("has extra bytes at its end"));
-    }
     Ok(MeshHeader { submeshes, attributes, layout, vertices, triangles, steps, exact })
+}
+
+/// Checks that nothing follows the last header.
+pub(super) fn check_end(rest: &[u8]) -> Result<(), FormatError> {
+    if rest.is_empty() { Ok(()) } else { Err(malformed("has extra bytes at its end")) }
 }
 
 fn submeshes(rest: &mut &[u8]) -> Result<Vec<Submesh>, FormatError> {

@@ -66,6 +66,9 @@ const MIN_BLOCK_BYTES: usize = 96;
 /// Largest number of bytes of a block of the document. Chosen by hand.
 const MAX_DOCUMENT_BLOCK: usize = 1 << 20;
 
+/// Of so many bytes of a header about one is left when it has been coded after others like it.
+const HEADER_SHARE: usize = 3;
+
 /// An object while it is written.
 struct ObjectWriter<'a> {
     encoder: MeshEncoder<'a>,
@@ -157,7 +160,7 @@ fn step_blocks(
         writers,
         queue,
         contexts: Box::new(Contexts::new()),
-        header_codec: TextCodec::default(),
+        header_codec: mesh_header::codec(),
         bytes: FILE_HEADER.length,
         triangles: 0,
     };
@@ -212,7 +215,10 @@ impl StepsEncoder<'_, '_> {
         let bytes = if until_triangle { 0 } else { next_block_bytes(self.bytes).min(block_bytes) };
         let target = BlockTarget { bytes, bytes_before: self.bytes, until_triangle };
         let writer = &mut self.writers[object];
-        let mut payload = writer.start(&mut self.header_codec)?;
+        let (mut payload, header) = (Vec::new(), writer.start()?);
+        if !header.is_empty() {
+            mesh_header::put(&mut payload, &header, &mut self.header_codec);
+        }
         // An object without vertices has no steps, only its header.
         let mut encoded = EncodedSteps::default();
         if !writer.encoder.is_complete() {
@@ -233,18 +239,19 @@ impl StepsEncoder<'_, '_> {
         let (mut headers, mut header_count, mut shares) = (Vec::new(), 0, Vec::new());
         let mut turns = TurnsEncoder::new(&mut self.contexts, writers.len() as u32);
         let mut must_follow = false;
-        while must_follow || shares.is_empty() || headers.len() + turns.bytes() < max_bytes {
+        let coded = |headers: &Vec<u8>| headers.len() / HEADER_SHARE;
+        while must_follow || shares.is_empty() || coded(&headers) + turns.bytes() < max_bytes {
             let Some((_, Reverse(object))) = queue.pop() else { break };
             let writer = &mut writers[object];
             if !writer.header_written {
-                headers.extend(writer.start(&mut self.header_codec)?);
+                headers.extend(writer.start()?);
                 header_count += 1;
             }
             if !writer.encoder.is_complete() {
                 let (bytes, triangles) = (turns.bytes(), writer.encoder.triangles());
                 let (scale, next) = (writer.scale, queue.peek().map(|next| next.0));
                 let goes_on = |encoder: &MeshEncoder<'_>| goes_on(priority(encoder, scale), next);
-                let max_bytes = max_bytes.saturating_sub(headers.len());
+                let max_bytes = max_bytes.saturating_sub(coded(&headers));
                 must_follow = turns.turn(object as u32, &mut writer.encoder, max_bytes, goes_on);
                 shares.push((object, (turns.bytes() - bytes) as u64));
                 self.triangles += u64::from(writer.encoder.triangles() - triangles);
@@ -254,7 +261,9 @@ impl StepsEncoder<'_, '_> {
         let encoded = turns.finish(self.bytes);
         let mut payload = Vec::new();
         put_leb128(&mut payload, header_count);
-        payload.append(&mut headers);
+        if header_count > 0 {
+            mesh_header::put(&mut payload, &headers, &mut self.header_codec);
+        }
         // Lengths of turns are estimates.
         let estimated: u64 = shares.iter().map(|(_, bytes)| bytes).sum();
         let all = encoded.splits.len() as u64;
@@ -422,12 +431,12 @@ impl<'a> ObjectWriter<'a> {
         (!self.encoder.is_complete()).then(|| priority(&self.encoder, self.scale))
     }
 
-    /// Returns the header if it is still to come, else nothing.
-    fn start(&mut self, codec: &mut TextCodec) -> Result<Vec<u8>, FormatError> {
+    /// Returns the header before it is coded if it is still to come, else nothing.
+    fn start(&mut self) -> Result<Vec<u8>, FormatError> {
         if std::mem::replace(&mut self.header_written, true) {
             return Ok(Vec::new());
         }
-        mesh_header::to_bytes(self.encoder.header(), codec)
+        mesh_header::plain(self.encoder.header())
             .ok_or_else(|| too_large("an object has too many submeshes and attributes"))
     }
 

@@ -75,7 +75,7 @@ impl Unpacker {
             blocks: 0,
             received: None,
             contexts: Box::new(Contexts::new()),
-            header_codec: TextCodec::default(),
+            header_codec: mesh_header::codec(),
             complete: false,
             failure: None,
         }
@@ -313,14 +313,9 @@ impl Unpacker {
     fn read_turns(&mut self, block: Block<'_>) -> Result<(), FormatError> {
         let received = self.received.as_mut().expect("block 0 was read");
         let mut payload = block.payload;
-        let headers = take_leb128(&mut payload, u64::from(u32::MAX));
-        for _ in 0..headers.ok_or_else(|| malformed("has no number of headers"))? {
-            if !received.awaits_header(received.announced) {
-                return Err(malformed("has a header of an object that does not exist"));
-            }
-            received
-                .announce(mesh_header::take(&mut payload, &mut self.header_codec)?, &self.limits)?;
-        }
+        let count = take_leb128(&mut payload, u64::from(u32::MAX));
+        let count = count.ok_or_else(|| malformed("has no number of headers"))?;
+        read_headers(count, &mut payload, received, &mut self.header_codec, &self.limits)?;
         let bytes = self.bytes as usize + block.payload.len();
         let steps = StepBlock { steps: block.steps, splits: payload, bytes };
         decode_turns(&mut received.objects, received.head.objects, &mut self.contexts, steps)
@@ -332,8 +327,7 @@ impl Unpacker {
         let (object, mut payload) = (block.tag as usize - 1, block.payload);
         let is_first = received.awaits_header(object);
         if is_first {
-            received
-                .announce(mesh_header::take(&mut payload, &mut self.header_codec)?, &self.limits)?;
+            read_headers(1, &mut payload, received, &mut self.header_codec, &self.limits)?;
         }
         let decoder = &mut received
             .objects
@@ -347,6 +341,28 @@ impl Unpacker {
         let steps = StepBlock { steps: block.steps, splits: payload, bytes };
         decoder.decode(&mut self.contexts, steps).map_err(|e| malformed(e.0))
     }
+}
+
+/// Reads the headers of the next objects off the front of a payload.
+fn read_headers(
+    count: u64,
+    payload: &mut &[u8],
+    received: &mut Received,
+    codec: &mut TextCodec,
+    limits: &Limits,
+) -> Result<(), FormatError> {
+    if count == 0 {
+        return Ok(());
+    }
+    let headers = mesh_header::take(payload, codec)?;
+    let mut unread = &headers[..];
+    for _ in 0..count {
+        if !received.awaits_header(received.announced) {
+            return Err(malformed("has a header of an object that does not exist"));
+        }
+        received.announce(mesh_header::parse(&mut unread)?, limits)?;
+    }
+    mesh_header::check_end(unread)
 }
 
 fn malformed(problem: &str) -> FormatError {

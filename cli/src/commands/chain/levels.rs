@@ -178,6 +178,16 @@ pub(super) struct Chosen {
     warnings: Vec<String>,
 }
 
+/// Keeps objects that no node shows at the finest level, since no engine reaches another one.
+pub(super) fn keep_whole(levels: &mut [Chosen], objects: &[LodObject], is_shown: &[bool]) {
+    let Some((finest, coarser)) = levels.split_first_mut() else { return };
+    for level in coarser {
+        let lods = level.lods.iter_mut().zip(&finest.lods).zip(is_shown);
+        lods.filter(|(_, shown)| !**shown).for_each(|((lod, finest), _)| *lod = *finest);
+        level.triangles = triangles(objects, &level.lods);
+    }
+}
+
 /// A level, measured for each object.
 pub(super) enum Measured {
     Plain(Vec<LevelDistance>),

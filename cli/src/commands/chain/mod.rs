@@ -7,7 +7,7 @@ mod separate;
 mod shared;
 mod summary;
 
-use super::asset::{self, Errors};
+use super::asset::{self, AssetWithLevels, Errors};
 use super::each::{self, AssetOptions};
 use super::export::{self, ExportArgs, ExportResult};
 use crate::batch::Asset;
@@ -28,7 +28,7 @@ use lodc::build::refitted_meshes;
 use lodc::level_mesh::Order;
 use lodc::{parting_borders, parting_line, scene_levels};
 use lodc_formats::export::{LevelFacts, Provenance};
-use lodc_formats::{OutputFile, RequestedFiles};
+use lodc_formats::{Limits, ObjectInfo, OutputFile, RequestedFiles, scene_graph};
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainReport;
 use lodc_report::{ErrorsOver, PartInventory};
@@ -145,6 +145,17 @@ fn no_stream(output: &Path) -> Failure {
     Failure::usage(format!("{}: a chain needs the name of a file or a folder", output.display()))
 }
 
+/// By object the number of nodes that show it.
+fn showing_nodes(asset: &AssetWithLevels, limits: &Limits) -> Outcome<Vec<usize>> {
+    let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(&asset.document, &infos, limits)?;
+    let mut numbers = vec![0; infos.len()];
+    for &object in graph.nodes.iter().flat_map(|node| &node.objects) {
+        numbers[object as usize] += 1;
+    }
+    Ok(numbers)
+}
+
 /// Makes the chain of one input.
 ///
 /// # Errors
@@ -165,9 +176,21 @@ fn chain(
     let limits = import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
-    let chosen = stages.run("select", || {
+    let mut chosen = stages.run("select", || {
         args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)
     })?;
+    if !args.separate && !args.index_ranges {
+        let is_shown: Vec<bool> =
+            showing_nodes(&asset, &limits)?.iter().map(|&nodes| nodes > 0).collect();
+        if !is_shown.is_empty() && !is_shown.contains(&true) {
+            return Err(Failure::new(
+                Status::Input,
+                "no node shows a mesh, and MSFT_lod ties levels together by nodes: --index-ranges \
+                 and --separate need none",
+            ));
+        }
+        levels::keep_whole(&mut chosen, &asset.objects, &is_shown);
+    }
     let lods: Vec<&[Lod]> = chosen.iter().map(|level| &*level.lods).collect();
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let measured: Vec<Measured> = match args.refit {
@@ -238,7 +261,7 @@ fn chain(
 }
 
 /// The origin of a file with these levels.
-fn provenance(args: &ChainArgs, asset: &asset::AssetWithLevels, levels: &[Level]) -> Provenance {
+fn provenance(args: &ChainArgs, asset: &AssetWithLevels, levels: &[Level]) -> Provenance {
     let facts = |level: &Level| LevelFacts {
         lod: level.lod(),
         error: level.error,

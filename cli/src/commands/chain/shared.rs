@@ -2,7 +2,7 @@
 
 use super::glide::{self, MovingMesh};
 use super::levels::Level;
-use super::{ChainArgs, Files, provenance};
+use super::{ChainArgs, Files, provenance, showing_nodes};
 use crate::commands::asset::AssetWithLevels;
 use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::FormatName;
@@ -10,9 +10,9 @@ use lodc::{
     LodObject,
     level_mesh::{self, CACHE_VERTICES},
 };
+use lodc_formats::OutputFile;
 use lodc_formats::export::Additions;
 use lodc_formats::gltf::{ChainObject, ChainShape, Glide, MovedStreams, export_chain};
-use lodc_formats::{ObjectInfo, OutputFile, scene_graph};
 use lodc_mesh::{Chain, GlidingChain, Lod, Mesh};
 use lodc_report::text::{count, size};
 use lodc_strip::{codec_order_list, order_list};
@@ -109,10 +109,8 @@ fn repeated_nodes(
     if 2 * text < all {
         return Ok(None);
     }
-    let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(&asset.document, &infos, &args.export.import.limits().limits())?;
-    let nodes = graph.nodes.iter().filter(|node| !node.objects.is_empty()).count();
-    let meshes = infos.len();
+    let nodes: usize = showing_nodes(asset, &args.export.import.limits().limits())?.iter().sum();
+    let meshes = asset.objects.len();
     Ok((nodes >= MIN_REPEATED * meshes).then(|| {
         format!(
             "{} of {} are nodes and their like: {nodes} nodes show {} and are repeated for every \

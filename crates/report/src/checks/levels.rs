@@ -344,10 +344,16 @@ impl<'a> Measure<'a> {
                 let placements = [at_pose(&self.motion, &rest[0])?, at_pose(shown, &rest[1])?];
                 Some(pair(placements.each_ref(), at.growth))
             };
-            // Joints move one placement at a time: poses are those of the first.
-            let has_joints = measured.first().is_some_and(|at| !at.placement.joints.is_empty());
-            let posed = if has_joints { &measured[..1] } else { &measured[..] };
-            let in_poses = posed.iter().flat_map(|at| poses.iter().map(move |pose| (at, pose)));
+            // Joints and weights change one placement at a time: poses are those of the first.
+            let first = measured.first().map(|at| &at.placement);
+            let is_posed = |(number, at): &(usize, &MeasuredPlacement)| {
+                let alike = |first: &Placement| {
+                    first.joints.is_empty() && first.weights == at.placement.weights
+                };
+                *number == 0 || first.is_some_and(alike)
+            };
+            let posed = measured.iter().enumerate().filter(is_posed).map(|(_, at)| at);
+            let in_poses = posed.flat_map(|at| poses.iter().map(move |pose| (at, pose)));
             let mut pairs: Vec<_> = measured.iter().filter_map(in_placement).collect();
             if measured.is_empty() {
                 pairs.push(pair([&as_modelled, &self.unshown(level, shown, object)], 1.0));

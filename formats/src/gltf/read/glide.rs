@@ -14,6 +14,7 @@ use crate::options::ImportOptions;
 use crate::shipped::{Glide, GlidePart};
 use crate::{Assets, FormatError, GLIDE_TARGET};
 use lodc_mesh::{Attribute, Component, Semantic};
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The number of the morph target that moves a mesh to the next level.
@@ -183,12 +184,14 @@ impl Meshes<'_> {
     fn parts(
         &self,
         mesh: usize,
-        number: Option<usize>,
+        target: Option<usize>,
         names: &BTreeSet<String>,
     ) -> Result<Vec<GlidePart>, FormatError> {
         let Meshes { root, accessors, views } = *self;
         let entry = &root["meshes"][mesh];
-        let mut all = Vec::new();
+        // The primitives that have triangles, and for each accessor of positions how many of its
+        // elements they use: several primitives may share it, and it is read once.
+        let (mut primitives, mut counts) = (Vec::new(), BTreeMap::new());
         for (p, primitive) in entry["primitives"].list().iter().enumerate() {
             let Some(primitive) = primitive.as_object() else { continue };
             let location = format!("meshes[{mesh}].primitives[{p}]");
@@ -196,16 +199,27 @@ impl Meshes<'_> {
                 continue;
             };
             let position = accessors.get(read.position).and_then(Option::as_ref);
-            let vertices = position.map_or(0, |p| p.count);
-            let corners = read.corners(vertices, accessors, views)?;
-            let vertices = corners.iter().max().map_or(0, |&v| v as usize + 1);
+            let corners = read.corners(position.map_or(0, |p| p.count), accessors, views)?;
+            let count = counts.entry(read.position).or_insert(0);
+            *count = corners.iter().map(|&v| v as usize + 1).fold(*count, usize::max);
             let mut triangles = Vec::new();
             read.triangles(&corners, |t| triangles.push(t));
+            primitives.push((primitive, read.position, triangles));
+        }
+        let mut streams: BTreeMap<(usize, usize), Attribute> = BTreeMap::new();
+        let mut all = Vec::new();
+        for (primitive, position, mut triangles) in primitives {
+            let count = counts[&position];
+            let mut vertices = triangles.concat();
+            vertices.sort_unstable();
+            vertices.dedup();
+            let number = |v: u32| vertices.partition_point(|&w| w < v) as u32;
+            triangles.as_flattened_mut().iter_mut().for_each(|v| *v = number(*v));
             let has = |name: &&String| primitive["attributes"].get(name).is_some();
             let mut present: Vec<&String> = names.iter().filter(has).collect();
             // Positions come first.
             present.sort_by_key(|name| *name != "POSITION");
-            let moves = &primitive["targets"][number.unwrap_or(usize::MAX)];
+            let moves = &primitive["targets"][target.unwrap_or(usize::MAX)];
             let mut part = GlidePart {
                 kind: format!("{} {present:?}", primitive["material"]),
                 triangles,
@@ -213,26 +227,35 @@ impl Meshes<'_> {
             };
             let mut columns = Vec::new();
             for name in present {
-                let read = |value: &Json| -> Result<Option<Attribute>, FormatError> {
-                    let accessor = value.as_index().and_then(|a| accessors.get(a)?.as_ref());
-                    accessor.map(|a| stream(a, vertices, views)).transpose()
+                let mut key = |value: &Json| -> Result<Option<(usize, usize)>, FormatError> {
+                    let Some(number) = value.as_index() else { return Ok(None) };
+                    let Some(Some(accessor)) = accessors.get(number) else { return Ok(None) };
+                    if let Entry::Vacant(vacant) = streams.entry((number, count)) {
+                        vacant.insert(stream(accessor, count, views)?);
+                    }
+                    Ok(Some((number, count)))
                 };
-                let Some(stored) = read(&primitive["attributes"][&**name])? else { continue };
-                let delta = read(&moves[&**name])?;
+                let Some(stored) = key(&primitive["attributes"][&**name])? else { continue };
+                let delta = key(&moves[&**name])?;
+                columns.push((name, stored, delta));
+            }
+            let columns = columns.iter().map(|(name, stored, delta)| {
+                let (stored, delta) = (&streams[stored], delta.map(|delta| &streams[&delta]));
                 // Tangents keep their handedness.
-                let width = match (&delta, &**name) {
+                let width = match (delta, &***name) {
                     (Some(delta), _) => delta.components.min(stored.components),
                     (None, "TANGENT") => 3,
                     _ => stored.components,
                 };
-                part.width += usize::from(width);
-                columns.push((stored, delta, usize::from(width)));
-            }
-            for v in 0..vertices as u32 {
+                (stored, delta, usize::from(width))
+            });
+            let columns: Vec<_> = columns.collect();
+            part.width = columns.iter().map(|(.., width)| width).sum();
+            for &v in &vertices {
                 for (stored, delta, width) in &columns {
                     for c in 0..*width {
                         let value = stored.value(v, c);
-                        let by = delta.as_ref().map_or(0.0, |delta| delta.value(v, c));
+                        let by = delta.map_or(0.0, |delta| delta.value(v, c));
                         part.values.push(value);
                         part.moved.push(value + by);
                     }

@@ -16,7 +16,7 @@ use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
 use crate::shipped::ShippedLevels;
 use crate::{Assets, FormatError};
 use lodc_mesh::{Component, Posture};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Keys of a node that place and deform what it shows.
 const PLACING: [&str; 6] = ["matrix", "translation", "rotation", "scale", "skin", "weights"];
@@ -234,34 +234,36 @@ impl Chain {
             let meshes = std::iter::once(&node)
                 .chain(ids)
                 .filter_map(|&n| root["nodes"][n]["mesh"].as_index());
-            // Primitives of the finest level, each with the number of vertices that the level
-            // before uses.
-            let mut prefixes: Vec<(&Object, usize)> = Vec::new();
+            // Primitives of the finest level; and by buffer, which several primitives may share,
+            // the number of vertices that the level before uses.
+            let (mut finest, mut prefixes) = (BTreeSet::new(), BTreeMap::new());
             for (k, mesh) in meshes.enumerate() {
+                let mut used_by = BTreeMap::new();
                 for (p, primitive) in mesh_primitives(root, mesh) {
                     let used = indices((mesh, p), primitive)?
                         .into_iter()
                         .max()
                         .map_or(0, |v| v as usize + 1);
-                    let location = format!("meshes[{mesh}].primitives[{p}]");
-                    let same = |a: &&mut (&Object, usize)| {
-                        ["attributes", "targets", "material"]
-                            .iter()
-                            .all(|key| a.0[key] == primitive[key])
-                    };
-                    match prefixes.iter_mut().find(same) {
-                        _ if k == 0 => prefixes.push((primitive, used)),
-                        None => {
-                            return Ok(Some(format!(
-                                "{location}: has other vertices than the finest level"
-                            )));
-                        }
-                        Some((_, before)) if used > *before => {
-                            return Ok(Some(format!(
-                                "{location}: needs {used} vertices, the finer level {before}"
-                            )));
-                        }
-                        Some((_, before)) => *before = used,
+                    let buffer = format!("{} {}", primitive["attributes"], primitive["targets"]);
+                    let kind = format!("{buffer} {}", primitive["material"]);
+                    if k == 0 {
+                        finest.insert(kind);
+                    } else if !finest.contains(&kind) {
+                        return Ok(Some(format!(
+                            "meshes[{mesh}].primitives[{p}]: has other vertices than the finest \
+                             level"
+                        )));
+                    }
+                    let all = used_by.entry(buffer).or_insert((0, p));
+                    *all = (used, p).max(*all);
+                }
+                for (buffer, (used, p)) in used_by {
+                    let before = prefixes.insert(buffer, used).unwrap_or(usize::MAX);
+                    if k > 0 && used > before {
+                        return Ok(Some(format!(
+                            "meshes[{mesh}].primitives[{p}]: needs {used} vertices, the finer \
+                             level {before}"
+                        )));
                     }
                 }
             }

@@ -1,9 +1,11 @@
 //! Which vertices of a mesh's primitives go into one vertex buffer: what primitives of many
 //! materials share is stored once, as exporters write it.
 
+use super::differences::{MovedStreams, moved_streams};
 use lodc_mesh::{DisjointSets, Mesh};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Share of a primitive's vertices that other primitives must have, too, for it to share a buffer
 /// with them: those that just meet at a border keep small buffers of their own.
@@ -30,24 +32,81 @@ pub(super) struct VertexBuffers {
     vertices: Vec<Vec<u32>>,
     /// For each vertex its number in its buffer.
     numbers: Vec<u32>,
+    /// For each buffer by level the run of vertices that move to the next level.
+    runs: Vec<Vec<Range<usize>>>,
+}
+
+/// Where vertices move as coarser levels take over: what two primitives share has to move alike.
+#[derive(Clone, Copy)]
+pub(super) struct Ways<'a> {
+    /// The vertices before, as they are stored.
+    pub(super) mesh: &'a Mesh,
+    /// Those that they become, as they are stored.
+    pub(super) next: &'a Mesh,
+    /// By level the vertices that move.
+    pub(super) moving: &'a [Option<Range<u32>>],
+    /// The streams that move besides positions and normals.
+    pub(super) streams: MovedStreams,
+}
+
+impl Ways<'_> {
+    fn moves(&self, vertex: u32) -> bool {
+        self.moving.iter().flatten().any(|moving| moving.contains(&vertex))
+    }
+
+    /// Appends what a vertex of a submesh moves to, and returns whether it moves at all.
+    fn append(&self, vertex: u32, submesh: usize, bytes: &mut Vec<u8>) -> bool {
+        let start = bytes.len();
+        self.append_of(self.mesh, vertex, submesh, bytes);
+        let middle = bytes.len();
+        self.append_of(self.next, vertex, submesh, bytes);
+        let moves = self.moves(vertex) && bytes[start..middle] != bytes[middle..];
+        bytes.drain(start..middle);
+        moves
+    }
+
+    fn append_of(&self, mesh: &Mesh, vertex: u32, submesh: usize, bytes: &mut Vec<u8>) {
+        let position = mesh.positions()[vertex as usize];
+        position.iter().for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
+        let streams = moved_streams(mesh, submesh, self.streams);
+        streams.for_each(|a| bytes.extend_from_slice(a.at(vertex)));
+    }
 }
 
 impl VertexBuffers {
     /// The buffers of submeshes that draw this. In a buffer that several share, vertices that
     /// coarser levels draw come first; `last_level` is the coarsest that draws a vertex.
     pub(super) fn new(mesh: &Mesh, drawn: Vec<Drawn>, last_level: impl Fn(u32) -> u32) -> Self {
+        Self::shared(mesh, drawn, &last_level, None)
+    }
+
+    /// As [`Self::new`], of submeshes whose vertices move from level to level.
+    pub(super) fn gliding(
+        drawn: Vec<Drawn>,
+        last_level: impl Fn(u32) -> u32,
+        ways: Ways<'_>,
+    ) -> Self {
+        Self::shared(ways.mesh, drawn, &last_level, Some(ways))
+    }
+
+    fn shared(
+        mesh: &Mesh,
+        drawn: Vec<Drawn>,
+        last_level: &impl Fn(u32) -> u32,
+        ways: Option<Ways<'_>>,
+    ) -> Self {
         let mut buffers = Self::none(mesh, drawn.len());
         for submeshes in of_one_format(mesh, &drawn) {
-            Classes::new(mesh, &drawn, &submeshes).share(&last_level, &mut buffers);
+            Classes::new(mesh, &drawn, &submeshes, last_level, ways).share(&mut buffers);
         }
-        buffers.add(drawn);
+        buffers.add(drawn, ways);
         buffers
     }
 
     /// A buffer for each submesh.
     pub(super) fn apart(mesh: &Mesh, drawn: Vec<Drawn>) -> Self {
         let mut buffers = Self::none(mesh, drawn.len());
-        buffers.add(drawn);
+        buffers.add(drawn, None);
         buffers
     }
 
@@ -56,15 +115,23 @@ impl VertexBuffers {
             of_submesh: vec![usize::MAX; submeshes],
             vertices: Vec::new(),
             numbers: vec![NONE; mesh.vertex_count()],
+            runs: Vec::new(),
         }
     }
 
-    /// Adds the buffers of submeshes that have none.
-    fn add(&mut self, drawn: Vec<Drawn>) {
+    /// Adds the buffers of submeshes that have none. What moves is a run of a submesh's vertices,
+    /// which then come in their order.
+    fn add(&mut self, drawn: Vec<Drawn>, ways: Option<Ways<'_>>) {
         for (buffer, drawn) in self.of_submesh.iter_mut().zip(drawn) {
             if *buffer == usize::MAX {
                 (0..).zip(&drawn.vertices).for_each(|(n, &v)| self.numbers[v as usize] = n);
                 *buffer = self.vertices.len();
+                let index_of = |v: u32| drawn.vertices.partition_point(|&w| w < v);
+                let run = |moving: &Option<Range<u32>>| {
+                    moving.as_ref().map_or(0..0, |m| index_of(m.start)..index_of(m.end))
+                };
+                let moving = ways.iter().flat_map(|ways| ways.moving);
+                self.runs.push(moving.map(run).collect());
                 self.vertices.push(drawn.vertices);
             }
         }
@@ -78,6 +145,11 @@ impl VertexBuffers {
     /// The vertices of a submesh's buffer, in their order there.
     pub(super) fn vertices(&self, submesh: usize) -> &[u32] {
         &self.vertices[self.of_submesh[submesh]]
+    }
+
+    /// The run of a submesh's buffer that moves to the next level.
+    pub(super) fn run(&self, submesh: usize, level: usize) -> Range<usize> {
+        self.runs[self.of_submesh[submesh]][level].clone()
     }
 
     /// Corners of triangles as indices into their buffer.
@@ -97,13 +169,25 @@ fn of_one_format(mesh: &Mesh, drawn: &[Drawn]) -> impl Iterator<Item = Vec<usize
     groups.into_values().filter(|submeshes| submeshes.len() > 1)
 }
 
-/// The vertices of submeshes of one format, those that are the same in all bytes as one class.
+/// The vertices of submeshes of one format, those that are the same in all bytes, and move alike,
+/// as one class.
 struct Classes<'a> {
     members: Vec<Member<'a>>,
-    /// For each class its first vertex.
-    first: Vec<u32>,
-    /// Bytes of a vertex.
+    classes: Vec<Class>,
+    /// Bytes of a vertex, and of what it moves to.
     stride: usize,
+    /// Levels that move.
+    levels: usize,
+}
+
+/// Vertices that are stored once.
+#[derive(Clone, Copy)]
+struct Class {
+    /// One of them, that which moves if any does.
+    vertex: u32,
+    /// The coarsest level that draws one of them; if they move, at that level.
+    last_level: u32,
+    moves: bool,
 }
 
 /// A submesh, and for each of its vertices the class.
@@ -114,84 +198,114 @@ struct Member<'a> {
 }
 
 impl<'a> Classes<'a> {
-    fn new(mesh: &Mesh, drawn: &'a [Drawn], submeshes: &[usize]) -> Self {
+    fn new(
+        mesh: &Mesh,
+        drawn: &'a [Drawn],
+        submeshes: &[usize],
+        last_level: &impl Fn(u32) -> u32,
+        ways: Option<Ways<'_>>,
+    ) -> Self {
         let streams = mesh.submeshes()[submeshes[0]].attributes.iter();
         let streams: Vec<_> = streams.map(|&a| &mesh.attributes()[a as usize]).collect();
-        let mut keys = Vec::new();
-        for &v in submeshes.iter().flat_map(|&s| &drawn[s].vertices) {
-            let position = mesh.positions()[v as usize];
-            position.iter().for_each(|c| keys.extend_from_slice(&c.to_le_bytes()));
-            streams.iter().for_each(|a| keys.extend_from_slice(a.at(v)));
+        let (mut keys, mut goals, mut vertices) = (Vec::new(), Vec::new(), Vec::new());
+        for &s in submeshes {
+            for &v in &drawn[s].vertices {
+                let position = mesh.positions()[v as usize];
+                position.iter().for_each(|c| keys.extend_from_slice(&c.to_le_bytes()));
+                streams.iter().for_each(|a| keys.extend_from_slice(a.at(v)));
+                let moves = ways.is_some_and(|ways| ways.append(v, s, &mut goals));
+                vertices.push(Class { vertex: v, last_level: last_level(v), moves });
+            }
         }
         let stride = size_of::<[f32; 3]>() + streams.iter().map(|a| a.stride()).sum::<usize>();
-        let vertices: Vec<u32> =
-            submeshes.iter().flat_map(|&s| &drawn[s].vertices).copied().collect();
+        let goal_stride = goals.len() / vertices.len().max(1);
         let key = |i: u32| &keys[i as usize * stride..][..stride];
+        let goal = |i: u32| &goals[i as usize * goal_stride..][..goal_stride];
+        let of = |i: u32| vertices[i as usize];
         let mut sorted: Vec<u32> = (0..vertices.len() as u32).collect();
-        sorted.sort_unstable_by_key(|&i| (key(i), i));
+        sorted.sort_unstable_by_key(|&i| {
+            let Class { last_level, moves, .. } = of(i);
+            (key(i), Reverse(last_level), moves, if moves { goal(i) } else { &[] }, i)
+        });
         let mut leader = vec![0; vertices.len()];
         for same in sorted.chunk_by(|&i, &j| key(i) == key(j)) {
-            same.iter().for_each(|&i| leader[i as usize] = same[0]);
+            // What does not move before it has disappeared may be that of the coarsest level.
+            let mut current = same[0];
+            for &i in same {
+                let alike = !of(i).moves
+                    || of(i).last_level == of(current).last_level
+                        && of(current).moves
+                        && goal(i) == goal(current);
+                if !alike {
+                    current = i;
+                }
+                leader[i as usize] = if of(i).moves { current } else { same[0] };
+            }
         }
         // Classes are numbered as their first vertices come.
-        let (mut first, mut class_of) = (Vec::new(), vec![0; vertices.len()]);
-        for (i, &v) in vertices.iter().enumerate() {
-            let leader = leader[i] as usize;
-            if leader == i {
-                class_of[i] = first.len() as u32;
-                first.push(v);
+        let (mut classes, mut number) = (Vec::new(), vec![NONE; vertices.len()]);
+        let mut class_of = leader.into_iter().map(|leader: u32| {
+            let number = &mut number[leader as usize];
+            if *number == NONE {
+                *number = classes.len() as u32;
+                classes.push(of(leader));
             }
-            class_of[i] = class_of[leader];
-        }
-        let mut classes = class_of.into_iter();
+            *number
+        });
         let member = |&submesh: &usize| Member {
             submesh,
             drawn: &drawn[submesh],
-            classes: classes.by_ref().take(drawn[submesh].vertices.len()).collect(),
+            classes: class_of.by_ref().take(drawn[submesh].vertices.len()).collect(),
         };
         let members = submeshes.iter().map(member).collect();
-        Self { members, first, stride }
+        let levels = ways.map_or(0, |ways| ways.moving.len());
+        Self { members, classes, stride: stride + goal_stride, levels }
     }
 
     /// Adds the buffers that several submeshes share, where that saves bytes.
-    fn share(&self, last_level: &impl Fn(u32) -> u32, buffers: &mut VertexBuffers) {
+    fn share(&self, buffers: &mut VertexBuffers) {
         // Families have no class in common.
-        let mut number = vec![NONE; self.first.len()];
+        let mut number = vec![NONE; self.classes.len()];
         for family in self.families() {
             let members = || family.iter().map(|&m| &self.members[m]);
-            // The classes of the family, each with its last level, in the order of their first use.
-            let mut used: Vec<(u32, u32)> = Vec::new();
-            for member in members() {
-                for (&class, &v) in member.classes.iter().zip(&member.drawn.vertices) {
-                    let number = &mut number[class as usize];
-                    if *number == NONE {
-                        *number = used.len() as u32;
-                        used.push((class, 0));
-                    }
-                    let last = &mut used[*number as usize].1;
-                    *last = last_level(v).max(*last);
+            // The classes of the family in the order of their first use.
+            let mut used: Vec<u32> = Vec::new();
+            for &class in members().flat_map(|member| &member.classes) {
+                let number = &mut number[class as usize];
+                if *number == NONE {
+                    *number = used.len() as u32;
+                    used.push(class);
                 }
             }
             if !self.saves_bytes(&family, used.len()) {
                 continue;
             }
-            used.sort_by_key(|&(_, last)| Reverse(last));
-            (0..).zip(&used).for_each(|(n, &(class, _))| number[class as usize] = n);
+            let class = |number: &u32| self.classes[*number as usize];
+            used.sort_by_key(|c| (Reverse(class(c).last_level), class(c).moves));
+            (0..).zip(&used).for_each(|(n, &class)| number[class as usize] = n);
             for member in members() {
                 for (&class, &v) in member.classes.iter().zip(&member.drawn.vertices) {
                     buffers.numbers[v as usize] = number[class as usize];
                 }
                 buffers.of_submesh[member.submesh] = buffers.vertices.len();
             }
-            let first = |&(class, _): &(u32, u32)| self.first[class as usize];
-            buffers.vertices.push(used.iter().map(first).collect());
+            let run = |level: usize| {
+                let level = level as u32;
+                let before = |c: &u32| {
+                    let Class { last_level, moves, .. } = class(c);
+                    last_level > level || last_level == level && !moves
+                };
+                used.partition_point(before)..used.partition_point(|c| class(c).last_level >= level)
+            };
+            buffers.runs.push((0..self.levels).map(run).collect());
+            buffers.vertices.push(used.iter().map(|c| class(c).vertex).collect());
         }
     }
 
     /// Members that share enough vertices with each other, directly or by others.
     fn families(&self) -> impl Iterator<Item = Vec<usize>> {
-        let mut user = vec![NONE; self.first.len()];
-        let mut is_shared = vec![false; self.first.len()];
+        let mut user = vec![NONE; self.classes.len()];
+        let mut is_shared = vec![false; self.classes.len()];
         for (m, member) in (0..).zip(&self.members) {
             for &class in &member.classes {
                 let user = &mut user[class as usize];
@@ -352,5 +466,40 @@ mod tests {
             .map(|&v| last[&mesh.positions()[v as usize].map(f32::to_bits)])
             .collect();
         assert!(order.is_sorted_by(|a, b| a >= b), "{order:?}");
+    }
+
+    #[test]
+    fn what_moves_alike_is_shared_and_a_run() {
+        let mesh = grid(8, 2, |t| t % 2);
+        let level = |v: u32| mesh.positions()[v as usize][0] as u32 % 3;
+        // Vertices of the two finest levels move down, of the second submesh some move further.
+        let mut parts = mesh.clone().into_parts();
+        for (position, submesh) in parts.positions.iter_mut().zip(&parts.vertex_submesh) {
+            if position[0] as u32 % 3 < 2 {
+                position[2] = if *submesh == 1 && position[1] == 4.0 { 2.0 } else { 1.0 };
+            }
+        }
+        let next = Mesh::try_from(parts).expect("a mesh");
+        let all = 0..mesh.vertex_count() as u32;
+        let moving = vec![Some(all.clone()), Some(all.clone()), None];
+        let streams = MovedStreams::default();
+        let ways = Ways { mesh: &mesh, next: &next, moving: &moving, streams };
+        let drawn = super::super::drawn(&mesh);
+        let buffers = VertexBuffers::gliding(drawn, level, ways);
+        check(&mesh, &buffers);
+        assert_eq!(buffers.vertices.len(), 1);
+        // Of a row of nine the six that move are there twice.
+        assert_eq!(buffers.vertices(0).len(), 9 * 9 + 6);
+        for v in all {
+            let submesh = mesh.vertex_submesh()[v as usize] as usize;
+            let number = buffers.indices(&[v])[0] as usize;
+            let written = buffers.vertices(submesh)[number];
+            assert_eq!(next.positions()[written as usize], next.positions()[v as usize]);
+            for moved in 0..2 {
+                let run = buffers.run(submesh, moved);
+                assert_eq!(run.contains(&number), level(v) as usize == moved, "{v} {run:?}");
+            }
+            assert!(buffers.run(submesh, 2).is_empty());
+        }
     }
 }

@@ -3,7 +3,7 @@
 //! of a primitive one after another in one index accessor.
 
 use super::avatars::{self, Copies};
-use super::buffers::{Drawn, VertexBuffers};
+use super::buffers::{Drawn, VertexBuffers, Ways};
 use super::differences::Deltas;
 use super::glide::{self, Glide};
 use super::writer::{MeshWriter, Writer};
@@ -14,7 +14,7 @@ use crate::gltf::prune;
 use crate::gltf::quantize::{Quantizer, WrittenObject};
 use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
-use lodc_mesh::Mesh;
+use lodc_mesh::{LevelTriangles, Mesh};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -67,14 +67,17 @@ pub fn export_chain<'a>(
     let quantizer =
         Quantizer::new(additions.precision, document, &written_objects, &mut root, &mut blob)?;
     let mut writer = Writer::new(&root, additions);
+    let nodes_showing = nodes_showing(&root);
     let mut empty = Vec::new();
     let mut levels = Vec::new();
     for (i, (object, written_object)) in objects.iter().zip(&written_objects).enumerate() {
         let geometry = quantizer.geometry(i, written_object);
         let next = quantizer.next(i, written_object);
         let next = next.as_deref();
-        let mut object_levels = Levels::new(object, written_object.mesh);
-        let mut mesh_writer = writer.mesh_writer(&geometry, vertex_buffers(object, &geometry));
+        let is_shown = nodes_showing.contains_key(&written_object.mesh);
+        let mut object_levels = Levels::new(object, written_object.mesh, is_shown);
+        let buffers = vertex_buffers(object, object_levels.written(shape), &geometry, next);
+        let mut mesh_writer = writer.mesh_writer(&geometry, buffers);
         for (s, &number) in written_object.primitives.iter().enumerate() {
             let primitive = submesh_primitive(&mut root, object_levels.mesh, number)?;
             if !object_levels.primitive(&mut mesh_writer, (s, number), primitive, next, shape)? {
@@ -85,7 +88,7 @@ pub fn export_chain<'a>(
     }
     let mut gliding = BTreeSet::new();
     if shape == ChainShape::Nodes {
-        put_levels(&mut root, &mut writer, &levels, &mut gliding);
+        put_levels(&mut root, &mut writer, &levels, &nodes_showing, &mut gliding);
     }
     glide::widen(&mut root, &mut writer, document, &gliding)?;
     prune::without(&mut root, &empty);
@@ -95,15 +98,31 @@ pub fn export_chain<'a>(
     Ok(files)
 }
 
-/// The vertex buffers of an object, those that coarse levels draw first. What moves from level to
-/// level is a run of a submesh's own vertices: there submeshes share none.
-fn vertex_buffers(object: &ChainObject<'_>, mesh: &Mesh) -> VertexBuffers {
+/// By mesh the nodes that show it.
+fn nodes_showing(root: &Object) -> BTreeMap<usize, Vec<usize>> {
+    let mut nodes_showing: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (node, entry) in root.entries("nodes").enumerate() {
+        if let Some(mesh) = entry["mesh"].as_index() {
+            nodes_showing.entry(mesh).or_default().push(node);
+        }
+    }
+    nodes_showing
+}
+
+/// The vertex buffers of some levels of an object, in each what coarse levels draw first. `next` is
+/// what vertices move to.
+fn vertex_buffers(
+    object: &ChainObject<'_>,
+    levels: &[LevelTriangles],
+    mesh: &Mesh,
+    next: Option<&Mesh>,
+) -> VertexBuffers {
     let mut last_level = vec![0; mesh.vertex_count()];
-    for (level, submeshes) in (0..).zip(&object.levels) {
+    for (level, submeshes) in (0..).zip(levels) {
         submeshes.iter().flatten().flatten().for_each(|&v| last_level[v as usize] = level);
     }
     let drawn = |s: usize| {
-        let corners = || object.levels.iter().flat_map(|level| level[s].as_flattened());
+        let corners = || levels.iter().flat_map(|level| level[s].as_flattened());
         let mut vertices: Vec<u32> = corners().copied().collect();
         let indices = vertices.len();
         vertices.sort_unstable();
@@ -111,10 +130,15 @@ fn vertex_buffers(object: &ChainObject<'_>, mesh: &Mesh) -> VertexBuffers {
         Drawn { vertices, indices }
     };
     let drawn = (0..mesh.submeshes().len()).map(drawn).collect();
-    if object.glide.is_some() {
-        return VertexBuffers::apart(mesh, drawn);
+    let last_level = |v: u32| last_level[v as usize];
+    match object.glide.as_ref().zip(next) {
+        Some((glide, next)) => {
+            let Glide { moving, streams, .. } = glide;
+            let ways = Ways { mesh, next, moving, streams: *streams };
+            VertexBuffers::gliding(drawn, last_level, ways)
+        }
+        None => VertexBuffers::new(mesh, drawn, last_level),
     }
-    VertexBuffers::new(mesh, drawn, |v| last_level[v as usize])
 }
 
 /// Puts the coarser levels of all meshes into the document, and the ways to the next one. Meshes
@@ -123,17 +147,11 @@ fn put_levels(
     root: &mut Object,
     writer: &mut Writer,
     levels: &[Levels<'_>],
+    nodes_showing: &BTreeMap<usize, Vec<usize>>,
     gliding: &mut BTreeSet<usize>,
 ) {
-    let mut nodes_showing: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (node, entry) in root.entries("nodes").enumerate() {
-        if let Some(mesh) = entry["mesh"].as_index() {
-            nodes_showing.entry(mesh).or_default().push(node);
-        }
-    }
     let (mut copies, mut of_avatars) = (Vec::new(), Copies::default());
     for level in levels {
-        // Engines reach levels by nodes: what none shows has one.
         let Some(nodes) = nodes_showing.get(&level.mesh) else { continue };
         let meshes = level.put(root, writer, gliding);
         let mut coarser = meshes[1..].to_vec();
@@ -158,6 +176,8 @@ struct Levels<'a> {
     object: &'a ChainObject<'a>,
     /// The mesh in the document.
     mesh: usize,
+    /// Whether a node shows it.
+    is_shown: bool,
     /// Its primitives that are submeshes of the object.
     numbers: Vec<usize>,
     /// For each level the primitives that have triangles there.
@@ -177,9 +197,16 @@ struct LevelPrimitive {
 }
 
 impl<'a> Levels<'a> {
-    fn new(object: &'a ChainObject<'a>, mesh: usize) -> Self {
+    fn new(object: &'a ChainObject<'a>, mesh: usize, is_shown: bool) -> Self {
         let primitives = vec![Vec::new(); object.levels.len()];
-        Self { object, mesh, numbers: Vec::new(), primitives }
+        Self { object, mesh, is_shown, numbers: Vec::new(), primitives }
+    }
+
+    /// The levels that are written. Engines reach levels by nodes: what none shows has one.
+    fn written(&self, shape: ChainShape) -> &'a [LevelTriangles] {
+        let all = &self.object.levels[..];
+        let is_whole = self.is_shown || shape == ChainShape::IndexRanges;
+        if is_whole { all } else { &all[..all.len().min(1)] }
     }
 
     /// Writes a submesh: its vertices once, its triangles at every level, and the way to `next`.
@@ -193,9 +220,8 @@ impl<'a> Levels<'a> {
         shape: ChainShape,
     ) -> Result<bool, FormatError> {
         self.numbers.push(number);
-        let indices =
-            |level: &Vec<Vec<[u32; 3]>>| mesh_writer.numbers(level[submesh].as_flattened());
-        let levels: Vec<Vec<u32>> = self.object.levels.iter().map(indices).collect();
+        let indices = |level: &LevelTriangles| mesh_writer.numbers(level[submesh].as_flattened());
+        let levels: Vec<Vec<u32>> = self.written(shape).iter().map(indices).collect();
         if levels.iter().all(Vec::is_empty) {
             return Ok(false);
         }
@@ -217,14 +243,12 @@ impl<'a> Levels<'a> {
                 attributes: Object::default(),
             };
             if let (Some(glide), Some(next)) = (&self.object.glide, next)
-                && let Some(moving) = &glide.moving[level]
+                && glide.moving[level].is_some()
+                && self.is_shown
             {
-                let vertices = mesh_writer.vertices(submesh);
-                let index_of = |v: u32| vertices.partition_point(|&w| w < v);
-                let run = index_of(moving.start)..index_of(moving.end);
                 let next = (next, glide.streams);
                 let attributes = &primitive["attributes"];
-                let (target, replaced) = mesh_writer.target(submesh, run, next, attributes);
+                let (target, replaced) = mesh_writer.target(submesh, level, next, attributes);
                 (level_primitive.target, level_primitive.attributes) = (Some(target), replaced);
             }
             self.primitives[level].push(level_primitive);

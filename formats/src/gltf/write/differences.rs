@@ -32,6 +32,21 @@ impl MovedStreams {
     }
 }
 
+/// The streams of a submesh that change with a move to the next level.
+pub(super) fn moved_streams(
+    mesh: &Mesh,
+    submesh: usize,
+    moved: MovedStreams,
+) -> impl Iterator<Item = &Attribute> {
+    let streams = mesh.submeshes()[submesh].attributes.iter();
+    let moves = move |a: &&Attribute| match a.semantic {
+        Semantic::Position => a.morph_target.is_none(),
+        Semantic::Joints(_) | Semantic::Weights(_) => moved.joints,
+        _ => moved.components(a).is_some(),
+    };
+    streams.map(|&a| &mesh.attributes()[a as usize]).filter(moves)
+}
+
 /// The stream of a submesh with this meaning, at rest.
 fn stream<'m>(mesh: &'m Mesh, submesh: usize, wanted: &Semantic) -> Option<&'m Attribute> {
     let streams = mesh.submeshes()[submesh].attributes.iter();

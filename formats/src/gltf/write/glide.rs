@@ -9,7 +9,7 @@ use crate::gltf::extensions::animation_pointer;
 use crate::gltf::json::{Json, Object, object};
 use crate::{Document, FormatError, GLIDE_TARGET, Limits};
 use lodc_mesh::Mesh;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// The way from each level of an object to the next.
@@ -87,18 +87,12 @@ pub(super) fn widen(
     }
     Stored::read(stored, &Limits::DEFAULT, |stored, _| {
         for animation in root.objects_mut("animations") {
-            // How many channels use each sampler: those of other values, and those of the weights.
-            let mut users: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
-            for channel in animation.list("channels") {
-                if let Some(sampler) = channel["sampler"].as_index() {
-                    users.entry(sampler).or_default()[usize::from(moves_weights(channel))] += 1;
-                }
-            }
-            for (sampler, [other_users, weight_users]) in users {
+            // The samplers of weights.
+            let channels = animation.list("channels").iter().filter(|c| moves_weights(c));
+            let samplers: BTreeSet<usize> =
+                channels.filter_map(|channel| channel["sampler"].as_index()).collect();
+            for sampler in samplers {
                 let Some(source) = animation["samplers"].list().get(sampler) else { continue };
-                if weight_users == 0 {
-                    continue;
-                }
                 let mut wide = source.clone();
                 let keys =
                     |key: &str| source[key].as_index().map(|a| stored.numbers(a)).transpose();
@@ -115,13 +109,8 @@ pub(super) fn widen(
                 let grown = values.chunks_exact(values.len() / rows);
                 let grown = grown.flat_map(|row| row.iter().map(|&w| w as f32).chain([0.0]));
                 wide["output"] = writer.scalars("weights", &grown.collect::<Vec<f32>>());
-                if other_users == 0 {
-                    animation["samplers"].as_array_mut().into_iter().for_each(|all| {
-                        all[sampler] = wide.clone();
-                    });
-                    continue;
-                }
-                // Channels of levels without the target go on using the narrow sampler.
+                // The narrow sampler is what channels of levels without the target use, and what a
+                // reader puts back.
                 wide["extras"] = object! { "lodc" => object! { "narrow" => sampler } };
                 let number = animation.list("samplers").len();
                 animation.append("samplers", vec![wide]);

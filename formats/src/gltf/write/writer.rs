@@ -18,6 +18,7 @@ use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
 use std::collections::BTreeMap;
 use std::ops::Range;
+use xxhash_rust::xxh3::xxh3_64;
 
 /// Target of views with vertex attributes (glTF 2.0).
 const ARRAY_BUFFER: u32 = 34962;
@@ -64,6 +65,9 @@ pub(super) struct Writer {
     first_view: usize,
     accessors: Vec<Json>,
     groups: Vec<Group>,
+    /// Streams and indices by view and hash of their bytes: where each begins, and its accessor.
+    /// What meshes have in common is stored once.
+    stored: BTreeMap<(usize, u64), Vec<(usize, usize)>>,
     /// Sparse accessors of `accessors`, and the numbers of the elements that they replace.
     sparse: Vec<(usize, Vec<u32>)>,
     compress: bool,
@@ -80,6 +84,7 @@ impl Writer {
             first_view: Pool::BufferViews.len(root),
             accessors: Vec::new(),
             groups: Vec::new(),
+            stored: BTreeMap::new(),
             sparse: Vec::new(),
         }
     }
@@ -90,7 +95,8 @@ impl Writer {
         mesh: &'w Mesh,
         buffers: VertexBuffers,
     ) -> MeshWriter<'w> {
-        MeshWriter { writer: self, mesh, buffers, written: BTreeMap::new() }
+        let (written, targets) = (BTreeMap::new(), BTreeMap::new());
+        MeshWriter { writer: self, mesh, buffers, written, targets }
     }
 
     /// Puts accessors, buffer views and the buffer into the document, and the data behind what
@@ -195,11 +201,7 @@ impl Writer {
             }
             bytes.resize(start + stride, 0);
         }
-        let mut accessor = object! { "bufferView" => view };
-        if offset > 0 {
-            accessor["byteOffset"] = offset.into();
-        }
-        accessor["componentType"] = component_number(a.component).into();
+        let mut accessor = object! { "componentType" => component_number(a.component) };
         if a.normalized {
             accessor["normalized"] = true.into();
         }
@@ -210,7 +212,35 @@ impl Writer {
             accessor["min"] = min.into();
             accessor["max"] = max.into();
         }
-        Ok(self.accessor(accessor))
+        Ok(self.once(view, offset, accessor))
+    }
+
+    /// An accessor of the bytes from `offset` to the end of a view, or the one that has the same
+    /// bytes in it already.
+    fn once(&mut self, view: usize, offset: usize, accessor: Json) -> Json {
+        let placed = |offset: usize| {
+            let mut placed = object! { "bufferView" => view };
+            if offset > 0 {
+                placed["byteOffset"] = offset.into();
+            }
+            for (key, value) in accessor.as_object().into_iter().flat_map(|all| all.iter()) {
+                placed[&**key] = value.clone();
+            }
+            placed
+        };
+        let bytes = &mut self.groups[view - self.first_view].bytes;
+        let (before, new) = bytes.split_at(offset);
+        let known = self.stored.entry((view, xxh3_64(new))).or_default();
+        let same = |&&(start, number): &&(usize, usize)| {
+            before.get(start..start + new.len()) == Some(new)
+                && self.accessors[number] == placed(start)
+        };
+        if let Some(&(_, number)) = known.iter().find(same) {
+            bytes.truncate(offset);
+            return (self.first_accessor + number).into();
+        }
+        known.push((offset, self.accessors.len()));
+        self.accessor(placed(offset))
     }
 
     /// Puts bytes of sparse elements or samples into a view of their kind; returns a reference with
@@ -345,14 +375,11 @@ impl Writer {
         bytes.extend(
             indices.iter().flat_map(|i| i.to_le_bytes().into_iter().take(component.size())),
         );
-        let mut accessor = object! { "bufferView" => view };
-        if offset > 0 {
-            accessor["byteOffset"] = offset.into();
-        }
-        accessor["componentType"] = component_number(component).into();
-        accessor["count"] = indices.len().into();
-        accessor["type"] = "SCALAR".into();
-        self.accessor(accessor)
+        let accessor = object! {
+            "componentType" => component_number(component), "count" => indices.len(),
+            "type" => "SCALAR",
+        };
+        self.once(view, offset, accessor)
     }
 }
 
@@ -364,6 +391,8 @@ pub(super) struct MeshWriter<'w> {
     buffers: VertexBuffers,
     /// Attributes and morph targets of the buffers that are written.
     written: BTreeMap<usize, (Object, Vec<Object>)>,
+    /// By buffer and level what moves it to the next level.
+    targets: BTreeMap<(usize, usize), (Object, Object)>,
 }
 
 impl MeshWriter<'_> {
@@ -441,17 +470,23 @@ impl MeshWriter<'_> {
         Ok((attributes, targets))
     }
 
-    /// The morph target that moves a run of a submesh's vertices to where they are in `next`, and
-    /// the attributes that are replaced because the run takes over joints and weights from there.
+    /// The morph target that moves the vertices of a submesh's buffer that disappear with a level
+    /// to where they are in `next`, and the attributes that are replaced because these take over
+    /// joints and weights from there.
     pub(super) fn target(
         &mut self,
         submesh: usize,
-        run: Range<usize>,
+        level: usize,
         (next, moved_streams): (&Mesh, MovedStreams),
         attributes: &Json,
     ) -> (Object, Object) {
+        let buffer = (self.buffers.of_submesh(submesh), level);
+        if let Some(written) = self.targets.get(&buffer) {
+            return written.clone();
+        }
         let (mut target, mut replaced) = (Object::default(), Object::default());
         let vertices = self.buffers.vertices(submesh);
+        let run = self.buffers.run(submesh, level);
         let range = run.start as u32..run.end as u32;
         let moving = &vertices[run];
         for deltas in differences(self.mesh, next, submesh, moving, moved_streams) {
@@ -467,12 +502,8 @@ impl MeshWriter<'_> {
                 replaced.insert(name, accessor);
             }
         }
+        self.targets.insert(buffer, (target.clone(), replaced.clone()));
         (target, replaced)
-    }
-
-    /// The vertices of a submesh's buffer, in their order there.
-    pub(super) fn vertices(&self, submesh: usize) -> &[u32] {
-        self.buffers.vertices(submesh)
     }
 
     /// Corners of triangles as indices into the buffer of their submesh.
@@ -482,7 +513,7 @@ impl MeshWriter<'_> {
 
     /// An accessor of indices into a submesh's buffer.
     pub(super) fn indices(&mut self, submesh: usize, indices: &[u32]) -> Json {
-        self.writer.indices(indices, self.vertices(submesh).len())
+        self.writer.indices(indices, self.buffers.vertices(submesh).len())
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::Fault;
+use crate::lods::mesh_header;
 use crate::testing::Random;
 use lodc_fixtures as fixtures;
-use lodc_progressive::TextCodec;
 
 fn small() -> (LodFile, Vec<u8>) {
     let mesh = fixtures::coloured_cube();
@@ -221,7 +221,7 @@ fn a_few_bytes_cannot_ask_for_much() {
     // A header that announces as much as its numbers can hold.
     let mut header = bytes[..ends[1]].to_vec();
     let plain = [&[0xff, 0xff, 0xff, 0xff, 0x0f].repeat(3)[..], &[0; 3], &[1, 0]].concat();
-    let coded = TextCodec::default().encode(&plain);
+    let coded = mesh_header::codec().encode(&plain);
     let payload = [&[plain.len() as u8, coded.len() as u8], &coded[..]].concat();
     block::put(&mut header, 1, Block { tag: 1, steps: 1, payload: &payload });
     let error = Unpacker::new(Limits::DEFAULT).feed(&header).expect_err("too much");

@@ -13,8 +13,8 @@ from ..scene import Scene
 from ..xxh32 import xxh32
 from .coder import Substream
 from .contexts import Contexts
-from .object import StreamObject, read_header
-from .text import TextCodec
+from .object import StreamObject, read_header, take_headers
+from .text import TYPICAL_HEADERS, TextCodec
 
 MAGIC = b"\x89LODS\r\n\x1a"
 HEADER = 16
@@ -40,7 +40,8 @@ class Stream:
     def __init__(self, folder: str | None = None) -> None:
         self.source = self.obj = self.gltf = self.all_objects = None
         self.objects, self.buffer, self.used, self.folder = [], b"", 0, folder
-        self._order, self._came, self._headers = [], b"", TextCodec()
+        self._order, self._came = [], b""
+        self._headers = TextCodec(TYPICAL_HEADERS)
         self._fed = bytearray()
         self.each_step = None
         self._waiting, self._blocks, self._contexts = b"", 0, Contexts()
@@ -164,7 +165,7 @@ class Stream:
         cursor, whole = Cursor(payload, place), len(payload)
         is_first = number == self._announced and number < self.all_objects
         if is_first:
-            self._announce(cursor, place)
+            self._announce(1, cursor, place)
         need(number < self._announced, place, "belongs to an object that does not exist")
         obj, payload = self.objects[number], payload[cursor.at :]
         obj.place = place
@@ -174,21 +175,25 @@ class Stream:
         obj.used = self.used + whole
         obj.read(payload, steps, self._contexts, self.each_step)
 
-    def _announce(self, cursor, place):
-        """Reads the header of the next object."""
-        number = self._announced
-        if number == len(self.objects):
-            self.objects.append(StreamObject(number, place))
-        self.objects[number].place = place
-        self.objects[number].start(read_header(cursor, self._headers))
-        self._announced += 1
+    def _announce(self, count, cursor, place):
+        """Reads the headers of the next objects."""
+        if count == 0:
+            return
+        headers = take_headers(cursor, self._headers)
+        for _ in range(count):
+            number = self._announced
+            need(number < self.all_objects, place, "has a header too many")
+            if number == len(self.objects):
+                self.objects.append(StreamObject(number, place))
+            self.objects[number].place = place
+            self.objects[number].start(read_header(headers))
+            self._announced += 1
+        need(headers.at == len(headers.data), place, "has headers with bytes left over")
 
     def _turns(self, place, steps, payload):
         """Reads a block in which objects take turns."""
         cursor, contexts = Cursor(payload, place), self._contexts
-        for _ in range(cursor.varint()):
-            need(self._announced < self.all_objects, place, "has a header too many")
-            self._announce(cursor, place)
+        self._announce(cursor.varint(), cursor, place)
         coder = Substream(payload[cursor.at :])
         while steps > 0:
             distance = coder.gamma(contexts.object)

@@ -27,12 +27,16 @@ class Header:
         self.layout = Layout(attributes, systems)
 
 
-def read_header(cursor, codec):
-    """The header that the first block of an object begins with."""
+def take_headers(cursor, codec):
+    """The headers that a block begins with, decoded."""
     plain, coded = cursor.varint(1 << 24), cursor.varint(1 << 24)
     data = codec.decode(cursor.take(coded), plain)
-    need(data is not None, cursor.place, "has a header that cannot be decoded")
-    c = Cursor(data, cursor.place)
+    need(data is not None, cursor.place, "has headers that cannot be decoded")
+    return Cursor(data, cursor.place)
+
+
+def read_header(c):
+    """The next one of the headers of a block."""
     vertices, triangles, steps, exact = (c.varint() for _ in range(4))
     need(exact < 2, c.place, "has an unknown order of steps")
     count = c.varint()
@@ -49,7 +53,6 @@ def read_header(cursor, codec):
         total += len(before)
         need(total <= 1 << 22, c.place, "has too many streams of submeshes")
         streams.append(before)
-    need(c.at == len(data), c.place, "has a header with bytes left over")
     return Header(vertices, triangles, steps, bool(exact), attributes, systems, streams)
 
 

@@ -24,6 +24,16 @@ TYPICAL = (
     b'byteLength":64}],"buffers":[{"byteLength":64}]}'
 )
 
+TYPICAL_HEADERS = bytes.fromhex(
+    "180c140000000100a001bc016000010001002500010200ff03a006ac020002"
+    "16010025000300150001030001940ab410bc05000300010025000200350003"
+    "0015000104000102a01ff02ea8140004000500330101002500030015000600"
+    "3500010500010203b06da09c01a84600031605003301010025000600350001"
+    "04000102e0d40390bf05c0b802000400010025000300150005003101060035"
+    "00010500010203c919f420fc11000300010025000300150002003500010400"
+    "0102"
+)
+
 
 class Model:
     """A text so far, and what is expected to follow. ``byte`` says how the next one is coded."""
@@ -90,12 +100,12 @@ class _Reader:
 
 
 class TextCodec:
-    """Decodes texts, each after those before it."""
+    """Decodes texts, each after those before it, the first after the typical ones."""
 
-    def __init__(self):
+    def __init__(self, typical=b""):
         self.model = Model()
         known = _Primer()
-        for byte in TYPICAL:
+        for byte in TYPICAL + typical:
             self.model.byte(known, byte)
 
     def decode(self, data, length):
