@@ -298,3 +298,24 @@ fn what_glides_spoils_no_shape() {
     let run = f.lodc(["verify", "t.gltf"]).ends(1);
     assert!(run.text().contains("become the next ones, cpu: DIFFERENT"), "{}", run.text());
 }
+
+#[test]
+fn a_fan_that_is_folded_at_rest_is_measured_where_it_opens() {
+    let f = Folder::new();
+    let mut model = Model::sheet();
+    // All of it lies on a curve.
+    let at_rest: Vec<[f32; 3]> =
+        model.positions.iter().map(|p| [p[0], 0.2 * p[0] * p[0], 0.0]).collect();
+    let deltas = model.positions.iter().zip(&at_rest);
+    let deltas = deltas.map(|(p, q)| std::array::from_fn(|k| p[k] - q[k])).collect();
+    (model.positions, model.target) = (at_rest, Some((deltas, 0.0)));
+    f.file("m.glb", model.glb());
+    let (error, _) = level(&f, "m.glb", "0.5");
+    assert!(error < 0.002, "{error}");
+    let refit = ["extract", "m.glb", "-o", "r.glb", "--ratio", "0.5", "--refit", "--json"];
+    let refitted = f.lodc(refit).ends(0).json()["error"].as_f64().expect("a finite number");
+    assert!(refitted <= 1.06 * error, "{refitted} {error}");
+    f.lodc(["verify", "r.glb", "--source", "m.glb", "-q"]).ends(0);
+    f.lodc(["chain", "m.glb", "-o", "chain.glb", "--auto", "4", "--geomorph", "-q"]).ends(0);
+    f.lodc(["verify", "chain.glb", "--source", "m.glb", "-q"]).ends(0);
+}

@@ -8,6 +8,7 @@ use super::refitted::{Originals, measurable_of};
 use crate::glide::{arrived, bends, with_joints_of};
 use lodc_mesh::{Mesh, PositionIds};
 use lodc_scene::{ObjectShapes, Shape};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// A level that has arrived may be this many times as far from the input, in any shape, as the
@@ -43,8 +44,12 @@ enum Off {
 /// hand.
 const NEGLIGIBLE: f64 = 1e-5;
 
-/// Positions of vertices before and after they have moved.
-type BeforeAndAfter = (Vec<[f32; 3]>, Vec<[f32; 3]>);
+/// Positions of vertices in a shape.
+struct Places {
+    now: Vec<[f32; 3]>,
+    /// Where they have arrived; with the joints of what they become also where they begin.
+    others: Vec<Vec<[f32; 3]>>,
+}
 
 /// A level on its way to the next one.
 #[derive(Clone, Debug)]
@@ -93,7 +98,7 @@ impl<'a> GlideJudge<'a> {
     #[must_use]
     pub fn staying(&self, way: &Way<'_>) -> Vec<u32> {
         let ids = way.now.position_ids();
-        let (off, surfaces) = self.off(way, &ids);
+        let (off, places) = self.off(way, &ids);
         let error = way.error + NEGLIGIBLE * extent(way.now.positions());
         let off = |kind: Off, v: u32| off[kind as usize][ids.of_vertex[v as usize] as usize];
         let mut before = usize::MAX;
@@ -113,7 +118,7 @@ impl<'a> GlideJudge<'a> {
             let mut moves = vec![false; way.now.vertex_count()];
             way.moving.clone().for_each(|v| moves[v as usize] = true);
             staying.iter().for_each(|&v| moves[v as usize] = false);
-            if self.holds(way, &surfaces, &moves, MAX_BOUND_GROWTH * error) {
+            if self.holds(way, &places, &moves, MAX_BOUND_GROWTH * error) {
                 return staying;
             }
         }
@@ -121,13 +126,13 @@ impl<'a> GlideJudge<'a> {
         way.moving.clone().filter(is_off).collect()
     }
 
-    /// How far off each position would be, by [`Off`], and the positions of all vertices before and
-    /// after, in each shape that errors are over.
-    fn off(&self, way: &Way<'_>, ids: &PositionIds) -> ([Vec<f64>; 3], Vec<BeforeAndAfter>) {
+    /// How far off each position would be, by [`Off`], and where all vertices are in each shape that
+    /// errors are over.
+    fn off(&self, way: &Way<'_>, ids: &PositionIds) -> ([Vec<f64>; 3], Vec<Places>) {
         let arrived = arrived(way.now, way.next, way.takes_joints);
         let borrowed = way.takes_joints.then(|| with_joints_of(way.now, way.next));
         let mut off = [(); 3].map(|()| vec![0.0f64; ids.len()]);
-        let mut surfaces = Vec::new();
+        let mut all = Vec::new();
         let measured = self.originals.shapes.iter().zip(&self.originals.originals);
         let measured = measured.map(|(shape, original)| (shape, Some(original)));
         for (shape, original) in measured.chain(self.targets.iter().map(|shape| (shape, None))) {
@@ -154,24 +159,21 @@ impl<'a> GlideJudge<'a> {
                 }
             }
             if original.is_some() {
-                surfaces.push((now, at));
+                let others = std::iter::once(at).chain(borrowed.map(Cow::into_owned)).collect();
+                all.push(Places { now, others });
             }
         }
-        (off, surfaces)
+        (off, all)
     }
 
-    /// Returns whether a level is within a limit in all shapes once some vertices have arrived.
-    /// `surfaces` has the positions before and after, by shape.
-    fn holds(
-        &self,
-        way: &Way<'_>,
-        surfaces: &[BeforeAndAfter],
-        moves: &[bool],
-        limit: f64,
-    ) -> bool {
-        self.originals.originals.iter().zip(surfaces).all(|(original, (now, arrived))| {
-            let at = |v: u32| (if moves[v as usize] { arrived } else { now })[v as usize];
-            original.distances(&measurable_of(way.triangles, at)).upper <= limit
+    /// Returns whether a level is within a limit in all shapes once some vertices have moved.
+    /// `places` are those by shape.
+    fn holds(&self, way: &Way<'_>, places: &[Places], moves: &[bool], limit: f64) -> bool {
+        self.originals.originals.iter().zip(places).all(|(original, Places { now, others })| {
+            others.iter().all(|other| {
+                let at = |v: u32| (if moves[v as usize] { other } else { now })[v as usize];
+                original.distances(&measurable_of(way.triangles, at)).upper <= limit
+            })
         })
     }
 }

@@ -96,13 +96,15 @@ fn kind_difference(from: &GlidePart, to: &GlidePart, may_stay: &mut u64) -> Opti
             [Some(a), Some(b), Some(c)] if a != b && b != c && c != a => {
                 arrived.push(rotated([a, b, c], *t));
             }
-            [Some(_), Some(_), Some(_)] => {}
-            _ if is_flat(from, *t, width) => {}
-            _ if t.iter().zip(moved_to).all(|(&v, to)| to.is_some() || stays[v as usize]) => {
+            _ if t.iter().any(|&v| stays[v as usize])
+                && t.iter().zip(moved_to).all(|(&v, to)| to.is_some() || stays[v as usize]) =>
+            {
                 let lost = t.iter().zip(moved_to).filter(|(_, to)| to.is_none());
                 staying.extend(lost.map(|(&v, _)| v));
                 left_behind += 1;
             }
+            [Some(_), Some(_), Some(_)] => {}
+            _ if is_flat(from, *t, width) => {}
             _ => {
                 let lost = t.iter().zip(moved_to).find(|(_, position)| position.is_none());
                 let vertex = lost.map_or(0, |(&v, _)| v);
