@@ -1,8 +1,8 @@
 //! Levels that glide to the next one: vertices stay where that would spoil a shape in motion.
 //!
-//! A morph target adds the same way in every shape: exact at rest, but where joints or other targets
-//! move a vertex and what it becomes differently, it arrives somewhere else. Half a lip that opens
-//! would glide to the corner of the mouth, and hang below it.
+//! A morph target adds the same way in every shape: exact at rest, but where joints or other
+//! targets move a vertex and what it becomes differently, it arrives somewhere else. Half a lip
+//! that opens would glide to the corner of the mouth, and hang below it.
 
 use super::refitted::{Originals, measurable_of};
 use crate::glide::{arrived, bends, with_joints_of};
@@ -91,10 +91,10 @@ impl<'a> GlideJudge<'a> {
         })
     }
 
-    /// Returns the vertices that have to stay, rising: so few that with the others arrived the level
-    /// errs hardly more than levels do, in every shape that errors are over; and those that any
-    /// morph target would carry far from where the next level has them. Vertices at one position
-    /// stay together.
+    /// Returns the vertices that have to stay, rising: so few that with the others arrived the
+    /// level errs hardly more than levels do, in every shape that errors are over; and those that
+    /// any morph target would carry far from where the next level has them. Vertices at one
+    /// position stay together.
     #[must_use]
     pub fn staying(&self, way: &Way<'_>) -> Vec<u32> {
         let ids = way.now.position_ids();
@@ -126,8 +126,8 @@ impl<'a> GlideJudge<'a> {
         way.moving.clone().filter(is_off).collect()
     }
 
-    /// How far off each position would be, by [`Off`], and where all vertices are in each shape that
-    /// errors are over.
+    /// How far off each position would be, by [`Off`], and where all vertices are in each shape
+    /// that errors are over.
     fn off(&self, way: &Way<'_>, ids: &PositionIds) -> ([Vec<f64>; 3], Vec<Places>) {
         let arrived = arrived(way.now, way.next, way.takes_joints);
         let borrowed = way.takes_joints.then(|| with_joints_of(way.now, way.next));

@@ -14,7 +14,8 @@ const MAX_CANDIDATES: usize = 64;
 /// the next level's, all of them, corner by corner, with the other values that move, to one unit in
 /// the last place of the larger number. Positions of the next level among which a vertex that moves
 /// may have come to any, as rounding goes, are one: triangles between them have no area. As many
-/// vertices as a level states may stay: of their triangles nothing is known. None if no level moves.
+/// vertices as a level states may stay: of their triangles nothing is known. None if no level
+/// moves.
 #[must_use]
 pub fn check_glide(shipped: &ShippedLevels) -> Option<CheckReport> {
     let count = shipped.glides.len() as u64;

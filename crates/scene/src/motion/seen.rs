@@ -11,8 +11,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The most shapes with morph targets that are looked at. Where more targets move the same places,
 /// those of the largest deltas count. Chosen by hand.
 pub const MAX_TARGET_SHAPES: usize = 96;
-/// Deltas of normals that are shorter turn nothing. Chosen by hand: about the rounding of normals in
-/// eight bits.
+/// Deltas of normals that are shorter turn nothing. Chosen by hand: about the rounding of normals
+/// in eight bits.
 const MIN_TURN: f64 = 0.01;
 /// Deltas of less than this share of the object's diagonal move nothing. Chosen by hand: about the
 /// rounding of deltas in sixteen bits.
