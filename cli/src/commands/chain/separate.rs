@@ -107,9 +107,9 @@ pub(super) fn gliding_files(
         }
         Ok((gliding, staying))
     };
-    let made: Result<Vec<(Vec<GlidingLevel>, Vec<u64>)>, lodc::Error> =
-        (0..objects.len()).into_par_iter().map(of_object).collect();
-    let (gliding, staying): (Vec<_>, Vec<_>) = made?.into_iter().unzip();
+    let made: Vec<(Vec<GlidingLevel>, Vec<u64>)> =
+        (0..objects.len()).into_par_iter().map(of_object).collect::<Result<_, lodc::Error>>()?;
+    let (gliding, staying): (Vec<_>, Vec<_>) = made.into_iter().unzip();
     let staying: Vec<u64> = (0..levels.len())
         .map(|k| staying.iter().map(|of_object: &Vec<u64>| of_object[k]).sum())
         .collect();
