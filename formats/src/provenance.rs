@@ -30,6 +30,8 @@ pub struct GlideFacts {
     /// How far from the next level its vertices are when they have arrived, at most, in the poses
     /// that errors are over; none without skins and morph targets.
     pub pose_error: Option<f64>,
+    /// The number of its vertices that stay where they are, as they would spoil a shape in motion.
+    pub staying: u64,
 }
 
 /// The screen that distances of levels are for.

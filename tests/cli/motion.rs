@@ -242,3 +242,80 @@ fn what_a_joint_bends_is_priced_as_it_bends() {
     assert!(error < 0.01, "{error}");
     holds_everywhere(&f, "m.glb");
 }
+
+/// A GLB with other default weights of its first mesh.
+fn with_weights(glb: &[u8], weights: &[f64]) -> Vec<u8> {
+    let length = u32::from_le_bytes(glb[12..16].try_into().expect("four bytes")) as usize;
+    let (json, rest) = glb[20..].split_at(length);
+    let mut document: Value = serde_json::from_slice(json).expect("a document");
+    document["meshes"][0]["weights"] = json!(weights);
+    let mut text = document.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let word = |n: usize| (n as u32).to_le_bytes();
+    let total = 20 + text.len() + rest.len();
+    let header = [&glb[..8], &word(total)[..], &word(text.len())[..], &b"JSON"[..]].concat();
+    [header, text, rest.to_vec()].concat()
+}
+
+#[test]
+fn what_glides_spoils_no_shape() {
+    let f = Folder::new();
+    let (mut model, below) = Model::slit();
+    model.target = Some((model.opening(&below), 0.0));
+    f.file("m.glb", model.glb());
+    f.file("open.glb", model.moved().glb());
+    let chain = ["chain", "m.glb", "-o", "c.glb", "--separate", "--geomorph", "--json"];
+    let report = f.lodc(chain).ends(0).json();
+    let far = |glb: &[u8], weights: &[f64], other: &str| {
+        f.file("w.glb", with_weights(glb, weights));
+        let report = f.lodc(["compare", other, "w.glb", "--json", "-q"]).ends(0).json();
+        report["hausdorff"]["max"].as_f64().expect("a number")
+    };
+    let level = |k: usize| &report["levels"][k];
+    let mut staying = 0;
+    for k in 0..3 {
+        let name = format!("c_LOD{k}.glb");
+        f.lodc(["verify", &name, "--source", "m.glb", "-q"]).ends(0);
+        let glb = f.read(&name);
+        let limit = 1.25 * level(k + 1)["error"].as_f64().expect("a number") + 1e-4;
+        for (weights, other) in [([0.0, 1.0], "m.glb"), ([1.0, 1.0], "open.glb")] {
+            let far = far(&glb, &weights, other);
+            assert!(far <= limit, "level {k} with {weights:?}: {far}, {limit}");
+        }
+        staying += level(k)["geomorph_staying"].as_u64().expect("a number");
+        // More than half of it moves.
+        let vertices = |k: usize| level(k)["vertices"].as_u64().expect("a number");
+        let stay = level(k)["geomorph_staying"].as_u64().expect("a number");
+        assert!(2 * stay < vertices(k) - vertices(k + 1), "{stay}");
+    }
+    assert!(staying > 0);
+    // Nobody else may say that vertices stay.
+    let shared = ["chain", "m.glb", "-o", "s.gltf", "--geomorph", "-q"];
+    f.lodc(shared).ends(0);
+    let text = String::from_utf8(f.read("s.gltf")).expect("text");
+    f.lodc(["verify", "s.gltf", "--source", "m.glb", "-q"]).ends(0);
+    f.file("t.gltf", text.replace("geomorph_staying", "geomorph_stays"));
+    let run = f.lodc(["verify", "t.gltf"]).ends(1);
+    assert!(run.text().contains("become the next ones, cpu: DIFFERENT"), "{}", run.text());
+}
+
+#[test]
+fn a_fan_that_is_folded_at_rest_is_measured_where_it_opens() {
+    let f = Folder::new();
+    let mut model = Model::sheet();
+    // All of it lies on a curve.
+    let at_rest: Vec<[f32; 3]> =
+        model.positions.iter().map(|p| [p[0], 0.2 * p[0] * p[0], 0.0]).collect();
+    let deltas = model.positions.iter().zip(&at_rest);
+    let deltas = deltas.map(|(p, q)| std::array::from_fn(|k| p[k] - q[k])).collect();
+    (model.positions, model.target) = (at_rest, Some((deltas, 0.0)));
+    f.file("m.glb", model.glb());
+    let (error, _) = level(&f, "m.glb", "0.5");
+    assert!(error < 0.002, "{error}");
+    let refit = ["extract", "m.glb", "-o", "r.glb", "--ratio", "0.5", "--refit", "--json"];
+    let refitted = f.lodc(refit).ends(0).json()["error"].as_f64().expect("a finite number");
+    assert!(refitted <= 1.06 * error, "{refitted} {error}");
+    f.lodc(["verify", "r.glb", "--source", "m.glb", "-q"]).ends(0);
+    f.lodc(["chain", "m.glb", "-o", "chain.glb", "--auto", "4", "--geomorph", "-q"]).ends(0);
+    f.lodc(["verify", "chain.glb", "--source", "m.glb", "-q"]).ends(0);
+}

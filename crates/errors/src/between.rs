@@ -7,14 +7,19 @@ use crate::input::to_dvec3;
 use crate::settings::Limits;
 use glam::DVec3;
 use lodc_mesh::NONE;
-use lodc_nearest::{FarthestSearch, MovingSurface, MovingTree, Triangles, area, morton_order};
+use lodc_nearest::{
+    FarthestSearch, MovingSurface, MovingTree, Query, Surface, Triangles, area, morton_order,
+};
 
 /// A triangle surface, ready to be measured from others. Triangles that are a line or a point by
-/// their corners are no part of it.
+/// their corners have no points to measure, but others are as near to them as to any: a part that
+/// a target unfolds is such lines at rest.
 #[derive(Clone, Debug)]
 pub struct Measurable {
-    /// The corners of each triangle; neighbours in space are near each other.
+    /// The corners of each triangle; neighbours in space are near each other. Lines and points come
+    /// last.
     corners: Vec<[[f32; 3]; 3]>,
+    /// The areas of the others.
     areas: Vec<f32>,
     area: f64,
     tree: MovingTree,
@@ -52,10 +57,11 @@ impl Measurable {
     #[must_use]
     pub fn new(triangles: impl IntoIterator<Item = [[f32; 3]; 3]>) -> Self {
         let has_area = |[a, b, c]: &[[f32; 3]; 3]| a != b && b != c && c != a;
-        let all: Vec<[[f32; 3]; 3]> = triangles.into_iter().filter(has_area).collect();
+        let (all, thin): (Vec<_>, Vec<_>) = triangles.into_iter().partition(has_area);
         let order = morton_order(0..all.len() as u32, |t| all[t as usize]);
-        let corners: Vec<[[f32; 3]; 3]> = order.iter().map(|&t| all[t as usize]).collect();
+        let mut corners: Vec<[[f32; 3]; 3]> = order.iter().map(|&t| all[t as usize]).collect();
         let areas: Vec<f32> = corners.iter().map(|&t| area(t.map(to_dvec3)) as f32).collect();
+        corners.extend(thin);
         let [low, high] = corners
             .as_flattened()
             .iter()
@@ -72,6 +78,14 @@ impl Measurable {
         }
     }
 
+    /// The distance of a point from the surface; infinite if it has no triangles.
+    #[must_use]
+    pub fn distance_to(&self, point: [f32; 3]) -> f64 {
+        let surface = MovingSurface { triangles: self, tree: &self.tree };
+        let (point, hint, max_boxes) = (to_dvec3(point), NONE, u32::MAX);
+        surface.near(Query { point, hint, enough: 0.0, max_boxes }).0.squared.sqrt()
+    }
+
     /// Measures how far another surface is from this one.
     #[must_use]
     pub fn distances(&self, other: &Self) -> Distances {
@@ -83,13 +97,17 @@ impl Measurable {
     /// before something is refused, roughly at first.
     #[must_use]
     pub fn check_distances(&self, known: f64, other: &Self, closely: bool) -> Distances {
-        let triangles = self.corners.len().max(other.corners.len());
+        let triangles = self.areas.len().max(other.areas.len());
         self.measure(known, other, samples(triangles, closely))
     }
 
     fn measure(&self, known: f64, other: &Self, samples: usize) -> Distances {
-        if self.corners.is_empty() || other.corners.is_empty() {
-            let is_same = self.corners.len() == other.corners.len();
+        let is_lost = |from: &Self, to: &Self| !from.areas.is_empty() && to.corners.is_empty();
+        if self.areas.is_empty() && other.areas.is_empty()
+            || is_lost(self, other)
+            || is_lost(other, self)
+        {
+            let is_same = self.areas.is_empty() && other.areas.is_empty();
             let distance = if is_same { 0.0 } else { f64::INFINITY };
             return Distances { lower: distance.max(known), upper: distance, rms: distance };
         }
@@ -104,7 +122,7 @@ impl Measurable {
             let sampled = difference.sample(&estimates, &to, samples);
             let of = |i: usize| (from.corners(i as u32), estimates[i].near);
             let known = known.max(sampled.max_distance);
-            (search.farthest_with_hints(known, from.corners.len(), of, &to), sampled)
+            (search.farthest_with_hints(known, from.areas.len(), of, &to), sampled)
         };
         let ((there, there_sampled), (back, back_sampled)) =
             rayon::join(|| one_way(self, other), || one_way(other, self));
@@ -125,5 +143,28 @@ impl Triangles for Measurable {
     #[inline]
     fn is_live(&self, _: u32) -> bool {
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_a_line_at_rest_is_near_but_not_measured() {
+        let at = |x: f32, y: f32| [x, y, 0.0];
+        // A fan that is folded into a curve, and a level of it that cuts the curve off.
+        let folded = Measurable::new([
+            [at(0.0, 0.0), at(1.0, 0.25), at(1.0, 0.25)],
+            [at(1.0, 0.25), at(2.0, 0.0), at(2.0, 0.0)],
+        ]);
+        let cut = Measurable::new([[at(0.0, 0.0), at(1.0, 0.25), at(2.0, 0.0)]]);
+        let Distances { lower, upper, .. } = folded.distances(&cut);
+        assert!(lower > 0.2 && upper < 0.26, "{lower} {upper}");
+        let nothing = Measurable::new([]);
+        assert_eq!(folded.distances(&nothing).upper, 0.0, "none of it is seen");
+        assert_eq!(cut.distances(&nothing).upper, f64::INFINITY);
+        assert_eq!(cut.distance_to(at(1.0, 1.25)), 1.0);
+        assert_eq!(folded.distance_to(at(1.0, 1.25)), 1.0);
     }
 }

@@ -138,32 +138,57 @@ pub fn pose_error(
     if !bends(now) {
         return 0.0;
     }
+    farthest_vertex(shapes, &arrived(now, next, takes_joints), next, moving)
+}
+
+/// The vertices of `now` where a morph target has moved them to `next`: with the morph targets, and
+/// unless they take those of the next level the joints, of their own.
+pub(crate) fn arrived(now: &Mesh, next: &Mesh, takes_joints: bool) -> Mesh {
     let is_kept = |a: &Attribute| match a.semantic {
         Semantic::Joints(_) | Semantic::Weights(_) => !takes_joints,
         Semantic::Position => a.morph_target.is_some(),
         _ => false,
     };
-    let mut parts = next.clone().into_parts();
-    for (attribute, before) in parts.attributes.iter_mut().zip(now.attributes()) {
-        if is_kept(attribute) && attribute.described() == before.described() {
-            attribute.bytes.clone_from(&before.bytes);
+    with_streams(next, now, is_kept)
+}
+
+/// A mesh with some of its streams those of another with the same vertices.
+fn with_streams(mesh: &Mesh, other: &Mesh, taken: impl Fn(&Attribute) -> bool) -> Mesh {
+    let mut parts = mesh.clone().into_parts();
+    for (attribute, others) in parts.attributes.iter_mut().zip(other.attributes()) {
+        if taken(attribute) && attribute.described() == others.described() {
+            attribute.bytes.clone_from(&others.bytes);
         }
     }
-    farthest_vertex(shapes, &Mesh::try_from(parts).expect("other values of a mesh"), next, moving)
+    Mesh::try_from(parts).expect("other values of a mesh")
+}
+
+/// Returns where the vertices of `now` go if some of them stay where they are, given where each
+/// would go.
+#[must_use]
+pub fn with_staying(now: &Mesh, next: Mesh, staying: &[u32]) -> Mesh {
+    let mut parts = next.into_parts();
+    for &v in staying {
+        parts.positions[v as usize] = now.positions()[v as usize];
+        for (attribute, own) in parts.attributes.iter_mut().zip(now.attributes()) {
+            let stride = own.stride();
+            attribute.bytes[v as usize * stride..][..stride].copy_from_slice(own.at(v));
+        }
+    }
+    Mesh::try_from(parts).expect("values of vertices of a mesh")
 }
 
 /// Returns how far at most, in any of the shapes, vertices with the joints of what they become are
 /// from where their own joints have them.
 #[must_use]
 pub fn joints_error(shapes: &[Shape], now: &Mesh, next: &Mesh, moving: &Range<u32>) -> f64 {
-    let mut parts = now.clone().into_parts();
-    for (attribute, after) in parts.attributes.iter_mut().zip(next.attributes()) {
-        let of_skin = matches!(attribute.semantic, Semantic::Joints(_) | Semantic::Weights(_));
-        if of_skin && attribute.described() == after.described() {
-            attribute.bytes.clone_from(&after.bytes);
-        }
-    }
-    farthest_vertex(shapes, &Mesh::try_from(parts).expect("other values of a mesh"), now, moving)
+    farthest_vertex(shapes, &with_joints_of(now, next), now, moving)
+}
+
+/// The vertices of `now` with the joints of those that they become.
+pub(crate) fn with_joints_of(now: &Mesh, next: &Mesh) -> Mesh {
+    let of_skin = |a: &Attribute| matches!(a.semantic, Semantic::Joints(_) | Semantic::Weights(_));
+    with_streams(now, next, of_skin)
 }
 
 /// Returns the [`GlidingLevel`] of each level of an object. The meshes have their vertices in the

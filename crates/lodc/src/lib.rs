@@ -68,7 +68,7 @@ pub use lodc_select::Target as Select;
 pub use lodc_simplify::MetricKind as Metric;
 pub use meeting::{parting_borders, parting_line};
 pub use scene_levels::scene_levels;
-pub use shapes::stated_shapes;
+pub use shapes::{stated_shapes, target_shapes};
 
 /// Builds a file from a glTF, GLB, OBJ, PLY or STL file: [`Builder::run`] does the work.
 #[cfg(feature = "build")]

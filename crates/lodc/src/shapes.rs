@@ -3,8 +3,9 @@
 
 use crate::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
-use lodc_mesh::{Attribute, Mesh, Semantic};
+use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
 use lodc_scene::{ObjectShapes, Shape};
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Returns for each object of a file the shapes that its errors are the largest over: in the
@@ -23,6 +24,29 @@ pub fn stated_shapes(
     let motion = scene_motion(document, &infos, limits)?;
     let shapes = |(number, object): (usize, &LodObject)| {
         motion.shapes(object.simplified.mesh(), number, &object.info.poses)
+    };
+    Ok(objects.iter().enumerate().map(shapes).collect())
+}
+
+/// Returns for each object of a file its shapes with each morph target at weight 1, by itself, that
+/// its errors are not over: those [of postures](ObjectShapes::of_postures).
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn target_shapes(
+    objects: &[LodObject],
+    document: &Document,
+    limits: &Limits,
+) -> Result<Vec<ObjectShapes>, FormatError> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
+    let motion = scene_motion(document, &infos, limits)?;
+    let shapes = |(number, object): (usize, &LodObject)| {
+        let mesh = object.simplified.mesh();
+        let deltas = mesh.attributes().iter().filter(|a| a.semantic == Semantic::Position);
+        let targets: BTreeSet<u32> = deltas.filter_map(|a| a.morph_target).collect();
+        let postures = targets.into_iter().map(Posture::Target);
+        let postures: Vec<Posture> = postures.filter(|p| !object.info.poses.contains(p)).collect();
+        motion.shapes(mesh, number, &postures)
     };
     Ok(objects.iter().enumerate().map(shapes).collect())
 }

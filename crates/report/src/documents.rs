@@ -162,6 +162,8 @@ pub struct ChainLevel {
     pub morph_from: Option<f64>,
     /// How far in poses it is from the next level once it has moved; null unless it does and bends.
     pub geomorph_pose_error: Option<f64>,
+    /// Vertices that stay, as moving them would spoil a shape in motion; null unless it moves.
+    pub geomorph_staying: Option<u64>,
     /// What it no longer shows.
     pub gone: Vec<MissingPart>,
     /// The file with the level.

@@ -7,7 +7,7 @@ mod seen;
 mod stretching;
 
 pub use measured::{MeasuredPlacement, MeasuredPlacements};
-pub use seen::{MAX_TARGET_SHAPES, SeenPositions};
+pub use seen::{MAX_TARGET_SHAPES, SeenPositions, TargetShape};
 
 use crate::animation::Animation;
 use crate::graph::Graph;

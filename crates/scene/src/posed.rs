@@ -139,7 +139,8 @@ impl<'a> Streams<'a> {
         morphed(rest, &self.deltas[submesh(mesh, v)][0], v)
     }
 
-    fn normal(&self, mesh: &Mesh, v: u32) -> Option<DVec3> {
+    /// Returns the normal with morph targets, of any length; none of a vertex without one.
+    pub(crate) fn normal(&self, mesh: &Mesh, v: u32) -> Option<DVec3> {
         let stream = self.normals[submesh(mesh, v)]?;
         Some(morphed(vector(stream, v), &self.deltas[submesh(mesh, v)][1], v))
     }

@@ -192,7 +192,8 @@ impl<'a> Run<'a> {
             input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
             input.planes = skin.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
-            let run = Run { mesh: &skin.mesh, ..self };
+            let guidance = Guidance { shapes: Some(&seen), ..self.guidance };
+            let run = Run { mesh: &skin.mesh, guidance, ..self };
             let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
             let recorded = std::mem::take(&mut log.recorded);
             (skin::layer_collapses(&input, &skin.vertices, &log, legal, by_stamp), recorded, legal)
@@ -230,12 +231,13 @@ impl<'a> Run<'a> {
     fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
         let Self { mesh, options, .. } = *self;
         let attributes = if options.attributes {
-            let joints_move = self.guidance.shapes.is_some_and(|shapes| shapes.joints_move);
+            let as_modelled = SeenShapes::default();
+            let seen = self.guidance.shapes.unwrap_or(&as_modelled);
             let weights = |submesh: u32| {
                 let weights = self.weights(submesh);
-                Weights { skin: if joints_move { 0.0 } else { weights.skin }, ..weights }
+                Weights { skin: if seen.joints_move { 0.0 } else { weights.skin }, ..weights }
             };
-            Attributes::new(mesh, weights, input.scale, input.size)
+            Attributes::new(mesh, seen, weights, input.scale, input.size)
         } else {
             Attributes::none()
         };

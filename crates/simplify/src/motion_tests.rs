@@ -1,8 +1,10 @@
 //! What other shapes than that at rest do to a simplification.
 
-use crate::{Guidance, Options, SeenShape, SeenShapes, simplify, simplify_guided, simplify_with};
+use crate::{
+    Guidance, Options, SeenShape, SeenShapes, Weights, simplify, simplify_guided, simplify_with,
+};
 use lodc_fixtures::terrain;
-use lodc_mesh::{Mesh, Simplified};
+use lodc_mesh::{Attribute, Component, Mesh, Semantic, Simplified};
 
 fn guided(mesh: &Mesh, shapes: &SeenShapes) -> Simplified {
     let guidance = Guidance { shapes: Some(shapes), ..Guidance::default() };
@@ -21,7 +23,8 @@ fn raised(mesh: &Mesh, places: &[[f32; 2]], weight: f64) -> SeenShapes {
                 if squared < 0.02 { 0.3 * size * (1.0 - squared / 0.02).powi(2) } else { 0.0 };
             [p[0], p[1], p[2] + height]
         };
-        SeenShape { positions: mesh.positions().iter().map(raise).collect(), weight }
+        let positions = mesh.positions().iter().map(raise).collect();
+        SeenShape { positions, normals: Vec::new(), weight }
     };
     SeenShapes { others: places.iter().map(shape).collect(), ..SeenShapes::default() }
 }
@@ -57,10 +60,58 @@ fn vertices_stay_where_a_shape_needs_them() {
     assert!(at(&raised(&mesh, &[place], 1e-6)) < raised_there, "a weight counts");
 }
 
+/// A shape that moves nothing, but turns normals near a place.
+fn turned(mesh: &Mesh, [x, y]: [f32; 2], normals: bool) -> SeenShapes {
+    let (lo, hi) = mesh.bounds();
+    let size = hi[0] - lo[0];
+    let turn = |p: &[f32; 3]| {
+        let (x, y) = ((p[0] - lo[0]) / size - x, (p[1] - lo[1]) / size - y);
+        let near = x.hypot(y) < 0.14;
+        if near { [(40.0 * x).sin(), (40.0 * y).sin(), 1.0] } else { [0.0, 0.0, 1.0] }
+    };
+    let positions = mesh.positions().to_vec();
+    let normals = if normals { mesh.positions().iter().map(turn).collect() } else { Vec::new() };
+    let others = vec![SeenShape { positions, normals, weight: 1.0 }];
+    SeenShapes { others, ..SeenShapes::default() }
+}
+
+#[test]
+fn normals_of_shapes_count_like_normals() {
+    let mesh = with_normals(&terrain());
+    let place = [0.4, 0.6];
+    let at = |normals| vertices_near(&guided(&mesh, &turned(&mesh, place, normals)), place);
+    let (rest, turned_there) = (at(false), at(true));
+    assert!(turned_there as f64 > 1.4 * rest as f64, "{turned_there} {rest}");
+    let weights = Weights { normal: 0.0, ..Weights::DEFAULT };
+    let shapes = turned(&mesh, place, true);
+    let guidance = Guidance { shapes: Some(&shapes), ..Guidance::default() };
+    let options = Options { weights, ..Options::DEFAULT };
+    let without = simplify_guided(&mesh, &options, guidance, &|_, _| {});
+    assert!(vertices_near(&without, place) < turned_there, "a weight counts");
+}
+
+/// A mesh with all its normals upward.
+fn with_normals(mesh: &Mesh) -> Mesh {
+    let mut parts = mesh.clone().into_parts();
+    let up: Vec<u8> = [0.0f32, 0.0, 1.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let number = parts.attributes.len() as u32;
+    parts.attributes.push(Attribute {
+        semantic: Semantic::Normal,
+        morph_target: None,
+        component: Component::F32,
+        components: 3,
+        normalized: false,
+        bytes: up.repeat(parts.positions.len()),
+    });
+    parts.submeshes.iter_mut().for_each(|s| s.attributes.push(number));
+    Mesh::try_from(parts).expect("a mesh")
+}
+
 #[test]
 fn shapes_that_are_those_at_rest_change_nothing() {
     let mesh = terrain();
-    let shape = SeenShape { positions: mesh.positions().to_vec(), weight: 1.0 };
+    let (positions, normals) = (mesh.positions().to_vec(), Vec::new());
+    let shape = SeenShape { positions, normals, weight: 1.0 };
     let same = SeenShapes { others: vec![shape; 3], ..SeenShapes::default() };
     let plain = simplify(&mesh, &Options::DEFAULT, &|_, _| {});
     assert_eq!(guided(&mesh, &same), plain);

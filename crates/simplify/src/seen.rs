@@ -7,6 +7,8 @@ use lodc_mesh::Mesh;
 pub struct SeenShapes {
     /// Positions at rest, one for each vertex. Empty: those of the mesh.
     pub at_rest: Vec<[f32; 3]>,
+    /// Normals at rest, of any length, one for each vertex. Empty: those of the mesh.
+    pub normals_at_rest: Vec<[f32; 3]>,
     /// Others, of which the first 128 count.
     pub others: Vec<SeenShape>,
     /// Joints move some of these. Then what differences of joints cost is seen there.
@@ -18,6 +20,8 @@ pub struct SeenShapes {
 pub struct SeenShape {
     /// One for each vertex, in units of the mesh.
     pub positions: Vec<[f32; 3]>,
+    /// One for each vertex, of any length. Empty: those at rest.
+    pub normals: Vec<[f32; 3]>,
     /// The factor of costs in it.
     pub weight: f64,
 }
@@ -34,12 +38,14 @@ impl SeenShapes {
             [] => Vec::new(),
             _ => vertices.iter().map(|&v| positions[v as usize]).collect(),
         };
-        let others = self
-            .others
-            .iter()
-            .map(|shape| SeenShape { positions: gather(&shape.positions), weight: shape.weight });
+        let others = self.others.iter().map(|shape| SeenShape {
+            positions: gather(&shape.positions),
+            normals: gather(&shape.normals),
+            weight: shape.weight,
+        });
         Self {
             at_rest: gather(&self.at_rest),
+            normals_at_rest: gather(&self.normals_at_rest),
             others: others.collect(),
             joints_move: self.joints_move,
         }

@@ -7,11 +7,13 @@ use crate::exit::{Failure, Outcome};
 use crate::help::BECOMES;
 use crate::mesh_output::FormatName;
 use clap::Args;
+use lodc::build::GlideJudge;
 use lodc::glide::{bends, joints_error, pose_error};
 use lodc_formats::Limits;
 use lodc_formats::export::{GlideFacts, ScreenFacts};
 use lodc_formats::gltf::MovedStreams;
 use lodc_mesh::{Lod, Mesh};
+use lodc_scene::ObjectShapes;
 use std::ops::Range;
 use std::path::Path;
 
@@ -80,8 +82,13 @@ pub(super) fn check(levels: &[Level]) -> Outcome<()> {
 }
 
 /// States the distances of levels whose errors are known. `pose_errors` are those of each level, of
-/// meshes that bend.
-pub(super) fn set_distances(args: &LevelArgs, levels: &mut [Level], pose_errors: &[Option<f64>]) {
+/// meshes that bend; `staying` are the numbers of vertices that stay.
+pub(super) fn set_distances(
+    args: &LevelArgs,
+    levels: &mut [Level],
+    pose_errors: &[Option<f64>],
+    staying: &[u64],
+) {
     for level in levels.iter_mut() {
         level.distance = level.distance.or_else(|| args.distance(level.error));
     }
@@ -92,7 +99,8 @@ pub(super) fn set_distances(args: &LevelArgs, levels: &mut [Level], pose_errors:
         let morph_from = level.distance.zip(next).map(own_part);
         let distance = level.distance;
         let pose_error = pose_errors.get(k).copied().flatten();
-        level.glide = Some(GlideFacts { distance, morph_from, pose_error });
+        let staying = staying.get(k).copied().unwrap_or(0);
+        level.glide = Some(GlideFacts { distance, morph_from, pose_error, staying });
     }
 }
 
@@ -146,6 +154,32 @@ pub(super) fn pose_errors(
         }));
     }
     Ok(errors)
+}
+
+/// Shapes of all objects: those that errors are over, and those with each morph target.
+pub(super) struct GlideShapes {
+    stated: Vec<ObjectShapes>,
+    targets: Vec<ObjectShapes>,
+}
+
+impl GlideShapes {
+    pub(super) fn new(asset: &AssetWithLevels, limits: &Limits) -> Outcome<Self> {
+        let AssetWithLevels { objects, document, .. } = asset;
+        let stated = lodc::stated_shapes(objects, document, limits)?;
+        Ok(Self { stated, targets: lodc::target_shapes(objects, document, limits)? })
+    }
+
+    /// Judges the levels of an object; none if nothing bends it.
+    pub(super) fn judge(&self, asset: &AssetWithLevels, object: usize) -> Option<GlideJudge<'_>> {
+        let mesh = asset.objects[object].simplified.mesh();
+        GlideJudge::new(mesh, &self.stated[object], &self.targets[object])
+    }
+}
+
+/// The error of an object's level or of the next one, the larger.
+pub(super) fn larger_error(levels: &[Level], level: usize, object: usize) -> f64 {
+    let error = |k: usize| levels.get(k).map_or(0.0, |level| level.distances[object].error);
+    error(level).max(error(level + 1))
 }
 
 /// The vertices of an object that move from a level to the next. `vertex_counts` are those of its

@@ -86,6 +86,7 @@ impl Level {
             distance: self.distance,
             morph_from: self.glide.and_then(|glide| glide.morph_from),
             geomorph_pose_error: self.glide.and_then(|glide| glide.pose_error),
+            geomorph_staying: self.glide.map(|glide| glide.staying),
             gone: self.gone.clone(),
             output: output.display().to_string(),
         }

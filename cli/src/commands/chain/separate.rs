@@ -1,6 +1,6 @@
 //! Writes a chain as separate files, one for each level.
 
-use super::glide::{self, MovingMesh};
+use super::glide::{self, GlideShapes, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
 use crate::commands::asset::AssetWithLevels;
@@ -8,12 +8,14 @@ use crate::compression::Packing;
 use crate::exit::Outcome;
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
-use lodc::glide::{GlidingLevel, gliding_levels};
+use lodc::build::Way;
+use lodc::glide::{GlidingLevel, gliding_levels, with_staying};
 use lodc::level_mesh::{self, LevelMesh, MeshOptions, Order};
 use lodc_formats::export::Additions;
 use lodc_formats::gltf::{ChainObject, ChainShape, Glide, export_chain};
 use lodc_mesh::{LevelTriangles, Mesh, Submesh};
 use lodc_strip::{codec_order_list, order_list};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 pub(super) fn files(
@@ -82,19 +84,41 @@ pub(super) fn gliding_files(
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
         all.push(meshes);
     }
+    let moved_streams = args.glide.moved_streams().unwrap_or_default();
+    let shapes = GlideShapes::new(asset, &limits)?;
     let of_object = |o: usize| {
         let of_levels: Vec<_> = (0..all.len()).map(|k| (levels[k].lods[o], &all[k][o])).collect();
-        gliding_levels(&objects[o], &of_levels, args.refit)
+        let mut gliding = gliding_levels(&objects[o], &of_levels, args.refit)?;
+        let judge = shapes.judge(asset, o);
+        let mut staying = vec![0; gliding.len()];
+        for (k, own) in gliding.iter_mut().enumerate().take(of_levels.len() - 1) {
+            let Some(judge) = &judge else { break };
+            let way = Way {
+                now: &own.mesh,
+                next: &own.next,
+                triangles: own.mesh.triangles(),
+                moving: own.moving.clone(),
+                takes_joints: moved_streams.joints,
+                error: glide::larger_error(levels, k, o),
+            };
+            let vertices = judge.staying(&way);
+            staying[k] = vertices.len() as u64;
+            own.next = with_staying(&own.mesh, own.next.clone(), &vertices);
+        }
+        Ok((gliding, staying))
     };
-    let gliding: Vec<Vec<GlidingLevel>> =
-        (0..objects.len()).map(of_object).collect::<Result<_, _>>()?;
-    let moved_streams = args.glide.moved_streams().unwrap_or_default();
+    let made: Vec<(Vec<GlidingLevel>, Vec<u64>)> =
+        (0..objects.len()).into_par_iter().map(of_object).collect::<Result<_, lodc::Error>>()?;
+    let (gliding, staying): (Vec<_>, Vec<_>) = made.into_iter().unzip();
+    let staying: Vec<u64> = (0..levels.len())
+        .map(|k| staying.iter().map(|of_object: &Vec<u64>| of_object[k]).sum())
+        .collect();
     let moving_meshes = |level: usize| -> Vec<MovingMesh<'_>> {
         gliding.iter().map(|g| (&g[level].mesh, &g[level].next, g[level].moving.clone())).collect()
     };
     let ways: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(moving_meshes).collect();
     let errors = glide::pose_errors(asset, &ways, moved_streams.joints, &limits)?;
-    glide::set_distances(&args.levels, levels, &errors);
+    glide::set_distances(&args.levels, levels, &errors, &staying);
 
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
     let last = levels.len().saturating_sub(1);

@@ -1,11 +1,13 @@
 //! Writes a chain as one file, all levels over one vertex buffer.
 
-use super::glide::{self, MovingMesh};
+use super::glide::{self, GlideShapes, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance, showing_nodes};
 use crate::commands::asset::AssetWithLevels;
 use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::FormatName;
+use lodc::build::{GlideJudge, Way};
+use lodc::glide::with_staying;
 use lodc::{
     LodObject,
     level_mesh::{self, CACHE_VERTICES},
@@ -40,7 +42,7 @@ pub(super) fn files(
         })
         .collect::<Outcome<_>>()?;
     // Of each object the mesh that each vertex glides to.
-    let next: Vec<Mesh> = match moved_streams {
+    let mut next: Vec<Mesh> = match moved_streams {
         Some(_) => made.par_iter().map(GlidingChain::next).collect(),
         None => Vec::new(),
     };
@@ -55,6 +57,18 @@ pub(super) fn files(
         level.vertices = chains.iter().map(|c| u64::from(c.prefixes[k])).sum();
     }
     if let Some(moved_streams) = moved_streams {
+        let limits = args.export.import.limits().limits();
+        let shapes = GlideShapes::new(asset, &limits)?;
+        let held = (next.into_par_iter().enumerate()).map(|(o, next)| {
+            let judge = shapes.judge(asset, o);
+            hold_back(chains[o], next, judge.as_ref(), moved_streams, |k| {
+                glide::larger_error(levels, k, o)
+            })
+        });
+        let staying: Vec<Vec<u64>>;
+        (next, staying) = held.collect();
+        let staying: Vec<u64> =
+            (0..levels.len()).map(|k| staying.iter().map(|of_object| of_object[k]).sum()).collect();
         let of_level = |level: usize| -> Vec<MovingMesh<'_>> {
             let of_object = |o: usize| {
                 let moving = glide::moving(&chains[o].prefixes, level).unwrap_or(0..0);
@@ -63,9 +77,8 @@ pub(super) fn files(
             (0..chains.len()).map(of_object).collect()
         };
         let moving_meshes: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(of_level).collect();
-        let limits = args.export.import.limits().limits();
         let errors = glide::pose_errors(asset, &moving_meshes, moved_streams.joints, &limits)?;
-        glide::set_distances(&args.levels, levels, &errors);
+        glide::set_distances(&args.levels, levels, &errors, &staying);
     }
     let glide = |object: usize, moved_streams: MovedStreams| Glide {
         next: &next[object],
@@ -91,6 +104,33 @@ pub(super) fn files(
         ChainShape::IndexRanges => None,
     };
     Ok(Files { files, of_level: vec![out.to_owned(); levels.len()], note })
+}
+
+/// The vertices of an object where they go, of which those stay that would spoil a shape; with the
+/// number of these by level. `error` is the larger one of a level and the next.
+fn hold_back(
+    chain: &Chain,
+    mut next: Mesh,
+    judge: Option<&GlideJudge<'_>>,
+    moved_streams: MovedStreams,
+    error: impl Fn(usize) -> f64,
+) -> (Mesh, Vec<u64>) {
+    let mut staying = vec![0; chain.levels.len()];
+    for (k, triangles) in chain.levels.iter().enumerate() {
+        let (Some(judge), Some(moving)) = (judge, glide::moving(&chain.prefixes, k)) else { break };
+        let way = Way {
+            now: &chain.mesh,
+            next: &next,
+            triangles: &triangles.concat(),
+            moving,
+            takes_joints: moved_streams.joints,
+            error: error(k),
+        };
+        let vertices = judge.staying(&way);
+        staying[k] = vertices.len() as u64;
+        next = with_staying(&chain.mesh, next, &vertices);
+    }
+    (next, staying)
 }
 
 /// A line where most of a file are nodes that only repeat a mesh: each has a node for every level.

@@ -7,6 +7,7 @@ mod builder;
 mod colours;
 mod errors;
 mod estimate;
+mod gliding;
 mod judge;
 mod models;
 mod object_pictures;
@@ -21,6 +22,7 @@ pub use errors::{
     DEFAULT_POSES, LevelDistance, choose_poses, measure_all, measure_levels, step_errors,
 };
 pub use estimate::{Need, Size};
+pub use gliding::{GlideJudge, Way};
 pub use models::{build_models, check_models, models};
 pub use refitted::{measured, refitted_meshes};
 pub use scene_context::{Importance, SceneContext};

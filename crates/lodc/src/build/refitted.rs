@@ -73,13 +73,13 @@ pub fn measured(
 
 /// An input in the shapes that its errors are the largest over. A skin at rest, default morph
 /// weights or an uneven scale may make the first another than that of the mesh as it is.
-struct Originals<'a> {
-    shapes: &'a [Shape],
-    originals: Vec<Measurable>,
+pub(super) struct Originals<'a> {
+    pub(super) shapes: &'a [Shape],
+    pub(super) originals: Vec<Measurable>,
 }
 
 impl<'a> Originals<'a> {
-    fn new(shapes: &'a [Shape], input: &Mesh) -> Self {
+    pub(super) fn new(shapes: &'a [Shape], input: &Mesh) -> Self {
         let originals = shapes.iter().map(|shape| measurable(input, &shape.of(input))).collect();
         Self { shapes, originals }
     }
@@ -179,7 +179,12 @@ fn kept_share(before: &[f64], now: &[f64]) -> f64 {
 
 /// The surface of a mesh with its vertices at other positions.
 fn measurable(mesh: &Mesh, positions: &[[f32; 3]]) -> Measurable {
-    Measurable::new(mesh.triangles().iter().map(|t| t.map(|v| positions[v as usize])))
+    measurable_of(mesh.triangles(), |v| positions[v as usize])
+}
+
+/// The surface of triangles, given the positions of their corners.
+pub(super) fn measurable_of(triangles: &[[u32; 3]], at: impl Fn(u32) -> [f32; 3]) -> Measurable {
+    Measurable::new(triangles.iter().map(|t| t.map(&at)))
 }
 
 #[cfg(test)]

@@ -6,7 +6,8 @@ use super::watch::run_stage;
 use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
 use lodc_formats::{ObjectInfo, SceneObject, scene_motion};
-use lodc_mesh::{Attribute, Mesh, Simplified};
+use lodc_mesh::{Attribute, Mesh, Semantic, Simplified};
+use lodc_scene::TargetShape;
 use lodc_simplify::{
     Guidance, MetricKind, Options, Prefix, RecordedCollapses, SeenShape, SeenShapes,
     SurfaceColours, Weights, simplify_recorded,
@@ -58,7 +59,9 @@ fn seen_shapes(
     context: SceneContext<'_>,
 ) -> Result<Vec<Option<SeenShapes>>, Error> {
     let SceneContext { document, poses, limits, .. } = context;
-    let moves = |o: &SceneObject| o.mesh.attributes().iter().any(Attribute::moves);
+    let moved =
+        |a: &Attribute| a.moves() || a.morph_target.is_some() && a.semantic == Semantic::Normal;
+    let moves = |o: &SceneObject| o.mesh.attributes().iter().any(moved);
     if poses == 0 || !objects.iter().any(moves) {
         return Ok(vec![None; objects.len()]);
     }
@@ -68,15 +71,21 @@ fn seen_shapes(
     let postures = motion.choose(&meshes, poses);
     let seen = |number: usize| {
         let seen = motion.seen(meshes[number], number, &postures[number])?;
-        let weighted = |weight: f64| move |positions| SeenShape { positions, weight };
+        let weighted =
+            |weight: f64| move |positions| SeenShape { positions, normals: Vec::new(), weight };
         // Costs are squares of lengths.
         let Weights { skin, morph, .. } = options[number].weights;
         let (skin, morph) = (skin.powi(2), morph.powi(2));
         let joints_move = !seen.poses.is_empty();
         let placements = seen.placements.into_iter().map(weighted(1.0));
         let poses = seen.poses.into_iter().map(weighted(skin));
-        let others = placements.chain(poses).chain(seen.targets.into_iter().map(weighted(morph)));
-        Some(SeenShapes { at_rest: seen.at_rest, others: others.collect(), joints_move })
+        let targets = seen.targets.into_iter().map(|shape: TargetShape| {
+            let TargetShape { positions, normals } = shape;
+            SeenShape { positions, normals, weight: morph }
+        });
+        let others = placements.chain(poses).chain(targets).collect();
+        let (at_rest, normals_at_rest) = (seen.at_rest, seen.normals_at_rest);
+        Some(SeenShapes { at_rest, normals_at_rest, others, joints_move })
     };
     Ok((0..objects.len()).into_par_iter().map(seen).collect())
 }

@@ -4,7 +4,7 @@
 use super::report::CheckReport;
 use lodc_formats::{Glide, GlidePart, ShippedLevels};
 use lodc_mesh::{DisjointSets, position_key};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest number of positions that rounding cannot tell apart for one vertex. Chosen by hand, to
 /// bound the time that crafted files take.
@@ -13,14 +13,19 @@ const MAX_CANDIDATES: usize = 64;
 /// Checks that each level that moves becomes the next one: the triangles that then have an area are
 /// the next level's, all of them, corner by corner, with the other values that move, to one unit in
 /// the last place of the larger number. Positions of the next level among which a vertex that moves
-/// may have come to any, as rounding goes, are one: triangles between them have no area. None if no
-/// level moves.
+/// may have come to any, as rounding goes, are one: triangles between them have no area. As many
+/// vertices as a level states may stay: of their triangles nothing is known. None if no level
+/// moves.
 #[must_use]
 pub fn check_glide(shipped: &ShippedLevels) -> Option<CheckReport> {
     let count = shipped.glides.len() as u64;
+    let stated = |level: usize| shipped.stated.levels.get(level)?.glide.map(|glide| glide.staying);
+    let mut may_stay: BTreeMap<usize, u64> = BTreeMap::new();
     let found = shipped.glides.iter().find_map(|glide| {
-        let what = difference(glide)?;
-        Some(format!("level {} moves: {}: {what}", glide.level, glide.location))
+        let level = glide.level;
+        let may_stay = may_stay.entry(level).or_insert_with(|| stated(level).unwrap_or(0));
+        let what = difference(glide, may_stay)?;
+        Some(format!("level {level} moves: {}: {what}", glide.location))
     });
     let report = CheckReport::new(None, "levels", "become the next ones");
     (count > 0).then(|| report.of(count, found))
@@ -34,14 +39,15 @@ struct Corners {
     vertices: [u32; 3],
 }
 
-fn difference(glide: &Glide) -> Option<String> {
+/// `may_stay` is how many vertices may stay; those that do are taken off.
+fn difference(glide: &Glide, may_stay: &mut u64) -> Option<String> {
     let mut kinds: Vec<&str> = glide.from.iter().chain(&glide.to).map(|part| &*part.kind).collect();
     kinds.sort_unstable();
     kinds.dedup();
     kinds.into_iter().find_map(|kind| {
         let parts_of_kind =
             |parts: &[GlidePart]| joined(parts.iter().filter(|part| part.kind == kind));
-        kind_difference(&parts_of_kind(&glide.from), &parts_of_kind(&glide.to))
+        kind_difference(&parts_of_kind(&glide.from), &parts_of_kind(&glide.to), may_stay)
     })
 }
 
@@ -58,7 +64,7 @@ fn joined<'a>(parts: impl Iterator<Item = &'a GlidePart>) -> GlidePart {
     all
 }
 
-fn kind_difference(from: &GlidePart, to: &GlidePart) -> Option<String> {
+fn kind_difference(from: &GlidePart, to: &GlidePart, may_stay: &mut u64) -> Option<String> {
     let width = from.width.max(to.width);
     if width < 3 || from.values.len() != from.moved.len() {
         return (!from.triangles.is_empty()).then(|| "has no positions".to_owned());
@@ -75,12 +81,28 @@ fn kind_difference(from: &GlidePart, to: &GlidePart) -> Option<String> {
             found[v as usize] = positions.find(before, moved);
         }
     }
+    let some_stay = *may_stay > 0;
+    let mut stays = vec![false; found.len()];
+    if some_stay {
+        for (v, stays) in (0..).zip(&mut stays) {
+            *stays = row(&from.values, v, width) == row(&from.moved, v, width);
+        }
+    }
+    // Vertices that stay, and the number of triangles at them that are none of the next level.
+    let (mut staying, mut left_behind) = (BTreeSet::new(), 0);
     let mut arrived: Vec<Corners> = Vec::new();
     for t in &from.triangles {
         let moved_to = t.map(|v| found[v as usize].map(|number| positions.one_of(number)));
         match moved_to {
             [Some(a), Some(b), Some(c)] if a != b && b != c && c != a => {
                 arrived.push(rotated([a, b, c], *t));
+            }
+            _ if t.iter().any(|&v| stays[v as usize])
+                && t.iter().zip(moved_to).all(|(&v, to)| to.is_some() || stays[v as usize]) =>
+            {
+                let lost = t.iter().zip(moved_to).filter(|(_, to)| to.is_none());
+                staying.extend(lost.map(|(&v, _)| v));
+                left_behind += 1;
             }
             [Some(_), Some(_), Some(_)] => {}
             _ if is_flat(from, *t, width) => {}
@@ -108,6 +130,15 @@ fn kind_difference(from: &GlidePart, to: &GlidePart) -> Option<String> {
     };
     order(from, &mut arrived, |part| &part.moved);
     order(to, &mut wanted, |part| &part.values);
+    if some_stay {
+        let missing = leave_behind(&mut arrived, &mut wanted, &stays);
+        left_behind += missing.arrived;
+        *may_stay = match may_stay.checked_sub(staying.len() as u64) {
+            Some(rest) if missing.wanted <= left_behind => rest,
+            Some(_) => return Some(format!("lacks {} triangles there", missing.wanted)),
+            None => return Some(format!("{} vertices stay, more than it states", staying.len())),
+        };
+    }
     if arrived.len() != wanted.len() {
         return Some(format!("has {} triangles there, {} are wanted", arrived.len(), wanted.len()));
     }
@@ -117,12 +148,39 @@ fn kind_difference(from: &GlidePart, to: &GlidePart) -> Option<String> {
         }
         (0..3).find_map(|k| {
             let (v, w) = (triangle.vertices[k], next.vertices[k]);
+            if stays[v as usize] {
+                return None;
+            }
             let (before, moved) = (row(&from.values, v, width), row(&from.moved, v, width));
             let goal = row(&to.values, w, width);
             let wrong = (3..width).find(|&c| !is_near(before[c], moved[c], goal[c]))?;
             Some(format!("vertex {v} has {} in place {wrong}, not {}", moved[wrong], goal[wrong]))
         })
     })
+}
+
+/// Numbers of triangles that the other side lacks.
+struct Missing {
+    arrived: usize,
+    wanted: usize,
+}
+
+/// Takes those triangles out of two sorted lists that are at the same positions a different number
+/// of times, if a vertex of them stays, and those of the next level that they leave open.
+fn leave_behind(arrived: &mut Vec<Corners>, wanted: &mut Vec<Corners>, stays: &[bool]) -> Missing {
+    let mut balance: BTreeMap<[u32; 3], i64> = BTreeMap::new();
+    let touched = |t: &Corners| t.vertices.iter().any(|&v| stays[v as usize]);
+    let at_staying: BTreeSet<[u32; 3]> =
+        arrived.iter().filter(|t| touched(t)).map(|t| t.positions).collect();
+    arrived.iter().for_each(|t| *balance.entry(t.positions).or_default() += 1);
+    wanted.iter().for_each(|t| *balance.entry(t.positions).or_default() -= 1);
+    let is_open = |t: &Corners| {
+        balance[&t.positions] < 0 || balance[&t.positions] > 0 && at_staying.contains(&t.positions)
+    };
+    let before = [arrived.len(), wanted.len()];
+    arrived.retain(|t| !is_open(t));
+    wanted.retain(|t| !is_open(t));
+    Missing { arrived: before[0] - arrived.len(), wanted: before[1] - wanted.len() }
 }
 
 /// The values of a vertex.

@@ -6,11 +6,14 @@ use crate::placement::Placement;
 use crate::posed::{Streams, vector};
 use glam::{DVec3, Vec3};
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic, SplitMix64};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The most shapes with morph targets that are looked at. Where more targets move the same places,
 /// those of the largest deltas count. Chosen by hand.
 pub const MAX_TARGET_SHAPES: usize = 96;
+/// Deltas of normals that are shorter turn nothing. Chosen by hand: about the rounding of normals
+/// in eight bits.
+const MIN_TURN: f64 = 0.01;
 /// Deltas of less than this share of the object's diagonal move nothing. Chosen by hand: about the
 /// rounding of deltas in sixteen bits.
 const MIN_DELTA_SHARE: f64 = 1e-5;
@@ -26,13 +29,24 @@ const COMPARED_PAIRS: usize = 1024;
 pub struct SeenPositions {
     /// As it was modelled, with the morph weights that it has by default. Empty if these are 0.
     pub at_rest: Vec<[f32; 3]>,
+    /// The normals there. Empty if they are those of the mesh.
+    pub normals_at_rest: Vec<[f32; 3]>,
     /// With morph targets at weight 1, each by itself; targets that move places apart from each
     /// other share a shape.
-    pub targets: Vec<Vec<[f32; 3]>>,
+    pub targets: Vec<TargetShape>,
     /// In placements that give it another shape.
     pub placements: Vec<Vec<[f32; 3]>>,
     /// In poses of animations.
     pub poses: Vec<Vec<[f32; 3]>>,
+}
+
+/// The shape of an object with morph targets.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TargetShape {
+    /// One for each vertex.
+    pub positions: Vec<[f32; 3]>,
+    /// One for each vertex, of any length; empty if they are those at rest.
+    pub normals: Vec<[f32; 3]>,
 }
 
 impl Motion {
@@ -41,9 +55,9 @@ impl Motion {
     /// nor morph targets move it.
     #[must_use]
     pub fn seen(&self, mesh: &Mesh, object: usize, postures: &[Posture]) -> Option<SeenPositions> {
-        let deltas = deltas(mesh);
+        let [deltas, turns] = [Semantic::Position, Semantic::Normal].map(|s| deltas(mesh, &s));
         let is_skinned = self.rest.of(object).any(|placement| !placement.joints.is_empty());
-        if deltas.is_empty() && !is_skinned {
+        if deltas.is_empty() && turns.is_empty() && !is_skinned {
             return None;
         }
         let is_moment = |p: &&Posture| matches!(p, Posture::Moment { .. });
@@ -56,7 +70,13 @@ impl Motion {
         let diagonal = diagonal(&at_rest);
         let others = other_shapes(mesh, &shapes, &at_rest, diagonal);
         [seen.placements, seen.poses] = others;
-        seen.targets = target_shapes(mesh, &deltas, &weights, &at_rest, diagonal);
+        let normals = normals_at_rest(mesh, &weights);
+        let targets = Targets { deltas, turns, weights: &weights };
+        seen.targets = target_shapes(mesh, &targets, &at_rest, &normals, diagonal);
+        let is_turned = !targets.turns.is_empty() && weights.iter().any(|w| *w != 0.0);
+        if is_turned {
+            seen.normals_at_rest = normals.into_iter().map(to_single).collect();
+        }
         if at_rest.iter().zip(mesh.positions()).any(|(p, raw)| to_single(*p) != *raw) {
             seen.at_rest = at_rest.into_iter().map(to_single).collect();
         }
@@ -68,10 +88,10 @@ fn to_single(p: DVec3) -> [f32; 3] {
     p.as_vec3().to_array()
 }
 
-/// The deltas of positions of each morph target that moves vertices.
-fn deltas(mesh: &Mesh) -> BTreeMap<u32, Vec<&Attribute>> {
+/// The deltas that each morph target has of positions or normals.
+fn deltas<'a>(mesh: &'a Mesh, semantic: &Semantic) -> BTreeMap<u32, Vec<&'a Attribute>> {
     let mut deltas: BTreeMap<u32, Vec<&Attribute>> = BTreeMap::new();
-    for a in mesh.attributes().iter().filter(|a| a.semantic == Semantic::Position) {
+    for a in mesh.attributes().iter().filter(|a| a.semantic == *semantic) {
         if let Some(target) = a.morph_target {
             deltas.entry(target).or_default().push(a);
         }
@@ -84,6 +104,14 @@ fn at_rest(mesh: &Mesh, weights: &[f64]) -> Vec<DVec3> {
     let placement = Placement { weights: weights.into(), ..Placement::as_modelled(0) };
     let streams = Streams::of(mesh, &placement);
     (0..mesh.vertex_count() as u32).map(|v| streams.position(mesh, v)).collect()
+}
+
+/// The normals as modelled, with morph weights; zero where a vertex has none.
+fn normals_at_rest(mesh: &Mesh, weights: &[f64]) -> Vec<DVec3> {
+    let placement = Placement { weights: weights.into(), ..Placement::as_modelled(0) };
+    let streams = Streams::of(mesh, &placement);
+    let normal = |v: u32| streams.normal(mesh, v).filter(|n| n.is_finite()).unwrap_or_default();
+    (0..mesh.vertex_count() as u32).map(normal).collect()
 }
 
 fn diagonal(positions: &[DVec3]) -> f64 {
@@ -129,9 +157,40 @@ fn other_shapes(
     found
 }
 
+/// The morph targets of a mesh.
+struct Targets<'a> {
+    /// The deltas of positions of each.
+    deltas: BTreeMap<u32, Vec<&'a Attribute>>,
+    /// The deltas of normals of each.
+    turns: BTreeMap<u32, Vec<&'a Attribute>>,
+    /// The weights by default.
+    weights: &'a [f64],
+}
+
+impl Targets<'_> {
+    /// The vertices that a target moves or turns by more than `least`, and by how much, beyond what
+    /// its default weight does.
+    fn changed(
+        &self,
+        streams: Option<&Vec<&Attribute>>,
+        target: u32,
+        vertices: usize,
+        least: f64,
+    ) -> Vec<(usize, DVec3)> {
+        let Some(streams) = streams else { return Vec::new() };
+        let weight = 1.0 - self.weights.get(target as usize).copied().unwrap_or(0.0);
+        (0..vertices)
+            .map(|v| (v, weight * streams.iter().map(|a| vector(a, v as u32)).sum::<DVec3>()))
+            .filter(|(_, delta)| delta.is_finite() && delta.length() > least)
+            .collect()
+    }
+}
+
 /// A shape that several targets share.
 struct Shared {
     positions: Vec<DVec3>,
+    /// The normals of vertices that have others than at rest.
+    normals: Vec<(usize, DVec3)>,
     /// The positions that they move, or that are next to those.
     taken: Vec<bool>,
     /// The length of the largest delta.
@@ -142,28 +201,28 @@ struct Shared {
 /// next to each other, share a shape.
 fn target_shapes(
     mesh: &Mesh,
-    deltas: &BTreeMap<u32, Vec<&Attribute>>,
-    weights: &[f64],
+    targets: &Targets<'_>,
     at_rest: &[DVec3],
+    normals: &[DVec3],
     diagonal: f64,
-) -> Vec<Vec<[f32; 3]>> {
+) -> Vec<TargetShape> {
     let ids = mesh.position_ids();
-    let least = MIN_DELTA_SHARE * diagonal;
+    let vertices = mesh.vertex_count();
+    let numbers: BTreeSet<u32> =
+        targets.deltas.keys().chain(targets.turns.keys()).copied().collect();
     let mut all: Vec<Shared> = Vec::new();
-    for (&target, streams) in deltas {
-        let weight = 1.0 - weights.get(target as usize).copied().unwrap_or(0.0);
-        let moved: Vec<(usize, DVec3)> = (0..mesh.vertex_count())
-            .map(|v| {
-                let delta = streams.iter().map(|a| vector(a, v as u32)).sum::<DVec3>();
-                (v, weight * delta)
-            })
-            .filter(|(_, delta)| delta.is_finite() && delta.length() > least)
-            .collect();
-        if moved.is_empty() {
+    for target in numbers {
+        let changed = |streams: &BTreeMap<u32, Vec<&Attribute>>, least: f64| {
+            targets.changed(streams.get(&target), target, vertices, least)
+        };
+        let moved = changed(&targets.deltas, MIN_DELTA_SHARE * diagonal);
+        let turned = changed(&targets.turns, MIN_TURN);
+        if moved.is_empty() && turned.is_empty() {
             continue;
         }
         let mut near = vec![false; ids.len()];
-        moved.iter().for_each(|&(v, _)| near[ids.of_vertex[v] as usize] = true);
+        let changed = moved.iter().chain(&turned);
+        changed.for_each(|&(v, _)| near[ids.of_vertex[v] as usize] = true);
         let positions = |t: &[u32; 3]| t.map(|v| ids.of_vertex[v as usize] as usize);
         let touched: Vec<[usize; 3]> =
             mesh.triangles().iter().map(positions).filter(|t| t.iter().any(|&p| near[p])).collect();
@@ -174,8 +233,8 @@ fn target_shapes(
         let shared = match all.iter_mut().find(is_apart) {
             Some(shared) => shared,
             None => {
-                let taken = vec![false; ids.len()];
-                all.push(Shared { positions: at_rest.to_vec(), taken, largest: 0.0 });
+                let (positions, taken) = (at_rest.to_vec(), vec![false; ids.len()]);
+                all.push(Shared { positions, normals: Vec::new(), taken, largest: 0.0 });
                 all.last_mut().expect("just pushed")
             }
         };
@@ -184,8 +243,20 @@ fn target_shapes(
             shared.positions[v] += delta;
             shared.largest = shared.largest.max(delta.length());
         }
+        let normal =
+            |(v, delta): (usize, DVec3)| (v, (normals[v] + delta).normalize_or(normals[v]));
+        shared.normals.extend(turned.into_iter().map(normal));
     }
     all.sort_by(|a, b| b.largest.total_cmp(&a.largest));
     all.truncate(MAX_TARGET_SHAPES);
-    all.into_iter().map(|shape| shape.positions.into_iter().map(to_single).collect()).collect()
+    let shape = |shared: Shared| {
+        let positions = shared.positions.into_iter().map(to_single).collect();
+        let mut all = Vec::new();
+        if !shared.normals.is_empty() {
+            all.extend(normals.iter().map(|n| to_single(*n)));
+            shared.normals.into_iter().for_each(|(v, normal)| all[v] = to_single(normal));
+        }
+        TargetShape { positions, normals: all }
+    };
+    all.into_iter().map(shape).collect()
 }

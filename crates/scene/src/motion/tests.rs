@@ -116,3 +116,21 @@ fn the_number_of_threads_changes_no_choice() {
     assert!(one[0].len() > 4);
     assert!([2, 3, 8].into_iter().all(|threads| with(threads) == one));
 }
+
+#[test]
+fn shapes_of_targets_have_the_normals_that_these_turn() {
+    let mesh = lodc_fixtures::named("morphing_sphere").expect("a shape");
+    let node = Node { objects: vec![0], ..Node::default() };
+    let graph = Graph { roots: vec![0], nodes: vec![node], skins: Vec::new() };
+    let seen = Motion::new(graph, Vec::new(), 1).seen(&mesh, 0, &[]).expect("it has targets");
+    assert!(seen.normals_at_rest.is_empty() && seen.targets.len() == 2);
+    // The first stretches z by 1 and adds a quarter of it to the normal, the second acts on x.
+    for (shape, factors) in seen.targets.iter().zip([[1.0, 1.0, 1.25], [0.875, 1.0, 1.0]]) {
+        let is_turned = |(n, p): (&[f32; 3], &[f32; 3])| {
+            let wanted = DVec3::from_array(std::array::from_fn(|k| f64::from(p[k]) * factors[k]));
+            wanted.normalize().distance(DVec3::from_array(n.map(f64::from))) < 0.02
+        };
+        assert_eq!(shape.normals.len(), mesh.vertex_count());
+        assert!(shape.normals.iter().zip(mesh.positions()).all(is_turned));
+    }
+}

@@ -288,8 +288,13 @@ mod tests {
         let input = Input::new(&sphere);
         let region = Region::whole(&input, false);
         let Region { mesh, wedges, .. } = &region;
-        let attributes =
-            Attributes::new(&sphere, |_| crate::Weights::DEFAULT, input.scale, input.size);
+        let attributes = Attributes::new(
+            &sphere,
+            &crate::SeenShapes::default(),
+            |_| crate::Weights::DEFAULT,
+            input.scale,
+            input.size,
+        );
         let planner = Planner {
             input: &input,
             mesh,

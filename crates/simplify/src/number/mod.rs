@@ -15,4 +15,4 @@ mod shapes;
 
 pub(crate) use curve::{Curve, sorted};
 pub(crate) use input::{FollowerPlane, Input, Wedge, same_attributes};
-pub(crate) use shapes::{GroupShapes, ShapeSet, each_shape, index_in};
+pub(crate) use shapes::{GroupShapes, MAX_SHAPES, ShapeSet, each_shape, index_in};

@@ -7,9 +7,12 @@
 //! together were lowered until CesiumMan's limbs kept their shape (12 views at 25 %, 9.3 of error
 //! to 5.4). Colours were not measured by themselves.
 
+use super::turned::TurnedNormals;
+use crate::SeenShapes;
 use crate::cut::Facet;
+use crate::number::ShapeSet;
 use crate::options::Weights;
-use glam::{DVec3, Vec4};
+use glam::{DVec3, Vec3, Vec4};
 use lodc_mesh::{Attribute, Mesh, Semantic};
 
 /// A change of the normal by one (60°) counts like a displacement by this share of the mesh's size.
@@ -41,6 +44,8 @@ pub(crate) struct Attributes {
     joints: Vec<[(u32, f32); 4]>,
     /// The factor of each vertex's joints; empty without them.
     joint_scales: Vec<f64>,
+    /// Normals in motion.
+    turned: TurnedNormals,
 }
 
 /// One number of every vertex.
@@ -78,6 +83,7 @@ impl Attributes {
     /// units into working units; `size` is the mesh's diagonal in those.
     pub(crate) fn new(
         mesh: &Mesh,
+        seen: &SeenShapes,
         weights: impl Fn(u32) -> Weights,
         scale: f64,
         size: f64,
@@ -86,10 +92,13 @@ impl Attributes {
         let counts = |weight: fn(&Weights) -> f64| by_submesh.iter().any(|w| weight(w) > 0.0);
         let mut columns: Vec<Column<'_>> = Vec::new();
         let mut texture = None;
+        // Streams of normals with their first columns.
+        let mut normals: Vec<(&Attribute, usize)> = Vec::new();
         for a in mesh.attributes().iter().filter(|a| a.morph_target.is_none()) {
             let components = usize::from(a.components);
             match a.semantic {
                 Semantic::Normal if counts(|w| w.normal) => {
+                    normals.extend((components >= 3).then_some((a, columns.len())));
                     let column = Column::of(a, |w| w.normal, NORMAL_LENGTH, size);
                     columns.extend((0..components.min(3)).map(column));
                 }
@@ -114,17 +123,42 @@ impl Attributes {
             rows.extend(columns.iter().map(|column| column.at(v, weights)));
             rows.resize(stride * (v as usize + 1), 0.0);
         }
+        let column = |submesh: u32| {
+            let used = mesh.submeshes()[submesh as usize].attributes.iter();
+            let mut used = used.map(|&a| &mesh.attributes()[a as usize]);
+            used.find_map(|a| normals.iter().find(|(n, _)| std::ptr::eq(*n, a)).map(|(_, c)| *c))
+        };
+        let columns_by_submesh: Vec<Option<usize>> =
+            (0..by_submesh.len() as u32).map(column).collect();
+        let column = |v: u32| columns_by_submesh[mesh.vertex_submesh()[v as usize] as usize];
+        let length = |v: u32| {
+            let weights = &by_submesh[mesh.vertex_submesh()[v as usize] as usize];
+            (weights.normal * NORMAL_LENGTH * size) as f32
+        };
+        for (v, normal) in (0..).zip(&seen.normals_at_rest) {
+            if let Some(column) = column(v) {
+                let scaled = Vec3::from(*normal) * length(v);
+                scaled.write_to_slice(&mut rows[v as usize * stride + column..]);
+            }
+        }
+        let turned = TurnedNormals::new(seen, mesh.vertex_count() as u32, |v, normal| {
+            let column = column(v)?;
+            let at_rest = Vec3::from_slice(&rows[v as usize * stride + column..]);
+            let delta = Vec3::from(normal) * length(v) - at_rest;
+            delta.is_finite().then_some((column, delta))
+        });
         let joints = if counts(|w| w.skin) { joints(mesh) } else { Vec::new() };
         let submeshes = mesh.vertex_submesh()[..joints.len()].iter();
         let joint_scale = |s: &u32| by_submesh[*s as usize].skin * JOINT_LENGTH * size;
         let joint_scales = submeshes.map(joint_scale).collect();
-        Self { width: columns.len(), rows, texture, joints, joint_scales }
+        Self { width: columns.len(), rows, texture, joints, joint_scales, turned }
     }
 
     /// No attributes: every vertex is like every other.
     pub(crate) fn none() -> Self {
         let (rows, joints, joint_scales) = (Vec::new(), Vec::new(), Vec::new());
-        Self { width: 0, rows, texture: None, joints, joint_scales }
+        let turned = TurnedNormals::default();
+        Self { width: 0, rows, texture: None, joints, joint_scales, turned }
     }
 
     /// Returns whether there is nothing to compare.
@@ -149,6 +183,23 @@ impl Attributes {
     #[inline]
     pub(super) fn four(&self, vertex: u32, first: usize) -> Vec4 {
         Vec4::from_slice(&self.padded(vertex)[first..first + 4])
+    }
+
+    /// The same in a shape in motion.
+    pub(super) fn four_in(&self, vertex: u32, first: usize, shape: u32) -> Vec4 {
+        self.four(vertex, first) + self.turned.four(vertex, first, shape)
+    }
+
+    /// The shapes in which a vertex has another normal than at rest.
+    #[inline]
+    pub(super) fn turned(&self, vertex: u32) -> ShapeSet {
+        self.turned.set(vertex)
+    }
+
+    /// Returns whether any vertex has another normal in any shape.
+    #[inline]
+    pub(super) fn has_turned(&self) -> bool {
+        !self.turned.is_empty()
     }
 
     /// Returns whether the mesh is skinned.

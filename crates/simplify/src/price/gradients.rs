@@ -16,6 +16,7 @@
 use super::attributes::Attributes;
 use super::one_ring::OneRing;
 use crate::cut::{Entry, Wedges, WorkingMesh, target};
+use crate::number::ShapeSet;
 use glam::{Vec3, Vec4};
 
 /// A gradient of four numbers: one coordinate of each for each vector.
@@ -27,9 +28,31 @@ pub(super) struct WedgeAttributes<'a> {
     pub(super) mesh: &'a WorkingMesh,
     pub(super) wedges: &'a Wedges,
     pub(super) attributes: &'a Attributes,
+    /// The shape in motion; none at rest.
+    pub(super) shape: Option<u32>,
 }
 
 impl WedgeAttributes<'_> {
+    /// The same in a shape in motion.
+    pub(super) fn in_shape(self, shape: u32) -> Self {
+        Self { shape: Some(shape), ..self }
+    }
+
+    /// Four numbers of a vertex of the input, from the number `first` on, a multiple of four.
+    #[inline]
+    pub(super) fn four(&self, vertex: u32, first: usize) -> Vec4 {
+        match self.shape {
+            None => self.attributes.four(vertex, first),
+            Some(shape) => self.attributes.four_in(vertex, first, shape),
+        }
+    }
+
+    /// The shapes in which the normal of a wedge is another than at rest.
+    #[inline]
+    pub(super) fn turned(&self, wedge: u32) -> ShapeSet {
+        self.attributes.turned(self.wedges.attribute_source[wedge as usize])
+    }
+
     /// The wedge at the other end of an edge with these faces that one of another submesh becomes
     /// whose attributes are the same as `wedge`'s.
     fn across(&self, faces: &[Entry], wedge: u32) -> Option<u32> {
@@ -136,11 +159,15 @@ pub(super) struct Gradients {
 }
 
 impl Gradients {
-    /// Fits the attributes around every wedge of a group.
-    pub(super) fn fit(&mut self, view: WedgeAttributes<'_>, from: u32) {
+    /// Fits the attributes around every wedge of a group, given the positions of groups.
+    pub(super) fn fit(
+        &mut self,
+        view: WedgeAttributes<'_>,
+        from: u32,
+        position: impl Fn(u32) -> Vec3,
+    ) {
         self.clear();
         for &corner in view.mesh.star(from) {
-            let position = |g: u32| view.mesh.group_positions[g as usize].position;
             let spokes = view.mesh.others(corner).map(|g| position(g) - position(from));
             let dual = Dual::new(spokes, spokes[0].cross(spokes[1]));
             self.add_face(view, dual, view.mesh.wedges_from(corner));
@@ -174,7 +201,7 @@ impl Gradients {
     fn fit_all(&mut self, view: WedgeAttributes<'_>) {
         let mut scatter = Scatter::default();
         for first in (0..view.attributes.width).step_by(4) {
-            self.fit_four(view.attributes, first, &mut scatter);
+            self.fit_four(view, first, &mut scatter);
         }
         self.form = scatter.form();
     }
@@ -193,14 +220,13 @@ impl Gradients {
     }
 
     /// Fits four numbers, from `first` on.
-    fn fit_four(&mut self, attributes: &Attributes, first: usize, scatter: &mut Scatter) {
+    fn fit_four(&mut self, view: WedgeAttributes<'_>, first: usize, scatter: &mut Scatter) {
         let start = self.means.len();
         self.means.resize(start + self.wedges.len(), [Vec4::ZERO; 3]);
         let means = &mut self.means[start..];
         self.on_faces.clear();
         for face in &self.faces {
-            let [value, next_value, previous_value] =
-                face.rows.map(|row| attributes.four(row, first));
+            let [value, next_value, previous_value] = face.rows.map(|row| view.four(row, first));
             let gradient = face.dual.gradient([next_value - value, previous_value - value]);
             for (mean, gradient) in means[face.wedge].iter_mut().zip(gradient) {
                 *mean += gradient * face.dual.area;
@@ -232,7 +258,7 @@ impl Gradients {
             let mut squared = Vec4::ZERO;
             let means = self.means.iter().skip(i).step_by(self.wedges.len());
             for (first, mean) in (0..view.attributes.width).step_by(4).zip(means) {
-                let [value, target_value] = rows.map(|row| view.attributes.four(row, first));
+                let [value, target_value] = rows.map(|row| view.four(row, first));
                 let residual = target_value - value - continued(mean, delta);
                 squared += residual * residual;
             }

@@ -13,16 +13,18 @@ mod one_ring;
 mod price_lists;
 mod ring_attributes;
 mod seam_ring;
+mod turned;
 
 pub(crate) use attributes::Attributes;
 pub(crate) use one_ring::{MAX_LEN, OneRing};
 pub(crate) use price_lists::{PriceLists, Priced};
 
 use crate::cut::{
-    Choice, EdgeKind, InMotion, Neighborhood, OPEN, PosedSurroundings, Quadrics, Region, SEAM,
+    Choice, EdgeKind, Entry, InMotion, Neighborhood, OPEN, PosedSurroundings, Quadrics, Region,
+    SEAM,
 };
 use crate::metric::Reprice;
-use crate::number::{Input, each_shape};
+use crate::number::{Input, ShapeSet, each_shape};
 use crate::options::Options;
 use glam::Vec4;
 use gradients::{Gradients, WedgeAttributes};
@@ -58,6 +60,8 @@ pub(crate) struct Scratch<S> {
     posed: PosedSurroundings,
     /// The costs of collapses at rest.
     at_rest: Vec<f64>,
+    /// What attributes add to them.
+    surcharges: Vec<f64>,
     gradients: Gradients,
     /// The collapses of one group by the quadric and attributes.
     pub(crate) priced: Vec<Priced>,
@@ -147,7 +151,15 @@ impl<M: Reprice> Pricer<'_, M> {
     #[inline]
     fn attributes(&self) -> WedgeAttributes<'_> {
         let Region { mesh, wedges, .. } = self.region;
-        WedgeAttributes { mesh, wedges, attributes: &self.context.attributes }
+        WedgeAttributes { mesh, wedges, attributes: &self.context.attributes, shape: None }
+    }
+
+    /// The shapes in which normals at a group, or next to it, are others than at rest.
+    fn turned(&self, group: u32) -> ShapeSet {
+        let mesh = &self.region.mesh;
+        let view = self.attributes();
+        let corners = mesh.star(group).iter().flat_map(|&corner| mesh.wedges_from(corner));
+        corners.fold(0, |set, wedge| set | view.turned(wedge))
     }
 
     /// Returns whether a group has a closed fan of faces, none of them at a border or seam, and one
@@ -228,7 +240,7 @@ impl<M: Reprice> Pricer<'_, M> {
 
     /// Prices all collapses of any group.
     fn price_star(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        let Scratch { around, posed, at_rest, gradients, priced, .. } = scratch;
+        let Scratch { around, posed, at_rest, surcharges, gradients, priced, .. } = scratch;
         let Region { mesh, wedges, quadrics, .. } = self.region;
         let attributes = self.attributes();
         let with_attributes =
@@ -236,15 +248,34 @@ impl<M: Reprice> Pricer<'_, M> {
         around.gather(mesh, wedges, from);
         let Some(permitted) = self.permitted(from, around.borders, around.seams) else { return };
         let refitted = quadrics.refit(from, &around.facets, &around.planes);
-        if with_attributes {
-            gradients.fit(attributes, from);
-        }
         let attribute_weight = self.metric.attribute_weight();
         let origin = mesh.position(from);
         let permitted = || around.edges.iter().filter(|e| permitted.allows(e.kind));
         for edge in permitted() {
             let own_cost = refitted.cost(mesh.position(edge.group) - origin);
             priced.push(Priced { own_cost, to: edge.group });
+        }
+        surcharges.clear();
+        if with_attributes {
+            let position = |g: u32| mesh.group_positions[g as usize].position;
+            gradients.fit(attributes, from, position);
+            surcharges.extend(permitted().map(|edge| {
+                let delta = position(edge.group) - position(from);
+                attribute_weight * gradients.cost(attributes, delta, around.entries_at(edge))
+            }));
+        }
+        if let Some(view) = self.in_motion().filter(|_| with_attributes) {
+            for shape in each_shape(self.turned(from)) {
+                let (attributes, position) =
+                    (attributes.in_shape(shape), |g: u32| view.position(g, shape));
+                gradients.fit(attributes, from, position);
+                let weight = view.shapes.weight(shape) * attribute_weight;
+                for (surcharge, edge) in surcharges.iter_mut().zip(permitted()) {
+                    let delta = position(edge.group) - position(from);
+                    let cost = gradients.cost(attributes, delta, around.entries_at(edge));
+                    *surcharge = surcharge.max(weight * cost);
+                }
+            }
         }
         if let Some(view) = self.in_motion() {
             at_rest.clear();
@@ -266,21 +297,14 @@ impl<M: Reprice> Pricer<'_, M> {
                 priced.own_cost = at_rest + weight * (priced.own_cost - at_rest);
             }
         }
-        for (priced, edge) in priced.iter_mut().zip(permitted()) {
-            let surcharge = if with_attributes {
-                let delta = mesh.group_positions[edge.group as usize].position
-                    - mesh.group_positions[from as usize].position;
-                attribute_weight * gradients.cost(attributes, delta, around.entries_at(edge))
-            } else {
-                0.0
-            };
+        for (priced, surcharge) in priced.iter_mut().zip(&*surcharges) {
             priced.own_cost += surcharge;
         }
     }
 
     /// Prices all collapses of a group with a closed fan of less than `4 N` faces.
     fn price_ring<const N: usize>(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        let Scratch { around, gradients, priced, .. } = scratch;
+        let Scratch { around, surcharges, gradients, priced, .. } = scratch;
         let Region { mesh, wedges, quadrics, .. } = self.region;
         let star = mesh.star(from);
         let ring = SeamRing::<N>::new(mesh, wedges, from, star);
@@ -293,9 +317,6 @@ impl<M: Reprice> Pricer<'_, M> {
         ring.ring.add_faces(&weights, &mut by_faces);
         let attributes = self.attributes();
         let with_attributes = !attributes.attributes.is_empty();
-        if with_attributes {
-            gradients.fit_ring(attributes, &ring.ring, &ring.corners);
-        }
         let attribute_weight = self.metric.attribute_weight();
         let spokes = ring.ring.spokes();
         let permitted = || ring.edges().filter(|e| permitted.allows(e.1));
@@ -303,6 +324,26 @@ impl<M: Reprice> Pricer<'_, M> {
             let by_faces = f64::from(by_faces[i / 4][i % 4]);
             let own_cost = by_faces + refitted.cost(spokes[i].as_dvec3());
             priced.push(Priced { own_cost, to: star[i].ahead });
+        }
+        surcharges.clear();
+        if with_attributes {
+            gradients.fit_ring(attributes, &ring.ring, &ring.corners);
+            let cost = |(i, _, faces): (usize, _, &[Entry; 2])| {
+                attribute_weight * gradients.cost(attributes, spokes[i], faces)
+            };
+            surcharges.extend(permitted().map(cost));
+        }
+        if let Some(view) = self.in_motion().filter(|_| with_attributes) {
+            for shape in each_shape(self.turned(from)) {
+                let moved = OneRing::<N>::in_motion(&view, from, star, shape);
+                let (attributes, spokes) = (attributes.in_shape(shape), moved.spokes());
+                gradients.fit_ring(attributes, &moved, &ring.corners);
+                let weight = view.shapes.weight(shape) * attribute_weight;
+                for (surcharge, (i, _, faces)) in surcharges.iter_mut().zip(permitted()) {
+                    let cost = gradients.cost(attributes, spokes[i], faces);
+                    *surcharge = surcharge.max(weight * cost);
+                }
+            }
         }
         if let Some(view) = self.in_motion() {
             for shape in each_shape(view.around(from)) {
@@ -321,12 +362,7 @@ impl<M: Reprice> Pricer<'_, M> {
                 }
             }
         }
-        for (priced, (i, _, faces)) in priced.iter_mut().zip(permitted()) {
-            let surcharge = if with_attributes {
-                attribute_weight * gradients.cost(attributes, spokes[i], faces)
-            } else {
-                0.0
-            };
+        for (priced, surcharge) in priced.iter_mut().zip(&*surcharges) {
             priced.own_cost += surcharge;
         }
     }
@@ -380,8 +416,13 @@ mod tests {
     /// Calls `test` with the pricer of a mesh.
     fn with_pricer<T>(mesh: &lodc_mesh::Mesh, test: fn(&Pricer<'_, QuadricOnly>) -> T) -> T {
         let input = Input::new(mesh);
-        let attributes =
-            Attributes::new(mesh, |_| crate::Weights::DEFAULT, input.scale, input.size);
+        let attributes = Attributes::new(
+            mesh,
+            &crate::SeenShapes::default(),
+            |_| crate::Weights::DEFAULT,
+            input.scale,
+            input.size,
+        );
         let context = Context { input: &input, options: Options::DEFAULT, attributes };
         let region = Region::whole(&input, false);
         test(&Pricer {

@@ -35,6 +35,15 @@ pub(super) trait Surcharge {
 
     /// The costs of moving onto each neighbour, in working units to the fourth power; not NaN.
     fn costs<const N: usize>(&self, ring: &OneRing<N>, star: &[Corner]) -> LaneArray<N>;
+
+    /// Raises these costs to those in the shape in motion where they are most.
+    fn raise_in_motion<const N: usize>(
+        &self,
+        view: &InMotion<'_>,
+        from: u32,
+        star: &[Corner],
+        costs: &mut LaneArray<N>,
+    );
 }
 
 /// No surcharge.
@@ -45,6 +54,15 @@ impl Surcharge for NoSurcharge {
 
     fn costs<const N: usize>(&self, _: &OneRing<N>, _: &[Corner]) -> LaneArray<N> {
         [Vec4::ZERO; N]
+    }
+
+    fn raise_in_motion<const N: usize>(
+        &self,
+        _: &InMotion<'_>,
+        _: u32,
+        _: &[Corner],
+        _: &mut LaneArray<N>,
+    ) {
     }
 }
 
@@ -352,7 +370,11 @@ fn price<const N: usize>(
         raise_in_motion(&view, from, star, &mut sums);
     }
     if !is_zero(surcharge) {
-        for (sum, cost) in sums.iter_mut().zip(surcharge.costs(&ring, star)) {
+        let mut costs = surcharge.costs(&ring, star);
+        if let Some(view) = in_motion {
+            surcharge.raise_in_motion(&view, from, star, &mut costs);
+        }
+        for (sum, cost) in sums.iter_mut().zip(costs) {
             *sum += cost;
         }
     }

@@ -3,7 +3,8 @@
 
 use super::gradients::{Dual, FourGradients, Scatter, WedgeAttributes, continued, sum};
 use super::one_ring::{LaneArray, MAX_LEN, OneRing, Surcharge};
-use crate::cut::{Corner, next};
+use crate::cut::{Corner, InMotion, next};
+use crate::number::each_shape;
 use glam::Vec4;
 
 /// The attributes around a group that has one wedge and a closed fan without seams.
@@ -23,6 +24,59 @@ impl Surcharge for RingAttributes<'_> {
     const IS_ZERO: bool = false;
 
     fn costs<const N: usize>(&self, ring: &OneRing<N>, star: &[Corner]) -> LaneArray<N> {
+        let four = |row: &[f32], first: usize| Vec4::from_slice(&row[first..first + 4]);
+        let (own, sources) = self.sources(star);
+        let own = self.view.attributes.padded(own);
+        let mut rows: [&[f32]; MAX_LEN] = [&[]; MAX_LEN];
+        for (row, &source) in rows.iter_mut().zip(&sources[..star.len()]) {
+            *row = self.view.attributes.padded(source);
+        }
+        self.costs_of(ring, star, |first| four(own, first), |i, first| four(rows[i], first))
+    }
+
+    #[inline]
+    fn raise_in_motion<const N: usize>(
+        &self,
+        view: &InMotion<'_>,
+        from: u32,
+        star: &[Corner],
+        costs: &mut LaneArray<N>,
+    ) {
+        if !self.view.attributes.has_turned() {
+            return;
+        }
+        let (own, all) = self.sources(star);
+        let turned = |source: u32| self.view.attributes.turned(source);
+        let set = all[..star.len()].iter().fold(turned(own), |set, &v| set | turned(v));
+        for shape in each_shape(set) {
+            let ring = OneRing::<N>::in_motion(view, from, star, shape);
+            let four =
+                |source: u32, first: usize| self.view.attributes.four_in(source, first, shape);
+            let moving = self.costs_of(
+                &ring,
+                star,
+                |first| four(own, first),
+                |i, first| four(all[i], first),
+            );
+            let weight = Vec4::splat(view.shapes.weight(shape) as f32);
+            for (cost, moving) in costs.iter_mut().zip(moving) {
+                *cost = cost.max(moving * weight);
+            }
+        }
+    }
+}
+
+impl RingAttributes<'_> {
+    /// The costs, given four numbers of the group and of each neighbour, from the number `first`
+    /// on.
+    #[inline(always)]
+    fn costs_of<const N: usize>(
+        &self,
+        ring: &OneRing<N>,
+        star: &[Corner],
+        own: impl Fn(usize) -> Vec4,
+        neighbour: impl Fn(usize, usize) -> Vec4,
+    ) -> LaneArray<N> {
         let mut costs = [0.0; MAX_LEN + 1];
         let faces = Faces::new(ring);
         if faces.area <= 0.0 {
@@ -30,13 +84,11 @@ impl Surcharge for RingAttributes<'_> {
         }
         let spokes = ring.spokes();
         let (mut offsets, mut scatter) = ([Vec4::ZERO; MAX_LEN], Scatter::default());
-        let (own_row, rows) = self.rows(star);
         for first in (0..self.view.attributes.width).step_by(4) {
-            let four = |row: &[f32]| Vec4::from_slice(&row[first..first + 4]);
-            let own_row = four(own_row);
+            let own = own(first);
             let mut changes = [Vec4::ZERO; MAX_LEN + 1];
-            for (change, row) in changes.iter_mut().zip(&rows[..ring.len]) {
-                *change = four(row) - own_row;
+            for (i, change) in changes[..ring.len].iter_mut().enumerate() {
+                *change = neighbour(i, first) - own;
             }
             changes[ring.len] = changes[0];
             let mean = faces.add(ring.len, &changes, &mut scatter);
@@ -59,20 +111,17 @@ impl Surcharge for RingAttributes<'_> {
             Vec4::select(cost.cmple(Vec4::splat(f32::MAX)), cost, Vec4::splat(f32::MAX))
         })
     }
-}
 
-impl RingAttributes<'_> {
-    /// The attributes of the group and of its neighbours.
+    /// The vertices of the input whose attributes the group and its neighbours have.
     #[inline]
-    fn rows(&self, star: &[Corner]) -> (&[f32], [&[f32]; MAX_LEN]) {
-        let row = |wedge: u32| {
-            self.view.attributes.padded(self.view.wedges.attribute_source[wedge as usize])
-        };
-        let mut rows: [&[f32]; MAX_LEN] = [&[]; MAX_LEN];
-        for (neighbor_row, corner) in rows.iter_mut().zip(star) {
-            *neighbor_row = row(self.view.mesh.wedges(corner.face())[next(corner.at())]);
+    fn sources(&self, star: &[Corner]) -> (u32, [u32; MAX_LEN]) {
+        let source = |wedge: u32| self.view.wedges.attribute_source[wedge as usize];
+        let own = source(self.view.mesh.wedges(star[0].face())[star[0].at()]);
+        let mut sources = [own; MAX_LEN];
+        for (neighbor, corner) in sources.iter_mut().zip(star) {
+            *neighbor = source(self.view.mesh.wedges(corner.face())[next(corner.at())]);
         }
-        (row(self.view.mesh.wedges(star[0].face())[star[0].at()]), rows)
+        (own, sources)
     }
 
     /// Adds what the skinning weights of the neighbours cost.

@@ -510,8 +510,13 @@ mod tests {
         let shapes = [lodc_fixtures::machine_part(), lodc_fixtures::uv_sphere(24, 16)];
         for mesh in random.chain(shapes) {
             let input = Input::new(&mesh);
-            let attributes =
-                Attributes::new(&mesh, |_| crate::Weights::DEFAULT, input.scale, input.size);
+            let attributes = Attributes::new(
+                &mesh,
+                &crate::SeenShapes::default(),
+                |_| crate::Weights::DEFAULT,
+                input.scale,
+                input.size,
+            );
             let context = Context { input: &input, options: Options::DEFAULT, attributes };
             let steps = |kept: bool| {
                 let mut region = Region::whole(&input, context.is_bare());

@@ -76,6 +76,7 @@ fn stated(root: &Object) -> Result<Provenance, FormatError> {
             distance: level["distance"].as_f64(),
             morph_from: from.as_f64(),
             pose_error: level["geomorph_pose_error"].as_f64(),
+            staying: level["geomorph_staying"].as_u64().unwrap_or(0),
         }),
     };
     let screen_number = |key: &str| all["screen"][key].as_f64();

@@ -140,6 +140,9 @@ fn put_provenance(root: &mut Object, provenance: &Provenance, requantizes: bool)
             if let Some(error) = glide.pose_error {
                 facts["geomorph_pose_error"] = finite(error).into();
             }
+            if glide.staying > 0 {
+                facts["geomorph_staying"] = glide.staying.into();
+            }
         }
         facts
     };
