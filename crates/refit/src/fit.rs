@@ -231,8 +231,8 @@ impl<'a> Fit<'a> {
             return best.positions;
         }
         let normals = &ties.input_normals;
-        let found = self.hold_back(&best, held, crossed, normals, (&first, &neighbours));
-        let Some((held_back, ties)) = found else { return points.clone() };
+        let (held_back, ties) =
+            self.hold_back(&best, held, crossed, normals, (&first, &neighbours));
         let max_energy = if is_good { best.energy } else { first.energy };
         if ties.energy < max_energy && ties.face_distances.max_squared() <= max_squared {
             held_back
@@ -251,7 +251,7 @@ impl<'a> Fit<'a> {
     /// are `held`, the corners of faces with a sample beyond the limit, with one more ring of
     /// neighbours in each round, points that get worse, and corners of faces that have `crossed`
     /// others. Ends when no sample is beyond the limit, no face has crossed another, and hardly any
-    /// point is worse. The ties there come with them. None if faces still cross.
+    /// point is worse. The ties there come with them.
     fn hold_back(
         &mut self,
         best: &State,
@@ -259,7 +259,7 @@ impl<'a> Fit<'a> {
         mut crossed: Vec<usize>,
         input_normals: &[DVec3],
         (first, neighbours): (&UnmovedDistances, &Neighbours),
-    ) -> Option<(Vec<DVec3>, Ties<'a>)> {
+    ) -> (Vec<DVec3>, Ties<'a>) {
         let (level, moved) = (self.level, &best.positions);
         let mut beyond_limit = vec![false; moved.len()];
         let mut last: Option<(Vec<DVec3>, Ties<'a>)> = None;
@@ -292,7 +292,7 @@ impl<'a> Fit<'a> {
                 break;
             }
         }
-        last.filter(|_| crossed.is_empty())
+        last.expect("a round")
     }
 
     fn guard<'g>(&'g self, input_normals: &'g [DVec3]) -> Guard<'g> {

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 const MIN_COSINE: f64 = -0.3;
 /// A point is on a side of a component if it is farther away than this share of the reach: surfaces
 /// that touch have no sides. Chosen by hand.
-const MIN_GAP_SHARE: f64 = 0.1;
+const MIN_GAP_SHARE: f64 = 0.25;
 /// Faces that one thread looks at one after the other, at least. Chosen by hand.
 const MIN_FACES: usize = 1 << 8;
 
