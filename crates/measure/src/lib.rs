@@ -42,8 +42,10 @@ pub use distance::{Distances, Original, Sampling, distances};
 pub use field::DistanceField;
 pub use heat::heat_sheet;
 pub use lodc_nearest::{TriangleTree, distance_squared};
-pub use picture::{ImageError, Picture, ShadingOptions, Viewing, compare_pictures, pictures};
-pub use reference::ReferencePictures;
+pub use picture::{
+    Difference, ImageError, Picture, ShadingOptions, Viewing, compare_pictures, pictures,
+};
+pub use reference::{ReferenceKinds, ReferencePictures};
 pub use scene::SceneSurface;
 pub use surface::Surface;
 pub use texture::Pyramid;

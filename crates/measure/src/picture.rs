@@ -80,7 +80,7 @@ pub struct ImageError {
 /// Takes a picture from every camera.
 #[must_use]
 pub fn pictures(surface: &Surface, cameras: &[Camera], looks: ShadingOptions) -> Vec<Picture> {
-    let shaded = ShadedSurface::new(surface, looks);
+    let shaded = ShadedSurface::new(surface, &[looks]);
     cameras.par_iter().map(|camera| shaded.picture(camera, true)).collect()
 }
 
@@ -89,30 +89,35 @@ pub(crate) struct ShadedSurface<'a> {
     surface: &'a Surface,
     /// The normals at the corners of each triangle.
     normals: Vec<[Vec3; 3]>,
-    looks: ShadingOptions,
+    kinds: Vec<ShadingOptions>,
 }
 
 impl<'a> ShadedSurface<'a> {
-    pub(crate) fn new(surface: &'a Surface, looks: ShadingOptions) -> Self {
-        let has_own_normals = looks.own_normals && !surface.normals.is_empty();
+    /// A surface for pictures of some kinds, at least one. The first says which normals all have.
+    pub(crate) fn new(surface: &'a Surface, kinds: &[ShadingOptions]) -> Self {
+        let has_own_normals = kinds[0].own_normals && !surface.normals.is_empty();
         let normals = if has_own_normals {
             surface.triangles.iter().map(|t| t.map(|v| surface.normals[v as usize])).collect()
         } else {
             smoothed_normals(surface)
         };
-        let looks = ShadingOptions {
+        let possible = |looks: &ShadingOptions| ShadingOptions {
             checkerboard: looks.checkerboard && !surface.texture.is_empty(),
             materials: looks.materials && !surface.material_of.is_empty(),
             vertex_colours: looks.vertex_colours && !surface.colours.is_empty(),
-            ..looks
+            ..*looks
         };
-        Self { surface, normals, looks }
+        Self { surface, normals, kinds: kinds.iter().map(possible).collect() }
     }
 
-    /// Takes a picture, with the points that it shows if they are asked for.
+    /// Takes a picture of the first kind, with the points that it shows if they are asked for.
     pub(crate) fn picture(&self, camera: &Camera, with_points: bool) -> Picture {
-        let Self { surface, normals, looks } = self;
-        picture(surface, normals, *looks, camera, with_points)
+        picture(self, &self.kinds[..1], camera, with_points).swap_remove(0)
+    }
+
+    /// Takes a picture of each kind, without points.
+    pub(crate) fn kinds(&self, camera: &Camera) -> Vec<Picture> {
+        picture(self, &self.kinds, camera, false)
     }
 }
 
@@ -129,9 +134,9 @@ pub fn compare_pictures(a: &[Picture], b: &[Picture]) -> ImageError {
     image_error(a.iter().zip(b).map(|(a, b)| Difference::new(a, b)))
 }
 
-/// The difference of two pictures by the same camera.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Difference {
+/// The difference of two pictures by the same camera, or of several.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Difference {
     /// Pixels that either picture covers.
     pixels: u64,
     /// Pixels that only one of them covers.
@@ -155,29 +160,43 @@ impl Difference {
         }
         all
     }
+
+    /// The difference of the pictures of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            pixels: self.pixels + other.pixels,
+            covered_once: self.covered_once + other.covered_once,
+            squared: self.squared + other.squared,
+        }
+    }
+
+    /// The image error over the pictures.
+    #[must_use]
+    pub fn error(self) -> ImageError {
+        if self.pixels == 0 {
+            return ImageError { rmse: 0.0, silhouette: 0.0 };
+        }
+        let pixels = self.pixels as f64;
+        ImageError {
+            rmse: (self.squared / pixels).sqrt(),
+            silhouette: self.covered_once as f64 / pixels,
+        }
+    }
 }
 
 /// The image error over some pictures.
 pub(crate) fn image_error(pictures: impl Iterator<Item = Difference>) -> ImageError {
-    let all = pictures.fold(Difference::default(), |all, one| Difference {
-        pixels: all.pixels + one.pixels,
-        covered_once: all.covered_once + one.covered_once,
-        squared: all.squared + one.squared,
-    });
-    if all.pixels == 0 {
-        return ImageError { rmse: 0.0, silhouette: 0.0 };
-    }
-    let pixels = all.pixels as f64;
-    ImageError { rmse: (all.squared / pixels).sqrt(), silhouette: all.covered_once as f64 / pixels }
+    pictures.fold(Difference::default(), Difference::and).error()
 }
 
+/// Takes pictures of some kinds by one camera: what each pixel shows is found once for all.
 fn picture(
-    surface: &Surface,
-    normals: &[[Vec3; 3]],
-    looks: ShadingOptions,
+    ShadedSurface { surface, normals, .. }: &ShadedSurface<'_>,
+    kinds: &[ShadingOptions],
     camera: &Camera,
     with_points: bool,
-) -> Picture {
+) -> Vec<Picture> {
     let size = camera.size;
     let points: Vec<Point> =
         surface.positions.iter().map(|p| camera.project(p.as_dvec3())).collect();
@@ -188,7 +207,7 @@ fn picture(
             *nearest = Fragment::new(t, depth).min(*nearest);
         });
     }
-    let mut colours = vec![[-1.0; 3]; nearest_fragments.len()];
+    let mut colours = vec![vec![[-1.0; 3]; nearest_fragments.len()]; kinds.len()];
     let mut shown_points = vec![DVec3::ZERO; if with_points { nearest_fragments.len() } else { 0 }];
     for (i, fragment) in
         nearest_fragments.into_iter().enumerate().filter(|(_, f)| *f != Fragment::NOTHING)
@@ -205,26 +224,29 @@ fn picture(
         // counter-clockwise in space are clockwise here.
         let cosine = normal.dot(camera.toward.as_vec3()) * if area < 0.0 { 1.0 } else { -1.0 };
         let light = (AMBIENT + LAMP * cosine.max(0.0)).min(1.0);
-        let behind = if looks.materials {
-            material_colour(surface, fragment.item() as usize, shares, area)
-        } else if looks.checkerboard
-            && is_dark(texture_coordinates(surface, triangle, shares) * SQUARES)
-        {
-            Vec3::splat(DARK)
-        } else {
-            Vec3::ONE
-        };
-        let colour = if looks.vertex_colours {
-            behind * as_shown(mix(triangle.map(|v| surface.colours[v as usize])))
-        } else {
-            behind
-        };
-        colours[i] = (colour * light * 255.0).into();
+        for (looks, colours) in kinds.iter().zip(&mut colours) {
+            let behind = if looks.materials {
+                material_colour(surface, fragment.item() as usize, shares, area)
+            } else if looks.checkerboard
+                && is_dark(texture_coordinates(surface, triangle, shares) * SQUARES)
+            {
+                Vec3::splat(DARK)
+            } else {
+                Vec3::ONE
+            };
+            let colour = if looks.vertex_colours {
+                behind * as_shown(mix(triangle.map(|v| surface.colours[v as usize])))
+            } else {
+                behind
+            };
+            colours[i] = (colour * light * 255.0).into();
+        }
         if let Some(point) = shown_points.get_mut(i) {
             *point = mix(triangle.map(|v| surface.positions[v as usize])).as_dvec3();
         }
     }
-    Picture { size, colours, points: shown_points }
+    let picture = |colours| Picture { size, colours, points: shown_points.clone() };
+    colours.into_iter().map(picture).collect()
 }
 
 /// Texture coordinates at shares of a triangle's corners.

@@ -22,7 +22,7 @@ impl ReferencePictures {
     #[must_use]
     pub fn new(surface: &Surface, viewing: Viewing, looks: ShadingOptions) -> Self {
         let cameras = viewing.cameras(surface);
-        let shaded = ShadedSurface::new(surface, looks);
+        let shaded = ShadedSurface::new(surface, &[looks]);
         let pictures = cameras.par_iter().map(|camera| shaded.picture(camera, false)).collect();
         Self { cameras, looks, pictures }
     }
@@ -42,7 +42,7 @@ impl ReferencePictures {
     /// Compares another surface.
     #[must_use]
     pub fn compare(&self, other: &Surface) -> ImageError {
-        let shaded = ShadedSurface::new(other, self.looks);
+        let shaded = ShadedSurface::new(other, &[self.looks]);
         let references = self.cameras.par_iter().zip(&self.pictures);
         let difference =
             |(camera, picture)| Difference::new(picture, &shaded.picture(camera, false));
@@ -53,5 +53,40 @@ impl ReferencePictures {
     #[must_use]
     pub fn compare_pictures(&self, others: &[Picture]) -> ImageError {
         compare_pictures(&self.pictures, others)
+    }
+}
+
+/// Pictures of a surface of several kinds, from some sides.
+#[derive(Clone, Debug)]
+pub struct ReferenceKinds {
+    cameras: Vec<Camera>,
+    kinds: Vec<ShadingOptions>,
+    /// For each camera a picture of each kind.
+    pictures: Vec<Vec<Picture>>,
+}
+
+impl ReferenceKinds {
+    /// Takes the pictures, of at least one kind. The first says which normals all are shaded by.
+    #[must_use]
+    pub fn new(surface: &Surface, viewing: Viewing, kinds: Vec<ShadingOptions>) -> Self {
+        let cameras = viewing.cameras(surface);
+        let shaded = ShadedSurface::new(surface, &kinds);
+        let pictures = cameras.par_iter().map(|camera| shaded.kinds(camera)).collect();
+        Self { cameras, kinds, pictures }
+    }
+
+    /// Compares another surface: the differences by kind.
+    #[must_use]
+    pub fn compare(&self, other: &Surface) -> Vec<Difference> {
+        let shaded = ShadedSurface::new(other, &self.kinds);
+        let of_camera = |(camera, pictures): (&Camera, &Vec<Picture>)| -> Vec<Difference> {
+            let others = shaded.kinds(camera);
+            pictures.iter().zip(&others).map(|(a, b)| Difference::new(a, b)).collect()
+        };
+        let by_camera: Vec<Vec<Difference>> =
+            self.cameras.par_iter().zip(&self.pictures).map(of_camera).collect();
+        let of_kind =
+            |kind| by_camera.iter().map(|d| d[kind]).fold(Difference::default(), Difference::and);
+        (0..self.kinds.len()).map(of_kind).collect()
     }
 }

@@ -17,6 +17,9 @@ const MAX_LEAF_TRIANGLES: usize = 2;
 /// triangles overlap, as at a vertex of thousands, a search that went on would open them all.
 const MAX_BOXES_WITHIN: u32 = 4_000;
 
+/// Boxes that [`TriangleTree::nearest_of`] may open.
+const MAX_BOXES_OF: u32 = 1_000;
+
 /// The nearest point of some triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
@@ -136,6 +139,30 @@ impl TriangleTree {
         }
         self.visit_leaves(p, best.squared, &mut { u32::MAX }, |slots| {
             slots.for_each(|slot| visit_slot(slot, &mut best));
+            best.squared
+        });
+        (best.triangle != NONE).then_some(best)
+    }
+
+    /// Returns the nearest point to `p` of the triangles that count, if one is within a squared
+    /// distance; of equally near ones the first that the search meets. Where 1,000 boxes were
+    /// opened, since very many others are as near, the nearest until then.
+    #[must_use]
+    pub fn nearest_of(
+        &self,
+        p: DVec3,
+        squared: f64,
+        counts: impl Fn(u32) -> bool,
+    ) -> Option<Nearest> {
+        let mut best =
+            Nearest { triangle: NONE, barycentric: [0.0; 3], squared: squared.next_up() };
+        self.visit_leaves(p, best.squared, &mut { MAX_BOXES_OF }, |slots| {
+            for slot in slots.filter(|&slot| counts(self.order[slot])) {
+                let (barycentric, squared) = closest(p, self.corners[slot]);
+                if squared < best.squared {
+                    best = Nearest { triangle: self.order[slot], barycentric, squared };
+                }
+            }
             best.squared
         });
         (best.triangle != NONE).then_some(best)

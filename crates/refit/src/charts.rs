@@ -2,7 +2,7 @@
 //! between them (seams, borders).
 
 use crate::sides::{Side, sides};
-use lodc_mesh::{DisjointSets, Mesh, NONE, Semantic};
+use lodc_mesh::{DisjointSets, Mesh, NONE, PositionIds, Semantic};
 use rayon::prelude::*;
 
 /// Streams that have to agree at a position for two triangles to be of one chart.
@@ -26,8 +26,8 @@ impl Continuity {
 
 /// Returns the chart of each triangle, named by one of its vertices: triangles of one submesh are
 /// connected by vertices whose position and streams are bit for bit the same.
-pub(crate) fn charts(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
-    let class_of = classes(mesh, continuity);
+pub(crate) fn charts(mesh: &Mesh, positions: &PositionIds, continuity: Continuity) -> Vec<u32> {
+    let class_of = classes(mesh, positions, continuity);
     let mut sets = DisjointSets::new(mesh.vertex_count());
     for t in mesh.triangles() {
         let [a, b, c] = t.map(|v| class_of[v as usize]);
@@ -38,8 +38,7 @@ pub(crate) fn charts(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
 }
 
 /// Returns for each vertex the first vertex that it is equal to.
-fn classes(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
-    let positions = mesh.position_ids();
+fn classes(mesh: &Mesh, positions: &PositionIds, continuity: Continuity) -> Vec<u32> {
     let streams: Vec<_> = mesh
         .attributes()
         .iter()

@@ -7,7 +7,8 @@ use crate::face_distances::{FaceDistances, barely_closer, energy_if_worse_stay};
 use crate::guard::{Guard, cross};
 use crate::input::Input;
 use crate::level::Level;
-use crate::quadrature::SIX_POINTS;
+use crate::quadrature::MAX_POINTS;
+use crate::sheets::{Neighbours, Sheet, nearest_of_sheet};
 use crate::system::{System, Tie};
 use glam::DVec3;
 use lodc_mesh::NONE;
@@ -24,7 +25,7 @@ const MAX_MOVE: f64 = 1.0;
 const POINTS_PER_CURVE_EDGE: usize = 4;
 /// Samples, or faces, that are looked up in parallel before they are added up in order: bounds the
 /// memory of their ties. Chosen by hand.
-const SAMPLES_PER_BLOCK: usize = 1 << 14;
+const SAMPLES_PER_BLOCK: usize = 1 << 12;
 /// Samples that one thread looks up one after the other, each with the last one's triangle as a
 /// hint. Chosen by hand.
 const SAMPLES_PER_THREAD: usize = 1 << 8;
@@ -32,7 +33,7 @@ const SAMPLES_PER_THREAD: usize = 1 << 8;
 /// 5 % more in distance. Chosen by hand.
 const MAX_SQUARED_RATIO: f64 = 1.05 * 1.05;
 /// Most rounds in which points with samples beyond that are held back. Chosen by hand.
-const MAX_HOLD_ROUNDS: usize = 4;
+const MAX_HOLD_ROUNDS: usize = 3;
 /// The share of the energy at the start by which points that get worse may raise it in all. Chosen
 /// by hand.
 const MAX_WORSE_SHARE: f64 = 0.02;
@@ -40,8 +41,41 @@ const MAX_WORSE_SHARE: f64 = 0.02;
 /// further: what is left is rounding of `f32` coordinates.
 const GOOD_ENOUGH_SHARE: f64 = 1e-6;
 
+/// The positions that fit the input best, and what was found on the way there.
+pub(crate) struct Fitted {
+    pub(crate) input: Input,
+    /// One for each point of the level.
+    pub(crate) positions: Vec<DVec3>,
+    /// A point of one of both surfaces was at least this far from the other where the simplifier
+    /// left the level.
+    pub(crate) first_distance: f64,
+    /// The tree of the level's faces.
+    pub(crate) tree: TriangleTree,
+    /// The face that each sample of the input was nearest to last.
+    pub(crate) hints: Vec<u32>,
+    /// The input triangle that each point of the level's faces was nearest to last, in the order of
+    /// the tree.
+    pub(crate) backward_hints: Vec<u32>,
+    /// How far from a sample its own sheet is looked for at least.
+    pub(crate) reach: f64,
+}
+
+/// Returns the best positions of the points of a level that `iterations` find. No sample ends up
+/// much farther from the other surface than the farthest was at the start.
+pub(crate) fn fit(
+    input: Input,
+    level: &Level,
+    iterations: u32,
+    tick: &(dyn Fn() + Sync),
+) -> Fitted {
+    let mut fit = Fit::new(&input, level);
+    let (positions, first_distance) = fit.run(iterations, tick);
+    let Fit { tree, hints, backward_hints, reach, .. } = fit;
+    Fitted { input, positions, first_distance, tree, hints, backward_hints, reach }
+}
+
 /// Points of the level on their way to a better fit.
-pub(crate) struct Fit<'a> {
+struct Fit<'a> {
     input: &'a Input,
     level: &'a Level,
     /// Normals of the faces where the simplifier left them.
@@ -57,6 +91,8 @@ pub(crate) struct Fit<'a> {
     /// The input triangle that each point of the level's faces was nearest to last, in the order of
     /// the tree.
     backward_hints: Vec<u32>,
+    /// How far from a sample its own sheet is looked for at least: the mean edge of the level.
+    reach: f64,
 }
 
 /// The ties between both surfaces at one state of the points.
@@ -65,9 +101,14 @@ struct Ties<'a> {
     /// Mean squared distance, both directions added.
     energy: f64,
     face_distances: FaceDistances,
+    /// The largest squared distance of a sample from any sheet.
+    max_squared: f64,
     /// The mean normal of the input near each face.
     input_normals: Vec<DVec3>,
 }
+
+/// A tie with its squared length, and that to the nearest point of any sheet.
+type Found = (Tie, [f64; 2]);
 
 /// Positions of the points, and how far both surfaces are from each other then.
 struct State {
@@ -106,40 +147,53 @@ impl UnmovedDistances {
 }
 
 impl Ties<'_> {
-    /// Adds a tie of a sample at some squared distance.
-    fn add(&mut self, (tie, squared): &(Tie, f64)) {
+    /// Adds a tie of a sample.
+    fn add(&mut self, (tie, [squared, to_any]): &Found) {
         self.system.add(tie);
         self.energy += tie.weight * squared;
         self.face_distances.add(tie, *squared);
+        self.max_squared = self.max_squared.max(*to_any);
     }
 }
 
 impl<'a> Fit<'a> {
-    pub(crate) fn new(input: &'a Input, level: &'a Level) -> Self {
+    fn new(input: &'a Input, level: &'a Level) -> Self {
         let charts = level.input_triangles.iter().map(|&t| input.charts[t as usize]);
         let charts: Vec<u32> = charts.collect();
         let normal = |corners| cross(corners).normalize_or_zero();
-        let tree = TriangleTree::new(&level.corners(&level.points));
+        let corners = level.corners(&level.points);
+        let reach = mean_edge(&corners);
+        let tree = TriangleTree::new(&corners);
         // A face is near the triangle that it was.
-        let hint = |&face: &u32| [level.input_triangles[face as usize]; SIX_POINTS.len()];
+        let hint = |&face: &u32| {
+            std::iter::repeat_n(level.input_triangles[face as usize], input.level_rule.len())
+        };
         let backward_hints = tree.spatial_order().iter().flat_map(hint).collect();
         Self {
             input,
             level,
-            first_normals: level.corners(&level.points).into_iter().map(normal).collect(),
+            first_normals: corners.into_iter().map(normal).collect(),
             first_edge_lengths: level.edge_lengths(&level.points),
             curves: curves(&level.faces, &charts),
-            hints: vec![NONE; input.sample_count()],
+            hints: level.first_hints(input),
             backward_hints,
             tree,
+            reach,
         }
     }
 
-    /// Returns the best positions of the points that `iterations` find. No sample ends up much
-    /// farther from the other surface than the farthest was at the start.
-    pub(crate) fn run(mut self, iterations: u32, tick: &(dyn Fn() + Sync)) -> Vec<DVec3> {
+    /// Returns the best positions of the points that `iterations` find, and the distance of the
+    /// sample that was farthest at the start.
+    fn run(&mut self, iterations: u32, tick: &(dyn Fn() + Sync)) -> (Vec<DVec3>, f64) {
+        let start = self.tie(&self.level.points);
+        let first_distance = start.max_squared.sqrt();
+        (self.best(start, iterations, tick), first_distance)
+    }
+
+    fn best(&mut self, start: Ties<'a>, iterations: u32, tick: &(dyn Fn() + Sync)) -> Vec<DVec3> {
         let (points, faces) = (&self.level.points, &self.level.faces);
-        let start = self.tie(points);
+        let reach = self.reach.min(MAX_SQUARED_RATIO * start.max_squared.sqrt());
+        let neighbours = Neighbours::new(self.input, self.level, &self.tree, reach);
         let max_squared = MAX_SQUARED_RATIO * start.face_distances.max_squared();
         let first = UnmovedDistances {
             energy: start.energy,
@@ -167,14 +221,18 @@ impl<'a> Fit<'a> {
         }
         let Some(best) = best else { return points.clone() };
         let mut held = barely_closer(&first.energies_around, &best.energies_around, faces);
+        self.tree.move_to(&self.level.corners(&best.positions));
+        let crossed = neighbours.crossed(self.level, &self.tree, &best.positions);
         let is_good = best.energy < first.energy
             && best.face_distances.max_squared() <= max_squared
+            && crossed.is_empty()
             && !held.contains(&true);
         if !first.hold_worse(&best.energies_around, &mut held) && is_good {
             return best.positions;
         }
-        let held_back = self.hold_back(&best, held, &ties.input_normals, &first);
-        let ties = self.tie(&held_back);
+        let normals = &ties.input_normals;
+        let (held_back, ties) =
+            self.hold_back(&best, held, crossed, normals, (&first, &neighbours));
         let max_energy = if is_good { best.energy } else { first.energy };
         if ties.energy < max_energy && ties.face_distances.max_squared() <= max_squared {
             held_back
@@ -191,26 +249,29 @@ impl<'a> Fit<'a> {
 
     /// Returns the positions of `best` with points back where the simplifier left them: those that
     /// are `held`, the corners of faces with a sample beyond the limit, with one more ring of
-    /// neighbours in each round, and points that get worse. Ends when no sample is beyond the limit
-    /// and hardly any point is worse.
+    /// neighbours in each round, points that get worse, and corners of faces that have `crossed`
+    /// others. Ends when no sample is beyond the limit, no face has crossed another, and hardly any
+    /// point is worse. The ties there come with them.
     fn hold_back(
         &mut self,
         best: &State,
         mut held: Vec<bool>,
+        mut crossed: Vec<usize>,
         input_normals: &[DVec3],
-        first: &UnmovedDistances,
-    ) -> Vec<DVec3> {
+        (first, neighbours): (&UnmovedDistances, &Neighbours),
+    ) -> (Vec<DVec3>, Ties<'a>) {
         let (level, moved) = (self.level, &best.positions);
-        let mut face_distances = best.face_distances.clone();
         let mut beyond_limit = vec![false; moved.len()];
-        let mut positions = moved.clone();
+        let mut last: Option<(Vec<DVec3>, Ties<'a>)> = None;
         for _ in 0..MAX_HOLD_ROUNDS {
+            let distances = last.as_ref().map_or(&best.face_distances, |(_, t)| &t.face_distances);
             let is_affected = |f: &usize| {
                 let is_beyond = |&p: &u32| beyond_limit[p as usize];
-                face_distances.max_squared_of(*f) > first.max_squared
+                distances.max_squared_of(*f) > first.max_squared
                     || level.faces[*f].iter().any(is_beyond)
             };
-            let affected_faces: Vec<usize> = (0..level.faces.len()).filter(is_affected).collect();
+            let affected_faces: Vec<usize> =
+                (0..level.faces.len()).filter(is_affected).chain(crossed.drain(..)).collect();
             for &p in affected_faces.iter().flat_map(|&f| &level.faces[f]) {
                 beyond_limit[p as usize] = true;
                 held[p as usize] = true;
@@ -218,14 +279,20 @@ impl<'a> Fit<'a> {
             let moves: Vec<DVec3> = (0..moved.len())
                 .map(|p| if held[p] { DVec3::ZERO } else { moved[p] - level.points[p] })
                 .collect();
-            positions = self.guard(input_normals).limit(&level.points, &moves);
-            face_distances = self.tie(&positions).face_distances;
-            let got_worse = first.hold_worse(&self.energies_around(&face_distances), &mut held);
-            if face_distances.max_squared() <= first.max_squared && !got_worse {
+            let positions = self.guard(input_normals).limit(&level.points, &moves);
+            let ties = self.tie(&positions);
+            let got_worse =
+                first.hold_worse(&self.energies_around(&ties.face_distances), &mut held);
+            crossed = neighbours.crossed(level, &self.tree, &positions);
+            let is_done = ties.face_distances.max_squared() <= first.max_squared
+                && crossed.is_empty()
+                && !got_worse;
+            last = Some((positions, ties));
+            if is_done {
                 break;
             }
         }
-        positions
+        last.expect("a round")
     }
 
     fn guard<'g>(&'g self, input_normals: &'g [DVec3]) -> Guard<'g> {
@@ -255,7 +322,8 @@ impl<'a> Fit<'a> {
         let system = System::new(positions.len(), &level.faces, &level.face_edges, &level.edges);
         let face_distances = FaceDistances::new(level.faces.len());
         let input_normals = vec![DVec3::ZERO; level.faces.len()];
-        let mut ties = Ties { system, energy: 0.0, face_distances, input_normals };
+        let (energy, max_squared) = (0.0, 0.0);
+        let mut ties = Ties { system, energy, face_distances, max_squared, input_normals };
         self.tie_input(&corners, &crosses, &mut ties);
         self.tie_level(&corners, &crosses, &mut ties);
         self.tie_curves(&corners, &mut ties);
@@ -265,12 +333,19 @@ impl<'a> Fit<'a> {
     /// Ties the input's samples to the level. `crosses` are twice the areas of faces along their
     /// normals.
     fn tie_input(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
-        let (input, tree) = (self.input, &self.tree);
+        let (input, level, tree, reach) = (self.input, self.level, &self.tree, self.reach);
+        let face_sheet = |face: usize| Sheet {
+            component: input.components[level.input_triangles[face] as usize],
+            normal: crosses[face],
+        };
         let tiny_squared = (TINY_SHARE * input.diagonal).powi(2);
         for (block, hints) in self.hints.chunks_mut(SAMPLES_PER_BLOCK).enumerate() {
             let tie_sample = |i: usize, hint: u32| {
-                let (p, weight) = input.sample(i);
-                let nearest = tree.nearest(p, hint)?;
+                let (triangle, barycentric, weight) = input.sample_location(i);
+                let p = input.surface_point(triangle, barycentric);
+                let sheet = input.sheet(triangle);
+                let is_own = |face: u32| sheet.goes_with(face_sheet(face as usize));
+                let (nearest, to_any) = nearest_of_sheet(tree, p, hint, reach, is_own)?;
                 let face = nearest.triangle as usize;
                 let residual = point_at(corners[face], nearest.barycentric) - p;
                 let normal = crosses[face].normalize_or_zero();
@@ -282,9 +357,9 @@ impl<'a> Fit<'a> {
                     direction,
                     weight,
                 };
-                Some((tie, nearest.squared))
+                Some((tie, [nearest.squared, to_any]))
             };
-            let tie_run = |(run, hints): (usize, &mut [u32])| -> Vec<(Tie, f64)> {
+            let tie_run = |(run, hints): (usize, &mut [u32])| -> Vec<Found> {
                 let first_sample = SAMPLES_PER_BLOCK * block + SAMPLES_PER_THREAD * run;
                 let mut last_face = NONE;
                 let tie_next = |(i, hint): (usize, &mut u32)| {
@@ -304,16 +379,20 @@ impl<'a> Fit<'a> {
 
     /// Ties points on the level's faces to the input, and finds the input's normals there.
     fn tie_level(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
-        let input = self.input;
+        let (input, level, reach) = (self.input, self.level, self.reach);
         let tiny_squared = (TINY_SHARE * input.diagonal).powi(2);
         let area = crosses.iter().map(|c| c.length()).sum::<f64>().max(f64::MIN_POSITIVE);
         let tie_face = |(face, hints): (&u32, &mut [u32])| {
             let (face, mut normal) = (*face as usize, DVec3::ZERO);
-            let mut found = [None; SIX_POINTS.len()];
-            for (k, (barycentric, share)) in SIX_POINTS.iter().enumerate() {
+            let mut found = [None; MAX_POINTS];
+            let component = input.components[level.input_triangles[face] as usize];
+            let sheet = Sheet { component, normal: crosses[face] };
+            for (k, (barycentric, share)) in input.level_rule.iter().enumerate() {
                 let q = point_at(corners[face], *barycentric);
                 let hint = if hints[k] == NONE { hints[k.saturating_sub(1)] } else { hints[k] };
-                let Some(nearest) = input.tree.nearest(q, hint) else { continue };
+                let is_own = |triangle: u32| sheet.goes_with(input.sheet(triangle as usize));
+                let found_nearest = nearest_of_sheet(&input.tree, q, hint, reach, is_own);
+                let Some((nearest, to_any)) = found_nearest else { continue };
                 hints[k] = nearest.triangle;
                 let input_triangle = nearest.triangle as usize;
                 normal += input.normals[input_triangle] * *share;
@@ -327,13 +406,13 @@ impl<'a> Fit<'a> {
                 let weight = crosses[face].length() * share / area;
                 let (face, barycentric) = (face as u32, *barycentric);
                 let tie = Tie { face, barycentric, residual, direction, weight };
-                found[k] = Some((tie, nearest.squared));
+                found[k] = Some((tie, [nearest.squared, to_any]));
             }
             (found, normal.normalize_or_zero())
         };
-        let blocks = self.backward_hints.chunks_mut(SAMPLES_PER_BLOCK * SIX_POINTS.len());
+        let blocks = self.backward_hints.chunks_mut(SAMPLES_PER_BLOCK * input.level_rule.len());
         for (faces, hints) in self.tree.spatial_order().chunks(SAMPLES_PER_BLOCK).zip(blocks) {
-            let hints = hints.par_chunks_mut(SIX_POINTS.len());
+            let hints = hints.par_chunks_mut(input.level_rule.len());
             let found: Vec<_> = faces.par_iter().zip(hints).map(tie_face).collect();
             for (&face, (points, normal)) in faces.iter().zip(found) {
                 ties.input_normals[face as usize] = normal;

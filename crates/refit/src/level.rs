@@ -1,6 +1,7 @@
 //! A level of detail as the unknowns of a refit: one point for all vertices that share a position,
 //! with faces and edges between points.
 
+use crate::input::Input;
 use crate::sides::sides;
 use glam::DVec3;
 use lodc_mesh::{Lod, Mesh, NONE, OrientedTriangle, Simplified, is_degenerate};
@@ -24,6 +25,9 @@ pub(crate) struct Level {
     pub(crate) face_edges: Vec<[u32; 3]>,
     /// By point: whether it is locked. Empty if none is.
     pub(crate) locked: Vec<bool>,
+    /// For each corner of the input's triangles the point that it has become; [`NONE`] where no
+    /// face of the level is left.
+    pub(crate) became: Vec<[u32; 3]>,
 }
 
 impl Level {
@@ -50,8 +54,42 @@ impl Level {
         let faces: Vec<[u32; 3]> =
             mesh.triangles().iter().map(|t| t.map(|v| point_of_vertex[v as usize])).collect();
         let (edges, face_edges) = edges(&faces);
-        let locked = locked_points(simplified, &triangles, &point_of_vertex, points.len());
-        Self { mesh, input_triangles, point_of_vertex, points, faces, edges, face_edges, locked }
+        let mut used: Vec<u32> = triangles.iter().flat_map(|t| t.corners).collect();
+        used.sort_unstable();
+        used.dedup();
+        let locked = locked_points(simplified, &used, &point_of_vertex, points.len());
+        let mut point_at_lod = vec![NONE; vertex_at_lod.len()];
+        for (&v, &point) in used.iter().zip(&point_of_vertex) {
+            point_at_lod[v as usize] = point;
+        }
+        let point = |v: u32| point_at_lod[vertex_at_lod[v as usize] as usize];
+        let became = input.triangles().iter().map(|t| t.map(point)).collect();
+        Self {
+            mesh,
+            input_triangles,
+            point_of_vertex,
+            points,
+            faces,
+            edges,
+            face_edges,
+            locked,
+            became,
+        }
+    }
+
+    /// Returns for each sample of the input a face that is probably near: one at a point that a
+    /// corner of its triangle has become; [`NONE`] where none is left.
+    pub(crate) fn first_hints(&self, input: &Input) -> Vec<u32> {
+        let mut face_of_point = vec![NONE; self.points.len()];
+        for (face, points) in (0..).zip(&self.faces) {
+            points.iter().for_each(|&p| face_of_point[p as usize] = face);
+        }
+        let hint = |i: usize| {
+            let (triangle, ..) = input.sample_location(i);
+            let found = self.became[triangle].iter().find(|p| **p != NONE);
+            found.map_or(NONE, |&p| face_of_point[p as usize])
+        };
+        (0..input.sample_count()).map(hint).collect()
     }
 
     /// Returns whether a point is locked.
@@ -79,20 +117,17 @@ impl Level {
     }
 }
 
-/// Returns by point whether a vertex there is locked; nothing if none is. The vertices of a level
-/// have the order that they have in the input.
+/// Returns by point whether a vertex there is locked; nothing if none is. `used` are the vertices of
+/// the level by their numbers in the input, in order.
 fn locked_points(
     simplified: &Simplified,
-    triangles: &[OrientedTriangle],
+    used: &[u32],
     point_of_vertex: &[u32],
     points: usize,
 ) -> Vec<bool> {
     if simplified.locked().is_empty() {
         return Vec::new();
     }
-    let mut used: Vec<u32> = triangles.iter().flat_map(|t| t.corners).collect();
-    used.sort_unstable();
-    used.dedup();
     let mut locked = vec![false; points];
     for (&v, &point) in used.iter().zip(point_of_vertex) {
         locked[point as usize] |= simplified.locked()[v as usize];

@@ -6,14 +6,13 @@
 //! level's interpolated ones have there.
 
 use crate::blend::store;
-use crate::charts::{Continuity, charts};
+use crate::fit::Fitted;
 use crate::guard::cross;
-use crate::input::Input;
 use crate::level::Level;
-use crate::quadrature::SIX_POINTS;
+use crate::sheets::{Sheet, nearest_of_sheet};
 use glam::DVec3;
-use lodc_mesh::{Mesh, MeshParts, NONE, Semantic};
-use lodc_nearest::{TriangleTree, point_at};
+use lodc_mesh::{Attribute, Mesh, MeshParts, NONE, Semantic, Submesh};
+use lodc_nearest::point_at;
 use rayon::prelude::*;
 
 /// Number of fits. Chosen by hand.
@@ -25,6 +24,8 @@ const MIN_LENGTH: f64 = 0.1;
 const DAMPING: f64 = 0.02;
 /// The least weight that this counts with, as a share of the mean one. Chosen by hand.
 const MIN_WEIGHT_SHARE: f64 = 0.1;
+/// Cosine below which normals are perpendicular to a face, as far as can be told. Chosen by hand.
+const PERPENDICULAR: f64 = 1e-3;
 /// The most steps of conjugate gradients, and the share of the first residual at which they end.
 /// Chosen by hand.
 const MAX_STEPS: usize = 30;
@@ -34,21 +35,20 @@ const SAMPLES_PER_THREAD: usize = 1 << 8;
 
 /// Replaces the normals in `parts`, a level with its points at `positions`, by those that fit the
 /// input's best; tangents follow. Starts from the normals that are there. Without normals nothing
-/// happens.
+/// happens. Returns the faces that face away from a normal of theirs, whatever is done, and did not
+/// where the simplifier left them.
 pub(crate) fn fit(
-    mesh: &Mesh,
-    input: &Input,
+    normals: &InputNormals<'_>,
     level: &Level,
+    fitted: &Fitted,
     positions: &[DVec3],
     parts: &mut MeshParts,
-) {
-    if !mesh.attributes().iter().any(|a| a.semantic == Semantic::Normal) {
-        return;
+) -> Vec<usize> {
+    if normals.is_empty() {
+        return Vec::new();
     }
-    let input_parts = mesh.clone().into_parts();
     let unknowns = Unknowns::new(level, parts);
-    let normals = InputNormals { mesh, of_vertex: unit_normals(&input_parts), input };
-    let ties = normals.ties(level, positions, &unknowns);
+    let ties = normals.ties(level, fitted, positions, &unknowns);
     let mut fitted = unknowns.first.clone();
     for _ in 0..FITS {
         let mut system = System::new(&unknowns.faces, fitted.len());
@@ -60,7 +60,40 @@ pub(crate) fn fit(
             }
         }
     }
+    let corners = level.corners(positions);
+    for other in [&unknowns.first, &unknowns.unmoved] {
+        refuse(&unknowns.faces, &corners, other, &mut fitted);
+    }
     store_normals(&unknowns, &fitted, parts);
+    let before = level.corners(&level.points);
+    let is_refused = |&f: &usize| {
+        let was = |u| faces_away(&unknowns.faces[f], before[f], &unknowns.unmoved).any(|b| b == u);
+        faces_away(&unknowns.faces[f], corners[f], &fitted).any(|u| !was(u))
+    };
+    (0..corners.len()).filter(is_refused).collect()
+}
+
+/// Returns the unknowns of a face whose normals it faces away from.
+fn faces_away<'n>(
+    unknowns: &'n [u32; 3],
+    corners: [DVec3; 3],
+    normals: &'n [DVec3],
+) -> impl Iterator<Item = usize> + 'n {
+    let normal = cross(corners);
+    let limit = -PERPENDICULAR * normal.length();
+    let is_away = move |u: &usize| normals[*u].dot(normal) < limit;
+    unknowns.iter().filter(|u| **u != NONE).map(|&u| u as usize).filter(is_away)
+}
+
+/// Replaces fitted normals that a face of theirs faces away from by others.
+fn refuse(faces: &[[u32; 3]], corners: &[[DVec3; 3]], others: &[DVec3], fitted: &mut [DVec3]) {
+    let mut refused: Vec<usize> = Vec::new();
+    for (unknowns, &corners) in faces.iter().zip(corners) {
+        refused.extend(faces_away(unknowns, corners, fitted));
+    }
+    for u in refused {
+        fitted[u] = others[u];
+    }
 }
 
 /// The normals of a level as unknowns: one for all vertices that share position and normal.
@@ -71,12 +104,16 @@ struct Unknowns {
     faces: Vec<[u32; 3]>,
     /// The unit normals at the start.
     first: Vec<DVec3>,
+    /// The unit normals where the simplifier left the level.
+    unmoved: Vec<DVec3>,
 }
 
 impl Unknowns {
     fn new(level: &Level, parts: &MeshParts) -> Self {
-        let (level_normals, normals) =
-            (unit_normals(&level.mesh.clone().into_parts()), unit_normals(parts));
+        let submeshes = (&parts.submeshes[..], &parts.vertex_submesh[..]);
+        let normals = unit_normals(&parts.attributes, submeshes);
+        let level_submeshes = (level.mesh.submeshes(), level.mesh.vertex_submesh());
+        let level_normals = unit_normals(level.mesh.attributes(), level_submeshes);
         let key = |v: u32| {
             (
                 level.point_of_vertex[v as usize],
@@ -86,38 +123,45 @@ impl Unknowns {
         let has_normal = |v: &u32| level_normals[*v as usize] != DVec3::ZERO;
         let mut order: Vec<u32> = (0..level_normals.len() as u32).filter(has_normal).collect();
         order.sort_unstable_by_key(|&v| (key(v), v));
-        let (mut of_vertex, mut first) = (vec![NONE; level_normals.len()], Vec::new());
+        let mut of_vertex = vec![NONE; level_normals.len()];
+        let (mut first, mut unmoved) = (Vec::new(), Vec::new());
         for equal in order.chunk_by(|&a, &b| key(a) == key(b)) {
             let sum: DVec3 = equal.iter().map(|&v| normals[v as usize]).sum();
             equal.iter().for_each(|&v| of_vertex[v as usize] = first.len() as u32);
+            unmoved.push(level_normals[equal[0] as usize]);
             first.push(sum.try_normalize().unwrap_or(level_normals[equal[0] as usize]));
         }
         let faces =
             level.mesh.triangles().iter().map(|t| t.map(|v| of_vertex[v as usize])).collect();
-        Self { of_vertex, faces, first }
+        Self { of_vertex, faces, first, unmoved }
     }
 }
 
-/// Returns the unit normal of each vertex; zero where it has none.
-fn unit_normals(parts: &MeshParts) -> Vec<DVec3> {
-    let normal = |v: usize| {
-        let stream = direction_stream(parts, v, &Semantic::Normal);
-        let Some(stream) = stream else { return DVec3::ZERO };
-        direction(parts, stream, v).normalize_or_zero()
+/// Returns the unit normal of each vertex; zero where it has none. `submeshes` come with those of
+/// the vertices.
+fn unit_normals(attributes: &[Attribute], submeshes: (&[Submesh], &[u32])) -> Vec<DVec3> {
+    let stream_of = |s: &Submesh| direction_stream(attributes, s, &Semantic::Normal);
+    let streams: Vec<Option<usize>> = submeshes.0.iter().map(stream_of).collect();
+    let normal = |(v, &submesh): (u32, &u32)| {
+        streams[submesh as usize]
+            .map_or(DVec3::ZERO, |stream| direction(&attributes[stream], v).normalize_or_zero())
     };
-    (0..parts.positions.len()).map(normal).collect()
+    (0..).zip(submeshes.1).map(normal).collect()
 }
 
 /// Returns the first three components of a vertex in a stream.
-fn direction(parts: &MeshParts, stream: usize, v: usize) -> DVec3 {
-    DVec3::from_array([0, 1, 2].map(|k| f64::from(parts.attributes[stream].value(v as u32, k))))
+fn direction(stream: &Attribute, v: u32) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|k| f64::from(stream.value(v, k))))
 }
 
-/// Returns the stream of a vertex that has directions with a meaning.
-fn direction_stream(parts: &MeshParts, v: usize, semantic: &Semantic) -> Option<usize> {
-    let submesh = &parts.submeshes[parts.vertex_submesh[v] as usize];
+/// Returns the stream of a submesh that has directions with a meaning.
+fn direction_stream(
+    attributes: &[Attribute],
+    submesh: &Submesh,
+    semantic: &Semantic,
+) -> Option<usize> {
     submesh.attributes.iter().map(|&a| a as usize).find(|&a| {
-        let a = &parts.attributes[a];
+        let a = &attributes[a];
         a.semantic == *semantic && a.morph_target.is_none() && a.components >= 3
     })
 }
@@ -134,19 +178,38 @@ struct Tie {
 }
 
 /// The input with its unit normals.
-struct InputNormals<'a> {
+pub(crate) struct InputNormals<'a> {
     mesh: &'a Mesh,
+    /// Empty if no vertex has one.
     of_vertex: Vec<DVec3>,
-    input: &'a Input,
 }
 
-impl InputNormals<'_> {
+impl<'a> InputNormals<'a> {
+    pub(crate) fn new(mesh: &'a Mesh) -> Self {
+        let submeshes = (mesh.submeshes(), mesh.vertex_submesh());
+        let has_normals = mesh.attributes().iter().any(|a| a.semantic == Semantic::Normal);
+        let of_vertex =
+            if has_normals { unit_normals(mesh.attributes(), submeshes) } else { Vec::new() };
+        Self { mesh, of_vertex }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.of_vertex.is_empty()
+    }
+
     /// Returns the normals at samples of the input, each tied to the nearest point of the level,
     /// and for points of the level those of the nearest point of the input. Only within a chart,
     /// and only where normal and face are on the same side.
-    fn ties(&self, level: &Level, positions: &[DVec3], unknowns: &Unknowns) -> Vec<Tie> {
-        let input = self.input;
-        let charts = charts(self.mesh, Continuity::Shading);
+    fn ties(
+        &self,
+        level: &Level,
+        fitted: &Fitted,
+        positions: &[DVec3],
+        unknowns: &Unknowns,
+    ) -> Vec<Tie> {
+        let input = &fitted.input;
+        let points = input.level_rule.len();
+        let charts = &input.shading_charts;
         let corners = level.corners(positions);
         let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
         let area = crosses.iter().map(|c| c.length()).sum::<f64>().max(f64::MIN_POSITIVE);
@@ -158,29 +221,44 @@ impl InputNormals<'_> {
                 && !unknowns.faces[face as usize].contains(&NONE);
             counts.then_some(Tie { face, barycentric, normal, weight })
         };
-        let tree = TriangleTree::new(&corners);
-        let starts: Vec<usize> = (0..input.sample_count()).step_by(SAMPLES_PER_THREAD).collect();
-        let from_input = starts.par_iter().flat_map_iter(|&start| {
-            let (mut found, mut hint) = (Vec::with_capacity(SAMPLES_PER_THREAD), NONE);
-            for i in start..(start + SAMPLES_PER_THREAD).min(input.sample_count()) {
+        let face_sheet = |face: u32| Sheet {
+            component: input.components[level.input_triangles[face as usize] as usize],
+            normal: crosses[face as usize],
+        };
+        let mut tree = fitted.tree.clone();
+        tree.move_to(&corners);
+        let runs = fitted.hints.par_chunks(SAMPLES_PER_THREAD).enumerate();
+        let from_input = runs.flat_map_iter(|(run, hints)| {
+            let mut found = Vec::with_capacity(SAMPLES_PER_THREAD);
+            for (i, &hint) in (SAMPLES_PER_THREAD * run..).zip(hints) {
                 let (triangle, barycentric, weight) = input.sample_location(i);
                 let p = input.surface_point(triangle, barycentric);
-                let Some(nearest) = tree.nearest(p, hint) else { continue };
-                hint = nearest.triangle;
-                found.extend(tie(hint, nearest.barycentric, triangle, barycentric, weight));
+                let sheet = input.sheet(triangle);
+                let is_own = |face: u32| sheet.goes_with(face_sheet(face));
+                let Some((nearest, _)) = nearest_of_sheet(&tree, p, hint, fitted.reach, is_own)
+                else {
+                    continue;
+                };
+                let face = nearest.triangle;
+                found.extend(tie(face, nearest.barycentric, triangle, barycentric, weight));
             }
             found
         });
-        let face_chunks = tree.spatial_order().par_chunks(SAMPLES_PER_THREAD);
-        let from_level = face_chunks.flat_map_iter(|faces| {
-            let mut found = Vec::with_capacity(SIX_POINTS.len() * SAMPLES_PER_THREAD);
-            for &face in faces {
-                let mut hint = level.input_triangles[face as usize];
-                for &(barycentric, share) in SIX_POINTS {
+        let faces = fitted.tree.spatial_order().par_chunks(SAMPLES_PER_THREAD);
+        let hints = fitted.backward_hints.par_chunks(SAMPLES_PER_THREAD * points);
+        let from_level = faces.zip(hints).flat_map_iter(|(faces, hints)| {
+            let mut found = Vec::with_capacity(points * SAMPLES_PER_THREAD);
+            for (&face, hints) in faces.iter().zip(hints.chunks(points)) {
+                for (&(barycentric, share), &hint) in input.level_rule.iter().zip(hints) {
                     let q = point_at(corners[face as usize], barycentric);
-                    let Some(nearest) = input.tree.nearest(q, hint) else { continue };
-                    hint = nearest.triangle;
-                    let (triangle, on_triangle) = (hint as usize, nearest.barycentric);
+                    let sheet = face_sheet(face);
+                    let is_own = |triangle: u32| sheet.goes_with(input.sheet(triangle as usize));
+                    let Some((nearest, _)) =
+                        nearest_of_sheet(&input.tree, q, hint, fitted.reach, is_own)
+                    else {
+                        continue;
+                    };
+                    let (triangle, on_triangle) = (nearest.triangle as usize, nearest.barycentric);
                     let weight = crosses[face as usize].length() * share / area;
                     found.extend(tie(face, barycentric, triangle, on_triangle, weight));
                 }
@@ -293,13 +371,19 @@ fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
 
 /// Writes normals into their streams, and makes tangents perpendicular to them.
 fn store_normals(unknowns: &Unknowns, fitted: &[DVec3], parts: &mut MeshParts) {
+    let streams = |s: &Submesh| {
+        [Semantic::Normal, Semantic::Tangent]
+            .map(|semantic| direction_stream(&parts.attributes, s, &semantic))
+    };
+    let streams: Vec<[Option<usize>; 2]> = parts.submeshes.iter().map(streams).collect();
     for (v, &unknown) in unknowns.of_vertex.iter().enumerate().filter(|(_, u)| **u != NONE) {
         let normal = fitted[unknown as usize];
-        if let Some(stream) = direction_stream(parts, v, &Semantic::Normal) {
+        let [normals, tangents] = streams[parts.vertex_submesh[v] as usize];
+        if let Some(stream) = normals {
             store(&mut parts.attributes[stream], v, &normal.to_array());
         }
-        let Some(stream) = direction_stream(parts, v, &Semantic::Tangent) else { continue };
-        let tangent = direction(parts, stream, v);
+        let Some(stream) = tangents else { continue };
+        let tangent = direction(&parts.attributes[stream], v as u32);
         if let Some(tangent) = (tangent - normal * tangent.dot(normal)).try_normalize() {
             store(&mut parts.attributes[stream], v, &tangent.to_array());
         }

@@ -21,7 +21,7 @@ const THREE_POINTS: Rule = &[
 ];
 
 /// Six points: exact for polynomials of degree 4.
-pub(crate) const SIX_POINTS: Rule = &[
+const SIX_POINTS: Rule = &[
     ([1.0 - 2.0 * A, A, A], WEIGHT_A),
     ([A, 1.0 - 2.0 * A, A], WEIGHT_A),
     ([A, A, 1.0 - 2.0 * A], WEIGHT_A),
@@ -30,13 +30,17 @@ pub(crate) const SIX_POINTS: Rule = &[
     ([B, B, 1.0 - 2.0 * B], WEIGHT_B),
 ];
 
-/// Returns the rule for the input's triangles: the more of them there are for each of the level,
-/// the fewer points each needs. The limits are chosen by hand.
-pub(crate) fn rule_for_ratio(input_triangles: usize, level_triangles: usize) -> Rule {
+/// The most points of any rule.
+pub(crate) const MAX_POINTS: usize = SIX_POINTS.len();
+
+/// Returns the rules for the input's triangles and for the level's: the more of the input's there
+/// are for each of the level, the fewer points each of them needs, and the less do more points on
+/// the level cost. The limits are chosen by hand.
+pub(crate) fn rules_for_ratio(input_triangles: usize, level_triangles: usize) -> [Rule; 2] {
     match input_triangles / level_triangles.max(1) {
-        0..3 => SIX_POINTS,
-        3..10 => THREE_POINTS,
-        _ => ONE_POINT,
+        0..3 => [THREE_POINTS, THREE_POINTS],
+        3..8 => [ONE_POINT, THREE_POINTS],
+        _ => [ONE_POINT, SIX_POINTS],
     }
 }
 

@@ -88,8 +88,8 @@ fn normals_are_nearer_than_those_that_are_looked_up() {
         let s = simplified(&named(name).expect("a fixture"));
         for share in [0.25, 0.1] {
             let found = Refit::new(&s, level(&s, share), &Options::DEFAULT, &|| ());
-            let Fitted { input, positions } = found.fitted.as_ref().expect("positions");
-            let looked_up = attributes::resample(s.mesh(), &input.tree, &found.level, positions);
+            let (Fitted { input, positions, .. }, _) = found.fitted.as_ref().expect("positions");
+            let looked_up = attributes::resample(s.mesh(), input, &found.level, positions);
             let looked_up = Mesh::try_from(looked_up).expect("a mesh");
             let [before, after] =
                 [looked_up, found.mesh(1.0)].map(|level| mean_angle(s.mesh(), &level));
@@ -288,7 +288,7 @@ fn a_vertex_takes_nothing_from_the_other_side_of_a_sheet() {
         // Nearer to the lower sheet than to its own.
         let mut positions = level.points.clone();
         positions[level.point_of_vertex[v as usize] as usize].z = -0.006;
-        let moved = attributes::resample(s.mesh(), &input.tree, &level, &positions);
+        let moved = attributes::resample(s.mesh(), &input, &level, &positions);
         let moved = Mesh::try_from(moved).expect("a mesh");
         assert!(up(&moved, v) > 0.5, "vertex {v}: {}", up(&moved, v));
     }
@@ -348,6 +348,179 @@ fn what_a_level_lacks_does_not_pull_a_spike_out_of_it() {
     // The wedge as it was: its top could only be pulled out to where the candle stood.
     assert!(level.triangles().len() == 8 && level.bounds().1[2] == 0.8, "{:?}", level.bounds());
     assert_eq!(refit(&s, lod, &Options::DEFAULT), level);
+}
+
+/// A mesh without attributes, one submesh for each part.
+fn parts_mesh(parts: &[(Vec<DVec3>, Vec<[u32; 3]>)]) -> Mesh {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let (mut vertex_submesh, mut submeshes) = (Vec::new(), Vec::new());
+    for (number, (points, faces)) in (0..).zip(parts) {
+        let (first, first_triangle) = (positions.len() as u32, triangles.len() as u32);
+        positions.extend(points.iter().map(|p| p.as_vec3().to_array()));
+        triangles.extend(faces.iter().map(|f| f.map(|v| first + v)));
+        vertex_submesh.extend(points.iter().map(|_| number));
+        let triangle_count = faces.len() as u32;
+        submeshes.push(Submesh { first_triangle, triangle_count, attributes: vec![] });
+    }
+    let attributes = vec![];
+    let parts = MeshParts { positions, vertex_submesh, attributes, triangles, submeshes };
+    Mesh::try_from(parts).expect("a mesh")
+}
+
+fn corner_points(mesh: &Mesh, t: [u32; 3]) -> [DVec3; 3] {
+    t.map(|v| DVec3::from_array(mesh.positions()[v as usize].map(f64::from)))
+}
+
+#[test]
+fn a_core_does_not_come_through_its_shell() {
+    // A lump, and another inside it, 2 % smaller.
+    let sphere = lodc_fixtures::icosphere(4);
+    let lump = |scale: f64| {
+        let bump = |p: DVec3| p * scale * (1.0 + 0.08 * (5.0 * p.x).sin() * (4.0 * p.y).cos());
+        let point = |p: &[f32; 3]| bump(DVec3::from_array(p.map(f64::from)));
+        (sphere.positions().iter().map(point).collect(), sphere.triangles().to_vec())
+    };
+    let s = simplified(&parts_mesh(&[lump(1.0), lump(0.98)]));
+    for share in [0.5, 0.25, 0.1, 0.07] {
+        let lod = level(&s, share);
+        let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
+        // Seen from the middle: how much farther out the shell is than corners and centres of the
+        // core.
+        let clearance = |mesh: &Mesh| {
+            let range =
+                |submesh: usize| mesh.triangles()[mesh.submeshes()[submesh].triangles()].to_vec();
+            let core = range(1).into_iter().flat_map(|t| {
+                let t = corner_points(mesh, t);
+                [t[0], t[1], t[2], (t[0] + t[1] + t[2]) / 3.0]
+            });
+            let shell: Vec<[DVec3; 3]> =
+                range(0).into_iter().map(|t| corner_points(mesh, t)).collect();
+            let beyond = |p: DVec3| {
+                let hits = shell.iter().filter_map(|&[a, b, c]| {
+                    let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n.dot(p));
+                    let normal = cross([a, b, c]);
+                    let is_hit = sides.iter().all(|s| *s >= 0.0);
+                    is_hit.then(|| p.length() * (a.dot(normal) / p.dot(normal) - 1.0))
+                });
+                hits.fold(f64::INFINITY, f64::min)
+            };
+            core.map(beyond).fold(f64::INFINITY, f64::min)
+        };
+        let [was, is] = [&before, &after].map(clearance);
+        assert!(was <= 0.0 || is > 0.0, "{share}: {was} before, {is} after");
+        assert!(rms(s.mesh(), &after) < 0.9 * rms(s.mesh(), &before), "{share}");
+    }
+}
+
+/// A bent plate, closed, as thick as 1 % of its length.
+fn plate() -> Mesh {
+    const COLUMNS: usize = 60;
+    const ROWS: usize = 30;
+    let middle = |x: f64, y: f64| DVec3::new(x, y, 0.25 * (2.0 * x).cos() + 0.1 * (4.0 * y).sin());
+    let (mut points, mut faces) = (Vec::new(), Vec::new());
+    for side in [0.01, -0.01] {
+        for (i, j) in (0..COLUMNS).flat_map(|i| (0..ROWS).map(move |j| (i, j))) {
+            let x = 2.0 * i as f64 / (COLUMNS - 1) as f64 - 1.0;
+            let y = j as f64 / (ROWS - 1) as f64 - 0.5;
+            let normal = DVec3::new(0.5 * (2.0 * x).sin(), -0.4 * (4.0 * y).cos(), 1.0).normalize();
+            points.push(middle(x, y) + normal * side);
+        }
+    }
+    let number = |side: usize, i: usize, j: usize| (side * COLUMNS * ROWS + i * ROWS + j) as u32;
+    for (i, j) in (0..COLUMNS - 1).flat_map(|i| (0..ROWS - 1).map(move |j| (i, j))) {
+        for side in [0, 1] {
+            let at = |di: usize, dj: usize| number(side, i + di, j + dj);
+            let (b, d) = if side == 0 { (at(1, 0), at(0, 1)) } else { (at(0, 1), at(1, 0)) };
+            faces.extend([[at(0, 0), b, at(1, 1)], [at(0, 0), at(1, 1), d]]);
+        }
+    }
+    let along_x = |j: usize| (0..COLUMNS).map(move |i| (i, j));
+    let along_y = |i: usize| (0..ROWS).map(move |j| (i, j));
+    let rim: Vec<(usize, usize)> = (along_x(0).chain(along_y(COLUMNS - 1).skip(1)))
+        .chain(along_x(ROWS - 1).rev().skip(1))
+        .chain(along_y(0).rev().skip(1).take(ROWS - 2))
+        .collect();
+    for (k, &(i, j)) in rim.iter().enumerate() {
+        let (m, n) = rim[(k + 1) % rim.len()];
+        let (top, bottom) =
+            ([number(0, i, j), number(0, m, n)], [number(1, i, j), number(1, m, n)]);
+        faces.extend([[top[0], bottom[0], bottom[1]], [top[0], bottom[1], top[1]]]);
+    }
+    parts_mesh(&[(points, faces)])
+}
+
+#[test]
+fn thin_plates_keep_both_sides() {
+    let s = simplified(&plate());
+    let volume = |mesh: &Mesh| -> f64 {
+        let six = mesh.triangles().iter().map(|&t| {
+            let [a, b, c] = corner_points(mesh, t);
+            a.dot(b.cross(c))
+        });
+        six.sum::<f64>() / 6.0
+    };
+    let whole = volume(s.mesh());
+    for share in [0.25, 0.1, 0.05] {
+        let lod = level(&s, share);
+        let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
+        let kept = volume(&after) / whole;
+        assert!((0.9..1.1).contains(&kept), "{share}: {kept} of the volume");
+        assert!(rms(s.mesh(), &after) < 0.9 * rms(s.mesh(), &before), "{share}");
+        // The upper side stays above the lower one: a point of it is nearest to its own side.
+        let tree = surface(s.mesh()).tree();
+        for (number, &t) in after.triangles().iter().enumerate() {
+            let corners = corner_points(&after, t);
+            let near = tree.nearest(corners.iter().sum::<DVec3>() / 3.0, lodc_mesh::NONE);
+            let near = near.expect("triangles").triangle as usize;
+            let own = cross(corner_points(s.mesh(), s.mesh().triangles()[near])).normalize();
+            let cosine = cross(corners).normalize().dot(own);
+            assert!(cosine > -0.5, "{share}: triangle {number} is on the other side, {cosine}");
+        }
+    }
+}
+
+#[test]
+fn no_normal_faces_away_from_its_face() {
+    let normal = |m: &Mesh, v: u32| {
+        let is_normal = |a: &&Attribute| a.semantic == Semantic::Normal && a.morph_target.is_none();
+        let stream = m.attributes().iter().find(is_normal).expect("normals");
+        DVec3::from_array([0, 1, 2].map(|k| f64::from(stream.value(v, k))))
+    };
+    let mut tried = 0;
+    for (name, make) in lodc_fixtures::ALL {
+        let mesh = make();
+        let has_normals = mesh.submeshes().iter().all(|s| {
+            s.attributes.iter().any(|&a| mesh.attributes()[a as usize].semantic == Semantic::Normal)
+        });
+        let is_one =
+            mesh.attributes().iter().filter(|a| a.semantic == Semantic::Normal).count() == 1;
+        if !(has_normals && is_one && mesh.triangles().len() >= 100) {
+            continue;
+        }
+        let s = simplified(&mesh);
+        for share in [0.25, 0.1, 0.05] {
+            let lod = level(&s, share);
+            let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
+            let faces_away = |m: &Mesh, t: [u32; 3], v: u32| {
+                normal(m, v).dot(cross(corner_points(m, t)).normalize_or_zero()) < -2e-3
+            };
+            for &t in after.triangles() {
+                for v in t {
+                    let was = faces_away(&before, t, v);
+                    let cosine =
+                        normal(&after, v).dot(cross(corner_points(&after, t)).normalize_or_zero());
+                    let first = normal(&before, v)
+                        .dot(cross(corner_points(&before, t)).normalize_or_zero());
+                    assert!(
+                        was || !faces_away(&after, t, v),
+                        "{name} {share}: vertex {v}, {cosine}, {first} before"
+                    );
+                }
+            }
+            tried += 1;
+        }
+    }
+    assert!(tried > 10, "{tried} levels");
 }
 
 #[test]

@@ -49,6 +49,12 @@ impl Shape {
         ([low, high].into_iter().all(is_finite) || posed.is_empty()).then_some(shape)
     }
 
+    /// Returns whether the object keeps its positions.
+    #[must_use]
+    pub fn is_as_modelled(&self) -> bool {
+        self.placement.is_none()
+    }
+
     /// Returns the positions of the vertices of the object, or of another mesh with its attributes.
     #[must_use]
     pub fn of<'a>(&self, mesh: &'a Mesh) -> Cow<'a, [[f32; 3]]> {

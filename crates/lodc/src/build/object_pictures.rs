@@ -4,20 +4,26 @@
 //! A source mesh has textures, a file of its levels may not, and both must give the same levels.
 //! Noise takes their place, with as much detail of every size, as photographs have.
 
-use lodc_measure::{Pyramid, ReferencePictures, SceneSurface, ShadingOptions, Viewing};
+use lodc_measure::{Difference, Pyramid, ReferenceKinds, SceneSurface, ShadingOptions, Viewing};
 use lodc_mesh::{Mesh, SplitMix64};
 use lodc_scene::{
     Appearance, Arrangement, Coordinates, Graph, Image, Material, Pose, Texture, Wrap,
 };
+use std::cell::OnceCell;
 use std::sync::Arc;
 
-/// The pictures: fewer and smaller than those of `compare`, to save time, and from other sides, so
-/// that levels are not chosen by the pictures that measure them. Chosen by hand.
-const VIEWING: Viewing = Viewing { views: 17, size: 256 };
+/// Cameras of each round: the second is asked only where the first leaves it open. Chosen by hand,
+/// as are the next three.
+const VIEWS: [u32; 2] = [5, 8];
+/// Pixels across for the square root of the triangles: some two for each triangle that is seen.
+const PIXELS_PER_ROOT: f64 = 2.0;
+/// Pixels across and down, at least and at most.
+const MIN_SIZE: f64 = 32.0;
+const MAX_SIZE: f64 = 192.0;
 /// Pixels of the noise image, across and down. Chosen by hand, as are the next two.
-const NOISE_SIZE: usize = 256;
+const NOISE_SIZE: usize = 64;
 /// Cells across the image of each grain of noise, the coarsest first.
-const GRAIN_CELLS: [usize; 6] = [2, 4, 8, 16, 32, 64];
+const GRAIN_CELLS: [usize; 5] = [2, 4, 8, 16, 32];
 /// Shift of texture coordinates from one submesh to the next, so that their colours differ.
 const SUBMESH_SHIFT: [f32; 2] = [0.37, 0.61];
 
@@ -26,20 +32,36 @@ pub(super) fn noise() -> Arc<[Pyramid]> {
     [Pyramid::new(&noise_image())].into()
 }
 
-/// An object as it looks from all sides.
-pub(super) struct ObjectPictures {
+/// An object as it looks from all sides, in rounds of pictures.
+pub(super) struct ObjectPictures<'a> {
+    mesh: &'a Mesh,
     appearance: Appearance,
     noise: Arc<[Pyramid]>,
-    references: Vec<ReferencePictures>,
+    rounds: [OnceCell<ReferenceKinds>; ROUNDS],
 }
 
-impl ObjectPictures {
-    /// Takes the pictures: shaded by its normals, and, if it has texture coordinates, with noise
+/// Rounds of pictures.
+pub(super) const ROUNDS: usize = VIEWS.len();
+
+impl<'a> ObjectPictures<'a> {
+    /// Pictures of an object: shaded by its normals, and, if it has texture coordinates, with noise
     /// and with a checkerboard. `coordinates` are those that its submeshes use, `noise` is
-    /// [`noise()`].
-    pub(super) fn new(mesh: &Mesh, coordinates: &[Coordinates], noise: &Arc<[Pyramid]>) -> Self {
-        let appearance = noise_appearance(coordinates);
-        let scene_surface = surface(mesh, &appearance, noise);
+    /// [`noise()`]. They are taken when they are needed: fewer and smaller than those of `compare`,
+    /// to save time, and from other sides, so that levels are not chosen by the pictures that
+    /// measure them.
+    pub(super) fn new(mesh: &'a Mesh, coordinates: &[Coordinates], noise: &Arc<[Pyramid]>) -> Self {
+        let (appearance, noise) = (noise_appearance(coordinates), Arc::clone(noise));
+        Self { mesh, appearance, noise, rounds: Default::default() }
+    }
+
+    /// How far a level looks from the object in a round of pictures, one for each kind.
+    pub(super) fn differences(&self, level: &Mesh, round: usize) -> Vec<Difference> {
+        let level = surface(level, &self.appearance, &self.noise).surface;
+        self.rounds[round].get_or_init(|| self.reference(VIEWS[round])).compare(&level)
+    }
+
+    fn reference(&self, views: u32) -> ReferenceKinds {
+        let scene_surface = surface(self.mesh, &self.appearance, &self.noise);
         // Colours of vertices are read from the input, not fitted: they must not decide on places.
         let looks = scene_surface.common_looks(&scene_surface);
         let all = ShadingOptions { vertex_colours: false, ..looks };
@@ -51,17 +73,9 @@ impl ObjectPictures {
             // Where a submesh has no texture coordinates, it would be the first kind again.
             kinds.extend(Some(checkerboard).filter(|kind| *kind != shaded));
         }
-        let references = kinds
-            .into_iter()
-            .map(|shading| ReferencePictures::new(&scene_surface.surface, VIEWING, shading))
-            .collect();
-        Self { appearance, noise: Arc::clone(noise), references }
-    }
-
-    /// The image errors of a level, 0 to 255, one for each kind of picture.
-    pub(super) fn errors(&self, level: &Mesh) -> Vec<f64> {
-        let scene_surface = surface(level, &self.appearance, &self.noise).surface;
-        self.references.iter().map(|p| p.compare(&scene_surface).rmse).collect()
+        let triangles = self.mesh.triangles().len() as f64;
+        let size = (PIXELS_PER_ROOT * triangles.sqrt()).clamp(MIN_SIZE, MAX_SIZE) as u32;
+        ReferenceKinds::new(&scene_surface.surface, Viewing { views, size }, kinds)
     }
 }
 
@@ -127,8 +141,10 @@ fn noise_image() -> Image {
 mod tests {
     use super::*;
     use lodc_fixtures::{Twin, twin};
-    use lodc_measure::{ImageError, SceneSurface};
+    use lodc_measure::{ImageError, ReferencePictures, SceneSurface};
     use lodc_simplify::{Options, simplify};
+
+    const VIEWING: Viewing = Viewing { views: 17, size: 256 };
 
     /// Image errors of levels with about these shares of the triangles, as `compare` shows them.
     fn image_errors(mesh: &Mesh, shares: [f64; 4]) -> [(usize, ImageError); 4] {

@@ -1,21 +1,23 @@
 //! Refitted levels: their vertices are moved closer to the input, as far as pictures do not get
 //! worse.
 
-use super::object_pictures::{ObjectPictures, noise};
+use super::object_pictures::{ObjectPictures, ROUNDS, noise};
 use crate::level_mesh::{LevelMesh, Order, ordered};
 use crate::{Error, LodObject, stated_shapes};
 use lodc_errors::{Distances, Measurable, Tick};
 use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
-use lodc_measure::Pyramid;
+use lodc_measure::{Difference, Pyramid};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
 use lodc_scene::{Coordinates, ObjectShapes, Shape};
 use rayon::prelude::*;
+use std::cell::OnceCell;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Shares of the way to the best fit that are tried in order: the first that looks clearly better
 /// counts, else the one that looks best. 0 fits normals alone. Chosen by hand.
-const FIT_SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
+const FIT_SHARES: [f64; 3] = [1.0, 0.5, 0.0];
 /// Factor by which refitting may raise the bound of a level at most. Chosen by hand.
 const MAX_BOUND_GROWTH: f64 = 1.05;
 /// A level looks clearly better if it keeps at most this share of its image error. Chosen by hand,
@@ -23,6 +25,11 @@ const MAX_BOUND_GROWTH: f64 = 1.05;
 const CLEARLY_BETTER: f64 = 0.95;
 /// It looks better if it keeps less than this share; else it stays as it was.
 const BETTER: f64 = 0.97;
+/// Where a level keeps at least this share, no position on the way there is tried, but normals
+/// alone. Chosen by hand.
+const HOPELESS: f64 = 1.05;
+/// Shares that more pictures are taken for. Chosen by hand.
+const UNCLEAR: Range<f64> = 0.92..1.0;
 
 /// Makes the meshes of the objects at `lods`, one each, with vertices and normals where they fit
 /// the input best. The same objects and document give the same meshes, whether they come from a
@@ -115,28 +122,46 @@ fn refitted(
     }
     let unmoved = refit.unmoved();
     let originals = Originals::new(shapes, input);
-    let before = originals.distances(&unmoved);
+    // What is written states its distances, so those of the level before are only measured where
+    // they decide.
+    let before = OnceCell::new();
+    let before = || before.get_or_init(|| originals.distances(&unmoved));
     let judge = Judge::new(input, &unmoved, texture);
-    // The best level so far, and the share of its image error that a better one has to be below.
-    let (mut best, mut least_kept) = ((unmoved, largest(&before)), BETTER);
-    for share in FIT_SHARES {
-        tick();
-        let mesh = refit.mesh(share);
-        let distances = originals.distances(&mesh);
+    let is_as_modelled = matches!(shapes, [shape] if shape.is_as_modelled());
+    let is_spoilt = |distances: &[Distances]| {
+        let known = if is_as_modelled { refit.unmoved_distance() } else { 0.0 };
         let spoils =
             |(now, before): (&Distances, &Distances)| now.upper > MAX_BOUND_GROWTH * before.upper;
-        if distances.iter().zip(&before).any(spoils) {
+        distances.iter().any(|now| now.upper > MAX_BOUND_GROWTH * known)
+            && distances.iter().zip(before()).any(spoils)
+    };
+    // The best level so far, and the share of its image error that a better one has to be below.
+    let (mut best, mut least_kept) = (None, BETTER);
+    let mut next = if refit.moves() { Some(FIT_SHARES[0]) } else { FIT_SHARES.last().copied() };
+    while let Some(share) = next {
+        tick();
+        let later = FIT_SHARES.iter().copied().filter(|&s| s < share);
+        next = later.clone().next();
+        let mesh = refit.mesh(share);
+        let distances = if share > 0.0 { originals.distances(&mesh) } else { before().clone() };
+        if is_spoilt(&distances) {
             continue;
         }
         let share_kept = judge.as_ref().map_or(0.0, |judge| judge.kept_share(&mesh));
         if share_kept < least_kept {
-            (best, least_kept) = ((mesh, largest(&distances)), share_kept);
+            (best, least_kept) = (Some((mesh, largest(&distances))), share_kept);
         }
         if share_kept <= CLEARLY_BETTER {
             break;
         }
+        if share_kept >= HOPELESS {
+            next = later.last();
+        }
     }
-    best
+    best.unwrap_or_else(|| {
+        let distances = largest(before());
+        (unmoved.clone(), distances)
+    })
 }
 
 /// Noise as the texture of an object.
@@ -148,27 +173,48 @@ struct NoiseTexture<'a> {
 }
 
 /// Compares pictures of a refitted level with pictures of the level as the simplifier left it.
-struct Judge {
-    pictures: ObjectPictures,
-    /// The image errors of the level as the simplifier left it.
-    before: Vec<f64>,
+struct Judge<'a> {
+    pictures: ObjectPictures<'a>,
+    unmoved: &'a Mesh,
+    /// How far the level as the simplifier left it looks from the object, by round.
+    before: [OnceCell<Vec<Difference>>; ROUNDS],
 }
 
-impl Judge {
+impl<'a> Judge<'a> {
     /// None for meshes without attributes: for them, closer counts as better.
-    fn new(input: &Mesh, unmoved: &Mesh, texture: NoiseTexture<'_>) -> Option<Self> {
+    fn new(input: &'a Mesh, unmoved: &'a Mesh, texture: NoiseTexture<'_>) -> Option<Self> {
         if input.attributes().is_empty() {
             return None;
         }
         let pictures = ObjectPictures::new(input, texture.coordinates, texture.noise);
-        let before = pictures.errors(unmoved);
-        Some(Self { pictures, before })
+        Some(Self { pictures, unmoved, before: Default::default() })
     }
 
     /// The share of its image error that a level keeps, in the kind of picture that gains least;
-    /// may be above 1.
+    /// may be above 1. The first round of pictures decides where it is clear.
     fn kept_share(&self, level: &Mesh) -> f64 {
-        kept_share(&self.before, &self.pictures.errors(level))
+        let mut sums: Option<[Vec<Difference>; 2]> = None;
+        let mut kept = f64::INFINITY;
+        for round in 0..ROUNDS {
+            let before =
+                self.before[round].get_or_init(|| self.pictures.differences(self.unmoved, round));
+            let now = self.pictures.differences(level, round);
+            let and = |a: &[Difference], b: &[Difference]| -> Vec<Difference> {
+                a.iter().zip(b).map(|(a, b)| a.and(*b)).collect()
+            };
+            let both = match sums {
+                Some([a, b]) => [and(&a, before), and(&b, &now)],
+                None => [before.clone(), now],
+            };
+            let [errors_before, errors_now] =
+                [&both[0], &both[1]].map(|d| d.iter().map(|d| d.error().rmse).collect::<Vec<_>>());
+            kept = kept_share(&errors_before, &errors_now);
+            if !UNCLEAR.contains(&kept) {
+                break;
+            }
+            sums = Some(both);
+        }
+        kept
     }
 }
 
