@@ -117,8 +117,8 @@ impl Level {
     }
 }
 
-/// Returns by point whether a vertex there is locked; nothing if none is. `used` are the vertices of
-/// the level by their numbers in the input, in order.
+/// Returns by point whether a vertex there is locked; nothing if none is. `used` are the vertices
+/// of the level by their numbers in the input, in order.
 fn locked_points(
     simplified: &Simplified,
     used: &[u32],

@@ -26,6 +26,7 @@ mod fit;
 mod guard;
 mod input;
 mod level;
+mod neighbours;
 mod normals;
 mod quadrature;
 mod seams;

@@ -140,8 +140,7 @@ fn refitted(
     let mut next = if refit.moves() { Some(FIT_SHARES[0]) } else { FIT_SHARES.last().copied() };
     while let Some(share) = next {
         tick();
-        let later = FIT_SHARES.iter().copied().filter(|&s| s < share);
-        next = later.clone().next();
+        next = FIT_SHARES.iter().copied().find(|&s| s < share);
         let mesh = refit.mesh(share);
         let distances = if share > 0.0 { originals.distances(&mesh) } else { before().clone() };
         if is_spoilt(&distances) {
@@ -155,7 +154,7 @@ fn refitted(
             break;
         }
         if share_kept >= HOPELESS {
-            next = later.last();
+            next = FIT_SHARES.last().copied().filter(|&s| s < share);
         }
     }
     best.unwrap_or_else(|| {
