@@ -36,10 +36,12 @@ pub(crate) fn resample(
     let chart_of_vertex = chart_of_vertex(input, level);
     let mut sources = find_sources(mesh, input, level, positions, &chart_of_vertex);
     seams::keep_to_own_side(mesh, level, &chart_of_vertex, &mut sources);
+    // What moves a point in motion is one for all of its vertices, or a seam would open there.
+    let spatial_sources = of_points(level, &sources);
     for (stream, from) in parts.attributes.iter_mut().zip(mesh.attributes()) {
-        blend(stream, from, &sources);
+        blend(stream, from, if from.is_spatial() { &spatial_sources } else { &sources });
     }
-    crate::skin::blend(&mut parts, mesh, &sources);
+    crate::skin::blend(&mut parts, mesh, &spatial_sources);
     drop_quantised_positions(&mut parts);
     parts
 }
@@ -80,6 +82,16 @@ fn find_sources(
         faces_same_way.then_some(Source { vertices, weights: nearest.barycentric })
     };
     (0..level.mesh.vertex_count()).into_par_iter().with_min_len(MIN_VERTICES).map(find).collect()
+}
+
+/// Returns for each vertex the source of the first one at its point that has any.
+fn of_points(level: &Level, sources: &[Option<Source>]) -> Vec<Option<Source>> {
+    let mut of_point: Vec<Option<Source>> = vec![None; level.points.len()];
+    for (source, &point) in sources.iter().zip(&level.point_of_vertex) {
+        let first = &mut of_point[point as usize];
+        *first = first.or(*source);
+    }
+    level.point_of_vertex.iter().map(|&point| of_point[point as usize]).collect()
 }
 
 /// Returns for each vertex the sum of its triangles' normals, by area.
