@@ -45,6 +45,9 @@ const NEIGHBOURS_TRIANGLES: u32 = 64;
 const LAST_TRIANGLES: u64 = 16;
 const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
 
+/// Of these last ones every so many of a mesh of a large scene.
+const STRIDE_IN_SCENE: usize = 3;
+
 /// Triangles of the input for each sample of a rung, within limits. Chosen by hand.
 const TRIANGLES_PER_SAMPLE: usize = 4;
 /// Most samples of a rung of a very small mesh: so many, and more for each triangle. Chosen by
@@ -101,19 +104,21 @@ struct Rung {
 }
 
 /// Returns after how many steps levels are measured in any case, in rising order: the last is the
-/// coarsest level that has triangles. Of meshes of `few_triangles` they are more.
-pub(crate) fn planned(sequence: &CollapseSequence, few_triangles: bool) -> Vec<usize> {
+/// coarsest level that has triangles. Of meshes of few triangles they are more.
+pub(crate) fn planned(sequence: &CollapseSequence, settings: Settings) -> Vec<usize> {
     let all = u64::from(sequence.parts().triangles);
     let last = sequence.steps_at(sequence.last_visible());
     let shares = PERCENTAGES.map(|percent| all * percent / 100);
     let below = std::iter::successors(shares.last().copied(), |t| Some(t / DIVISOR)).skip(1);
     // Where few triangles are left each counts.
-    let few = if few_triangles { &BEFORE_LAST[..] } else { &[] };
-    let last_few = if few.is_empty() { 0 } else { LAST_TRIANGLES };
+    let is_small = settings.few_triangles || settings.is_in_scene;
+    let few = if is_small { &BEFORE_LAST[..] } else { &[] };
+    let stride = if settings.is_in_scene { STRIDE_IN_SCENE } else { 1 };
+    let last_few = if is_small { LAST_TRIANGLES } else { 0 };
     let mut planned: Vec<usize> = shares
         .into_iter()
         .chain(below.take_while(|&triangles| triangles > 0))
-        .chain(1..=last_few)
+        .chain((1..=last_few).step_by(stride))
         .chain(few.iter().copied())
         .map(|triangles| sequence.steps_at(sequence.lod_for_triangles(triangles as u32)))
         .filter(|steps| (1..last).contains(steps))

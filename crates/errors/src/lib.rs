@@ -156,7 +156,7 @@ fn measure_above(
     rayon::scope(|_| {
         let pass = Pass { input: &input, simplified, floor, settings, tick };
         let sequence = simplified.collapses();
-        let planned = planned(sequence, settings.few_triangles);
+        let planned = planned(sequence, settings);
         let proposals = &pass.run(&corner_vertices, &planned);
         let original = Original::new(&input, simplified, &corner_vertices, settings.limits);
         Ladder { original, sequence, proposals, floor, settings, tick }.complete(&planned)
