@@ -72,7 +72,7 @@ pub type Tick<'a> = dyn Fn() + Sync + 'a;
 
 /// Measures every step of a sequence. `posed` is the surface that is compared: a position for each
 /// vertex of the mesh, in the mesh's units, all finite. `scene_triangles` are those of all meshes
-/// of the scene that it is one of: each of many small ones takes a share of the work that one takes.
+/// of the scene that it is one of: each of many small ones takes a share of the work.
 ///
 /// All threads share the work; the result is the same with any number.
 ///

@@ -63,8 +63,8 @@ pub fn measure_all(
 const SHAPES_AT_ONCE: usize = 2;
 
 /// Measures every step of a sequence: the largest distances over all shapes of placements, and over
-/// those of postures until two of them raise no error noticeably. `scene_triangles` are those of all
-/// objects of the scene. Returns how many of the postures were measured.
+/// those of postures until two of them raise no error noticeably. `scene_triangles` are those of
+/// all objects of the scene. Returns how many of the postures were measured.
 #[must_use]
 pub fn step_errors(
     simplified: &Simplified,

@@ -51,7 +51,8 @@ impl Component {
 }
 
 /// Returns for each of `groups`, in the order of the curve, by how much the price of its part's
-/// going is multiplied, at least 1; empty if the mesh has no loose parts. `triangles` are of groups.
+/// going is multiplied, at least 1; empty if the mesh has no loose parts. `triangles` are of
+/// groups.
 pub(super) fn factors(
     groups: usize,
     position: impl Fn(usize) -> Vec3,

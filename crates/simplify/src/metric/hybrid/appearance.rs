@@ -1,7 +1,7 @@
 //! The look of the input: the normals, texture coordinates and colours of vertices that renderers
 //! read, and the colours behind them.
 
-use super::samples::mix;
+use super::vectors::mix;
 use crate::cut::Wedges;
 use glam::Vec3;
 use lodc_mesh::{Attribute, Mesh, Semantic};
@@ -151,7 +151,7 @@ impl<'a> Appearance<'a> {
         self.painted.get(vertex as usize).copied().unwrap_or(Vec3::ONE)
     }
 
-    /// Returns whether a submesh's colour varies: with texture coordinates or from vertex to vertex.
+    /// Returns whether a submesh's colour varies: with texture coordinates, or between vertices.
     pub(super) fn is_coloured(&self) -> bool {
         !self.texture.is_empty() || !self.painted.is_empty()
     }

@@ -7,8 +7,8 @@ use super::appearance::Appearance;
 use super::lanes::{self, SampleQuad, ShadedQuad};
 use super::patch::{MAX_STAR, Patch};
 use super::pixel::{MAX_GEOMETRY, ShadingError, UNCOVERED};
-use super::samples::{Sample, Samples, mix, mix_coordinates};
-use super::vectors::{NearestPoints, Vec3x4, cosines};
+use super::samples::{Sample, Samples};
+use super::vectors::{NearestPoints, Vec3x4, cosines, mix, mix_coordinates};
 use super::{DISTANCE_SHARE, PICTURE_PIXELS};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
@@ -41,8 +41,8 @@ const TESTED_POINTS: [[f32; 2]; 4] = [
 struct QuadShading {
     /// The errors, each times the weight of its sample.
     error: Vec4,
-    /// The error as a function of the normals, for the colours at the nearest points; none where all
-    /// of a submesh has one.
+    /// The error as a function of the normals, for the colours at the nearest points; none where
+    /// colours do not vary.
     by_normals: Option<ShadingError<Vec4>>,
 }
 

@@ -3,6 +3,7 @@
 
 use super::appearance::{Appearance, Colour, attribute_vertex};
 use super::pixel::ShadingError;
+use super::vectors::{mix, mix_coordinates};
 use crate::cut::{Wedges, WorkingMesh};
 use glam::Vec3;
 use lodc_mesh::NONE;
@@ -298,16 +299,6 @@ fn convex_curvature(normals: [Vec3; 3], p: &[Vec3; 3]) -> f32 {
         if length > 0.0 { ((normals[j] - normals[i]).dot(edge) / length).max(0.0) } else { 0.0 }
     };
     (along(0, 1) + along(1, 2) + along(2, 0)) / 3.0
-}
-
-/// The value at shares of the second and third corner.
-pub(super) fn mix(corners: &[Vec3; 3], [u, v]: [f32; 2]) -> Vec3 {
-    corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v
-}
-
-/// Texture coordinates at shares of the second and third corner.
-pub(super) fn mix_coordinates(corners: &[[f32; 2]; 3], [u, v]: [f32; 2]) -> [f32; 2] {
-    [0, 1].map(|k| corners[0][k] * (1.0 - u - v) + corners[1][k] * u + corners[2][k] * v)
 }
 
 /// The `i`-th of `count` points spread over a triangle, as shares of its second and third corner:

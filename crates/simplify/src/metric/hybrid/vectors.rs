@@ -1,4 +1,4 @@
-//! Vectors four at a time.
+//! Vectors four at a time, and values between corners.
 
 use glam::{Vec3, Vec4};
 
@@ -87,4 +87,14 @@ pub(super) fn cosines(shown: Vec3x4, normal: Vec3x4) -> Vec4 {
     let none = length.cmple(Vec4::ZERO);
     let divisor = Vec4::select(none, Vec4::ONE, length);
     Vec4::select(none, Vec4::splat(0.5), shown.dot(normal) / divisor)
+}
+
+/// The value at shares of the second and third corner.
+pub(super) fn mix(corners: &[Vec3; 3], [u, v]: [f32; 2]) -> Vec3 {
+    corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v
+}
+
+/// Texture coordinates at shares of the second and third corner.
+pub(super) fn mix_coordinates(corners: &[[f32; 2]; 3], [u, v]: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|k| corners[0][k] * (1.0 - u - v) + corners[1][k] * u + corners[2][k] * v)
 }
