@@ -233,7 +233,7 @@ fn twisted_tube() -> Mesh {
         let first = (0.5 + 0.3 * (x + 2.0 * y * y).sin() * (1.7 * z).cos()).clamp(0.0, 1.0);
         let weights = parts.attributes.iter_mut().find(|a| a.semantic == Semantic::Weights(0));
         let first = f64::from((first * 65535.0).round() / 65535.0);
-        crate::blend::store(weights.expect("weights"), v, &[first, 1.0 - first, 0.0, 0.0]);
+        blend::store(weights.expect("weights"), v, &[first, 1.0 - first, 0.0, 0.0]);
     }
     Mesh::try_from(parts).expect("the same mesh otherwise")
 }
