@@ -212,12 +212,12 @@ impl Writer {
             accessor["min"] = min.into();
             accessor["max"] = max.into();
         }
-        Ok(self.once(view, offset, accessor))
+        Ok(self.once(view, offset, &accessor))
     }
 
     /// An accessor of the bytes from `offset` to the end of a view, or the one that has the same
     /// bytes in it already.
-    fn once(&mut self, view: usize, offset: usize, accessor: Json) -> Json {
+    fn once(&mut self, view: usize, offset: usize, accessor: &Json) -> Json {
         let placed = |offset: usize| {
             let mut placed = object! { "bufferView" => view };
             if offset > 0 {
@@ -379,7 +379,7 @@ impl Writer {
             "componentType" => component_number(component), "count" => indices.len(),
             "type" => "SCALAR",
         };
-        self.once(view, offset, accessor)
+        self.once(view, offset, &accessor)
     }
 }
 
