@@ -95,7 +95,7 @@ fn the_heatmap_is_a_png_and_the_rest_is_refused_in_one_line() {
 /// A square of two triangles, each with a colour of its own by its vertices or by its material.
 fn two_colours(vertices: [&str; 2], materials: [&str; 2]) -> String {
     let corners = |colour: &str| format!("v 0 0 0 {colour}\nv 4 4 0 {colour}\n");
-    let [first, second] = vertices.map(|c| corners(c));
+    let [first, second] = vertices.map(corners);
     let [one, two] = materials;
     format!(
         "mtllib k.mtl\n{first}v 4 0 0 {}\n{second}v 0 4 0 {}\n{one}\nf 1 3 2\n{two}\nf 4 5 6\n",
