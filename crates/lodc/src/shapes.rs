@@ -20,12 +20,8 @@ pub fn stated_shapes(
     document: &Document,
     limits: &Limits,
 ) -> Result<Vec<ObjectShapes>, FormatError> {
-    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
-    let motion = scene_motion(document, &infos, limits)?;
-    let shapes = |(number, object): (usize, &LodObject)| {
-        motion.shapes(object.simplified.mesh(), number, &object.info.poses)
-    };
-    Ok(objects.iter().enumerate().map(shapes).collect())
+    let stated = |object: &LodObject| object.info.poses.clone();
+    shapes(objects, document, limits, stated)
 }
 
 /// Returns for each object of a file its shapes with each morph target at weight 1, by itself, that
@@ -38,17 +34,29 @@ pub fn target_shapes(
     document: &Document,
     limits: &Limits,
 ) -> Result<Vec<ObjectShapes>, FormatError> {
-    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
-    let motion = scene_motion(document, &infos, limits)?;
-    let shapes = |(number, object): (usize, &LodObject)| {
-        let mesh = object.simplified.mesh();
-        let deltas = mesh.attributes().iter().filter(|a| a.semantic == Semantic::Position);
+    let targets = |object: &LodObject| {
+        let deltas = object.simplified.mesh().attributes().iter();
+        let deltas = deltas.filter(|a| a.semantic == Semantic::Position);
         let targets: BTreeSet<u32> = deltas.filter_map(|a| a.morph_target).collect();
         let postures = targets.into_iter().map(Posture::Target);
-        let postures: Vec<Posture> = postures.filter(|p| !object.info.poses.contains(p)).collect();
-        motion.shapes(mesh, number, &postures)
+        postures.filter(|p| !object.info.poses.contains(p)).collect()
     };
-    Ok(objects.iter().enumerate().map(shapes).collect())
+    shapes(objects, document, limits, targets)
+}
+
+/// Returns for each object its shapes in all placements, and in some postures.
+fn shapes(
+    objects: &[LodObject],
+    document: &Document,
+    limits: &Limits,
+    postures: impl Fn(&LodObject) -> Vec<Posture>,
+) -> Result<Vec<ObjectShapes>, FormatError> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
+    let motion = scene_motion(document, &infos, limits)?;
+    let of_object = |(number, object): (usize, &LodObject)| {
+        motion.shapes(object.simplified.mesh(), number, &postures(object))
+    };
+    Ok(objects.iter().enumerate().map(of_object).collect())
 }
 
 /// The largest distance between some vertices of two meshes, over all shapes.
