@@ -248,8 +248,12 @@ impl Ladder<'_> {
         let (steps, triangles) = finer.map_or((0, all), |rung| (rung.steps, rung.triangles));
         let [from, to] = [triangles, coarser.triangles].map(f64::from);
         let few = usize::from(self.settings.few_triangles);
-        let are_neighbours =
-            from <= NEIGHBOURS[few] * to && (few == 0 || coarser.triangles >= NEIGHBOURS_TRIANGLES);
+        let ratio = finer.map_or(coarser.rms_ratio, |rung| rung.rms_ratio);
+        let ratios = [ratio, coarser.rms_ratio];
+        // Where a mean rises from nothing one step may be most of it.
+        let rises = coarser.rms > 0.0 && finer.is_none_or(|rung| rung.rms == 0.0);
+        let many_are_left = coarser.triangles >= NEIGHBOURS_TRIANGLES && !rises;
+        let are_neighbours = from <= NEIGHBOURS[few] * to && (few == 0 || many_are_left);
         if coarser.steps <= steps + 1 || are_neighbours {
             return None;
         }
@@ -259,8 +263,6 @@ impl Ladder<'_> {
         let is_alike = |a: f64, b: f64, factor: f64| b.max(tiny) <= factor * a.max(tiny);
         let errors_are_alike =
             excess <= PROPOSED[few] || is_alike(error, coarser.upper, ALIKE[few]);
-        let ratio = finer.map_or(coarser.rms_ratio, |rung| rung.rms_ratio);
-        let ratios = [ratio, coarser.rms_ratio];
         // Without a ratio nothing is known of where a mean rises.
         let [low, high] = [ratios[0].min(ratios[1]), ratios[0].max(ratios[1])];
         let ratios_are_alike = low > 0.0 && high <= ALIKE_RATIOS[few] * low;
