@@ -268,15 +268,21 @@ class Case:
         for numbers, stated in ((s.errors, row["error"]), (s.rms, row["rms"])):
             if stated is None or not math.isfinite(stated):
                 continue
-            step = int((numbers >= stated * 0.9999).argmax())
-            finer.append(self.measured(s.surface(step)))
+            finer.append(self.origin(numbers, stated))
         self.judge(row, finer)
+
+    def origin(self, numbers, stated):
+        """The first level that states a number of the file's curve."""
+        step = int((numbers >= stated * 0.9999).argmax())
+        return self.measured(self.sequence.surface(step))
 
     def agree(self, row, share):
         """File and direct agree within 1.1 x, where neither has a reason to differ: the larger
         numbers of finer levels count for the file."""
         error, rms = self.stated[share]
-        for name, a, b in (("error", error, row["error"]), ("rms", rms, row["rms"])):
+        s = self.sequence
+        pairs = (("error", error, row["error"], s.errors), ("rms", rms, row["rms"], s.rms))
+        for name, a, b, curve in pairs:
             if a is None or b is None or not math.isfinite(b):
                 continue
             least, most = sorted((a, b))
@@ -284,8 +290,9 @@ class Case:
                 continue
             # What the file states is the largest of the finer levels as well.
             key = "low" if name == "error" else "rms"
-            earlier = max(getattr(m, key) for m in self.finer[share])
-            if self.is_flat(earlier, most):
+            earlier = max(getattr(m, key) for m in [*self.finer[share], self.origin(curve, a)])
+            # Coordinates in single precision are rounded by that much.
+            if most <= 1e-7 * self.diagonal:
                 continue
             if a == most and not self.is_more(a / 1.1, max(earlier, b)):
                 continue
