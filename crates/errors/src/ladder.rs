@@ -40,6 +40,20 @@ const ALIKE_RATIOS: [f64; 2] = [1.35, 1.12];
 const NEIGHBOURS: [f64; 2] = [1.15, 1.02];
 const NEIGHBOURS_TRIANGLES: u32 = 64;
 
+/// Unless one of these neighbours is so many times as far as the other, or as far in the mean, and
+/// the pass does not know where between them: less than what a check of what is stated allows.
+/// Means that differ by no more than this share of the error are alike, too. Chosen by hand.
+const JUMP: f64 = 1.7;
+const JUMP_OF_MEANS: f64 = 1.25;
+const MEANS_SHARE: f64 = 0.02;
+/// Such levels may be this many times as many as [`Limits::max_levels`](crate::settings::Limits).
+const JUMPS_MAY_TAKE: usize = 2;
+
+/// The pass knows mean distances from the input to the level. Where the other way is longer, so
+/// that the measured ones are more than this many times the proposed, it does not know where they
+/// rise. Chosen by hand.
+const KNOWN_MEANS: f64 = 1.5;
+
 /// Of meshes of few triangles every level that has no more than so many left is measured, and some
 /// with up to four times as many.
 const LAST_TRIANGLES: u64 = 16;
@@ -59,6 +73,13 @@ const SAMPLES_OF_VERY_FEW: usize = 1280;
 const VERY_FEW_TRIANGLES: usize = 64;
 /// The same of those of large scenes.
 const SAMPLES_IN_SCENE: [usize; 2] = [128, 1];
+
+/// Where the search for the farthest point of a rung met its limit with an upper bound of more than
+/// so many times the lower one, it is made again so many times, without what is nearer than their
+/// geometric mean; that is not far below the upper one. Chosen by hand.
+const UNFINISHED: f64 = 1.7;
+const TRIES: usize = 2;
+const NEARLY_ALL: f64 = 0.25;
 
 /// Distances below this share of the diagonal are alike whatever they are. Chosen by hand.
 const TINY_SHARE: f64 = 1e-6;
@@ -227,8 +248,9 @@ impl Ladder<'_> {
         rungs: &mut Vec<Rung>,
         work: &mut Work,
     ) {
-        if let Some(steps) = self.middle(finer.as_ref(), &coarser)
-            && work.levels < self.limits().max_levels
+        let most = self.limits().max_levels;
+        if let Some(steps) = self.middle(finer.as_ref(), &coarser, work.levels < most)
+            && work.levels < JUMPS_MAY_TAKE * most
             && work.boxes < self.limits().max_boxes(self.original.input.triangles.len())
         {
             work.levels += 1;
@@ -242,19 +264,16 @@ impl Ladder<'_> {
         }
     }
 
-    /// Returns the number of steps of the level to measure between two, if they are not alike.
-    fn middle(&self, finer: Option<&Rung>, coarser: &Rung) -> Option<usize> {
+    /// Returns the number of steps of the level to measure between two, if they are not alike;
+    /// without `any`, only if there is a jump between them.
+    fn middle(&self, finer: Option<&Rung>, coarser: &Rung, any: bool) -> Option<usize> {
         let all = self.sequence.parts().triangles;
         let (steps, triangles) = finer.map_or((0, all), |rung| (rung.steps, rung.triangles));
         let [from, to] = [triangles, coarser.triangles].map(f64::from);
         let few = usize::from(self.settings.few_triangles);
-        let ratio = finer.map_or(coarser.rms_ratio, |rung| rung.rms_ratio);
-        let ratios = [ratio, coarser.rms_ratio];
-        // Where a mean rises from nothing one step may be most of it.
-        let rises = coarser.rms > 0.0 && finer.is_none_or(|rung| rung.rms == 0.0);
-        let many_are_left = coarser.triangles >= NEIGHBOURS_TRIANGLES && !rises;
-        let are_neighbours = from <= NEIGHBOURS[few] * to && (few == 0 || many_are_left);
-        if coarser.steps <= steps + 1 || are_neighbours {
+        let are_neighbours =
+            from <= NEIGHBOURS[few] * to && (few == 0 || coarser.triangles >= NEIGHBOURS_TRIANGLES);
+        if coarser.steps <= steps + 1 {
             return None;
         }
         let tiny = TINY_SHARE * self.original.input.diagonal;
@@ -263,11 +282,20 @@ impl Ladder<'_> {
         let is_alike = |a: f64, b: f64, factor: f64| b.max(tiny) <= factor * a.max(tiny);
         let errors_are_alike =
             excess <= PROPOSED[few] || is_alike(error, coarser.upper, ALIKE[few]);
+        let ratio = finer.map_or(coarser.rms_ratio, |rung| rung.rms_ratio);
+        let ratios = [ratio, coarser.rms_ratio];
         // Without a ratio nothing is known of where a mean rises.
         let [low, high] = [ratios[0].min(ratios[1]), ratios[0].max(ratios[1])];
         let ratios_are_alike = low > 0.0 && high <= ALIKE_RATIOS[few] * low;
         let means_are_alike = ratios_are_alike || is_alike(rms, coarser.rms, ALIKE[few]);
-        if errors_are_alike && means_are_alike {
+        let is_jump = || {
+            let means_are_known = ratios_are_alike && high <= KNOWN_MEANS;
+            let means_jump = !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_MEANS);
+            (!errors_are_alike && !is_alike(error, coarser.upper, JUMP))
+                || (!means_are_known && means_jump)
+        };
+        let are_alike = errors_are_alike && means_are_alike;
+        if (are_alike || are_neighbours || !any) && !is_jump() {
             return None;
         }
         let middle = (from * to.max(1.0)).sqrt() as u32;
@@ -296,8 +324,20 @@ impl Ladder<'_> {
             0..=VERY_FEW_TRIANGLES => SAMPLES_OF_VERY_FEW,
             _ => FEWEST_SAMPLES + SAMPLES_PER_TRIANGLE * triangles,
         });
-        let found = self.original.measure(step.lod, known, samples, rough);
+        let mut found = self.original.measure(step.lod, known, samples, rough);
         work.boxes += found.boxes;
+        for _ in 0..TRIES {
+            if found.upper <= UNFINISHED * found.lower || !found.upper.is_finite() {
+                break;
+            }
+            let middle = (found.lower.max(NEARLY_ALL * found.upper) * found.upper).sqrt();
+            let again = self.original.measure(step.lod, middle, FEWEST_SAMPLES, None);
+            work.boxes += again.boxes;
+            found.upper = found.upper.min(again.upper);
+            if again.lower > middle {
+                found.lower = again.lower;
+            }
+        }
         let accepted = self.original.accepted(known);
         // Rounding errors of a level without any distance tell nothing of those beside it.
         let rms = if found.rms > self.original.rounding() { found.rms } else { 0.0 };

@@ -494,6 +494,52 @@ fn curves_that_are_too_small_or_too_large_are_refused() {
     }
 }
 
+/// Where a shape has next to no area, the first faces that are no longer folded up decide the mean.
+#[test]
+fn sheets_that_are_curves_in_a_shape_state_what_holds() {
+    let place = |[x, y]: [f64; 2]| [x, y, 0.15 * (5.0 * x).sin() * (4.0 * y + 1.0).cos()];
+    let circle = |radius: f64, x: f64| [radius * (5.0 * x).cos(), radius * (5.0 * x).sin()];
+    let noise = |x: f64| 1e-7 * (1e4 * x).sin();
+    let folds: [(&str, &dyn Fn([f64; 2]) -> [f64; 3]); 7] = [
+        ("noise", &|[x, y]| [circle(0.5, x)[0] + noise(y), circle(0.5, x)[1], noise(x * y)]),
+        ("circle", &|[x, _]| [circle(0.5, x)[0], circle(0.5, x)[1], 0.0]),
+        ("small circle", &|[x, _]| [circle(0.01, x)[0], circle(0.01, x)[1], 0.0]),
+        ("helix", &|[x, _]| [0.2 * (9.0 * x).cos(), 0.2 * (9.0 * x).sin(), x]),
+        ("ribbon", &|[x, y]| [circle(0.5, x)[0], circle(0.5, x)[1], 1e-4 * y]),
+        ("diagonal", &|[x, y]| [x + y, 0.2 * (3.0 * (x + y)).sin(), 0.0]),
+        ("half a circle", &|[x, y]| match y < 0.0 {
+            true => place([x, y]),
+            false => [circle(0.5, x)[0], circle(0.5, x)[1], 0.0],
+        }),
+    ];
+    for n in [8, 16, 20u32] {
+        let at = |i: u32| f64::from(i) / f64::from(n) - 0.5;
+        let sheet: Vec<[f64; 2]> =
+            (0..=n).flat_map(|j| (0..=n).map(move |i| [at(i), at(j)])).collect();
+        let quad = |i: u32| [[i, i + 1, i + n + 2], [i, i + n + 2, i + n + 1]];
+        let triangles: Vec<[u32; 3]> =
+            (0..n).flat_map(|j| (0..n).flat_map(move |i| quad(j * (n + 1) + i))).collect();
+        let single = |p: [f64; 3]| p.map(|x| x as f32);
+        let positions: Vec<[f32; 3]> = sheet.iter().map(|&p| single(place(p))).collect();
+        let mesh = mesh(&positions, &triangles);
+        let options = lodc_simplify::Options::DEFAULT;
+        let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
+        // Vertices are numbered anew.
+        let unfolded = simplified.mesh().positions();
+        for (name, fold) in folds {
+            let folded = |p: &[f32; 3]| single(fold([f64::from(p[0]), f64::from(p[1])]));
+            let folded: Vec<[f32; 3]> = unfolded.iter().map(folded).collect();
+            let mut errors = measure(&simplified, &folded, 0, &|| ());
+            raise(&mut errors, &simplified, [unfolded].into_iter(), 0, &|| ());
+            let StepErrors { error, rms, .. } = errors;
+            let stated = simplified.clone().with_distances(error, rms).expect("they never fall");
+            let (levels, wrong) = crate::check(&stated, &[&folded[..], unfolded]);
+            assert!(levels > 4);
+            assert_eq!(wrong, None, "{name} of {n}²");
+        }
+    }
+}
+
 /// Found by fuzzing: each of the twenty was counted by `check`, one of them here.
 #[test]
 fn faces_that_lie_on_each_other_count_once_on_both_sides() {

@@ -3,20 +3,22 @@
 
 mod choice;
 mod measured;
+mod movers;
 mod seen;
 mod stretching;
 
 pub use measured::{MeasuredPlacement, MeasuredPlacements};
 pub use seen::{MAX_TARGET_SHAPES, SeenPositions, TargetShape};
 
-use crate::animation::Animation;
+use crate::animation::{Animation, Property};
 use crate::graph::Graph;
 use crate::placement::{Arrangement, Placement};
 use crate::shape::Shape;
 use crate::transform::{Transform, largest_stretch};
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 use lodc_mesh::{Mesh, Posture};
-use std::collections::BTreeMap;
+use movers::Mover;
+use std::collections::{BTreeMap, BTreeSet};
 use stretching::Stretching;
 
 /// A scene at rest, and its animations.
@@ -30,6 +32,8 @@ pub struct Motion {
     parents: Vec<Option<usize>>,
     /// The channels of an animation and a node, by their indices.
     channels: BTreeMap<(u32, u32), Vec<usize>>,
+    /// The nodes whose morph weights an animation changes.
+    morphed: BTreeSet<u32>,
 }
 
 /// The shapes of an object that its errors are the largest over, in mesh units: world units divided
@@ -38,6 +42,8 @@ pub struct Motion {
 pub struct ObjectShapes {
     all: Vec<Shape>,
     of_placements: usize,
+    /// After each posture the number of shapes of postures.
+    posture_ends: Vec<usize>,
 }
 
 impl ObjectShapes {
@@ -58,6 +64,12 @@ impl ObjectShapes {
     pub fn of_postures(&self) -> &[Shape] {
         &self.all[self.of_placements..]
     }
+
+    /// How many postures have all of their shapes among the first `shapes` ones of postures.
+    #[must_use]
+    pub fn postures_within(&self, shapes: usize) -> usize {
+        self.posture_ends.partition_point(|&end| end <= shapes)
+    }
 }
 
 impl Motion {
@@ -70,13 +82,16 @@ impl Motion {
         for visit in graph.walk(graph.topmost().into_iter()) {
             parents[visit.node] = visit.parent;
         }
+        let all_channels = animations.iter().flat_map(|animation| &animation.channels);
+        let morphs = all_channels.filter(|channel| channel.property == Property::Weights);
+        let morphed = morphs.map(|channel| channel.node).collect();
         let mut channels: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
         for (animation, number) in animations.iter().zip(0..) {
             for (i, channel) in animation.channels.iter().enumerate() {
                 channels.entry((number, channel.node)).or_default().push(i);
             }
         }
-        Self { graph, animations, rest, stretching, parents, channels }
+        Self { graph, animations, rest, stretching, parents, channels, morphed }
     }
 
     /// The nodes, also those that the scene does not show.
@@ -116,7 +131,8 @@ impl Motion {
     }
 
     /// The shapes of an object: in its [measured placements](Self::measured_placements), and in
-    /// each posture, in the same units. Postures that do not apply, such as one of an animation
+    /// each posture, in the same units, where moments move several placements in each of them.
+    /// Postures that do not apply, such as one of an animation
     /// that does not exist, are skipped. `mesh` is the object at full detail.
     #[must_use]
     pub fn shapes(&self, mesh: &Mesh, object: usize, postures: &[Posture]) -> ObjectShapes {
@@ -127,33 +143,33 @@ impl Motion {
             all.push(Shape::AS_MODELLED);
         }
         let of_placements = all.len();
-        if let Some((rest, growth)) = self.before_posture(object, &measured) {
-            let placed = |&posture: &Posture| self.placed(&rest, posture);
-            let shape = |placement| Shape::placed(mesh, placement, measured.scale / growth);
-            all.extend(postures.iter().filter_map(placed).filter_map(shape));
+        let movers = self.movers(object, &measured);
+        let mut posture_ends = Vec::with_capacity(postures.len());
+        for &posture in postures {
+            let shape = |m: Mover| Shape::placed(mesh, m.placement, measured.scale / m.growth);
+            all.extend(self.all_placed(&movers, posture).into_iter().filter_map(shape));
+            posture_ends.push(all.len() - of_placements);
         }
-        ObjectShapes { all, of_placements }
+        ObjectShapes { all, of_placements, posture_ends }
     }
 
-    /// The placement of an object that postures change, the one of largest scale, and what
-    /// distances in it are to be multiplied by. An object without joints that has unlike placements
-    /// is there as it was modelled, in its largest scale, which stretches no posture less than any
-    /// placement does.
-    fn before_posture(
-        &self,
-        object: usize,
-        measured: &MeasuredPlacements,
-    ) -> Option<(Placement, f64)> {
-        let first = measured.placements.first()?;
-        let rest = self.rest.of(object).nth(first.rest)?;
-        if !rest.joints.is_empty() {
-            return Some((rest.clone(), first.growth));
+    /// Returns placements of an object in a posture: in a moment all that have shapes of their own,
+    /// with a morph target the first; none if it does not apply.
+    fn all_placed(&self, movers: &[Mover], posture: Posture) -> Vec<Mover> {
+        match posture {
+            Posture::Moment { animation, seconds } => {
+                let animation = self.animations.get(animation as usize);
+                let moment = animation.map(|animation| self.moment(animation, seconds));
+                moment.map_or_else(Vec::new, |moment| moment.all_placed(&self.graph, movers))
+            }
+            Posture::Target(_) => {
+                let placed = |first: &Mover| {
+                    let placement = self.placed(&first.placement, posture)?;
+                    Some(Mover { placement, growth: first.growth })
+                };
+                movers.first().and_then(placed).into_iter().collect()
+            }
         }
-        let (transform, growth) = match measured.placements.len() {
-            1 => (first.placement.transform, first.growth),
-            _ => (Transform::from_scale(DVec3::splat(measured.scale)), 1.0),
-        };
-        Some((Placement { transform, ..rest.clone() }, growth))
     }
 
     /// Returns a rest placement changed by a posture; none if the posture does not apply.

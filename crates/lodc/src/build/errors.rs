@@ -81,7 +81,7 @@ pub fn step_errors(
     }
     let postures = shapes.of_postures().iter().map(posed);
     let measured = lodc_errors::raise(&mut errors, simplified, postures, scene_triangles, tick);
-    (errors, measured)
+    (errors, shapes.postures_within(measured))
 }
 
 /// Puts into the descriptions of objects the poses that their levels are to be measured over: up to

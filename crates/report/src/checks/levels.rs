@@ -258,7 +258,10 @@ impl<'a> Measure<'a> {
         }
         let rest = || self.motion.rest().of(object);
         let poses = self.poses.and_then(|poses| poses.get(object)).map_or(&[][..], Vec::as_slice);
-        let posed = poses.iter().filter_map(|&pose| self.motion.placed(rest().next()?, pose));
+        let movers = std::iter::once(0).chain(self.motion.movers_besides(object, 0));
+        let posed = movers
+            .filter_map(|number| rest().nth(number))
+            .flat_map(|rest| poses.iter().filter_map(|&pose| self.motion.placed(rest, pose)));
         let sum = |placement: &Placement| placement.weights.iter().map(|w| w.abs()).sum::<f64>();
         rest().map(sum).chain(posed.map(|placement| sum(&placement))).fold(0.0, f64::max)
     }
@@ -344,7 +347,18 @@ impl<'a> Measure<'a> {
                 let placements = [at_pose(&self.motion, &rest[0])?, at_pose(shown, &rest[1])?];
                 Some(pair(placements.each_ref(), at.growth))
             };
-            // Joints and weights change one placement at a time: poses are those of the first.
+            let is_moment = |pose: &&Posture| matches!(pose, Posture::Moment { .. });
+            let by_itself = |(number, &pose): (usize, &Posture)| {
+                let rest = [source_rest(number)?, level_rest(number)];
+                let source_at = self.motion.placed(&rest[0], pose)?;
+                Some(pair([&source_at, &shown.placed(&rest[1], pose)?], 1.0))
+            };
+            let first_rest = measured.first().map_or(0, |at| at.rest);
+            let movers = self.motion.movers_besides(object, first_rest);
+            let by_themselves = movers
+                .iter()
+                .flat_map(|&number| poses.iter().filter(is_moment).map(move |pose| (number, pose)));
+            // Poses of morph targets change one placement at a time: they are those of the first.
             let first = measured.first().map(|at| &at.placement);
             let is_posed = |(number, at): &(usize, &MeasuredPlacement)| {
                 let alike = |first: &Placement| {
@@ -359,6 +373,7 @@ impl<'a> Measure<'a> {
                 pairs.push(pair([&as_modelled, &self.unshown(level, shown, object)], 1.0));
             }
             pairs.extend(in_poses.filter_map(in_pose));
+            pairs.extend(by_themselves.filter_map(by_itself));
             pairs
         };
         (0..level.objects.len()).into_par_iter().flat_map_iter(object_pairs).collect()

@@ -5,6 +5,7 @@
 //! does not change. The next pose is always the one that is farthest from all that are chosen
 //! (Gonzalez 1985).
 
+use super::movers::Mover;
 use super::{Moment, Motion};
 use crate::placement::Placement;
 use crate::posed::{Streams, posed_vertex, transformed, vector};
@@ -65,8 +66,9 @@ impl Motion {
             return None;
         }
         let measured = self.measured_placements(mesh, object);
-        let (rest, _) = self.before_posture(object, &measured)?;
-        Some(Deformable { mesh, rest, scale: measured.scale, targets })
+        let movers = self.movers(object, &measured);
+        let rest = movers.first()?.placement.clone();
+        Some(Deformable { mesh, rest, movers, scale: measured.scale, targets })
     }
 
     /// Returns moments of all animations, evenly spread over each.
@@ -91,9 +93,13 @@ impl Motion {
 
     /// Returns the poses that an object may take.
     fn candidates(&self, object: &Deformable, moments: &[(Posture, Moment)]) -> Vec<Candidate> {
-        let at_moment = |(posture, moment): &(Posture, Moment)| Candidate {
-            posture: *posture,
-            distances: object.distances(&moment.placed(&self.graph, &object.rest)),
+        let at_moment = |(posture, moment): &(Posture, Moment)| {
+            let placed = moment.all_placed(&self.graph, &object.movers);
+            let candidate = |mover: Mover| Candidate {
+                posture: *posture,
+                distances: object.distances(&mover.placement),
+            };
+            placed.into_iter().map(candidate).collect::<Vec<_>>()
         };
         let rest = AtRest::new(object);
         let with_target = |(&target, deltas): (&u32, &Deltas<'_>)| Candidate {
@@ -101,15 +107,16 @@ impl Motion {
             distances: rest.distances(target, deltas),
         };
         let targets = object.targets.par_iter().map(with_target);
-        moments.par_iter().map(at_moment).chain(targets).collect()
+        moments.par_iter().flat_map_iter(at_moment).chain(targets).collect()
     }
 }
 
 /// An object whose shape may change.
 struct Deformable<'a> {
     mesh: &'a Mesh,
-    /// Its placement at rest.
+    /// The first of its placements that postures change, at rest, and all of them.
     rest: Placement,
+    movers: Vec<Mover>,
     /// World units per mesh unit.
     scale: f64,
     /// Its morph targets that move positions, by number.
@@ -219,15 +226,20 @@ fn choose_farthest(
     // Poses with positions that are not finite, or overflow as floats, are left out.
     let is_finite = |c: &Candidate| c.distances.iter().all(|&d| d < f64::from(f32::MAX));
     let candidates: Vec<Candidate> = candidates.into_iter().filter(is_finite).collect();
-    // The distances of the pose chosen last, at first those at rest.
-    let mut latest = object.distances(&object.rest);
-    let negligible = MIN_DIFFERENCE_SHARE * latest.iter().copied().fold(0.0, f64::max);
+    // The distances of the pose chosen last, in each placement that it moves; at first those at
+    // rest.
+    let mut latest: Vec<Vec<f64>> =
+        object.movers.iter().map(|mover| object.distances(&mover.placement)).collect();
+    let negligible = MIN_DIFFERENCE_SHARE * latest[0].iter().copied().fold(0.0, f64::max);
     // For each candidate its difference from the most similar one of rest and the chosen poses.
     let mut min_differences = vec![f64::INFINITY; candidates.len()];
     let mut chosen = Vec::new();
     while chosen.len() < max_poses {
         for (min_difference, candidate) in min_differences.iter_mut().zip(&candidates) {
-            *min_difference = min_difference.min(largest_difference(&latest, &candidate.distances));
+            for latest in &latest {
+                let difference = largest_difference(latest, &candidate.distances);
+                *min_difference = min_difference.min(difference);
+            }
         }
         // The largest; the first of equals.
         let next = (0..candidates.len())
@@ -236,8 +248,10 @@ fn choose_farthest(
         let Some(next) = next.filter(|&next| min_differences[next] > negligible) else {
             break;
         };
-        latest.clone_from(&candidates[next].distances);
-        chosen.push(candidates[next].posture);
+        let posture = candidates[next].posture;
+        let shown = candidates.iter().filter(|candidate| candidate.posture == posture);
+        latest = shown.map(|candidate| candidate.distances.clone()).collect();
+        chosen.push(posture);
     }
     chosen
 }

@@ -92,6 +92,44 @@ fn morph_targets_are_poses_that_need_no_animation() {
 }
 
 #[test]
+fn moments_count_in_every_node_whose_weights_they_change() {
+    let sphere = lodc_fixtures::named("morphing_sphere").expect("a shape");
+    let node = || Node { objects: vec![0], weights: vec![0.0; 2], ..Node::default() };
+    let graph = Graph { nodes: vec![node(), node(), node()], roots: vec![0, 1, 2], skins: vec![] };
+    let weights = |node: u32, to: [f64; 2]| Channel {
+        node,
+        property: Property::Weights,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: [[0.0; 2], to].concat(),
+    };
+    let motion = |channels| {
+        let animation = Animation { channels, ..Animation::default() };
+        Motion::new(graph.clone(), vec![animation], 1)
+    };
+    let end = Posture::Moment { animation: 0, seconds: 1.0 };
+    let shapes = |motion: &Motion| {
+        let shapes = motion.shapes(&sphere, 0, &[end, Posture::Target(0), end]);
+        let ends: Vec<usize> = (0..6).map(|count| shapes.postures_within(count)).collect();
+        (shapes.of_placements().len(), shapes.of_postures().len(), ends)
+    };
+    // The first node is at rest in both; two that move alike have one shape.
+    let of_one = motion(vec![weights(2, [3.0, 0.0])]);
+    assert_eq!(shapes(&of_one), (1, 5, vec![0, 0, 1, 2, 2, 3]));
+    let alike = motion(vec![weights(1, [3.0, 0.0]), weights(2, [3.0, 0.0])]);
+    assert_eq!(shapes(&alike), (1, 5, vec![0, 0, 1, 2, 2, 3]));
+    assert_eq!(of_one.choose(&[&sphere], 1)[0], [end], "farther than either target");
+    // The shapes are those of the nodes.
+    let height = |shape: &Shape| {
+        let positions = shape.of(&sphere);
+        positions.iter().map(|p| p[2]).fold(f32::MIN, f32::max)
+    };
+    let shapes = of_one.shapes(&sphere, 0, &[end]);
+    let [still, moved] = shapes.of_postures() else { panic!("{shapes:?}") };
+    assert!((height(moved) - 4.0 * height(still)).abs() < 1e-4);
+}
+
+#[test]
 fn poses_are_as_large_as_at_rest() {
     let (mesh, mut motion) = tube(vec![turning(3)]);
     let chosen = motion.choose(&[&mesh], 1).remove(0);
