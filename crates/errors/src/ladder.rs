@@ -46,6 +46,10 @@ const NEIGHBOURS_TRIANGLES: u32 = 64;
 const JUMP: f64 = 1.7;
 const JUMP_OF_MEANS: f64 = 1.25;
 const MEANS_SHARE: f64 = 0.02;
+/// The pass has few samples of a mesh of a large scene. There one of two neighbours is at most so
+/// many times as far as the other, whatever it proposes, and between them the larger error is
+/// stated. Chosen by hand.
+const JUMP_IN_SCENE: f64 = 1.3;
 /// Such levels may be this many times as many as [`Limits::max_levels`](crate::settings::Limits).
 const JUMPS_MAY_TAKE: usize = 2;
 
@@ -206,7 +210,10 @@ impl Ladder<'_> {
         let excess = finer.excess.max(coarser.excess);
         let proposed = Proposals::after(&self.proposals.largest, steps);
         let is_followed = steps <= self.proposals.largest.len();
-        let error = if is_followed && proposed > self.original.rounding() {
+        let is_in_scene = self.settings.is_in_scene;
+        let error = if is_in_scene && coarser.upper <= JUMP_IN_SCENE * finer.upper {
+            coarser.upper
+        } else if is_followed && proposed > self.original.rounding() {
             proposed * MARGIN * excess
         } else if is_followed && excess <= PROPOSED[0] {
             0.0
@@ -270,7 +277,8 @@ impl Ladder<'_> {
         let all = self.sequence.parts().triangles;
         let (steps, triangles) = finer.map_or((0, all), |rung| (rung.steps, rung.triangles));
         let [from, to] = [triangles, coarser.triangles].map(f64::from);
-        let few = usize::from(self.settings.few_triangles);
+        let Settings { few_triangles, is_in_scene, .. } = self.settings;
+        let few = usize::from(few_triangles || is_in_scene);
         let are_neighbours =
             from <= NEIGHBOURS[few] * to && (few == 0 || coarser.triangles >= NEIGHBOURS_TRIANGLES);
         if coarser.steps <= steps + 1 {
@@ -291,8 +299,12 @@ impl Ladder<'_> {
         let is_jump = || {
             let means_are_known = ratios_are_alike && high <= KNOWN_MEANS;
             let means_jump = !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_MEANS);
-            (!errors_are_alike && !is_alike(error, coarser.upper, JUMP))
-                || (!means_are_known && means_jump)
+            let errors_jump = if is_in_scene {
+                !is_alike(error, coarser.upper, JUMP_IN_SCENE)
+            } else {
+                !errors_are_alike && !is_alike(error, coarser.upper, JUMP)
+            };
+            errors_jump || (!means_are_known && means_jump)
         };
         let are_alike = errors_are_alike && means_are_alike;
         if (are_alike || are_neighbours || !any) && !is_jump() {

@@ -653,3 +653,26 @@ fn work_is_left_where_a_tick_unwinds() {
         }
     }
 }
+
+/// A mesh of a large scene is measured with fewer samples; what is stated of it holds all the same.
+#[test]
+fn what_small_meshes_of_large_scenes_state_holds() {
+    let shapes: Vec<Mesh> = fixtures::ALL.iter().map(|(_, make)| make()).collect();
+    let refused: Vec<String> = fixtures::seeds(60, 300)
+        .into_par_iter()
+        .filter_map(|seed| {
+            let mesh = fixtures::mutated(&shapes[seed as usize % shapes.len()], seed);
+            if mesh.triangles().len() > 1_000 {
+                return None;
+            }
+            let options = lodc_simplify::Options::DEFAULT;
+            let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
+            let rest = simplified.mesh().positions().to_vec();
+            let StepErrors { error, rms, .. } = measure(&simplified, &rest, 1_000_000, &|| ());
+            let stated = simplified.with_distances(error, rms).expect("they never fall");
+            let (_, wrong) = crate::check(&stated, &[rest]);
+            wrong.map(|wrong| format!("seed {seed}: {wrong}"))
+        })
+        .collect();
+    assert!(refused.is_empty(), "{} are refused: {refused:#?}", refused.len());
+}
