@@ -109,7 +109,7 @@ pub fn flattening(
 }
 
 /// Returns by how much reading has moved vertices of a mesh at most: those of a file with an
-/// offset were rounded to single precision about it.
+/// offset were rounded to single precision about it. What doubles round does not count.
 #[must_use]
 pub fn reading(document: &Document, mesh: &Mesh) -> f64 {
     let Document::Obj(ObjDocument { offset, .. }) = document else { return 0.0 };
@@ -117,10 +117,7 @@ pub fn reading(document: &Document, mesh: &Mesh) -> f64 {
         return 0.0;
     }
     let local = Extent::of(mesh.positions().iter().map(|p| p.map(f64::from)));
-    let rounding = local.map_or(0.0, |extent| extent.rounding());
-    // The number in the text and its distance from the offset are rounded, too.
-    let far = offset.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
-    3f64.sqrt() * (rounding + 2.0 * f64::EPSILON * far)
+    3f64.sqrt() * local.map_or(0.0, |extent| extent.rounding())
 }
 
 /// Says what of an asset a format without it cannot hold; none if it holds all, or might.

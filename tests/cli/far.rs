@@ -230,7 +230,7 @@ fn errors_contain_what_rounding_leaves() {
     let f = Folder::new();
     for (far, size) in [(1.0, 1e-3), (0.01, 1.0), (1.0, 1.0), (1.0, 300.0), (200.0, 1e-3)] {
         let at = FAR.map(|c| c * far + 0.1 / 3.0);
-        // A double rounds, too.
+        // What doubles round does not count.
         let double = 5e6 * far * f64::EPSILON;
         // Flat, with all the digits that a double has.
         let (mut points, faces) = patch(10, 1.0, [0.0; 3]);
@@ -247,12 +247,12 @@ fn errors_contain_what_rounding_leaves() {
                 let error = number(&f.lodc(args).ends(0).json()["error"]);
                 let [from_plane, from_vertex] = off(&f, "level.obj", &points);
                 let what = format!("{input} {far} {size} {ratio}: {error}");
-                assert!(from_plane <= error, "{what} for {from_plane}");
+                assert!(from_plane <= error + double, "{what} for {from_plane}");
                 if ratio == "1" {
-                    assert!(from_vertex <= error, "{what} for {from_vertex}");
+                    assert!(from_vertex <= error + double, "{what} for {from_vertex}");
                     assert!(from_vertex <= 1e-7 * size + double, "{what} for {from_vertex}");
                 }
-                assert!(error <= 1e-6 * size + 8.0 * double, "{what}");
+                assert!(error <= 1e-6 * size, "{what}");
                 f.lodc(["verify", "level.obj", "--source", input]).ends(0);
             }
         }
