@@ -68,7 +68,7 @@ impl FormatName {
             Self::Vrm => "vrm",
         }
     }
-    fn export_format(self) -> ExportFormat {
+    pub(crate) const fn export_format(self) -> ExportFormat {
         match self {
             Self::Glb | Self::Vrm => ExportFormat::Glb,
             Self::Gltf => ExportFormat::Gltf,

@@ -4,11 +4,13 @@ pub use crate::gltf::write::{RoundedObject, rounded};
 pub use crate::options::{Additions, ExportObject, Precision};
 pub use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
 
+use crate::far::Extent;
 use crate::flatten::{FileCoordinates, Placed, placed};
 use crate::loose::Loose;
 use crate::obj::write::Library;
 use crate::{
-    Document, FormatError, Limits, ObjectInfo, OutputFile, gltf, obj, ply, scene_graph, stl,
+    Document, FormatError, Limits, ObjDocument, ObjectInfo, OutputFile, gltf, obj, ply,
+    scene_graph, stl,
 };
 use lodc_mesh::{Mesh, Semantic};
 use lodc_scene::Coordinates;
@@ -74,6 +76,48 @@ pub fn export_with(
     };
     files.extend(additions.textures.copies.iter().cloned());
     Ok(files)
+}
+
+/// Returns for each object how far vertices come to stand at most from where the scene has them, in
+/// mesh units, since a format without nodes has coordinates of single precision, or the fewest
+/// digits that say where a vertex of single precision is.
+///
+/// # Errors
+/// As [`export`].
+pub fn flattening(
+    format: ExportFormat,
+    document: &Document,
+    objects: &[ExportObject<'_>],
+) -> Result<Vec<f64>, FormatError> {
+    let mut moved = vec![0.0; objects.len()];
+    if matches!(format, ExportFormat::Glb | ExportFormat::Gltf) {
+        return Ok(moved);
+    }
+    for placed in all_placed(document, objects, false)? {
+        let vertices = placed.vertices();
+        let rounding = match format {
+            ExportFormat::Obj => obj::write::rounding(&vertices, placed.object.mesh),
+            ExportFormat::Ply if vertices.far.is_some() => 0.0,
+            _ => vertices.rounding(),
+        };
+        let in_mesh = 3f64.sqrt() * rounding / placed.object.info.world_scale;
+        if in_mesh.is_finite() {
+            moved[placed.number] = in_mesh.max(moved[placed.number]);
+        }
+    }
+    Ok(moved)
+}
+
+/// Returns by how much reading has moved vertices of a mesh at most: those of a file with an
+/// offset were rounded to single precision about it. What doubles round does not count.
+#[must_use]
+pub fn reading(document: &Document, mesh: &Mesh) -> f64 {
+    let Document::Obj(ObjDocument { offset, .. }) = document else { return 0.0 };
+    if *offset == [0.0; 3] {
+        return 0.0;
+    }
+    let local = Extent::of(mesh.positions().iter().map(|p| p.map(f64::from)));
+    3f64.sqrt() * local.map_or(0.0, |extent| extent.rounding())
 }
 
 /// Says what of an asset a format without it cannot hold; none if it holds all, or might.

@@ -1,6 +1,7 @@
 //! A scene of nodes as plain meshes in world space, for formats without nodes (OBJ, PLY): each node
 //! that shows a mesh gives a transformed copy of it.
 
+use crate::far::{Extent, HALF_ULP};
 use crate::options::ExportObject;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Mesh};
@@ -15,6 +16,8 @@ const MAX_TRIANGLES: usize = 1 << 28;
 pub(crate) struct Placed<'a> {
     /// The object.
     pub(crate) object: ExportObject<'a>,
+    /// Its number.
+    pub(crate) number: usize,
     /// The node's name or, lacking that, the object's.
     pub(crate) name: String,
     /// None where the object is as it was modelled: its values then stay bit for bit.
@@ -61,11 +64,12 @@ impl<'a> Placed<'a> {
     pub(crate) fn vertices(&self) -> Vertices<'a> {
         let mesh = self.object.mesh;
         let posed = self.placement.as_ref().map(|p| posed(mesh, p));
-        let far = match &posed {
-            Some(posed) => rounding_if_far(posed.positions.iter().map(|p| p.to_array())),
-            None => rounding_if_far(mesh.positions().iter().map(|p| p.map(f64::from))),
+        let extent = match &posed {
+            Some(posed) => Extent::of(posed.positions.iter().map(|p| p.to_array())),
+            None => Extent::of(mesh.positions().iter().map(|p| p.map(f64::from))),
         };
-        Vertices { mesh, posed, far }
+        let far = extent.filter(Extent::is_far).map(|e| HALF_ULP * e.diagonal());
+        Vertices { mesh, posed, extent, far }
     }
 
     /// Returns whether single precision would round its positions by more than that of the mesh
@@ -79,25 +83,8 @@ impl<'a> Placed<'a> {
         let end = |k: usize, bit: usize| f64::from(if bit == 0 { low[k] } else { high[k] });
         let corner = |i: usize| std::array::from_fn::<f64, 3, _>(|k| end(k, i >> k & 1));
         let placed = |corner: [f64; 3]| placement.transform.transform_point3(corner.into());
-        rounding_if_far((0..8).map(|i| placed(corner(i)).to_array())).is_some()
+        Extent::of((0..8).map(|i| placed(corner(i)).to_array())).is_some_and(|e| e.is_far())
     }
-}
-
-/// Returns how much a mesh in single precision rounds positions that are so far from the origin
-/// that single precision would round them by more than a ten-millionth of their extent; none of
-/// others.
-fn rounding_if_far(positions: impl Iterator<Item = [f64; 3]>) -> Option<f64> {
-    const MAX_ROUNDING: f64 = 1e-7;
-    let half_ulp = f64::from(f32::EPSILON) / 2.0;
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in positions {
-        low = std::array::from_fn(|k| low[k].min(p[k]));
-        high = std::array::from_fn(|k| high[k].max(p[k]));
-    }
-    let largest = low.iter().chain(&high).fold(0.0, |most: f64, c| most.max(c.abs()));
-    let diagonal = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
-    let is_far = largest.is_finite() && half_ulp * largest > MAX_ROUNDING * diagonal;
-    is_far.then_some(half_ulp * diagonal)
 }
 
 /// The vertices of a placed object.
@@ -105,6 +92,8 @@ fn rounding_if_far(positions: impl Iterator<Item = [f64; 3]>) -> Option<f64> {
 pub(crate) struct Vertices<'a> {
     mesh: &'a Mesh,
     posed: Option<PosedVertices>,
+    /// The box around them.
+    extent: Option<Extent>,
     /// How much the mesh's single precision has rounded, if that of the scene would round more.
     pub(crate) far: Option<f64>,
 }
@@ -113,6 +102,11 @@ impl Vertices<'_> {
     /// Returns whether the vertices stand elsewhere than in the mesh.
     pub(crate) const fn are_posed(&self) -> bool {
         self.posed.is_some()
+    }
+
+    /// By how much single precision rounds coordinates in the scene.
+    pub(crate) fn rounding(&self) -> f64 {
+        self.extent.filter(|_| self.are_posed()).map_or(0.0, |extent| extent.rounding())
     }
 
     /// A vertex's position in the scene, in single precision.
@@ -180,6 +174,7 @@ pub(crate) fn placed<'a>(
         let name = node.filter(|name| !name.is_empty());
         out.push(Placed {
             object,
+            number: placement.object,
             name: name.unwrap_or_else(|| object.info.name.clone()),
             placement: (!is_identity(placement)).then(|| placement.clone()),
             coordinates: coordinates(placement.object),
@@ -188,6 +183,7 @@ pub(crate) fn placed<'a>(
     let hidden = (0..objects.len()).filter(|&o| scene.of(o).next().is_none());
     out.extend(hidden.map(|o| Placed {
         object: objects[o],
+        number: o,
         name: objects[o].info.name.clone(),
         placement: None,
         coordinates: coordinates(o),

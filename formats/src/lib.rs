@@ -49,6 +49,8 @@ mod error;
 pub mod export;
 #[cfg(feature = "import")]
 mod faces;
+#[cfg(any(feature = "import", feature = "export"))]
+mod far;
 mod fields;
 mod file_header;
 #[cfg(feature = "export")]

@@ -205,3 +205,73 @@ fn two_objects_a_thousand_kilometres_apart_work() {
     f.lodc(["extract", "two.lodc", "--ratio", "0.5", "-o", "half.glb", "-q"]).ends(0);
     f.lodc(["verify", "half.glb", "--source", "two.gltf"]).ends(0);
 }
+
+/// The largest distance of the vertices of an OBJ from the plane that a flat input lies in, and
+/// from the nearest vertex of the input.
+fn off(f: &Folder, output: &str, points: &[[f64; 3]]) -> [f64; 2] {
+    let read = |line: &String| {
+        let mut numbers = line.split(' ').map(|c| c.parse::<f64>().expect("a coordinate"));
+        [(); 3].map(|()| numbers.next().expect("three coordinates"))
+    };
+    let distance = |a: &[f64; 3], b: &[f64; 3]| {
+        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    let of_vertex = |p: [f64; 3]| {
+        let nearest = points.iter().map(|q| distance(&p, q)).fold(f64::INFINITY, f64::min);
+        [(p[2] - points[0][2]).abs(), nearest]
+    };
+    let vertices = positions(&f.read(output));
+    let all = vertices.iter().map(read).map(of_vertex);
+    all.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]).expect("a vertex")
+}
+
+#[test]
+fn errors_contain_what_rounding_leaves() {
+    let f = Folder::new();
+    for (far, size) in [(1.0, 1e-3), (0.01, 1.0), (1.0, 1.0), (1.0, 300.0), (200.0, 1e-3)] {
+        let at = FAR.map(|c| c * far + 0.1 / 3.0);
+        // What doubles round does not count.
+        let double = 5e6 * far * f64::EPSILON;
+        // Flat, with all the digits that a double has.
+        let (mut points, faces) = patch(10, 1.0, [0.0; 3]);
+        for p in &mut points {
+            *p = [p[0] * size + at[0], p[1] * size / 3.0 + at[1], at[2]];
+        }
+        f.file("flat.ply", ply(&points, &faces));
+        let text: String = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+        let corners = obj(&[], &faces);
+        f.file("flat.obj", text + corners.strip_prefix("o site\n").expect("a name"));
+        for input in ["flat.obj", "flat.ply"] {
+            for ratio in ["1", "0.4", "0.1"] {
+                let args = ["extract", input, "--ratio", ratio, "--json", "-o", "level.obj"];
+                let error = number(&f.lodc(args).ends(0).json()["error"]);
+                let [from_plane, from_vertex] = off(&f, "level.obj", &points);
+                let what = format!("{input} {far} {size} {ratio}: {error}");
+                assert!(from_plane <= error + double, "{what} for {from_plane}");
+                if ratio == "1" {
+                    assert!(from_vertex <= error + double, "{what} for {from_vertex}");
+                    assert!(from_vertex <= 1e-7 * size + double, "{what} for {from_vertex}");
+                }
+                assert!(error <= 1e-6 * size, "{what}");
+                f.lodc(["verify", "level.obj", "--source", input]).ends(0);
+            }
+        }
+        // In single precision about a node that is far.
+        let (mut local, _) = patch(10, 1.0, [0.0; 3]);
+        for p in &mut local {
+            *p = [p[0] * size, p[1] * size / 3.0, 0.0].map(|c| f64::from(c as f32));
+        }
+        f.file("flat.gltf", gltf(&local, &faces, &[at]));
+        let placed: Vec<[f64; 3]> =
+            local.iter().map(|p| std::array::from_fn(|k| p[k] + at[k])).collect();
+        for ratio in ["1", "0.4"] {
+            let args = ["extract", "flat.gltf", "--ratio", ratio, "--json", "-o", "level.obj"];
+            let error = number(&f.lodc(args).ends(0).json()["error"]);
+            let [from_plane, from_vertex] = off(&f, "level.obj", &placed);
+            let what = format!("{far} {size} {ratio}: {error} for {from_plane}, {from_vertex}");
+            assert!(from_plane <= error + double && error <= 1e-6 * size, "{what}");
+            assert!(ratio != "1" || from_vertex <= error + 2.0 * double, "{what}");
+            f.lodc(["verify", "level.obj", "--source", "flat.gltf"]).ends(0);
+        }
+    }
+}

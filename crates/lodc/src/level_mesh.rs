@@ -7,7 +7,7 @@ use crate::{Error, LodObject, levels};
 #[cfg(feature = "export")]
 use lodc_formats::{
     Document, FormatError, Limits,
-    export::{ExportObject, Precision},
+    export::{ExportFormat, ExportObject, Precision, flattening, reading, rounded},
 };
 use lodc_lod::ModelKind;
 use lodc_mesh::{Lod, Mesh};
@@ -121,7 +121,8 @@ pub fn largest_distance(
     objects.iter().zip(distances).fold((0.0, Some(0.0)), larger)
 }
 
-/// Returns how far quantising moves vertices of exported meshes at most, in the placements and
+/// Returns how far rounding moves vertices of exported meshes at most: of coordinates as the input
+/// was read and as the format stores them, and by quantising. This counts in the placements and
 /// poses that errors are the largest over: where targets add to each other or joints move vertices,
 /// farther than at rest. A level's error grows by no more than that.
 ///
@@ -132,33 +133,37 @@ pub fn rounding<'a>(
     objects: &'a [LodObject],
     document: &Document,
     meshes: impl Iterator<Item = &'a Mesh>,
+    format: ExportFormat,
     precision: Precision,
 ) -> Result<Rounding, FormatError> {
     let one = |(o, mesh): (&'a LodObject, &'a Mesh)| ExportObject { info: &o.info, mesh };
     let exported: Vec<ExportObject<'_>> = objects.iter().zip(meshes).map(one).collect();
-    let Some(rounded) = lodc_formats::export::rounded(document, &exported, precision)? else {
-        return Ok(Rounding { by_object: vec![0.0; objects.len()], largest: 0.0 });
-    };
-    let bending = exported.iter().any(|object| bends(object.mesh));
-    let shapes = match bending {
-        true => stated_shapes(objects, document, &Limits::DEFAULT)?,
-        false => Vec::new(),
-    };
-    let moved = |o: usize| -> f64 {
-        let (mesh, rounded) = (exported[o].mesh, &rounded[o]);
-        if !bends(mesh) {
-            return rounded.moved;
-        }
-        let all = 0..mesh.vertex_count() as u32;
-        farthest_vertex(shapes[o].all(), mesh, &rounded.mesh, &all).max(rounded.moved)
-    };
-    let by_object: Vec<f64> = (0..objects.len()).map(moved).collect();
+    let mut by_object = flattening(format, document, &exported)?;
+    for (moved, object) in by_object.iter_mut().zip(objects) {
+        *moved += reading(document, object.simplified.mesh());
+    }
+    if let Some(rounded) = rounded(document, &exported, precision)? {
+        let bending = exported.iter().any(|object| bends(object.mesh));
+        let shapes = match bending {
+            true => stated_shapes(objects, document, &Limits::DEFAULT)?,
+            false => Vec::new(),
+        };
+        let quantised = |o: usize| -> f64 {
+            let (mesh, rounded) = (exported[o].mesh, &rounded[o]);
+            if !bends(mesh) {
+                return rounded.moved;
+            }
+            let all = 0..mesh.vertex_count() as u32;
+            farthest_vertex(shapes[o].all(), mesh, &rounded.mesh, &all).max(rounded.moved)
+        };
+        by_object.iter_mut().enumerate().for_each(|(o, moved)| *moved += quantised(o));
+    }
     let scaled = |(o, moved): (&LodObject, &f64)| o.info.world_scale * moved;
     let largest = objects.iter().zip(&by_object).map(scaled).fold(0.0, f64::max);
     Ok(Rounding { by_object, largest })
 }
 
-/// The farthest that quantising moves vertices.
+/// The farthest that rounding moves vertices.
 #[cfg(feature = "export")]
 #[derive(Clone, Debug)]
 pub struct Rounding {
@@ -168,7 +173,7 @@ pub struct Rounding {
     pub largest: f64,
 }
 
-/// Adds to the distances of levels how far quantising will move their vertices.
+/// Adds to the distances of levels how far rounding moves their vertices: see [`rounding`].
 ///
 /// # Errors
 /// If the document is damaged.
@@ -177,16 +182,18 @@ pub fn add_rounding_to_all(
     objects: &[LodObject],
     document: &Document,
     meshes: &mut [LevelMesh],
+    format: ExportFormat,
     precision: Precision,
 ) -> Result<(), FormatError> {
-    let rounding = rounding(objects, document, meshes.iter().map(|m| &m.mesh), precision)?;
+    let only_meshes = meshes.iter().map(|m| &m.mesh);
+    let rounding = rounding(objects, document, only_meshes, format, precision)?;
     for (mesh, moved) in meshes.iter_mut().zip(rounding.by_object) {
         add_rounding(&mut mesh.error, &mut mesh.rms, moved);
     }
     Ok(())
 }
 
-/// Adds how far quantising moves vertices to the error and the root mean square distance of a
+/// Adds how far rounding moves vertices to the error and the root mean square distance of a
 /// level.
 pub fn add_rounding(error: &mut f64, rms: &mut Option<f64>, moved: f64) {
     *error += moved;

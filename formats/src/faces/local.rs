@@ -1,24 +1,18 @@
 //! Positions that stand too far from the origin for single precision, as an offset and a local
 //! mesh.
 
-/// Share of an object's diagonal by which single precision may round a coordinate.
-const MAX_ROUNDING: f64 = 1e-7;
+use crate::far::{Extent, MAX_ROUNDING};
 
-/// Returns whether single precision may round these positions by more than a mesh should be off:
-/// half a unit in the last place of the largest coordinate.
+/// Returns whether single precision may round these positions by more than a mesh should be off.
 pub(crate) fn may_be_far(positions: &[[f32; 3]]) -> bool {
-    let Some((low, high)) = bounds(positions.iter().map(|p| p.map(f64::from))) else {
-        return false;
-    };
-    let largest = (0..3).map(|k| low[k].abs().max(high[k].abs())).fold(0.0, f64::max);
-    largest * f64::from(f32::EPSILON) / 2.0 > MAX_ROUNDING * length(low, high)
+    Extent::of(positions.iter().map(|p| p.map(f64::from))).is_some_and(|e| e.is_far())
 }
 
 /// Returns an offset and the positions without it in single precision; none if these are as exact
 /// without an offset.
 pub(crate) fn local(positions: &[[f64; 3]]) -> Option<([f64; 3], Vec<[f32; 3]>)> {
-    let (low, high) = bounds(positions.iter().copied())?;
-    let diagonal = length(low, high);
+    let extent = Extent::of(positions.iter().copied())?;
+    let (Extent { low, high }, diagonal) = (extent, extent.diagonal());
     let rounding = |c: f64| (c - f64::from(single(c))).abs();
     let largest = positions.as_flattened().iter().copied().map(rounding).fold(0.0, f64::max);
     if largest <= MAX_ROUNDING * diagonal {
@@ -38,19 +32,6 @@ pub(crate) fn local(positions: &[[f64; 3]]) -> Option<([f64; 3], Vec<[f32; 3]>)>
 #[expect(clippy::cast_possible_truncation, reason = "a mesh is in single precision")]
 const fn single(c: f64) -> f32 {
     c as f32
-}
-
-fn bounds(mut positions: impl Iterator<Item = [f64; 3]>) -> Option<([f64; 3], [f64; 3])> {
-    let first = positions.next()?;
-    let wider = |(low, high): ([f64; 3], [f64; 3]), p: [f64; 3]| {
-        let low = std::array::from_fn(|k| low[k].min(p[k]));
-        (low, std::array::from_fn(|k| high[k].max(p[k])))
-    };
-    Some(positions.fold((first, first), wider))
-}
-
-fn length(low: [f64; 3], high: [f64; 3]) -> f64 {
-    (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

@@ -130,11 +130,7 @@ impl Writer {
                     numbers[0] = number(&mut self.v, key, &mut self.text, "v", |text| {
                         for c in position {
                             text.push(b' ');
-                            match placed.far {
-                                Some(rounding) if placed.are_posed() => double(text, c, rounding),
-                                Some(rounding) => far_float(text, single(c), rounding),
-                                None => float(text, single(c)),
-                            }
+                            coordinate(text, c, placed);
                         }
                         floats(text, &rgba[..components]);
                     });
@@ -163,6 +159,31 @@ impl Writer {
         }
         faces
     }
+}
+
+/// A coordinate of a placed object.
+fn coordinate(text: &mut Vec<u8>, c: f64, placed: &Vertices<'_>) {
+    match placed.far {
+        Some(rounding) if placed.are_posed() => double(text, c, rounding),
+        Some(rounding) => far_float(text, single(c), rounding),
+        None => float(text, single(c)),
+    }
+}
+
+/// By how much the text of a placed object is off its coordinates at most.
+pub(crate) fn rounding(placed: &Vertices<'_>, mesh: &Mesh) -> f64 {
+    if placed.far.is_none() {
+        return placed.rounding();
+    }
+    let mut text = Vec::new();
+    let mut off = |c: f64| {
+        text.clear();
+        coordinate(&mut text, c, placed);
+        let read = std::str::from_utf8(&text).ok().and_then(|text| text.parse::<f64>().ok());
+        read.map_or(0.0, |read| (read - c).abs())
+    };
+    let vertices = 0..mesh.vertex_count() as u32;
+    vertices.flat_map(|v| placed.exact_position(v)).map(&mut off).fold(0.0, f64::max)
 }
 
 /// A corner of a face: ` v`, ` v/vt`, ` v//vn` or ` v/vt/vn`.

@@ -32,7 +32,8 @@ pub(super) fn files(
     for (number, level) in levels.iter_mut().enumerate() {
         let (objects, document) = (&asset.objects, &asset.document);
         let mut meshes = meshes(asset, level, order)?;
-        level_mesh::add_rounding_to_all(objects, document, &mut meshes, additions.precision)?;
+        let (stored, precision) = (format.export_format(), additions.precision);
+        level_mesh::add_rounding_to_all(objects, document, &mut meshes, stored, precision)?;
         (level.error, level.rms) = level_mesh::largest_of_meshes(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
         let objects = level_mesh::export_objects(&asset.objects, &meshes);
@@ -78,8 +79,9 @@ pub(super) fn gliding_files(
     for level in levels.iter_mut() {
         let meshes = meshes(asset, level, order)?;
         let meshes_only = meshes.iter().map(|m| &m.mesh);
+        let (stored, precision) = (format.export_format(), additions.precision);
         let moved =
-            level_mesh::rounding(objects, document, meshes_only, additions.precision)?.largest;
+            level_mesh::rounding(objects, document, meshes_only, stored, precision)?.largest;
         level_mesh::add_rounding(&mut level.error, &mut level.rms, moved);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
         all.push(meshes);

@@ -50,8 +50,9 @@ pub(super) fn files(
     let coverages: Vec<Vec<f64>> =
         asset.objects.iter().enumerate().map(|(o, object)| coverage(object, o, levels)).collect();
     let (meshes, precision) = (chains.iter().map(|c| &c.mesh), additions.precision);
+    let stored = format.export_format();
     let rounding =
-        level_mesh::rounding(&asset.objects, &asset.document, meshes, precision)?.largest;
+        level_mesh::rounding(&asset.objects, &asset.document, meshes, stored, precision)?.largest;
     for (k, level) in levels.iter_mut().enumerate() {
         level_mesh::add_rounding(&mut level.error, &mut level.rms, rounding);
         level.vertices = chains.iter().map(|c| u64::from(c.prefixes[k])).sum();

@@ -58,7 +58,8 @@ pub(super) fn extract(
             (mesh.error, mesh.rms) = *distance;
         }
         let (objects, document) = (&asset.objects, &asset.document);
-        level_mesh::add_rounding_to_all(objects, document, meshes, packing.precision)?;
+        let (stored, precision) = (format.export_format(), packing.precision);
+        level_mesh::add_rounding_to_all(objects, document, meshes, stored, precision)?;
         let mut report = report(args, input, &asset, &level, target);
         report.warnings.extend_from_slice(&textures.warnings);
         let provenance = Some(provenance(&asset, &report));

@@ -1,13 +1,17 @@
 //! The link condition (Dey et al. 1999): collapsing an edge keeps the surface's topology exactly if
 //! the only groups next to both ends are those opposite the edge, and no face would come to lie on
-//! another.
+//! another. Where several films meet in one edge, they must not lose it: none of them may end
+//! there, and no two points where such lines meet may become one.
 
-use crate::cut::{IS_HUB, OPEN, WorkingMesh};
+use crate::cut::{HUB_VALENCE, IS_HUB, OPEN, WorkingMesh};
 use lodc_mesh::NONE;
 
 /// Groups that are compared at a time: two registers of four lanes. Groups have six neighbours on
 /// average.
 const BATCH: usize = 8;
+/// Edges of more faces than this keep no topology. Chosen by hand: foams have three or four, panels
+/// on beams a few more.
+const MAX_FILMS: usize = 8;
 /// Pairs of hubs (groups of very many faces) that are remembered as not neighbours; each question
 /// about another pair takes a pass over a star. Chosen by hand: bipyramids and the like have a few.
 const MAX_PAIRS: usize = 64;
@@ -103,7 +107,7 @@ impl Link {
         let star = mesh.star(from);
         let others = |corner| mesh.others(corner);
         let mut shared_faces = 0;
-        let (mut apexes, mut apex) = (0, [u32::MAX; 2]);
+        let (mut apexes, mut apex) = (0, [NONE; MAX_FILMS]);
         for &corner in star {
             let [g, h] = others(corner);
             marks.marks[g as usize] = near;
@@ -112,7 +116,7 @@ impl Link {
                 shared_faces += 1;
                 let opposite = if g == to { h } else { g };
                 if !apex.contains(&opposite) {
-                    apex[apexes.min(1)] = opposite;
+                    apex[apexes.min(MAX_FILMS - 1)] = opposite;
                     apexes += 1;
                 }
             }
@@ -137,8 +141,14 @@ impl Link {
             }
         }
         let marks = &marks.marks;
-        let manifold =
-            (1..=2).contains(&shared_faces) && in_both == apexes && apexes == shared_faces;
+        let is_plain = in_both == apexes && apexes == shared_faces;
+        let keeps_lines = || match shared_faces {
+            0 => false,
+            1..=2 => true,
+            3..=MAX_FILMS => keeps_lines(mesh, [from, to], &apex[..apexes]),
+            _ => false,
+        };
+        let manifold = is_plain && keeps_lines();
         let vanishes = star.len() == shared_faces && mesh.valence(to) == shared_faces;
         let doubles = || {
             star.iter().any(|&corner| {
@@ -153,6 +163,28 @@ impl Link {
         };
         Self { holds: manifold && !vanishes && !doubles(), shared_faces, vanishes }
     }
+}
+
+/// Returns whether the lines in which films meet stay what they are when an edge of several films
+/// collapses: no film has another side on such a line, and not both ends are points where lines
+/// meet.
+fn keeps_lines(mesh: &WorkingMesh, ends: [u32; 2], apexes: &[u32]) -> bool {
+    let faces = |end: u32, other: u32| {
+        mesh.star(end).iter().filter(|&&corner| mesh.others(corner).contains(&other)).count()
+    };
+    let is_line = |end: u32, other: u32| faces(end, other) != 2;
+    !apexes.iter().any(|&apex| ends.iter().all(|&end| is_line(end, apex)))
+        && !ends.iter().all(|&end| is_junction(mesh, end))
+}
+
+/// Returns whether other than two lines meet at a group. A hub counts as one where they do.
+fn is_junction(mesh: &WorkingMesh, group: u32) -> bool {
+    let mut ends = [NONE; 2 * HUB_VALENCE];
+    let Some(ends) = ends.get_mut(..2 * mesh.valence(group)) else { return true };
+    let star = mesh.star(group).iter().flat_map(|&corner| mesh.others(corner));
+    ends.iter_mut().zip(star).for_each(|(end, other)| *end = other);
+    ends.sort_unstable();
+    ends.chunk_by(|a, b| a == b).filter(|faces| faces.len() != 2).count() != 2
 }
 
 #[cfg(test)]
@@ -233,6 +265,43 @@ mod tests {
         for link in links(&[[0, 1, 2]], 0, 1) {
             assert!(!link.holds && link.shared_faces == 1);
         }
+    }
+
+    /// Films with a line from 0 over 1 and 2 to 3 in common, and each with a point of its own.
+    fn films(count: u32) -> Vec<[u32; 3]> {
+        (4..4 + count).flat_map(|own| [[0, 1, own], [1, 2, own], [2, 3, own]]).collect()
+    }
+
+    #[test]
+    fn a_line_of_several_films_may_be_shortened() {
+        for count in [3, 4, 5, 8] {
+            for link in links(&films(count), 1, 2) {
+                let shared_faces = count as usize;
+                assert_eq!(link, Link { holds: true, shared_faces, vanishes: false }, "{count}");
+            }
+        }
+        assert!(links(&films(9), 1, 2).iter().all(|link| !link.holds), "more than are looked at");
+    }
+
+    #[test]
+    fn a_film_between_lines_does_not_vanish() {
+        // The first film ends at 2 and 4, and another one meets it along its third side.
+        let mut triangles = films(3);
+        triangles.retain(|&t| t != [2, 3, 4]);
+        assert!(links(&triangles, 1, 2).iter().all(|link| link.holds));
+        triangles.push([1, 4, 7]);
+        assert!(links(&triangles, 1, 2).iter().all(|link| !link.holds));
+    }
+
+    #[test]
+    fn points_where_lines_meet_stay_apart() {
+        // Another line from one end of the edge, then from both.
+        let line = |end: u32, other: u32| (1..4).map(move |film| [end, other, other + film]);
+        let mut triangles = films(3);
+        triangles.extend(line(1, 7));
+        assert!(links(&triangles, 1, 2).iter().all(|link| link.holds));
+        triangles.extend(line(2, 11));
+        assert!(links(&triangles, 1, 2).iter().all(|link| !link.holds));
     }
 
     #[test]
