@@ -52,7 +52,8 @@ if (path) {
 } else {
   const isKnown = names.some((name) => PLATFORMS.includes(name));
   const why = isKnown
-    ? `the optional package @lodc/${names[0]} is not installed; run npm install without --omit=optional`
+    ? `the optional package @lodc/${names[0]} is not installed; `
+      + 'run npm install without --omit=optional'
     : `there is none for ${names[0]}; build it with cargo install lodc-cli`;
   console.error(`lodc: the program is missing: ${why}`);
   process.exitCode = 1;
