@@ -10,7 +10,7 @@ const viewport = new THREE.Vector4();
 const EXTENT = 1000;
 
 /** The error in world units that is `pixels` high at a distance from a camera. */
-function allowed(camera, height, pixels, distance) {
+export function allowed(camera, height, pixels, distance) {
   const perPixel = 2 / (camera.projectionMatrix.elements[5] * height);
   return pixels * perPixel * (camera.isOrthographicCamera ? 1 : Math.max(distance, camera.near));
 }

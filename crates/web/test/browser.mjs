@@ -97,9 +97,9 @@ test('the package is small', () => {
   const wasm = ['file.wasm', 'stream.wasm'].map(size);
   const element = size('view.js') + size('stage.js');
   const scripts = readdirSync(join(installed, 'loader')).filter((name) => name.endsWith('.js'));
-  const loader = scripts.filter((name) => !['view.js', 'stage.js'].includes(name));
+  const loader = scripts.filter((name) => !['view.js', 'stage.js', 'crowd.js'].includes(name));
   const js = loader.reduce((sum, name) => sum + size(name), 0);
-  console.log(`file.wasm and stream.wasm ${wasm} bytes, JavaScript ${js} and ${element} bytes with gzip`);
+  console.log(`file.wasm, stream.wasm ${wasm} bytes, JavaScript ${js}, ${element} bytes with gzip`);
   assert.ok(element <= 5632, `the element: ${element} bytes`);
   // A page loads the one that its models need.
   assert.ok(Math.max(...wasm) <= 60 << 10, `WebAssembly: ${wasm} bytes`);
@@ -220,6 +220,17 @@ test('a crowd of 200 shares one geometry, and each copy has a level of its own',
   assert.equal(crowd.geometries, 1);
   assert.ok(crowd.near > 2 * crowd.far && crowd.far > 0, JSON.stringify(crowd));
   assert.ok(crowd.hit, 'a ray hits');
+});
+
+test('a crowd of 200 looks like clones, and takes a draw call for each level', async () => {
+  const crowd = await page('crowdOf', '/terrain.lodc', 200);
+  await keep('instances');
+  assert.ok(crowd.drawn > 20_000 && crowd.differ < crowd.drawn / 500, JSON.stringify(crowd));
+  assert.ok(crowd.calls[0] > 100 && crowd.calls[1] <= 12, JSON.stringify(crowd));
+  assert.equal(crowd.triangles[0], crowd.triangles[1]);
+  assert.equal(crowd.finest, crowd.whole);
+  assert.ok(crowd.again.drawn > 5000, 'the model is still there');
+  assert.equal(crowd.again.differ, 0);
 });
 
 test("the page's thread decodes nothing and copies nothing", async () => {
@@ -392,6 +403,12 @@ test("axe finds nothing in the viewer's page, wide and narrow, light and dark", 
       browser.console.length = 0;
       await browser.goto(pathToFileURL(join(models, `${model}.html`)).href);
       await browser.until("document.documentElement.dataset.ready === 'true'");
+      const text = await browser.value("document.getElementById('level').ariaValueText");
+      assert.match(text ?? '', /^([\d,]+ triangles|level 0 of \d+), 100 % of all$/);
+      for (const axis of ['z', 'y']) {
+        await browser.value(`document.querySelector('input[name="up"][value="${axis}"]').click()`);
+        assert.equal(await browser.value('viewer.scene.up'), axis);
+      }
       for (const value of ['light', 'dark']) {
         const features = [{ name: 'prefers-color-scheme', value }];
         await browser.send('Emulation.setEmulatedMedia', { features });

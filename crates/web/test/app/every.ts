@@ -1,6 +1,8 @@
 import type { BufferGeometry } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { ChainLevels, ChainModel, LodcChain } from 'lodc/chain';
+import { LodcCrowd } from 'lodc/crowd';
+import { LodcLoader } from 'lodc';
 import { Lodc, type LodcObject, type Part } from 'lodc/full';
 import { Levels, Submesh } from 'lodc/full/levels';
 import { openDevice, replay, Session, type Plan } from 'lodc/full/plan';
@@ -26,6 +28,8 @@ const chain = new LodcChain(await ChainModel.of(await new GLTFLoader().loadAsync
 chain.glides = false;
 chain.at(10);
 const { level, weight } = new ChainLevels({}).at(3);
+const crowd = new LodcCrowd(await LodcLoader.load('tree.lodc'), 200);
+crowd.level = null;
 const device = await openDevice();
 if (device) {
   const plan: Plan = { program: { buffers: [], kernels: [] }, steps: [] };
