@@ -75,7 +75,9 @@ pub mod lodc;
 pub mod lods;
 #[cfg(any(feature = "import", feature = "export"))]
 mod loose;
-#[cfg(any(feature = "import", feature = "export"))]
+#[cfg(feature = "gltf")]
+mod materials;
+#[cfg(feature = "gltf")]
 #[cfg_attr(
     not(all(feature = "import", feature = "export", feature = "stream")),
     allow(
@@ -115,6 +117,8 @@ pub use error::{Fault, FormatError};
 #[cfg(feature = "gltf")]
 pub use gltf::{PartNames, animation, animation_names, scene_graph, scene_motion};
 pub use limits::Limits;
+#[cfg(feature = "gltf")]
+pub use materials::{Material, MaterialTexture, Materials, materials};
 pub use requested_files::RequestedFiles;
 pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,
