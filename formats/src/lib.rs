@@ -76,6 +76,8 @@ pub mod lods;
 #[cfg(any(feature = "import", feature = "export"))]
 mod loose;
 #[cfg(feature = "gltf")]
+mod material;
+#[cfg(feature = "gltf")]
 mod materials;
 #[cfg(feature = "gltf")]
 #[cfg_attr(
@@ -118,7 +120,9 @@ pub use error::{Fault, FormatError};
 pub use gltf::{PartNames, animation, animation_names, scene_graph, scene_motion};
 pub use limits::Limits;
 #[cfg(feature = "gltf")]
-pub use materials::{Material, MaterialTexture, Materials, materials};
+pub use material::{Material, MaterialTexture, Materials};
+#[cfg(feature = "gltf")]
+pub use materials::materials;
 pub use requested_files::RequestedFiles;
 pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,

@@ -4,7 +4,7 @@ use super::coordinates::base;
 use super::extensions::IMAGE_EXTENSIONS;
 use super::json::{Json, Object, parse};
 use super::uri;
-use crate::materials::{Material, MaterialTexture, Materials};
+use crate::material::{Material, MaterialTexture, Materials};
 use crate::{FormatError, GltfDocument, Limits, ObjectInfo};
 
 /// Reads the materials of a document.
