@@ -9,8 +9,8 @@ HERE = pathlib.Path(__file__).parent
 
 def linked(target="all"):
     """Packages from outside in the program for a target, as (name, version)."""
-    words = ["cargo", "tree", "-p", "lodc-cli", "-e", "normal", "--target", target, "--prefix", "none"]
-    words += ["--locked", "--format", "{p}"]
+    words = ["cargo", "tree", "-p", "lodc-cli", "-e", "normal", "--target", target]
+    words += ["--prefix", "none", "--locked", "--format", "{p}"]
     lines = subprocess.run(words, check=True, stdout=subprocess.PIPE, text=True, cwd=HERE).stdout
     # Packages of this repository and procedural macros are followed by a parenthesis; the latter
     # run when the program is built.

@@ -268,7 +268,8 @@ fn a_folder_is_verified_against_the_meshes_of_another() {
 #[test]
 fn a_configuration_gives_defaults_that_flags_beat() {
     let f = models();
-    const CONFIGURATION: &str = "[defaults]\nmodels = [\"interactive\"]\n[profile.fast]\neffort = \"fast\"\n\
+    const CONFIGURATION: &str =
+        "[defaults]\nmodels = [\"interactive\"]\n[profile.fast]\neffort = \"fast\"\n\
          [[override]]\nfiles = [\"props/**\"]\nlock-border = true\n\
          [override.build]\nmetric = \"kl\"\n";
     f.file("in/lodc.toml", CONFIGURATION);

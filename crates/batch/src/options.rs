@@ -102,9 +102,12 @@ pub struct Vocabulary {
     pub check_value: ValueCheck,
 }
 
-/// Called with a command, one of its options and a value: an error says what the value must be.
+/// Takes a command, one of its options and a value; an error says what the value must be.
+type CheckValue = dyn Fn(&str, &str, &str) -> Result<(), String>;
+
+/// Checks values of options.
 #[derive(Clone)]
-pub struct ValueCheck(pub Rc<dyn Fn(&str, &str, &str) -> Result<(), String>>);
+pub struct ValueCheck(pub Rc<CheckValue>);
 
 impl std::fmt::Debug for ValueCheck {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

@@ -22,6 +22,6 @@ from .scene import Image, Instance, Scene, Submesh
 
 __all__ = [
     "Attribute", "FormatError", "Image", "Instance", "Level", "LevelObject", "LodFile",
-    "LodcWarning", "Object", "ProgramError", "Scene", "Source", "Stream", "StreamObject", "Submesh", "build", "open",
-    "plot", "program", "stream",
+    "LodcWarning", "Object", "ProgramError", "Scene", "Source", "Stream", "StreamObject", "Submesh",
+    "build", "open", "plot", "program", "stream",
 ]  # fmt: skip

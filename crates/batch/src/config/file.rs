@@ -188,7 +188,7 @@ impl ConfigFile {
                 }
                 format!("must be true or false, not {value}")
             } else {
-                // A value is for the commands that take it; options of parts are checked as a whole.
+                // A value is for the commands that take it; those of parts are checked as a whole.
                 let commands = commands.iter().filter(|command| command.has(option));
                 let checks: Vec<_> =
                     commands.map(|c| check_value(vocabulary, c, option, value)).collect();
