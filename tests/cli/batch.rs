@@ -268,11 +268,11 @@ fn a_folder_is_verified_against_the_meshes_of_another() {
 #[test]
 fn a_configuration_gives_defaults_that_flags_beat() {
     let f = models();
-    const CONFIGURATION: &str =
-        "[defaults]\nmodels = [\"interactive\"]\n[profile.fast]\neffort = \"fast\"\n\
-         [[override]]\nfiles = [\"props/**\"]\nlock-border = true\n\
-         [override.build]\nmetric = \"kl\"\n";
-    f.file("in/lodc.toml", CONFIGURATION);
+    let configuration = "[defaults]\nmodels = [\"interactive\"]\n\
+        [profile.fast]\neffort = \"fast\"\n\
+        [[override]]\nfiles = [\"props/**\"]\nlock-border = true\n\
+        [override.build]\nmetric = \"kl\"\n";
+    f.file("in/lodc.toml", configuration);
     f.lodc(["build", "in", "-o", "out", "-q"]).ends(0);
     let single = |args: &[&str]| {
         f.lodc(["build", "-o", "x.lodc", "-q", "--config", "none.toml"].iter().chain(args)).ends(0);
@@ -291,7 +291,7 @@ fn a_configuration_gives_defaults_that_flags_beat() {
         "[defaults]\nmodels = \"none\"\n[[override]]\nmaterials = [\"*\"]\nlock = true\n",
     );
     f.lodc(["build", "in", "-o", "none", "-q"]).ends(0);
-    f.file("in/lodc.toml", CONFIGURATION);
+    f.file("in/lodc.toml", configuration);
 
     let shown = f.lodc(["config", "--show", "in/props/b.obj"]).ends(0);
     let shown = String::from_utf8_lossy(&shown.out);
