@@ -1,6 +1,8 @@
 //! A GLB of `lodc chain`, which has several levels of a scene, as a [`Lodc`] asset.
 
-use crate::asset::{Lodc, LodcLevel, LodcObject, name_materials, object_without_levels, placements};
+use crate::asset::{
+    Lodc, LodcLevel, LodcObject, name_materials, object_without_levels, placements,
+};
 use crate::mesh::submesh_mesh;
 use bevy_asset::io::Reader;
 use bevy_asset::{AssetLoader, Handle, LoadContext};
