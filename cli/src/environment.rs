@@ -4,6 +4,7 @@
 use std::path::Path;
 
 /// A variable that a run needs.
+#[cfg_attr(not(unix), expect(dead_code, reason = "only Unix starts a program in its own place"))]
 #[derive(Clone, Copy)]
 pub(crate) struct Variable {
     name: &'static str,

@@ -2,11 +2,13 @@
 //! typed.
 
 use crate::parts;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, FromArgMatches, Id};
-use lodc_assets::{CommandOptions, LIMIT_OPTION, OptionValues, Vocabulary};
+use lodc_assets::{CommandOptions, LIMIT_OPTION, OptionValues, ValueCheck, Vocabulary};
 use std::cell::OnceCell;
 use std::ffi::OsString;
+use std::rc::Rc;
 
 /// Options that hold for a whole run: no asset can have them of its own.
 const RUN_OPTIONS: &[&str] = &[
@@ -55,6 +57,7 @@ impl Program {
                 commands: root.get_subcommands().map(options_of).collect(),
                 run_options: RUN_OPTIONS,
                 check_part: |text| parts::part(text).map(drop),
+                check_value: value_check(self.root),
             }
         })
     }
@@ -110,6 +113,23 @@ impl Program {
         let read = A::from_arg_matches(matches).map_err(|e| first_line(&e))?;
         Ok((read, options_text(matches, command(&root, name))))
     }
+}
+
+/// Parses a value of an option as if it had been typed.
+fn value_check(root: fn() -> Command) -> ValueCheck {
+    ValueCheck(Rc::new(move |command, option, value| {
+        let typed = ["lodc", command, &format!("--{option}={value}")];
+        let Err(error) = root().try_get_matches_from(typed) else { return Ok(()) };
+        let source = std::error::Error::source(&error).map(ToString::to_string);
+        match (error.kind(), error.get(ContextKind::ValidValue), source) {
+            (ErrorKind::InvalidValue, Some(ContextValue::Strings(known)), _) => {
+                Err(format!("must be one of {}, not {value:?}", known.join(", ")))
+            }
+            (ErrorKind::ValueValidation, _, Some(why)) => Err(format!("{value:?}: {why}")),
+            // The command lacks other arguments, which is no matter here.
+            _ => Ok(()),
+        }
+    }))
 }
 
 fn command<'a>(root: &'a Command, name: &str) -> &'a Command {

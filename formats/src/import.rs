@@ -7,10 +7,12 @@ use crate::lodc::{self, LodFile};
 pub use crate::options::ImportOptions;
 use crate::provenance::Provenance;
 pub use crate::scene::Counted;
+use crate::shipped::NOT_SHIPPED;
 use crate::{
-    Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, gltf, obj, ply, stl,
+    Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, faces, gltf, obj, ply, stl,
 };
 pub use count::count;
+use lodc_mesh::MeshParts;
 use std::path::Path;
 
 /// A mesh file or a file of levels of detail.
@@ -51,6 +53,34 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Scene, FormatError
     read(bytes, path, &mut assets, options)
 }
 
+/// As [`import`], of bytes that have been read already. Files that they name are not there:
+/// nothing says where they would be.
+///
+/// # Errors
+/// As [`import`]; the error names no file.
+pub fn import_bytes(bytes: Vec<u8>, options: &ImportOptions) -> Result<Scene, FormatError> {
+    if bytes.len() as u64 > options.limits.file_bytes {
+        let problem = format!("more than {} bytes", options.limits.file_bytes);
+        return Err(FormatError::new(Fault::Limit, "", problem));
+    }
+    let path = Path::new("-");
+    let mut assets = Assets::new(path, &[], options.limits);
+    let name = assets.main_name();
+    read(bytes, path, &mut assets, options).map_err(|e| match e.file == name {
+        true => FormatError { file: String::new(), ..e },
+        false => e,
+    })
+}
+
+/// Makes a scene of one object without a file: the same repairs as of files.
+///
+/// # Errors
+/// If an index is out of range, a position is not finite, a stream has too few bytes, or the mesh
+/// is larger than the limits.
+pub fn import_parts(parts: MeshParts, options: &ImportOptions) -> Result<Scene, FormatError> {
+    faces::scene_of_parts(parts, options)
+}
+
 /// Reads what `extract` or `chain` wrote: OBJ, PLY, glTF or GLB with the levels that it states.
 ///
 /// # Errors
@@ -87,10 +117,7 @@ fn read_levels(
     }
     let stated = stated_in_text(&bytes);
     let levels = vec![read(bytes, path, assets, options)?];
-    let states_none = || {
-        let problem = "not written by `lodc extract` or `lodc chain`: nothing to verify";
-        FormatError::new(Fault::Malformed, "line 1", problem).in_file(&name)
-    };
+    let states_none = || FormatError::new(Fault::Malformed, "line 1", NOT_SHIPPED).in_file(&name);
     Ok(ShippedLevels {
         stated: stated.ok_or_else(states_none)?,
         levels,

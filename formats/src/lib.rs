@@ -77,7 +77,11 @@ pub mod lodc;
 pub mod lods;
 #[cfg(any(feature = "import", feature = "export"))]
 mod loose;
-#[cfg(any(feature = "import", feature = "export"))]
+#[cfg(feature = "gltf")]
+mod material;
+#[cfg(feature = "gltf")]
+mod materials;
+#[cfg(feature = "gltf")]
 #[cfg_attr(
     not(all(feature = "import", feature = "export", feature = "stream")),
     allow(
@@ -117,6 +121,10 @@ pub use error::{Fault, FormatError};
 #[cfg(feature = "gltf")]
 pub use gltf::{PartNames, animation, animation_names, scene_graph, scene_motion};
 pub use limits::Limits;
+#[cfg(feature = "gltf")]
+pub use material::{Material, MaterialTexture, Materials};
+#[cfg(feature = "gltf")]
+pub use materials::materials;
 pub use requested_files::RequestedFiles;
 pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,

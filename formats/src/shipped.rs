@@ -4,6 +4,10 @@
 use crate::Scene;
 use crate::provenance::Provenance;
 
+/// What is wrong with a file that states no level.
+pub(crate) const NOT_SHIPPED: &str = "not written by `lodc extract` or `lodc chain`: nothing to \
+    verify; `lodc build` makes a file of a mesh first";
+
 /// A file of one level or of several, as `extract` and `chain` write them.
 #[derive(Clone, Debug)]
 pub struct ShippedLevels {

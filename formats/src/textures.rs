@@ -5,6 +5,23 @@ use crate::obj::mtl;
 use crate::{Assets, Document, FormatError, gltf};
 
 impl Textures {
+    /// The paths of the image files that a document names, as it has them, each once.
+    ///
+    /// # Errors
+    /// If the stored document is damaged.
+    pub fn names(document: &Document) -> Result<Vec<String>, FormatError> {
+        let mut names = match document {
+            Document::Obj(document) => {
+                let lines = document.materials.iter().flat_map(|m| &m.lines);
+                lines.filter_map(|line| mtl::file(line)).map(|n| n.replace('\\', "/")).collect()
+            }
+            Document::Gltf(document) => gltf::image_names(document)?,
+        };
+        let mut seen = std::collections::BTreeSet::new();
+        names.retain(|name| seen.insert(name.clone()));
+        Ok(names)
+    }
+
     /// Reads the image files that a document names from where `assets` has its main file. What
     /// cannot be read is a warning.
     ///

@@ -268,12 +268,11 @@ fn a_folder_is_verified_against_the_meshes_of_another() {
 #[test]
 fn a_configuration_gives_defaults_that_flags_beat() {
     let f = models();
-    f.file(
-        "in/lodc.toml",
-        "[defaults]\nmodels = [\"interactive\"]\n[profile.fast]\neffort = \"fast\"\n\
-         [[override]]\nfiles = [\"props/**\"]\nlock-border = true\n\
-         [override.build]\nmetric = \"kl\"\n",
-    );
+    let configuration = "[defaults]\nmodels = [\"interactive\"]\n\
+        [profile.fast]\neffort = \"fast\"\n\
+        [[override]]\nfiles = [\"props/**\"]\nlock-border = true\n\
+        [override.build]\nmetric = \"kl\"\n";
+    f.file("in/lodc.toml", configuration);
     f.lodc(["build", "in", "-o", "out", "-q"]).ends(0);
     let single = |args: &[&str]| {
         f.lodc(["build", "-o", "x.lodc", "-q", "--config", "none.toml"].iter().chain(args)).ends(0);
@@ -285,6 +284,14 @@ fn a_configuration_gives_defaults_that_flags_beat() {
     assert_eq!(f.read("out/props/b.obj.lodc"), single(&b));
     f.lodc(["build", "in", "-o", "flag", "--metric", "quadric", "-q"]).ends(0);
     assert_eq!(f.read("flag/props/b.obj.lodc"), single(&b[..4]));
+
+    // What one command takes is no mistake for the others, and parts have switches of their own.
+    f.file(
+        "in/lodc.toml",
+        "[defaults]\nmodels = \"none\"\n[[override]]\nmaterials = [\"*\"]\nlock = true\n",
+    );
+    f.lodc(["build", "in", "-o", "none", "-q"]).ends(0);
+    f.file("in/lodc.toml", configuration);
 
     let shown = f.lodc(["config", "--show", "in/props/b.obj"]).ends(0);
     let shown = String::from_utf8_lossy(&shown.out);
@@ -298,7 +305,19 @@ fn a_configuration_gives_defaults_that_flags_beat() {
         ("[defaults]\nmetrik = \"kl\"", "did you mean `metric`?"),
         (
             "[defaults]\nlock-border = \"yes\"",
-            "[defaults]: lock-border: must be true or false, not \"yes\"",
+            "line 2: [defaults]: lock-border: must be true or false, not \"yes\"",
+        ),
+        (
+            "[defaults]\n\nmetric = \"nothing\"",
+            "line 3: [defaults]: metric: must be one of quadric, viewpoint, kl, hybrid, not \
+             \"nothing\"",
+        ),
+        ("[defaults]\nweight = [\"uv=1\", \"uv=x\"]", "line 2: [defaults]: weight: \"uv=x\": "),
+        ("[defaults]\nmetric = true", "line 2: [defaults]: metric: needs a value"),
+        (
+            "[[override]]\nfiles = [\"*\"]\n[[override]]\nfiles = [\"*\"]\n\
+             [override.build]\nmetric = 3",
+            "line 6: [[override]] 2, build: metric: must be one of",
         ),
         ("[default]\n", "line 1"),
         ("[defaults]\nallow-path = \"/\"", "only the command line"),
@@ -308,6 +327,7 @@ fn a_configuration_gives_defaults_that_flags_beat() {
         f.file("in/lodc.toml", wrong);
         let run = f.lodc(["build", "in", "-o", "out"]).fails(2);
         assert!(run.err.contains(part) && run.err.contains("in/lodc.toml"), "{}", run.err);
+        assert_eq!(run.err.lines().count(), 1, "once for all assets: {}", run.err);
     }
 }
 

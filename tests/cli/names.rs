@@ -173,3 +173,59 @@ fn a_texture_of_a_library_may_be_percent_encoded() {
     let view = root["images"][0]["bufferView"].as_u64().expect("a view") as usize;
     assert_eq!(root["bufferViews"][view]["byteLength"], PNG.len() + 6);
 }
+
+#[test]
+fn a_build_says_which_images_are_to_be_copied() {
+    let f = Folder::new();
+    let mut root: Value = serde_json::from_str(&scene(&[1.0], 4)).expect("a glTF");
+    let images = ["images/a.png", "images/b%20c.png", "images/a.png"];
+    root["images"] = json!(images.map(|uri| json!({ "uri": uri })));
+    f.file("models/a.gltf", root.to_string());
+    f.file("models/images/a.png", PNG);
+    f.file("models/images/b c.png", PNG);
+    f.file("public/index.html", "");
+    let build = |args: &[&str]| f.lodc(["build"].iter().chain(args)).ends(0).err;
+    let said = build(&["models/a.gltf", "-o", "public/a.lodc"]);
+    assert!(said.contains("copy 2 images beside it: images/a.png and 1 more"), "{said}");
+    assert!(!build(&["models/a.gltf"]).contains("image"), "they are beside it");
+    let said = build(&["models", "-o", "levels"]);
+    assert!(said.contains("; copy 2 images beside it\n"), "{said}");
+    f.file("public/images/a.png", PNG);
+    let said = build(&["models/a.gltf", "-o", "public/a.lodc"]);
+    assert!(said.contains("copy 1 image beside it: images/b c.png\n"), "{said}");
+}
+
+#[test]
+fn a_mesh_where_a_file_is_wanted_is_told_what_to_do() {
+    let f = Folder::new();
+    f.file("club.obj", grid(4));
+    f.lodc(["extract", "club.obj", "--ratio", "1", "-o", "club.glb", "-q"]).ends(0);
+    f.lodc(["build", "club.obj", "-o", "there.lodc", "-q"]).ends(0);
+    for args in [&["info"][..], &["pack", "-o", "x.lods"]] {
+        for name in ["club.obj", "club.glb"] {
+            let run = f.lodc(args.iter().chain(&[name])).fails(3);
+            let wanted =
+                format!("lodc: {name}: a mesh, not a .lodc file; run `lodc build {name}` first");
+            assert!(run.err.contains(&wanted), "{args:?}: {}", run.err);
+        }
+    }
+    let run = f.lodc(["verify", "club.obj"]).fails(3);
+    assert!(run.err.contains("`lodc build` makes a file of a mesh first"), "{}", run.err);
+}
+
+#[test]
+fn a_folder_of_results_has_no_name_of_a_file() {
+    let f = Folder::new();
+    f.file("models/a.obj", grid(4));
+    for (command, out) in [("build", "x.lodc"), ("extract", "x.glb"), ("chain", "x.gltf")] {
+        let level: &[&str] = if command == "extract" { &["--ratio", "1"] } else { &[] };
+        let args = [command, "models", "-o", out];
+        let run = f.lodc(args.iter().chain(level)).fails(2);
+        assert!(run.err.contains("a file's name, and there are several results"), "{}", run.err);
+        assert!(!f.has(out));
+        let folder = format!("{out}/");
+        let args = [command, "models", "-o", &folder, "-q"];
+        f.lodc(args.iter().chain(level)).ends(0);
+        f.lodc(args.map(|a| a.trim_end_matches('/')).iter().chain(level)).ends(0);
+    }
+}

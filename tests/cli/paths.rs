@@ -166,7 +166,7 @@ fn no_material_library_leads_out_of_the_folder_and_a_missing_one_stops_nothing()
 fn devices_pipes_and_folders_are_no_meshes() {
     let f = trap();
     for input in ["asset/pipe", "/dev/zero", "asset", "missing.obj"] {
-        let run = f.lodc(["build", input, "-o", "x.lodc"]);
+        let run = f.lodc(["build", input, "-o", "x"]);
         assert_eq!(run.status, Some(3), "{input}: {}", run.err);
         assert_eq!(run.err.lines().count(), 1, "{input}: {}", run.err);
     }

@@ -312,3 +312,34 @@ fn a_file_that_glides_to_another_one_is_shown_and_a_level_alone_is_a_mesh() {
     let page = browser.attributes(&f.join("v.html"), "lod=0.5");
     assert_eq!((&*page["data-level"], &*page["data-weight"]), ("0", "0.500"), "{page:?}");
 }
+
+#[cfg(all(unix, not(target_os = "macos")))]
+#[test]
+fn a_page_is_opened_if_that_is_asked_for() {
+    use std::os::unix::fs::PermissionsExt;
+    let f = Folder::new();
+    f.file("grid.obj", grid(4));
+    let opener =
+        f.file("bin/xdg-open", "#!/bin/sh\necho \"$1\" > opened.part && mv opened.part opened\n");
+    std::fs::set_permissions(&opener, PermissionsExt::from_mode(0o755)).expect("it can be run");
+    let view = |folders: String| {
+        let mut command = std::process::Command::new(crate::support::LODC);
+        command.args(["view", "grid.obj", "-o", "page.html", "--open"]).env("PATH", folders);
+        crate::support::Run::of(command.current_dir(f.path())).ends(0)
+    };
+    let path = std::env::var("PATH").unwrap_or_default();
+    let run = view(format!("{}:{path}", f.join("bin").display()));
+    assert!(run.err.ends_with("; opened in the browser\n"), "{}", run.err);
+    let begun = std::time::Instant::now();
+    while !f.has("opened") && begun.elapsed().as_secs() < 60 {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    let opened = String::from_utf8(f.read("opened")).expect("a path");
+    assert_eq!(
+        opened.trim(),
+        f.join("page.html").canonicalize().expect("it is there").display().to_string()
+    );
+    let run = view(f.join("none").display().to_string());
+    assert!(run.err.contains("no browser was opened (xdg-open: "), "{}", run.err);
+    f.lodc(["view", "grid.obj", "-o", "-", "--open"]).fails(2);
+}

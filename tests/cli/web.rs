@@ -14,7 +14,7 @@ fn the_package_gives_the_levels_of_the_program() {
 #[test]
 fn the_package_is_bundled_and_shows_models_and_streams_in_a_browser() {
     let Some(folder) = outside("LODC_WEB") else { return };
-    node("browser.mjs", &folder, 17);
+    node("browser.mjs", &folder, 22);
 }
 
 #[test]

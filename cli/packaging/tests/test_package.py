@@ -121,6 +121,28 @@ class Levels(Fresh):
         with self.assertRaisesRegex(ValueError, "3 objects|2 objects"):
             level["POSITION"]
 
+    def test_facts_are_those_of_levels(self):
+        two_objects("two.gltf")
+        for source in ["two.gltf", "part.glb"]:
+            file = lodc.build(source)
+            for share, triangles, error in file.facts():
+                level = file.level(ratio=share)
+                self.assertEqual((triangles, error), (level.triangle_count, level.error), source)
+
+    def test_submeshes_name_their_materials(self):
+        root = json.loads((FIXTURES / "cube.gltf").read_text())
+        root["materials"] = [{"name": "oak"}, {}]
+        root["meshes"][0]["primitives"][0]["material"] = 0
+        primitive = root["meshes"][0]["primitives"][0]
+        root["meshes"][0]["primitives"] += [{**primitive, "material": 1}]
+        without = {key: value for key, value in primitive.items() if key != "material"}
+        root["meshes"][0]["primitives"] += [without]
+        pathlib.Path("cube.bin").write_bytes((FIXTURES / "cube.bin").read_bytes())
+        pathlib.Path("cube.gltf").write_text(json.dumps(root))
+        [cube] = lodc.build("cube.gltf").objects
+        self.assertEqual([s.material for s in cube.submeshes], ["oak", "", None])
+        self.assertEqual([s.material for s in cube.at(0).submeshes], ["oak", "", None])
+
     def test_a_skin_places_its_vertices(self):
         file = lodc.build(FIXTURES / "skinned_tube_u8.glb")
         placed = file.level(ratio=1).to_trimesh()
@@ -153,29 +175,38 @@ class Levels(Fresh):
 class Errors(Fresh):
     def test_what_is_wrong_is_said_in_words(self):
         file = lodc.build("part.glb")
-        wrong = [
+        mistaken = [
             (lambda: file.level(), "exactly one of lod, ratio"),
             (lambda: file.level(ratio=0.5, lod=3), "given: lod and ratio"),
-            (lambda: file.level(ratio=1.5), "from 0 to 1"),
             (lambda: file.level(ratio=True), "neither a number"),
             (lambda: file.level(triangles=[1]), "neither a number"),
+            (lambda: lodc.open(3), "neither the path"),
+            (lambda: lodc.build(3), "not the path"),
+            (lambda: lodc.build("part.glb", colour=[{1}]), "colour"),
+            (lambda: lodc.build("part.glb", no_such_option=1), "'no_such_option': no such option$"),
+            (
+                lambda: lodc.build("part.glb", lock_bordr=True),
+                "'lock_bordr': no such option; did you mean 'lock_border'",
+            ),
+        ]
+        wrong = [
+            (lambda: file.level(ratio=1.5), "from 0 to 1"),
             (lambda: file.level(triangles=2.5), "whole number"),
             (lambda: file.level(error="near"), "neither a number"),
             (lambda: file.level(error=-1), "not a distance"),
             (lambda: file.level(error=float("nan")), "not a distance"),
             (lambda: file.level(lod="10%"), "whole number"),
-            (lambda: lodc.open(3), "neither the path"),
             (lambda: lodc.open(b"junk" * 20), "not a .lodc file"),
             (lambda: lodc.stream(b"junk" * 20), "not a .lods stream"),
-            (lambda: lodc.build(3), "not the path"),
-            (lambda: lodc.build("part.glb", metric="best"), "best"),
-            (lambda: lodc.build("part.glb", colour=[{1}]), "colour"),
-            (lambda: lodc.build("part.glb", no_such_option=1), "no-such-option"),
+            (lambda: lodc.build("part.glb", metric="best"), "'best' .*possible values: quadric"),
             (lambda: lodc.build(FIXTURES / "x_nan.obj"), "line 4"),
         ]
-        for call, words in wrong:
-            with self.assertRaisesRegex(ValueError, words):
-                call()
+        for kind, calls in [(TypeError, mistaken), (ValueError, wrong)]:
+            for call, words in calls:
+                with self.assertRaisesRegex(kind, words) as raised:
+                    call()
+                self.assertNotIn("Usage", str(raised.exception))
+                self.assertEqual(len(str(raised.exception).splitlines()), 1)
         with self.assertRaises(FileNotFoundError):
             lodc.build("missing.glb")
         with self.assertRaisesRegex(KeyError, "POSITION"):
@@ -183,6 +214,18 @@ class Errors(Fresh):
         with self.assertRaisesRegex(lodc.ProgramError, "more than 10 triangles") as limit:
             lodc.build("part.glb", limit="triangles=10")
         self.assertEqual(limit.exception.status, 5)
+
+    def test_warnings_are_warned_of(self):
+        pathlib.Path("odd.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl none\nf 1 2 3\n")
+        with self.assertWarnsRegex(lodc.LodcWarning, "^odd.obj: .*none"):
+            file = lodc.build("odd.obj")
+        self.assertEqual(len(file.warnings), 1)
+
+    def test_a_file_is_shown_in_one_line(self):
+        self.assertEqual(repr(lodc.build("part.glb")), "<lodc file: 'mesh0', 480 triangles>")
+        two_objects("two.gltf")
+        said = repr(lodc.build("two.gltf"))
+        self.assertRegex(said, r"^<lodc file: \d objects, \d+ triangles>$")
 
     def test_a_notebook_shows_tables(self):
         file = lodc.build("part.glb")

@@ -1,9 +1,10 @@
 //! Reads a `.lodc` file and prints its warnings: shared by the commands that take one.
 
+use crate::batch::MESH_EXTENSIONS;
 use crate::console;
 use crate::exit::Outcome;
 use lodc::{LodFile, read};
-use lodc_formats::{Assets, Limits};
+use lodc_formats::{Assets, FormatError, Limits};
 use std::path::Path;
 
 /// Reads a container from a file, or from standard input if that is `-`. Warns of parts that this
@@ -24,12 +25,27 @@ pub(crate) fn read_lodc(path: &Path, limits: Limits) -> Outcome<(LodFile, Vec<u8
 /// # Errors
 /// If it is damaged.
 pub(crate) fn parse_lodc(bytes: &[u8], name: &str) -> Outcome<LodFile> {
-    let file = read(bytes).map_err(|mut e| {
+    let file = read(bytes).map_err(|e| {
         if e.problem.starts_with("not a ") {
-            e.problem += "; `lodc build` makes one of a mesh";
+            return not_lodc(e, name);
         }
         e.in_file(name)
     })?;
     console::warnings(name, &file.left_out);
     Ok(file)
+}
+
+/// Says what to do with a file that is none of lodc's: of a mesh, make one.
+fn not_lodc(mut error: FormatError, name: &str) -> FormatError {
+    if MESH_EXTENSIONS.iter().any(|extension| has_extension(Path::new(name), extension)) {
+        error.location.clear();
+        error.problem = format!("a mesh, not a .lodc file; run `lodc build {name}` first");
+    } else {
+        error.problem += "; `lodc build` makes one of a mesh";
+    }
+    error.in_file(name)
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(wanted))
 }

@@ -5,7 +5,9 @@ use crate::folder::{PathFilter, files_below, with_slashes};
 use crate::list;
 use crate::options::OptionValues;
 use crate::shard::Shard;
-use crate::target::{Target, is_folder, is_standard_stream, named_target, refuse_clashes};
+use crate::target::{
+    Target, is_folder, is_standard_stream, named_target, refuse_clashes, refuse_file_name,
+};
 use std::path::{Path, PathBuf};
 
 /// One asset of a run.
@@ -172,7 +174,7 @@ fn check_output_folder(out: &Path) -> Result<(), AssetError> {
         let what = "several inputs need a folder, this is a file";
         return Err(AssetError::Usage(format!("{}: {what}", out.display())));
     }
-    Ok(())
+    refuse_file_name(out)
 }
 
 /// Where a line's result is written: its `output`, else the input's name with the extension of

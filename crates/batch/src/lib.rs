@@ -42,7 +42,7 @@ pub use config::{ConfigLayer, Configs};
 pub use depfile::DependencyRule;
 pub use error::AssetError;
 pub use folder::{LEVEL_EXTENSIONS, MESH_EXTENSIONS, expand_folders};
-pub use options::{CommandOptions, LIMIT_OPTION, OptionValues, Vocabulary};
+pub use options::{CommandOptions, LIMIT_OPTION, OptionValues, ValueCheck, Vocabulary};
 pub use pairs::{Pair, pairs};
 pub use parts::{Part, Parts, name_list};
 pub use queue::{Budget, expected_bytes, run_queue};

@@ -1,6 +1,7 @@
 //! Options of commands by their long names, as lists and configurations give them to assets.
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// The option whose values are `KEY=VALUE`: of the values of each key the last one counts.
 pub const LIMIT_OPTION: &str = "limit";
@@ -97,6 +98,21 @@ pub struct Vocabulary {
     pub run_options: &'static [&'static str],
     /// Checks the options of a part, a JSON object as text; an error says what is wrong with them.
     pub check_part: fn(&str) -> Result<(), String>,
+    /// Checks a value of an option that takes one.
+    pub check_value: ValueCheck,
+}
+
+/// Takes a command, one of its options and a value; an error says what the value must be.
+type CheckValue = dyn Fn(&str, &str, &str) -> Result<(), String>;
+
+/// Checks values of options.
+#[derive(Clone)]
+pub struct ValueCheck(pub Rc<CheckValue>);
+
+impl std::fmt::Debug for ValueCheck {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ValueCheck").finish_non_exhaustive()
+    }
 }
 
 impl Vocabulary {

@@ -112,6 +112,28 @@ pub fn is_folder(out: &Path) -> bool {
     out.is_dir() || out.as_os_str().to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
 }
 
+/// Extensions of files that lodc reads or writes: a folder that is made has none of them.
+const FILE_EXTENSIONS: [&str; 9] =
+    ["lodc", "lods", "obj", "gltf", "glb", "vrm", "ply", "stl", "html"];
+
+/// Refuses a folder for several results that has a file's name and is not there: `-o levels.lodc`
+/// is meant to be a file.
+///
+/// # Errors
+/// If it is so.
+pub(crate) fn refuse_file_name(folder: &Path) -> Result<(), AssetError> {
+    let extension = folder.extension().and_then(|e| e.to_str());
+    let is_file_name = extension
+        .is_some_and(|e| FILE_EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)));
+    if !is_file_name || is_folder(folder) {
+        return Ok(());
+    }
+    let folder = folder.display();
+    Err(AssetError::Usage(format!(
+        "{folder}: a file's name, and there are several results: name a folder, or {folder}/"
+    )))
+}
+
 /// The file name of an input's result.
 fn result_name(input: &Path, extension: &str) -> PathBuf {
     let stem = if is_standard_stream(input) {
@@ -180,6 +202,15 @@ mod tests {
     fn a_stem_keeps_its_dots() {
         assert_eq!(result_name(Path::new("a/part.v2.obj"), "lodc"), Path::new("part.v2.lodc"));
         assert_eq!(result_name(Path::new("-"), "lodc"), Path::new("stdin.lodc"));
+    }
+
+    #[test]
+    fn a_folder_has_no_name_of_a_file() {
+        for (name, refused) in
+            [("x.lodc", true), ("a/x.GLB", true), ("x.lodc/", false), ("v1.2", false)]
+        {
+            assert_eq!(refuse_file_name(Path::new(name)).is_err(), refused, "{name}");
+        }
     }
 
     #[test]

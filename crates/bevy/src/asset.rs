@@ -113,6 +113,7 @@ impl AssetLoader for LodcLoader {
             add_level(&file, number, *wish, &mut objects, context)?;
         }
         let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
+        name_materials(&mut objects, &file.document, &infos)?;
         Ok(Lodc { objects, placements: placements(&file.document, &infos)? })
     }
 
@@ -127,11 +128,28 @@ pub(crate) fn object_without_levels(info: &ObjectInfo, mesh: &lodc::mesh::Mesh) 
     let [low, high] = [low, high].map(Vec3::from_array);
     LodcObject {
         name: info.name.clone(),
-        materials: info.submeshes.iter().map(|s| s.material.clone()).collect(),
+        materials: vec![None; info.submeshes.len()],
         levels: Vec::new(),
         centre: low.midpoint(high),
         radius: low.distance(high) / 2.0,
     }
+}
+
+/// Names the materials of objects.
+///
+/// # Errors
+/// If the document is damaged.
+pub(crate) fn name_materials(
+    objects: &mut [LodcObject],
+    document: &Document,
+    infos: &[&ObjectInfo],
+) -> Result<(), BevyError> {
+    let materials = lodc::formats::materials(document, infos, &Limits::DEFAULT)?;
+    for (object, numbers) in objects.iter_mut().zip(&materials.of_submesh) {
+        let name = |number: &Option<usize>| number.map(|n| materials.list[n].name.clone());
+        object.materials = numbers.iter().map(name).collect();
+    }
+    Ok(())
 }
 
 /// Adds a level of each object, with meshes as assets labelled by the level's `number`.

@@ -1,6 +1,8 @@
 //! A GLB of `lodc chain`, which has several levels of a scene, as a [`Lodc`] asset.
 
-use crate::asset::{Lodc, LodcLevel, LodcObject, object_without_levels, placements};
+use crate::asset::{
+    Lodc, LodcLevel, LodcObject, name_materials, object_without_levels, placements,
+};
 use crate::mesh::submesh_mesh;
 use bevy_asset::io::Reader;
 use bevy_asset::{AssetLoader, Handle, LoadContext};
@@ -36,6 +38,7 @@ impl AssetLoader for ChainLoader {
         let mut objects: Vec<LodcObject> =
             finest.objects.iter().map(|o| object_without_levels(&o.info, &o.mesh)).collect();
         let infos: Vec<&ObjectInfo> = finest.objects.iter().map(|o| &o.info).collect();
+        name_materials(&mut objects, &finest.document, &infos)?;
         let motion = scene_motion(&finest.document, &infos, &Limits::DEFAULT)?;
         let unevenness =
             |at: usize| motion.measured_placements(&finest.objects[at].mesh, at).unevenness;

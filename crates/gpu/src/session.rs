@@ -2,7 +2,7 @@
 
 use crate::{Device, GpuError};
 use lodc_plan::{BufferId, Contents, DrawInput, Kernel, KernelId, Pass, Program, WORKGROUP};
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 /// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts
 /// as an offset.
@@ -30,7 +30,7 @@ pub struct Session {
     lengths: Vec<usize>,
     kernels: Vec<Kernel>,
     /// Made when they are first used.
-    pipelines: Vec<OnceCell<wgpu::ComputePipeline>>,
+    pipelines: Vec<OnceLock<wgpu::ComputePipeline>>,
     /// What is read back is copied here first.
     staging: wgpu::Buffer,
 }
@@ -61,7 +61,7 @@ impl Session {
             lengths: program.buffers.iter().map(|b| b.contents.len()).collect(),
             buffers,
             kernels: program.kernels.clone(),
-            pipelines: program.kernels.iter().map(|_| OnceCell::new()).collect(),
+            pipelines: program.kernels.iter().map(|_| OnceLock::new()).collect(),
             staging,
         })
     }

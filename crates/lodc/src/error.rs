@@ -34,7 +34,18 @@ impl fmt::Display for Error {
     }
 }
 
-impl std::error::Error for Error {}
+impl std::error::Error for Error {
+    /// The error of the package below, whose text this one has: for its type and fields.
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Format(error) => Some(error),
+            Self::Select(error) => Some(error),
+            #[cfg(feature = "gpu")]
+            Self::Device(error) => Some(error),
+            Self::Request(_) | Self::Bug(_) => None,
+        }
+    }
+}
 
 impl From<FormatError> for Error {
     fn from(error: FormatError) -> Self {
@@ -52,5 +63,20 @@ impl From<SelectError> for Error {
 impl From<lodc_gpu::GpuError> for Error {
     fn from(error: lodc_gpu::GpuError) -> Self {
         Self::Device(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_formats::Fault;
+    use std::error::Error as _;
+
+    #[test]
+    fn errors_have_their_source() {
+        let error = crate::open("no such file").expect_err("it is not there");
+        let source = error.source().and_then(|source| source.downcast_ref::<FormatError>());
+        assert_eq!(source.map(|source| source.fault), Some(Fault::Unreadable));
+        assert_eq!(Error::Request(String::new()).source().map(ToString::to_string), None);
     }
 }

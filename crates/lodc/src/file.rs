@@ -1,11 +1,12 @@
 //! A file with every level of its objects, and levels taken out of it.
 
 use crate::level_mesh::{self, LevelMesh, MeshOptions, Order};
-use crate::{Error, LodFile, LodObject, scene_levels};
-use lodc_formats::{Fault, FormatError, Limits};
+use crate::{Error, LodFile, LodObject, Source, scene_levels};
+use lodc_formats::{Limits, Material, Materials, ObjectInfo};
 use lodc_mesh::{Attribute, Lod, Mesh};
 use lodc_select::Target;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// A file with every level of its objects, and the path that images are looked for beside.
 #[derive(Debug)]
@@ -13,25 +14,37 @@ pub struct File {
     content: LodFile,
     path: PathBuf,
     warnings: Vec<String>,
+    materials: OnceLock<Materials>,
 }
 
-/// Opens a `.lodc` file.
+/// Opens a `.lodc` file, given by its path, its bytes or a reader ([`Source`]).
+///
+/// ```
+/// let file = lodc::open("../../fixtures/golden/v1/two_parts.lodc")?;
+/// for object in file.objects() {
+///     println!("{}: {} triangles", object.info.name, object.simplified.mesh().triangles().len());
+/// }
+/// # Ok::<(), lodc::Error>(())
+/// ```
 ///
 /// # Errors
 /// If it cannot be read, is damaged, or needs a newer program.
-pub fn open(path: impl AsRef<Path>) -> Result<File, Error> {
-    let path = path.as_ref();
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|e| FormatError::new(Fault::Unreadable, "", e.to_string()).in_file(&name))?;
+pub fn open<'a>(source: impl Into<Source<'a>>) -> Result<File, Error> {
+    let source = source.into();
+    let path = source.path();
+    let name = match source {
+        Source::Path(_) => path.display().to_string(),
+        _ => String::new(),
+    };
+    let bytes = source.bytes()?;
     let content = crate::read(&bytes).map_err(|e| e.in_file(&name))?;
-    Ok(File::new(content, path, Vec::new()))
+    Ok(File::new(content, &path, Vec::new()))
 }
 
 impl File {
     pub(crate) fn new(mut content: LodFile, path: &Path, mut warnings: Vec<String>) -> Self {
         warnings.append(&mut content.left_out);
-        Self { content, path: path.to_owned(), warnings }
+        Self { content, path: path.to_owned(), warnings, materials: OnceLock::new() }
     }
 
     /// Its objects: meshes in collapse order, sequences and models.
@@ -40,7 +53,32 @@ impl File {
         &self.content.objects
     }
 
-    /// The path that it came from; images are looked for beside it.
+    /// Its materials, of any format: names, base colours, and the images that they show.
+    ///
+    /// ```
+    /// # #[cfg(feature = "build")] {
+    /// let file = lodc::build("../../fixtures/machine_part.glb").run()?;
+    /// let materials = file.materials()?;
+    /// for (object, numbers) in file.objects().iter().zip(&materials.of_submesh) {
+    ///     let names = numbers.iter().flatten().map(|&number| &*materials.list[number].name);
+    ///     println!("{}: {:?}", object.info.name, names.collect::<Vec<_>>());
+    /// }
+    /// # }
+    /// # Ok::<(), lodc::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If the stored document is damaged.
+    pub fn materials(&self) -> Result<&Materials, Error> {
+        if let Some(known) = self.materials.get() {
+            return Ok(known);
+        }
+        let infos: Vec<&ObjectInfo> = self.objects().iter().map(|o| &o.info).collect();
+        let read = lodc_formats::materials(&self.content.document, &infos, &Limits::DEFAULT)?;
+        Ok(self.materials.get_or_init(|| read))
+    }
+
+    /// The path that it came from, beside which images are looked for; `-` if it is none.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -66,10 +104,22 @@ impl File {
 
     /// Takes out one level of the whole scene; several objects share its triangles or error.
     ///
+    /// ```
+    /// use lodc::Select;
+    ///
+    /// let file = lodc::open("../../fixtures/golden/v1/two_parts.lodc")?;
+    /// let half = file.level(Select::Ratio(0.5))?;
+    /// assert!(2 * half.triangles() <= file.triangles());
+    /// let close = file.level(Select::Error(0.01))?;
+    /// assert!(close.error() <= 0.01);
+    /// # Ok::<(), lodc::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If a record number is asked of several objects, or a root mean square distance where none
     /// was measured.
     pub fn level(&self, select: Target) -> Result<Level<'_>, Error> {
+        self.materials()?;
         let scene = scene_levels(self.objects(), &self.content.document, &Limits::DEFAULT)?;
         let chosen = scene.select(select, false)?;
         let shape = MeshOptions { model: None, order: Order::Cache };
@@ -128,7 +178,13 @@ impl<'a> Level<'a> {
     /// Its objects, in the order of the file. One that is left without triangles is there too.
     pub fn objects(&self) -> impl ExactSizeIterator<Item = LevelObject<'_>> {
         let objects = self.file.objects().iter().zip(&self.meshes).zip(&self.lods);
-        objects.map(|((object, level), &lod)| LevelObject { object, level, lod })
+        objects.enumerate().map(|(number, ((object, level), &lod))| LevelObject {
+            file: self.file,
+            number,
+            object,
+            level,
+            lod,
+        })
     }
 
     /// One line for each request that could not be met in full.
@@ -198,6 +254,8 @@ impl<'a> Level<'a> {
 /// One object at one level of detail.
 #[derive(Clone, Copy, Debug)]
 pub struct LevelObject<'a> {
+    file: &'a File,
+    number: usize,
     object: &'a LodObject,
     level: &'a LevelMesh,
     lod: Lod,
@@ -247,8 +305,12 @@ impl<'a> LevelObject<'a> {
         self.mesh().attributes()
     }
 
-    /// The material of each submesh by name, if the input names one.
-    pub fn materials(&self) -> impl ExactSizeIterator<Item = Option<&'a str>> + use<'a> {
-        self.object.info.submeshes.iter().map(|s| s.material.as_deref())
+    /// The material of each submesh, if the input has one for it.
+    ///
+    /// # Panics
+    /// Never: the file has read them with the level.
+    pub fn materials(&self) -> impl ExactSizeIterator<Item = Option<&'a Material>> + use<'a> {
+        let all = self.file.materials.get().expect("they are read with the level");
+        all.of_submesh[self.number].iter().map(|number| number.map(|i| &all.list[i]))
     }
 }

@@ -19,7 +19,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Files without models will do: a device needs the collapse sequence alone.
+//! Files without models will do: a device needs the collapse sequence alone. [`Levels`] and
+//! [`ViewLevels`] own what they need: they can be components of an engine and cross threads.
 
 use crate::{Error, LodObject};
 use lodc_lod::interactive::{Resident, ResidentView};
@@ -118,17 +119,17 @@ impl Levels {
 }
 
 /// An object on a device, each part of whose surface has a level of its own, by view.
-pub struct ViewLevels<'a> {
-    resident: Arc<ResidentView<'a>>,
+pub struct ViewLevels {
+    resident: Arc<ResidentView>,
     session: lodc_gpu::Session,
 }
 
-impl<'a> ViewLevels<'a> {
+impl ViewLevels {
     /// Uploads an object with all its attributes.
     ///
     /// # Errors
     /// If it is too large for the device.
-    pub fn new(device: &Device, object: &'a LodObject) -> Result<Self, Error> {
+    pub fn new(device: &Device, object: &LodObject) -> Result<Self, Error> {
         let resident =
             ResidentView::new(&object.simplified).map_err(|e| Error::Request(e.to_string()))?;
         let session = lodc_gpu::Session::new(device, &resident.program)?;
@@ -178,4 +179,18 @@ pub fn stride(mesh: &Mesh) -> u64 {
 pub fn offset(mesh: &Mesh, attribute: usize) -> u64 {
     let before = mesh.attributes()[..attribute].iter();
     12 + before.map(|a| a.stride().next_multiple_of(4) as u64).sum::<u64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_can_be_components_of_an_engine() {
+        const fn component<T: Send + Sync + 'static>() {}
+        component::<Levels>();
+        component::<ViewLevels>();
+        component::<crate::File>();
+        component::<Error>();
+    }
 }

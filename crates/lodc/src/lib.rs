@@ -50,6 +50,7 @@ pub mod levels;
 mod meeting;
 mod scene_levels;
 mod shapes;
+mod source;
 
 #[cfg(feature = "build")]
 pub use build::Builder;
@@ -69,10 +70,37 @@ pub use lodc_simplify::MetricKind as Metric;
 pub use meeting::{parting_borders, parting_line};
 pub use scene_levels::scene_levels;
 pub use shapes::{stated_shapes, target_shapes};
+pub use source::Source;
 
-/// Builds a file from a glTF, GLB, OBJ, PLY or STL file: [`Builder::run`] does the work.
+/// Builds a file from a glTF, GLB, OBJ, PLY or STL file, given by its path, its bytes or a reader,
+/// or from a mesh of arrays: [`Builder::run`] does the work.
+///
+/// ```
+/// use lodc::mesh::{Attribute, Semantic};
+/// use lodc::{Select, Source};
+///
+/// // A sheet of 20 × 20 quads, with texture coordinates.
+/// let uv: Vec<[f32; 2]> =
+///     (0..441).map(|v| [(v % 21) as f32 / 20.0, (v / 21) as f32 / 20.0]).collect();
+/// let positions: Vec<[f32; 3]> =
+///     uv.iter().map(|[u, v]| [*u, *v, 0.1 * (7.0 * u).sin()]).collect();
+/// let quads = (0..400u32).map(|q| q % 20 + q / 20 * 21);
+/// let triangles: Vec<[u32; 3]> =
+///     quads.flat_map(|a| [[a, a + 1, a + 22], [a, a + 22, a + 21]]).collect();
+/// let uv = Attribute::of_floats(Semantic::TexCoord(0), &uv);
+///
+/// let file = lodc::build(Source::arrays(positions, triangles, vec![uv])).run()?;
+/// let level = file.level(Select::Ratio(0.1))?;
+/// let part = level.objects().next().expect("one object");
+/// assert!(part.indices().len() <= 80);
+/// assert_eq!(part.attributes()[0].floats::<2>().expect("two each").len(), part.positions().len());
+///
+/// let bytes = file.to_bytes(); // a .lodc file
+/// assert_eq!(lodc::open(&bytes)?.triangles(), 800);
+/// # Ok::<(), lodc::Error>(())
+/// ```
 #[cfg(feature = "build")]
 #[must_use]
-pub fn build(path: impl AsRef<std::path::Path>) -> Builder {
-    Builder::new(path.as_ref())
+pub fn build<'a>(source: impl Into<Source<'a>>) -> Builder<'a> {
+    Builder::new(source.into())
 }

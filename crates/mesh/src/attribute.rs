@@ -124,6 +124,30 @@ impl Attribute {
         }
     }
 
+    /// A stream of `N` floats for every vertex, `N` from 1 to 16.
+    #[must_use]
+    pub fn of_floats<const N: usize>(semantic: Semantic, values: &[[f32; N]]) -> Self {
+        Self {
+            semantic,
+            morph_target: None,
+            component: Component::F32,
+            components: N as u8,
+            normalized: false,
+            bytes: values.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect(),
+        }
+    }
+
+    /// All vertices as `N` numbers each, as [`Self::value`] has them; none if the stream has
+    /// another number of components.
+    #[must_use]
+    pub fn floats<const N: usize>(&self) -> Option<Vec<[f32; N]>> {
+        if usize::from(self.components) != N {
+            return None;
+        }
+        let vertices = (self.bytes.len() / self.stride().max(1)) as u32;
+        Some((0..vertices).map(|v| std::array::from_fn(|i| self.value(v, i))).collect())
+    }
+
     /// The same stream with vertex `i` taken from `sources[i]`.
     #[must_use]
     pub fn gathered(&self, sources: impl ExactSizeIterator<Item = u32>) -> Self {

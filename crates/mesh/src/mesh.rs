@@ -105,70 +105,94 @@ impl Mesh {
     }
 }
 
+impl MeshParts {
+    /// One submesh of all triangles, whose vertices have all attributes.
+    #[must_use]
+    pub fn of_arrays(
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        attributes: Vec<Attribute>,
+    ) -> Self {
+        let submesh = Submesh {
+            first_triangle: 0,
+            triangle_count: triangles.len() as u32,
+            attributes: (0..attributes.len() as u32).collect(),
+        };
+        let vertex_submesh = vec![0; positions.len()];
+        Self { positions, vertex_submesh, attributes, triangles, submeshes: vec![submesh] }
+    }
+
+    /// Checks everything that a [`Mesh`] promises, but that no triangle is degenerate.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(&self) -> Result<(), MeshError> {
+        check(self, false)
+    }
+}
+
 impl TryFrom<MeshParts> for Mesh {
     type Error = MeshError;
 
     fn try_from(parts: MeshParts) -> Result<Self, MeshError> {
-        let vertices = parts.positions.len();
-        // Four times an index must fit a `u32`: corners are numbered 4 × triangle + corner.
-        let limit = u32::MAX as usize / 4;
-        if vertices > limit || parts.triangles.len() > limit {
-            return Err(MeshError::TooLarge { vertices, triangles: parts.triangles.len() });
-        }
-        if let Some(vertex) = parts.positions.iter().position(|p| p.iter().any(|c| !c.is_finite()))
-        {
-            return Err(MeshError::NotFinite { vertex });
-        }
-        if parts.vertex_submesh.len() != vertices {
-            return Err(MeshError::VertexSubmesh {
-                vertex: parts.vertex_submesh.len().min(vertices),
-            });
-        }
-        if let Some(vertex) =
-            parts.vertex_submesh.iter().position(|&s| s as usize >= parts.submeshes.len())
-        {
-            return Err(MeshError::VertexSubmesh { vertex });
-        }
-        for (attribute, a) in parts.attributes.iter().enumerate() {
-            if !(1..=16).contains(&a.components) || a.bytes.len() != vertices * a.stride() {
-                return Err(MeshError::AttributeLength {
-                    attribute,
-                    bytes: a.bytes.len(),
-                    vertices,
-                });
-            }
-        }
-        let motion = parts.motion();
-        let mut next = 0;
-        for (submesh, s) in parts.submeshes.iter().enumerate() {
-            let end = u64::from(s.first_triangle) + u64::from(s.triangle_count);
-            if s.first_triangle as usize != next || end > parts.triangles.len() as u64 {
-                return Err(MeshError::SubmeshRange { submesh });
-            }
-            if s.attributes.iter().any(|&a| a as usize >= parts.attributes.len()) {
-                return Err(MeshError::SubmeshAttribute { submesh });
-            }
-            next = s.triangles().end;
-            for (i, t) in parts.triangles[s.triangles()].iter().enumerate() {
-                let triangle = s.first_triangle as usize + i;
-                if t.iter().any(|&v| v as usize >= vertices) {
-                    return Err(MeshError::IndexOutOfRange { triangle });
-                }
-                if t.iter().any(|&v| parts.vertex_submesh[v as usize] as usize != submesh) {
-                    return Err(MeshError::SharedVertex { triangle });
-                }
-                let key = t.map(|v| position_key(parts.positions[v as usize]));
-                let meet = |[i, j]: [usize; 2]| key[i] == key[j] && motion.move_alike(t[i], t[j]);
-                if [[0, 1], [1, 2], [2, 0]].into_iter().any(meet) {
-                    return Err(MeshError::Degenerate { triangle });
-                }
-            }
-        }
-        if next != parts.triangles.len() {
-            return Err(MeshError::SubmeshRange { submesh: parts.submeshes.len() });
-        }
+        check(&parts, true)?;
         Ok(Self(parts))
     }
+}
+
+fn check(parts: &MeshParts, without_degenerate: bool) -> Result<(), MeshError> {
+    let vertices = parts.positions.len();
+    // Four times an index must fit a `u32`: corners are numbered 4 × triangle + corner.
+    let limit = u32::MAX as usize / 4;
+    if vertices > limit || parts.triangles.len() > limit {
+        return Err(MeshError::TooLarge { vertices, triangles: parts.triangles.len() });
+    }
+    if let Some(vertex) = parts.positions.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+        return Err(MeshError::NotFinite { vertex });
+    }
+    if parts.vertex_submesh.len() != vertices {
+        return Err(MeshError::VertexSubmesh { vertex: parts.vertex_submesh.len().min(vertices) });
+    }
+    if let Some(vertex) =
+        parts.vertex_submesh.iter().position(|&s| s as usize >= parts.submeshes.len())
+    {
+        return Err(MeshError::VertexSubmesh { vertex });
+    }
+    for (attribute, a) in parts.attributes.iter().enumerate() {
+        if !(1..=16).contains(&a.components) || a.bytes.len() != vertices * a.stride() {
+            return Err(MeshError::AttributeLength { attribute, bytes: a.bytes.len(), vertices });
+        }
+    }
+    let motion = parts.motion();
+    let mut next = 0;
+    for (submesh, s) in parts.submeshes.iter().enumerate() {
+        let end = u64::from(s.first_triangle) + u64::from(s.triangle_count);
+        if s.first_triangle as usize != next || end > parts.triangles.len() as u64 {
+            return Err(MeshError::SubmeshRange { submesh });
+        }
+        if s.attributes.iter().any(|&a| a as usize >= parts.attributes.len()) {
+            return Err(MeshError::SubmeshAttribute { submesh });
+        }
+        next = s.triangles().end;
+        for (i, t) in parts.triangles[s.triangles()].iter().enumerate() {
+            let triangle = s.first_triangle as usize + i;
+            if t.iter().any(|&v| v as usize >= vertices) {
+                return Err(MeshError::IndexOutOfRange { triangle });
+            }
+            if t.iter().any(|&v| parts.vertex_submesh[v as usize] as usize != submesh) {
+                return Err(MeshError::SharedVertex { triangle });
+            }
+            let key = t.map(|v| position_key(parts.positions[v as usize]));
+            let meet = |[i, j]: [usize; 2]| key[i] == key[j] && motion.move_alike(t[i], t[j]);
+            if without_degenerate && [[0, 1], [1, 2], [2, 0]].into_iter().any(meet) {
+                return Err(MeshError::Degenerate { triangle });
+            }
+        }
+    }
+    if next != parts.triangles.len() {
+        return Err(MeshError::SubmeshRange { submesh: parts.submeshes.len() });
+    }
+    Ok(())
 }
 
 /// Why parts are not a mesh. Each variant names the first offender.

@@ -77,15 +77,15 @@ export class LodcModel extends Group<LodcModelEventMap> {
 }
 
 export class LodcMesh extends Mesh {
-  /** The level that was drawn last, the coarsest is 0. */
-  level?: number;
+  /** The level that was drawn last, counted from the finest, 0. */
+  readonly level: number;
   readonly triangles: number;
   readonly model: LodcModel | null;
 }
 
 export class LodcSkinnedMesh extends SkinnedMesh {
-  /** The level that was drawn last, the coarsest is 0. */
-  level?: number;
+  /** The level that was drawn last, counted from the finest, 0. */
+  readonly level: number;
   readonly triangles: number;
   readonly model: LodcModel | null;
 }

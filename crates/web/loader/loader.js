@@ -187,6 +187,8 @@ class Opening {
     for (;;) {
       const { done, value } = await reader.read();
       if (done) break;
+      const isPage = loaded === 0 && /^\s*</.test(String.fromCharCode(...value.subarray(0, 99)));
+      if (isPage) throw new Error(`${url} is HTML, not a .lodc file`);
       loaded += value.byteLength;
       const lengthComputable = total > 0;
       onProgress?.(new ProgressEvent('progress', { lengthComputable, loaded, total }));

@@ -4,20 +4,20 @@ import * as THREE from 'three';
 
 const sphere = new THREE.Sphere();
 const point = new THREE.Vector3();
-const size = new THREE.Vector2();
+const viewport = new THREE.Vector4();
 
 /** Vertices from which the extent of a skinned mesh is taken: a coarse level's come first. */
 const EXTENT = 1000;
 
 /** The error in world units that is `pixels` high at a distance from a camera. */
-function allowed(camera, height, pixels, distance) {
+export function allowed(camera, height, pixels, distance) {
   const perPixel = 2 / (camera.projectionMatrix.elements[5] * height);
   return pixels * perPixel * (camera.isOrthographicCamera ? 1 : Math.max(distance, camera.near));
 }
 
 function heightOf(renderer) {
   const target = renderer.getRenderTarget();
-  return target ? target.height : renderer.getDrawingBufferSize(size).y;
+  return target ? target.height : renderer.getViewport(viewport).w * renderer.getPixelRatio();
 }
 
 /** The shared part of an object: arrays with room, and where its levels lie in the index. */
@@ -166,6 +166,12 @@ const Levelled = (Base) => class extends Base {
     return this.geometry.userData.lodc;
   }
 
+  /** The level that was drawn last, counted from the finest, 0. */
+  get level() {
+    const last = this.lodc.object.levels.length - 1;
+    return Math.max(last - (this.shown ?? last), 0);
+  }
+
   /** The model that this mesh is part of: itself or the copy that it belongs to. */
   get model() {
     let node = this;
@@ -178,7 +184,7 @@ const Levelled = (Base) => class extends Base {
     const { object } = this.lodc;
     const model = this.model;
     if (typeof model?.level === 'number') {
-      this.level = Math.max(object.levels.length - 1 - Math.round(model.level), 0);
+      this.shown = Math.max(object.levels.length - 1 - Math.round(model.level), 0);
       return;
     }
     const bounds = this.boundingSphere ?? this.geometry.boundingSphere;
@@ -189,12 +195,12 @@ const Levelled = (Base) => class extends Base {
       ? object.header.scale * model.matrixWorld.getMaxScaleOnAxis()
       : this.matrixWorld.getMaxScaleOnAxis();
     const error = allowed(camera, height, model?.pixels ?? 1, distance - sphere.radius);
-    this.level = object.choose(error / scale);
+    this.shown = object.choose(error / scale);
   }
 
   onBeforeRender(renderer, scene, camera, geometry) {
     this.choose(camera, heightOf(renderer));
-    this.lodc.object.show(geometry, this.level);
+    this.lodc.object.show(geometry, this.shown);
   }
 
   onAfterRender(renderer, scene, camera, geometry) {
@@ -202,7 +208,7 @@ const Levelled = (Base) => class extends Base {
   }
 
   onBeforeShadow(renderer, object, camera, shadowCamera, geometry) {
-    this.lodc.object.show(geometry, this.level);
+    this.lodc.object.show(geometry, this.shown);
   }
 
   onAfterShadow(renderer, object, camera, shadowCamera, geometry) {
@@ -210,7 +216,7 @@ const Levelled = (Base) => class extends Base {
   }
 
   raycast(raycaster, hits) {
-    this.lodc.object.show(this.geometry, this.level);
+    this.lodc.object.show(this.geometry, this.shown);
     super.raycast(raycaster, hits);
     this.lodc.object.finest(this.geometry);
   }
@@ -224,7 +230,7 @@ const Levelled = (Base) => class extends Base {
   /** Triangles of the present level. */
   get triangles() {
     const { object, part } = this.lodc;
-    return object.range(part, this.level).count / 3;
+    return object.range(part, this.shown).count / 3;
   }
 };
 
@@ -245,18 +251,13 @@ export class LodcSkinnedMesh extends Levelled(THREE.SkinnedMesh) {
   }
 }
 
-/**
- * What a loader gives: a group to be added to a scene. Each mesh chooses its level when it is
- * drawn. `clone` shares all buffers. Events: `grown`, `animations`, `complete`.
- */
+/** What a loader gives; `loader.d.ts` says what each member is. */
 export class LodcModel extends THREE.Group {
   constructor() {
     super();
     this.isLodcModel = true;
     this.type = 'LodcModel';
-    /** The most that a level may err, in pixels. */
     this.pixels = 1;
-    /** The level, counted from the finest, 0; chosen by pixels if it is null. */
     this.level = null;
     this.animations = [];
     this.cameras = [];
@@ -266,17 +267,14 @@ export class LodcModel extends THREE.Group {
     this.parser = null;
   }
 
-  /** Whether everything has come: all triangles, images, animations. */
   get isComplete() {
     return this.loading.isComplete;
   }
 
-  /** Resolves with the model when everything has come; fails if it does not. */
   get whenComplete() {
     return this.loading.whole.then(() => this);
   }
 
-  /** All meshes with levels. */
   get meshes() {
     const meshes = [];
     this.traverse((node) => {
@@ -285,15 +283,10 @@ export class LodcModel extends THREE.Group {
     return meshes;
   }
 
-  /** Triangles at the levels that were drawn last. */
   get triangles() {
     return this.meshes.reduce((sum, mesh) => sum + mesh.triangles, 0);
   }
 
-  /**
-   * Chooses all levels for a camera and a picture `height` pixels high, for rays and shadows
-   * before the first picture. Drawing does it by itself.
-   */
   update(camera, height) {
     this.updateWorldMatrix(true, true);
     for (const mesh of this.meshes) mesh.choose(camera, height);

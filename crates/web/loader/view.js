@@ -1,8 +1,7 @@
 // `<lodc-view src="chair.lods" alt="A chair">`: a model in a page that writes no three.js.
 
-import * as THREE from 'three';
-import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { LodcLoader } from './loader.js';
+import { Stage } from './stage.js';
 
 const STYLE = `
 :host { display: block; position: relative; aspect-ratio: 4 / 3; overflow: hidden; }
@@ -10,19 +9,14 @@ const STYLE = `
 canvas, img { position: absolute; inset: 0; width: 100%; height: 100%; }
 canvas:focus-visible { outline: 2px solid currentColor; outline-offset: -2px; }
 img { object-fit: contain; pointer-events: none; }
-p { position: absolute; inset: auto 0 0; margin: 0; padding: 0.5em 0.75em;
-  font: 14px/1.4 system-ui, sans-serif; overflow-wrap: anywhere; color: #8a1010; background: #fff; }
+p { position: absolute; inset: auto 0 0; margin: 0; padding: 0.5em 0.75em; max-height: 100%;
+  box-sizing: border-box; overflow: auto; font: 14px/1.4 system-ui, sans-serif;
+  overflow-wrap: anywhere; color: #8a1010; background: #fff; }
 `;
-/** Where the camera stands first: the direction, and its angle of view in degrees. */
-const FIRST = new THREE.Vector3(0.6, 0.45, 1).normalize();
-const FOV = 35;
-/** Radians that an arrow key turns, and the factor of + and −. */
-const TURN = Math.PI / 24;
-const ZOOM = 1.2;
-const KEYS = {
-  ArrowLeft: [-TURN, 0, 1], ArrowRight: [TURN, 0, 1], ArrowUp: [0, TURN, 1],
-  ArrowDown: [0, -TURN, 1], '+': [0, 0, ZOOM], '=': [0, 0, ZOOM], '-': [0, 0, 1 / ZOOM],
-};
+/** Attributes with properties of the same name: text, numbers, those that are there or not. */
+const TEXTS = ['src', 'alt', 'poster', 'up', 'animation'];
+const NUMBERS = ['level', 'pixels'];
+const FLAGS = ['autoplay'];
 
 /** The number that an attribute says, if it says one. */
 function numberOr(other, value) {
@@ -30,125 +24,33 @@ function numberOr(other, value) {
   return Number.isNaN(number) ? other : number;
 }
 
-/** Light from all around, which metals show, too: a bright sky, a window in it, a darker floor. */
-function sky() {
-  const [width, height] = [64, 32];
-  const data = new Float32Array(4 * width * height);
-  for (let y = 0; y < height; y++) {
-    for (let x = 0; x < width; x++) {
-      const isWindow = y > 18 && y < 28 && x > 8 && x < 24;
-      const light = isWindow ? 6 : 0.4 + 0.9 * (y / height);
-      data.set([light, light, light, 1], 4 * (y * width + x));
-    }
-  }
-  const texture = new THREE.DataTexture(data, width, height, THREE.RGBAFormat, THREE.FloatType);
-  texture.mapping = THREE.EquirectangularReflectionMapping;
-  texture.needsUpdate = true;
-  return texture;
-}
-
-/** A canvas and what is drawn on it, while an element is in a document. */
-class Stage {
-  constructor(host, canvas) {
-    Object.assign(this, { host, canvas });
-    const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
-    this.renderer = renderer;
-    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.scene = new THREE.Scene();
-    this.scene.environment = sky();
-    this.camera = new THREE.PerspectiveCamera(FOV);
-    this.controls = new OrbitControls(this.camera, canvas);
-    // A finger that moves up or down scrolls the page.
-    canvas.style.touchAction = 'pan-y';
-    this.controls.addEventListener('change', () => this.draw());
-    canvas.addEventListener('webglcontextrestored', () => this.draw());
-    canvas.addEventListener('keydown', (event) => this.key(event));
-    this.sizes = new ResizeObserver(() => this.resize());
-    this.sizes.observe(host);
-    this.resize();
-  }
-
-  resize() {
-    const { clientWidth: width, clientHeight: height } = this.host;
-    if (width === 0 || height === 0) return;
-    this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
-    this.render();
-  }
-
-  /** Puts the camera where it sees all of a model. */
-  frame(model) {
-    model.updateWorldMatrix(true, true);
-    const sphere = new THREE.Box3().setFromObject(model).getBoundingSphere(new THREE.Sphere());
-    const radius = sphere.radius || 1;
-    const upright = THREE.MathUtils.degToRad(FOV / 2);
-    const narrow = Math.min(upright, Math.atan(Math.tan(upright) * this.camera.aspect));
-    const distance = radius / Math.sin(narrow);
-    Object.assign(this.camera, { near: radius / 100, far: radius * 100 });
-    this.camera.position.copy(FIRST).multiplyScalar(distance).add(sphere.center);
-    this.camera.updateProjectionMatrix();
-    Object.assign(this.controls, { minDistance: radius / 20, maxDistance: radius * 50 });
-    this.controls.target.copy(sphere.center);
-    this.controls.update();
-  }
-
-  key(event) {
-    const move = KEYS[event.key];
-    if (!move || event.ctrlKey || event.metaKey || event.altKey) return;
-    event.preventDefault();
-    const [across, up, nearer] = move;
-    const { camera, controls } = this;
-    const from = camera.position.clone().sub(controls.target);
-    const place = new THREE.Spherical().setFromVector3(from);
-    place.theta += across;
-    place.phi -= up;
-    place.radius /= nearer;
-    camera.position.setFromSpherical(place.makeSafe()).add(controls.target);
-    controls.update();
-  }
-
-  /** Draws with the next picture of the page. */
-  draw() {
-    this.due ??= requestAnimationFrame(() => this.render());
-  }
-
-  render() {
-    cancelAnimationFrame(this.due);
-    this.due = null;
-    this.renderer.render(this.scene, this.camera);
-  }
-
-  dispose() {
-    cancelAnimationFrame(this.due);
-    this.sizes.disconnect();
-    this.controls.dispose();
-    this.scene.environment.dispose();
-    this.renderer.dispose();
-    // A page has few contexts, and would keep this one until its memory is collected.
-    this.renderer.forceContextLoss();
-    this.canvas.remove();
-  }
-}
-
 /** The element. Events: `load` with the first picture, `complete`, `error`. */
 export class LodcView extends (globalThis.HTMLElement ?? Object) {
-  static observedAttributes = ['src', 'level', 'pixels', 'poster', 'up', 'alt'];
+  static observedAttributes = [...TEXTS, ...NUMBERS, ...FLAGS];
 
   constructor() {
     super();
     /** The model that is shown. */
     this.model = null;
-    const root = this.attachShadow({ mode: 'open' });
+    const root = this.attachShadow({ mode: 'open', delegatesFocus: true });
     const style = new CSSStyleSheet();
     style.replaceSync(STYLE);
     root.adoptedStyleSheets = [style];
+    this.canvas = Object.assign(document.createElement('canvas'), { role: 'img', tabIndex: 0 });
     this.image = Object.assign(document.createElement('img'), { alt: '', hidden: true });
     this.told = Object.assign(document.createElement('p'), { role: 'alert', hidden: true });
-    root.append(this.image, this.told);
+    root.append(this.canvas, this.image, this.told);
+    this.follow('alt');
   }
 
   connectedCallback() {
+    // What a script set before the element was defined hides its properties.
+    for (const name of LodcView.observedAttributes) {
+      if (!Object.hasOwn(this, name)) continue;
+      const value = this[name];
+      delete this[name];
+      this[name] = value;
+    }
     this.change();
   }
 
@@ -164,6 +66,26 @@ export class LodcView extends (globalThis.HTMLElement ?? Object) {
     // The same address again is loaded again.
     this.source = undefined;
     this.change();
+  }
+
+  /** Whether an animation runs. */
+  get paused() {
+    return !this.stage?.playing;
+  }
+
+  /** Plays the animation that `animation` names, or the first one, over and over. */
+  play() {
+    this.wants = true;
+    const clips = this.model?.animations ?? [];
+    const { animation } = this;
+    const clip = clips.find(({ name }) => name === animation) ?? (animation ? null : clips[0]);
+    this.stage?.play(clip ?? null);
+  }
+
+  /** Stops where it is. */
+  pause() {
+    this.wants = false;
+    this.stage?.pause();
   }
 
   /** Loads or frees when the page's script has done what it does: an element may only move. */
@@ -185,20 +107,19 @@ export class LodcView extends (globalThis.HTMLElement ?? Object) {
 
   clear() {
     this.abort?.abort();
-    this.model?.removeFromParent();
+    this.stage?.show(null);
     this.model?.dispose();
     this.model = null;
     this.told.hidden = true;
     this.follow('poster');
-    this.stage?.draw();
   }
 
   async load(source) {
     this.abort = new AbortController();
     const { signal } = this.abort;
     try {
-      this.stage ??= this.start();
-      this.follow('alt');
+      this.stage ??= new Stage(this, this.canvas);
+      this.wants = this.autoplay && !matchMedia('(prefers-reduced-motion: reduce)').matches;
       const model = await LodcLoader.load(source, { signal });
       if (signal.aborted) {
         model.dispose();
@@ -215,25 +136,15 @@ export class LodcView extends (globalThis.HTMLElement ?? Object) {
     }
   }
 
-  start() {
-    const canvas = Object.assign(document.createElement('canvas'), { role: 'img', tabIndex: 0 });
-    this.shadowRoot.prepend(canvas);
-    try {
-      return new Stage(this, canvas);
-    } catch (error) {
-      canvas.remove();
-      throw error;
-    }
-  }
-
   show(model) {
     this.model = model;
     for (const name of ['level', 'pixels', 'up']) this.follow(name);
-    this.stage.scene.add(model);
-    this.stage.frame(model);
+    this.stage.show(model);
+    this.follow('animation');
     for (const type of ['grown', 'complete']) {
       model.addEventListener(type, () => this.stage?.draw());
     }
+    model.addEventListener('animations', () => this.follow('animation'));
     this.stage.render();
     this.image.hidden = true;
     this.dispatchEvent(new Event('load'));
@@ -247,7 +158,7 @@ export class LodcView extends (globalThis.HTMLElement ?? Object) {
       image.hidden = value === null || model !== null;
       if (value !== null && image.getAttribute('src') !== value) image.src = value;
     }
-    if (name === 'alt') stage?.canvas.setAttribute('aria-label', value ?? '3D model');
+    if (name === 'alt') this.canvas.setAttribute('aria-label', value ?? '3D model');
     if (!model) return;
     if (name === 'level') model.level = numberOr(null, value);
     if (name === 'pixels') model.pixels = numberOr(1, value);
@@ -255,8 +166,29 @@ export class LodcView extends (globalThis.HTMLElement ?? Object) {
       model.rotation.x = value?.toLowerCase() === 'z' ? -Math.PI / 2 : 0;
       if (model.parent) stage.frame(model);
     }
+    if (name === 'autoplay' && value !== null) this.play();
+    if (name === 'animation' && this.wants) this.play();
     stage.draw();
   }
 }
+
+/** A property that is its attribute: `read` of its text, null and undefined take it away. */
+function reflect(name, read, write = String) {
+  Object.defineProperty(LodcView.prototype, name, {
+    configurable: true,
+    enumerable: true,
+    get() {
+      return read(this.getAttribute(name));
+    },
+    set(value) {
+      const text = value === null || value === undefined ? null : write(value);
+      if (text === null) this.removeAttribute(name);
+      else this.setAttribute(name, text);
+    },
+  });
+}
+for (const name of TEXTS) reflect(name, (text) => text ?? '');
+for (const name of NUMBERS) reflect(name, (text) => numberOr(null, text));
+for (const name of FLAGS) reflect(name, (text) => text !== null, (value) => (value ? '' : null));
 
 globalThis.customElements?.define('lodc-view', LodcView);

@@ -1,6 +1,6 @@
 // A textured scene with separate images: a floor and two boards of other materials.
 
-import { mkdirSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { deflateSync } from 'node:zlib';
 
@@ -137,4 +137,54 @@ export function separated(folder) {
   const red = picture(128, [[220, 30, 30], [30, 40, 220]]);
   writeFileSync(join(folder, 'images/red and blue.png'), red);
   writeFileSync(join(folder, 'images/greens.png'), picture(64, [[20, 200, 40], [240, 220, 30]]));
+}
+
+/** A ball without a texture or a material. */
+export function ball(folder) {
+  const [rows, columns] = [24, 48];
+  const lines = [];
+  for (let j = 0; j <= rows; j++) {
+    for (let i = 0; i < columns; i++) {
+      const [a, b] = [(Math.PI * j) / rows, (2 * Math.PI * i) / columns];
+      lines.push(`v ${Math.sin(a) * Math.cos(b)} ${Math.cos(a)} ${Math.sin(a) * Math.sin(b)}`);
+    }
+  }
+  for (let j = 0; j < rows; j++) {
+    for (let i = 0; i < columns; i++) {
+      const [here, next] = [i, (i + 1) % columns].map((k) => 1 + j * columns + k);
+      if (j > 0) lines.push(`f ${here} ${next} ${here + columns}`);
+      if (j < rows - 1) lines.push(`f ${next} ${next + columns} ${here + columns}`);
+    }
+  }
+  writeFileSync(join(folder, 'ball.obj'), `${lines.join('\n')}\n`);
+}
+
+/** A copy of `scene.gltf` that has two animations: a board turns, or the floor rises. */
+export function animated(folder) {
+  const gltf = JSON.parse(readFileSync(join(folder, 'scene.gltf'), 'utf8'));
+  const half = Math.SQRT1_2;
+  const arrays = [
+    ['SCALAR', [0, 2]], ['VEC4', [half, 0, 0, half, half, 0, half, 0]],
+    ['VEC3', [0, 0, 0, 0, 2, 0]],
+  ];
+  const bytes = Buffer.concat(arrays.map(([, values]) => (
+    Buffer.from(new Float32Array(values).buffer))));
+  const uri = `data:application/octet-stream;base64,${bytes.toString('base64')}`;
+  const buffer = gltf.buffers.push({ uri, byteLength: bytes.length }) - 1;
+  let at = 0;
+  const [time, turn, rise] = arrays.map(([type, { length }]) => {
+    const view = { buffer, byteOffset: at, byteLength: 4 * length };
+    at += view.byteLength;
+    const bufferView = gltf.bufferViews.push(view) - 1;
+    const accessor = { bufferView, componentType: 5126, type, count: 2, min: [0], max: [2] };
+    if (type !== 'SCALAR') ['min', 'max'].forEach((bound) => delete accessor[bound]);
+    return gltf.accessors.push(accessor) - 1;
+  });
+  const animation = (name, node, path, output) => ({
+    name, channels: [{ sampler: 0, target: { node, path } }], samplers: [{ input: time, output }],
+  });
+  gltf.animations = [
+    animation('Turn', 1, 'rotation', turn), animation('Rise', 0, 'translation', rise),
+  ];
+  writeFileSync(join(folder, 'animated.gltf'), JSON.stringify(gltf));
 }

@@ -15,8 +15,10 @@ use crate::options::ImportOptions;
 use crate::words::counted;
 use crate::{
     Assets, Document, Fault, FormatError, ObjDocument, ObjectInfo, Scene, SceneObject, Source,
+    SourceFormat, SubmeshInfo,
 };
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic};
+use std::path::Path;
 
 /// Faces and what their corners have. Indices count from 0 and are in range.
 #[derive(Debug, Default)]
@@ -139,6 +141,41 @@ pub(crate) fn scene(
         quantized: false,
         requantized: false,
     })
+}
+
+/// Makes a scene of a mesh that comes from no file.
+///
+/// # Errors
+/// If its parts do not fit each other, a position is not finite, or it is too large.
+#[cfg(feature = "import")]
+pub(crate) fn scene_of_parts(
+    parts: MeshParts,
+    options: &ImportOptions,
+) -> Result<Scene, FormatError> {
+    let limits = options.limits;
+    let (vertices, triangles) = (parts.positions.len(), parts.triangles.len());
+    if vertices as u64 > limits.vertices || triangles as u64 > limits.triangles {
+        let problem = format!("{vertices} vertices, {triangles} triangles: more than the limits");
+        return Err(FormatError::new(Fault::Limit, "", problem));
+    }
+    parts.check().map_err(|e| FormatError::new(Fault::Malformed, "", e.to_string()))?;
+    let positions = parts.positions.iter().flatten().flat_map(|c| c.to_le_bytes());
+    let corners = parts.triangles.iter().flatten().flat_map(|v| v.to_le_bytes());
+    let attributes = parts.attributes.iter().flat_map(|a| &a.bytes).copied();
+    let bytes: Vec<u8> = positions.chain(corners).chain(attributes).collect();
+    let source =
+        Source { format: SourceFormat::Ply, content_hash: xxhash_rust::xxh3::xxh3_128(&bytes) };
+    let submesh = |i: usize| SubmeshInfo {
+        name: String::new(),
+        material: None,
+        document_primitive: i as u32,
+    };
+    let submeshes = (0..parts.submeshes.len()).map(submesh).collect();
+    let source_positions = (0..vertices as u32).collect();
+    let assembled = Assembled { parts, source_positions, submeshes, ..Assembled::default() };
+    let (name, document, warnings) = (String::new(), ObjDocument::default(), Vec::new());
+    let file = FaceFile { assembled, name, source, document, warnings };
+    scene(file, &Assets::new(Path::new("-"), &[], limits), options)
 }
 
 /// Says how polygons became triangles, and what corners were given.

@@ -24,6 +24,16 @@ pub(crate) fn read_textures(
     Ok(())
 }
 
+/// The paths of the image files that a document names.
+///
+/// # Errors
+/// If the document is damaged.
+pub(crate) fn image_names(document: &GltfDocument) -> Result<Vec<String>, FormatError> {
+    let root = json::parse(document.json.as_bytes(), &Limits::DEFAULT)?;
+    let uris = root.entries("images").filter_map(|image| image["uri"].as_str());
+    Ok(uris.filter_map(uri::path).collect())
+}
+
 /// Adds the images that a document holds itself.
 ///
 /// # Errors

@@ -2,8 +2,8 @@
 //! and base colour textures, which is all that both formats have.
 
 use super::coordinates::base;
-use super::extensions::IMAGE_EXTENSIONS;
-use super::json::{Json, Object, parse};
+use super::json::{Object, parse};
+use super::material_names::image;
 use super::texture_transform::CLAMP;
 use super::uri;
 use crate::images::{ImagePlace, PlacedTextures, embedded_name};
@@ -50,12 +50,6 @@ pub(crate) fn library(
 /// A value with six decimals: no machine's power function decides a byte of a file.
 pub(super) fn six_decimals(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
-}
-
-/// The image of a texture: the one that every reader knows, or else that of an extension.
-fn image(texture: &Json) -> Option<usize> {
-    let of_extension = |name: &&str| texture["extensions"][*name]["source"].as_index();
-    texture["source"].as_index().or_else(|| IMAGE_EXTENSIONS.iter().find_map(of_extension))
 }
 
 /// The file of an image; none if it has none.

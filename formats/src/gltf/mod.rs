@@ -35,6 +35,8 @@ mod images;
 mod json;
 #[cfg(feature = "export")]
 mod loose;
+#[cfg(feature = "gltf")]
+mod material_names;
 #[cfg(feature = "export")]
 mod materials;
 #[cfg(feature = "gltf")]
@@ -76,9 +78,11 @@ pub(crate) use difference::difference;
 #[cfg(feature = "gltf")]
 pub use graph::scene_graph;
 #[cfg(feature = "export")]
-pub(crate) use images::{add_embedded, read_textures};
+pub(crate) use images::{add_embedded, image_names, read_textures};
 #[cfg(feature = "export")]
 pub(crate) use loose::loose;
+#[cfg(feature = "gltf")]
+pub(crate) use material_names::materials;
 #[cfg(feature = "export")]
 pub(crate) use materials::library;
 #[cfg(feature = "stream")]

@@ -8,7 +8,7 @@
 
 from .attribute import Attribute, Source
 from .building import build
-from .errors import FormatError, ProgramError
+from .errors import FormatError, LodcWarning, ProgramError
 from .file import LodFile
 from .level import Level
 from .level_object import LevelObject
@@ -21,7 +21,7 @@ from .program import program
 from .scene import Image, Instance, Scene, Submesh
 
 __all__ = [
-    "Attribute", "FormatError", "Image", "Instance", "Level", "LevelObject", "LodFile", "Object",
-    "ProgramError", "Scene", "Source", "Stream", "StreamObject", "Submesh", "build", "open",
-    "plot", "program", "stream",
+    "Attribute", "FormatError", "Image", "Instance", "Level", "LevelObject", "LodFile",
+    "LodcWarning", "Object", "ProgramError", "Scene", "Source", "Stream", "StreamObject", "Submesh",
+    "build", "open", "plot", "program", "stream",
 ]  # fmt: skip

@@ -3,7 +3,9 @@
 import json
 import os
 import tempfile
+from warnings import warn
 
+from .errors import LodcWarning
 from .file import LodFile
 from .program import options as words_of
 from .program import run
@@ -24,11 +26,14 @@ def build(
     structures to store besides, separated by commas. Further ``options`` are those of ``lodc
     build``: ``lock_border=True``, ``weight={"uv": 0.5}``, ``lock=["material:face"]``.
 
-    Raises ValueError if an option is wrong, :class:`FormatError` (a ValueError, too) if the mesh
-    is, :class:`ProgramError` if a limit is reached or the output cannot be written.
+    Warnings of the build are warned of (:class:`LodcWarning`), and stay in ``warnings``.
+
+    Raises TypeError if there is no such option, ValueError if its value is wrong,
+    :class:`FormatError` (a ValueError, too) if the mesh is, :class:`ProgramError` if a limit is
+    reached or the output cannot be written.
     """
     if not isinstance(source, (str, os.PathLike)):
-        raise ValueError(f"{source!r}: not the path of a mesh")
+        raise TypeError(f"{source!r}: not the path of a mesh")
     path = os.path.abspath(source)
     os.stat(path)  # Raises what Python raises for a file that is not there.
     words = ["build", *words_of({"metric": metric, "models": models, **options})]
@@ -38,4 +43,6 @@ def build(
         with open(made, "rb") as file:
             data = file.read()
     warnings: list[str] = json.loads(said)["inputs"][0]["warnings"]
+    for what in warnings:
+        warn(f"{os.fspath(source)}: {what}", LodcWarning, stacklevel=2)
     return LodFile(data, os.path.dirname(path), warnings)

@@ -12,6 +12,10 @@ class FormatError(ValueError):
         return ": ".join(part for part in (self.file, self.place, self.what) if part)
 
 
+class LodcWarning(UserWarning):
+    """Something was repaired, dropped or left out."""
+
+
 class ProgramError(RuntimeError):
     """The program ``lodc`` came to nothing: what it said, and its exit ``status``."""
 

@@ -11,7 +11,7 @@ from .container import Container
 from .level import Level, Origin, table
 from .manifest import read_manifest
 from .object import Object
-from .scene import Scene
+from .scene import Scene, named_by
 from .selector import Selector, Wish, selector
 
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.05, 0.01)
@@ -38,6 +38,8 @@ class LodFile:
             self.gltf = json.loads(bytes(container.take(b"DJSN")))
             self.buffer = bytes(container.take(b"DBLB"))
         upright = self.gltf is None
+        for entry in entries:
+            entry.submeshes[:] = named_by(self.gltf, entry.document_mesh, entry.submeshes)
         self.objects = [Object(container, i, e, upright) for i, e in enumerate(entries)]
         meshes = [entry.document_mesh for entry in entries]
         self.scene = Scene(self.gltf, self.buffer, self.obj, meshes, folder)
@@ -65,25 +67,27 @@ class LodFile:
         """
         wish = selector(lod=lod, ratio=ratio, triangles=triangles, error=error, rms=rms)
         origin = Origin("extract", self.data, self.folder)
+        lods = self._lods(wish)
         if len(self.objects) == 1:
-            [only] = self.objects
-            lods = [only.chosen(wish.scaled(only.world_scale))]
             words = ["--lod", str(lods[0])]
         elif wish.name == "lod":
-            lods = [o.chosen(wish) for o in self.objects]
             words = [*wish.words(), "--per-object"]
         else:
             words = wish.words()
-            lods = self._shared_out(wish, origin)
         objects = [o.at(k) for o, k in zip(self.objects, lods)]
         return Level(objects, [o.world_scale for o in self.objects], self.scene, origin, words)
 
-    def _shared_out(self, wish: Selector, origin: Origin) -> list[int]:
+    def _lods(self, wish: Selector) -> list[int]:
         """The LOD of each object, as the program chooses them."""
+        if len(self.objects) == 1:
+            [only] = self.objects
+            return [only.chosen(wish.scaled(only.world_scale))]
+        if wish.name == "lod":
+            return [o.chosen(wish) for o in self.objects]
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "level.glb")
             words = [*wish.words(), "--json", "--textures", "keep", "--order", "file", "-o", path]
-            said = json.loads(origin.run(words))
+            said = json.loads(Origin("extract", self.data, self.folder).run(words))
         return [int(o["lod"]) for o in said["objects"]]
 
     def write(self, path: str | os.PathLike[str]) -> None:
@@ -92,11 +96,12 @@ class LodFile:
             file.write(self.data)
 
     def facts(self) -> list[tuple[float, int, float]]:
-        """Shares of the triangles with the triangles and the error of those levels, by objects."""
+        """Shares of the triangles with the triangles and the error of the levels that ``level``
+        gives for them."""
         found = []
         for share in SHARES:
-            levels = [o.chosen(Selector("ratio", share)) for o in self.objects]
-            steps = [int(np.searchsorted(o.lods, k)) for o, k in zip(self.objects, levels)]
+            lods = self._lods(Selector("ratio", share))
+            steps = [int(np.searchsorted(o.lods, k)) for o, k in zip(self.objects, lods)]
             pairs = list(zip(self.objects, steps))
             errors = (o.world_scale * float(o.errors[s]) for o, s in pairs)
             error = max(errors, default=0.0)
@@ -104,7 +109,9 @@ class LodFile:
         return found
 
     def __repr__(self) -> str:
-        return f"<lodc file: {self.objects}>"
+        what = [repr(o.name) for o in self.objects]
+        names = what[0] if len(what) == 1 else f"{len(what)} objects"
+        return f"<lodc file: {names}, {self.triangles} triangles>"
 
     def _repr_html_(self) -> str:
         objects = [(o.name, len(o.positions), len(o.triangles)) for o in self.objects]

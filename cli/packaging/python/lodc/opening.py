@@ -31,7 +31,7 @@ def _named(file: File, read: Callable[..., T]) -> T:
     if isinstance(file, (bytes, bytearray, memoryview)):
         return read(bytes(file))
     if not isinstance(file, (str, os.PathLike)):
-        raise ValueError(f"{file!r}: neither the path of a file nor its bytes")
+        raise TypeError(f"{file!r}: neither the path of a file nor its bytes")
     try:
         with builtins.open(file, "rb") as opened:
             return read(opened.read(), os.path.dirname(os.path.abspath(file)))

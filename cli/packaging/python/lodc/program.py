@@ -1,6 +1,7 @@
 """The program ``lodc``, which comes in the same wheel."""
 
 import os
+import re
 import shutil
 import subprocess
 import sysconfig
@@ -36,12 +37,24 @@ def run(words: Iterable[str]) -> tuple[bytes, list[str]]:
     warnings = [line for line in lines if ": warning: " in line]
     said = "\n".join(line for line in lines if line not in warnings)
     if done.returncode == USAGE:
-        raise ValueError(said)
+        raise wrong_usage(said)
     if done.returncode == INPUT:
         raise FormatError("", said)
     if done.returncode:
         raise ProgramError(said or f"lodc ended with {done.returncode}", done.returncode)
     return done.stdout, warnings
+
+
+def wrong_usage(said: str) -> Exception:
+    """What Python raises where the program explains its options: TypeError for an unknown one."""
+    said = said.removeprefix("error: ").split("\n\nUsage:")[0]
+    unknown = re.match(r"unexpected argument '--([\w-]+)", said)
+    if unknown is None:
+        lines = (line.strip() for line in said.splitlines())
+        return ValueError(" ".join(line for line in lines if line and "--help" not in line))
+    similar = re.search(r"similar argument exists: '--([\w-]+)", said)
+    tip = f"; did you mean {similar[1].replace('-', '_')!r}?" if similar else ""
+    return TypeError(f"{unknown[1].replace('-', '_')!r}: no such option{tip}")
 
 
 def options(given: dict[str, object]) -> list[str]:
@@ -58,5 +71,5 @@ def options(given: dict[str, object]) -> list[str]:
             elif isinstance(one, (str, int, float, os.PathLike)) and one is not False:
                 words.append(f"{flag}={os.fspath(one) if isinstance(one, os.PathLike) else one}")
             elif one is not None and one is not False:
-                raise ValueError(f"{name}={one!r}: neither text, a number, True nor False")
+                raise TypeError(f"{name}={one!r}: neither text, a number, True nor False")
     return words

@@ -3,7 +3,7 @@
 import base64
 import os
 import urllib.parse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,8 @@ INSTANCING = "EXT_mesh_gpu_instancing"
 
 @dataclass(frozen=True)
 class Submesh:
-    """Names of a submesh, and the numbers of the attributes that its vertices have."""
+    """Names of a submesh, and the numbers of the attributes that its vertices have. ``material``
+    is None if it has none, and empty if that has no name."""
 
     name: str
     material: str | None
@@ -127,7 +128,7 @@ class Scene:
     def material(self, instance: Instance, submesh: Submesh) -> dict[str, Any] | None:
         """The material that a submesh has where an instance shows it."""
         if self.gltf is None or instance.node is None:
-            named = [m for m in self.materials if m["name"] == submesh.material]
+            named = [m for m in self.materials if m.get("name") == submesh.material]
             return named[-1] if named else None
         mesh = self.gltf["meshes"][self.gltf["nodes"][instance.node]["mesh"]]
         number = mesh["primitives"][submesh.primitive].get("material")
@@ -203,6 +204,25 @@ class Scene:
         images = len((self.gltf or {}).get("images", []))
         counts = f"{len(self.instances)} instances, {len(self.materials)} materials"
         return f"<scene: {counts}, {images} images>"
+
+
+def named_by(
+    gltf: dict[str, Any] | None, mesh: int, submeshes: list[Submesh]
+) -> list[Submesh]:
+    """Submeshes with the names of the materials that a glTF's mesh has for them; those of other
+    formats have them."""
+    if gltf is None:
+        return submeshes
+    meshes, materials = gltf.get("meshes", []), gltf.get("materials", [])
+    primitives = meshes[mesh].get("primitives", []) if mesh < len(meshes) else []
+
+    def name(submesh: Submesh) -> str | None:
+        if submesh.primitive >= len(primitives):
+            return None
+        number = primitives[submesh.primitive].get("material", -1)
+        return materials[number].get("name", "") if 0 <= number < len(materials) else None
+
+    return [replace(submesh, material=name(submesh)) for submesh in submeshes]
 
 
 def fractions(numbers: NDArray[Any]) -> NDArray[np.float32]:

@@ -35,12 +35,13 @@ class Selector:
 def selector(**wishes: Wish) -> Selector:
     """The one that is given.
 
-    Raises ValueError if none or several are, or if it is no such number."""
+    Raises TypeError if none or several are, or if it is neither a number nor text, ValueError if it
+    is no such number."""
     given = {name: wish for name, wish in wishes.items() if wish is not None}
     if len(given) != 1:
         names = ", ".join(wishes)
         said = " and ".join(given) or "none"
-        raise ValueError(f"give exactly one of {names} (given: {said})")
+        raise TypeError(f"give exactly one of {names} (given: {said})")
     [(name, wish)] = given.items()
     if name in ("error", "rms"):
         value, percent = _number(name, wish)
@@ -75,4 +76,5 @@ def _number(name: str, wish: object) -> tuple[float, bool]:
         else:
             if math.isfinite(value):
                 return value / 100 if percent else value * scale, percent
-    raise ValueError(f"{name}={wish!r}: neither a number nor text that is one")
+    wrong = ValueError if isinstance(wish, (str, float)) else TypeError
+    raise wrong(f"{name}={wish!r}: neither a number nor text that is one")

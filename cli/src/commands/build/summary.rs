@@ -5,9 +5,11 @@ use crate::console::{Loudness, note, wants};
 use crate::output::Target as Output;
 use lodc::{levels::TABLE_SHARES, scene_levels};
 use lodc_formats::Limits;
+use lodc_formats::images::Textures;
 use lodc_report::text::{count, distance, grouped, percent, quoted, size};
 use lodc_select::{Selection, Target, scene_diagonal};
 use std::fmt::Write;
+use std::path::Path;
 
 /// Prints the summary on standard error, unless `-q`.
 pub(super) fn print(made: &BuildOutput, output: &Output, seconds: f64) {
@@ -20,7 +22,20 @@ pub(super) fn print(made: &BuildOutput, output: &Output, seconds: f64) {
 pub(super) fn line(made: &BuildOutput, output: &Output, seconds: f64) -> String {
     let triangles = made.file.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
     let (triangles, bytes) = (count(triangles.sum(), "triangle"), size(made.bytes as u64));
-    format!("{}: {triangles}, {bytes} in {seconds:.2} s", output.name())
+    let images = match images_to_copy(made, output).len() {
+        0 => String::new(),
+        missing => format!("; copy {} beside it", count(missing as u64, "image")),
+    };
+    format!("{}: {triangles}, {bytes} in {seconds:.2} s{images}", output.name())
+}
+
+/// Image files that the document names and that are not where the file looks for them: those of a
+/// mesh in another folder.
+fn images_to_copy(made: &BuildOutput, output: &Output) -> Vec<String> {
+    let Output::File(path) = output else { return Vec::new() };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let names = Textures::names(&made.file.document).unwrap_or_default();
+    names.into_iter().filter(|name| !folder.join(name).exists()).collect()
 }
 
 fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {
@@ -67,6 +82,15 @@ fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {
     }
     table(&mut text, made);
     let _ = writeln!(text, "  {} in {seconds:.2} s", size(made.bytes as u64));
+    let images = images_to_copy(made, output);
+    if let [first, more @ ..] = images.as_slice() {
+        let more = match more.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let what = count(images.len() as u64, "image");
+        let _ = writeln!(text, "  copy {what} beside it: {first}{more}");
+    }
     if let Output::File(path) = output
         && triangles > 0
     {

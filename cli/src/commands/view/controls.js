@@ -85,6 +85,10 @@ export class Controls {
         viewer.set({ colouring: radio.value });
       });
     }
+    for (const radio of document.querySelectorAll('input[name="up"]')) {
+      radio.addEventListener('change', () => this.stand(radio.value));
+    }
+    this.stand(viewer.scene.up);
     const crowd = element('crowd');
     crowd.addEventListener('input', () => {
       const copies = Math.round(2000 ** Number(crowd.value));
@@ -128,6 +132,13 @@ export class Controls {
     this.viewer.resize();
   }
 
+  /** Stands the model on another axis. */
+  stand(up) {
+    const { viewer } = this;
+    document.querySelector(`input[name="up"][value="${up}"]`).checked = true;
+    if (viewer.scene.up !== up) viewer.stand(up);
+  }
+
   theme() {
     const root = document.documentElement;
     const dark = getComputedStyle(root).colorScheme === 'dark';
@@ -161,7 +172,7 @@ export class Controls {
       if (boxes[key]) element(boxes[key]).click();
       else if (key === 't') this.theme();
       else if (key === 'o') this.toggleOptions();
-      else if (key === 'u') this.viewer.stand(this.viewer.scene.up === 'z' ? 'y' : 'z');
+      else if (key === 'u') this.stand(this.viewer.scene.up === 'z' ? 'y' : 'z');
       else if (key === '[') this.slide(this.viewer.share - 0.02);
       else if (key === ']') this.slide(this.viewer.share + 0.02);
     });
@@ -205,6 +216,7 @@ export class Controls {
     const shown = { lods, triangles, drawn, error, allowed, percent };
     const { value, rows } = this.texts(shown);
     element('value').textContent = value;
+    this.level.setAttribute('aria-valuetext', `${value}, ${rows[1][1]} of all`);
     if (sparing) rows[0][1] += ' while moving';
     if (views) rows[3] = ['Levels', 'by view'];
     if (crowd) rows[2] = ['Without levels', grouped(viewer.copies * selection.triangles)];

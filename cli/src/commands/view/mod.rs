@@ -21,6 +21,7 @@ use lodc_lod::AnyModel;
 use lodc_report::text::{count, size};
 use lodc_strip::Strips;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 /// Options of commands that make a page: `view` and `report`.
 #[derive(Args, Debug)]
@@ -39,6 +40,9 @@ pub(crate) struct PageArgs {
     /// Page, an .html file, or folder; - for standard output
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
     pub(super) output: PathBuf,
+    /// Open the page in the browser
+    #[arg(long, help_heading = OUTPUT)]
+    pub(super) open: bool,
     /// Write a Make/Ninja dependency file that names every file read
     #[arg(long, value_name = "FILE", help_heading = OUTPUT, hide_short_help = true)]
     pub(super) depfile: Option<PathBuf>,
@@ -61,7 +65,7 @@ pub(crate) struct ViewArgs {
 /// Examples in the help.
 pub(crate) const EXAMPLES: &str = "\
 Examples:
-  lodc view chair.glb -o chair.html
+  lodc view chair.glb -o chair.html --open
   lodc view chair.lodc -o chair.html --title 'Chair, oak'
   lodc view levels.glb -o levels.html";
 
@@ -155,17 +159,42 @@ fn write_page(
     }
     let name = args.input.display().to_string();
     console::warnings(&name, &warnings);
+    let next = match args.open.then(|| open_in_browser(&path)) {
+        None => "open it in a browser".to_owned(),
+        Some(Ok(())) => "opened in the browser".to_owned(),
+        Some(Err(e)) => format!("no browser was opened ({BROWSER}: {e})"),
+    };
     if wants(Loudness::Normal) {
         let page = format!("{before_size}{}{after_size}", size(length));
-        note(&format!("{}: {page}; open it in a browser", target.name()));
+        note(&format!("{}: {page}; {next}", target.name()));
     }
     Ok(())
+}
+
+/// The program of a system that opens a file in what is meant for it.
+const BROWSER: &str = if cfg!(target_os = "macos") {
+    "open"
+} else if cfg!(windows) {
+    "explorer"
+} else {
+    "xdg-open"
+};
+
+/// Opens a page in the browser, and does not wait for it.
+fn open_in_browser(page: &Path) -> std::io::Result<()> {
+    let page = page.canonicalize()?;
+    let mut command = Command::new(BROWSER);
+    command.arg(page).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().map(drop)
 }
 
 /// Where the page is written. Makes sure that it and the dependency file can be.
 fn target(args: &PageArgs) -> Outcome<Target> {
     if output::is_standard_stream(&args.output) && args.depfile.is_some() {
         return Err(Failure::usage("a dependency file needs an output file, not standard output"));
+    }
+    if output::is_standard_stream(&args.output) && args.open {
+        return Err(Failure::usage("--open needs an output file, not standard output"));
     }
     let target = output::single_target(&args.input, Some(&args.output), "html")?;
     output::prepare_targets([&target], output::is_folder(&args.output))?;

@@ -9,6 +9,8 @@ use serde_json::Value;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use toml::Spanned;
+use toml::de::{DeArray, DeTable};
 
 /// Options by long name; a table under a command's name has options of that command alone.
 pub(super) type OptionTable = IndexMap<String, Value>;
@@ -60,12 +62,31 @@ impl ConfigLayer {
     }
 }
 
+/// A table of a configuration.
+struct Place {
+    /// For people, such as `[profile.fast]`.
+    name: String,
+    /// The keys that lead to it; numbers, from 0, in an array.
+    keys: Vec<String>,
+    /// Whether its options are for parts of assets.
+    is_part: bool,
+}
+
+impl Place {
+    /// A key of it, or a table below it.
+    fn below(&self, key: &str) -> Self {
+        let keys = self.keys.iter().cloned().chain([key.to_owned()]).collect();
+        Self { name: format!("{}, {key}", self.name), keys, is_part: self.is_part }
+    }
+}
+
 /// A configuration file that was read and checked.
 #[derive(Debug)]
 pub(super) struct ConfigFile {
     path: PathBuf,
     /// Canonical; the globs of overrides match paths below it.
     folder: PathBuf,
+    text: String,
     document: Document,
     /// By override: whether it has matched an input so far.
     has_matched: RefCell<Vec<bool>>,
@@ -90,20 +111,37 @@ impl ConfigFile {
         };
         let folder = folder.canonicalize().map_err(unreadable)?;
         let has_matched = RefCell::new(vec![false; document.overrides.len()]);
-        let file = Self { path: path.to_owned(), folder, document, has_matched };
+        let file = Self { path: path.to_owned(), folder, text, document, has_matched };
         file.check(vocabulary)?;
         Ok(file)
     }
 
-    /// Every table with its name, the strongest last: defaults, profiles, overrides.
-    fn tables(&self) -> impl Iterator<Item = (String, &OptionTable)> {
+    /// Every table with its place, the strongest last: defaults, profiles, overrides.
+    fn tables(&self) -> impl Iterator<Item = (Place, &OptionTable)> {
         let document = &self.document;
-        let defaults = std::iter::once(("[defaults]".to_owned(), &document.defaults));
-        let profiles =
-            document.profile.iter().map(|(name, options)| (format!("[profile.{name}]"), options));
-        let overrides = (1..).zip(&document.overrides);
-        let overrides = overrides.map(|(i, o)| (format!("[[override]] {i}"), &o.options));
+        let place = |name: String, keys: &[&str]| Place {
+            name,
+            keys: keys.iter().map(|key| (*key).to_owned()).collect(),
+            is_part: false,
+        };
+        let defaults =
+            std::iter::once((place("[defaults]".to_owned(), &["defaults"]), &document.defaults));
+        let profiles = document.profile.iter().map(move |(name, options)| {
+            (place(format!("[profile.{name}]"), &["profile", name]), options)
+        });
+        let overrides = document.overrides.iter().enumerate().map(move |(i, one)| {
+            let name = format!("[[override]] {}", i + 1);
+            let is_part = !one.objects.is_empty() || !one.materials.is_empty();
+            let whole = place(name, &["override", &i.to_string()]);
+            (Place { is_part, ..whole }, &one.options)
+        });
         defaults.chain(profiles).chain(overrides)
+    }
+
+    /// A message about what keys lead to, with its line.
+    fn message(&self, keys: &[String], what: &str) -> AssetError {
+        let line = line_of(&self.text, keys);
+        AssetError::Usage(format!("{}: line {line}: {what}", self.path.display()))
     }
 
     /// Refuses unknown options and malformed overrides.
@@ -115,28 +153,27 @@ impl ConfigFile {
                     Value::Object(inner) if vocabulary.is_command(key) => {
                         let command = [vocabulary.command(key)];
                         for option in inner {
-                            let table = format!("{table}, {key}");
-                            self.check_option(&table, option, vocabulary, &command)?;
+                            self.check_option(&table.below(key), option, vocabulary, &command)?;
                         }
                     }
                     _ => self.check_option(&table, (key, value), vocabulary, &all_commands)?,
                 }
             }
         }
-        for (number, one) in (1..).zip(&self.document.overrides) {
+        for (number, one) in self.document.overrides.iter().enumerate() {
             one.check(vocabulary).map_err(|what| {
-                let table = format!("[[override]] {number}");
-                AssetError::Usage(format!("{}: {table}: {what}", self.path.display()))
+                let keys = ["override".to_owned(), number.to_string()];
+                self.message(&keys, &format!("[[override]] {}: {what}", number + 1))
             })?;
         }
         Ok(())
     }
 
-    /// Refuses an option that none of `commands` has for assets, and a switch that is neither on
-    /// nor off.
+    /// Refuses an option that none of `commands` has for assets, a switch that is neither on nor
+    /// off, and a value that an option does not take.
     fn check_option(
         &self,
-        table: &str,
+        table: &Place,
         (option, value): (&String, &Value),
         vocabulary: &Vocabulary,
         commands: &[&CommandOptions],
@@ -145,10 +182,21 @@ impl ConfigFile {
         let what = if option == "allow-path" {
             "only the command line permits further folders".to_owned()
         } else if commands.iter().any(|command| command.has(option)) {
-            if value.is_boolean() || !commands.iter().any(is_switch) {
-                return Ok(());
+            if commands.iter().any(is_switch) {
+                if value.is_boolean() {
+                    return Ok(());
+                }
+                format!("must be true or false, not {value}")
+            } else {
+                // A value is for the commands that take it; those of parts are checked as a whole.
+                let commands = commands.iter().filter(|command| command.has(option));
+                let checks: Vec<_> =
+                    commands.map(|c| check_value(vocabulary, c, option, value)).collect();
+                if table.is_part || checks.iter().any(Result::is_ok) {
+                    return Ok(());
+                }
+                checks.into_iter().find_map(Result::err).unwrap_or_default()
             }
-            format!("must be true or false, not {value}")
         } else if vocabulary.run_options.contains(&option.as_str()) {
             "is for a whole run, not for assets: say it on the command line".to_owned()
         } else {
@@ -157,7 +205,8 @@ impl ConfigFile {
                 None => "unknown option".to_owned(),
             }
         };
-        Err(AssetError::Usage(format!("{}: {table}: {option}: {what}", self.path.display())))
+        let keys = table.below(option).keys;
+        Err(self.message(&keys, &format!("{}: {option}: {what}", table.name)))
     }
 
     /// A message for each override whose globs have matched no input so far.
@@ -202,13 +251,15 @@ impl ConfigFile {
             let one = override_number.map(|i| &self.document.overrides[i]);
             let applies = match one {
                 Some(one) => one.files.is_empty() || globs(&one.files)?.is_match(name),
-                None => number == 0 || profile.is_some_and(|p| table == format!("[profile.{p}]")),
+                None => {
+                    number == 0 || profile.is_some_and(|p| table.name == format!("[profile.{p}]"))
+                }
             };
             if applies {
                 if let Some(number) = override_number {
                     self.has_matched.borrow_mut()[number] = true;
                 }
-                let source = format!("{} {table}", self.path.display());
+                let source = format!("{} {}", self.path.display(), table.name);
                 let options = options_of_command(options, vocabulary, command);
                 let part = one.and_then(|one| one.part(&options));
                 let values = if part.is_some() {
@@ -217,7 +268,7 @@ impl ConfigFile {
                     OptionValues::from_json(&options)
                 };
                 let values = values.map_err(|what| {
-                    AssetError::Usage(format!("{}: {table}: {what}", self.path.display()))
+                    self.message(&table.keys, &format!("{}: {what}", table.name))
                 })?;
                 layers.push(ConfigLayer { source, values, part });
             }
@@ -255,6 +306,54 @@ impl Override {
         let names = names.map(|(key, names)| (key.to_owned(), names.clone().into()));
         Some(options.clone().into_iter().chain(names).collect())
     }
+}
+
+/// Refuses a value that an option of a command does not take.
+fn check_value(
+    vocabulary: &Vocabulary,
+    command: &CommandOptions,
+    option: &str,
+    value: &Value,
+) -> Result<(), String> {
+    let check = &vocabulary.check_value.0;
+    match value {
+        Value::Bool(false) => Ok(()),
+        Value::Bool(true) => Err("needs a value".to_owned()),
+        Value::Array(list) => {
+            list.iter().try_for_each(|value| check_value(vocabulary, command, option, value))
+        }
+        Value::String(text) => check(&command.name, option, text),
+        Value::Number(number) => check(&command.name, option, &number.to_string()),
+        Value::Null | Value::Object(_) => Ok(()),
+    }
+}
+
+/// The line, from 1, of what keys lead to, or of the last of them that is there.
+fn line_of(text: &str, keys: &[String]) -> usize {
+    let mut at = 0;
+    if let Ok(document) = DeTable::parse(text) {
+        let (mut table, mut list) = (Some(document.get_ref()), None);
+        for key in keys {
+            let value = match (table, list) {
+                (Some(table), _) => {
+                    table.iter().find(|(name, _)| name.get_ref() == key).map(|(name, value)| {
+                        at = name.span().start;
+                        value
+                    })
+                }
+                (_, Some(list)) => {
+                    let list: &DeArray<'_> = list;
+                    key.parse().ok().and_then(|number: usize| list.get(number)).inspect(|value| {
+                        at = value.span().start;
+                    })
+                }
+                _ => None,
+            };
+            let Some(value) = value.map(Spanned::get_ref) else { break };
+            (table, list) = (value.as_table(), value.as_array());
+        }
+    }
+    text[..at].matches('\n').count() + 1
 }
 
 /// The options in a table that a command has, those of the command's own table last.

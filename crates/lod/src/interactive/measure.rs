@@ -31,7 +31,7 @@ impl Interactive {
         let dependent = ViewPasses::new(&mut program, &views, base.source, base.vertices);
         let filter = Filter::new(&mut program, mesh, &order(mesh, 16), base.vertices, 3);
         let setup = base.construction();
-        let passes = Passes { simplified, base, counting, views, dependent, filter };
+        let passes = Passes { simplified, base, counting, dependent, filter };
         let mut cases = passes.continuous();
         cases.extend(passes.view_dependent());
         Ok(Benchmark { program, memory, setup, cases })
@@ -43,7 +43,6 @@ struct Passes<'a> {
     simplified: &'a Simplified,
     base: Continuous,
     counting: Counting,
-    views: Views<'a>,
     dependent: ViewPasses,
     filter: Filter,
 }
@@ -87,7 +86,7 @@ impl Passes<'_> {
         };
         let all = 8 * self.vertices();
         let drawn = self.drawn(self.filter.indices, self.filter.draws);
-        let everything = vec![vec![self.dependent.pass(&lod_0_everywhere(), &self.views)]];
+        let everything = vec![vec![self.dependent.pass(&lod_0_everywhere())]];
         vec![
             Case::new("view-dependent", outlines(false), all),
             Case::new("view-dependent, morphing", outlines(true), all),
@@ -115,7 +114,7 @@ impl Passes<'_> {
     fn views_by(&self, criterion: &dyn Fn([f32; 3]) -> Criterion, morph: bool) -> Vec<Vec<Pass>> {
         let query = |eye| ViewQuery { criterion: criterion(eye), morph };
         let around = eyes(self.simplified.mesh().bounds());
-        around.iter().map(|&eye| vec![self.dependent.pass(&query(eye), &self.views)]).collect()
+        around.iter().map(|&eye| vec![self.dependent.pass(&query(eye))]).collect()
     }
 
     fn drawn(&self, indices: BufferId, draws: BufferId) -> DrawInput {

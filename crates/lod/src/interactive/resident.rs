@@ -54,24 +54,23 @@ impl Resident {
 
 /// An object of which every part has a level of its own, by view.
 #[derive(Clone, Debug)]
-pub struct ResidentView<'a> {
+pub struct ResidentView {
     /// Buffers and kernels.
     pub program: Program,
     /// Buffers that every instance has for itself.
     pub instance_buffers: Vec<BufferId>,
     /// The draws.
     pub drawn: DrawInput,
-    views: Views<'a>,
     passes: ViewPasses,
     filter: Filter,
 }
 
-impl<'a> ResidentView<'a> {
+impl ResidentView {
     /// Lays an object out, with all its attributes.
     ///
     /// # Errors
     /// If the mesh is too large or collapses too deep.
-    pub fn new(simplified: &'a Simplified) -> Result<Self, PlanError> {
+    pub fn new(simplified: &Simplified) -> Result<Self, PlanError> {
         replay::checked_depth(&replay::lists(simplified)?)?;
         let mesh = simplified.mesh();
         let records = VertexRecords::whole(mesh)?;
@@ -84,13 +83,13 @@ impl<'a> ResidentView<'a> {
         let filter = Filter::new(&mut program, mesh, mesh.triangles(), vertices, stride);
         let buffers = [vertices, filter.indices, filter.draws];
         let drawn = drawn(mesh, stride, buffers);
-        Ok(Self { program, instance_buffers: buffers.to_vec(), drawn, views, passes, filter })
+        Ok(Self { program, instance_buffers: buffers.to_vec(), drawn, passes, filter })
     }
 
     /// The passes that show a view.
     #[must_use]
     pub fn show(&self, view: &ViewQuery) -> Vec<Pass> {
-        let shown = self.passes.pass(view, &self.views);
+        let shown = self.passes.pass(view);
         std::iter::once(shown).chain(self.filter.passes()).collect()
     }
 }

@@ -4,19 +4,30 @@ use super::{
     DEFAULT_POSES, Importance, MetricColours, SceneContext, build_models, check_models,
     measure_all, simplify_all,
 };
-use crate::{Error, File, LodFile};
+use crate::{Error, File, LodFile, Source};
 use lodc_formats::Scene;
-use lodc_formats::import::{ImportOptions, import};
+use lodc_formats::import::{ImportOptions, import, import_bytes, import_parts};
 use lodc_formats::lodc::Layout;
 use lodc_lod::ModelKind;
 use lodc_simplify::{MetricKind, Options};
 use lodc_strip::StripOptions;
-use std::path::{Path, PathBuf};
 
 /// Options of building a file from a mesh.
-#[derive(Clone, Debug)]
-pub struct Builder {
-    path: PathBuf,
+///
+/// ```
+/// use lodc::{Metric, Select};
+/// use lodc::models::ModelKind;
+///
+/// let file = lodc::build("../../fixtures/machine_part.glb")
+///     .metric(Metric::Quadric)
+///     .models(&[ModelKind::Interactive]) // none by default: levels need none
+///     .run()?;
+/// assert_eq!(file.level(Select::Ratio(0.25))?.triangles(), 120);
+/// # Ok::<(), lodc::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Builder<'a> {
+    source: Source<'a>,
     options: Options,
     import: ImportOptions,
     kinds: Vec<ModelKind>,
@@ -24,10 +35,10 @@ pub struct Builder {
     poses: usize,
 }
 
-impl Builder {
-    pub(crate) fn new(path: &Path) -> Self {
+impl<'a> Builder<'a> {
+    pub(crate) fn new(source: Source<'a>) -> Self {
         Self {
-            path: path.to_owned(),
+            source,
             options: Options::DEFAULT,
             import: ImportOptions::default(),
             kinds: Vec::new(),
@@ -84,9 +95,14 @@ impl Builder {
     /// # Errors
     /// If the mesh cannot be read or is larger than the limits.
     pub fn run(self) -> Result<File, Error> {
-        let scene = import(&self.path, &self.import)?;
+        let path = self.source.path();
+        let scene = match self.source {
+            Source::Path(path) => import(&path, &self.import),
+            Source::Mesh(parts) => import_parts(*parts, &self.import),
+            other => import_bytes(other.bytes()?.into_owned(), &self.import),
+        }?;
         let options = vec![self.options; scene.objects.len()];
-        let colours = MetricColours::read(&self.path, &self.import, &scene, &options)?;
+        let colours = MetricColours::read(&path, &self.import, &scene, &options)?;
         let Scene { source, document, objects, mut warnings, .. } = scene;
         let limits = self.import.limits;
         let context = SceneContext {
@@ -104,6 +120,6 @@ impl Builder {
         check_models(&objects, &())?;
         let (layout, left_out) = (self.layout, vec![]);
         let content = LodFile { source, document, objects, layout, made_from: None, left_out };
-        Ok(File::new(content, &self.path, warnings))
+        Ok(File::new(content, &path, warnings))
     }
 }

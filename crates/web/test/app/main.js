@@ -5,6 +5,7 @@ import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { MTLLoader } from 'three/addons/loaders/MTLLoader.js';
 import { OBJLoader } from 'three/addons/loaders/OBJLoader.js';
 import { LodcLoader } from 'lodc';
+import { LodcCrowd } from 'lodc/crowd';
 import './element.js';
 
 const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
@@ -239,6 +240,44 @@ async function crowd(url, count) {
   };
 }
 
+/** The same copies as clones and as a crowd: draw calls, triangles, pixels that differ. */
+async function crowdOf(url, count) {
+  const model = await LodcLoader.load(url);
+  await model.whenComplete;
+  const { radius } = new THREE.Box3().setFromObject(model).getBoundingSphere(new THREE.Sphere());
+  const crowd = new LodcCrowd(model, count);
+  const clones = new THREE.Group();
+  const side = Math.ceil(Math.sqrt(count));
+  for (let i = 0; i < count; i++) {
+    const copy = model.clone();
+    copy.position.set((i % side) - side / 2, 0, -Math.floor(i / side)).multiplyScalar(2.4 * radius);
+    copy.rotation.y = i;
+    copy.updateMatrix();
+    crowd.setMatrixAt(i, copy.matrix);
+    clones.add(copy);
+  }
+  const camera = new THREE.PerspectiveCamera(45, 640 / 480, radius / 10, radius * 1000);
+  camera.position.set(0, 3 * radius, 5 * radius);
+  camera.lookAt(0, 0, -6 * radius);
+  camera.updateMatrixWorld();
+  const wanted = draw(clones, camera);
+  const calls = [renderer.info.render.calls];
+  // Those that are out of sight have chosen no level.
+  for (const copy of clones.children) copy.update(camera, 480);
+  const triangles = [clones.children.reduce((sum, copy) => sum + copy.triangles, 0)];
+  crowd.update(camera, 480);
+  const drawn = draw(crowd, camera);
+  calls.push(renderer.info.render.calls);
+  triangles.push(crowd.triangles);
+  crowd.level = 0;
+  crowd.update(camera, 480);
+  const finest = crowd.triangles;
+  crowd.dispose();
+  const again = difference(draw(model, cameraFor(model)), draw(model, cameraFor(model)));
+  const whole = model.objects.reduce((sum, { header }) => sum + header.triangles, 0) * count;
+  return { calls, triangles, finest, whole, again, ...difference(drawn, wanted) };
+}
+
 /**
  * Opens a file: WebAssemblies that the page's thread compiled, bytes that it sent to the worker,
  * those of them that it kept, and buffers that the model's arrays lie in.
@@ -295,6 +334,6 @@ async function aborted(url) {
 }
 
 Object.assign(window, {
-  compare, boards, begin, grown, whole, finish, crowd, aside, refused, aborted,
+  compare, boards, begin, grown, whole, finish, crowd, crowdOf, aside, refused, aborted,
 });
 document.documentElement.dataset.ready = '';

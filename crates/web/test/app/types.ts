@@ -22,4 +22,10 @@ view.addEventListener('error', ({ message }) => message.length);
 view.addEventListener('load', () => view.model?.triangles.toFixed());
 // @ts-expect-error: a model comes from `src`
 view.model = model;
+view.src = 'chair.lods';
+view.level = null;
+view.autoplay = true;
+view.focus();
+// @ts-expect-error: what an element plays is named
+view.animation = 3;
 export { triangles, WebGLRenderer };

@@ -13,7 +13,7 @@ use crate::gltf::schema::{Pool, forget_references, primitive_mut, retain};
 use crate::gltf::views::Views;
 use crate::options::ImportOptions;
 use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
-use crate::shipped::ShippedLevels;
+use crate::shipped::{NOT_SHIPPED, ShippedLevels};
 use crate::{Assets, FormatError};
 use lodc_mesh::{Component, Posture};
 use std::collections::{BTreeMap, BTreeSet};
@@ -65,9 +65,7 @@ pub(crate) fn shipped(
 fn stated(root: &Object) -> Result<Provenance, FormatError> {
     let all = &root["extras"]["lodc"];
     let source = all["source"].as_str().and_then(|hash| u128::from_str_radix(hash, 16).ok());
-    let source = source.ok_or_else(|| {
-        malformed("extras.lodc", "not written by `lodc extract` or `lodc chain`: nothing to verify")
-    })?;
+    let source = source.ok_or_else(|| malformed("extras.lodc", NOT_SHIPPED))?;
     let facts = |level: &Json| LevelFacts {
         lod: level["lod"].as_u64().and_then(|lod| u32::try_from(lod).ok()),
         error: level["error"].as_f64().unwrap_or(f64::INFINITY),

@@ -1,9 +1,10 @@
 //! The view-dependent variant on a graphics device: buffers, kernels, and the pass that shows a
 //! view.
 
-use super::select::FRUSTUM;
+use super::select::{FRUSTUM, Parameters};
 use super::{Point, ViewQuery, Views};
 use crate::interactive::shaders;
+use lodc_mesh::Lod;
 use lodc_plan::{BufferId, KernelId, Pass, Program};
 
 /// Buffers and kernels of the view-dependent variant.
@@ -23,6 +24,9 @@ pub struct ViewPasses {
     vertex_count: u32,
     /// The upper 18 bits of the error that `lods_by_error` begins with, from [`Views::by_error`].
     lowest_error: u32,
+    /// What parameters of views are made of: the diagonal of the mesh and its last LOD.
+    diagonal: f64,
+    last: Lod,
 }
 
 impl ViewPasses {
@@ -52,13 +56,15 @@ impl ViewPasses {
             kernels,
             vertex_count: views.points().len() as u32,
             lowest_error: views.by_error().1,
+            diagonal: views.selector.diagonal,
+            last: views.selector.last(),
         }
     }
 
     /// Shows a view.
     #[must_use]
-    pub fn pass(&self, view: &ViewQuery, views: &Views<'_>) -> Pass {
-        let p = views.selector.parameters(view);
+    pub fn pass(&self, view: &ViewQuery) -> Pass {
+        let p = Parameters::new(view, self.diagonal, self.last);
         // The two share a word, since no criterion needs both.
         let lowest_or_height =
             if p.criterion == FRUSTUM { p.height.to_bits() } else { self.lowest_error };

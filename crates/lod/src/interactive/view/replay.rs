@@ -111,8 +111,7 @@ impl Interactive {
                 Expected::new(filter.indices, remaining.indices),
                 Expected::new(filter.draws, remaining.draws),
             ];
-            let passes =
-                std::iter::once(device.pass(&view, &twin)).chain(filter.passes()).collect();
+            let passes = std::iter::once(device.pass(&view)).chain(filter.passes()).collect();
             Step {
                 at: name(&view),
                 counts: true,

@@ -3,7 +3,7 @@
 
 use super::select::{self, ByError, Parameters};
 use super::{Cones, Criterion, Family, LodRange, Point, State, ViewQuery};
-use lodc_mesh::{Shortcuts, Simplified};
+use lodc_mesh::{Lod, Shortcuts, Simplified};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 pub struct Selector<'a> {
     simplified: &'a Simplified,
     /// The diagonal of the bounding box of the surface in its shape.
-    diagonal: f64,
+    pub(super) diagonal: f64,
     pub(super) points: Vec<Point>,
     pub(super) links: Vec<[u32; 2]>,
     pub(super) by_error: ByError,
@@ -51,7 +51,12 @@ impl<'a> Selector<'a> {
 
     /// Returns the numbers that a kernel is given for a view.
     pub(super) fn parameters(&self, view: &ViewQuery) -> Parameters {
-        Parameters::new(view, self.diagonal, self.simplified.collapses().last())
+        Parameters::new(view, self.diagonal, self.last())
+    }
+
+    /// Returns the last LOD.
+    pub(super) fn last(&self) -> Lod {
+        self.simplified.collapses().last()
     }
 
     /// Returns the LOD that a criterion wants at each vertex.
