@@ -497,10 +497,11 @@ fn curves_that_are_too_small_or_too_large_are_refused() {
 /// Where a shape has next to no area, the first faces that are no longer folded up decide the mean.
 #[test]
 fn sheets_that_are_curves_in_a_shape_state_what_holds() {
+    type Fold<'a> = &'a dyn Fn([f64; 2]) -> [f64; 3];
     let place = |[x, y]: [f64; 2]| [x, y, 0.15 * (5.0 * x).sin() * (4.0 * y + 1.0).cos()];
     let circle = |radius: f64, x: f64| [radius * (5.0 * x).cos(), radius * (5.0 * x).sin()];
     let noise = |x: f64| 1e-7 * (1e4 * x).sin();
-    let folds: [(&str, &dyn Fn([f64; 2]) -> [f64; 3]); 7] = [
+    let folds: [(&str, Fold<'_>); 7] = [
         ("noise", &|[x, y]| [circle(0.5, x)[0] + noise(y), circle(0.5, x)[1], noise(x * y)]),
         ("circle", &|[x, _]| [circle(0.5, x)[0], circle(0.5, x)[1], 0.0]),
         ("small circle", &|[x, _]| [circle(0.01, x)[0], circle(0.01, x)[1], 0.0]),
@@ -512,7 +513,7 @@ fn sheets_that_are_curves_in_a_shape_state_what_holds() {
             false => [circle(0.5, x)[0], circle(0.5, x)[1], 0.0],
         }),
     ];
-    for n in [8, 16, 20u32] {
+    for n in [8, 20u32] {
         let at = |i: u32| f64::from(i) / f64::from(n) - 0.5;
         let sheet: Vec<[f64; 2]> =
             (0..=n).flat_map(|j| (0..=n).map(move |i| [at(i), at(j)])).collect();

@@ -65,10 +65,13 @@ impl ObjectShapes {
         &self.all[self.of_placements..]
     }
 
-    /// How many postures have all of their shapes among the first `shapes` ones of postures.
+    /// How many postures the first `shapes` shapes of postures belong to, and how many shapes these
+    /// postures have.
     #[must_use]
-    pub fn postures_within(&self, shapes: usize) -> usize {
-        self.posture_ends.partition_point(|&end| end <= shapes)
+    pub fn postures_of(&self, shapes: usize) -> (usize, usize) {
+        let before = self.posture_ends.partition_point(|&end| end < shapes);
+        let last = self.posture_ends.get(before).filter(|_| shapes > 0);
+        last.map_or((before, shapes), |&end| (before + 1, end))
     }
 }
 
@@ -132,8 +135,8 @@ impl Motion {
 
     /// The shapes of an object: in its [measured placements](Self::measured_placements), and in
     /// each posture, in the same units, where moments move several placements in each of them.
-    /// Postures that do not apply, such as one of an animation
-    /// that does not exist, are skipped. `mesh` is the object at full detail.
+    /// Postures that do not apply, such as one of an animation that does not exist, are skipped.
+    /// `mesh` is the object at full detail.
     #[must_use]
     pub fn shapes(&self, mesh: &Mesh, object: usize, postures: &[Posture]) -> ObjectShapes {
         let measured = self.measured_placements(mesh, object);

@@ -81,7 +81,12 @@ pub fn step_errors(
     }
     let postures = shapes.of_postures().iter().map(posed);
     let measured = lodc_errors::raise(&mut errors, simplified, postures, scene_triangles, tick);
-    (errors, shapes.postures_within(measured))
+    // All placements of the last posture.
+    let (postures, all) = shapes.postures_of(measured);
+    for some in shapes.of_postures()[measured..all].chunks(SHAPES_AT_ONCE) {
+        lodc_errors::raise(&mut errors, simplified, some.iter().map(posed), scene_triangles, tick);
+    }
+    (errors, postures)
 }
 
 /// Puts into the descriptions of objects the poses that their levels are to be measured over: up to
