@@ -96,5 +96,5 @@ impl ResidentView {
 
 fn drawn(mesh: &Mesh, stride: usize, [vertices, indices, draws]: [BufferId; 3]) -> DrawInput {
     let (count, bounds) = (mesh.submeshes().len(), mesh.bounds());
-    DrawInput { vertices, stride, indices, strips: false, draws, count, bounds }
+    DrawInput { vertices, stride, indices, strips: false, draws, first: 0, count, bounds }
 }
