@@ -78,6 +78,70 @@ fn a_budget_is_met_as_well_as_by_a_greedy_choice() {
     }
 }
 
+/// Objects with errors and triangles of all levels: from ten to thousands of triangles, with errors
+/// that grow early or late.
+fn unlike(rng: &mut SplitMix64) -> Vec<Vec<(f64, u32)>> {
+    let one = |rng: &mut SplitMix64| {
+        let (all, growth) = (10 + rng.below(4000) as u32, 0.2 + rng.below(30) as f64 / 10.0);
+        let (mut left, mut levels) = (all, vec![(0.0, all)]);
+        while left > 2 {
+            left -= (1 + rng.below(left as usize / 20 + 1) as u32).min(left - 1);
+            let share = f64::from(all - left) / f64::from(all);
+            levels.push(((share / (1.02 - share)).powf(growth) * 0.01, left));
+        }
+        levels
+    };
+    (0..3 + rng.below(9)).map(|_| one(rng)).collect()
+}
+
+#[test]
+fn a_budget_of_unlike_objects_takes_the_fewest_pixels_from_any_eye() {
+    for seed in 0..20 {
+        let mut rng = SplitMix64::new(seed);
+        let objects = unlike(&mut rng);
+        let curves = objects.iter().map(|levels| LevelCurve::new(levels, 0.5)).collect();
+        let mut coordinate = || rng.below(20_000) as f32 / 10.0 - 1000.0;
+        let places: Vec<[f32; 3]> =
+            (0..2 * objects.len()).map(|_| [coordinate(), coordinate(), 0.0]).collect();
+        let instances: Vec<Instance> = places
+            .into_iter()
+            .zip((0..objects.len()).cycle())
+            .map(|(position, object)| {
+                let scale = [0.01, 0.1, 1.0, 10.0, 100.0][rng.below(5)];
+                Instance { curve: object as u32, position, scale }
+            })
+            .collect();
+        let levels = |i: usize| &objects[instances[i].curve as usize];
+        let all: u32 = (0..instances.len()).map(|i| levels(i)[0].1).sum();
+        let manager = SceneManager::new(curves, instances.clone());
+        for eye in [[0.0, 0.0, 3.0], [1500.0, -200.0, 400.0], [-300.0, 500.0, 20.0]] {
+            for share in [0.6, 0.5, 0.4, 0.3, 0.1] {
+                let budget = (f64::from(all) * share) as u64;
+                let mut shown = manager.clone();
+                assert!(
+                    shown.frame(&View::new(eye, 60.0, 1080.0), Goal::Triangles(budget)) <= budget
+                );
+                let per_pixel = |i: usize| f64::from(shown.per_pixel[i]);
+                let seen = |i: usize| levels(i)[shown.level(i).index as usize].0 / per_pixel(i);
+                let most = (0..instances.len()).map(seen).fold(0.0, f64::max);
+                // The least bound, of all that levels have, under which the triangles fit.
+                let fits = |bound: f64| {
+                    let within = |i: usize| {
+                        let fitting = levels(i).iter().rev().find(|l| l.0 <= bound * per_pixel(i));
+                        u64::from(fitting.expect("the finest has no error").1)
+                    };
+                    (0..instances.len()).map(within).sum::<u64>() <= budget
+                };
+                let pixels = |i: usize| levels(i).iter().map(move |l| l.0 / per_pixel(i));
+                let mut bounds: Vec<f64> = (0..instances.len()).flat_map(pixels).collect();
+                bounds.sort_by(f64::total_cmp);
+                let least = bounds[bounds.partition_point(|&b| !fits(b * (1.0 + 1e-9)))];
+                assert!(most <= 1.1 * least, "seed {seed}, {eye:?}, {share}: {most} for {least}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_small_move_changes_no_level_and_the_budget_holds_on_the_way() {
     let mut manager = scene(3, 500);
