@@ -144,7 +144,40 @@ def streams(key, title, marks):
     return Panel(title, [1, 2, 5, 10, 25, 50], marks, (True, True)), list(lines.items()), " %"
 
 
+def device():
+    """Microseconds on an NVIDIA H200 over the vertices of a mesh."""
+    vertices = {r["model"]: int(r["vertices"]) for r in rows("device-limit.csv")}
+    names = {"Speed Strips, *direct*, per update of 0.1 %": "Speed, direct",
+             "Masking Strips, per update of 0.1 %": "Masking",
+             "the whole mesh in one jump": "whole mesh",
+             "view-dependent, outline": "by view",
+             "Interactive Meshes, per update of 0.1 %": "Interactive"}
+    at = [r for r in rows("device-time.csv") if r["adapter"] == "NVIDIA H200"]
+    lines = [(name, [(vertices[r["model"]], 1e3 * float(r["value"]))
+                     for r in at if r["case"] == case]) for case, name in names.items()]
+    lines.append(("limit", [(int(r["vertices"]), float(r["limit_us"]))
+                            for r in rows("device-limit.csv")]))
+    panel = Panel("µs on a device (H200)", [1e3, 1e4, 1e5, 1e6], [0.01, 0.1, 1, 10, 100, 1000],
+                  (True, True))
+    return panel, lines, ""
+
+
+def device_draws():
+    """Milliseconds of a draw on an NVIDIA H200 over the vertices of a mesh."""
+    vertices = {r["model"]: int(r["vertices"]) for r in rows("device-limit.csv")}
+    at = [r for r in rows("device-time.csv") if r["adapter"] == "NVIDIA H200"]
+    names = ["triangles", "triangles in cache order", "long strips", "cache-aware strips"]
+    short = {"triangles in cache order": "cache order", "cache-aware strips": "cache strips"}
+    lines = [(short.get(name, name), [(vertices[r["model"]], float(r["value"])) for r in at
+                                      if r["case"] == f"one draw of LOD 0, {name}"])
+             for name in names]
+    panel = Panel("ms of one draw of LOD 0 (H200)", [1e3, 1e4, 1e5, 1e6], [0.01, 0.1, 1, 10],
+                  (True, True))
+    return panel, lines, ""
+
+
 PLOTS = {
+    "device.svg": lambda: picture([device(), device_draws()], "vertices (four meshes)"),
     "quality.svg": lambda: picture([distance(), looks()], "share of the triangles"),
     "models.svg": lambda: picture([extraction(), traffic()], "records per update (ten meshes)"),
     "streams.svg": lambda: picture([

@@ -7,6 +7,7 @@ use lodc_gpu::{Device, GpuError, replay};
 use lodc_lod::Interactive;
 use lodc_plan::schedule;
 use lodc_simplify::{Options, simplify};
+use lodc_verify::Reference;
 use std::sync::Arc;
 
 fn main() {
@@ -19,7 +20,8 @@ fn main() {
     let simplified = Arc::new(simplify(&mesh, &Options::DEFAULT, &|_, _| ()));
     let model = Interactive::build(&simplified).expect("a simplifier's sequence has a model");
     let stops = schedule(simplified.collapses(), 10, 3, 1);
-    for plan in model.replays(&stops).expect("a small mesh") {
+    let reference = Reference::new(&simplified).expect("a small sequence");
+    for plan in model.replays(&stops, &reference).expect("a small mesh") {
         let name = plan.name;
         let done = replay(&device, plan).expect("a small mesh fits on any device");
         println!("{}: {name}, {} levels", device.adapter(), done.lods);

@@ -2,6 +2,7 @@
 //! against its limits.
 
 use crate::GpuError;
+use crate::pipelines::Pipelines;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -57,6 +58,7 @@ pub struct Device {
     pub(crate) queue: wgpu::Queue,
     /// The first error since the last look.
     error: Arc<Mutex<Option<GpuError>>>,
+    pub(crate) pipelines: Pipelines,
 }
 
 impl Device {
@@ -107,7 +109,13 @@ impl Device {
     /// them.
     #[must_use]
     pub fn of_host(info: &wgpu::AdapterInfo, device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { adapter: Adapter::of(info), device, queue, error: Arc::default() }
+        Self {
+            adapter: Adapter::of(info),
+            device,
+            queue,
+            error: Arc::default(),
+            pipelines: Pipelines::default(),
+        }
     }
 
     fn of(adapter: &wgpu::Adapter, overrides: &LimitOverrides) -> Result<Self, GpuError> {
@@ -145,7 +153,7 @@ impl Device {
             };
             slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(gpu_error);
         }));
-        Ok(Self { adapter: described, device, queue, error })
+        Ok(Self { adapter: described, device, queue, error, pipelines: Pipelines::default() })
     }
 
     /// Returns the adapter.
@@ -184,7 +192,15 @@ impl Device {
 
     /// Waits until everything submitted is done.
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
-        let poll = wgpu::PollType::Wait { submission_index: None, timeout: Some(ANSWER_TIMEOUT) };
+        self.wait_for(None)
+    }
+
+    /// Waits until a submission is done; all of them if none is given.
+    pub(crate) fn wait_for(
+        &self,
+        submission_index: Option<wgpu::SubmissionIndex>,
+    ) -> Result<(), GpuError> {
+        let poll = wgpu::PollType::Wait { submission_index, timeout: Some(ANSWER_TIMEOUT) };
         self.device.poll(poll).map_err(|e| GpuError::Lost { why: e.to_string() })?;
         self.check()
     }

@@ -25,6 +25,7 @@ mod error;
 mod instanced;
 mod measure;
 pub mod picture;
+mod pipelines;
 mod replay;
 mod session;
 mod timer;
@@ -32,8 +33,10 @@ mod timer;
 pub use device::{Adapter, Device, LimitOverrides};
 pub use error::GpuError;
 pub use instanced::{Instance, Instanced, InstancedDraw, InstancedFrame};
+/// What is timed of a sweep over all LODs: less of large meshes.
+pub use lodc_plan::{DRAWN_UPDATES, SWEEP_UPDATES, drawn_stops, timed_updates};
 pub use measure::{Figure, measure};
-pub use replay::{Difference, Replayed, replay};
+pub use replay::{Difference, Replayed, Replays, replay};
 pub use session::Session;
 /// The interface to devices that all of this uses.
 pub use wgpu;

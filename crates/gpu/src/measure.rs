@@ -51,7 +51,7 @@ pub fn measure(
                 continue;
             }
             let start = now();
-            let nanoseconds = session.timed(&case.runs, canvas.as_ref(), now)?;
+            let nanoseconds = session.timed(&case.before, &case.runs, canvas.as_ref(), now)?;
             *spent += now().saturating_sub(start);
             if round > 0 || *spent > MAX_CASE_TIME {
                 rounds.push(nanoseconds);

@@ -1,14 +1,13 @@
-//! A program on a device: creates its buffers and pipelines, runs passes, and reads words back.
+//! A program on a device: creates its buffers, runs passes, and reads words back.
 
+use crate::pipelines::{PARAMETER_SLOT, Pipeline};
 use crate::{Device, GpuError};
 use lodc_plan::{BufferId, Contents, DrawInput, Kernel, KernelId, Pass, Program, WORKGROUP};
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-/// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts
-/// as an offset.
-const PARAMETER_SLOT: u64 = 256;
 /// Bytes that are read back at once. Chosen by hand.
-const STAGING_BYTES: u64 = 32 << 20;
+pub(crate) const STAGING_BYTES: u64 = 32 << 20;
 
 /// A range of a buffer that is read back.
 #[derive(Clone, Copy, Debug)]
@@ -30,9 +29,19 @@ pub struct Session {
     lengths: Vec<usize>,
     kernels: Vec<Kernel>,
     /// Made when they are first used.
-    pipelines: Vec<OnceCell<wgpu::ComputePipeline>>,
-    /// What is read back is copied here first.
-    staging: wgpu::Buffer,
+    pipelines: Vec<OnceCell<Pipeline>>,
+    bound: RefCell<Bound>,
+    /// What is read back is copied here first. Made when something is.
+    staging: OnceCell<wgpu::Buffer>,
+}
+
+/// Parameters of passes on the device, and what passes bind together with them.
+#[derive(Default)]
+struct Bound {
+    /// A slot for each pass that is encoded at once; none before the first.
+    parameters: Option<wgpu::Buffer>,
+    /// By kernel and buffers; a pass's slot is an offset into the parameters.
+    groups: Vec<(KernelId, Vec<BufferId>, wgpu::BindGroup)>,
 }
 
 impl Session {
@@ -47,14 +56,6 @@ impl Session {
         let buffers: Vec<_> =
             program.buffers.iter().map(|b| upload(device, b.name, &b.contents)).collect();
         device.check()?;
-        let largest = program.buffers.iter().map(|b| bytes_of(&b.contents)).max().unwrap_or(16);
-        let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("staging"),
-            size: largest.min(STAGING_BYTES),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        device.check()?;
         Ok(Self {
             device: device.clone(),
             names: program.buffers.iter().map(|b| b.name).collect(),
@@ -62,7 +63,8 @@ impl Session {
             buffers,
             kernels: program.kernels.clone(),
             pipelines: program.kernels.iter().map(|_| OnceCell::new()).collect(),
-            staging,
+            bound: RefCell::default(),
+            staging: OnceCell::new(),
         })
     }
 
@@ -87,6 +89,7 @@ impl Session {
             lengths: self.lengths.clone(),
             kernels: self.kernels.clone(),
             pipelines: self.pipelines.clone(),
+            bound: RefCell::default(),
             staging: self.staging.clone(),
         })
     }
@@ -100,7 +103,39 @@ impl Session {
         encoder: &mut wgpu::CommandEncoder,
         passes: &[Pass],
     ) -> Result<(), GpuError> {
-        self.encode(encoder, passes, None)
+        self.encode(encoder, passes)
+    }
+
+    /// Adds a write of words to the start of a buffer to what is submitted next: passes that were
+    /// encoded before do not see it.
+    pub fn encode_words(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        buffer: BufferId,
+        words: &[u32],
+    ) {
+        if words.is_empty() {
+            return;
+        }
+        let sent = self.device.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("words that are sent"),
+            contents: bytemuck::cast_slice(words),
+            usage: wgpu::BufferUsages::COPY_SRC,
+        });
+        encoder.copy_buffer_to_buffer(&sent, 0, &self.buffers[buffer.0], 0, sent.size());
+    }
+
+    /// Fills a buffer with copies of another one.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn repeat(&mut self, from: BufferId, to: BufferId) -> Result<(), GpuError> {
+        let size = 4 * self.lengths[from.0] as u64;
+        let copies = self.lengths[to.0].checked_div(self.lengths[from.0]).unwrap_or(0) as u64;
+        let mut encoder = self.device.encoder();
+        let [from, to] = [from, to].map(|id| &self.buffers[id.0]);
+        (0..copies).for_each(|i| encoder.copy_buffer_to_buffer(from, 0, to, i * size, size));
+        self.device.submit(encoder)
     }
 
     /// Draws what passes have made, with the pipeline that is set: vertex buffer 0, the index
@@ -108,7 +143,7 @@ impl Session {
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, drawn: &DrawInput) {
         pass.set_vertex_buffer(0, self.buffers[drawn.vertices.0].slice(..));
         pass.set_index_buffer(self.buffers[drawn.indices.0].slice(..), wgpu::IndexFormat::Uint32);
-        for draw in 0..drawn.count {
+        for draw in drawn.first..drawn.first + drawn.count {
             pass.draw_indexed_indirect(&self.buffers[drawn.draws.0], 20 * draw as u64);
         }
     }
@@ -130,20 +165,33 @@ impl Session {
 
     fn submit(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
         let mut encoder = self.device.encoder();
-        self.encode(&mut encoder, passes, None)?;
+        self.encode(&mut encoder, passes)?;
         self.device.submit(encoder)
     }
 
-    /// Adds passes to what is submitted next, between two time stamps if there is room for them:
-    /// the set, and the first of the two.
+    /// Adds passes to what is submitted next.
     pub(crate) fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         passes: &[Pass],
+    ) -> Result<(), GpuError> {
+        self.send_parameters(encoder, passes);
+        self.dispatch(encoder, passes, 0, None)
+    }
+
+    /// Adds passes to what is submitted next, whose parameters [`Self::send_parameters`] has sent:
+    /// the first one's are in slot `slot`. Between two time stamps if there is room for them: the
+    /// set, and the first of the two.
+    pub(crate) fn dispatch(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        passes: &[Pass],
+        slot: usize,
         clock: Option<(&wgpu::QuerySet, u32)>,
     ) -> Result<(), GpuError> {
-        let gpu = &self.device.device;
-        let parameters = self.parameters(passes);
+        if passes.is_empty() && clock.is_none() {
+            return Ok(());
+        }
         let timestamp_writes = clock.map(|(query_set, first)| wgpu::ComputePassTimestampWrites {
             query_set,
             beginning_of_pass_write_index: Some(first),
@@ -151,62 +199,108 @@ impl Session {
         });
         let mut compute = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
-        for (i, pass) in passes.iter().enumerate() {
-            let Some((x, y)) = self.workgroups(pass)? else { continue };
-            let pipeline = self.pipeline(pass.kernel)?;
-            let uniform = wgpu::BufferBinding {
-                buffer: &parameters,
-                offset: PARAMETER_SLOT * i as u64,
-                size: std::num::NonZeroU64::new(PARAMETER_SLOT),
-            };
-            let mut entries = vec![wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::Buffer(uniform),
-            }];
-            entries.extend(pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
-                binding,
-                resource: self.buffers[b.0].as_entire_binding(),
-            }));
-            let layout = pipeline.get_bind_group_layout(0);
-            let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout: &layout,
-                entries: &entries,
-            });
-            compute.set_pipeline(pipeline);
-            compute.set_bind_group(0, &group, &[]);
-            compute.dispatch_workgroups(x, y, 1);
+        for (pass, slot) in passes.iter().zip(slot..) {
+            self.dispatch_one(&mut compute, pass, slot)?;
         }
         Ok(())
     }
 
-    fn pipeline(&self, kernel: KernelId) -> Result<&wgpu::ComputePipeline, GpuError> {
+    /// One pass of [`Self::dispatch`].
+    pub(crate) fn dispatch_one(
+        &self,
+        compute: &mut wgpu::ComputePass<'_>,
+        pass: &Pass,
+        slot: usize,
+    ) -> Result<(), GpuError> {
+        let Some((x, y)) = self.workgroups(pass)? else { return Ok(()) };
+        let pipeline = self.pipeline(pass.kernel)?;
+        let mut bound = self.bound.borrow_mut();
+        let known =
+            bound.groups.iter().position(|(k, b, _)| *k == pass.kernel && *b == pass.buffers);
+        let group = known.unwrap_or_else(|| {
+            let parameters = bound.parameters.as_ref().expect("parameters are sent before passes");
+            let group = self.group(pipeline, parameters, &pass.buffers);
+            bound.groups.push((pass.kernel, pass.buffers.clone(), group));
+            bound.groups.len() - 1
+        });
+        compute.set_pipeline(&pipeline.compute);
+        compute.set_bind_group(0, &bound.groups[group].2, &[(PARAMETER_SLOT * slot as u64) as u32]);
+        compute.dispatch_workgroups(x, y, 1);
+        Ok(())
+    }
+
+    fn group(
+        &self,
+        pipeline: &Pipeline,
+        parameters: &wgpu::Buffer,
+        buffers: &[BufferId],
+    ) -> wgpu::BindGroup {
+        let uniform = wgpu::BufferBinding {
+            buffer: parameters,
+            offset: 0,
+            size: std::num::NonZeroU64::new(PARAMETER_SLOT),
+        };
+        let uniform = wgpu::BindingResource::Buffer(uniform);
+        let words = buffers.iter().map(|b| self.buffers[b.0].as_entire_binding());
+        let resources = std::iter::once(uniform).chain(words).zip(0..);
+        let entries: Vec<_> = resources
+            .map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        self.device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.layout,
+            entries: &entries,
+        })
+    }
+
+    fn pipeline(&self, kernel: KernelId) -> Result<&Pipeline, GpuError> {
         let cell = &self.pipelines[kernel.0];
         if let Some(created) = cell.get() {
             return Ok(created);
         }
-        let created = pipeline(&self.device, &self.kernels[kernel.0])?;
+        let Device { pipelines, device, .. } = &self.device;
+        let created = pipelines.get(device, &self.kernels[kernel.0], || self.device.check())?;
         Ok(cell.get_or_init(|| created))
     }
 
-    /// The parameters of all passes, each in a slot of its own.
-    fn parameters(&self, passes: &[Pass]) -> wgpu::Buffer {
-        let mut words = vec![0u32; PARAMETER_SLOT as usize / 4 * passes.len().max(1)];
-        for (slot, pass) in words.chunks_mut(PARAMETER_SLOT as usize / 4).zip(passes) {
+    /// Sends the parameters of passes to the slots from 0 on, by a copy in what is submitted next:
+    /// what was encoded before keeps its own.
+    pub(crate) fn send_parameters<'p>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        passes: impl IntoIterator<Item = &'p Pass>,
+    ) {
+        let mut words: Vec<u32> = Vec::new();
+        for pass in passes {
             debug_assert!(
                 pass.parameters.len() <= Pass::MAX_PARAMETERS,
                 "a pass has too many parameters"
             );
-            slot[..pass.parameters.len()].copy_from_slice(&pass.parameters);
+            let next = words.len() + PARAMETER_SLOT as usize / 4;
+            words.extend_from_slice(&pass.parameters);
+            words.resize(next, 0);
         }
-        let buffer = self.device.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("parameters"),
-            size: 4 * words.len() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
+        if words.is_empty() {
+            return;
+        }
+        let gpu = &self.device.device;
+        let sent = gpu.create_buffer_init(&BufferInitDescriptor {
+            label: Some("parameters that are sent"),
+            contents: bytemuck::cast_slice(&words),
+            usage: wgpu::BufferUsages::COPY_SRC,
         });
-        self.device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
-        buffer
+        let mut bound = self.bound.borrow_mut();
+        if bound.parameters.as_ref().is_none_or(|there| there.size() < sent.size()) {
+            bound.groups.clear();
+            bound.parameters = Some(gpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("parameters"),
+                size: sent.size().next_power_of_two(),
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }));
+        }
+        let parameters = bound.parameters.as_ref().expect("just made");
+        encoder.copy_buffer_to_buffer(&sent, 0, parameters, 0, sent.size());
     }
 
     /// Workgroups across and down, since one row has a limited number; none if there is nothing to
@@ -260,12 +354,15 @@ impl Session {
     pub fn drawn_triangles(&mut self, drawn: &DrawInput) -> Result<Vec<[[f32; 3]; 3]>, GpuError> {
         let [records, indices, draws] =
             [self.read(drawn.vertices)?, self.read(drawn.indices)?, self.read(drawn.draws)?];
-        let corner = |&v: &u32| -> [f32; 3] {
+        let corner = |v: u32| -> [f32; 3] {
             std::array::from_fn(|i| f32::from_bits(records[v as usize * drawn.stride + i]))
         };
-        let indices_of_draw = |draw: &[u32; 5]| &indices[draw[2] as usize..][..draw[0] as usize];
-        let corners = draws.as_chunks::<5>().0.iter().flat_map(indices_of_draw);
-        let corners: Vec<[f32; 3]> = corners.map(corner).collect();
+        let corners_of_draw = |&[count, _, first, base, _]: &[u32; 5]| {
+            indices[first as usize..][..count as usize].iter().map(move |v| corner(base + v))
+        };
+        let draws = draws.as_chunks::<5>().0;
+        let corners: Vec<[f32; 3]> =
+            draws[drawn.first..][..drawn.count].iter().flat_map(corners_of_draw).collect();
         Ok(corners.as_chunks::<3>().0.to_vec())
     }
 
@@ -280,7 +377,9 @@ impl Session {
         ranges: &[WordRange],
         mut see: impl FnMut(usize, usize, &[u32]) -> bool,
     ) -> Result<(), GpuError> {
-        let capacity = (self.staging.size() / 4) as usize;
+        let largest = self.buffers.iter().map(wgpu::Buffer::size).max().unwrap_or(16);
+        let staging = self.staging.get_or_init(|| self.device.staging(largest.min(STAGING_BYTES)));
+        let capacity = (staging.size() / 4) as usize;
         // The number of the range, the word in it at which the piece starts, and its words.
         let mut pieces: Vec<(usize, usize, usize)> = Vec::new();
         for (range, &WordRange { count, .. }) in ranges.iter().enumerate() {
@@ -295,23 +394,20 @@ impl Session {
             let (mut used, mut batch) = (0, 0);
             let mut encoder = self.device.encoder();
             while batch < pending.len() && used + pending[batch].2 <= capacity {
-                let (range, start, words) = pending[batch];
+                let (range, start, count) = pending[batch];
                 let WordRange { buffer, first, .. } = ranges[range];
-                let from = 4 * (first + start) as u64;
-                let (from_buffer, size) = (&self.buffers[buffer.0], 4 * words as u64);
-                encoder.copy_buffer_to_buffer(
-                    from_buffer,
-                    from,
-                    &self.staging,
-                    4 * used as u64,
-                    size,
+                self.copy(
+                    &mut encoder,
+                    WordRange { buffer, first: first + start, count },
+                    staging,
+                    used,
                 );
-                used += words;
+                used += count;
                 batch += 1;
             }
             self.device.queue.submit([encoder.finish()]);
             let mut continues = true;
-            self.device.map(&self.staging, 4 * used as u64, |bytes| {
+            self.device.map(staging, 4 * used as u64, |bytes| {
                 let mut words: &[u32] = bytemuck::cast_slice(bytes);
                 for &(range, start, len) in &pending[..batch] {
                     let (piece, further) = words.split_at(len);
@@ -328,7 +424,31 @@ impl Session {
     }
 }
 
+impl Session {
+    /// Copies a range to the word `to` of a buffer that can be read, in what is submitted next.
+    pub(crate) fn copy(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        WordRange { buffer, first, count }: WordRange,
+        readable: &wgpu::Buffer,
+        to: usize,
+    ) {
+        let [from, to, size] = [first, to, count].map(|words| 4 * words as u64);
+        encoder.copy_buffer_to_buffer(&self.buffers[buffer.0], from, readable, to, size);
+    }
+}
+
 impl Device {
+    /// A buffer that what is read back is copied to.
+    pub(crate) fn staging(&self, size: u64) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("staging"),
+            size,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    }
+
     /// Waits until everything submitted is done, then passes the first `bytes` bytes of a mappable
     /// buffer to `see`.
     pub(crate) fn map(
@@ -337,12 +457,33 @@ impl Device {
         bytes: u64,
         see: impl FnOnce(&[u8]),
     ) -> Result<(), GpuError> {
+        self.map_when(None, buffer, bytes, see)
+    }
+
+    /// Does the same once one submission is done.
+    pub(crate) fn map_after(
+        &self,
+        submission: wgpu::SubmissionIndex,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        see: impl FnOnce(&[u8]),
+    ) -> Result<(), GpuError> {
+        self.map_when(Some(submission), buffer, bytes, see)
+    }
+
+    fn map_when(
+        &self,
+        submission: Option<wgpu::SubmissionIndex>,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        see: impl FnOnce(&[u8]),
+    ) -> Result<(), GpuError> {
         if bytes == 0 {
-            return self.wait();
+            return self.wait_for(submission);
         }
         let slice = buffer.slice(..bytes);
         slice.map_async(wgpu::MapMode::Read, |_| {});
-        self.wait()?;
+        self.wait_for(submission)?;
         let view = slice.get_mapped_range().map_err(|e| GpuError::Lost { why: e.to_string() })?;
         see(&view);
         drop(view);
@@ -381,35 +522,4 @@ fn empty(device: &Device, name: &'static str, size: u64) -> wgpu::Buffer {
             | wgpu::BufferUsages::VERTEX,
         mapped_at_creation: false,
     })
-}
-
-fn pipeline(device: &Device, kernel: &Kernel) -> Result<wgpu::ComputePipeline, GpuError> {
-    let allowed = device.device.limits().max_storage_buffers_per_shader_stage;
-    let needed = kernel.wgsl.matches("var<storage").count() as u64;
-    if needed > u64::from(allowed) {
-        return Err(GpuError::Limit {
-            what: format!("the kernel {} (storage buffers)", kernel.name),
-            limit: "max_storage_buffers_per_shader_stage",
-            needed,
-            allowed: u64::from(allowed),
-        });
-    }
-    let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(kernel.name),
-        source: wgpu::ShaderSource::Wgsl(kernel.wgsl.as_str().into()),
-    });
-    let constants: Vec<(&str, f64)> =
-        kernel.constants.iter().map(|&(name, value)| (name, f64::from(value))).collect();
-    let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(kernel.name),
-        layout: None,
-        module: &module,
-        entry_point: Some("main"),
-        compilation_options: wgpu::PipelineCompilationOptions {
-            constants: &constants,
-            ..wgpu::PipelineCompilationOptions::default()
-        },
-        cache: None,
-    });
-    device.check().map(|()| pipeline)
 }

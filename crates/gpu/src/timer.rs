@@ -14,21 +14,26 @@ const BATCH: usize = 256;
 
 impl Session {
     /// Nanoseconds that the device worked on the passes of all runs, or, with a canvas, on drawing
-    /// after each of them. By the host's clock if the device has none.
+    /// after each of them. By the host's clock if the device has none. Passes `before` runs are not
+    /// timed; there are some for each run or for none.
     ///
     /// # Errors
     /// As [`Session::run`].
     pub(crate) fn timed(
         &mut self,
+        before: &[Vec<Pass>],
         runs: &[Vec<Pass>],
         canvas: Option<&Canvas>,
         now: Now<'_>,
     ) -> Result<f64, GpuError> {
         let mut nanoseconds = 0.0;
+        let mut leads = before.chunks(BATCH);
         for batch in runs.chunks(BATCH) {
+            let before = leads.next().unwrap_or_default();
             nanoseconds += match (self.device.has_clock(), canvas) {
-                (true, _) => self.timed_batch(batch, canvas)?,
-                (false, None) => self.timed_by_host(batch, now)?,
+                (true, _) => self.timed_batch(before, batch, canvas)?,
+                (false, None) if before.is_empty() => self.timed_by_host(batch, now)?,
+                (false, None) => self.runs_timed_by_host(before, batch, now)?,
                 (false, Some(canvas)) => self.draws_timed_by_host(batch, canvas, now)?,
             };
         }
@@ -38,19 +43,24 @@ impl Session {
     /// Runs with time stamps around each.
     fn timed_batch(
         &mut self,
+        before: &[Vec<Pass>],
         runs: &[Vec<Pass>],
         canvas: Option<&Canvas>,
     ) -> Result<f64, GpuError> {
         let clock = Clock::new(&self.device, 2 * runs.len() as u32);
-        let mut encoder =
-            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for (ticks, passes) in (0..).step_by(2).zip(runs) {
-            match canvas {
-                None => self.encode(&mut encoder, passes, Some((&clock.queries, ticks)))?,
-                Some(canvas) => {
-                    self.encode(&mut encoder, passes, None)?;
-                    canvas.encode(self, &mut encoder, Some((&clock.queries, ticks)));
-                }
+        let mut encoder = self.device.encoder();
+        let leads = before.iter().map(Vec::as_slice).chain(std::iter::repeat(&[][..]));
+        let all = || leads.clone().zip(runs);
+        self.send_parameters(&mut encoder, all().flat_map(|(lead, run)| lead.iter().chain(run)));
+        let mut slot = 0;
+        for (ticks, (lead, passes)) in (0..).step_by(2).zip(all()) {
+            self.dispatch(&mut encoder, lead, slot, None)?;
+            slot += lead.len();
+            let stamps = Some((&clock.queries, ticks));
+            self.dispatch(&mut encoder, passes, slot, stamps.filter(|_| canvas.is_none()))?;
+            slot += passes.len();
+            if let Some(canvas) = canvas {
+                canvas.encode(self, &mut encoder, stamps);
             }
         }
         clock.resolve(&mut encoder);
@@ -60,12 +70,32 @@ impl Session {
 
     /// All runs in one go, so that submitting counts once.
     fn timed_by_host(&mut self, runs: &[Vec<Pass>], now: Now<'_>) -> Result<f64, GpuError> {
-        let mut encoder =
-            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.device.encoder();
+        self.send_parameters(&mut encoder, runs.iter().flatten());
+        let mut slot = 0;
         for passes in runs {
-            self.encode(&mut encoder, passes, None)?;
+            self.dispatch(&mut encoder, passes, slot, None)?;
+            slot += passes.len();
         }
         self.device.submitted(encoder, now)
+    }
+
+    /// Every run by itself, after what leads to it: of large meshes, which take longer than
+    /// submitting.
+    fn runs_timed_by_host(
+        &mut self,
+        before: &[Vec<Pass>],
+        runs: &[Vec<Pass>],
+        now: Now<'_>,
+    ) -> Result<f64, GpuError> {
+        let mut nanoseconds = 0.0;
+        for (lead, passes) in before.iter().zip(runs) {
+            self.run(lead)?;
+            let mut encoder = self.device.encoder();
+            self.encode(&mut encoder, passes)?;
+            nanoseconds += self.device.submitted(encoder, now)?;
+        }
+        Ok(nanoseconds)
     }
 
     fn draws_timed_by_host(
@@ -77,10 +107,7 @@ impl Session {
         let mut nanoseconds = 0.0;
         for passes in runs {
             self.run(passes)?;
-            let mut encoder = self
-                .device
-                .device
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = self.device.encoder();
             canvas.encode(self, &mut encoder, None);
             nanoseconds += self.device.submitted(encoder, now)?;
         }

@@ -10,9 +10,11 @@ use indexmap::IndexMap;
 use lodc::LodObject;
 pub use lodc_gpu::Device;
 use lodc_gpu::picture::{Camera, Framing, Lens, Up};
+use lodc_gpu::{DRAWN_UPDATES, SWEEP_UPDATES, drawn_stops, timed_updates};
 use lodc_gpu::{GpuError, Instance, Instanced, InstancedDraw, InstancedFrame};
 use lodc_mesh::{Lod, Simplified};
 use lodc_model::Model;
+use lodc_report::text::grouped;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
@@ -32,6 +34,7 @@ pub(crate) fn measure(
     let mut report = GpuReport {
         adapter: device.adapter().to_string(),
         clock: if device.has_clock() { "device" } else { "host" },
+        limit: limit(&object.simplified),
         ..GpuReport::default()
     };
     let simplified = &object.simplified;
@@ -66,6 +69,9 @@ pub(crate) fn measure(
     Ok((!object.models.is_empty()).then_some(report))
 }
 
+/// What takes longer than this is not repeated. Chosen by hand.
+const MAX_ROUNDS_NANOSECONDS: f64 = 5e8;
+
 /// The host's clock.
 type Clock<'a> = &'a dyn Fn() -> Duration;
 
@@ -90,12 +96,18 @@ impl<'d> Stage<'d> {
         Ok(Self { drawn, instance, rounds, start: Instant::now() })
     }
 
-    /// Milliseconds of the best round.
+    /// Milliseconds of the best round. The first one is not counted, because drivers compile
+    /// shaders in it, unless it took so long that this does not matter.
     fn best(&self, time: &dyn Fn(Clock<'_>) -> Result<f64, GpuError>) -> Result<f64, LabError> {
         let now = || self.start.elapsed();
-        // The first round is not counted: drivers compile shaders in it.
-        let all = (0..=self.rounds).map(|_| time(&now)).collect::<Result<Vec<f64>, _>>()?;
-        Ok(all[1..].iter().copied().fold(f64::INFINITY, f64::min) / 1e6)
+        let first = time(&now)?;
+        let (mut best, mut spent) = (f64::INFINITY, first);
+        let mut rounds = 0;
+        while spent <= MAX_ROUNDS_NANOSECONDS && rounds < self.rounds {
+            let taken = time(&now)?;
+            (best, spent, rounds) = (best.min(taken), spent + taken, rounds + 1);
+        }
+        Ok(if rounds == 0 { first } else { best } / 1e6)
     }
 
     /// Milliseconds of drawing indices of triangles, or of strips.
@@ -121,8 +133,35 @@ fn primitives(
     whole.into_iter().zip(fifth).map(timed).collect()
 }
 
-/// Points of a curve on a device. Chosen by hand: more points take more draws and uploads.
+/// Points of a curve on a device, and those of a large mesh, at least. Chosen by hand: more points
+/// take more draws and uploads.
 const POINTS: usize = 20;
+const MIN_POINTS: usize = 4;
+
+/// Triangles of a mesh times points of a curve. Chosen by hand.
+const MAX_TRIANGLES_AT_POINTS: usize = 40_000_000;
+
+/// The number of points of a curve over the LODs of a mesh.
+fn point_count(simplified: &Simplified) -> usize {
+    let triangles = simplified.mesh().triangles().len().max(1);
+    (MAX_TRIANGLES_AT_POINTS / triangles).clamp(MIN_POINTS, POINTS)
+}
+
+/// What is left out because the mesh is large, for people; none if nothing is.
+fn limit(simplified: &Simplified) -> Option<String> {
+    let updates = timed_updates(simplified).len();
+    let [draws, all_draws] = [drawn_stops(simplified).len() - 1, 2 * DRAWN_UPDATES as usize];
+    let [points, all] = [point_count(simplified), 2 * SWEEP_UPDATES as usize];
+    let is_whole = updates >= all && draws >= all_draws && points >= POINTS;
+    (!is_whole).then(|| {
+        format!(
+            "the mesh is large: {} of {} updates, {draws} of {all_draws} draws and {points} of \
+             {POINTS} levels are timed",
+            grouped(updates as u64),
+            grouped(all as u64)
+        )
+    })
+}
 
 /// Times draws of every structure over some LODs, and the upload of the update that leads to each
 /// from the LOD before it in the sweep.
@@ -132,7 +171,7 @@ fn curve(
     structures: &mut [Measured<'_>],
     stops: &[Lod],
 ) -> Result<DeviceCurve, LabError> {
-    let count = stops.len().min(POINTS);
+    let count = stops.len().min(point_count(simplified));
     let stop_numbers: Vec<usize> = (1..=count).map(|i| i * stops.len() / count - 1).collect();
     let collapses = simplified.collapses();
     let mut curve = DeviceCurve {

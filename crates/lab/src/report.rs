@@ -105,6 +105,8 @@ pub(crate) struct GpuReport {
     pub(crate) adapter: String,
     /// Whose clock: `device` (time stamps around passes) or `host` (from submitting to being done).
     pub(crate) clock: &'static str,
+    /// What is not timed because the mesh is large; null if nothing is left out.
+    pub(crate) limit: Option<String>,
     /// By model and variant: words on the device for each vertex of LOD 0.
     pub(crate) words_per_vertex: IndexMap<&'static str, IndexMap<String, MemoryReport>>,
     /// By model and case.

@@ -99,6 +99,9 @@ fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
     let Some(gpu) = &object.gpu else { return };
     let adapter = gpu.adapter.replace(char::is_control, "");
     let _ = writeln!(text, "\n  on {adapter}, by the clock of the {}", gpu.clock);
+    if let Some(limit) = &gpu.limit {
+        let _ = writeln!(text, "  ({limit})");
+    }
     table(text, "draws of primitives, ms", &gpu.primitives, DRAWS);
     for (model, words) in &gpu.words_per_vertex {
         table(text, &format!("{model}, words per vertex"), words, MEMORY);

@@ -6,7 +6,7 @@ use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use lodc_plan::{Benchmark, Plan, PlanError, Shader};
 use lodc_strip::{StripKind, StripPool, Strips};
-use lodc_verify::Check;
+use lodc_verify::{Check, Reference};
 use std::{str::FromStr, sync::Arc};
 
 /// The kinds of models.
@@ -164,18 +164,23 @@ impl AnyModel {
         }
     }
 
-    /// Its replays on a graphics device over a schedule of LODs.
+    /// Its replays on a graphics device over a schedule of LODs. `reference` must have been made of
+    /// the simplification that the model was built from.
     ///
     /// # Errors
     /// If the mesh is too large or too deep for any device.
-    pub fn replays(&self, stops: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
+    pub fn replays<'a>(
+        &'a self,
+        stops: &[Lod],
+        reference: &'a Reference<'_>,
+    ) -> Result<Vec<Plan<'a>>, PlanError> {
         if self.simplified().mesh().vertex_count() == 0 {
             return Ok(Vec::new());
         }
         match self {
-            Self::Speed(model) => Ok(vec![model.replay(stops.to_vec())?]),
-            Self::Masking(model) => Ok(vec![model.replay(stops.to_vec())?]),
-            Self::Interactive(model) => model.replays(stops),
+            Self::Speed(model) => Ok(vec![model.replay(stops.to_vec(), reference)?]),
+            Self::Masking(model) => Ok(vec![model.replay(stops.to_vec(), reference)?]),
+            Self::Interactive(model) => model.replays(stops, reference),
         }
     }
 

@@ -22,7 +22,7 @@
 //! Files without models will do: a device needs the collapse sequence alone.
 
 use crate::{Error, LodObject};
-use lodc_lod::interactive::{Resident, ResidentView};
+use lodc_lod::interactive::{Move, Resident, ResidentMany, ResidentView};
 use lodc_mesh::{CollapseSequence, Lod, Mesh, Simplified};
 use std::sync::Arc;
 
@@ -114,6 +114,91 @@ impl Levels {
 
     fn collapses(&self) -> &CollapseSequence {
         self.simplified.collapses()
+    }
+}
+
+/// Many instances of an object on a device, each shown at a level of its own: two passes move all
+/// that move in a frame. [`Levels`] takes two for each.
+pub struct Crowd {
+    resident: ResidentMany,
+    simplified: Arc<Simplified>,
+    session: lodc_gpu::Session,
+    /// By instance.
+    lods: Vec<Lod>,
+}
+
+impl Crowd {
+    /// Uploads an object with all its attributes, and shows LOD 0 of every instance. Each takes the
+    /// memory of the object's vertices, and one word more for each of them.
+    ///
+    /// # Errors
+    /// If the object, or all instances together, are too large for the device.
+    pub fn new(device: &Device, object: &LodObject, instances: u32) -> Result<Self, Error> {
+        let simplified = Arc::clone(&object.simplified);
+        let resident =
+            ResidentMany::new(&simplified, instances).map_err(|e| Error::Request(e.to_string()))?;
+        let mut session = lodc_gpu::Session::new(device, &resident.program)?;
+        let [source, vertices] = resident.repeated;
+        session.repeat(source, vertices)?;
+        let lods = vec![Lod(0); instances as usize];
+        let mut crowd = Self { resident, simplified, session, lods };
+        let still = (0..instances).map(|i| Move { instance: i, from: Lod(0), to: Lod(0) });
+        let mut encoder = device.encoder();
+        crowd.encode(&mut encoder, &still.collect::<Vec<_>>())?;
+        device.submit(encoder)?;
+        crowd.session.run(&[])?;
+        Ok(crowd)
+    }
+
+    /// Shows a LOD of every instance, rounded down to a step, by two passes at the end of `encoder`
+    /// for all that are not shown at it yet. Encoders have to be submitted in the order of these
+    /// calls.
+    ///
+    /// # Errors
+    /// If there is not one LOD for each instance, or the device fails.
+    pub fn show(&mut self, encoder: &mut CommandEncoder, lods: &[Lod]) -> Result<(), Error> {
+        if lods.len() != self.lods.len() {
+            let (given, instances) = (lods.len(), self.lods.len());
+            return Err(Error::Request(format!("{given} LODs for {instances} instances")));
+        }
+        let collapses = self.simplified.collapses();
+        let mut moves = Vec::new();
+        for (instance, (shown, &wanted)) in (0..).zip(self.lods.iter_mut().zip(lods)) {
+            let to = collapses.floor(wanted);
+            let from = std::mem::replace(shown, to);
+            if from != to {
+                moves.push(Move { instance, from, to });
+            }
+        }
+        self.encode(encoder, &moves)
+    }
+
+    /// The LOD that each instance is shown at.
+    #[must_use]
+    pub fn lods(&self) -> &[Lod] {
+        &self.lods
+    }
+
+    /// Draws an instance, as [`Levels::draw`] does; draws of one crowd after the other share their
+    /// buffers.
+    pub fn draw(&self, pass: &mut RenderPass<'_>, instance: usize) {
+        self.session.draw(pass, &self.resident.drawn(instance));
+    }
+
+    /// The corners of all triangles of an instance, read back: for tests, not for frames.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn triangles(&mut self, instance: usize) -> Result<Vec<[[f32; 3]; 3]>, Error> {
+        Ok(self.session.drawn_triangles(&self.resident.drawn(instance))?)
+    }
+
+    fn encode(&mut self, encoder: &mut CommandEncoder, moves: &[Move]) -> Result<(), Error> {
+        for (table, passes) in self.resident.moves(moves) {
+            self.session.encode_words(encoder, self.resident.table, &table);
+            self.session.encode_passes(encoder, &passes)?;
+        }
+        Ok(())
     }
 }
 

@@ -2,6 +2,7 @@
 //! its variants take.
 
 use crate::program::{BufferId, Pass, Program};
+use lodc_mesh::Lod;
 
 /// A program and the cases in which it is timed.
 #[derive(Clone, Debug)]
@@ -23,6 +24,9 @@ pub struct Case {
     pub name: &'static str,
     /// Passes of each run; runs follow one another.
     pub runs: Vec<Vec<Pass>>,
+    /// Passes before each run that are not timed; none at all if every run begins where the one
+    /// before it ended.
+    pub before: Vec<Vec<Pass>>,
     /// Number of vertices that all runs together process, for rates.
     pub vertices: u64,
     /// If set, drawing is timed instead of the passes, which prepare it.
@@ -33,13 +37,35 @@ impl Case {
     /// Passes that are timed.
     #[must_use]
     pub fn new(name: &'static str, runs: Vec<Vec<Pass>>, vertices: u64) -> Self {
-        Self { name, runs, vertices, drawn: None }
+        Self { name, runs, before: vec![], vertices, drawn: None }
+    }
+
+    /// Updates of a sweep that are timed, from LOD 0 on, as the LODs before and after each; from
+    /// the end of one to the begin of the next nothing is. `passes` lead from a LOD to another.
+    #[must_use]
+    pub fn updates(
+        name: &'static str,
+        updates: &[[Lod; 2]],
+        passes: impl Fn(Lod, Lod) -> Vec<Pass>,
+    ) -> Self {
+        let starts = std::iter::once(Lod(0)).chain(updates.iter().map(|&[_, to]| to));
+        let gaps: Vec<[Lod; 2]> = starts.zip(updates).map(|(at, &[from, _])| [at, from]).collect();
+        let before = if gaps.iter().all(|[at, from]| at == from) {
+            vec![]
+        } else {
+            let lead = |&[at, from]: &[Lod; 2]| if at == from { vec![] } else { passes(at, from) };
+            gaps.iter().map(lead).collect()
+        };
+        // A move looks at every vertex that is gone at the coarser of its two LODs.
+        let vertices = updates.iter().map(|&[from, to]| u64::from(from.max(to).0)).sum();
+        let runs = updates.iter().map(|&[from, to]| passes(from, to)).collect();
+        Self { before, ..Self::new(name, runs, vertices) }
     }
 
     /// Drawing that is timed, after the passes of each run.
     #[must_use]
     pub fn drawing(name: &'static str, runs: Vec<Vec<Pass>>, drawn: DrawInput) -> Self {
-        Self { name, runs, vertices: 0, drawn: Some(drawn) }
+        Self { name, runs, before: vec![], vertices: 0, drawn: Some(drawn) }
     }
 
     /// Bytes that a host sends to the device for all runs: the parameters of the passes.
@@ -62,6 +88,8 @@ pub struct DrawInput {
     pub strips: bool,
     /// Arguments of indexed indirect draws, five words each.
     pub draws: BufferId,
+    /// The first draw.
+    pub first: usize,
     /// Number of draws.
     pub count: usize,
     /// Lowest and highest corner of the bounding box.

@@ -34,4 +34,6 @@ pub use program::{
 };
 pub use records::VertexRecords;
 pub use scan::{SCAN, SCAN_ADD, Scan};
-pub use schedule::{DRAWN_UPDATES, SWEEP_UPDATES, schedule, stops, sweep};
+pub use schedule::{
+    DRAWN_UPDATES, SWEEP_UPDATES, drawn_stops, schedule, stops, sweep, timed_updates,
+};

@@ -75,6 +75,7 @@ impl PackedStrips {
             indices: self.drawn,
             strips: true,
             draws: self.draws,
+            first: 0,
             count,
             bounds,
         }

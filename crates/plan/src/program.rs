@@ -68,7 +68,7 @@ impl Shader {
 
 /// A compute shader with the entry point `main`, 256 threads to a workgroup. Binding 0 is a uniform
 /// buffer with a pass's parameters, bindings 1, 2, … are its buffers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Kernel {
     /// The name of its file, without the extension.
     pub name: &'static str,

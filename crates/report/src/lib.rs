@@ -28,7 +28,7 @@ pub mod text;
 pub use chart::{Chart, Curve, Scale, colour_of};
 pub use checks::{
     CheckReport, FileReport, VerifyReport, check_errors_again, check_glide, check_levels,
-    check_models, check_source,
+    check_models, check_models_by_reference, check_source,
 };
 pub use ci::{Case, Suite, Verdict, github, junit};
 pub use compare::{

@@ -3,6 +3,7 @@
 //! Shares no code with any model: see `track.rs` for how.
 
 use crate::check::Check;
+use crate::difference::{Failure, first_difference};
 use crate::facts;
 use crate::track::{TooMuchWork, Tracker};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified, TriangleHash};
@@ -65,6 +66,22 @@ impl<'a> Reference<'a> {
     #[must_use]
     pub fn hash(&self, steps: usize) -> TriangleHash {
         self.hashes[steps]
+    }
+
+    /// What is wrong with triangles shown at a LOD that is the end of a step, if anything: their
+    /// hash is compared, and only if it differs are they listed.
+    #[must_use]
+    pub fn judge(
+        &self,
+        lod: Lod,
+        hash: TriangleHash,
+        shown: impl FnOnce() -> Vec<OrientedTriangle>,
+    ) -> Option<Failure> {
+        let steps = self.simplified.collapses().steps_at(lod);
+        if hash == self.hashes[steps] {
+            return None;
+        }
+        first_difference(lod, self.list(steps), shown()).or(Some(Failure::Reference { lod }))
     }
 
     /// Returns whether the naive function lists the triangles that were followed. It is called once

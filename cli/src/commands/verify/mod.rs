@@ -20,7 +20,7 @@ use lodc_formats::import::{ImportOptions, import, import_levels, states_levels};
 use lodc_report::text::{count, grouped};
 use lodc_report::{
     CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_errors_again, check_glide,
-    check_levels, check_models, check_source,
+    check_levels, check_models_by_reference, check_source,
 };
 use rayon::prelude::*;
 use sources::Sources;
@@ -177,7 +177,8 @@ fn check(
     let limits = options.limits;
     let (file, _) = read_lodc(input, limits)?;
     clock.check();
-    let mut all = check_models(&file.objects, &file.document, args.stride.get(), &limits)?;
+    let (mut all, references) =
+        check_models_by_reference(&file.objects, &file.document, args.stride.get(), &limits)?;
     clock.check();
     all.extend(check_errors_again(&file, &limits)?);
     clock.check();
@@ -185,7 +186,7 @@ fn check(
         all.extend(check_source(&file, source, &options)?);
     }
     if let (Some(gpu), Some(wanted)) = (gpu, args.gpu.gpu) {
-        all.extend(gpu::checks(&file, gpu, wanted)?);
+        all.extend(gpu::checks(&file, &references, gpu, wanted)?);
     }
     Ok(all)
 }

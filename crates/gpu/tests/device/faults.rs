@@ -1,13 +1,14 @@
 //! A verification that cannot fail proves nothing: every planted fault is found, in every buffer
 //! and every kernel.
 
-use crate::support::{device, models};
+use crate::support::{device, models, reference};
 use lodc_fixtures as fixtures;
 use lodc_gpu::{Device, replay};
 use lodc_lod::AnyModel;
 use lodc_mesh::Mesh;
 use lodc_model::Model;
 use lodc_plan::{Contents, Plan, schedule};
+use lodc_verify::Reference;
 use std::sync::Arc;
 
 /// Meshes with seams and several submeshes, in whose triangles no number is round.
@@ -21,8 +22,9 @@ fn everything() -> Vec<AnyModel> {
         .collect()
 }
 
-fn plans(model: &AnyModel) -> Vec<Plan<'_>> {
-    model.replays(&schedule(model.simplified().collapses(), 12, 6, 1)).expect("a small mesh")
+fn plans<'a>(model: &'a AnyModel, reference: &'a Reference<'_>) -> Vec<Plan<'a>> {
+    let stops = schedule(model.simplified().collapses(), 12, 6, 1);
+    model.replays(&stops, reference).expect("a small mesh")
 }
 
 /// Buffers that only hold what passes put there and that are not compared themselves: what is made
@@ -42,11 +44,13 @@ fn a_flipped_bit_in_any_uploaded_buffer_is_found() {
 
 fn flip(device: &Device, model: &AnyModel) -> usize {
     let mut planted = 0;
-    for which in 0..plans(model).len() {
-        let buffers = plans(model)[which].program.buffers.len();
+    let reference = reference(model.simplified());
+    let plans = || plans(model, &reference);
+    for which in 0..plans().len() {
+        let buffers = plans()[which].program.buffers.len();
         for buffer in 0..buffers {
             for place in [0, 1, 2] {
-                let mut plan = plans(model).swap_remove(which);
+                let mut plan = plans().swap_remove(which);
                 let name = plan.program.buffers[buffer].name;
                 let Contents::Words(words) = &plan.program.buffers[buffer].contents else {
                     continue;
@@ -149,11 +153,13 @@ const FAULTS: &[(&str, &str, &str)] = &[
 fn a_fault_in_any_kernel_is_found() {
     let Some(device) = device() else { return };
     let meshes = everything();
+    let references: Vec<_> = meshes.iter().map(|m| reference(m.simplified())).collect();
+    let plans = || meshes.iter().zip(&references).flat_map(|(m, reference)| plans(m, reference));
     let (mut kernels, mut unseen): (Vec<&str>, Vec<(&str, &str)>) = (Vec::new(), Vec::new());
     for &(kernel, right, wrong) in FAULTS {
         let mut found = false;
         let concerned = |plan: &Plan<'_>| plan.program.kernels.iter().any(|k| k.name == kernel);
-        for mut plan in meshes.iter().flat_map(plans).filter(concerned) {
+        for mut plan in plans().filter(concerned) {
             if found {
                 break;
             }
@@ -174,7 +180,7 @@ fn a_fault_in_any_kernel_is_found() {
     assert!(unseen.is_empty(), "nobody sees {unseen:?}");
     // No kernel is left without a fault (adding up needs more than one block, which another test
     // has).
-    for plan in meshes.iter().flat_map(plans) {
+    for plan in plans() {
         for kernel in &plan.program.kernels {
             assert!(
                 kernels.contains(&kernel.name) || kernel.name == "scan_add",
@@ -188,7 +194,9 @@ fn a_fault_in_any_kernel_is_found() {
 /// Every buffer that passes write to is compared, or listed above.
 #[test]
 fn every_buffer_is_compared() {
-    for mut plan in everything().iter().flat_map(plans) {
+    let meshes = everything();
+    let references: Vec<_> = meshes.iter().map(|m| reference(m.simplified())).collect();
+    for mut plan in meshes.iter().zip(&references).flat_map(|(m, reference)| plans(m, reference)) {
         let mut compared: Vec<usize> =
             plan.steps.by_ref().flat_map(|s| s.checks).map(|c| c.buffer.0).collect();
         compared.sort_unstable();

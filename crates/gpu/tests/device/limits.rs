@@ -1,6 +1,6 @@
 //! Meshes that are too large are refused; small ones stand in for them under lowered limits.
 
-use crate::support::{device, models};
+use crate::support::{device, models, reference};
 use lodc_fixtures as fixtures;
 use lodc_gpu::{Device, GpuError, LimitOverrides, replay};
 use lodc_lod::AnyModel;
@@ -14,9 +14,9 @@ fn lowered(lowered: &LimitOverrides) -> Option<Device> {
 /// Replays every model; the first error, or whether all was well.
 fn all(device: &Device, models: &[AnyModel]) -> Result<(), GpuError> {
     for model in models {
-        for plan in
-            model.replays(&schedule(model.simplified().collapses(), 6, 2, 1)).expect("a small mesh")
-        {
+        let stops = schedule(model.simplified().collapses(), 6, 2, 1);
+        let reference = reference(model.simplified());
+        for plan in model.replays(&stops, &reference).expect("a small mesh") {
             assert_eq!(replay(device, plan)?.difference, None, "{}", model.name());
         }
     }

@@ -4,6 +4,7 @@ mod by_hand;
 mod engine;
 mod faults;
 mod limits;
+mod many;
 mod picture;
 mod replay;
 mod support;

@@ -1,6 +1,6 @@
 //! Every fixture on a device, in every replay that a model has.
 
-use crate::support::{device, models};
+use crate::support::{device, models, reference};
 use lodc_fixtures as fixtures;
 use lodc_gpu::{Device, replay};
 use lodc_mesh::Simplified;
@@ -10,7 +10,8 @@ use lodc_plan as plan;
 fn check(device: &Device, name: &str, simplified: Simplified, grid: u32) {
     for model in models(simplified) {
         let stops = plan::schedule(model.simplified().collapses(), grid, 10, 1);
-        for plan in model.replays(&stops).expect("a small mesh") {
+        let reference = reference(model.simplified());
+        for plan in model.replays(&stops, &reference).expect("a small mesh") {
             let what = format!("{name}, {}, {}", model.name(), plan.name);
             let done = replay(device, plan).unwrap_or_else(|e| panic!("{what}: {e}"));
             assert_eq!(done.difference, None, "{what}");

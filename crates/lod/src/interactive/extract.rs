@@ -22,9 +22,9 @@ impl Extraction {
     /// Moves to `lod`, by the same loops in either direction. Only vertices below the larger of the
     /// two LODs are read, and of those only the ones whose entry changes are rewritten. The
     /// thesis's algorithm has no loop along the list: a jump over several collapses of one vertex
-    /// would show the first of them. Returns how many vertices were rewritten.
-    pub fn seek(&mut self, lists: &CollapseLists, lod: Lod) -> u32 {
-        let mut rewritten = 0;
+    /// would show the first of them. `rewrite` gets each vertex that is rewritten, and what is
+    /// shown for it.
+    pub fn seek(&mut self, lists: &CollapseLists, lod: Lod, mut rewrite: impl FnMut(u32, u32)) {
         let touched = self.lod.max(lod.0).min(lists.vertices() as u32);
         for v in 0..touched {
             let range = lists.range(v);
@@ -37,11 +37,10 @@ impl Extraction {
             }
             if self.current[v as usize] as usize != current {
                 self.current[v as usize] = current as u32;
-                rewritten += 1;
+                rewrite(v, lists.entries()[current]);
             }
         }
         self.lod = lod.0;
-        rewritten
     }
 
     /// The current collapse of every vertex, as an index into [`CollapseLists::entries`].

@@ -6,8 +6,8 @@ use super::{CollapseLists, Continuous, Counting, Interactive, replay};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_model::Model;
 use lodc_plan::{
-    Benchmark, BufferId, Case, DRAWN_UPDATES, DrawInput, Memory, Pass, PlanError, Program,
-    SWEEP_UPDATES, VertexRecords, sweep,
+    Benchmark, BufferId, Case, DrawInput, Memory, Pass, PlanError, Program, VertexRecords,
+    drawn_stops, timed_updates,
 };
 use lodc_strip::order;
 
@@ -51,24 +51,20 @@ struct Passes<'a> {
 impl Passes<'_> {
     /// Construction, extraction over all LODs, and draws of them.
     fn continuous(&self) -> Vec<Case> {
-        let collapses = self.simplified.collapses();
         let (base, counting) = (&self.base, &self.counting);
-        let moves = |stops: &[Lod]| {
-            stops.windows(2).map(|pair| vec![base.extraction(pair[0], pair[1])]).collect()
-        };
-        let steps = sweep(collapses, SWEEP_UPDATES);
-        let touched = steps.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum();
+        let extraction = |from, to| vec![base.extraction(from, to)];
+        let updates = timed_updates(self.simplified);
         let coarse = self.coarse();
-        let jumps: Vec<Lod> = (0..9).map(|i| if i % 2 == 0 { Lod(0) } else { coarse }).collect();
-        let shown = sweep(collapses, DRAWN_UPDATES)
+        let jumps = [[Lod(0), coarse], [coarse, Lod(0)]].repeat(4);
+        let shown = drawn_stops(self.simplified)
             .windows(2)
             .map(|pair| vec![base.extraction(pair[0], pair[1]), counting.pass()])
             .collect();
         let drawn = self.drawn(counting.triangles, counting.draws);
         vec![
             Case::new("construction", vec![base.construction()], self.vertices()),
-            Case::new("continuous, linear sweep", moves(&steps), touched),
-            Case::new("continuous, whole mesh", moves(&jumps), 8 * u64::from(coarse.0)),
+            Case::updates("continuous, linear sweep", &updates, extraction),
+            Case::updates("continuous, whole mesh", &jumps, extraction),
             Case::new("live count", vec![vec![counting.pass()]; 8], 8 * self.vertices()),
             Case::drawing("draw, over the LODs", shown, drawn),
         ]
@@ -126,6 +122,7 @@ impl Passes<'_> {
             indices,
             strips: false,
             draws,
+            first: 0,
             count: mesh.submeshes().len(),
             bounds: mesh.bounds(),
         }

@@ -10,6 +10,7 @@ mod extract;
 mod index;
 mod lists;
 mod live;
+mod many;
 mod measure;
 mod replay;
 mod resident;
@@ -23,6 +24,7 @@ pub use cursor::Cursor;
 pub use extract::Extraction;
 pub use lists::{CollapseLists, ListsTooLong};
 pub use live::Counting;
+pub use many::{Move, ResidentMany};
 pub use replay::Continuous;
 pub use resident::{Resident, ResidentView};
 

@@ -2,13 +2,13 @@
 //! collapse lists, extraction, and live counts, each compared with the twin on the CPU.
 
 use super::{CollapseLists, Counting, Extraction, Interactive, ListsTooLong, shaders};
-use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::Model;
 use lodc_plan::{
     BufferId, Expected, KernelId, LONGEST_LOOP, Pass, Plan, PlanError, Program, Scan, Step,
     VertexRecords,
 };
-use lodc_verify::{Failure, first_difference};
+use lodc_verify::{Failure, Reference};
 use std::sync::Arc;
 
 /// Buffers and kernels of the continuous variant.
@@ -140,7 +140,11 @@ impl Interactive {
     ///
     /// # Errors
     /// If the mesh is too large or its lists too long.
-    pub fn continuous(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
+    pub fn continuous<'a>(
+        &'a self,
+        stops: Vec<Lod>,
+        reference: &'a Reference<'_>,
+    ) -> Result<Plan<'a>, PlanError> {
         let simplified = self.simplified().as_ref();
         let mesh = simplified.mesh();
         let lists = lists(simplified)?;
@@ -165,9 +169,10 @@ impl Interactive {
             locate(simplified, whole, words, [counting.triangles, counting.draws], records.stride);
         let mut twin = Twin {
             model: self,
-            positions: mesh.position_ids(),
+            reference,
             extraction: Extraction::new(&lists),
             lists,
+            vertices: records.words.clone(),
             records,
             device,
             counting,
@@ -208,10 +213,12 @@ pub(super) fn checked_depth(lists: &CollapseLists) -> Result<u32, PlanError> {
 /// The same work on the CPU.
 struct Twin<'a> {
     model: &'a Interactive,
-    positions: PositionIds,
+    reference: &'a Reference<'a>,
     extraction: Extraction,
     lists: CollapseLists,
     records: VertexRecords,
+    /// The records that are drawn.
+    vertices: Vec<u32>,
     device: Continuous,
     counting: Counting,
     lod: Lod,
@@ -222,37 +229,37 @@ impl Twin<'_> {
         let simplified = self.model.simplified();
         let lod = simplified.collapses().floor(wanted);
         let passes = vec![self.device.extraction(self.lod, lod), self.counting.pass()];
-        self.extraction.seek(&self.lists, lod);
+        self.extraction.seek(&self.lists, lod, |v, shown| {
+            let to = v as usize * self.records.stride;
+            self.vertices[to..to + self.records.stride].copy_from_slice(self.records.at(shown));
+        });
         self.lod = lod;
-        let shown: Vec<u32> = (0..self.lists.vertices() as u32)
-            .map(|v| self.extraction.shown(&self.lists, v))
-            .collect();
-        let mut vertices = Vec::with_capacity(self.records.words.len());
-        for &v in &shown {
-            vertices.extend_from_slice(self.records.at(v));
-        }
-        let (mut draws, mut triangles) = (Vec::new(), Vec::new());
+        let mut draws = Vec::new();
         for (s, submesh) in simplified.mesh().submeshes().iter().enumerate() {
-            let live = self.model.live(s, lod);
-            draws.extend([3 * live, 1, 3 * submesh.first_triangle, 0, 0]);
-            let drawn = &simplified.mesh().triangles()[submesh.triangles()][..live as usize];
-            triangles.extend(
-                drawn.iter().map(|t| OrientedTriangle::new(s as u32, t.map(|v| shown[v as usize]))),
-            );
+            draws.extend([3 * self.model.live(s, lod), 1, 3 * submesh.first_triangle, 0, 0]);
         }
-        let twin = self.judge(lod, triangles);
+        let difference = self.judge(lod);
         let checks = vec![
             Expected::new(self.device.current, self.extraction.pointers()),
-            Expected::new(self.device.vertices, vertices),
+            Expected::new(self.device.vertices, self.vertices.as_slice()),
             Expected::new(self.counting.draws, draws),
             Expected::new(self.device.error_flag, [0]),
         ];
-        Step::show(lod, passes, checks, twin.map(|t| t.to_string()))
+        Step::show(lod, passes, checks, difference.map(|d| d.to_string()))
     }
 
-    fn judge(&self, lod: Lod, triangles: Vec<OrientedTriangle>) -> Option<Failure> {
-        let truth = self.model.simplified().triangles_at_with(lod, &self.positions);
-        first_difference(lod, truth, triangles)
+    /// What the twin shows other than the reference.
+    fn judge(&self, lod: Lod) -> Option<Failure> {
+        let mesh = self.model.simplified().mesh();
+        let shown = |v: u32| self.extraction.shown(&self.lists, v);
+        let drawn = || {
+            mesh.submeshes().iter().enumerate().flat_map(move |(s, submesh)| {
+                let live = self.model.live(s, lod) as usize;
+                let triangles = &mesh.triangles()[submesh.triangles()][..live];
+                triangles.iter().map(move |t| OrientedTriangle::new(s as u32, t.map(shown)))
+            })
+        };
+        self.reference.judge(lod, drawn().collect(), || drawn().collect())
     }
 }
 

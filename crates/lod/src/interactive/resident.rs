@@ -97,5 +97,5 @@ impl<'a> ResidentView<'a> {
 
 fn drawn(mesh: &Mesh, stride: usize, [vertices, indices, draws]: [BufferId; 3]) -> DrawInput {
     let (count, bounds) = (mesh.submeshes().len(), mesh.bounds());
-    DrawInput { vertices, stride, indices, strips: false, draws, count, bounds }
+    DrawInput { vertices, stride, indices, strips: false, draws, first: 0, count, bounds }
 }

@@ -65,7 +65,7 @@ fn a_collapse_list_follows_the_hierarchy_and_the_lod_picks_its_entry() {
     for (lod, entry) in
         [(0, 18), (18, 18), (19, 38), (38, 38), (39, 49), (49, 49), (30, 38), (49, 49), (5, 18)]
     {
-        extraction.seek(&lists, Lod(lod));
+        extraction.seek(&lists, Lod(lod), |_, _| ());
         assert_eq!(extraction.shown(&lists, 18), entry, "LOD {lod}");
     }
 }
@@ -80,7 +80,7 @@ fn lists_cut_at_a_lod_are_shorter_and_good_down_to_it() {
     let cut = CollapseLists::new(targets, coarsest, usize::MAX).expect("a small mesh");
     assert!(cut.entries().len() < whole.entries().len());
     let mut extraction = Extraction::new(&cut);
-    extraction.seek(&cut, coarsest);
+    extraction.seek(&cut, coarsest, |_, _| ());
     for v in 0..=targets.len() as u32 {
         assert_eq!(extraction.shown(&cut, v), simplified.collapses().resolve(v, coarsest));
     }
@@ -202,7 +202,7 @@ fn check(name: &str, simplified: &Simplified) {
     let mut extraction = Extraction::new(&lists);
     check_moves(name, &model, |cursor| {
         let lod = model.lod(cursor);
-        extraction.seek(&lists, lod);
+        extraction.seek(&lists, lod, |_, _| ());
         for v in 0..simplified.mesh().vertex_count() as u32 {
             assert_eq!(extraction.shown(&lists, v), collapses.resolve(v, lod), "{name}");
         }

@@ -3,7 +3,7 @@
 use super::{Masking, replay::Device};
 use lodc_mesh::Lod;
 use lodc_plan::{
-    Benchmark, Case, DRAWN_UPDATES, Memory, PlanError, Program, SWEEP_UPDATES, VertexRecords, sweep,
+    Benchmark, Case, Memory, PlanError, Program, VertexRecords, drawn_stops, timed_updates,
 };
 
 impl Masking {
@@ -16,18 +16,15 @@ impl Masking {
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
         let positions = program.words("positions", VertexRecords::positions(mesh).words);
-        let moves = |updates| {
-            let stops = sweep(self.simplified.collapses(), updates);
-            let runs = stops[1..].iter().map(|&lod| device.passes(lod)).collect();
-            (runs, stops.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum())
-        };
-        let (runs, vertices) = moves(SWEEP_UPDATES);
+        let passes = |_, to| device.passes(to);
+        let shown = drawn_stops(&self.simplified).into_iter().skip(1);
+        let shown = shown.map(|lod| device.passes(lod)).collect();
         let drawing = device.packed().drawing(positions, mesh.bounds());
         let cases = vec![
-            Case::new("masks, linear sweep", runs, vertices),
+            Case::updates("masks, linear sweep", &timed_updates(&self.simplified), passes),
             // What has to be done however little changes.
             Case::new("masks, standing still", vec![device.passes(Lod(0)); 8], 0),
-            Case::drawing("draw, over the LODs", moves(DRAWN_UPDATES).0, drawing),
+            Case::drawing("draw, over the LODs", shown, drawing),
         ];
         let (positions, normals) = program.words_with_normals(mesh.vertex_count());
         let memory = vec![Memory { variant: "masks", positions, normals }];

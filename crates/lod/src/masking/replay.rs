@@ -10,6 +10,7 @@ use lodc_plan::{
     BufferId, Expected, KernelId, LONGEST_LOOP, PackedStrips, Pass, Plan, PlanError, Program, SCAN,
     SCAN_ADD, STRIP_DRAWS, Shader, Step,
 };
+use lodc_verify::Reference;
 
 const MASKS: Shader = Shader { name: "masks", wgsl: include_str!("masks.wgsl") };
 const MASKS_WRITE: Shader = Shader { name: "masks_write", wgsl: include_str!("masks_write.wgsl") };
@@ -108,7 +109,11 @@ impl Masking {
     ///
     /// # Errors
     /// If a strip changes too often for a kernel.
-    pub fn replay(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
+    pub fn replay<'a>(
+        &'a self,
+        stops: Vec<Lod>,
+        reference: &'a Reference<'_>,
+    ) -> Result<Plan<'a>, PlanError> {
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
         let (full, states, drawn) = (device.full, device.states, device.packed.drawn);
@@ -129,22 +134,13 @@ impl Masking {
             }
         };
         let (mut cursor, mut twin) = (self.cursor(), Twin::new(self));
-        let moves =
-            stops.into_iter().map(move |lod| self.step(&device, &mut cursor, &mut twin, lod));
+        let moves = stops.into_iter().map(move |lod| {
+            let lod = self.simplified.collapses().floor(lod);
+            let difference = move_and_compare(self, &mut cursor, lod, reference);
+            twin.seek(self, lod);
+            Step::show(lod, device.passes(lod), twin.checks(self, &device, &cursor), difference)
+        });
         Ok(Plan::of_moves([self.name(), "masks"], program, &[full, states], moves, locate))
-    }
-
-    fn step(&self, device: &Device, cursor: &mut Cursor, twin: &mut Twin, wanted: Lod) -> Step {
-        let lod = self.simplified.collapses().floor(wanted);
-        let difference = move_and_compare(self, cursor, lod, &self.positions);
-        twin.seek(self, lod);
-        let mut checks = vec![
-            Expected::new(device.full, twin.full.clone()),
-            Expected::new(device.states, twin.states.clone()),
-            Expected::new(device.error_flag, [0]),
-        ];
-        checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(strip)));
-        Step::show(lod, device.passes(lod), checks, difference)
     }
 }
 
@@ -162,6 +158,17 @@ impl Twin {
         let states =
             model.entry_starts[..model.strips.len()].iter().flat_map(|&first| [first, 0]).collect();
         Self { full: model.strips.indices().to_vec(), states }
+    }
+
+    /// The words that a device must hold where the twin and the cursor are.
+    fn checks(&self, model: &Masking, device: &Device, cursor: &Cursor) -> Vec<Expected> {
+        let mut checks = vec![
+            Expected::new(device.full, self.full.as_slice()),
+            Expected::new(device.states, self.states.as_slice()),
+            Expected::new(device.error_flag, [0]),
+        ];
+        checks.extend(device.packed.expected(&model.strips, |strip| cursor.strip(strip)));
+        checks
     }
 
     fn seek(&mut self, model: &Masking, lod: Lod) {

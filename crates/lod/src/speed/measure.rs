@@ -5,7 +5,7 @@
 use super::{Speed, replay::Device};
 use lodc_mesh::Lod;
 use lodc_plan::{
-    Benchmark, Case, DRAWN_UPDATES, Memory, PlanError, Program, SWEEP_UPDATES, VertexRecords, sweep,
+    Benchmark, Case, Memory, PlanError, Program, VertexRecords, drawn_stops, timed_updates,
 };
 
 impl Speed {
@@ -18,19 +18,15 @@ impl Speed {
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
         let positions = program.words("positions", VertexRecords::positions(mesh).words);
-        let moves = |updates| {
-            let stops = sweep(self.simplified.collapses(), updates);
-            // A move looks at every vertex that is gone at the coarser of its two LODs.
-            let runs = stops.windows(2).map(|pair| device.passes(self, pair[0], pair[1])).collect();
-            (runs, stops.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum())
-        };
-        let (runs, vertices) = moves(SWEEP_UPDATES);
+        let passes = |from, to| device.passes(self, from, to);
+        let shown = drawn_stops(&self.simplified);
+        let shown = shown.windows(2).map(|pair| passes(pair[0], pair[1])).collect();
         let drawing = device.packed().drawing(positions, mesh.bounds());
         let cases = vec![
-            Case::new("direct, linear sweep", runs, vertices),
+            Case::updates("direct, linear sweep", &timed_updates(&self.simplified), passes),
             // What has to be done however little changes.
-            Case::new("direct, standing still", vec![device.passes(self, Lod(0), Lod(0)); 8], 0),
-            Case::drawing("draw, over the LODs", moves(DRAWN_UPDATES).0, drawing),
+            Case::new("direct, standing still", vec![passes(Lod(0), Lod(0)); 8], 0),
+            Case::drawing("draw, over the LODs", shown, drawing),
         ];
         let (positions, normals) = program.words_with_normals(mesh.vertex_count());
         let memory = vec![Memory { variant: "direct", positions, normals }];

@@ -1,7 +1,7 @@
 //! Speed Strips on a graphics device as a [`Plan`], the variant *direct* of the thesis: compute
 //! passes apply the edits to the strips in the device's memory.
 
-use super::{Cursor, RemovalKind, Speed};
+use super::{RemovalKind, Speed};
 use crate::twin::move_and_compare;
 use lodc_mesh::{Lod, NONE};
 use lodc_model::Model;
@@ -9,6 +9,7 @@ use lodc_plan::{
     BufferId, KernelId, LONGEST_LOOP, PackedStrips, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD,
     STRIP_DRAWS, Shader, Step,
 };
+use lodc_verify::Reference;
 
 const EDITS: Shader = Shader { name: "edits", wgsl: include_str!("edits.wgsl") };
 const VALUES: Shader = Shader { name: "values", wgsl: include_str!("values.wgsl") };
@@ -273,7 +274,11 @@ impl Speed {
     ///
     /// # Errors
     /// If a strip is longer than a kernel may loop.
-    pub fn replay(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
+    pub fn replay<'a>(
+        &'a self,
+        stops: Vec<Lod>,
+        reference: &'a Reference<'_>,
+    ) -> Result<Plan<'a>, PlanError> {
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
         let (drawn, strip_states, strips) =
@@ -288,15 +293,13 @@ impl Speed {
             }
         };
         let mut cursor = self.cursor();
-        let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, lod));
+        let moves = stops.into_iter().map(move |lod| {
+            let lod = self.simplified.collapses().floor(lod);
+            let passes = device.passes(self, cursor.lod(), lod);
+            let difference = move_and_compare(self, &mut cursor, lod, reference);
+            let checks = device.packed.expected(&self.strips, |strip| cursor.strip(strip)).to_vec();
+            Step::show(lod, passes, checks, difference)
+        });
         Ok(Plan::of_moves([self.name(), "direct"], program, &[strips, strip_states], moves, locate))
-    }
-
-    fn step(&self, device: &Device, cursor: &mut Cursor, wanted: Lod) -> Step {
-        let lod = self.simplified.collapses().floor(wanted);
-        let passes = device.passes(self, cursor.lod(), lod);
-        let difference = move_and_compare(self, cursor, lod, self.positions());
-        let checks = device.packed.expected(&self.strips, |strip| cursor.strip(strip)).to_vec();
-        Step::show(lod, passes, checks, difference)
     }
 }

@@ -1,7 +1,7 @@
 //! The example draws what the reference says, whatever was shown before.
 
 use super::*;
-use lodc::gpu::GpuError;
+use lodc::gpu::{Crowd, GpuError};
 use lodc::mesh::{Lod, OrientedTriangle, Simplified};
 use lodc::models::interactive::view::{Selector, live_triangles};
 
@@ -72,6 +72,28 @@ fn levels_are_those_of_the_reference_for_every_instance() {
         assert_eq!(third.triangles().expect("it is read"), other.triangles().expect("it is read"));
         assert_eq!(third.lod(), other.lod());
     }
+}
+
+#[test]
+fn a_crowd_has_the_levels_that_it_is_asked_for() {
+    let Some(device) = device() else { return };
+    let file = fixture("machine_part.glb");
+    let object = &file.objects()[0];
+    let simplified = &object.simplified;
+    let last = simplified.collapses().records();
+    let mut crowd = Crowd::new(&device, object, 3).expect("a small mesh");
+    for parts in [[0, 0, 0], [0, 5, 10], [10, 5, 1], [3, 3, 3]] {
+        let mut encoder = device.encoder();
+        crowd.show(&mut encoder, &parts.map(|part| Lod(last * part / 10))).expect("LODs");
+        device.submit(encoder).expect("it runs");
+        for (instance, lod) in crowd.lods().to_vec().into_iter().enumerate() {
+            let truth = reference_corners(simplified, &simplified.triangles_at(lod));
+            let drawn = sorted(crowd.triangles(instance).expect("it is read").into_iter());
+            assert!(drawn == truth, "instance {instance}: LOD {}", lod.0);
+        }
+    }
+    let refused = crowd.show(&mut device.encoder(), &[Lod(0)]).expect_err("too few LODs");
+    assert_eq!(refused.to_string(), "1 LODs for 3 instances");
 }
 
 #[test]

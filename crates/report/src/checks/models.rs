@@ -26,18 +26,33 @@ pub fn check_models(
     stride: u32,
     limits: &Limits,
 ) -> Result<Vec<CheckReport>, FormatError> {
+    check_models_by_reference(objects, document, stride, limits).map(|(checks, _)| checks)
+}
+
+/// Does the same, and returns the reference of each object as well: a device is compared with it,
+/// too.
+///
+/// # Errors
+/// As [`check_models`].
+pub fn check_models_by_reference<'a>(
+    objects: &'a [LodObject],
+    document: &Document,
+    stride: u32,
+    limits: &Limits,
+) -> Result<(Vec<CheckReport>, Vec<Reference<'a>>), FormatError> {
     let options = VerifyOptions { stride, ..VerifyOptions::default() };
     let shapes = stated_shapes(objects, document, limits)?;
-    let check = |(o, shapes): (&LodObject, &ObjectShapes)| {
+    let check = |(o, shapes): (&'a LodObject, &ObjectShapes)| {
         let shapes = shapes.all().iter();
         let shapes: Vec<_> = shapes.map(|shape| shape.of(o.simplified.mesh())).collect();
         check_object(o, &shapes, &options)
     };
     let animations = animation_names(document, limits)?.len();
     let checked: Result<Vec<_>, FormatError> = objects.par_iter().zip(&shapes).map(check).collect();
-    let mut checks = checked?.concat();
+    let (checks, references): (Vec<_>, Vec<_>) = checked?.into_iter().unzip();
+    let mut checks = checks.concat();
     checks.extend(objects.iter().filter_map(|object| check_poses(object, animations)));
-    Ok(checks)
+    Ok((checks, references))
 }
 
 /// Checks that the poses that errors are the largest over are of this file; none without any.
@@ -56,11 +71,11 @@ fn check_poses(object: &LodObject, animations: usize) -> Option<CheckReport> {
     (!poses.is_empty()).then(|| report.of(poses.len() as u64, unknown))
 }
 
-fn check_object(
-    object: &LodObject,
+fn check_object<'a>(
+    object: &'a LodObject,
     shapes: &[Cow<'_, [[f32; 3]]>],
     options: &VerifyOptions,
-) -> Result<Vec<CheckReport>, FormatError> {
+) -> Result<(Vec<CheckReport>, Reference<'a>), FormatError> {
     let name = &object.info.name;
     let (reference, errors) =
         rayon::join(|| Reference::new(&object.simplified), || check_stored_errors(object, shapes));
@@ -84,7 +99,7 @@ fn check_object(
         let models = CheckReport::new(Some(name), "models", "replay");
         checks.push(CheckReport { skipped: Some(none), ..models });
     }
-    Ok(checks)
+    Ok((checks, reference))
 }
 
 /// Compares stored errors with measured ones; skipped if they are estimates.

@@ -6,6 +6,7 @@ use lodc_gpu::{Device, GpuError};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Simplified;
 use lodc_strip::{StripOptions, StripPool};
+use lodc_verify::Reference;
 use std::sync::Arc;
 
 /// A device, or none said aloud. Where all tests are asked for there must be one.
@@ -18,6 +19,11 @@ pub(crate) fn device() -> Option<Device> {
         }
         Err(e) => panic!("{e}"),
     }
+}
+
+/// What models of this version are compared with.
+pub(crate) fn reference(simplified: &Simplified) -> Reference<'_> {
+    Reference::new(simplified).expect("a small sequence")
 }
 
 /// Every model of this version.

@@ -10,7 +10,7 @@ use lodc_mesh::{Lod, Simplified, SplitMix64};
 use lodc_model::Model;
 use lodc_plan::{Expected, Plan, PlanError, Program, Step, Tolerance, VertexRecords};
 use lodc_strip::order;
-use lodc_verify::{Check, ViewReference};
+use lodc_verify::{Check, Reference, ViewReference};
 
 /// Views of a round of [`sample`].
 const VIEWS_PER_ROUND: usize = 10;
@@ -30,13 +30,20 @@ impl Interactive {
     ///
     /// # Errors
     /// If the mesh is too large or its lists too long.
-    pub fn replays(&self, lods: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
+    pub fn replays<'a>(
+        &'a self,
+        lods: &[Lod],
+        reference: &'a Reference<'_>,
+    ) -> Result<Vec<Plan<'a>>, PlanError> {
         let mesh = self.simplified().mesh();
         // Each round has ten views, each of which is resolved on the CPU as well.
         let triangles = mesh.triangles().len().max(1);
         let rounds = (MAX_TRIANGLES_IN_ROUNDS / triangles).clamp(1, MAX_ROUNDS) as u32;
         let views = sample(self.simplified(), rounds, 1);
-        Ok(vec![self.continuous(lods.to_vec())?, self.views(views, order(mesh, CACHE_ENTRIES))?])
+        Ok(vec![
+            self.continuous(lods.to_vec(), reference)?,
+            self.views(views, order(mesh, CACHE_ENTRIES))?,
+        ])
     }
 
     /// Compares a few views on the CPU with the collapse sequence: every criterion without
