@@ -8,6 +8,7 @@ use lodc_mesh::Simplified;
 use lodc_plan::{Contents, Expected, Pass, Plan, Program, Step, schedule};
 use lodc_simplify::{Options, simplify};
 use lodc_strip::{Effort, StripOptions, StripPool};
+use lodc_verify::Reference;
 use serde_json::{Value, json};
 use std::sync::Arc;
 
@@ -85,9 +86,10 @@ fn kernels_in_a_browser_give_the_words_of_the_cpu() {
         let stops = schedule(simplified.collapses(), 10, 6, 1);
         let options = StripOptions { kind: None, effort: Effort::Fast };
         let mut strips = StripPool::new(&simplified, options);
+        let reference = Reference::new(&simplified).expect("a small sequence");
         for kind in ModelKind::ALL {
             let model = AnyModel::build(kind, &mut strips).expect("a model");
-            let of_model = model.replays(&stops).expect("plans");
+            let of_model = model.replays(&stops, &reference).expect("plans");
             plans.extend(of_model.into_iter().map(|p| plan(name, p)));
         }
     }

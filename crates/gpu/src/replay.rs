@@ -164,7 +164,7 @@ impl<'a> Replays<'a> {
                     return Ok(());
                 }
                 if !self.next.has_room(more_words, more_passes) {
-                    self.run_alone(number, &mut session, step)?;
+                    self.run_alone(number, &mut session, &step)?;
                     continue;
                 }
             }
@@ -253,7 +253,7 @@ impl<'a> Replays<'a> {
         &mut self,
         number: usize,
         session: &mut Session,
-        step: Step,
+        step: &Step,
     ) -> Result<(), GpuError> {
         self.compare_all()?;
         session.run(&step.passes)?;
@@ -265,7 +265,7 @@ impl<'a> Replays<'a> {
                 .map(|(word, found)| (check, word, found));
             difference.is_none()
         })?;
-        self.plans[number].judge(&step, difference);
+        self.plans[number].judge(step, difference);
         Ok(())
     }
 }
