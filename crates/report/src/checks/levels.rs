@@ -33,7 +33,7 @@ const MAX_RMS_RATIO: f64 = 1.3;
 
 /// Root mean square distances that differ by no more than this share of the error are not refused:
 /// a small part of the surface decides them. Chosen by hand.
-const RMS_SLACK: f64 = 0.01;
+const RMS_SLACK: f64 = 0.004;
 
 /// Of the distance below which an error is too large, the share that is not searched closely.
 const UNSEARCHED_SHARE: f64 = 0.9;
