@@ -9,7 +9,7 @@ from ..errors import FormatError, need
 from ..header import check_header
 from ..level import Level, Origin
 from ..level_object import LevelObject
-from ..scene import Scene
+from ..scene import Scene, Submesh, named_by
 from ..xxh32 import xxh32
 from .coder import Substream
 from .contexts import Contexts
@@ -245,11 +245,12 @@ class Stream:
         need(self.source.format == self.format, place, "has another format than the head")
         runs = c.many(lambda: (c.u64(), c.u64()))
         self._order = _buffer_order(runs, self._buffer_bytes, place)
-        for number, (name, scale, mesh, submeshes) in enumerate(entries):
+        self._json(text[c.at :], place)
+        for number, (name, scale, mesh, names) in enumerate(entries):
             if number == len(self.objects):
                 self.objects.append(StreamObject(number, place))
+            submeshes = named_by(self.gltf, mesh, [Submesh(*s, ()) for s in names])
             self.objects[number].name_as(name, scale, mesh, submeshes)
-        self._json(text[c.at :], place)
 
     def _source(self, c):
         kind, content_hash = c.u8(), c.u128()

@@ -143,8 +143,7 @@ class StreamObject:
         self._list_submeshes()
 
     def name_as(self, name, scale, mesh, submeshes):
-        """Takes what the text says of the object: its mesh in the document, and (name, material,
-        primitive) of each submesh."""
+        """Takes what the text says of the object: its mesh in the document, and its submeshes."""
         if self.header is not None:
             need(
                 len(submeshes) == len(self.header.streams),
@@ -152,7 +151,7 @@ class StreamObject:
                 "has other submeshes in the text",
             )
         self.name, self.world_scale, self.document_mesh = name, scale, mesh
-        self.submeshes = [Submesh(*s, ()) for s in submeshes]
+        self.submeshes = submeshes
         if self.header is not None:
             self._list_submeshes()
 
