@@ -106,7 +106,7 @@ plots:
 growth *words: build
     python3 tests/growth.py target/release/lodc {{words}}
 
-# Kills, faults of system calls, determinism, clean files, what levels of many kinds of meshes state and the list of packages, with figures; then more mutated meshes through build and verify
+# Kills, faults of system calls, determinism, clean files, what levels of many kinds of meshes state, with figures; then more mutated meshes through build and verify
 campaign *words: build numpy
     LODC_PYTHON=target/numpy/bin/python python3 tests/campaign.py target/release/lodc {{words}}
     LODC_MUTATIONS=5000 cargo test --release -p lodc-report --test mutated

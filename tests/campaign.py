@@ -1,6 +1,6 @@
 """Long tests of the program as a process, with figures: `just campaign`.
 
-campaign.py LODC [--only kills,faults,determinism,clean,kinds,sbom,large] [--short] [--seed N]
+campaign.py LODC [--only kills,faults,determinism,clean,kinds,large] [--short] [--seed N]
 
 Prints a line of figures for each, and ends with 1 if a promise of docs/RELIABILITY.md was broken.
 What is random follows from the seed, which is printed. Faults need strace, kinds a C compiler and
@@ -12,7 +12,6 @@ import array
 import concurrent.futures
 import hashlib
 import itertools
-import json
 import math
 import os
 import pathlib
@@ -275,43 +274,9 @@ def large(lodc, asked):
     return ended
 
 
-def sbom(_, asked):
-    """A CycloneDX list of the packages that the program is built from."""
-    words = ["cargo", "metadata", "--format-version", "1", "--locked", "--offline"]
-    found = json.loads(subprocess.run(words, stdout=subprocess.PIPE, check=True, cwd=ROOT).stdout)
-    nodes = {node["id"]: node for node in found["resolve"]["nodes"]}
-    waiting = [p["id"] for p in found["packages"] if p["name"] == "lodc-cli"]
-    inside = set()
-    while waiting:
-        package = waiting.pop()
-        if package in inside:
-            continue
-        inside.add(package)
-        # What only tests need is not in the program.
-        is_needed = lambda d: any(kind["kind"] != "dev" for kind in d["dep_kinds"])
-        waiting += [d["pkg"] for d in nodes[package]["deps"] if is_needed(d)]
-    parts = [
-        {
-            "type": "library",
-            "name": p["name"],
-            "version": p["version"],
-            "purl": f"pkg:cargo/{p['name']}@{p['version']}",
-            "licenses": [{"expression": p["license"]}] if p["license"] else [],
-        }
-        for p in sorted(found["packages"], key=lambda p: (p["name"], p["version"]))
-        if p["id"] in inside
-    ]
-    bom = {"bomFormat": "CycloneDX", "specVersion": "1.5", "version": 1, "components": parts}
-    asked.sbom.parent.mkdir(parents=True, exist_ok=True)
-    asked.sbom.write_text(json.dumps(bom, indent=1) + "\n")
-    nameless = sum(not part["licenses"] for part in parts)
-    print(f"sbom: {len(parts)} packages in {asked.sbom}, {nameless} without a licence")
-    return nameless
-
-
 def main():
     """Runs what is asked for."""
-    usual = [kills, faults, determinism, clean, kinds, sbom]
+    usual = [kills, faults, determinism, clean, kinds]
     tests = {test.__name__: test for test in [*usual, large]}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("lodc", type=lambda path: str(pathlib.Path(path).resolve()))
@@ -325,7 +290,6 @@ def main():
     parser.add_argument("--repeats", type=int, default=20)
     parser.add_argument("--files", type=int, default=1000, help="clean files")
     parser.add_argument("--large", type=int, default=5_000_000, help="triangles")
-    parser.add_argument("--sbom", type=pathlib.Path, default=ROOT / "target/lodc.cdx.json")
     if "--short" in sys.argv:
         parser.set_defaults(**SHORT)
     asked = parser.parse_args()

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use lodc_assets::{
     Asset, Budget, CommandPaths, LEVEL_EXTENSIONS, MESH_EXTENSIONS, OptionValues, Pair,
-    check_standard_streams, expand_folders, run_queue,
+    check_standard_streams, expand_folders, has_extension, run_queue,
 };
 
 /// Options of commands that take many assets.

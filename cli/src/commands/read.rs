@@ -1,6 +1,6 @@
 //! Reads a `.lodc` file and prints its warnings: shared by the commands that take one.
 
-use crate::batch::MESH_EXTENSIONS;
+use crate::batch::{MESH_EXTENSIONS, has_extension};
 use crate::console;
 use crate::exit::Outcome;
 use lodc::{LodFile, read};
@@ -37,15 +37,11 @@ pub(crate) fn parse_lodc(bytes: &[u8], name: &str) -> Outcome<LodFile> {
 
 /// Says what to do with a file that is none of lodc's: of a mesh, make one.
 fn not_lodc(mut error: FormatError, name: &str) -> FormatError {
-    if MESH_EXTENSIONS.iter().any(|extension| has_extension(Path::new(name), extension)) {
+    if has_extension(Path::new(name), &MESH_EXTENSIONS) {
         error.location.clear();
         error.problem = format!("a mesh, not a .lodc file; run `lodc build {name}` first");
     } else {
         error.problem += "; `lodc build` makes one of a mesh";
     }
     error.in_file(name)
-}
-
-fn has_extension(path: &Path, wanted: &str) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(wanted))
 }

@@ -105,7 +105,9 @@ pub(crate) fn files_below(
     Ok(found)
 }
 
-fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+/// Returns whether a path ends in one of some extensions, in any case.
+#[must_use]
+pub fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     path.extension().is_some_and(|e| extensions.iter().any(|x| e.eq_ignore_ascii_case(x)))
 }
 

@@ -41,7 +41,7 @@ pub use baseline::Baseline;
 pub use config::{ConfigLayer, Configs};
 pub use depfile::DependencyRule;
 pub use error::AssetError;
-pub use folder::{LEVEL_EXTENSIONS, MESH_EXTENSIONS, expand_folders};
+pub use folder::{LEVEL_EXTENSIONS, MESH_EXTENSIONS, expand_folders, has_extension};
 pub use options::{CommandOptions, LIMIT_OPTION, OptionValues, ValueCheck, Vocabulary};
 pub use pairs::{Pair, pairs};
 pub use parts::{Part, Parts, name_list};

@@ -1,6 +1,7 @@
 //! Where results go: a file, a file in a folder, or standard output.
 
 use crate::error::AssetError;
+use crate::folder::{LEVEL_EXTENSIONS, has_extension};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -112,9 +113,8 @@ pub fn is_folder(out: &Path) -> bool {
     out.is_dir() || out.as_os_str().to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
 }
 
-/// Extensions of files that lodc reads or writes: a folder that is made has none of them.
-const FILE_EXTENSIONS: [&str; 9] =
-    ["lodc", "lods", "obj", "gltf", "glb", "vrm", "ply", "stl", "html"];
+/// Extensions of files that lodc only writes.
+const WRITTEN_EXTENSIONS: [&str; 2] = ["lods", "html"];
 
 /// Refuses a folder for several results that has a file's name and is not there: `-o levels.lodc`
 /// is meant to be a file.
@@ -122,9 +122,8 @@ const FILE_EXTENSIONS: [&str; 9] =
 /// # Errors
 /// If it is so.
 pub(crate) fn refuse_file_name(folder: &Path) -> Result<(), AssetError> {
-    let extension = folder.extension().and_then(|e| e.to_str());
-    let is_file_name = extension
-        .is_some_and(|e| FILE_EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)));
+    let is_file_name =
+        has_extension(folder, &LEVEL_EXTENSIONS) || has_extension(folder, &WRITTEN_EXTENSIONS);
     if !is_file_name || is_folder(folder) {
         return Ok(());
     }

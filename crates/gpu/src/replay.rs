@@ -223,7 +223,7 @@ impl<'a> Replays<'a> {
     fn compare(&mut self, index: wgpu::SubmissionIndex, batch: Batch) -> Result<(), GpuError> {
         let Some(staging) = batch.staging else { return Ok(()) };
         let is_hardware = !self.device.adapter().software;
-        self.device.map_after(index, &staging, 4 * batch.words as u64, |bytes| {
+        self.device.map_when(Some(index), &staging, 4 * batch.words as u64, |bytes| {
             let mut words: &[u32] = bytemuck::cast_slice(bytes);
             for (number, step) in &batch.steps {
                 let plan = &mut self.plans[*number];

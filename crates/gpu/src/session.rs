@@ -460,18 +460,8 @@ impl Device {
         self.map_when(None, buffer, bytes, see)
     }
 
-    /// Does the same once one submission is done.
-    pub(crate) fn map_after(
-        &self,
-        submission: wgpu::SubmissionIndex,
-        buffer: &wgpu::Buffer,
-        bytes: u64,
-        see: impl FnOnce(&[u8]),
-    ) -> Result<(), GpuError> {
-        self.map_when(Some(submission), buffer, bytes, see)
-    }
-
-    fn map_when(
+    /// Does the same once one submission is done; all of them if none is given.
+    pub(crate) fn map_when(
         &self,
         submission: Option<wgpu::SubmissionIndex>,
         buffer: &wgpu::Buffer,
