@@ -42,7 +42,7 @@ fn of_gltf(
     meshes: &[u32],
     folder: &Scratch,
 ) -> Result<Appearance, FormatError> {
-    let document = Document::Gltf(GltfDocument { json: json.to_owned(), blob });
+    let document = Document::Gltf(GltfDocument::new(json.to_owned(), blob));
     let infos: Vec<ObjectInfo> = meshes.iter().map(|&m| info(m, None)).collect();
     let mut assets = Assets::new(&folder.path("a.gltf"), &[], Limits::DEFAULT);
     appearance(&document, &infos.iter().collect::<Vec<_>>(), &mut assets)
@@ -50,7 +50,7 @@ fn of_gltf(
 
 /// The objects of some meshes where a document shows them.
 fn arranged(json: &str, blob: Vec<u8>, meshes: &[u32]) -> Result<Arrangement, FormatError> {
-    let document = Document::Gltf(GltfDocument { json: json.to_owned(), blob });
+    let document = Document::Gltf(GltfDocument::new(json.to_owned(), blob));
     let infos: Vec<ObjectInfo> = meshes.iter().map(|&m| info(m, None)).collect();
     let infos: Vec<&ObjectInfo> = infos.iter().collect();
     let graph = scene_graph(&document, &infos, &Limits::DEFAULT)?;
@@ -292,7 +292,7 @@ fn an_image_is_decoded_once_however_often_it_is_there_and_pixels_have_a_limit() 
             .collect(),
         ..info(0, None)
     };
-    let document = Document::Gltf(GltfDocument { json: json.to_string(), blob });
+    let document = Document::Gltf(GltfDocument::new(json.to_string(), blob));
     let within = |pixels| {
         let limits = Limits { pixels, ..Limits::DEFAULT };
         let mut assets = Assets::new(&folder.path("a.gltf"), &[], limits);

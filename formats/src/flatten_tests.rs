@@ -39,7 +39,7 @@ pub(crate) fn info(mesh: u32) -> ObjectInfo {
 }
 
 pub(crate) fn gltf(json: &str) -> Document {
-    Document::Gltf(GltfDocument { json: json.to_owned(), blob: Vec::new() })
+    Document::Gltf(GltfDocument::new(json.to_owned(), Vec::new()))
 }
 
 fn placed<'a>(document: &Document, objects: &[ExportObject<'a>]) -> Vec<Placed<'a>> {

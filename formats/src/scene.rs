@@ -110,7 +110,7 @@ impl Document {
     pub fn has_materials(&self) -> bool {
         match self {
             Self::Obj(obj) => !obj.materials.is_empty(),
-            Self::Gltf(gltf) => gltf.json.contains("\"materials\":"),
+            Self::Gltf(gltf) => gltf.json().contains("\"materials\":"),
         }
     }
 
@@ -122,7 +122,7 @@ impl Document {
                 let mut lines = obj.materials.iter().flat_map(|m| &m.lines);
                 lines.any(|line| line.trim_start().starts_with("map_Kd"))
             }
-            Self::Gltf(gltf) => gltf.json.contains("\"textures\":"),
+            Self::Gltf(gltf) => gltf.json().contains("\"textures\":"),
         }
     }
 }
@@ -150,15 +150,42 @@ pub struct ObjMaterial {
     pub lines: Vec<String>,
 }
 
-/// The rest of a glTF.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// The rest of a glTF: its text and buffer 0. The text is parsed and checked once, when it is first
+/// read.
+#[derive(Clone, Debug, Default)]
 pub struct GltfDocument {
+    json: String,
+    blob: Vec<u8>,
+    #[cfg(feature = "gltf")]
+    pub(crate) checked: crate::gltf::Checked,
+}
+
+impl GltfDocument {
+    /// A document of its text and the bytes of buffer 0; nothing is checked yet.
+    #[must_use]
+    pub fn new(json: String, blob: Vec<u8>) -> Self {
+        Self { json, blob, ..Self::default() }
+    }
+
     /// The JSON document. Primitives that are objects' submeshes have no `indices` and no
     /// `attributes` or `targets` accessors any more; everything else is as it was, its buffer views
-    /// pointing into `blob` (buffer 0).
-    pub json: String,
+    /// pointing into [`Self::blob`] (buffer 0).
+    #[must_use]
+    pub fn json(&self) -> &str {
+        &self.json
+    }
+
     /// The bytes that remaining buffer views refer to.
-    pub blob: Vec<u8>,
+    #[must_use]
+    pub fn blob(&self) -> &[u8] {
+        &self.blob
+    }
+}
+
+impl PartialEq for GltfDocument {
+    fn eq(&self, other: &Self) -> bool {
+        self.json == other.json && self.blob == other.blob
+    }
 }
 
 /// What a mesh file holds, as far as can be told without reading it.

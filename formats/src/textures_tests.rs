@@ -35,7 +35,7 @@ fn gltf() -> Document {
     let json = r#"{"asset":{"version":"2.0"},
         "images":[{"uri":"wood/a%20b.png"},{"uri":"gone.png"},
         {"uri":"https://example.org/a.png"}]}"#;
-    Document::Gltf(GltfDocument { json: json.to_owned(), blob: vec![] })
+    Document::Gltf(GltfDocument::new(json.to_owned(), vec![]))
 }
 
 #[test]

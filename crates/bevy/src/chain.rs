@@ -83,6 +83,6 @@ impl AssetLoader for ChainLoader {
 /// The meshes of a document, whose primitives name their materials.
 fn materials(document: &Document) -> Value {
     let Document::Gltf(gltf) = document else { return Value::Null };
-    let root: Value = serde_json::from_str(&gltf.json).unwrap_or_default();
+    let root: Value = serde_json::from_str(gltf.json()).unwrap_or_default();
     root["meshes"].clone()
 }

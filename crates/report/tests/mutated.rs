@@ -46,7 +46,7 @@ fn built(mesh: &Mesh) -> Vec<LodObject> {
 
 fn checks(mesh: &Mesh) -> Vec<CheckReport> {
     let json = r#"{"asset":{"version":"2.0"}}"#.to_owned();
-    let document = Document::Gltf(GltfDocument { json, blob: Vec::new() });
+    let document = Document::Gltf(GltfDocument::new(json, Vec::new()));
     check_models(&built(mesh), &document, 1, &Limits::DEFAULT).expect("a sound document")
 }
 

@@ -6,7 +6,7 @@
 
 use lodc_formats::import::{ImportOptions, import};
 use lodc_formats::lodc::{LodFile, MadeFrom, StoredModel, read, write};
-use lodc_formats::{Document, Limits};
+use lodc_formats::{Document, GltfDocument, Limits};
 use lodc_lod::ModelKind;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, Posture, Semantic, SequenceParts, Simplified};
 use lodc_report::{check_errors_again, check_models, check_source};
@@ -92,8 +92,9 @@ impl Parts {
         let Document::Gltf(document) = &mut self.file.document else {
             panic!("the fixture is a glTF")
         };
-        assert!(document.json.contains(from), "{from} is not in {}", document.json);
-        document.json = document.json.replacen(from, to, 1);
+        let json = document.json();
+        assert!(json.contains(from), "{from} is not in {json}");
+        *document = GltfDocument::new(json.replacen(from, to, 1), document.blob().to_vec());
     }
 }
 

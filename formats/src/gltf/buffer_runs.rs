@@ -42,14 +42,14 @@ pub(crate) fn buffer_runs<'a>(
     document: &GltfDocument,
     objects: impl Iterator<Item = &'a ObjectInfo>,
 ) -> Vec<BufferRun> {
-    let Ok(mut root) = parse(document.json.as_bytes(), &Limits::DEFAULT) else {
+    let Ok(mut root) = parse(document.json().as_bytes(), &Limits::DEFAULT) else {
         return Vec::new();
     };
     if schema::check(&mut root).is_err() || has_unknown_references(&root) {
         return Vec::new();
     }
     let priorities = priorities(&mut root, objects);
-    let end = document.blob.len() as u64;
+    let end = document.blob().len() as u64;
     let mut views: Vec<(Range<u64>, Priority)> = root
         .entries("bufferViews")
         .zip(priorities)

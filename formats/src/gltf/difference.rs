@@ -3,7 +3,7 @@
 
 use super::document::Stored;
 use super::extensions::{MESHOPT, QUANTIZATION, forget_extra, is_requantized, uses};
-use super::json::{self, Json, Object};
+use super::json::{Json, Object};
 use super::schema::{self, Pool, references};
 use super::texture_transform::TRANSFORM;
 use crate::{FormatError, GltfDocument, Limits};
@@ -24,10 +24,8 @@ pub(crate) fn difference(
     level_document: &GltfDocument,
     limits: &Limits,
 ) -> Result<Option<String>, FormatError> {
-    let [mut source, mut level] = [
-        json::parse(source_document.json.as_bytes(), limits)?,
-        json::parse(level_document.json.as_bytes(), limits)?,
-    ];
+    let (mut source, mut level) =
+        (source_document.root(limits)?.clone(), level_document.root(limits)?.clone());
     let lost = source.list("extensionsUsed").iter().filter_map(Json::as_str);
     let lost = lost.filter(|name| !MESHOPT.contains(name)).find(|name| !uses(&level, name));
     if let Some(name) = lost {
@@ -40,7 +38,6 @@ pub(crate) fn difference(
             || uses(&source, QUANTIZATION) && !is_requantized(&level),
     };
     for (root, document) in [(&mut source, source_document), (&mut level, level_document)] {
-        schema::check(root)?;
         common.put_content(root, document, limits)?;
         common.strip(root);
     }

@@ -11,8 +11,40 @@ use super::schema;
 use super::views::{Buffers, Views};
 use crate::{FormatError, GltfDocument, Limits};
 use lodc_mesh::{Attribute, Semantic};
+use std::sync::{Arc, OnceLock};
 #[cfg(feature = "import")]
 use xxhash_rust::xxh3::{Xxh3, xxh3_128};
+
+/// What is known of a document once it has been read: its parsed and checked JSON, and its
+/// accessors. Copies of a document share it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Checked {
+    root: OnceLock<Arc<Object>>,
+    accessors: OnceLock<Arc<[Option<Accessor>]>>,
+}
+
+impl GltfDocument {
+    /// The document of a checked root, and the bytes that its buffer views refer to.
+    #[cfg(feature = "import")]
+    pub(crate) fn of_root(root: Object, blob: Vec<u8>) -> Self {
+        let document = Self::new(root.to_string(), blob);
+        document.checked.root.get_or_init(|| root.into());
+        document
+    }
+
+    /// The JSON document, every reference of which leads somewhere.
+    ///
+    /// # Errors
+    /// If it is damaged.
+    pub(crate) fn root(&self, limits: &Limits) -> Result<&Object, FormatError> {
+        if let Some(root) = self.checked.root.get() {
+            return Ok(root);
+        }
+        let mut root = json::parse(self.json().as_bytes(), limits)?;
+        schema::check(&mut root)?;
+        Ok(self.checked.root.get_or_init(|| root.into()))
+    }
+}
 
 /// A stored document that is open for reading.
 pub(crate) struct Stored<'a> {
@@ -21,7 +53,7 @@ pub(crate) struct Stored<'a> {
 }
 
 impl Stored<'_> {
-    /// Checks a document and lets `work` read it.
+    /// Lets `work` read a document, checked.
     ///
     /// # Errors
     /// If it is damaged, or `work` fails.
@@ -30,17 +62,23 @@ impl Stored<'_> {
         limits: &Limits,
         work: impl FnOnce(&Stored<'_>, &Object) -> Result<T, FormatError>,
     ) -> Result<T, FormatError> {
-        let mut root = json::parse(document.json.as_bytes(), limits)?;
-        schema::check(&mut root)?;
+        let root = document.root(limits)?;
+        let blob = document.blob();
         let mut buffers: Buffers<'_> = vec![None; root.entries("buffers").len()];
         if let Some(first) = buffers.first_mut() {
-            *first = Some(document.blob.as_slice().into());
+            *first = Some(blob.into());
         }
-        check_length(&root, document.blob.len())?;
-        let budget = Budget::new(document.blob.len() as u64);
-        let views = Views::new(&root, &buffers, &budget)?;
-        let accessors = Accessor::all(&root, &views)?;
-        work(&Stored { accessors: &accessors, views: &views }, &root)
+        check_length(root, blob.len())?;
+        let budget = Budget::new(blob.len() as u64);
+        let views = Views::new(root, &buffers, &budget)?;
+        let accessors = match document.checked.accessors.get() {
+            Some(known) => known,
+            None => {
+                let all = Accessor::all(root, &views)?;
+                document.checked.accessors.get_or_init(|| all.into())
+            }
+        };
+        work(&Stored { accessors, views: &views }, root)
     }
 
     /// All components of all elements of an accessor, and how many components an element has.
@@ -124,3 +162,7 @@ fn check_length(root: &Object, blob: usize) -> Result<(), FormatError> {
         _ => Ok(()),
     }
 }
+
+#[cfg(all(test, feature = "import", feature = "export"))]
+#[path = "document_tests.rs"]
+mod tests;

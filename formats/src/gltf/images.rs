@@ -1,7 +1,7 @@
 //! The image files that a document names, and the images that it holds.
 
 use super::document::Stored;
-use super::{json, uri};
+use super::uri;
 use crate::images::{Textures, embedded_name};
 use crate::{Assets, FormatError, GltfDocument, Limits};
 
@@ -14,7 +14,7 @@ pub(crate) fn read_textures(
     textures: &mut Textures,
     assets: &mut Assets,
 ) -> Result<(), FormatError> {
-    let root = json::parse(document.json.as_bytes(), assets.limits())?;
+    let root = document.root(assets.limits())?;
     for (i, image) in root.entries("images").enumerate() {
         let Some(text) = image["uri"].as_str() else { continue };
         let Some(path) = uri::path(text) else { continue };
@@ -29,7 +29,7 @@ pub(crate) fn read_textures(
 /// # Errors
 /// If the document is damaged.
 pub(crate) fn image_names(document: &GltfDocument) -> Result<Vec<String>, FormatError> {
-    let root = json::parse(document.json.as_bytes(), &Limits::DEFAULT)?;
+    let root = document.root(&Limits::DEFAULT)?;
     let uris = root.entries("images").filter_map(|image| image["uri"].as_str());
     Ok(uris.filter_map(uri::path).collect())
 }

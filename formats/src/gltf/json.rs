@@ -51,8 +51,16 @@ pub(crate) fn malformed(location: impl Into<String>, problem: impl Into<String>)
     FormatError::new(Fault::Malformed, location, problem)
 }
 
+#[cfg(test)]
+thread_local! {
+    /// How many documents this thread has parsed.
+    pub(super) static PARSED: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
+}
+
 /// Parses a document whose root is an object.
 pub(crate) fn parse(text: &[u8], limits: &Limits) -> Result<Object, FormatError> {
+    #[cfg(test)]
+    PARSED.set(PARSED.get() + 1);
     if value_bound(text) > MAX_VALUES {
         let problem = format!("JSON of more than {MAX_VALUES} values");
         return Err(FormatError::new(Fault::Limit, "", problem));

@@ -2,7 +2,7 @@
 
 use super::coordinates::base;
 use super::extensions::IMAGE_EXTENSIONS;
-use super::json::{Json, Object, parse};
+use super::json::{Json, Object};
 use super::uri;
 use crate::material::{Material, MaterialTexture, Materials};
 use crate::{FormatError, GltfDocument, Limits, ObjectInfo};
@@ -16,7 +16,7 @@ pub(crate) fn materials(
     objects: &[&ObjectInfo],
     limits: &Limits,
 ) -> Result<Materials, FormatError> {
-    let root = parse(document.json.as_bytes(), limits)?;
+    let root = document.root(limits)?;
     let primitive = |mesh: u32, primitive: u32| {
         root.list("meshes").get(mesh as usize)?["primitives"].list().get(primitive as usize)
     };
@@ -29,7 +29,7 @@ pub(crate) fn materials(
         o.submeshes.iter().map(|s| material_of(o.document_mesh, s.document_primitive)).collect()
     };
     Ok(Materials {
-        list: root.list("materials").iter().map(|source| material(&root, source)).collect(),
+        list: root.list("materials").iter().map(|source| material(root, source)).collect(),
         of_submesh: objects.iter().map(of_object).collect(),
     })
 }

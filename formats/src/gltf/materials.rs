@@ -2,7 +2,7 @@
 //! and base colour textures, which is all that both formats have.
 
 use super::coordinates::base;
-use super::json::{Object, parse};
+use super::json::Object;
 use super::material_names::image;
 use super::texture_transform::CLAMP;
 use super::uri;
@@ -19,14 +19,14 @@ pub(crate) fn library(
     document: &GltfDocument,
     textures: &PlacedTextures,
 ) -> Result<Library, FormatError> {
-    let root = parse(document.json.as_bytes(), &Limits::DEFAULT)?;
+    let root = document.root(&Limits::DEFAULT)?;
     let mut library = Library::default();
     for material in root.list("materials") {
         let (factor, info) = base(material);
         let [r, g, b, opacity] = factor.numbers([1.0; 4]);
         let blended = material["alphaMode"].as_str() == Some("BLEND");
         let texture = info["index"].as_index().and_then(|t| root.list("textures").get(t));
-        let file = texture.and_then(|t| image_file(&root, image(t)?, textures));
+        let file = texture.and_then(|t| image_file(root, image(t)?, textures));
         let sampler = texture.and_then(|t| root.list("samplers").get(t["sampler"].as_index()?));
         let clamps = |key: &str| sampler.is_some_and(|s| s[key].as_u64() == Some(CLAMP.into()));
         library.add(&SimpleMaterial {

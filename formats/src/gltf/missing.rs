@@ -54,7 +54,7 @@ pub(crate) fn gltf_without_missing(
     if let Some(buffer) = root.objects_mut("buffers").next() {
         buffer["byteLength"] = (blob.len() as u64).into();
     }
-    Ok(is_complete.then(|| (GltfDocument { json: root.to_string(), blob }, removed)))
+    Ok(is_complete.then(|| (GltfDocument::new(root.to_string(), blob), removed)))
 }
 
 /// Makes a document with a mesh and a node for each object, and changes `infos` to refer to it.
@@ -81,7 +81,7 @@ pub(crate) fn bare_gltf(infos: &mut [ObjectInfo], targets: &[usize]) -> GltfDocu
         root["scene"] = 0u32.into();
         root["meshes"] = meshes.into();
     }
-    GltfDocument { json: root.to_string(), blob: Vec::new() }
+    GltfDocument::new(root.to_string(), Vec::new())
 }
 
 /// The entries of a document that refer to missing bytes.

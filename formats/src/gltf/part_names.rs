@@ -1,7 +1,7 @@
 //! Names of a scene's materials and nodes by object and submesh, as they are used to select parts
 //! on the command line.
 
-use super::json::{Object, parse};
+use super::json::Object;
 use crate::{Document, FormatError, Limits, ObjectInfo, SubmeshInfo};
 
 /// The names of the parts of a scene.
@@ -21,10 +21,7 @@ impl PartNames {
     pub fn new(document: &Document, objects: &[&ObjectInfo]) -> Result<Self, FormatError> {
         match document {
             Document::Obj(_) => Ok(Self::of_obj(objects)),
-            Document::Gltf(gltf) => {
-                let root = parse(gltf.json.as_bytes(), &Limits::DEFAULT)?;
-                Ok(Self::of_gltf(&root, objects))
-            }
+            Document::Gltf(gltf) => Ok(Self::of_gltf(gltf.root(&Limits::DEFAULT)?, objects)),
         }
     }
 

@@ -150,7 +150,7 @@ pub fn read(bytes: &[u8], model_kinds: &[&str]) -> Result<LodFile, FormatError> 
                 FormatError::new(Fault::Malformed, "section DJSN", format!("is not UTF-8: {e}"))
             })?;
             let blob = container.take(tag::DOCUMENT_BLOB, SCENE, 0)?.to_vec();
-            Document::Gltf(GltfDocument { json: json.to_owned(), blob })
+            Document::Gltf(GltfDocument::new(json.to_owned(), blob))
         }
     };
     let made_from = container.take_optional(tag::MADE_FROM, SCENE, 0).map(MadeFrom::read);
@@ -201,9 +201,9 @@ pub fn write<M>(file: &LodFile<M>, store: impl Fn(&M, Layout) -> StoredModel) ->
     }
     if let Document::Gltf(gltf) = &file.document {
         writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| {
-            out.extend_from_slice(gltf.json.as_bytes());
+            out.extend_from_slice(gltf.json().as_bytes());
         });
-        writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend_from_slice(&gltf.blob));
+        writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend_from_slice(gltf.blob()));
     }
     if let Some(made) = &file.made_from {
         writer.optional(tag::MADE_FROM, SCENE, 0, |out| out.extend_from_slice(&made.bytes()));

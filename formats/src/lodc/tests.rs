@@ -55,7 +55,7 @@ pub(super) fn gltf_file(names: &[&str]) -> LodFile {
     let json = r#"{"asset":{"version":"2.0"}}"#.to_owned();
     LodFile {
         source: Source { format: SourceFormat::Glb, content_hash: u128::MAX },
-        document: Document::Gltf(GltfDocument { json, blob: (0..37).collect() }),
+        document: Document::Gltf(GltfDocument::new(json, (0..37).collect())),
         objects: names
             .iter()
             .map(|name| object(name, &fixtures::named(name).expect("a shape")))

@@ -118,7 +118,7 @@ impl EncodedDocument {
         let (json, buffer, mut runs) = match document {
             Document::Gltf(gltf) => {
                 let runs = buffer_runs(gltf, objects.map(|(info, _)| info));
-                (gltf.json.as_bytes(), gltf.blob.as_slice(), runs)
+                (gltf.json().as_bytes(), gltf.blob(), runs)
             }
             Document::Obj(_) => (&[][..], &[][..], Vec::new()),
         };
@@ -251,7 +251,7 @@ impl ReceivedDocument {
     /// belongs, and the piece.
     pub(super) fn buffer_pieces(&self, from: usize) -> impl Iterator<Item = (u64, &[u8])> {
         let complete = match self.parsed.as_ref().map(|parsed| &parsed.document) {
-            Some(Document::Gltf(gltf)) => gltf.blob.as_slice(),
+            Some(Document::Gltf(gltf)) => gltf.blob(),
             _ => &[],
         };
         let mut before = 0;
@@ -292,7 +292,8 @@ impl ReceivedDocument {
         let is_complete = self.is_complete(head);
         match self.parsed.as_mut().map(|parsed| &mut parsed.document) {
             Some(Document::Gltf(gltf)) if is_complete => {
-                gltf.blob = in_buffer_order(&self.order, std::mem::take(&mut self.buffer));
+                let blob = in_buffer_order(&self.order, std::mem::take(&mut self.buffer));
+                *gltf = GltfDocument::new(gltf.json().to_owned(), blob);
             }
             Some(Document::Obj(_)) if !self.buffer.is_empty() => {
                 return Err(malformed("has a buffer, but is no glTF"));
@@ -352,7 +353,7 @@ fn document(entry: DocumentEntry, json: &[u8]) -> Result<Document, FormatError> 
         None => {
             let json = String::from_utf8(json.to_vec())
                 .map_err(|_| malformed("has JSON that is not UTF-8"))?;
-            Ok(Document::Gltf(GltfDocument { json, blob: Vec::new() }))
+            Ok(Document::Gltf(GltfDocument::new(json, Vec::new())))
         }
     }
 }

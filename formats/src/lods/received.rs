@@ -119,7 +119,7 @@ impl Received {
     /// The JSON of a glTF and the bytes of its buffer that have arrived; none before its text.
     pub(super) fn partial_gltf(&self) -> Option<(&str, PartialBuffer)> {
         match &self.document.parsed.as_ref()?.document {
-            Document::Gltf(gltf) => Some((&gltf.json, self.document.partial_buffer())),
+            Document::Gltf(gltf) => Some((gltf.json(), self.document.partial_buffer())),
             Document::Obj(_) => None,
         }
     }

@@ -10,12 +10,12 @@ use lodc_mesh::{Lod, PositionIds, Simplified, is_degenerate};
 pub(super) fn message(bytes: &[u8]) -> Result<Message, FormatError> {
     let LodFile { document, objects, .. } = lodc::read(bytes, &[])?;
     let mut out = Message::default();
-    let buffer = if let Document::Gltf(gltf) = &document { gltf.blob.len() } else { 0 };
+    let buffer = if let Document::Gltf(gltf) = &document { gltf.blob().len() } else { 0 };
     out.document(&document, objects.len() as u32, buffer as u32);
     if let Document::Gltf(gltf) = document {
         out.chunk(Tag::Buffer, |m| {
             m.word(0);
-            m.bytes.extend_from_slice(&gltf.blob);
+            m.bytes.extend_from_slice(gltf.blob());
         });
     }
     for (number, LodObject { info, simplified, .. }) in (0..).zip(objects) {

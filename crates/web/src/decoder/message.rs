@@ -71,7 +71,7 @@ impl Message {
         match document {
             Document::Gltf(gltf) => self.chunk(Tag::Json, |m| {
                 m.words([objects, buffer]);
-                m.bytes.extend_from_slice(gltf.json.as_bytes());
+                m.bytes.extend_from_slice(gltf.json().as_bytes());
             }),
             Document::Obj(obj) => self.chunk(Tag::Materials, |m| {
                 m.word(objects);

@@ -6,7 +6,7 @@ use super::primitive;
 use crate::gltf::extension_table::DROPPED_FROM_MESHES;
 use crate::gltf::extensions::{self, DRACO, MESHOPT, Unknown};
 use crate::gltf::json::Object;
-use crate::gltf::schema::{Pool, primitive_mut, referenced, retain};
+use crate::gltf::schema::{self, Pool, primitive_mut, referenced, retain};
 use crate::gltf::views::Views;
 use crate::words::counted;
 use crate::{FormatError, GltfDocument};
@@ -74,7 +74,8 @@ pub(super) fn remainder(
     for name in MESHOPT {
         extensions::forget(&mut root, name);
     }
-    Ok(GltfDocument { json: root.to_string(), blob })
+    schema::check(&mut root)?;
+    Ok(GltfDocument::of_root(root, blob))
 }
 
 /// Takes the bytes off an accessor that has to keep its number: what is left is one zero.

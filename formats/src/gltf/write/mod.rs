@@ -111,13 +111,9 @@ fn source_document(
     additions: &Additions,
 ) -> Result<(Object, Vec<u8>), FormatError> {
     let (mut root, mut blob) = match document {
-        Document::Gltf(gltf) => {
-            (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone())
-        }
+        Document::Gltf(gltf) => (gltf.root(&Limits::DEFAULT)?.clone(), gltf.blob().to_vec()),
         Document::Obj(obj) => fresh::document(obj, objects),
     };
-    // The document may come from a crafted file.
-    schema::check(&mut root)?;
     images::put(&mut root, &mut blob, &additions.textures);
     if let Some(provenance) = &additions.provenance {
         put_provenance(&mut root, provenance, additions.precision != Precision::default());

@@ -52,7 +52,7 @@ fn obj(objects: Vec<LodObject>) -> LodFile {
 
 fn gltf(objects: Vec<LodObject>) -> LodFile {
     let json = r#"{"asset":{"version":"2.0"}}"#.to_owned();
-    let document = Document::Gltf(GltfDocument { json, blob: (0..200).collect() });
+    let document = Document::Gltf(GltfDocument::new(json, (0..200).collect()));
     LodFile {
         source: Source { format: SourceFormat::Glb, content_hash: 5 },
         document,

@@ -49,7 +49,7 @@ fn scene(names: &[&str]) -> LodFile {
         root["skins"] = json!([{ "joints": [0, 0, 0, 0] }]);
     }
     let mut file = gltf(objects);
-    file.document = Document::Gltf(GltfDocument { json: root.to_string(), blob: Vec::new() });
+    file.document = Document::Gltf(GltfDocument::new(root.to_string(), Vec::new()));
     file
 }
 

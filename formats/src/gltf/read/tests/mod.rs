@@ -109,7 +109,7 @@ pub(crate) fn gltf(scene: &Scene) -> &GltfDocument {
 }
 
 pub(crate) fn parsed(scene: &Scene) -> Value {
-    serde_json::from_str(&gltf(scene).json).expect("the document is JSON")
+    serde_json::from_str(gltf(scene).json()).expect("the document is JSON")
 }
 
 /// Per submesh the sorted triangles, each corner as the bytes of its position and all its
