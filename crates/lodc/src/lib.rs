@@ -36,6 +36,8 @@
 //! | `gpu` | levels on a graphics device: `gpu::Levels` |
 
 #[cfg(feature = "build")]
+mod asset;
+#[cfg(feature = "build")]
 pub mod build;
 mod container;
 mod error;
@@ -52,6 +54,8 @@ mod scene_levels;
 mod shapes;
 mod source;
 
+#[cfg(feature = "build")]
+pub use asset::{Asset, Errors, Simplify};
 #[cfg(feature = "build")]
 pub use build::Builder;
 pub use container::{LodFile, LodObject, read, stored_bytes, write};

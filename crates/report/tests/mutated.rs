@@ -40,7 +40,8 @@ fn built(mesh: &Mesh) -> Vec<LodObject> {
         poses: vec![],
     };
     let options = StripOptions::default();
-    let built = build_models(vec![(info, simplified)], &ModelKind::ALL, options, &());
+    let object = LodObject { info, simplified, models: vec![] };
+    let built = build_models(vec![object], &ModelKind::ALL, options, &());
     built.expect("every sequence can be modelled")
 }
 

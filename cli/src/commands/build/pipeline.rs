@@ -6,23 +6,19 @@ use crate::kinds::StepOrder;
 use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc::build::{
-    MetricColours, Need, SceneContext, SimplifiedObjects, Size, build_models, check_models,
-    measure_all, simplify_all,
-};
-use lodc::{LodFile, LodObject, parting_borders, parting_line, write};
+use lodc::build::{Need, Size};
+use lodc::{Asset, Errors, LodFile, LodObject, Simplify, parting_borders, parting_line, write};
 use lodc_assets::Parts;
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::lods::{self, as_streamed};
-use lodc_formats::{Document, ObjectInfo, OutputFile, RequestedFiles, Scene, import};
+use lodc_formats::{Document, OutputFile, RequestedFiles, Scene, import};
 use lodc_lod::ModelKind;
-use lodc_mesh::{Lod, Simplified};
+use lodc_mesh::Lod;
 use lodc_report::documents::InputReport;
 use lodc_simplify::{MetricKind, Options};
 use rayon::prelude::*;
 use std::path::Path;
-use std::sync::Arc;
 
 /// What a build made.
 pub(super) struct BuildOutput {
@@ -62,51 +58,38 @@ pub(super) fn make(
     let options = object_options(&scene, args.simplify_options(), args.parts.all());
     let kinds = args.models.kinds()?;
     check_memory(args, input, size, &options, &kinds)?;
-    let colours = MetricColours::read(input, &args.import.options(), &scene, &options)?;
     let importance = importance(&scene, &options, &args.importance, args.parts.all())?;
-    let Scene { source, document, objects, mut files, .. } = scene;
-    let limits = args.import.options().limits;
-    let context = SceneContext {
-        colours: colours.scene_colours(),
-        importance: &importance,
-        document: &document,
-        poses: args.poses.max_poses(),
-        limits,
-    };
+    let import = args.import.options();
+    let poses = args.poses.max_poses();
+    let how = Simplify { options: &options, importance: &importance, poses, errors: Errors::Curve };
     let watch = stages.watched(progress);
-    let simplified = simplify_all(objects, &options, context, &watch)?;
-    let simplified = match args.sequence.sequence {
-        StepOrder::Metric => simplified,
-        StepOrder::Stream => streamed(simplified)?,
-    };
-    report.warnings.extend(colours.warnings);
-    files.extend(&colours.files);
-    files.extend(&images(args, input, &document)?);
-    let simplified = measure_all(simplified, &document, &limits, args.poses.max_poses(), &watch)?;
+    let mut asset = Asset::sequences(input, scene, &import, &how, &watch)?;
+    if args.sequence.sequence == StepOrder::Stream {
+        order_as_streamed(&mut asset.objects)?;
+    }
+    report.warnings.clone_from(&asset.warnings);
+    asset.files.extend(&images(args, input, &asset.document)?);
+    let asset = asset.measured(poses, &watch)?;
 
     let bug = |error: lodc::Error| {
         Failure::new(Status::Bug, format!("{}: {error}; nothing was written", input.display()))
     };
     report.models = kinds.iter().map(|kind| kind.name()).collect();
-    let strips = args.strips.options();
-    let objects = build_models(simplified, &kinds, strips, &watch).map_err(bug)?;
-    fill_in_counts(report, &objects);
-
-    check_models(&objects, &watch).map_err(bug)?;
+    fill_in_counts(report, &asset.objects);
+    let asset = asset.with_models(&kinds, args.strips.options(), &watch).map_err(bug)?;
     drop(watch);
     report.warnings.extend(stages.take_notes());
-    let coarsest: Vec<Lod> = objects.iter().map(|o| o.simplified.coarsest()).collect();
-    report
-        .warnings
-        .extend(parting_line(&parting_borders(&objects, &coarsest, &document, &limits)?));
+    let coarsest: Vec<Lod> = asset.objects.iter().map(|o| o.simplified.coarsest()).collect();
+    let parting = parting_borders(&asset.objects, &coarsest, &asset.document, &import.limits)?;
+    report.warnings.extend(parting_line(&parting));
 
     progress.stage("write");
     // A stream does not hold what its file was made from, and `unpack` gives this file again.
     let made_from = (args.sequence.sequence == StepOrder::Metric)
-        .then(|| MadeFrom::of(input, &files, &args.options_text, &report.warnings))
+        .then(|| MadeFrom::of(input, &asset.files, &args.options_text, &report.warnings))
         .flatten();
-    let layout = args.models.layout();
-    let file = LodFile { source, document, objects, layout, made_from, left_out: vec![] };
+    let files = asset.files.clone();
+    let file = asset.into_file(args.models.layout(), made_from);
     let (bytes, unwritten) = stages.run("write", || {
         let bytes = write(&file);
         let length = bytes.len();
@@ -121,13 +104,13 @@ pub(super) fn make(
     Ok(BuildOutput { file, bytes, files, unwritten })
 }
 
-/// Returns the objects with their steps in the order of streams.
-fn streamed(objects: SimplifiedObjects) -> Outcome<SimplifiedObjects> {
+/// Puts the steps of objects into the order of streams.
+fn order_as_streamed(objects: &mut [LodObject]) -> Outcome<()> {
     let order = lods::StepOrder::batches(objects.len());
-    let object = |(info, simplified): (ObjectInfo, Arc<Simplified>)| {
-        Ok((info, Arc::new(as_streamed(&simplified, order)?)))
-    };
-    objects.into_par_iter().map(object).collect()
+    objects.par_iter_mut().try_for_each(|object| {
+        object.simplified = as_streamed(&object.simplified, order)?.into();
+        Ok(())
+    })
 }
 
 /// The image files that a document names: a file is up to date only if these are unchanged, too.

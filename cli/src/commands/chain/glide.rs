@@ -2,11 +2,11 @@
 //! level, and the distances at which the movement begins and ends.
 
 use super::levels::{Level, LevelArgs};
-use crate::commands::asset::AssetWithLevels;
 use crate::exit::{Failure, Outcome};
 use crate::help::BECOMES;
 use crate::mesh_output::FormatName;
 use clap::Args;
+use lodc::Asset;
 use lodc::build::GlideJudge;
 use lodc::glide::{bends, joints_error, pose_error};
 use lodc_formats::Limits;
@@ -121,7 +121,7 @@ pub(super) type MovingMesh<'a> = (&'a Mesh, &'a Mesh, Range<u32>);
 /// # Errors
 /// If the document is damaged.
 pub(super) fn pose_errors(
-    asset: &AssetWithLevels,
+    asset: &Asset,
     ways: &[Vec<MovingMesh<'_>>],
     joints: bool,
     limits: &Limits,
@@ -163,14 +163,14 @@ pub(super) struct GlideShapes {
 }
 
 impl GlideShapes {
-    pub(super) fn new(asset: &AssetWithLevels, limits: &Limits) -> Outcome<Self> {
-        let AssetWithLevels { objects, document, .. } = asset;
+    pub(super) fn new(asset: &Asset, limits: &Limits) -> Outcome<Self> {
+        let Asset { objects, document, .. } = asset;
         let stated = lodc::stated_shapes(objects, document, limits)?;
         Ok(Self { stated, targets: lodc::target_shapes(objects, document, limits)? })
     }
 
     /// Judges the levels of an object; none if nothing bends it.
-    pub(super) fn judge(&self, asset: &AssetWithLevels, object: usize) -> Option<GlideJudge<'_>> {
+    pub(super) fn judge(&self, asset: &Asset, object: usize) -> Option<GlideJudge<'_>> {
         let mesh = asset.objects[object].simplified.mesh();
         GlideJudge::new(mesh, &self.stated[object], &self.targets[object])
     }

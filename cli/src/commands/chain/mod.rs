@@ -7,7 +7,7 @@ mod separate;
 mod shared;
 mod summary;
 
-use super::asset::{self, AssetWithLevels, Errors};
+use super::asset;
 use super::each::{self, AssetOptions};
 use super::export::{self, ExportArgs, ExportResult};
 use crate::batch::Asset;
@@ -26,7 +26,7 @@ use clap::Args;
 use levels::{Level, LevelArgs, Measured};
 use lodc::build::refitted_meshes;
 use lodc::level_mesh::Order;
-use lodc::{parting_borders, parting_line, scene_levels};
+use lodc::{Errors, parting_borders, parting_line, scene_levels};
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{Limits, ObjectInfo, OutputFile, RequestedFiles, scene_graph};
 use lodc_mesh::Lod;
@@ -146,7 +146,7 @@ fn no_stream(output: &Path) -> Failure {
 }
 
 /// By object the number of nodes that show it.
-fn showing_nodes(asset: &AssetWithLevels, limits: &Limits) -> Outcome<Vec<usize>> {
+fn showing_nodes(asset: &lodc::Asset, limits: &Limits) -> Outcome<Vec<usize>> {
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
     let graph = scene_graph(&asset.document, &infos, limits)?;
     let mut numbers = vec![0; infos.len()];
@@ -207,8 +207,7 @@ fn chain(
             refitted?.into_iter().map(Measured::Refitted).collect()
         }
         false => {
-            let distances =
-                stages.checked("errors", |tick| asset.distances(&lods, &limits, tick))?;
+            let distances = stages.checked("errors", |tick| asset.distances(&lods, tick))?;
             distances.into_iter().map(Measured::Plain).collect()
         }
     };
@@ -261,7 +260,7 @@ fn chain(
 }
 
 /// The origin of a file with these levels.
-fn provenance(args: &ChainArgs, asset: &AssetWithLevels, levels: &[Level]) -> Provenance {
+fn provenance(args: &ChainArgs, asset: &lodc::Asset, levels: &[Level]) -> Provenance {
     let facts = |level: &Level| LevelFacts {
         lod: level.lod(),
         error: level.error,

@@ -3,11 +3,11 @@
 use super::glide::{self, GlideShapes, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
-use crate::commands::asset::AssetWithLevels;
 use crate::compression::Packing;
 use crate::exit::Outcome;
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
+use lodc::Asset;
 use lodc::build::Way;
 use lodc::glide::{GlidingLevel, gliding_levels, with_staying};
 use lodc::level_mesh::{self, LevelMesh, MeshOptions, Order};
@@ -22,7 +22,7 @@ pub(super) fn files(
     args: &ChainArgs,
     out: &Path,
     format: FormatName,
-    asset: &AssetWithLevels,
+    asset: &Asset,
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {
@@ -50,7 +50,7 @@ pub(super) fn files(
 }
 
 /// The meshes of the objects at a level, with its distances.
-fn meshes(asset: &AssetWithLevels, level: &mut Level, order: Order) -> Outcome<Vec<LevelMesh>> {
+fn meshes(asset: &Asset, level: &mut Level, order: Order) -> Outcome<Vec<LevelMesh>> {
     if let Some(refitted) = level.refitted.take() {
         return Ok(refitted);
     }
@@ -68,7 +68,7 @@ pub(super) fn gliding_files(
     args: &ChainArgs,
     out: &Path,
     format: FormatName,
-    asset: &AssetWithLevels,
+    asset: &Asset,
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {

@@ -3,13 +3,12 @@
 use super::glide::{self, GlideShapes, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance, showing_nodes};
-use crate::commands::asset::AssetWithLevels;
 use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::FormatName;
 use lodc::build::{GlideJudge, Way};
 use lodc::glide::with_staying;
 use lodc::{
-    LodObject,
+    Asset, LodObject,
     level_mesh::{self, CACHE_VERTICES},
 };
 use lodc_formats::OutputFile;
@@ -29,7 +28,7 @@ pub(super) fn files(
     args: &ChainArgs,
     out: &Path,
     format: FormatName,
-    asset: &AssetWithLevels,
+    asset: &Asset,
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {
@@ -137,7 +136,7 @@ fn hold_back(
 /// A line where most of a file are nodes that only repeat a mesh: each has a node for every level.
 fn repeated_nodes(
     args: &ChainArgs,
-    asset: &AssetWithLevels,
+    asset: &Asset,
     files: &[OutputFile],
 ) -> Outcome<Option<String>> {
     let Some(first) = files.first() else { return Ok(None) };
@@ -187,12 +186,7 @@ fn chain(object: &LodObject, lods: &[Lod], glides: bool, compress: bool) -> Outc
 }
 
 /// As [`coverage`], where levels state distances: the box's diagonal at that of the next level.
-fn by_distance(
-    args: &ChainArgs,
-    asset: &AssetWithLevels,
-    number: usize,
-    levels: &[Level],
-) -> Vec<f64> {
+fn by_distance(args: &ChainArgs, asset: &Asset, number: usize, levels: &[Level]) -> Vec<f64> {
     let object = &asset.objects[number];
     let diagonal = object.info.world_scale * object.simplified.mesh().diagonal();
     let next = levels.iter().skip(1).map(|level| {

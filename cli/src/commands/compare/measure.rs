@@ -3,11 +3,11 @@
 use super::baseline::{self, Baseline, options};
 use super::surface::{ComparedScene, LevelChoice};
 use super::{CompareArgs, ROUNDING_SHARE};
-use crate::commands::asset::Errors;
 use crate::exit::Outcome;
 use crate::output;
 use crate::progress::Progress;
 use crate::stages::Stages;
+use lodc::Errors;
 use lodc_formats::images::png;
 use lodc_measure::{
     Original, Recorded, ReferencePictures, Sampling, SceneSurface, ShadingOptions, Viewing,

@@ -2,13 +2,14 @@
 //! scenes show them.
 
 use super::CompareArgs;
-use crate::commands::asset::{self, Errors};
+use crate::commands::asset;
 use crate::commands::input::Objects;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc::{Input, build::SceneColours, level_mesh, read_input, scene_levels};
+use lodc::build::{SceneColours, read_colours};
+use lodc::{Errors, Input, level_mesh, read_input, scene_levels};
 use lodc_formats::{Document, scene_graph};
 use lodc_measure::SceneSurface;
 use lodc_mesh::{Lod, Mesh};
@@ -58,7 +59,7 @@ impl ComparedScene {
         let (document, objects, warnings) = if let Some(errors) = levels {
             let (import, simplify) = (&args.import, &args.simplify);
             let asset = asset::read_showing(progress, path, import, simplify, errors, stages)?;
-            colours = needs_colours.then(|| asset.colours(path, import)).transpose()?;
+            colours = needs_colours.then(|| asset.colours(path, &options)).transpose()?;
             (asset.document, Objects::Levels(asset.objects), asset.warnings)
         } else {
             match stages.run("import", || read_input(path, &options))? {
@@ -72,9 +73,7 @@ impl ComparedScene {
         };
         let colours = match colours {
             Some(colours) => colours,
-            None if needs_colours => {
-                asset::read_colours(path, &args.import, &document, &objects.infos())?
-            }
+            None if needs_colours => read_colours(path, &options, &document, &objects.infos())?.0,
             None => Arc::default(),
         };
         console::warnings(&name, &[&warnings[..], &colours.appearance().warnings].concat());

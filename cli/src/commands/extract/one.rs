@@ -1,7 +1,7 @@
 //! Extracts one level of one input, and encodes it as a mesh file.
 
 use super::ExtractArgs;
-use crate::commands::asset::{self, AssetWithLevels, Errors};
+use crate::commands::asset;
 use crate::commands::export::ExportResult;
 use crate::compression::Packing;
 use crate::exit::{Failure, Outcome};
@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::stages::Stages;
 use crate::views::CriterionName;
 use lodc::{
-    LodObject,
+    Asset, Errors, LodObject,
     build::{measured, refitted_meshes},
     level_mesh::{self, LevelMesh, MeshOptions, Order},
     parting_borders, parting_line, scene_levels,
@@ -23,6 +23,7 @@ use lodc_mesh::Lod;
 use lodc_report::documents::{ExtractReport, ExtractedObject};
 use lodc_report::{ErrorsOver, MissingPart, PartInventory, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
+use lodc_simplify::MetricKind;
 use std::path::Path;
 
 /// Extracts the level of one input. Returns a line for people, too, where another way is better.
@@ -78,7 +79,9 @@ pub(super) fn extract(
         }
     }
     let looks_matter = asset.document.has_textures() && report.kept_share <= FEW;
-    let tip = (asset.is_by_quadric(simplify) && looks_matter).then_some(TIP);
+    let is_by_quadric =
+        asset.simplified && errors == Errors::OfResult && simplify.metric() == MetricKind::Quadric;
+    let tip = (is_by_quadric && looks_matter).then_some(TIP);
     stages.run("write", || mesh_output::write(target, files))?;
     progress.clear();
     let mut files = asset.files;
@@ -120,7 +123,7 @@ fn uniform(
     args: &ExtractArgs,
     order: Order,
     input: &Path,
-    asset: &AssetWithLevels,
+    asset: &Asset,
     stages: &mut Stages,
 ) -> Outcome<Level> {
     let shape = MeshOptions { model: model(args, input, asset)?, order };
@@ -137,9 +140,8 @@ fn uniform(
             refitted_meshes(&asset.objects, &asset.document, lods, order, &limits, tick)
         })?
     } else {
-        let distances = stages
-            .checked("errors", |tick| asset.distances(&[lods], &limits, tick))?
-            .swap_remove(0);
+        let distances =
+            stages.checked("errors", |tick| asset.distances(&[lods], tick))?.swap_remove(0);
         let meshes = stages.run("extract", || level_mesh::meshes(&asset.objects, lods, shape));
         let mut meshes = meshes?;
         for (mesh, distance) in meshes.iter_mut().zip(distances) {
@@ -171,7 +173,7 @@ fn view(
     name: CriterionName,
     order: Order,
     input: &Path,
-    asset: &AssetWithLevels,
+    asset: &Asset,
     stages: &mut Stages,
 ) -> Outcome<Level> {
     args.view.check_models(input, &asset.objects)?;
@@ -200,7 +202,7 @@ fn view(
 }
 
 /// The model to replay; the reference if none.
-fn model(args: &ExtractArgs, input: &Path, asset: &AssetWithLevels) -> Outcome<Option<ModelKind>> {
+fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<ModelKind>> {
     let stored =
         || asset.objects.first().into_iter().flat_map(|o| o.models.iter().map(AnyModel::kind));
     let Some(name) = args.model else { return Ok(stored().next()) };
@@ -217,7 +219,7 @@ fn model(args: &ExtractArgs, input: &Path, asset: &AssetWithLevels) -> Outcome<O
     )))
 }
 
-fn provenance(asset: &AssetWithLevels, report: &ExtractReport) -> Provenance {
+fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
     let error = report.error.unwrap_or(f64::INFINITY);
     Provenance {
         source: asset.source.content_hash,
@@ -232,7 +234,7 @@ fn provenance(asset: &AssetWithLevels, report: &ExtractReport) -> Provenance {
 fn report(
     args: &ExtractArgs,
     input: &Path,
-    asset: &AssetWithLevels,
+    asset: &Asset,
     level: &Level,
     target: &Target,
 ) -> ExtractReport {

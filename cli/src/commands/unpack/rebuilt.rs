@@ -6,15 +6,17 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::output;
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc::{
-    LodFile,
-    build::{SimplifiedObjects, Size, build_models, check_models, measure_all},
-};
+use lodc::{Asset, LodFile, build::Size};
+use lodc_formats::ObjectInfo;
 use lodc_formats::lods::Unpacker;
+use lodc_mesh::Simplified;
 use lodc_strip::StripOptions;
 use lodc_verify::Reference;
 use rayon::prelude::*;
 use std::sync::Arc;
+
+/// The objects of a stream, with the sequences that they had in their file.
+type Rebuilt = Vec<(ObjectInfo, Arc<Simplified>)>;
 
 /// Returns whether OUT asks for a file with levels, not for a mesh.
 pub(super) fn is_wanted(args: &UnpackArgs) -> bool {
@@ -52,7 +54,7 @@ pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
 }
 
 /// The objects with their sequences, and a warning for each that lost triangles.
-fn rebuild_objects(unpacker: &Unpacker, name: &str) -> Outcome<(SimplifiedObjects, Vec<String>)> {
+fn rebuild_objects(unpacker: &Unpacker, name: &str) -> Outcome<(Rebuilt, Vec<String>)> {
     let all: Vec<_> = (0..unpacker.objects())
         .into_par_iter()
         .map(|i| unpacker.rebuilt(i).map_err(|e| Failure::from(e.in_file(name))))
@@ -70,7 +72,7 @@ fn rebuild_objects(unpacker: &Unpacker, name: &str) -> Outcome<(SimplifiedObject
 fn measure_and_build(
     args: &UnpackArgs,
     unpacker: &Unpacker,
-    simplified: SimplifiedObjects,
+    simplified: Rebuilt,
     name: &str,
     stages: &mut Stages,
 ) -> Outcome<LodFile> {
@@ -81,23 +83,20 @@ fn measure_and_build(
     stages.run("verify", || check(&simplified, name))?;
     let progress = Progress::new(name);
     let document = unpacker.document().expect("a complete stream has a document").clone();
-    let limits = args.limits.limits();
+    let source = unpacker.source().expect("a complete stream has a source").clone();
     let watch = stages.watched(&progress);
-    let measured = measure_all(simplified, &document, &limits, args.poses.max_poses(), &watch)?;
+    let asset = Asset::of_sequences(source, document, simplified, args.limits.limits());
+    let asset = asset.measured(args.poses.max_poses(), &watch)?;
     let bug = |error: lodc::Error| {
         Failure::new(Status::Bug, format!("{name}: {error}; nothing was written"))
     };
-    let options = StripOptions::default();
-    let objects = build_models(measured, &kinds, options, &watch).map_err(bug)?;
-    check_models(&objects, &watch).map_err(bug)?;
-    let source = unpacker.source().expect("a complete stream has a source").clone();
-    let (layout, left_out) = (args.models.layout(), Vec::new());
-    Ok(LodFile { source, document, objects, layout, made_from: None, left_out })
+    let asset = asset.with_models(&kinds, StripOptions::default(), &watch).map_err(bug)?;
+    Ok(asset.into_file(args.models.layout(), None))
 }
 
 /// Checks every promise of the sequences: a stream may be crafted, and quantising can put vertices
 /// of different wedge groups at one position.
-fn check(objects: &SimplifiedObjects, name: &str) -> Outcome<()> {
+fn check(objects: &Rebuilt, name: &str) -> Outcome<()> {
     objects.par_iter().try_for_each(|(info, simplified)| {
         let reference = Reference::new(simplified)
             .map_err(|e| Failure::new(Status::Limit, format!("{name}: {}: {e}", info.name)))?;

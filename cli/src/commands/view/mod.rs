@@ -3,7 +3,7 @@
 
 mod page;
 
-use super::asset::{self, AssetWithLevels, SimplifyArgs};
+use super::asset::{self, SimplifyArgs};
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome};
 use crate::help::{BECOMES, OUTPUT, SEEN};
@@ -13,6 +13,7 @@ use crate::mesh_output;
 use crate::output::{self, DependencyRule, Target};
 use crate::stages::Stages;
 use clap::Args;
+use lodc::Asset;
 use lodc::LodObject;
 use lodc_formats::images::Textures;
 use lodc_formats::import::{as_plain_glb, import_levels, states_levels};
@@ -81,7 +82,7 @@ pub(super) struct Page {
 
 /// An asset for a page, and the files that it refers to.
 pub(super) struct PageInput<'a> {
-    pub(super) asset: &'a AssetWithLevels,
+    pub(super) asset: &'a Asset,
     pub(super) assets: &'a mut Assets,
     pub(super) title: String,
     pub(super) stages: &'a mut Stages,
@@ -213,7 +214,7 @@ fn title(input: &Path) -> String {
 /// The asset as a GLB with all levels, and warnings about its textures.
 fn glb_with_levels(
     args: &PageArgs,
-    asset: &AssetWithLevels,
+    asset: &Asset,
     assets: &mut Assets,
 ) -> Outcome<(Vec<u8>, Vec<String>)> {
     let textures = Textures::read(&asset.document, assets)?;

@@ -1,11 +1,7 @@
 //! All stages from a mesh file to a file with every level of it.
 
-use super::{
-    DEFAULT_POSES, Importance, MetricColours, SceneContext, build_models, check_models,
-    measure_all, simplify_all,
-};
-use crate::{Error, File, LodFile, Source};
-use lodc_formats::Scene;
+use super::{DEFAULT_POSES, Importance};
+use crate::{Asset, Error, Errors, File, Simplify, Source};
 use lodc_formats::import::{ImportOptions, import, import_bytes, import_parts};
 use lodc_formats::lodc::Layout;
 use lodc_lod::ModelKind;
@@ -102,24 +98,15 @@ impl<'a> Builder<'a> {
             other => import_bytes(other.bytes()?.into_owned(), &self.import),
         }?;
         let options = vec![self.options; scene.objects.len()];
-        let colours = MetricColours::read(&path, &self.import, &scene, &options)?;
-        let Scene { source, document, objects, mut warnings, .. } = scene;
-        let limits = self.import.limits;
-        let context = SceneContext {
-            colours: colours.scene_colours(),
+        let how = Simplify {
+            options: &options,
             importance: &Importance::default(),
-            document: &document,
             poses: self.poses,
-            limits,
+            errors: Errors::Curve,
         };
-        let simplified = simplify_all(objects, &options, context, &())?;
-        warnings.extend(colours.warnings);
-        let simplified = measure_all(simplified, &document, &limits, self.poses, &())?;
-        let strips = StripOptions::default();
-        let objects = build_models(simplified, &self.kinds, strips, &())?;
-        check_models(&objects, &())?;
-        let (layout, left_out) = (self.layout, vec![]);
-        let content = LodFile { source, document, objects, layout, made_from: None, left_out };
-        Ok(File::new(content, &path, warnings))
+        let asset = Asset::simplified(&path, scene, &self.import, &how, &())?;
+        let mut asset = asset.with_models(&self.kinds, StripOptions::default(), &())?;
+        let warnings = std::mem::take(&mut asset.warnings);
+        Ok(File::new(asset.into_file(self.layout, None), &path, warnings))
     }
 }

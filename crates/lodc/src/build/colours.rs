@@ -1,7 +1,7 @@
 //! The colours of a scene's objects, for metrics and pictures.
 
 use lodc_formats::import::ImportOptions;
-use lodc_formats::{Assets, FormatError, ObjectInfo, RequestedFiles, Scene, appearance};
+use lodc_formats::{Assets, Document, FormatError, ObjectInfo, RequestedFiles, Scene, appearance};
 use lodc_measure::Pyramid;
 use lodc_scene::Appearance;
 use lodc_simplify::{MetricKind, Options, SurfaceColours};
@@ -10,13 +10,13 @@ use std::sync::Arc;
 
 /// The colours of a scene, read only if a metric uses them.
 #[derive(Debug, Default)]
-pub struct MetricColours {
+pub(crate) struct MetricColours {
     /// The colours; none if no metric uses them.
-    pub colours: Option<Arc<SceneColours>>,
+    pub(crate) colours: Option<Arc<SceneColours>>,
     /// The image files that were looked for.
-    pub files: RequestedFiles,
+    pub(crate) files: RequestedFiles,
     /// One line for each image that could not be read.
-    pub warnings: Vec<String>,
+    pub(crate) warnings: Vec<String>,
 }
 
 impl MetricColours {
@@ -25,7 +25,7 @@ impl MetricColours {
     ///
     /// # Errors
     /// If the stored document is damaged.
-    pub fn read(
+    pub(crate) fn read(
         input: &Path,
         import: &ImportOptions,
         scene: &Scene,
@@ -36,19 +36,31 @@ impl MetricColours {
             return Ok(Self::default());
         }
         let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
-        let mut assets = Assets::new(input, &import.allowed, import.limits);
-        let appearance = appearance(&scene.document, &infos, &mut assets)
-            .map_err(|e| e.in_file(&input.display().to_string()))?;
-        let warnings = appearance.warnings.clone();
-        let files = assets.files().clone();
-        Ok(Self { colours: Some(Arc::new(SceneColours::new(appearance))), files, warnings })
+        let (colours, files) = read_colours(input, import, &scene.document, &infos)?;
+        let warnings = colours.appearance().warnings.clone();
+        Ok(Self { colours: Some(colours), files, warnings })
     }
 
     /// The colours, if a metric uses them.
-    #[must_use]
-    pub fn scene_colours(&self) -> Option<&SceneColours> {
+    pub(crate) fn scene_colours(&self) -> Option<&SceneColours> {
         self.colours.as_deref()
     }
+}
+
+/// Reads the colours of a scene, beside whose file images are looked for; with the files that were.
+///
+/// # Errors
+/// If the document is damaged, or a picture is beyond the limits.
+pub fn read_colours(
+    input: &Path,
+    import: &ImportOptions,
+    document: &Document,
+    infos: &[&ObjectInfo],
+) -> Result<(Arc<SceneColours>, RequestedFiles), FormatError> {
+    let mut assets = Assets::new(input, &import.allowed, import.limits);
+    let appearance = appearance(document, infos, &mut assets)
+        .map_err(|e| e.in_file(&input.display().to_string()))?;
+    Ok((Arc::new(SceneColours::new(appearance)), assets.files().clone()))
 }
 
 /// Base colours and textures of a scene. The default is none.

@@ -1,7 +1,7 @@
 //! The stage that measures how far every level is from the input.
 
+use super::Watch;
 use super::watch::run_stage;
-use super::{SimplifiedObjects, Watch};
 use crate::{LodObject, stated_shapes};
 use lodc_errors::{LevelError, StepErrors, Tick, at_levels};
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
@@ -9,7 +9,6 @@ use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_scene::{Motion, ObjectShapes, Shape};
 use lodc_select::decimal;
 use rayon::prelude::*;
-use std::mem::take;
 use std::sync::Arc;
 
 /// How many poses the errors of an object hold in at most besides the one at rest, by default.
@@ -23,18 +22,19 @@ pub const DEFAULT_POSES: usize = 8;
 ///
 /// # Errors
 /// If the stored document is damaged.
-pub fn measure_all(
-    mut objects: SimplifiedObjects,
+pub(crate) fn measure_all(
+    mut objects: Vec<LodObject>,
     document: &Document,
     limits: &Limits,
     poses: usize,
     watch: &dyn Watch,
-) -> Result<SimplifiedObjects, FormatError> {
+) -> Result<Vec<LodObject>, FormatError> {
     let triangles = |s: &Simplified| s.mesh().triangles().len() as u64;
-    let all: u64 = objects.iter().map(|(_, s)| triangles(s)).sum();
+    let all: u64 = objects.iter().map(|o| triangles(&o.simplified)).sum();
     let units = (objects.len() > 1).then_some(all);
     let motion = choose_poses(&mut objects, document, limits, poses)?;
-    let one = |(number, (mut info, simplified)): (usize, (ObjectInfo, Arc<Simplified>))| {
+    let one = |(number, object): (usize, LodObject)| {
+        let LodObject { mut info, simplified, models } = object;
         let shapes = motion.shapes(simplified.mesh(), number, &info.poses);
         let (distances, poses) = step_errors(&simplified, &shapes, all as usize, &|| watch.add(0));
         info.poses.truncate(poses);
@@ -49,12 +49,12 @@ pub fn measure_all(
                 info.name
             )
         });
-        ((info, Arc::new(measured)), line)
+        (LodObject { info, simplified: Arc::new(measured), models }, line)
     };
     let measured: Vec<_> = run_stage(watch, "errors", units, || {
         objects.into_par_iter().enumerate().map(one).collect()
     });
-    let (objects, lines): (SimplifiedObjects, Vec<Option<String>>) = measured.into_iter().unzip();
+    let (objects, lines): (Vec<LodObject>, Vec<Option<String>>) = measured.into_iter().unzip();
     lines.into_iter().flatten().for_each(|line| watch.note(line));
     Ok(objects)
 }
@@ -90,21 +90,23 @@ pub fn step_errors(
 }
 
 /// Puts into the descriptions of objects the poses that their levels are to be measured over: up to
-/// `poses` of those in which they have other shapes than at rest.
+/// `poses` of those in which they have other shapes than at rest. Returns the document's motion.
 ///
 /// # Errors
 /// If the stored document is damaged.
-pub fn choose_poses(
-    objects: &mut SimplifiedObjects,
+pub(crate) fn choose_poses(
+    objects: &mut [LodObject],
     document: &Document,
     limits: &Limits,
     poses: usize,
 ) -> Result<Motion, FormatError> {
-    let infos: Vec<&ObjectInfo> = objects.iter().map(|(info, _)| info).collect();
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
     let motion = scene_motion(document, &infos, limits)?;
-    let meshes: Vec<&Mesh> = objects.iter().map(|(_, simplified)| simplified.mesh()).collect();
-    let mut chosen = motion.choose(&meshes, poses);
-    objects.iter_mut().zip(&mut chosen).for_each(|((info, _), poses)| info.poses = take(poses));
+    let meshes: Vec<&Mesh> = objects.iter().map(|o| o.simplified.mesh()).collect();
+    let chosen = motion.choose(&meshes, poses);
+    for (object, poses) in objects.iter_mut().zip(chosen) {
+        object.info.poses = poses;
+    }
     Ok(motion)
 }
 
@@ -133,7 +135,7 @@ impl LevelDistance {
 ///
 /// # Errors
 /// If the stored document is damaged.
-pub fn measure_levels(
+pub(crate) fn measure_levels(
     objects: &[LodObject],
     levels: &[&[Lod]],
     document: &Document,

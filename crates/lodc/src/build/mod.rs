@@ -1,7 +1,5 @@
-//! From a scene to objects with levels: simplify, measure errors, make models, check them.
-//!
-//! [`Builder`] does all of it. A host that shows progress or has options of its own for parts of a
-//! scene calls the stages one after the other, as the program `lodc` does.
+//! The stages from a scene to objects with levels: simplify, measure errors, make models, check
+//! them. [`Asset`](crate::Asset) runs them; [`Builder`] does all of it.
 
 mod builder;
 mod colours;
@@ -17,16 +15,18 @@ mod simplify;
 mod watch;
 
 pub use builder::Builder;
-pub use colours::{MetricColours, ObjectColours, SceneColours};
-pub use errors::{
-    DEFAULT_POSES, LevelDistance, choose_poses, measure_all, measure_levels, step_errors,
-};
+pub(crate) use colours::MetricColours;
+pub use colours::{ObjectColours, SceneColours, read_colours};
+pub use errors::{DEFAULT_POSES, LevelDistance, step_errors};
+pub(crate) use errors::{choose_poses, measure_all, measure_levels};
 pub use estimate::{Need, Size};
 pub use gliding::{GlideJudge, Way};
-pub use models::{build_models, check_models, models};
+pub(crate) use models::check_models;
+pub use models::{build_models, models};
 pub use refitted::{measured, refitted_meshes};
-pub use scene_context::{Importance, SceneContext};
-pub use simplify::simplify_all;
+pub use scene_context::Importance;
+pub(crate) use scene_context::SceneContext;
+pub(crate) use simplify::simplify_all;
 pub use watch::Watch;
 
 pub use lodc_errors::{Distances, Measurable, Tick, check as check_errors};
@@ -36,4 +36,4 @@ use lodc_mesh::Simplified;
 use std::sync::Arc;
 
 /// Objects on their way from the simplifier to a file.
-pub type SimplifiedObjects = Vec<(ObjectInfo, Arc<Simplified>)>;
+type SimplifiedObjects = Vec<(ObjectInfo, Arc<Simplified>)>;

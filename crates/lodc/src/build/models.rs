@@ -1,7 +1,7 @@
 //! The stages that make and check models: strips, models, check.
 
+use super::Watch;
 use super::watch::run_stage;
-use super::{SimplifiedObjects, Watch};
 use crate::levels::table_lods;
 use crate::{Error, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
@@ -15,15 +15,15 @@ use rayon::prelude::*;
 /// # Errors
 /// If a model cannot be made of its sequence: a bug.
 pub fn build_models(
-    simplified: SimplifiedObjects,
+    mut objects: Vec<LodObject>,
     kinds: &[ModelKind],
     options: StripOptions,
     watch: &dyn Watch,
 ) -> Result<Vec<LodObject>, Error> {
-    let triangles = triangles(simplified.iter().map(|(_, s)| &**s));
+    let triangles = triangles(objects.iter().map(|o| &*o.simplified));
     let report = &|triangles| watch.add(triangles);
     let mut pools: Vec<StripPool<'_>> =
-        simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
+        objects.iter().map(|o| StripPool::new(&o.simplified, options)).collect();
     let generators: Vec<StripKind> = kinds.iter().filter_map(|kind| kind.strips()).collect();
     if !generators.is_empty() {
         let passes = pools.iter().map(|pool| pool.missing(&generators).len()).max().unwrap_or(0);
@@ -32,7 +32,7 @@ pub fn build_models(
             pools.par_iter_mut().for_each(make);
         });
     }
-    let mut made = vec![vec![]; simplified.len()];
+    let mut made = vec![vec![]; objects.len()];
     if !kinds.is_empty() {
         let build = |pool: &mut StripPool<'_>| models(pool, kinds, report);
         made = run_stage(watch, "models", Some(triangles * kinds.len() as u64), || {
@@ -40,15 +40,17 @@ pub fn build_models(
         })?;
     }
     drop(pools);
-    let object = |((info, simplified), models)| LodObject { info, simplified, models };
-    Ok(simplified.into_iter().zip(made).map(object).collect())
+    for (object, models) in objects.iter_mut().zip(made) {
+        object.models = models;
+    }
+    Ok(objects)
 }
 
 /// Compares all models with the reference at a few LODs, back and forth.
 ///
 /// # Errors
 /// If one differs: a bug.
-pub fn check_models(objects: &[LodObject], watch: &dyn Watch) -> Result<(), Error> {
+pub(crate) fn check_models(objects: &[LodObject], watch: &dyn Watch) -> Result<(), Error> {
     let models = objects.iter().map(|o| o.models.len()).max().unwrap_or(0) as u64;
     if models == 0 {
         return Ok(());

@@ -6,18 +6,18 @@ use lodc_simplify::Weights;
 
 /// What the simplifier uses of a scene besides its meshes.
 #[derive(Clone, Copy)]
-pub struct SceneContext<'a> {
+pub(crate) struct SceneContext<'a> {
     /// Its colours, if a metric uses them.
-    pub colours: Option<&'a SceneColours>,
+    pub(crate) colours: Option<&'a SceneColours>,
     /// Vertices that stay, and weights of materials.
-    pub importance: &'a Importance,
+    pub(crate) importance: &'a Importance,
     /// Its document: nodes and materials.
-    pub document: &'a Document,
+    pub(crate) document: &'a Document,
     /// How many poses of its animations collapses are priced in, at most; 0: at rest alone, without
     /// morph targets, too.
-    pub poses: usize,
+    pub(crate) poses: usize,
     /// Limits on reading the document.
-    pub limits: Limits,
+    pub(crate) limits: Limits,
 }
 
 /// Vertices that stay, and weights of materials.

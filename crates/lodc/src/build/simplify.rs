@@ -27,7 +27,7 @@ const SMALL_SCENE_SAMPLES: u32 = 64_000;
 ///
 /// # Errors
 /// If the stored document is damaged.
-pub fn simplify_all(
+pub(crate) fn simplify_all(
     objects: Vec<SceneObject>,
     options: &[Options],
     context: SceneContext<'_>,
