@@ -26,6 +26,7 @@ mod geomorph;
 mod importance;
 mod inputs;
 mod irregular;
+mod library;
 mod limits;
 mod locks;
 mod loose;

@@ -238,7 +238,8 @@ impl<'a> Level<'a> {
             [lod] => Some(lod.0),
             _ => None,
         };
-        let levels = vec![LevelFacts { lod, error: self.error, rms: self.rms, glide: None }];
+        let (error, rms) = self.distance_as(format)?;
+        let levels = vec![LevelFacts { lod, error, rms, glide: None }];
         let source = content.source.content_hash;
         let poses = Some(content.objects.iter().map(|o| o.info.poses.clone()).collect());
         let (screen, next, refitted) = (None, None, false);
@@ -248,6 +249,27 @@ impl<'a> Level<'a> {
         let files = export_with(path, format, &content.document, &objects, &additions)?;
         lodc_formats::write_all(&files)?;
         Ok(warnings)
+    }
+}
+
+#[cfg(feature = "export")]
+impl Level<'_> {
+    /// The largest error and root mean square distance of what a file of this format has, in world
+    /// units: with what writing rounds.
+    fn distance_as(
+        &self,
+        format: lodc_formats::export::ExportFormat,
+    ) -> Result<(f64, Option<f64>), Error> {
+        let (objects, document) = (self.file.objects(), &self.file.content.document);
+        let meshes = self.meshes.iter().map(|m| &m.mesh);
+        let precision = lodc_formats::export::Precision::default();
+        let rounding = level_mesh::rounding(objects, document, meshes, format, precision)?;
+        let distances = self.meshes.iter().zip(&rounding.by_object).map(|(mesh, &moved)| {
+            let (mut error, mut rms) = (mesh.error, mesh.rms);
+            level_mesh::add_rounding(&mut error, &mut rms, moved);
+            (error, rms)
+        });
+        Ok(level_mesh::largest_distance(objects, distances))
     }
 }
 
