@@ -185,7 +185,7 @@ fn a_whole_gltf_scene_comes_back() {
     assert_eq!(half["nodes"].as_array().map(Vec::len), Some(2));
     assert_eq!(half["nodes"][1]["translation"][0], 20.0);
     assert!(f.has("half.bin") || f.names().iter().any(|n| n.ends_with(".bin")), "{:?}", f.names());
-    f.lodc(["build", "half.gltf", "-q"]).ends(0);
+    f.lodc(["build", "half.gltf", "-o", "half.lodc", "-q"]).ends(0);
 }
 
 /// A wall of one material and, far beside it, a pane of another, which goes first.

@@ -124,7 +124,7 @@ fn a_chain_has_its_images_once() {
 fn a_file_says_where_it_comes_from() {
     let f = Folder::new();
     f.file("g.obj", grid(8));
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
     let hash =
         f.lodc(["info", "g.lodc", "--json"]).ends(0).json()["source"]["content_hash"].clone();
     let args = ["extract", "g.lodc", "--triangles", "40", "--json", "-q", "-o"];

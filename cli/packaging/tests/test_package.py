@@ -118,8 +118,21 @@ class Levels(Fresh):
         scene = trimesh.load(io.BytesIO(level.to_glb()), file_type="glb")
         self.assertEqual(level.triangle_count, sum(len(g.faces) for g in scene.geometry.values()))
         np.testing.assert_allclose(level.to_trimesh().bounds, scene.bounds, atol=1e-5)
-        with self.assertRaisesRegex(ValueError, "3 objects|2 objects"):
-            level["POSITION"]
+
+    def test_a_level_of_several_objects_has_their_arrays_one_after_the_other(self):
+        two_objects("two.gltf")
+        level = lodc.build("two.gltf").level(ratio=0.5)
+        self.assertGreater(len(level.objects), 1)
+        self.assertEqual(level.triangles.shape, (level.triangle_count, 3))
+        self.assertEqual(len(level["POSITION"]), sum(len(o["POSITION"]) for o in level.objects))
+        for number, part in enumerate(level.objects):
+            corners = level["POSITION"][level.triangles[level.owner == number]]
+            np.testing.assert_array_equal(corners, part["POSITION"][part.triangles])
+            self.assertEqual((level.submesh[level.owner == number] == part.submesh).all(), True)
+        self.assertIsNone(level.lod)
+        self.assertLess(len(repr(level)), 80)
+        with self.assertRaisesRegex(KeyError, "COLOR_7"):
+            level["COLOR_7"]
 
     def test_facts_are_those_of_levels(self):
         two_objects("two.gltf")
