@@ -101,7 +101,7 @@ fn a_bad_input_does_not_stop_the_others_and_the_worst_status_counts() {
         .expect("made")
         .map(|e| e.expect("an entry").file_name())
         .collect();
-    assert_eq!(made, ["good.lodc"]);
+    assert_eq!(made, ["good.obj.lodc"]);
 }
 
 #[test]
@@ -157,20 +157,20 @@ fn a_folder_as_output_is_made_and_an_existing_one_always_means_inside() {
     f.file("a.obj", grid(2));
     f.file("b.part.obj", grid(2));
     f.lodc(["build", "a.obj", "b.part.obj", "-o", "new/deep", "-q"]).ends(0);
-    assert!(f.has("new/deep/a.lodc") && f.has("new/deep/b.part.lodc"));
+    assert!(f.has("new/deep/a.obj.lodc") && f.has("new/deep/b.part.obj.lodc"));
     f.lodc(["build", "a.obj", "-o", "new", "-q"]).ends(0);
-    assert!(f.has("new/a.lodc"));
+    assert!(f.has("new/a.obj.lodc"));
     f.lodc(["build", "a.obj", "-o", "slash/", "-q"]).ends(0);
-    assert!(f.has("slash/a.lodc"));
-    f.lodc(["build", "a.obj", "-o", "a.lodc", "-q"]).ends(0);
-    assert!(f.has("a.lodc"), "without -o beside the input");
+    assert!(f.has("slash/a.obj.lodc"));
+    f.lodc(["build", "a.obj", "-q"]).ends(0);
+    assert!(f.has("a.obj.lodc"), "without -o beside the input");
 }
 
 #[test]
 fn streams_go_in_and_out() {
     let f = Folder::new();
     f.file("a.obj", grid(5));
-    f.lodc(["build", "a.obj", "-q"]).ends(0);
+    f.lodc(["build", "a.obj", "-o", "a.lodc", "-q"]).ends(0);
     let piped = f.lodc_with(["build", "-", "-o", "-", "-q"], grid(5).as_bytes()).ends(0);
     let info = f.lodc_with(["info", "-", "--json"], &piped.out).ends(0).json();
     assert_eq!(info["objects"][0]["triangles"], 50);

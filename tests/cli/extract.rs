@@ -113,7 +113,7 @@ fn an_extraction_says_in_one_line_what_it_gave() {
         assert!(run.err.contains(part), "{part} in {}", run.err);
     }
     f.lodc(["extract", "m.lodc", "--triangles", "40", "-o", "."]).ends(0);
-    assert!(f.has("m.glb"), "an existing folder means inside");
+    assert!(f.has("m.lodc.glb"), "an existing folder means inside");
 }
 
 #[test]

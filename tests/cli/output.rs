@@ -26,7 +26,7 @@ fn output_that_cannot_be_written_is_4() {
     for out in ["missing/a.lodc", "file/a.lodc", "/proc/a.lodc"] {
         f.lodc(["build", "good.obj", "-o", out]).fails(4);
     }
-    f.lodc(["build", "good.obj", "-q"]).ends(0);
+    f.lodc(["build", "good.obj", "-o", "good.lodc", "-q"]).ends(0);
     f.lodc(["extract", "good.lodc", "--ratio", "1", "-o", "missing/a.glb"]).fails(4);
     if cfg!(target_os = "linux") {
         let full = || {

@@ -81,7 +81,7 @@ fn nothing_connects_to_anything() {
     f.lodc(["build", "asset/a.obj", "-o", "asset/a.lodc", "-q"]);
     f.file("asset/a.mtl", format!("newmtl m\nmap_Kd {at}\n"));
     f.file("asset/b.obj", format!("mtllib a.mtl\nusemtl m\n{}", grid(2)));
-    f.lodc(["build", "asset/b.obj", "-q"]).ends(0);
+    f.lodc(["build", "asset/b.obj", "-o", "asset/b.lodc", "-q"]).ends(0);
     f.lodc(["extract", "asset/b.lodc", "--ratio", "0.5", "-o", "b.glb", "-q"]);
     f.lodc(["build", "asset/a.gltf", "--allow-path", "/"]).fails(3);
     door.assert_nobody_came();

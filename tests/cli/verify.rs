@@ -32,7 +32,7 @@ fn a_sound_file_passes_every_check_and_its_source_is_recognised() {
 fn a_sequence_without_models_is_enough_for_levels_and_says_what_it_lacks() {
     let f = Folder::new();
     f.file("g.obj", grid(8));
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
     let report = f.lodc(["build", "g.obj", "-o", "n.lodc", "--models", "none", "--report", "json"]);
     let report = report.ends(0).json();
     assert_eq!(report["inputs"][0]["models"].as_array().map(Vec::len), Some(0));

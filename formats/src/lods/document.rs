@@ -295,7 +295,7 @@ impl ReceivedDocument {
                 gltf.blob = in_buffer_order(&self.order, std::mem::take(&mut self.buffer));
             }
             Some(Document::Obj(_)) if !self.buffer.is_empty() => {
-                return Err(malformed("has a buffer, but is no glTF"));
+                return Err(malformed("has a buffer, but is not glTF"));
             }
             _ => {}
         }

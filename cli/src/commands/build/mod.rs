@@ -17,7 +17,7 @@ use crate::commands::prune::{PruneArgs, Written};
 use crate::commands::runs::RunArgs;
 use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
-use crate::help::{MORE, OUTPUT, SIMPLIFIED};
+use crate::help::{MORE, OUTPUT, SIMPLIFIED, STORED};
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, ModelArgs, PosesArgs, StepOrderArgs, StripArgs};
 use crate::limits::ImportArgs;
@@ -59,10 +59,16 @@ pub(crate) struct BuildArgs {
     models: ModelArgs,
     #[command(flatten)]
     strips: StripArgs,
+    /// Put the images that a .gltf names into the file
+    ///
+    /// Without it they stay files, to be copied beside it. Images that a GLB holds are inside in
+    /// any case; the materials of an OBJ or PLY name files.
+    #[arg(long, help_heading = STORED, hide_short_help = true)]
+    embed: bool,
     /// File, or folder for several inputs; - for standard output [default: beside the input]
     ///
-    /// A folder that is there, or a name with / at its end, means a file inside it. Results of a
-    /// folder keep its structure and the inputs' extensions (club.obj.lodc).
+    /// A folder that is there, or a name with / at its end, means a file inside it. There, and
+    /// beside the input, club.obj becomes club.obj.lodc; results of a folder keep its structure.
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
     output: Option<PathBuf>,
     /// Say how much memory each build needs, and build nothing

@@ -12,7 +12,7 @@ use lodc::build::{
 };
 use lodc::{LodFile, LodObject, parting_borders, parting_line, write};
 use lodc_assets::Parts;
-use lodc_formats::images::Textures;
+use lodc_formats::images::{TextureMode, Textures};
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::lods::{self, as_streamed};
 use lodc_formats::{Document, ObjectInfo, OutputFile, RequestedFiles, Scene, import};
@@ -64,7 +64,7 @@ pub(super) fn make(
     check_memory(args, input, size, &options, &kinds)?;
     let colours = MetricColours::read(input, &args.import.options(), &scene, &options)?;
     let importance = importance(&scene, &options, &args.importance, args.parts.all())?;
-    let Scene { source, document, objects, mut files, .. } = scene;
+    let Scene { source, mut document, objects, mut files, .. } = scene;
     let limits = args.import.options().limits;
     let context = SceneContext {
         colours: colours.scene_colours(),
@@ -81,7 +81,15 @@ pub(super) fn make(
     };
     report.warnings.extend(colours.warnings);
     files.extend(&colours.files);
-    files.extend(&images(args, input, &document)?);
+    let (textures, images) = images(args, input, &document)?;
+    files.extend(&images);
+    if args.embed {
+        let placed = textures.placed(TextureMode::Embed, input);
+        if !placed.put_into(&mut document)? && document.has_textures() {
+            report.warnings.push(NOT_EMBEDDED.to_owned());
+        }
+        report.warnings.extend(placed.warnings);
+    }
     let simplified = measure_all(simplified, &document, &limits, args.poses.max_poses(), &watch)?;
 
     let bug = |error: lodc::Error| {
@@ -130,11 +138,18 @@ fn streamed(objects: SimplifiedObjects) -> Outcome<SimplifiedObjects> {
     objects.into_par_iter().map(object).collect()
 }
 
+const NOT_EMBEDDED: &str = "images are not embedded: the materials of an OBJ or PLY name files";
+
 /// The image files that a document names: a file is up to date only if these are unchanged, too.
-fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<RequestedFiles> {
+fn images(
+    args: &BuildArgs,
+    input: &Path,
+    document: &Document,
+) -> Outcome<(Textures, RequestedFiles)> {
     let mut assets = args.import.assets(input, None);
-    Textures::read(document, &mut assets).map_err(|e| e.in_file(&input.display().to_string()))?;
-    Ok(assets.files().clone())
+    let textures = Textures::read(document, &mut assets);
+    let textures = textures.map_err(|e| e.in_file(&input.display().to_string()))?;
+    Ok((textures, assets.files().clone()))
 }
 
 /// What the stages of a build need.

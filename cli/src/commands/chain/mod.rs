@@ -71,8 +71,8 @@ pub(crate) struct ChainArgs {
     /// File (.glb, .gltf; --separate: any), or folder
     ///
     /// For several inputs always a folder. A folder that is there, or a name with / at its end,
-    /// means a file inside it. Results of a folder keep its structure and the inputs' extensions
-    /// (club.obj.glb).
+    /// means a file inside it. There club.obj becomes club.obj.glb; results of a folder keep its
+    /// structure.
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
     output: PathBuf,
     /// Format, if the name of OUT does not say [default: glb]
