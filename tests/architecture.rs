@@ -115,6 +115,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-select",
             "lodc-simplify",
             "lodc-strip",
+            "bytemuck",
             "rayon",
         ],
     ),

@@ -8,8 +8,8 @@ use lodc_assets::{AssetChoice, Shard};
 use std::path::{Path, PathBuf};
 
 pub(crate) use lodc_assets::{
-    Asset, Budget, CommandPaths, LEVEL_EXTENSIONS, MESH_EXTENSIONS, OptionValues, Pair,
-    check_standard_streams, expand_folders, has_extension, run_queue,
+    Asset, Budget, CommandPaths, LEVEL_EXTENSIONS, MESH_EXTENSIONS, OptionValues, Pair, RECORDS,
+    check_standard_streams, expand_folders, has_extension, orphans, run_queue,
 };
 
 /// Options of commands that take many assets.

@@ -28,6 +28,7 @@ const RUN_OPTIONS: &[&str] = &[
     "manifest",
     "output",
     "profile",
+    "prune",
     "quiet",
     "record",
     "report",

@@ -29,11 +29,26 @@ impl FailureReport {
     }
 }
 
+/// The document about a result that was left alone, in place of the one about a result.
+#[derive(Debug, Serialize)]
+pub(crate) struct UpToDateReport {
+    pub(crate) schema_version: u32,
+    pub(crate) input: String,
+    /// The exit status: 0.
+    pub(crate) status: u8,
+    pub(crate) output: String,
+    /// True.
+    pub(crate) up_to_date: bool,
+    /// Those of the run that made the result.
+    pub(crate) warnings: Vec<String>,
+}
+
 /// Result of one input: its document, or the failure in its place.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 pub(crate) enum ResultReport<R> {
     Done(R),
+    UpToDate(UpToDateReport),
     Failed(FailureReport),
 }
 

@@ -73,7 +73,7 @@ fn named_inputs_that_share_an_output_are_errors_and_the_others_are_built() {
     let status: Vec<_> =
         report["inputs"].as_array().expect("inputs").iter().map(|i| i["status"].clone()).collect();
     assert_eq!(status, [2, 2, 0]);
-    assert!(!f.has("out/a.lodc") && f.has("out/b.lodc"));
+    assert!(!f.has("out/a.obj.lodc") && f.has("out/b.obj.lodc"));
     assert!(run.err.contains("in/a.obj and x/a.obj would both be written there"), "{}", run.err);
 }
 

@@ -181,7 +181,7 @@ fn streams_are_measured_where_they_are_asked_for() {
 fn a_lodc_file_and_its_source_measure_the_same() {
     let f = Folder::new();
     f.file("g.obj", grid(10));
-    f.lodc(["build", "g.obj", "-q", "--effort", "fast"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q", "--effort", "fast"]).ends(0);
     let [source, file] = ["g.obj", "g.lodc"]
         .map(|name| measured(&f, &["--no-times", name])["files"][0]["objects"].clone());
     assert_eq!(source, file);
@@ -232,7 +232,7 @@ fn people_get_tables_with_the_same_rows() {
 fn info_counts_the_same_baselines() {
     let f = Folder::new();
     f.file("g.obj", grid(8));
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
     let info = f.lodc(["info", "g.lodc", "--json", "--baselines"]).ends(0).json();
     let bench = f.lodc(["bench", "g.lodc", "--json", "--no-times"]).ends(0).json();
     let [info, bench] = [&info["objects"][0]["models"], &bench["files"][0]["objects"][0]["models"]];

@@ -205,7 +205,7 @@ fn a_line_without_end_is_given_up() {
 fn counts_in_a_lodc_file_are_compared_with_its_bytes() {
     let range = Range(Folder::new());
     range.0.file("good.obj", grid(4));
-    range.0.lodc(["build", "good.obj", "-q"]).ends(0);
+    range.0.lodc(["build", "good.obj", "-o", "good.lodc", "-q"]).ends(0);
     let good = range.0.read("good.lodc");
     assert_eq!(with_valid_checksums(&good), good, "the checksums are understood");
     let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| good[at + i])) as usize;

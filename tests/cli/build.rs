@@ -7,7 +7,7 @@ use serde_json::Value;
 fn a_first_call_ends_with_a_summary_and_a_hint_that_works() {
     let f = Folder::new();
     f.file("grid.obj", grid(12));
-    let run = f.lodc(["build", "grid.obj"]).ends(0);
+    let run = f.lodc(["build", "grid.obj", "-o", "grid.lodc"]).ends(0);
     assert!(run.out.is_empty(), "standard output is for results");
     for part in [
         "288 triangles",
@@ -30,9 +30,9 @@ fn a_first_call_ends_with_a_summary_and_a_hint_that_works() {
 fn quiet_is_silent_and_verbose_tells_every_stage() {
     let f = Folder::new();
     f.file("grid.obj", grid(4));
-    let quiet = f.lodc(["build", "grid.obj", "-q"]).ends(0);
+    let quiet = f.lodc(["build", "grid.obj", "-o", "grid.lodc", "-q"]).ends(0);
     assert!(quiet.out.is_empty() && quiet.err.is_empty(), "{}", quiet.err);
-    let verbose = f.lodc(["build", "grid.obj", "-v"]).ends(0);
+    let verbose = f.lodc(["build", "grid.obj", "-o", "grid.lodc", "-v"]).ends(0);
     for stage in ["import", "simplify", "errors", "models", "check", "write"] {
         assert!(verbose.err.contains(stage), "{stage} in\n{}", verbose.err);
     }
@@ -42,7 +42,8 @@ fn quiet_is_silent_and_verbose_tells_every_stage() {
 fn the_report_has_its_keys_and_counts_that_fit_together() {
     let f = Folder::new();
     f.file("grid.obj", grid(10));
-    let report = f.lodc(["build", "grid.obj", "--report", "json", "-q"]).ends(0).json();
+    let report =
+        f.lodc(["build", "grid.obj", "-o", "grid.lodc", "--report", "json", "-q"]).ends(0).json();
     assert_eq!(report["schema_version"], 1);
     assert_eq!(report["tool_version"], env!("CARGO_PKG_VERSION"));
     let one = &report["inputs"][0];
@@ -100,7 +101,7 @@ fn a_bad_input_does_not_stop_the_others_and_the_worst_status_counts() {
         .expect("made")
         .map(|e| e.expect("an entry").file_name())
         .collect();
-    assert_eq!(made, ["good.lodc"]);
+    assert_eq!(made, ["good.obj.lodc"]);
 }
 
 #[test]
@@ -139,7 +140,11 @@ fn a_limit_ends_with_5_and_says_which() {
         ("simplify", ["--metric", "kl"]),
     ] {
         let run = f
-            .lodc(["build", "grid.obj", "--limit", "memory=100"].into_iter().chain(options))
+            .lodc(
+                ["build", "grid.obj", "-o", "grid.lodc", "--limit", "memory=100"]
+                    .into_iter()
+                    .chain(options),
+            )
             .fails(5);
         assert!(run.err.contains(&format!("(stage {stage})")), "{}", run.err);
     }
@@ -152,20 +157,20 @@ fn a_folder_as_output_is_made_and_an_existing_one_always_means_inside() {
     f.file("a.obj", grid(2));
     f.file("b.part.obj", grid(2));
     f.lodc(["build", "a.obj", "b.part.obj", "-o", "new/deep", "-q"]).ends(0);
-    assert!(f.has("new/deep/a.lodc") && f.has("new/deep/b.part.lodc"));
+    assert!(f.has("new/deep/a.obj.lodc") && f.has("new/deep/b.part.obj.lodc"));
     f.lodc(["build", "a.obj", "-o", "new", "-q"]).ends(0);
-    assert!(f.has("new/a.lodc"));
+    assert!(f.has("new/a.obj.lodc"));
     f.lodc(["build", "a.obj", "-o", "slash/", "-q"]).ends(0);
-    assert!(f.has("slash/a.lodc"));
+    assert!(f.has("slash/a.obj.lodc"));
     f.lodc(["build", "a.obj", "-q"]).ends(0);
-    assert!(f.has("a.lodc"), "without -o beside the input");
+    assert!(f.has("a.obj.lodc"), "without -o beside the input");
 }
 
 #[test]
 fn streams_go_in_and_out() {
     let f = Folder::new();
     f.file("a.obj", grid(5));
-    f.lodc(["build", "a.obj", "-q"]).ends(0);
+    f.lodc(["build", "a.obj", "-o", "a.lodc", "-q"]).ends(0);
     let piped = f.lodc_with(["build", "-", "-o", "-", "-q"], grid(5).as_bytes()).ends(0);
     let info = f.lodc_with(["info", "-", "--json"], &piped.out).ends(0).json();
     assert_eq!(info["objects"][0]["triangles"], 50);
@@ -189,7 +194,7 @@ fn a_dependency_file_names_every_file_read() {
     let f = Folder::new();
     f.file("my grid.obj", format!("mtllib colours.mtl\nusemtl red\n{}", grid(2)));
     f.file("colours.mtl", "newmtl red\nKd 1 0 0\n");
-    f.lodc(["build", "my grid.obj", "--depfile", "deps.d", "-q"]).ends(0);
+    f.lodc(["build", "my grid.obj", "-o", "my grid.lodc", "--depfile", "deps.d", "-q"]).ends(0);
     let deps = String::from_utf8(f.read("deps.d")).expect("text");
     assert!(deps.starts_with("my\\ grid.lodc:"), "{deps}");
     assert!(deps.contains("my\\ grid.obj") && deps.contains("colours.mtl"), "{deps}");
@@ -199,7 +204,8 @@ fn a_dependency_file_names_every_file_read() {
 fn several_objects_are_counted_one_by_one_and_together() {
     let f = Folder::new();
     f.file("s.gltf", scene(&[1.0, 2.0, 0.5], 4));
-    let report = f.lodc(["build", "s.gltf", "--report", "json", "-q"]).ends(0).json();
+    let report =
+        f.lodc(["build", "s.gltf", "-o", "s.lodc", "--report", "json", "-q"]).ends(0).json();
     let one = &report["inputs"][0];
     assert_eq!(one["triangles"], 96);
     assert_eq!(one["objects"].as_array().map(Vec::len), Some(3));
@@ -210,7 +216,7 @@ fn several_objects_are_counted_one_by_one_and_together() {
 fn what_has_no_triangles_passes_through_with_a_warning() {
     let f = Folder::new();
     f.file("points.obj", "v 0 0 0\nv 1 1 1\np 1 2\nf 1 1 2\n");
-    let run = f.lodc(["build", "points.obj"]).ends(0);
+    let run = f.lodc(["build", "points.obj", "-o", "points.lodc"]).ends(0);
     assert!(run.err.contains("warning"), "{}", run.err);
     f.lodc(["verify", "points.lodc"]).ends(0);
     f.lodc(["extract", "points.lodc", "--ratio", "0.5", "-o", "points.ply"]).ends(0);

@@ -16,14 +16,15 @@ fn failures_of_verify_are_annotations_and_junit_cases() {
     assert!(notes[0].starts_with("::error file=out/bad%2C1.lodc,title=lodc verify::read: "));
     let xml = String::from_utf8(f.read("v.xml")).expect("text");
     assert!(
-        xml.contains("<testsuite name=\"out/a.lodc\"") && xml.contains("errors=\"1\""),
+        xml.contains("<testsuite name=\"out/a.obj.lodc\"") && xml.contains("errors=\"1\""),
         "{xml}"
     );
-    let run = f.lodc(["verify", "out/a.lodc", "--source", "b.obj", "--annotate", "github"]).ends(1);
+    let run =
+        f.lodc(["verify", "out/a.obj.lodc", "--source", "b.obj", "--annotate", "github"]).ends(1);
     assert!(
-        run.err.contains("::error file=out/a.lodc,title=lodc verify::file: source"),
+        run.err.contains("::error file=out/a.obj.lodc,title=lodc verify::file: source"),
         "{}",
         run.err
     );
-    f.lodc(["verify", "out/a.lodc", "--annotate", "other"]).ends(2);
+    f.lodc(["verify", "out/a.obj.lodc", "--annotate", "other"]).ends(2);
 }

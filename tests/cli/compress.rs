@@ -70,7 +70,7 @@ fn quantised_geometry_is_close_and_small() {
         .ends(0);
     assert!(size("qc.glb") < size("c.glb"));
     f.lodc(["chain", "part.glb", "-o", "chain.glb", "-q"].iter().chain(&bits)).ends(0);
-    f.lodc(["build", "chain.glb", "-q"]).ends(0);
+    f.lodc(["build", "chain.glb", "-o", "chain.lodc", "-q"]).ends(0);
 }
 
 #[test]

@@ -69,7 +69,7 @@ const EYE: [&str; 2] = ["--eye", "4,1.5,3"];
 fn every_criterion_meets_a_number_of_triangles_and_no_view_tears() {
     let f = Folder::new();
     f.file("t.obj", torus(40));
-    f.lodc(["build", "t.obj", "-q"]).ends(0);
+    f.lodc(["build", "t.obj", "-o", "t.lodc", "-q"]).ends(0);
     let criteria: [&[&str]; 5] = [
         &["--criterion", "silhouette", EYE[0], EYE[1]],
         &["--criterion", "pixels", EYE[0], EYE[1]],

@@ -40,7 +40,7 @@ fn the_bytes_do_not_depend_on_the_name_of_the_folder_or_the_output() {
     let f = Folder::new();
     f.file("one/g.obj", grid(6));
     f.file("two/g.obj", grid(6));
-    f.lodc(["build", "one/g.obj", "-q"]).ends(0);
+    f.lodc(["build", "one/g.obj", "-o", "one/g.lodc", "-q"]).ends(0);
     f.lodc(["build", "two/g.obj", "-o", "other.lodc", "-q"]).ends(0);
     assert_eq!(f.read("one/g.lodc"), f.read("other.lodc"));
     let to =

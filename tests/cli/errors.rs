@@ -15,7 +15,7 @@ fn built() -> Folder {
         None => format!("{line}\n"),
     };
     f.file("g.obj", grid(14).lines().map(hill).collect::<String>());
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
     f
 }
 

@@ -113,7 +113,7 @@ fn an_extraction_says_in_one_line_what_it_gave() {
         assert!(run.err.contains(part), "{part} in {}", run.err);
     }
     f.lodc(["extract", "m.lodc", "--triangles", "40", "-o", "."]).ends(0);
-    assert!(f.has("m.glb"), "an existing folder means inside");
+    assert!(f.has("m.lodc.glb"), "an existing folder means inside");
 }
 
 #[test]
@@ -185,7 +185,7 @@ fn a_whole_gltf_scene_comes_back() {
     assert_eq!(half["nodes"].as_array().map(Vec::len), Some(2));
     assert_eq!(half["nodes"][1]["translation"][0], 20.0);
     assert!(f.has("half.bin") || f.names().iter().any(|n| n.ends_with(".bin")), "{:?}", f.names());
-    f.lodc(["build", "half.gltf", "-q"]).ends(0);
+    f.lodc(["build", "half.gltf", "-o", "half.lodc", "-q"]).ends(0);
 }
 
 /// A wall of one material and, far beside it, a pane of another, which goes first.

@@ -1,7 +1,7 @@
 //! Folders of assets for `lodc extract` and `lodc chain`, with configurations.
 
-use crate::support::{Folder, grid};
-use serde_json::Value;
+use crate::support::{Folder, Run, grid, scene};
+use serde_json::{Value, json};
 
 /// A folder `in` with meshes, a `.lodc` file, and a file that cannot be read.
 fn assets() -> Folder {
@@ -236,7 +236,7 @@ fn a_level_that_got_worse_since_the_last_time_fails() {
     }
     f.file("base.json", "{}");
     let run = f.lodc(["compare", "in", "out", "--baseline", "base.json"]).fails(3);
-    assert!(run.err.contains("is no baseline"), "{}", run.err);
+    assert!(run.err.contains("not a baseline"), "{}", run.err);
     f.lodc(["compare", "in", "out", "--record"]).ends(2);
 }
 
@@ -301,4 +301,120 @@ fn what_a_build_needs_is_told_without_building() {
     assert!(f.lodc(["build", "in", "--estimate"]).ends(0).text().contains("of memory"));
     f.lodc(["build", "gone.obj", "--estimate"]).ends(3);
     f.lodc(["build", "-", "--estimate"]).ends(2);
+}
+
+/// The numbers of the last line of a report in lines.
+fn summary(run: &Run) -> Value {
+    let out = String::from_utf8_lossy(&run.out);
+    let last = out.lines().last().expect("a line");
+    serde_json::from_str::<Value>(last).expect("JSON")["summary"].clone()
+}
+
+#[test]
+fn every_command_over_folders_leaves_alone_what_is_up_to_date() {
+    let f = Folder::new();
+    f.file("in/m.gltf", scene(&[1.0, 2.0], 6));
+    f.file("in/props/b.obj", grid(6));
+    let more = ["--if-changed", "--report", "jsonl", "--depfile", "d", "--junit", "j.xml", "-q"];
+    let run = |args: &[&str]| f.lodc(args.iter().chain(&more)).ends(0);
+    let times = |names: &[&str]| -> Vec<_> {
+        let time =
+            |name: &&str| f.join(name).metadata().and_then(|m| m.modified()).expect("a time");
+        names.iter().map(time).collect()
+    };
+    let commands: [(&[&str], &[&str], &str); 5] = [
+        (&["build", "in", "-o", "out"], &["out/m.gltf.lodc", "out/props/b.obj.lodc"], "built"),
+        (&["chain", "in", "-o", "lv", "--format", "gltf"], &["lv/m.gltf.gltf"], "built"),
+        (&["extract", "out", "-o", "ex", "--ratio", "50%", "--format", "stl"], &[], "built"),
+        (&["pack", "out", "-o", "st"], &["st/m.gltf.lods", "st/props/b.obj.lods"], "built"),
+        (&["verify", "out", "--source", "in"], &[], "verified"),
+    ];
+    for (args, made, key) in commands {
+        let first = run(args);
+        assert_eq!(summary(&first), json!({key: 2, "up_to_date": 0, "failed": 0}), "{args:?}");
+        let (before, rules) = (times(made), f.read("d"));
+        let again = run(args);
+        assert_eq!(summary(&again), json!({key: 0, "up_to_date": 2, "failed": 0}), "{args:?}");
+        assert_eq!((times(made), f.read("d")), (before, rules), "{args:?}");
+        let xml = String::from_utf8(f.read("j.xml")).expect("text");
+        assert!(
+            xml.contains(&format!("name=\"lodc {}\" tests=\"2\" failures=\"0\"", args[0])),
+            "{xml}"
+        );
+    }
+    // Options count, and every file of a result has to be there.
+    let other = ["chain", "in", "-o", "lv", "--format", "gltf", "--levels", "50%"];
+    assert_eq!(summary(&run(&other))["built"], 2);
+    std::fs::remove_file(f.join("lv/m.gltf.bin")).expect("it was written");
+    assert_eq!(summary(&run(&other)), json!({"built": 1, "up_to_date": 1, "failed": 0}));
+    // So does what an input is made of, and what it is compared with.
+    f.file("in/props/b.obj", grid(7));
+    assert_eq!(summary(&run(&other)), json!({"built": 1, "up_to_date": 1, "failed": 0}));
+    f.lodc(["build", "in", "-o", "out", "-q"]).ends(0);
+    for args in [&["verify", "out", "--source", "in"][..], &["pack", "out", "-o", "st"]] {
+        assert_eq!(summary(&run(args))["up_to_date"], 1, "{args:?}");
+    }
+    // Standard output has no record, and verify no result but the JUnit file.
+    let level = ["extract", "in/props/b.obj", "--lod", "0", "--if-changed", "-q", "-o"];
+    let out = f.lodc(level.iter().chain(&["-"])).ends(0).out;
+    f.lodc(level.iter().chain(&["b.glb"])).ends(0);
+    assert_eq!(f.read("b.glb"), out);
+    f.lodc(["verify", "out", "--depfile", "d"]).ends(2);
+}
+
+#[test]
+fn results_without_an_input_are_named_and_pruned() {
+    let f = Folder::new();
+    f.file("in/a.obj", grid(4));
+    f.file("in/props/b.obj", grid(5));
+    let commands: [&[&str]; 4] = [
+        &["build", "in", "-o", "out"],
+        &["chain", "in", "-o", "lv", "--separate", "--format", "gltf", "--if-changed"],
+        &["extract", "in", "-o", "ex", "--lod", "0", "--format", "obj", "--if-changed"],
+        &["pack", "out", "-o", "st", "--if-changed", "--exclude", "c.*"],
+    ];
+    commands.iter().for_each(|args| drop(f.lodc(*args).ends(0)));
+    let foreign = ["out/c.obj.lodc", "lv/c.obj.gltf", "ex/props/b.obj.txt"];
+    foreign.iter().for_each(|name| drop(f.file(name, "not by lodc")));
+    std::fs::remove_file(f.join("in/props/b.obj")).expect("it is there");
+    let all = ["out/props/b.obj.lodc", "lv/props/b.obj_LOD1.bin", "ex/props/b.obj.obj"];
+    for (args, gone) in commands.iter().zip(all.into_iter().chain(["st/props/b.obj.lods"])) {
+        let run = f.lodc(*args).ends(0);
+        assert!(run.err.contains("1 result without an input"), "{args:?}: {}", run.err);
+        assert!(f.has(gone), "{gone}");
+        let run = f.lodc(args.iter().chain(&["--prune"])).ends(0);
+        assert!(run.err.contains("removed, its input is gone"), "{args:?}: {}", run.err);
+        assert!(!f.has(gone), "{gone}");
+        assert!(!f.lodc(*args).ends(0).err.contains("without an input"), "{args:?}");
+    }
+    assert!(foreign.iter().all(|name| f.has(name)));
+    assert!(f.has("out/a.obj.lodc") && f.has("lv/a.obj_LOD0.gltf") && f.has("st/a.obj.lods"));
+}
+
+#[test]
+fn a_result_has_one_name_alone_and_in_a_folder() {
+    let f = Folder::new();
+    f.file("in/club.obj", grid(3));
+    for args in [&["build"][..], &["extract", "--lod", "0"], &["chain"]] {
+        for (input, out) in [("in", "of a folder/"), ("in/club.obj", "alone/")] {
+            f.lodc(args.iter().chain(&[input, "-o", out, "-q"])).ends(0);
+        }
+    }
+    f.lodc(["build", "in/club.obj", "-q"]).ends(0);
+    let names = |folder: &str| {
+        let files = std::fs::read_dir(f.join(folder)).expect("a folder");
+        let name = |e: std::io::Result<std::fs::DirEntry>| e.expect("a file").file_name();
+        let mut names: Vec<_> = files.map(name).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names("alone"), ["club.obj.glb", "club.obj.lodc"]);
+    assert_eq!(names("alone"), names("of a folder"));
+    assert_eq!(names("in"), ["club.obj", "club.obj.lodc"]);
+    let run = f.lodc(["build", "in", "-o", "x.lodc"]).fails(2);
+    assert!(
+        run.err.contains("x.lodc: a file's name, and there are several results"),
+        "{}",
+        run.err
+    );
 }

@@ -82,9 +82,9 @@ fn several_inputs_have_a_result_each_whatever_becomes_of_the_others() {
         assert!(status(result) == 0 || result["error"].is_string(), "{result}");
     }
     assert!(results[1]["error"].as_str().is_some_and(|e| e.contains("b/c.obj")), "{report}");
-    assert!(f.has("out/deep/a.glb") && !f.has("out/deep/c.glb"));
+    assert!(f.has("out/deep/a.obj.glb") && !f.has("out/deep/c.obj.glb"));
     let rules = String::from_utf8(f.read("d")).expect("text");
-    assert!(rules.starts_with("out/deep/a.glb:") && !rules.contains("c.glb"), "{rules}");
+    assert!(rules.starts_with("out/deep/a.obj.glb:") && !rules.contains("c.obj.glb"), "{rules}");
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn builds_that_would_share_an_output_fail_alone() {
     let report = f.lodc(args).ends(2).json();
     let status: Vec<_> = (0..3).map(|i| report["inputs"][i]["status"].clone()).collect();
     assert_eq!(status, [2, 2, 0]);
-    assert!(f.has("out/c.lodc") && !f.has("out/a.lodc"));
+    assert!(f.has("out/c.obj.lodc") && !f.has("out/a.obj.lodc"));
 }
 
 #[test]

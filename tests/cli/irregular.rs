@@ -111,11 +111,11 @@ fn indices_of_normals_that_the_file_lacks_are_ignored() {
         grid(8).lines().map(line).collect()
     };
     f.file("normals.obj", with(&|v| format!("{v}//{v}")));
-    read_with(&f, "normals.obj", "name normals, of which the file has none");
+    read_with(&f, "normals.obj", "use normals, but the file has none");
     f.file("relative.obj", with(&|v| format!("{v}//-1")));
-    read_with(&f, "relative.obj", "name normals, of which the file has none");
+    read_with(&f, "relative.obj", "use normals, but the file has none");
     f.file("both.obj", with(&|v| format!("{v}/{v}/{v}")));
-    read_with(&f, "both.obj", "name texture coordinates, of which the file has none");
+    read_with(&f, "both.obj", "use texture coordinates, but the file has none");
     // 0 is none, whether the file has any or not.
     f.file("zero.obj", with(&|v| format!("{v}/0/0")));
     read_with(&f, "zero.obj", "512 indices 0 of texture coordinates or normals");

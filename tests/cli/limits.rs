@@ -88,11 +88,11 @@ fn more_pixels_than_allowed_end_with_5_where_images_are_decoded() {
     f.file("s.mtl", "newmtl m\nmap_Kd t.png\n");
     let textured = format!("mtllib s.mtl\nusemtl m\n{}", grid(6));
     f.file("s.obj", textured);
-    let hybrid = ["build", "s.obj", "--metric", "hybrid", "-q"];
+    let hybrid = ["build", "s.obj", "-o", "s.lodc", "--metric", "hybrid", "-q"];
     let run = f.lodc(hybrid.iter().chain(&["--limit", "pixels=63"])).fails(5);
     assert!(run.err.contains("s.obj: ") && run.err.contains("63 pixels"), "{}", run.err);
     assert!(!f.has("s.lodc"));
     f.lodc(hybrid.iter().chain(&["--limit-pixels", "64"])).ends(0);
     // Nothing is decoded here.
-    f.lodc(["build", "s.obj", "-q", "--limit", "pixels=0"]).ends(0);
+    f.lodc(["build", "s.obj", "-o", "s.lodc", "-q", "--limit", "pixels=0"]).ends(0);
 }

@@ -7,6 +7,7 @@ mod bench;
 mod bombs;
 mod build;
 mod chain;
+mod choices;
 mod ci;
 mod colours;
 mod compare;

@@ -11,7 +11,7 @@ fn a_failed_run_leaves_what_stood_there() {
     f.file("bad.obj", "v 0 0 0\nf 1 2 3\n");
     f.file("good.obj", grid(3));
     f.file("bad.lodc", "precious");
-    f.lodc(["build", "bad.obj"]).fails(3);
+    f.lodc(["build", "bad.obj", "-o", "bad.lodc"]).fails(3);
     assert_eq!(f.read("bad.lodc"), b"precious");
     assert_eq!(f.names(), ["bad.lodc", "bad.obj", "good.obj"], "and nothing beside it");
     f.lodc(["build", "good.obj", "-o", "bad.lodc", "-q"]).ends(0);
@@ -26,7 +26,7 @@ fn output_that_cannot_be_written_is_4() {
     for out in ["missing/a.lodc", "file/a.lodc", "/proc/a.lodc"] {
         f.lodc(["build", "good.obj", "-o", out]).fails(4);
     }
-    f.lodc(["build", "good.obj", "-q"]).ends(0);
+    f.lodc(["build", "good.obj", "-o", "good.lodc", "-q"]).ends(0);
     f.lodc(["extract", "good.lodc", "--ratio", "1", "-o", "missing/a.glb"]).fails(4);
     if cfg!(target_os = "linux") {
         let full = || {
@@ -74,7 +74,7 @@ fn a_read_only_folder_is_4_and_keeps_its_file() {
 fn a_reader_that_leaves_early_is_no_error() {
     let f = Folder::new();
     f.file("good.obj", grid(3));
-    f.lodc(["build", "good.obj", "-q"]).ends(0);
+    f.lodc(["build", "good.obj", "-o", "good.lodc", "-q"]).ends(0);
     for args in [
         vec!["info", "good.lodc"],
         vec!["info", "good.lodc", "--json"],
@@ -119,7 +119,10 @@ fn a_killed_build_leaves_the_old_file_or_the_new_one() {
     for moment in moments.clone() {
         f.file("g.lodc", &old);
         let mut command = Command::new(LODC);
-        command.args(["build", "g.obj", "-q"]).current_dir(f.path()).stdin(Stdio::null());
+        command
+            .args(["build", "g.obj", "-o", "g.lodc", "-q"])
+            .current_dir(f.path())
+            .stdin(Stdio::null());
         let mut child = command.spawn().expect("it starts");
         // A little past the end too: the moment of the rename is what matters most.
         let share = 1.2 * moment as f64 / moments.end as f64;
@@ -129,7 +132,7 @@ fn a_killed_build_leaves_the_old_file_or_the_new_one() {
         let now = f.read("g.lodc");
         assert!(now == old || now == new, "neither the old nor the new file at moment {moment}");
     }
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
     assert_eq!(
         f.names(),
         ["g.lodc", "g.obj", "new.lodc"],

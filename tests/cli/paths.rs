@@ -78,10 +78,10 @@ fn nothing_connects_to_anything() {
     f.file("asset/a.gltf", gltf(&at));
     f.lodc(["build", "asset/a.gltf"]).fails(3);
     f.file("asset/a.obj", format!("mtllib {at}\nusemtl m\n{}", grid(2)));
-    f.lodc(["build", "asset/a.obj", "-q"]);
+    f.lodc(["build", "asset/a.obj", "-o", "asset/a.lodc", "-q"]);
     f.file("asset/a.mtl", format!("newmtl m\nmap_Kd {at}\n"));
     f.file("asset/b.obj", format!("mtllib a.mtl\nusemtl m\n{}", grid(2)));
-    f.lodc(["build", "asset/b.obj", "-q"]).ends(0);
+    f.lodc(["build", "asset/b.obj", "-o", "asset/b.lodc", "-q"]).ends(0);
     f.lodc(["extract", "asset/b.lodc", "--ratio", "0.5", "-o", "b.glb", "-q"]);
     f.lodc(["build", "asset/a.gltf", "--allow-path", "/"]).fails(3);
     door.assert_nobody_came();
@@ -134,7 +134,7 @@ fn no_buffer_leads_out_of_the_folder() {
     let f = trap();
     for way in WAYS_OUT {
         f.file("asset/a.gltf", gltf(way));
-        let run = f.lodc(["build", "asset/a.gltf", "--depfile", "deps.d"]);
+        let run = f.lodc(["build", "asset/a.gltf", "-o", "asset/a.lodc", "--depfile", "deps.d"]);
         let run = run.fails(3);
         assert!(!run.err.contains("root:"), "{way}: {}", run.err);
         assert!(!f.has("asset/a.lodc") && !f.join("deps.d").exists_with("secret"), "{way}");
@@ -146,7 +146,7 @@ fn a_folder_that_is_allowed_may_be_read() {
     let f = trap();
     f.file("asset/a.gltf", gltf("../secret.bin"));
     f.lodc(["build", "asset/a.gltf", "-q"]).ends(3);
-    f.lodc(["build", "asset/a.gltf", "-q", "--allow-path", "."]).ends(0);
+    f.lodc(["build", "asset/a.gltf", "-o", "asset/a.lodc", "-q", "--allow-path", "."]).ends(0);
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn no_material_library_leads_out_of_the_folder_and_a_missing_one_stops_nothing()
     let f = trap();
     for way in WAYS_OUT.iter().copied().chain(["missing.mtl"]) {
         f.file("asset/a.obj", format!("mtllib {way}\nusemtl m\n{}", grid(2)));
-        let run = f.lodc(["build", "asset/a.obj", "--depfile", "deps.d"]);
+        let run = f.lodc(["build", "asset/a.obj", "-o", "asset/a.lodc", "--depfile", "deps.d"]);
         assert!(matches!(run.status, Some(0 | 3)), "{way}: {}", run.err);
         assert!(!f.has("deps.d") || is_inside(&f), "{way}");
         assert!(!run.err.contains("root:"), "{way}: {}", run.err);

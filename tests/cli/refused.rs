@@ -66,5 +66,5 @@ fn one_bad_input_does_not_stop_the_others() {
     ]);
     assert!(matches!(run.status, Some(3 | 5)), "{run:?}");
     assert_eq!(run.errors(), 2, "{}", run.err);
-    assert!(f.has("out/cube.lodc") && !f.has("out/x_nan.lodc"));
+    assert!(f.has("out/cube.obj.lodc") && !f.has("out/x_nan.obj.lodc"));
 }

@@ -46,7 +46,7 @@ fn textured(f: &Folder) {
 fn a_texture_is_upright_from_a_mesh_and_from_its_levels() {
     let f = Folder::new();
     textured(&f);
-    f.lodc(["build", "s.obj", "-q"]).ends(0);
+    f.lodc(["build", "s.obj", "-o", "s.lodc", "-q"]).ends(0);
     for input in ["s.obj", "s.lodc"] {
         let args =
             ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fovy", "5"];
@@ -104,7 +104,7 @@ fn a_jpeg_is_a_texture() {
     textured(&f);
     f.file("t.jpg", QUARTERS);
     f.file("s.mtl", "newmtl m\nKd 1 1 1\nmap_Kd t.jpg\n");
-    f.lodc(["build", "s.obj", "-q"]).ends(0);
+    f.lodc(["build", "s.obj", "-o", "s.lodc", "-q"]).ends(0);
     for input in ["s.obj", "s.lodc"] {
         let args =
             ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fovy", "5"];
@@ -148,7 +148,7 @@ fn two_runs_write_the_same_bytes_whatever_the_threads() {
 fn every_option_makes_a_picture_of_something() {
     let f = Folder::new();
     f.file("g.obj", grid(8));
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
     let mut seen = Vec::new();
     for options in [
         &["--view", "top"][..],
@@ -309,7 +309,7 @@ fn colours_of_vertices_look_like_the_same_colour_of_a_material() {
     f.file("kd.obj", format!("mtllib kd.mtl\nusemtl m\n{}", grid(8)));
     f.lodc(["extract", "painted.obj", "--lod", "0", "-o", "painted.glb"]).ends(0);
     f.lodc(["extract", "painted.obj", "--lod", "0", "-o", "painted.ply"]).ends(0);
-    f.lodc(["build", "painted.obj"]).ends(0);
+    f.lodc(["build", "painted.obj", "-o", "painted.lodc"]).ends(0);
     let drawn = |input: &str| {
         let common = ["render", input, "-o", "o.png", "--size", "80x60", "--view", "front"];
         render(&f, common.iter().chain(&["--orthographic"])).map(|_| picture(&f, "o.png").bytes)

@@ -6,7 +6,7 @@ use crate::support::{Folder, grid, scene};
 fn the_level_for_a_distance_is_the_one_that_its_error_gives() {
     let f = Folder::new();
     f.file("a.obj", grid(12));
-    f.lodc(["build", "a.obj", "-q"]).ends(0);
+    f.lodc(["build", "a.obj", "-o", "a.lodc", "-q"]).ends(0);
     let mut before = u64::MAX;
     for distance in ["1", "10", "100", "1000", "100000"] {
         let args = ["select", "a.lodc", "--pixels", "1", "--distance", distance, "--json"];
@@ -30,7 +30,8 @@ fn instances_share_a_budget() {
     let f = Folder::new();
     f.file("a.obj", grid(12));
     f.file("s.gltf", scene(&[1.0, 3.0], 6));
-    f.lodc(["build", "a.obj", "s.gltf", "-q"]).ends(0);
+    f.lodc(["build", "a.obj", "-o", "a.lodc", "-q"]).ends(0);
+    f.lodc(["build", "s.gltf", "-o", "s.lodc", "-q"]).ends(0);
     let lines: Vec<String> = (1..=20)
         .map(|i| {
             let file = if i % 4 == 0 { "s.lodc" } else { "a.lodc" };

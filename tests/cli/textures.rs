@@ -105,6 +105,29 @@ fn images_inside_a_glb_become_files_of_an_obj_and_a_lodc_file_finds_its_own() {
 }
 
 #[test]
+fn a_lodc_file_holds_the_images_of_a_gltf_if_asked() {
+    let f = Folder::new();
+    textured(&f);
+    f.lodc(["extract", "in/m.obj", "--lod", "0", "--format", "gltf", "-o", "m/", "-q"]).ends(0);
+    let build = ["build", "m/m.obj.gltf", "-o", "out/m.lodc", "--if-changed"];
+    let copy = "copy 1 image beside it: wood/a b.png";
+    assert!(f.lodc(["build", "m/m.obj.gltf", "-o", "m.lodc"]).ends(0).err.contains(copy));
+    std::fs::create_dir(f.join("out")).expect("a folder");
+    let run = f.lodc(build.iter().chain(&["--embed"])).ends(0);
+    assert!(!run.err.contains("image"), "{}", run.err);
+    f.lodc(["verify", "out/m.lodc", "--source", "m/m.obj.gltf", "-q"]).ends(0);
+    f.lodc(["extract", "out/m.lodc", "--ratio", "0.5", "-o", "half.glb", "-q"]).ends(0);
+    assert_eq!(embedded(&f, "half.glb"), PNG);
+    // Only the option makes the difference.
+    assert_eq!(
+        f.lodc(build.iter().chain(&["--report", "json"])).ends(0).json()["summary"]["built"],
+        1
+    );
+    let run = f.lodc(["build", "in/m.obj", "-o", "obj.lodc", "--embed"]).ends(0);
+    assert!(run.err.contains("warning: images are not embedded"), "{}", run.err);
+}
+
+#[test]
 fn a_chain_has_its_images_once() {
     let f = Folder::new();
     textured(&f);
@@ -124,7 +147,7 @@ fn a_chain_has_its_images_once() {
 fn a_file_says_where_it_comes_from() {
     let f = Folder::new();
     f.file("g.obj", grid(8));
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
     let hash =
         f.lodc(["info", "g.lodc", "--json"]).ends(0).json()["source"]["content_hash"].clone();
     let args = ["extract", "g.lodc", "--triangles", "40", "--json", "-q", "-o"];

@@ -98,7 +98,7 @@ fn two_results_of_one_name_or_on_one_stream_are_refused() {
         f.lodc(["build"].iter().chain(&args)).fails(2);
     }
     assert_eq!(f.names(), ["a", "b", "plain", "y.obj"]);
-    f.lodc(["build", "y.obj", "-q"]).ends(0);
+    f.lodc(["build", "y.obj", "-o", "y.lodc", "-q"]).ends(0);
     for args in [
         vec!["-o", "-", "--json"],
         vec!["-o", "-", "--format", "gltf"],

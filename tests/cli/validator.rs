@@ -81,7 +81,7 @@ fn an_obj_exported_as_glb_is_valid() {
     let folder = Folder::new();
     folder.file("c.mtl", "newmtl red\nKd 1 0 0\nd 0.5\n");
     folder.file("c.obj", format!("mtllib c.mtl\nusemtl red\n{}", grid(8)));
-    folder.lodc(["build", "c.obj", "-q"]).ends(0);
+    folder.lodc(["build", "c.obj", "-o", "c.lodc", "-q"]).ends(0);
     let names: Vec<String> = ["1", "0.2", "0"].iter().map(|r| format!("c{r}.glb")).collect();
     for (name, ratio) in names.iter().zip(["1", "0.2", "0"]) {
         folder.lodc(["extract", "c.lodc", "--ratio", ratio, "-o", name, "-q"]).ends(0);

@@ -5,7 +5,7 @@ use crate::support::{Folder, grid, scene};
 fn built() -> Folder {
     let f = Folder::new();
     f.file("g.obj", grid(8));
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
     f
 }
 
@@ -32,7 +32,7 @@ fn a_sound_file_passes_every_check_and_its_source_is_recognised() {
 fn a_sequence_without_models_is_enough_for_levels_and_says_what_it_lacks() {
     let f = Folder::new();
     f.file("g.obj", grid(8));
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
     let report = f.lodc(["build", "g.obj", "-o", "n.lodc", "--models", "none", "--report", "json"]);
     let report = report.ends(0).json();
     assert_eq!(report["inputs"][0]["models"].as_array().map(Vec::len), Some(0));
@@ -64,7 +64,7 @@ fn a_sequence_without_models_is_enough_for_levels_and_says_what_it_lacks() {
 fn a_scene_is_checked_object_by_object() {
     let f = Folder::new();
     f.file("s.gltf", scene(&[1.0, 3.0], 5));
-    f.lodc(["build", "s.gltf", "-q"]).ends(0);
+    f.lodc(["build", "s.gltf", "-o", "s.lodc", "-q"]).ends(0);
     let report = f.lodc(["verify", "s.lodc", "--source", "s.gltf", "--json"]).ends(0).json();
     let checks = report["files"][0]["checks"].as_array().expect("checks");
     for object in ["grid0", "grid1"] {

@@ -118,8 +118,21 @@ class Levels(Fresh):
         scene = trimesh.load(io.BytesIO(level.to_glb()), file_type="glb")
         self.assertEqual(level.triangle_count, sum(len(g.faces) for g in scene.geometry.values()))
         np.testing.assert_allclose(level.to_trimesh().bounds, scene.bounds, atol=1e-5)
-        with self.assertRaisesRegex(ValueError, "3 objects|2 objects"):
-            level["POSITION"]
+
+    def test_a_level_of_several_objects_has_their_arrays_one_after_the_other(self):
+        two_objects("two.gltf")
+        level = lodc.build("two.gltf").level(ratio=0.5)
+        self.assertGreater(len(level.objects), 1)
+        self.assertEqual(level.triangles.shape, (level.triangle_count, 3))
+        self.assertEqual(len(level["POSITION"]), sum(len(o["POSITION"]) for o in level.objects))
+        for number, part in enumerate(level.objects):
+            corners = level["POSITION"][level.triangles[level.owner == number]]
+            np.testing.assert_array_equal(corners, part["POSITION"][part.triangles])
+            self.assertEqual((level.submesh[level.owner == number] == part.submesh).all(), True)
+        self.assertIsNone(level.lod)
+        self.assertLess(len(repr(level)), 80)
+        with self.assertRaisesRegex(KeyError, "COLOR_7"):
+            level["COLOR_7"]
 
     def test_facts_are_those_of_levels(self):
         two_objects("two.gltf")
@@ -128,6 +141,25 @@ class Levels(Fresh):
             for share, triangles, error in file.facts():
                 level = file.level(ratio=share)
                 self.assertEqual((triangles, error), (level.triangle_count, level.error), source)
+
+    def test_levels_of_ten_scenes_are_those_of_the_program(self):
+        for number in range(10):
+            grids("scene.gltf", [4 + (5 * i + 3 * number) % 13 for i in range(1 + number % 4)])
+            file = lodc.build("scene.gltf", "scene.lodc", models="none")
+            facts = file.facts()
+            self.assertEqual([share for share, _, _ in facts], [1, 0.5, 0.25, 0.1, 0.05, 0.01])
+            for share, triangles, error in facts:
+                level = file.level(ratio=share)
+                words = ["extract", "scene.lodc", "--ratio", str(share), "-o", "level.glb"]
+                done = subprocess.run(
+                    [lodc.program(), *words, "--json", "-q"], check=True, capture_output=True
+                )
+                said = json.loads(done.stdout)
+                lods = [o["lod"] for o in said["objects"]]
+                self.assertEqual([o.lod for o in level.objects], lods, (number, share))
+                self.assertEqual(level.triangle_count, said["triangles"], (number, share))
+                self.assertAlmostEqual(level.error, said["error"], delta=1e-6 * said["error"])
+                self.assertEqual((triangles, error), (level.triangle_count, level.error))
 
     def test_submeshes_name_their_materials(self):
         root = json.loads((FIXTURES / "cube.gltf").read_text())
@@ -183,10 +215,10 @@ class Errors(Fresh):
             (lambda: lodc.open(3), "neither the path"),
             (lambda: lodc.build(3), "not the path"),
             (lambda: lodc.build("part.glb", colour=[{1}]), "colour"),
-            (lambda: lodc.build("part.glb", no_such_option=1), "'no_such_option': no such option$"),
+            (lambda: lodc.build("part.glb", no_such_option=1), "'no_such_option': unknown option$"),
             (
                 lambda: lodc.build("part.glb", lock_bordr=True),
-                "'lock_bordr': no such option; did you mean 'lock_border'",
+                "'lock_bordr': unknown option; did you mean 'lock_border'",
             ),
         ]
         wrong = [
@@ -260,6 +292,42 @@ def glb_corners(data, attributes):
         parts = [found.get(name, np.zeros((count, width))) for name, width in attributes.items()]
         columns = np.column_stack(parts)
         yield rounded(columns[accessor(primitive["indices"]).reshape(-1)])
+
+
+def grids(path, sizes):
+    """A scene of wavy sheets, scaled by their nodes."""
+    data, views, accessors, meshes, nodes = b"", [], [], [], []
+    for number, size in enumerate(sizes):
+        row, column = np.mgrid[0 : size + 1, 0 : size + 1]
+        height = np.sin(row * (0.7 + number)) * np.cos(column * 0.9)
+        points = np.stack([row, column, height], axis=-1).reshape(-1, 3).astype("<f4")
+        first = (row * (size + 1) + column)[:-1, :-1].reshape(-1)
+        corners = [first, first + size + 1, first + size + 2, first, first + size + 2, first + 1]
+        indices = np.stack(corners, axis=-1).reshape(-1).astype("<u4")
+        for array, kind in ((points, "VEC3"), (indices, "SCALAR")):
+            views.append({"buffer": 0, "byteOffset": len(data), "byteLength": array.nbytes})
+            accessor = {"bufferView": len(views) - 1, "count": len(array), "type": kind}
+            accessor["componentType"] = 5126 if kind == "VEC3" else 5125
+            if kind == "VEC3":
+                accessor |= {"min": array.min(axis=0).tolist(), "max": array.max(axis=0).tolist()}
+            accessors.append(accessor)
+            data += array.tobytes()
+        attributes = {"POSITION": len(accessors) - 2}
+        primitive = {"attributes": attributes, "indices": len(accessors) - 1}
+        meshes.append({"name": f"sheet{number}", "primitives": [primitive]})
+        nodes.append({"mesh": number, "scale": [[1, 1, 1], [0.25, 0.25, 0.25], [3, 1, 2]][number % 3]})
+    pathlib.Path(path).with_suffix(".bin").write_bytes(data)
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(nodes)))}],
+        "nodes": nodes,
+        "meshes": meshes,
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(data), "uri": pathlib.Path(path).stem + ".bin"}],
+    }
+    pathlib.Path(path).write_text(json.dumps(document))
 
 
 def two_objects(path, images=()):

@@ -1,4 +1,4 @@
-//! Results of `verify` and `compare` as CI systems read them: JUnit XML files, GitHub annotations.
+//! Results of runs as CI systems read them: JUnit XML files, GitHub annotations.
 
 use crate::console;
 use crate::exit::{Failure, Outcome};
@@ -6,7 +6,7 @@ use crate::help::OUTPUT;
 use crate::output::{self, Target};
 use clap::{Args, ValueEnum};
 use lodc_report::{Suite, github, junit};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of commands that check many things.
 #[derive(Args, Clone, Debug)]
@@ -28,6 +28,11 @@ enum Annotate {
 }
 
 impl CiArgs {
+    /// The JUnit file, if one is wanted.
+    pub(crate) fn junit(&self) -> Option<&Path> {
+        self.junit.as_deref()
+    }
+
     /// Makes sure that the JUnit file can be written.
     ///
     /// # Errors

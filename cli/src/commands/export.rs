@@ -3,19 +3,20 @@
 
 use super::asset::SimplifyArgs;
 use super::each;
+use super::prune::{PruneArgs, Written};
+use super::records::Wanted;
+use super::runs::{Finished, RunArgs};
 use crate::batch::{self, Asset, BatchArgs, Budget, CommandPaths, LEVEL_EXTENSIONS};
 use crate::compression::CompressArgs;
 use crate::config::ConfigArgs;
-use crate::console;
 use crate::exit::{Outcome, Status};
-use crate::help::OUTPUT;
 use crate::limits::ImportArgs;
 use crate::mesh_output::FormatName;
-use crate::output::{self, DependencyRule, Target};
+use crate::output::Target;
 use crate::program::Program;
-use crate::results::{self, FailureReport, ResultReport};
 use crate::textures::TextureArgs;
 use clap::Args;
+use lodc_formats::Assets;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -28,26 +29,16 @@ pub(crate) struct ExportArgs {
     pub(crate) textures: TextureArgs,
     #[command(flatten)]
     pub(crate) compress: CompressArgs,
-    /// Print one JSON document on standard output
-    #[arg(long, help_heading = OUTPUT)]
-    pub(crate) json: bool,
-    /// Write a Make/Ninja dependency file that names every file read
-    #[arg(long, value_name = "FILE", help_heading = OUTPUT, hide_short_help = true)]
-    pub(crate) depfile: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+    #[command(flatten)]
+    pub(crate) prune: PruneArgs,
     #[command(flatten)]
     pub(crate) batch: BatchArgs,
     #[command(flatten)]
     configuration: ConfigArgs,
     #[command(flatten)]
     pub(crate) import: ImportArgs,
-}
-
-/// The result of exporting one asset.
-pub(crate) struct ExportResult<R> {
-    /// Its part of the JSON document.
-    pub(crate) report: R,
-    /// Its rules for a dependency file: which files it read and wrote.
-    pub(crate) rules: Vec<DependencyRule>,
 }
 
 impl ExportArgs {
@@ -68,19 +59,55 @@ impl ExportArgs {
         output: &Path,
         format: FormatName,
     ) -> Outcome<Vec<Asset>> {
-        let paths = CommandPaths {
+        let mut assets = batch::assets(self.paths(inputs, output, format), &self.batch)?;
+        self.configuration.apply(program, command, &mut assets)?;
+        self.run.check(&assets)?;
+        let mut targets = assets.iter().filter_map(|asset| asset.target.as_ref().ok());
+        targets.try_for_each(|target| self.check(format, target))?;
+        Ok(assets)
+    }
+
+    fn paths<'a>(
+        &'a self,
+        inputs: &'a [PathBuf],
+        output: &'a Path,
+        format: FormatName,
+    ) -> CommandPaths<'a> {
+        CommandPaths {
             inputs,
             output: Some(output),
             input_extensions: &LEVEL_EXTENSIONS,
             output_extension: format.extension(),
             allowed_folders: self.import.allowed(),
-        };
-        let mut assets = batch::assets(paths, &self.batch)?;
-        self.configuration.apply(program, command, &mut assets)?;
-        batch::check_standard_streams(&assets, self.json, self.depfile.as_deref())?;
-        let mut targets = assets.iter().filter_map(|asset| asset.target.as_ref().ok());
-        targets.try_for_each(|target| self.check(format, target))?;
-        Ok(assets)
+        }
+    }
+
+    /// Finishes a run of a command: as [`RunArgs::finish`], then as [`PruneArgs::sweep`].
+    ///
+    /// # Errors
+    /// As those.
+    pub(crate) fn finish<R: Serialize>(
+        &self,
+        command: &str,
+        (inputs, output, format): (&[PathBuf], &Path, FormatName),
+        assets: &[Asset],
+        done: Vec<Outcome<Finished<R>>>,
+    ) -> Outcome<Status> {
+        let several = self.batch.takes_many(inputs);
+        let status = self.run.finish(command, several, assets, done)?;
+        self.prune.sweep(self.paths(inputs, output, format), Written::Recorded)?;
+        Ok(status)
+    }
+
+    /// What is wanted of an input, of which nothing has been read.
+    pub(crate) fn wanted<'a>(
+        &self,
+        input: &'a Path,
+        target: &'a Path,
+        assets: &'a Assets,
+        options: &'a str,
+    ) -> Option<Wanted<'a>> {
+        self.run.if_changed.then_some(Wanted { input, target, assets, options })
     }
 
     /// Checks that a format supports compression and textures as asked for.
@@ -103,49 +130,4 @@ impl ExportArgs {
         let bytes = self.import.limits().memory().unwrap_or(u64::MAX);
         Budget { workers: rayon::current_num_threads(), bytes }
     }
-
-    /// Finishes a run: writes the dependency file and the JSON document, and prints how many assets
-    /// are done and have failed. Returns the highest status.
-    ///
-    /// # Errors
-    /// If the dependency file or standard output cannot be written.
-    pub(crate) fn finish<R: Serialize>(
-        &self,
-        inputs: &[PathBuf],
-        assets: &[Asset],
-        done: Vec<Outcome<ExportResult<R>>>,
-    ) -> Outcome<Status> {
-        let (mut worst, mut results, mut rules) = (Status::Done, Vec::new(), Vec::new());
-        for (asset, made) in assets.iter().zip(done) {
-            results.push(match made {
-                Ok(made) => {
-                    rules.extend(made.rules);
-                    ResultReport::Done(made.report)
-                }
-                Err(failure) => {
-                    worst = worst.max(failure.status);
-                    ResultReport::Failed(FailureReport::of(&asset.input, &failure))
-                }
-            });
-        }
-        if let Some(depfile) = &self.depfile {
-            output::write_depfile(depfile, &rules)?;
-        }
-        if assets.iter().any(Asset::is_listed) {
-            let failed = results.iter().filter(|r| matches!(r, ResultReport::Failed(_))).count();
-            console::note(&format!("{} done, {failed} failed", results.len() - failed));
-        }
-        if self.json {
-            results::print(self.batch.takes_many(inputs), worst, results)?;
-        }
-        Ok(worst)
-    }
-}
-
-/// Does the work on one asset, and prints its failure; a panic is one, too.
-///
-/// # Errors
-/// If the work fails.
-pub(crate) fn one<R>(asset: &Asset, work: impl FnOnce() -> Outcome<R>) -> Outcome<R> {
-    each::guarded(&asset.input, work).inspect_err(each::print)
 }

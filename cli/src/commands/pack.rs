@@ -1,29 +1,37 @@
 //! `lodc pack`: turns a `.lodc` file into a progressive stream.
 
 use super::build::counts;
+use super::each::{self, AssetOptions};
+use super::prune::{PruneArgs, Written};
 use super::read::read_lodc;
+use super::records::Wanted;
+use super::runs::{AssetResult, RunArgs};
+use crate::batch::{self, Asset, BatchArgs, Budget, CommandPaths};
 use crate::bits;
-use crate::console::{self, Loudness, note, wants};
+use crate::config::ConfigArgs;
+use crate::console::{Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{BECOMES, MORE, OUTPUT};
 use crate::limits::LimitArgs;
-use crate::output::{self, Target};
+use crate::output::{self, DependencyRule, Target};
+use crate::program::Program;
 use crate::stages::Stages;
 use clap::Args;
 use lodc::{LodFile, LodObject};
-use lodc_formats::Limits;
 use lodc_formats::lods::{ErrorBound, PackOptions, Packed, PackedObject, Quantize, Unpacker, pack};
+use lodc_formats::{Assets, Limits, RequestedFiles};
 use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::{BoundReport, PackReport, PackedReport, StreamBits};
 use lodc_report::text::{count, distance, size};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of `pack`.
 #[derive(Args, Debug)]
 #[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct PackArgs {
-    /// The .lodc file; - for standard input
-    input: PathBuf,
+    /// .lodc files, or folders of them; - for standard input
+    #[arg(value_name = "INPUT", required_unless_present = "manifest")]
+    inputs: Vec<PathBuf>,
     /// Bits per number: pos=16,normal=10,uv=12 [default: all]
     ///
     /// From 2 to 24; kinds left out stay as they are. Prints how far anything can move. Without it
@@ -36,14 +44,24 @@ pub(crate) struct PackArgs {
     /// steps come in batches, and the levels at their ends are those of the file.
     #[arg(long, help_heading = BECOMES)]
     exact: bool,
-    /// Stream, a .lods file, or folder; - for standard output
+    /// Stream, a .lods file, or folder for several inputs; - for standard output
+    ///
+    /// In a folder club.obj.lodc becomes club.obj.lods.
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
     output: PathBuf,
-    /// Print one JSON document on standard output
-    #[arg(long, help_heading = OUTPUT)]
-    json: bool,
+    #[command(flatten)]
+    run: RunArgs,
+    #[command(flatten)]
+    prune: PruneArgs,
+    #[command(flatten)]
+    batch: BatchArgs,
+    #[command(flatten)]
+    configuration: ConfigArgs,
     #[command(flatten)]
     limits: LimitArgs,
+    /// Every option that can change the result, as text.
+    #[arg(skip)]
+    options_text: String,
 }
 
 const EXAMPLES: &str = "\
@@ -51,34 +69,81 @@ Every prefix of a stream can be unpacked: the more of it, the finer the mesh.
 
 Examples:
   lodc pack chair.lodc -o chair.lods
-  lodc pack chair.lodc -o chair.lods --quantize pos=14,normal=10,uv=12";
+  lodc pack chair.lodc -o chair.lods --quantize pos=14,normal=10,uv=12
+  lodc pack levels -o streams --if-changed";
 
 fn quantize(text: &str) -> Result<Quantize, String> {
     let [position, normal, uv] = bits::bits_by_kind(text, ["pos", "normal", "uv"], &(2..=24))?;
     Ok(Quantize { position, normal, uv })
 }
 
-pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
-    let target = output::single_target(&args.input, Some(&args.output), "lods")?;
-    output::prepare_targets([&target], output::is_folder(&args.output))?;
-    if args.json && target == Target::Stdout {
-        return Err(Failure::usage("the stream and the JSON do not fit one standard output"));
+pub(crate) fn run(args: &PackArgs, program: &Program) -> Outcome<Status> {
+    let paths = CommandPaths {
+        inputs: &args.inputs,
+        output: Some(&args.output),
+        input_extensions: &["lodc"],
+        output_extension: "lods",
+        allowed_folders: &[],
+    };
+    let mut assets = batch::assets(paths, &args.batch)?;
+    args.configuration.apply(program, "pack", &mut assets)?;
+    args.run.check(&assets)?;
+    let with_text = |args, options_text| PackArgs { options_text, ..args };
+    let options = AssetOptions::new(program, "pack", &assets, with_text);
+    let bytes = args.limits.memory().unwrap_or(u64::MAX);
+    let budget = Budget { workers: rayon::current_num_threads(), bytes };
+    let done = each::all(
+        &assets,
+        budget,
+        |_| None,
+        |_, asset, _| args.run.one(asset, || pack_asset(asset, &options)),
+    );
+    let several = args.batch.takes_many(&args.inputs);
+    let status = args.run.finish("pack", several, &assets, done)?;
+    args.prune.sweep(paths, Written::Recorded)?;
+    Ok(status)
+}
+
+/// Packs one file, unless its stream is up to date.
+fn pack_asset(asset: &Asset, options: &AssetOptions<PackArgs>) -> Outcome<AssetResult<PackReport>> {
+    let (args, target) = options.ready(asset)?;
+    let input = &asset.input;
+    let beside = Assets::new(input, &[], args.limits.limits());
+    let wanted = match target {
+        Target::File(path) if args.run.if_changed => {
+            Some(Wanted { input, target: path, assets: &beside, options: &args.options_text })
+        }
+        _ => None,
+    };
+    if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
+        return Ok(left);
     }
-    let mut stages = Stages::new(args.limits.clock(&args.input));
-    let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
+    let report = pack_one(args, input, target)?;
+    let files = RequestedFiles::only(input);
+    let (outputs, rules) = match target {
+        Target::File(path) => (vec![path.clone()], vec![DependencyRule::new(path, &files)]),
+        Target::Stdout => (vec![], vec![]),
+    };
+    if let Some(wanted) = wanted {
+        wanted.record(&outputs, &rules, (&files, &RequestedFiles::default()), &[])?;
+    }
+    if !args.run.reports() && wants(Loudness::Normal) {
+        note(&text(&report));
+    }
+    Ok(AssetResult::done(report, rules))
+}
+
+/// Writes the stream of a file.
+fn pack_one(args: &PackArgs, input: &Path, target: &Target) -> Outcome<PackReport> {
+    let mut stages = Stages::new(args.limits.clock(input));
+    let (file, _) = stages.run("read", || read_lodc(input, args.limits.limits()))?;
     let quantize = args.quantize.unwrap_or_default();
     let options = PackOptions { quantize, exact: args.exact, ..PackOptions::default() };
     let packed = stages.run("pack", || pack(&file, &options))?;
     stages.run("check", || check(&packed))?;
-    let report = report(args, &file, &packed, &target);
-    stages.run("write", || output::write(&target, packed.bytes))?;
-    if args.json {
-        return console::json(&report);
-    }
-    if wants(Loudness::Normal) {
-        note(&text(&report));
-    }
-    Ok(())
+    let report = report(input, &file, &packed, target);
+    stages.run("write", || output::write(target, packed.bytes))?;
+    Ok(report)
 }
 
 /// Unpacks what was packed, so that no wrong output is written.
@@ -91,7 +156,7 @@ fn check(packed: &Packed) -> Outcome<()> {
     if unpacker.is_complete() { Ok(()) } else { Err(bug("something is missing")) }
 }
 
-fn report(args: &PackArgs, file: &LodFile, packed: &Packed, target: &Target) -> PackReport {
+fn report(input: &Path, file: &LodFile, packed: &Packed, target: &Target) -> PackReport {
     let bound = |b: &ErrorBound| BoundReport {
         stream: b.stream.clone(),
         bits: b.bits,
@@ -124,7 +189,7 @@ fn report(args: &PackArgs, file: &LodFile, packed: &Packed, target: &Target) -> 
     };
     PackReport {
         schema_version: SCHEMA_VERSION,
-        input: args.input.display().to_string(),
+        input: input.display().to_string(),
         output: target.name(),
         bytes: packed.bytes.len() as u64,
         head_bytes: packed.head_bytes,

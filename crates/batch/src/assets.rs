@@ -7,6 +7,7 @@ use crate::options::OptionValues;
 use crate::shard::Shard;
 use crate::target::{
     Target, is_folder, is_standard_stream, named_target, refuse_clashes, refuse_file_name,
+    result_name,
 };
 use std::path::{Path, PathBuf};
 
@@ -110,7 +111,7 @@ pub fn assets(paths: CommandPaths<'_>, choice: &AssetChoice) -> Result<Vec<Asset
     for input in paths.inputs {
         if input.is_dir() {
             for (path, name) in files_below(input, paths.input_extensions, &filter)? {
-                let file = format!("{name}.{}", paths.output_extension);
+                let file = result_name(&name, paths.output_extension);
                 let target = Target::File(output_folder.unwrap_or(input).join(file));
                 let target = check_link(&path, input, paths.allowed_folders).map(|()| target);
                 all.push(Asset::without_options(path, name, Some(input.clone()), target));
@@ -183,11 +184,10 @@ fn listed_target(line: &list::Line, output_folder: Option<&Path>, extension: &st
     match (&line.output, output_folder) {
         (Some(output), Some(folder)) if output.is_relative() => folder.join(output),
         (Some(output), _) => output.clone(),
-        (None, Some(folder)) => folder.join(format!("{}.{extension}", with_slashes(&line.input))),
+        (None, Some(folder)) => folder.join(result_name(&with_slashes(&line.input), extension)),
         (None, None) => {
-            let mut name = line.input.file_name().unwrap_or_default().to_owned();
-            name.push(format!(".{extension}"));
-            line.input.with_file_name(name)
+            let name = line.input.file_name().unwrap_or_default().to_string_lossy();
+            line.input.with_file_name(result_name(&name, extension))
         }
     }
 }
@@ -211,13 +211,13 @@ mod tests {
 
     #[test]
     fn results_of_one_name_are_failures_of_their_own() {
-        let all = assets_named(&["a/x.obj", "b/x.glb", "b/y.obj"], Some("out"));
+        let all = assets_named(&["a/x.obj", "b/x.obj", "b/y.obj"], Some("out"));
         let failed: Vec<bool> = all.iter().map(|asset| asset.target.is_err()).collect();
         assert_eq!(failed, [true, true, false]);
         let what = all[0].target.clone().expect_err("a clash").to_string();
-        assert_eq!(what, "out/x.lodc: a/x.obj and b/x.glb would both be written there");
-        assert!(assets_named(&["a/x.obj", "b/x.glb"], None).iter().all(|a| a.target.is_ok()));
-        let three = assets_named(&["a/x.obj", "a/y.obj", "a/x.glb"], None);
+        assert_eq!(what, "out/x.obj.lodc: a/x.obj and b/x.obj would both be written there");
+        assert!(assets_named(&["a/x.obj", "a/x.glb"], None).iter().all(|a| a.target.is_ok()));
+        let three = assets_named(&["a/x.obj", "a/y.obj", "a/x.obj"], None);
         let failed: Vec<bool> = three.iter().map(|asset| asset.target.is_err()).collect();
         assert_eq!(failed, [true, false, true], "the others are done");
         assert!(assets_named(&["x.obj", "x.obj"], None).iter().all(|a| a.target.is_err()));
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn a_result_never_replaces_an_input() {
-        let all = assets_named(&["x.obj", "x.lodc"], None);
-        assert_eq!(all.iter().filter(|asset| asset.target.is_err()).count(), 2);
+        let all = assets_named(&["x.obj", "x.obj.lodc"], None);
+        assert_eq!(all.iter().filter(|asset| asset.target.is_err()).count(), 1);
     }
 }

@@ -85,7 +85,7 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T, AssetError> {
     let failure = |what: String| AssetError::Input(format!("{}: {what}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|e| failure(e.to_string()))?;
-    serde_json::from_str(&text).map_err(|e| failure(format!("is no baseline: {e}")))
+    serde_json::from_str(&text).map_err(|e| failure(format!("not a baseline: {e}")))
 }
 
 fn text(document: &impl Serialize) -> String {

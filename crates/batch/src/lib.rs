@@ -17,7 +17,7 @@
 //! };
 //! let all = assets(paths, &AssetChoice::default())?;
 //! let target = all[1].target.as_ref().map(|target| target.name().replace('\\', "/"));
-//! assert_eq!(target, Ok("built/lamp.lodc".to_owned()));
+//! assert_eq!(target, Ok("built/lamp.glb.lodc".to_owned()));
 //! # Ok::<(), lodc_assets::AssetError>(())
 //! ```
 
@@ -29,6 +29,7 @@ mod error;
 mod folder;
 mod list;
 mod options;
+mod orphans;
 mod pairs;
 mod parts;
 mod queue;
@@ -43,6 +44,7 @@ pub use depfile::DependencyRule;
 pub use error::AssetError;
 pub use folder::{LEVEL_EXTENSIONS, MESH_EXTENSIONS, expand_folders, has_extension};
 pub use options::{CommandOptions, LIMIT_OPTION, OptionValues, ValueCheck, Vocabulary};
+pub use orphans::{RECORDS, orphans};
 pub use pairs::{Pair, pairs};
 pub use parts::{Part, Parts, name_list};
 pub use queue::{Budget, expected_bytes, run_queue};

@@ -48,7 +48,7 @@ pub fn single_target(
 }
 
 /// Returns the target of the result of a file that the command line names: in `folder` under its
-/// own stem, else OUT, else beside the input.
+/// own name, else OUT, else beside the input.
 ///
 /// # Errors
 /// If a result would be written beside standard input.
@@ -58,7 +58,7 @@ pub(crate) fn named_target(
     out: Option<&Path>,
     extension: &str,
 ) -> Result<Target, AssetError> {
-    let file = result_name(input, extension);
+    let file = result_file(input, extension);
     match (folder, out) {
         // `./x.lodc` says no more than `x.lodc`.
         (Some(folder), _) if folder == Path::new(".") => Ok(Target::File(file)),
@@ -133,18 +133,30 @@ pub(crate) fn refuse_file_name(folder: &Path) -> Result<(), AssetError> {
     )))
 }
 
-/// The file name of an input's result.
-fn result_name(input: &Path, extension: &str) -> PathBuf {
-    let stem = if is_standard_stream(input) {
-        "stdin".into()
-    } else {
-        input.file_stem().unwrap_or_default().to_owned()
+/// The name of an input's result: the input's with the extension added, so that no two inputs of a
+/// folder share one. Files and streams of lodc itself exchange theirs.
+pub(crate) fn result_name(input: &str, extension: &str) -> String {
+    let exchanged = match extension {
+        "lods" => input.strip_suffix(".lodc"),
+        "lodc" => input.strip_suffix(".lods"),
+        _ => None,
     };
-    // Not `with_extension`: a stem such as `part.v2` keeps its dot.
-    let mut name = stem;
-    name.push(".");
-    name.push(extension);
-    name.into()
+    format!("{}.{extension}", exchanged.unwrap_or(input))
+}
+
+/// The file name of the result of a named input.
+fn result_file(input: &Path, extension: &str) -> PathBuf {
+    if is_standard_stream(input) {
+        return format!("stdin.{extension}").into();
+    }
+    match input.file_name().map(|name| (name, name.to_str())) {
+        Some((_, Some(name))) => result_name(name, extension).into(),
+        name => {
+            let mut name = name.map(|(name, _)| name).unwrap_or_default().to_owned();
+            name.push(format!(".{extension}"));
+            name.into()
+        }
+    }
 }
 
 /// Equal for paths of one file. Of a file that does not exist: the canonical path of its folder,
@@ -198,9 +210,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stem_keeps_its_dots() {
-        assert_eq!(result_name(Path::new("a/part.v2.obj"), "lodc"), Path::new("part.v2.lodc"));
-        assert_eq!(result_name(Path::new("-"), "lodc"), Path::new("stdin.lodc"));
+    fn a_result_has_its_inputs_whole_name() {
+        let file = |input: &str, extension: &str| result_file(Path::new(input), extension);
+        assert_eq!(file("a/part.v2.obj", "lodc"), Path::new("part.v2.obj.lodc"));
+        assert_eq!(file("-", "lodc"), Path::new("stdin.lodc"));
+        assert_eq!(file("a/club.obj.lodc", "lods"), Path::new("club.obj.lods"));
+        assert_eq!(file("club.obj.lods", "lodc"), Path::new("club.obj.lodc"));
+        assert_eq!(file("club.lodc", "glb"), Path::new("club.lodc.glb"));
     }
 
     #[test]
@@ -217,11 +233,11 @@ mod tests {
         let name = |input: &str, out: Option<&str>| {
             single_target(Path::new(input), out.map(Path::new), "lodc").map(|target| target.name())
         };
-        assert_eq!(name("a/x.obj", None), Ok("a/x.lodc".to_owned()));
-        assert_eq!(name("a/x.obj", Some("out/")), Ok("out/x.lodc".to_owned()));
-        assert_eq!(name("a/x.obj", Some(".")), Ok("x.lodc".to_owned()));
+        assert_eq!(name("a/x.obj", None), Ok("a/x.obj.lodc".to_owned()));
+        assert_eq!(name("a/x.obj", Some("out/")), Ok("out/x.obj.lodc".to_owned()));
+        assert_eq!(name("a/x.obj", Some(".")), Ok("x.obj.lodc".to_owned()));
         assert_eq!(name("-", Some("-")), Ok("-".to_owned()));
         assert!(name("-", None).is_err());
-        assert!(name("x.lodc", None).is_err(), "it would replace the input");
+        assert!(name("x.obj", Some("x.obj")).is_err(), "it would replace the input");
     }
 }

@@ -148,6 +148,15 @@ impl Session {
         }
     }
 
+    /// Draws one of the draws of an input, as [`Self::draw`] does.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    pub fn draw_one(&self, pass: &mut wgpu::RenderPass<'_>, drawn: &DrawInput, number: usize) {
+        assert!(number < drawn.count, "there are {} draws, not {number}", drawn.count);
+        self.draw(pass, &DrawInput { first: drawn.first + number, count: 1, ..*drawn });
+    }
+
     /// The name of a buffer.
     #[must_use]
     pub fn name(&self, buffer: BufferId) -> &'static str {

@@ -13,7 +13,14 @@ pub type LodFile = lodc::LodFile<AnyModel>;
 pub type LodObject = lodc::LodObject<AnyModel>;
 
 /// Reads a file. Models that this version does not know are left out, with a line in
-/// [`left_out`](lodc::LodFile::left_out).
+/// [`left_out`](lodc::LodFile::left_out). [`open`](crate::open) gives a file with levels to take.
+///
+/// ```
+/// let bytes = std::fs::read("../../fixtures/golden/v1/two_parts.lodc").expect("it is there");
+/// let file = lodc::read(&bytes)?;
+/// assert!(file.objects.iter().all(|object| object.simplified.collapses().records() > 0));
+/// # Ok::<(), lodc::formats::FormatError>(())
+/// ```
 ///
 /// # Errors
 /// If a checksum, count, offset or index is wrong, or the file needs a newer program.

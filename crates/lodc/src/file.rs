@@ -1,10 +1,11 @@
 //! A file with every level of its objects, and levels taken out of it.
 
 use crate::level_mesh::{self, LevelMesh, MeshOptions, Order};
-use crate::{Error, LodFile, LodObject, Source, scene_levels};
+use crate::{Error, LodFile, LodObject, Select, Source, scene_levels};
 use lodc_formats::{Limits, Material, Materials, ObjectInfo};
-use lodc_mesh::{Attribute, Lod, Mesh};
-use lodc_select::Target;
+use lodc_mesh::{Attribute, Component, Lod, Mesh, Semantic};
+use lodc_scene::{Arrangement, Placement};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -78,6 +79,26 @@ impl File {
         Ok(self.materials.get_or_init(|| read))
     }
 
+    /// Where the default scene shows its objects, at rest; each as it was modelled if it shows none.
+    ///
+    /// ```
+    /// # #[cfg(feature = "build")] {
+    /// let file = lodc::build("../../fixtures/machine_part.glb").run()?;
+    /// for place in file.placements()? {
+    ///     println!("{}: {}", file.objects()[place.object].info.name, place.transform.translation);
+    /// }
+    /// # }
+    /// # Ok::<(), lodc::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If the stored document is damaged.
+    pub fn placements(&self) -> Result<Vec<Placement>, Error> {
+        let infos: Vec<&ObjectInfo> = self.objects().iter().map(|o| &o.info).collect();
+        let graph = lodc_formats::scene_graph(&self.content.document, &infos, &Limits::DEFAULT)?;
+        Ok(Arrangement::new(&graph, &graph.rest_pose(), infos.len()).placements().to_vec())
+    }
+
     /// The path that it came from, beside which images are looked for; `-` if it is none.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -118,7 +139,7 @@ impl File {
     /// # Errors
     /// If a record number is asked of several objects, or a root mean square distance where none
     /// was measured.
-    pub fn level(&self, select: Target) -> Result<Level<'_>, Error> {
+    pub fn level(&self, select: Select) -> Result<Level<'_>, Error> {
         self.materials()?;
         let scene = scene_levels(self.objects(), &self.content.document, &Limits::DEFAULT)?;
         let chosen = scene.select(select, false)?;
@@ -129,6 +150,12 @@ impl File {
     }
 
     /// The bytes of a `.lodc` file.
+    ///
+    /// ```
+    /// let file = lodc::open("../../fixtures/golden/v1/two_parts.lodc")?;
+    /// assert_eq!(lodc::open(&file.to_bytes())?.triangles(), file.triangles());
+    /// # Ok::<(), lodc::Error>(())
+    /// ```
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         crate::write(&self.content)
@@ -197,6 +224,18 @@ impl<'a> Level<'a> {
     /// .stl), with the nodes, materials, skins and animations of the input, as far as the format
     /// has them. Images go into a .glb and beside a .gltf, .obj or .ply; those that cannot be read
     /// are left out, with a line in what is returned.
+    ///
+    /// ```
+    /// # #[cfg(feature = "build")] {
+    /// let file = lodc::build("../../fixtures/machine_part.glb").run()?;
+    /// let path = std::env::temp_dir().join("lodc-level-write.stl");
+    /// for warning in file.level(lodc::Select::Ratio(0.5))?.write(&path)? {
+    ///     println!("{warning}");
+    /// }
+    /// # std::fs::remove_file(path).expect("it was written");
+    /// # }
+    /// # Ok::<(), lodc::Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the extension names no format, the format cannot hold the scene, or the file cannot be
@@ -325,6 +364,38 @@ impl<'a> LevelObject<'a> {
     #[must_use]
     pub fn attributes(&self) -> &'a [Attribute] {
         self.mesh().attributes()
+    }
+
+    /// The `N` numbers that each vertex has of an attribute: the attribute itself where it is of
+    /// floats, else its values, fractions of integers included. None if there is no such attribute,
+    /// or it has another number of components. Differences of morph targets are left out.
+    ///
+    /// ```
+    /// # #[cfg(feature = "build")] {
+    /// use lodc::{Select, mesh::Semantic};
+    ///
+    /// let file = lodc::build("../../fixtures/machine_part.glb").run()?;
+    /// let level = file.level(Select::Ratio(0.5))?;
+    /// for part in level.objects() {
+    ///     let normals = part.floats::<3>(&Semantic::Normal).expect("it has normals");
+    ///     assert_eq!(normals.len(), part.positions().len());
+    ///     assert_eq!(part.floats::<2>(&Semantic::Normal), None);
+    /// }
+    /// # }
+    /// # Ok::<(), lodc::Error>(())
+    /// ```
+    #[must_use]
+    pub fn floats<const N: usize>(&self, semantic: &Semantic) -> Option<Cow<'a, [[f32; N]]>> {
+        let is_it = |a: &&Attribute| a.semantic == *semantic && a.morph_target.is_none();
+        let attribute = self.attributes().iter().find(is_it)?;
+        let is_stored = attribute.component == Component::F32
+            && usize::from(attribute.components) == N
+            && cfg!(target_endian = "little");
+        // Bytes may lie where no float can.
+        match bytemuck::try_cast_slice(&attribute.bytes) {
+            Ok(floats) if is_stored => Some(Cow::Borrowed(floats.as_chunks().0)),
+            _ => attribute.floats().map(Cow::Owned),
+        }
     }
 
     /// The material of each submesh, if the input has one for it.

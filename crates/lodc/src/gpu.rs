@@ -19,6 +19,58 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! Scenes have several objects, places and materials:
+//!
+//! ```
+//! # let folder = std::env::temp_dir().join("lodc-gpu-scene");
+//! # std::fs::create_dir_all(&folder)?;
+//! # std::fs::copy("../../fixtures/golden/v1/two_parts.lodc", folder.join("part.lodc"))?;
+//! # std::env::set_current_dir(&folder)?;
+//! # use lodc::gpu::GpuError;
+//! # if matches!(lodc::gpu::Device::open(None), Err(GpuError::NoAdapter { .. })) { return Ok(()) }
+//! use lodc::gpu::{Device, Levels};
+//!
+//! let file = lodc::open("part.lodc")?;
+//! let device = Device::open(None)?;
+//! let (pixels, height, fovy) = (1.0, 1080.0, 60.0_f64.to_radians());
+//! let eye = [0.0, 2.0, 9.0];
+//!
+//! // Once: each object, an instance for each place that shows it, and the images of materials.
+//! let objects = file.objects();
+//! let uploaded: Vec<Levels> =
+//!     objects.iter().map(|object| Levels::new(&device, object)).collect::<Result<_, _>>()?;
+//! let mut instances = Vec::new();
+//! for place in file.placements()? {
+//!     instances.push((uploaded[place.object].another()?, place));
+//! }
+//! let materials = file.materials()?;
+//! for material in &materials.list {
+//!     println!("{}: {:?}", material.name, material.base_image()); // beside the file or inside
+//! }
+//!
+//! // In every frame: levels by distance, in one submission.
+//! let mut encoder = device.encoder();
+//! for (levels, place) in &mut instances {
+//!     let object = &objects[place.object];
+//!     let (mesh, scale) = (object.simplified.mesh(), object.info.world_scale);
+//!     let (low, high) = mesh.bounds();
+//!     let middle = [0, 1, 2].map(|i| f64::from(low[i] + high[i]) / 2.0);
+//!     let middle = place.transform.transform_point3(middle.into());
+//!     let distance = middle.distance(eye.into()) - scale * mesh.diagonal() / 2.0;
+//!     let error = pixels * 2.0 * (fovy / 2.0).tan() / height * distance.max(0.01); // in the world
+//!     levels.show(&mut encoder, levels.within((error / scale) as f32))?;
+//! }
+//! device.submit(encoder)?;
+//!
+//! // In a render pass, with pipeline and textures of each material.
+//! for (_, place) in &instances {
+//!     for (submesh, material) in materials.of_submesh[place.object].iter().enumerate() {
+//!         println!("{material:?}: levels.draw_submesh(&mut pass, {submesh})");
+//!     }
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Files without models will do: a device needs the collapse sequence alone. [`Levels`] and
 //! [`ViewLevels`] own what they need: they can be components of an engine and cross threads.
 
@@ -105,6 +157,14 @@ impl Levels {
         self.session.draw(pass, &self.resident.drawn);
     }
 
+    /// Draws one submesh of it, with the pipeline that is set.
+    ///
+    /// # Panics
+    /// If it has fewer submeshes.
+    pub fn draw_submesh(&self, pass: &mut RenderPass<'_>, submesh: usize) {
+        self.session.draw_one(pass, &self.resident.drawn, submesh);
+    }
+
     /// The corners of all triangles that are drawn, read back: for tests, not for frames.
     ///
     /// # Errors
@@ -120,6 +180,20 @@ impl Levels {
 
 /// Many instances of an object on a device, each shown at a level of its own: two passes move all
 /// that move in a frame. [`Levels`] takes two for each.
+///
+/// ```no_run
+/// use lodc::gpu::{Crowd, Device};
+/// use lodc::mesh::Lod;
+///
+/// let file = lodc::open("chair.lodc")?;
+/// let device = Device::open(None)?;
+/// let mut chairs = Crowd::new(&device, &file.objects()[0], 1000)?;
+/// let lods: Vec<Lod> = (0..1000).map(|i| Lod(i / 10)).collect(); // by distance
+/// let mut encoder = device.encoder();
+/// chairs.show(&mut encoder, &lods)?;
+/// device.submit(encoder)?; // and in a render pass: chairs.draw(&mut pass, instance)
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Crowd {
     resident: ResidentMany,
     simplified: Arc<Simplified>,
@@ -186,6 +260,14 @@ impl Crowd {
         self.session.draw(pass, &self.resident.drawn(instance));
     }
 
+    /// Draws one submesh of an instance, with the pipeline that is set.
+    ///
+    /// # Panics
+    /// If the object has fewer submeshes.
+    pub fn draw_submesh(&self, pass: &mut RenderPass<'_>, instance: usize, submesh: usize) {
+        self.session.draw_one(pass, &self.resident.drawn(instance), submesh);
+    }
+
     /// The corners of all triangles of an instance, read back: for tests, not for frames.
     ///
     /// # Errors
@@ -204,6 +286,20 @@ impl Crowd {
 }
 
 /// An object on a device, each part of whose surface has a level of its own, by view.
+///
+/// ```no_run
+/// use lodc::gpu::{Criterion, Device, ViewLevels, ViewQuery};
+///
+/// let file = lodc::open("terrain.lodc")?;
+/// let device = Device::open(None)?;
+/// let mut levels = ViewLevels::new(&device, &file.objects()[0])?;
+/// let mut encoder = device.encoder();
+/// let slope = Criterion::slope(1.0, 1080.0, 30.0_f32.to_radians().tan()); // one pixel of 1,080
+/// let criterion = Criterion::ScreenError { eye: [0.0, 2.0, 9.0], slope };
+/// levels.show(&mut encoder, &ViewQuery { criterion, morph: false })?;
+/// device.submit(encoder)?; // and in a render pass: levels.draw(&mut pass)
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct ViewLevels {
     resident: Arc<ResidentView>,
     session: lodc_gpu::Session,
@@ -244,6 +340,14 @@ impl ViewLevels {
         self.session.draw(pass, &self.resident.drawn);
     }
 
+    /// Draws one submesh of it, with the pipeline that is set.
+    ///
+    /// # Panics
+    /// If it has fewer submeshes.
+    pub fn draw_submesh(&self, pass: &mut RenderPass<'_>, submesh: usize) {
+        self.session.draw_one(pass, &self.resident.drawn, submesh);
+    }
+
     /// The corners of all triangles that are drawn, read back: for tests, not for frames.
     ///
     /// # Errors
@@ -269,6 +373,17 @@ pub fn offset(mesh: &Mesh, attribute: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_guide_has_the_scene_of_these_pages() {
+        let own = include_str!("gpu.rs").split("//! ```").nth(3).expect("the second example");
+        let lines = own.lines().filter(|line| !line.starts_with("//! # "));
+        let code: Vec<&str> = lines
+            .map(|line| line.trim_start_matches("//!").strip_prefix(' ').unwrap_or(""))
+            .collect();
+        let page = include_str!("../../../docs/ENGINE.md");
+        assert!(page.contains(code.join("\n").trim()), "{}", code.join("\n"));
+    }
 
     #[test]
     fn levels_can_be_components_of_an_engine() {

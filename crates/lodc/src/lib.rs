@@ -68,6 +68,7 @@ pub use lodc_lod as models;
 pub use lodc_mesh as mesh;
 pub use lodc_scene as scene;
 pub use lodc_select::SceneLevels;
+#[doc(inline)]
 pub use lodc_select::Target as Select;
 #[cfg(feature = "build")]
 pub use lodc_simplify::MetricKind as Metric;

@@ -27,8 +27,8 @@ pub mod text;
 
 pub use chart::{Chart, Curve, Scale, colour_of};
 pub use checks::{
-    CheckReport, FileReport, VerifyReport, check_errors_again, check_glide, check_levels,
-    check_models, check_models_by_reference, check_source,
+    CheckReport, FileReport, VerifyReport, VerifySummary, VerifySummaryReport, check_errors_again,
+    check_glide, check_levels, check_models, check_models_by_reference, check_source,
 };
 pub use ci::{Case, Suite, Verdict, github, junit};
 pub use compare::{

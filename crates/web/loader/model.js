@@ -9,6 +9,10 @@ const viewport = new THREE.Vector4();
 /** Vertices from which the extent of a skinned mesh is taken: a coarse level's come first. */
 const EXTENT = 1000;
 
+/** Triangles in the lists of all levels of an object, and of those that stay when more come: as
+ * the decoder makes them. */
+const listed = (triangles) => Math.min(Math.max(2e6 / triangles, 3), 11) * triangles;
+
 /** The error in world units that is `pixels` high at a distance from a camera. */
 export function allowed(camera, height, pixels, distance) {
   const perPixel = 2 / (camera.projectionMatrix.elements[5] * height);
@@ -61,10 +65,10 @@ export class LodcObject {
       this.levels.push({ error, triangles: total, ranges, end: at });
     }
     const all = first === 0 && this.levels.at(-1)?.triangles === this.header.triangles;
-    // Those that stay have at most three times the triangles of the last of them; the present one
-    // comes behind them.
+    const { triangles: most } = this.header;
+    // The present one comes behind those that stay.
     this.index ??= new THREE.BufferAttribute(
-      all ? indices : new Uint32Array(12 * this.header.triangles), 1);
+      all ? indices : new Uint32Array(3 * Math.ceil(listed(most) + most)), 1);
     if (!all) put(this.index, first, indices);
     this.geometries.forEach((geometry, part) => this.grow(geometry, part));
   }
@@ -135,6 +139,21 @@ export class LodcObject {
   range(part, level) {
     const at = Math.min(level ?? Infinity, this.levels.length - 1);
     return this.levels[at]?.ranges[part] ?? { start: 0, count: 0 };
+  }
+
+  /** The first level from one on of those few that have half as many triangles again as the one
+   * before: for who pays for each level that is seen. */
+  few(level) {
+    if (this.fewOf !== this.levels) {
+      this.fewOf = this.levels;
+      this.fewLevels = [];
+      for (let at = this.levels.length - 1; at >= 0;) {
+        this.fewLevels.unshift(at);
+        const most = this.levels[at].triangles / 1.5;
+        at = this.levels.findLastIndex(({ triangles }) => triangles <= most);
+      }
+    }
+    return this.fewLevels.find((at) => at >= level) ?? level;
   }
 
   /** The coarsest level whose error is allowed, in the object's units; else the finest. */

@@ -92,6 +92,8 @@ pub(crate) use missing::{bare_gltf, gltf_without_missing};
 #[cfg(feature = "gltf")]
 pub use part_names::PartNames;
 #[cfg(feature = "export")]
+pub(crate) use write::embed;
+#[cfg(feature = "export")]
 pub use write::{
     ChainObject, ChainShape, Glide, LevelsObject, MovedStreams, export_chain, export_levels,
 };

@@ -132,7 +132,7 @@ pub(super) fn check_levels(
     };
     let sequence = simplified.collapses();
     if !stored.len().is_multiple_of(LEVEL_BYTES) || stored.len() > MAX_LEVELS * LEVEL_BYTES {
-        return wrong("is no table of at most 64 levels");
+        return wrong("is not a table of at most 64 levels");
     }
     let mut previous = None;
     for entry in stored.chunks_exact(LEVEL_BYTES) {

@@ -296,7 +296,7 @@ impl ReceivedDocument {
                 *gltf = GltfDocument::new(gltf.json().to_owned(), blob);
             }
             Some(Document::Obj(_)) if !self.buffer.is_empty() => {
-                return Err(malformed("has a buffer, but is no glTF"));
+                return Err(malformed("has a buffer, but is not glTF"));
             }
             _ => {}
         }

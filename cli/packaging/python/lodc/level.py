@@ -40,9 +40,10 @@ class Origin:
 class Level(Mapping[Name, NDArray[Any]]):
     """One level of a scene: ``objects`` are its meshes, in the order of the file.
 
-    Of a scene with one object it has that object's arrays, too: ``level["POSITION"]``,
-    ``level.triangles``. ``error`` and ``rms`` are the largest distances from the input, in world
-    units.
+    The level has the arrays of all objects one after the other, each object once and as it stands
+    by itself (``to_trimesh`` places them): ``level["POSITION"]``, ``level.triangles``. ``owner``
+    says whose a triangle is. Names are those that any object has; vertices of the others have
+    zeros there. ``error`` and ``rms`` are the largest distances from the input, in world units.
     """
 
     def __init__(
@@ -73,32 +74,59 @@ class Level(Mapping[Name, NDArray[Any]]):
 
     @property
     def triangles(self) -> NDArray[np.uint32]:
-        """Those of the only object."""
-        return self.only.triangles
+        """*n* × 3 rows of ``level["POSITION"]``."""
+        if len(self.objects) == 1:
+            return self.objects[0].triangles
+        starts = np.cumsum([0, *(len(o.vertices) for o in self.objects)], dtype=np.uint32)
+        each = [o.triangles + first for o, first in zip(self.objects, starts)]
+        return np.concatenate([np.zeros((0, 3), np.uint32), *each])
+
+    @property
+    def owner(self) -> NDArray[np.uint32]:
+        """The number of each triangle's object."""
+        counts = [len(o.triangles) for o in self.objects]
+        return np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
 
     @property
     def positions(self) -> NDArray[np.float32]:
-        """Those of the only object."""
-        return self.only.positions
+        """``level["POSITION"]``."""
+        return self["POSITION"]
 
     @property
     def submesh(self) -> NDArray[np.uint32]:
-        """The submesh of each triangle of the only object."""
-        return self.only.submesh
+        """The submesh of each triangle, in its object."""
+        return np.concatenate([np.zeros(0, np.uint32), *(o.submesh for o in self.objects)])
 
     @property
     def lod(self) -> int | None:
-        """The LOD of the only object; None of a stream."""
-        return self.only.lod
+        """The LOD; None of a stream, and of several objects, which each have their own."""
+        return self.objects[0].lod if len(self.objects) == 1 else None
 
     def __getitem__(self, name: Name) -> NDArray[Any]:
-        return self.only[name]
+        if len(self.objects) == 1:
+            return self.objects[0][name]
+        found = [o[name] if name in o else None for o in self.objects]
+        shapes = {values.shape[1:] for values in found if values is not None}
+        if not shapes:
+            known = ", ".join(repr(name) for name in self)
+            raise KeyError(f"no object has {name!r}; the objects have {known}")
+        if len(shapes) > 1:
+            widths = ", ".join(sorted(str(shape[0]) for shape in shapes))
+            raise ValueError(f"{name!r} has {widths} numbers: take it of each of level.objects")
+        [shape] = shapes
+        kinds = [values.dtype for values in found if values is not None]
+        zeros = np.result_type(*kinds)
+        rows = [
+            np.zeros((len(o.vertices), *shape), zeros) if values is None else values
+            for o, values in zip(self.objects, found)
+        ]
+        return np.concatenate(rows)
 
     def __iter__(self) -> Iterator[Name]:
-        return iter(self.only)
+        return iter(dict.fromkeys(name for o in self.objects for name in o))
 
     def __len__(self) -> int:
-        return len(self.only)
+        return len(list(iter(self)))
 
     def __eq__(self, other: object) -> bool:
         return self is other

@@ -54,7 +54,7 @@ def wrong_usage(said: str) -> Exception:
         return ValueError(" ".join(line for line in lines if line and "--help" not in line))
     similar = re.search(r"similar argument exists: '--([\w-]+)", said)
     tip = f"; did you mean {similar[1].replace('-', '_')!r}?" if similar else ""
-    return TypeError(f"{unknown[1].replace('-', '_')!r}: no such option{tip}")
+    return TypeError(f"{unknown[1].replace('-', '_')!r}: unknown option{tip}")
 
 
 def options(given: dict[str, object]) -> list[str]:

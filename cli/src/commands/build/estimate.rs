@@ -1,9 +1,10 @@
 //! `lodc build --estimate`: the memory that a build is likely to need, from the counts in its
 //! inputs' headers. Nothing is built.
 
-use super::{BuildArgs, ReportFormat, pipeline};
+use super::{BuildArgs, pipeline};
 use crate::batch::{Asset, Budget};
 use crate::commands::each::{self, AssetOptions};
+use crate::commands::runs::ReportFormat;
 use crate::console;
 use crate::exit::{Outcome, Status};
 use crate::program::Program;
@@ -47,14 +48,14 @@ pub(super) fn estimate_all(
     let inputs = each::all(assets, budget, |_| None, |_, asset, _| estimate_asset(asset, &options));
     let worst = inputs.iter().map(|(status, _)| *status).max().unwrap_or_default();
     for (_, input) in &inputs {
-        match args.report {
+        match args.run.format() {
             Some(ReportFormat::Json) => {}
             Some(ReportFormat::Jsonl) => console::json_line(input)?,
             None if input.error.is_none() => console::result(&text(input))?,
             None => {}
         }
     }
-    if args.report == Some(ReportFormat::Json) {
+    if args.run.format() == Some(ReportFormat::Json) {
         console::json(&EstimateReport {
             schema_version: SCHEMA_VERSION,
             tool_version: env!("CARGO_PKG_VERSION"),

@@ -12,17 +12,18 @@ pub(crate) use importance::importance;
 pub(crate) use pipeline::object_options;
 
 use crate::batch::{self, BatchArgs, CommandPaths, MESH_EXTENSIONS};
-use crate::commands::ci::CiArgs;
 use crate::commands::each;
+use crate::commands::prune::{PruneArgs, Written};
+use crate::commands::runs::RunArgs;
 use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
-use crate::help::{MORE, OUTPUT, SIMPLIFIED};
+use crate::help::{MORE, OUTPUT, SIMPLIFIED, STORED};
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, ModelArgs, PosesArgs, StepOrderArgs, StripArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::program::Program;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use lodc_simplify::Options;
 use std::path::PathBuf;
 
@@ -58,33 +59,27 @@ pub(crate) struct BuildArgs {
     models: ModelArgs,
     #[command(flatten)]
     strips: StripArgs,
+    /// Put the images that a .gltf names into the file
+    ///
+    /// Without it they stay files, to be copied beside it. Images that a GLB holds are inside in
+    /// any case; the materials of an OBJ or PLY name files.
+    #[arg(long, help_heading = STORED, hide_short_help = true)]
+    embed: bool,
     /// File, or folder for several inputs; - for standard output [default: beside the input]
     ///
-    /// A folder that is there, or a name with / at its end, means a file inside it. Results of a
-    /// folder keep its structure and the inputs' extensions (club.obj.lodc).
+    /// A folder that is there, or a name with / at its end, means a file inside it. There, and
+    /// beside the input, club.obj becomes club.obj.lodc; results of a folder keep its structure.
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
     output: Option<PathBuf>,
-    /// Leave results alone that are up to date
-    ///
-    /// The input, the files it names, options and version are those that the result was made from.
-    /// Contents are compared, never times.
-    #[arg(long, help_heading = OUTPUT)]
-    if_changed: bool,
     /// Say how much memory each build needs, and build nothing
     ///
     /// Told by headers, for text by its lines. With --report, as JSON.
     #[arg(long, help_heading = OUTPUT, hide_short_help = true)]
     estimate: bool,
-    /// Print a report on standard output: one document, or one in each line
-    ///
-    /// Also when inputs failed. jsonl prints as results come.
-    #[arg(long, value_enum, value_name = "FORMAT", help_heading = OUTPUT)]
-    report: Option<ReportFormat>,
-    /// Write a Make/Ninja dependency file that names every file read
-    #[arg(long, value_name = "FILE", help_heading = OUTPUT, hide_short_help = true)]
-    depfile: Option<PathBuf>,
     #[command(flatten)]
-    ci: CiArgs,
+    run: RunArgs,
+    #[command(flatten)]
+    prune: PruneArgs,
     #[command(flatten)]
     batch: BatchArgs,
     #[command(flatten)]
@@ -101,13 +96,6 @@ Examples:
   lodc build chair.glb -o chair.lodc
   lodc build chairs -o levels --if-changed --exclude 'drafts/**'
   lodc build hero.glb --metric hybrid --lock material:face --models none";
-
-/// Formats of the report.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ReportFormat {
-    Json,
-    Jsonl,
-}
 
 impl BuildArgs {
     /// Returns whether there is one input, in a small file.
@@ -143,7 +131,8 @@ pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
     if args.estimate {
         return estimate::estimate_all(args, program, &assets);
     }
-    args.ci.check(assets.iter().map(|asset| &asset.input))?;
-    batch::check_standard_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
-    work::build_all(args, program, &assets)
+    args.run.check(&assets)?;
+    let status = work::build_all(args, program, &assets)?;
+    args.prune.sweep(paths, Written::ByBuild)?;
+    Ok(status)
 }

@@ -9,7 +9,7 @@ use crate::stages::Stages;
 use lodc::build::{Need, Size};
 use lodc::{Asset, Errors, LodFile, LodObject, Simplify, parting_borders, parting_line, write};
 use lodc_assets::Parts;
-use lodc_formats::images::Textures;
+use lodc_formats::images::{TextureMode, Textures};
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::lods::{self, as_streamed};
 use lodc_formats::{Document, OutputFile, RequestedFiles, Scene, import};
@@ -68,7 +68,15 @@ pub(super) fn make(
         order_as_streamed(&mut asset.objects)?;
     }
     report.warnings.clone_from(&asset.warnings);
-    asset.files.extend(&images(args, input, &asset.document)?);
+    let (textures, images) = images(args, input, &asset.document)?;
+    asset.files.extend(&images);
+    if args.embed {
+        let placed = textures.placed(TextureMode::Embed, input);
+        if !placed.put_into(&mut asset.document)? && asset.document.has_textures() {
+            report.warnings.push(NOT_EMBEDDED.to_owned());
+        }
+        report.warnings.extend(placed.warnings);
+    }
     let asset = asset.measured(poses, &watch)?;
 
     let bug = |error: lodc::Error| {
@@ -113,11 +121,18 @@ fn order_as_streamed(objects: &mut [LodObject]) -> Outcome<()> {
     })
 }
 
+const NOT_EMBEDDED: &str = "images are not embedded: the materials of an OBJ or PLY name files";
+
 /// The image files that a document names: a file is up to date only if these are unchanged, too.
-fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<RequestedFiles> {
+fn images(
+    args: &BuildArgs,
+    input: &Path,
+    document: &Document,
+) -> Outcome<(Textures, RequestedFiles)> {
     let mut assets = args.import.assets(input, None);
-    Textures::read(document, &mut assets).map_err(|e| e.in_file(&input.display().to_string()))?;
-    Ok(assets.files().clone())
+    let textures = Textures::read(document, &mut assets);
+    let textures = textures.map_err(|e| e.in_file(&input.display().to_string()))?;
+    Ok((textures, assets.files().clone()))
 }
 
 /// What the stages of a build need.

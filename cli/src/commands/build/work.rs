@@ -2,9 +2,10 @@
 //! the others.
 
 use super::pipeline::{self, Job};
-use super::{BuildArgs, ReportFormat, estimate, summary};
+use super::{BuildArgs, estimate, summary};
 use crate::batch::{Asset, Budget};
 use crate::commands::each::{self, AssetOptions};
+use crate::commands::runs::ReportFormat;
 use crate::console::{self, error};
 use crate::exit::{Outcome, Status};
 use crate::output::{self, DependencyRule, Results, Target};
@@ -71,7 +72,7 @@ fn report_written(
             done.report.error = Some(failure.message);
         }
     }
-    if args.report == Some(ReportFormat::Jsonl) {
+    if args.run.format() == Some(ReportFormat::Jsonl) {
         console::json_line(&done.report)?;
     }
     Ok(done)
@@ -87,7 +88,7 @@ fn report(args: &BuildArgs, done: Vec<AssetResult>) -> Outcome<Status> {
         }
     }
     let mut worst = done.iter().map(|one| one.status).max().unwrap_or_default();
-    if let Some(depfile) = &args.depfile {
+    if let Some(depfile) = &args.run.depfile {
         let rules: Vec<DependencyRule> = done.iter().filter_map(|one| one.rule.clone()).collect();
         if let Err(failure) = output::write_depfile(depfile, &rules) {
             error(&failure);
@@ -99,8 +100,8 @@ fn report(args: &BuildArgs, done: Vec<AssetResult>) -> Outcome<Status> {
         console::note(&format!("{built} built, {up_to_date} up to date, {failed} failed"));
     }
     let suites: Vec<Suite> = done.iter().map(|one| one.report.suite()).collect();
-    args.ci.publish("lodc build", &suites)?;
-    match args.report {
+    args.run.ci.publish("lodc build", &suites)?;
+    match args.run.format() {
         Some(ReportFormat::Json) => console::json(&BuildReport {
             schema_version: SCHEMA_VERSION,
             tool_version: env!("CARGO_PKG_VERSION"),
@@ -164,7 +165,7 @@ fn up_to_date(
     target: &Target,
 ) -> Option<(DependencyRule, Vec<String>)> {
     let Target::File(path) = target else { return None };
-    if !args.if_changed {
+    if !args.run.if_changed {
         return None;
     }
     // A damaged result, or one without a record of its inputs, is made again.

@@ -9,7 +9,9 @@ mod summary;
 
 use super::asset;
 use super::each::{self, AssetOptions};
-use super::export::{self, ExportArgs, ExportResult};
+use super::export::ExportArgs;
+use super::records::Wanted;
+use super::runs::AssetResult;
 use crate::batch::Asset;
 use crate::compression::Packing;
 use crate::console;
@@ -69,13 +71,16 @@ pub(crate) struct ChainArgs {
     /// File (.glb, .gltf; --separate: any), or folder
     ///
     /// For several inputs always a folder. A folder that is there, or a name with / at its end,
-    /// means a file inside it. Results of a folder keep its structure and the inputs' extensions
-    /// (club.obj.glb).
+    /// means a file inside it. There club.obj becomes club.obj.glb; results of a folder keep its
+    /// structure.
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
     output: PathBuf,
     /// Format, if the name of OUT does not say [default: glb]
     #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0, hide_short_help = true)]
     format: Option<FormatName>,
+    /// Every option that can change the result, as text.
+    #[arg(skip)]
+    options_text: String,
 }
 
 impl ChainArgs {
@@ -105,21 +110,28 @@ struct Files {
 }
 
 pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
-    let (assets, format) = reported(args.export.json, assets(args, program))?;
-    let options = AssetOptions::new(program, "chain", &assets, |args: ChainArgs, _| args);
+    let (assets, format) = reported(args.export.run.reports(), assets(args, program))?;
+    let with_text = |args, options_text| ChainArgs { options_text, ..args };
+    let options = AssetOptions::new(program, "chain", &assets, with_text);
     let several = args.export.batch.takes_many(&args.inputs);
     let need = |asset: &Asset| options.of(asset).ok()?.export.need(&asset.input);
     let done = each::all(&assets, args.export.budget(), need, |_, asset, bar| {
-        export::one(asset, || {
+        args.export.run.one(asset, || {
             let (args, target) = options.ready(asset)?;
             let Target::File(path) = target else { return Err(no_stream(&args.output)) };
             args.export.check(format, target)?;
-            let made = chain(args, &asset.input, path, format, &bar.of_asset(&asset.name))?;
-            summary::print(&made.report, several, args.export.json)?;
-            Ok(made)
+            let beside = args.export.import.assets(&asset.input, None);
+            let wanted = args.export.wanted(&asset.input, path, &beside, &args.options_text);
+            if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
+                return Ok(left);
+            }
+            let bar = bar.of_asset(&asset.name);
+            let (report, rules) = chain(args, (&asset.input, path), wanted, format, &bar)?;
+            summary::print(&report, several, args.export.run.reports())?;
+            Ok(AssetResult::done(report, rules))
         })
     });
-    args.export.finish(&args.inputs, &assets, done)
+    args.export.finish("chain", (&args.inputs, &args.output, format), &assets, done)
 }
 
 /// The assets and the format of their results.
@@ -162,11 +174,11 @@ fn showing_nodes(asset: &lodc::Asset, limits: &Limits) -> Outcome<Vec<usize>> {
 /// If the input cannot be read, has no such levels, or the output cannot be written.
 fn chain(
     args: &ChainArgs,
-    input: &Path,
-    out: &Path,
+    (input, out): (&Path, &Path),
+    wanted: Option<Wanted<'_>>,
     format: FormatName,
     progress: &Progress,
-) -> Outcome<ExportResult<ChainReport>> {
+) -> Outcome<(ChainReport, Vec<DependencyRule>)> {
     // An asset may have options of its own.
     args.glide.check(format, out)?;
     let mut stages = Stages::new(args.export.import.clock(input));
@@ -255,8 +267,12 @@ fn chain(
     let mut files = asset.files;
     files.extend(&images);
     let rules = rules(&made, &files);
+    if let Some(wanted) = wanted {
+        let outputs: Vec<PathBuf> = made.files.iter().map(|file| file.path.clone()).collect();
+        wanted.record(&outputs, &rules, (&files, &images), &warnings)?;
+    }
     let over = ErrorsOver::of(asset.objects.iter().map(|o| &o.info));
-    Ok(ExportResult { report: summary::report(name, &levels, &made, warnings, over), rules })
+    Ok((summary::report(name, &levels, &made, warnings, over), rules))
 }
 
 /// The origin of a file with these levels.

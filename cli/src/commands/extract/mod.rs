@@ -3,14 +3,16 @@
 mod one;
 
 use super::each::{self, AssetOptions};
-use super::export::{self, ExportArgs};
+use super::export::ExportArgs;
+use super::records::Wanted;
+use super::runs::AssetResult;
 use crate::batch::Asset;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{BECOMES, LEVEL, MORE, OUTPUT};
 use crate::kinds::{Choice, parser_with};
 use crate::mesh_output::{self, FormatName, OrderName};
-use crate::output;
+use crate::output::{self, Target};
 use crate::pose::PoseArgs;
 use crate::program::Program;
 use crate::results::reported;
@@ -61,13 +63,16 @@ pub(crate) struct ExtractArgs {
     /// File (.glb, .vrm, .gltf, .obj, .ply, .stl), or folder; - for standard output
     ///
     /// For several inputs always a folder. A folder that is there, or a name with / at its end,
-    /// means a file inside it. Results of a folder keep its structure and the inputs' extensions
-    /// (club.obj.glb).
+    /// means a file inside it. There club.obj becomes club.obj.glb; results of a folder keep its
+    /// structure.
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
     output: PathBuf,
     /// Format, if the name of OUT does not say [default: glb]
     #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0)]
     format: Option<FormatName>,
+    /// Every option that can change the result, as text.
+    #[arg(skip)]
+    options_text: String,
 }
 
 const EXAMPLES: &str = "\
@@ -110,23 +115,34 @@ impl ExtractArgs {
 }
 
 pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
-    let (assets, format) = reported(args.export.json, assets(args, program))?;
-    let options = AssetOptions::new(program, "extract", &assets, |args: ExtractArgs, _| args);
+    let (assets, format) = reported(args.export.run.reports(), assets(args, program))?;
+    let with_text = |args, options_text| ExtractArgs { options_text, ..args };
+    let options = AssetOptions::new(program, "extract", &assets, with_text);
     let need = |asset: &Asset| options.of(asset).ok()?.export.need(&asset.input);
     let done = each::all(&assets, args.export.budget(), need, |_, asset, bar| {
-        export::one(asset, || {
+        args.export.run.one(asset, || {
             let (args, target) = options.ready(asset)?;
             args.export.check(format, target)?;
-            let progress = bar.of_asset(&asset.name);
-            let (made, tip) = one::extract(args, &asset.input, target, format, &progress)?;
-            say(&asset.input, &made.report);
-            if !asset.is_listed() && !args.export.json && wants(Loudness::Normal) {
-                tip.into_iter().for_each(note);
+            let beside = args.export.import.assets(&asset.input, None);
+            let wanted = match target {
+                Target::File(path) => {
+                    args.export.wanted(&asset.input, path, &beside, &args.options_text)
+                }
+                Target::Stdout => None,
+            };
+            if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
+                return Ok(left);
             }
-            Ok(made)
+            let bar = bar.of_asset(&asset.name);
+            let made = one::extract(args, (&asset.input, target), wanted, format, &bar)?;
+            say(&asset.input, &made.report);
+            if !asset.is_listed() && !args.export.run.reports() && wants(Loudness::Normal) {
+                made.tip.into_iter().for_each(note);
+            }
+            Ok(AssetResult::done(made.report, made.rules))
         })
     });
-    args.export.finish(&args.inputs, &assets, done)
+    args.export.finish("extract", (&args.inputs, &args.output, format), &assets, done)
 }
 
 /// The assets and the format of their results.

@@ -2,7 +2,7 @@
 
 use super::ExtractArgs;
 use crate::commands::asset;
-use crate::commands::export::ExportResult;
+use crate::commands::records::Wanted;
 use crate::compression::Packing;
 use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
@@ -24,19 +24,27 @@ use lodc_report::documents::{ExtractReport, ExtractedObject};
 use lodc_report::{ErrorsOver, MissingPart, PartInventory, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use lodc_simplify::MetricKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Extracts the level of one input. Returns a line for people, too, where another way is better.
+/// What extracting gave.
+pub(super) struct Extracted {
+    pub(super) report: ExtractReport,
+    pub(super) rules: Vec<DependencyRule>,
+    /// A line for people where another way is better.
+    pub(super) tip: Option<&'static str>,
+}
+
+/// Extracts the level of one input.
 ///
 /// # Errors
 /// If the input cannot be read, has no such level or model, or the output cannot be written.
 pub(super) fn extract(
     args: &ExtractArgs,
-    input: &Path,
-    target: &Target,
+    (input, target): (&Path, &Target),
+    wanted: Option<Wanted<'_>>,
     format: FormatName,
     progress: &Progress,
-) -> Outcome<(ExportResult<ExtractReport>, Option<&'static str>)> {
+) -> Outcome<Extracted> {
     let mut stages = Stages::new(args.export.import.clock(input));
     let criterion = args.criterion()?;
     let (import, simplify) = (&args.export.import, &args.export.simplify);
@@ -82,6 +90,7 @@ pub(super) fn extract(
     let is_by_quadric =
         asset.simplified && errors == Errors::OfResult && simplify.metric() == MetricKind::Quadric;
     let tip = (is_by_quadric && looks_matter).then_some(TIP);
+    let outputs: Vec<PathBuf> = files.iter().map(|file| file.path.clone()).collect();
     stages.run("write", || mesh_output::write(target, files))?;
     progress.clear();
     let mut files = asset.files;
@@ -90,7 +99,10 @@ pub(super) fn extract(
         Target::File(path) => vec![DependencyRule::new(path, &files)],
         Target::Stdout => vec![],
     };
-    Ok((ExportResult { report, rules }, tip))
+    if let Some(wanted) = wanted {
+        wanted.record(&outputs, &rules, (&files, &images), &report.warnings)?;
+    }
+    Ok(Extracted { report, rules, tip })
 }
 
 /// Share of the triangles up to which textured meshes look better by `hybrid`.

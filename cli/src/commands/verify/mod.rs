@@ -1,27 +1,32 @@
 //! `lodc verify`: every model of every file, replayed against the reference.
 
 mod gpu;
+mod memory;
 mod sources;
 
-use super::ci::CiArgs;
 use super::each;
 use super::read::read_lodc;
+use super::runs::{ReportFormat, RunArgs};
 use crate::batch;
 use crate::clock::{self, Clock};
 use crate::console::{self, Loudness, wants};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
-use crate::help::{CHECKED, MANY_ASSETS, MORE, OUTPUT};
+use crate::help::{CHECKED, MANY_ASSETS, MORE};
 use crate::limits::ImportArgs;
 use crate::output::is_standard_stream;
+use crate::program::Program;
 use clap::Args;
 use gpu::Gpu;
+use lodc_formats::RequestedFiles;
 use lodc_formats::import::{ImportOptions, import, import_levels, states_levels};
 use lodc_report::text::{count, grouped};
 use lodc_report::{
     CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_errors_again, check_glide,
     check_levels, check_models_by_reference, check_source,
 };
+use memory::Memory;
+pub(super) use memory::record_path;
 use rayon::prelude::*;
 use sources::Sources;
 use std::fs::File;
@@ -48,11 +53,8 @@ pub(crate) struct VerifyArgs {
     stride: NonZeroU32,
     #[command(flatten)]
     pub(crate) gpu: GpuArgs,
-    /// Print one JSON document on standard output
-    #[arg(long, help_heading = OUTPUT)]
-    json: bool,
     #[command(flatten)]
-    ci: CiArgs,
+    run: RunArgs,
     /// In folders, only files whose path below the folder matches
     ///
     /// * does not match a slash, ** does. May be given several times.
@@ -77,16 +79,17 @@ Examples:
 /// which take a source.
 const VERIFIED_EXTENSIONS: [&str; 6] = ["lodc", "glb", "gltf", "vrm", "obj", "ply"];
 
-pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
+pub(crate) fn run(args: &VerifyArgs, program: &Program) -> Outcome<Status> {
     let standard_inputs =
         args.inputs.iter().chain(&args.source).filter(|path| is_standard_stream(path));
     if standard_inputs.count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    args.ci.check(args.inputs.iter().chain(&args.source))?;
+    args.run.ci.check(args.inputs.iter().chain(&args.source))?;
+    let memory = Memory::new(args, program)?;
     let gpu = gpu::open(args.gpu.gpu, args.gpu.adapter.as_deref())?;
     let mut report = VerifyReport { schema_version: SCHEMA_VERSION, ok: true, files: vec![] };
-    let mut worst = Status::Done;
+    let (mut worst, mut files) = (Status::Done, RequestedFiles::default());
     let options = args.import.options();
     let kinds: &[&str] =
         if args.source.is_some() { &VERIFIED_EXTENSIONS } else { &VERIFIED_EXTENSIONS[..1] };
@@ -99,24 +102,37 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     });
     clock::expect_several(inputs.len() > 1);
     let sources = Sources::new(args.source.as_deref(), &options)?;
-    let one = |input: &PathBuf| verify_one(args, &sources, gpu.as_ref(), input);
+    let one = |input: &PathBuf| {
+        memory.verified(input, &sources, || verify_one(args, &sources, gpu.as_ref(), input))
+    };
     // On a device one file at a time: several would share its memory. Else two files for each
     // thread, so that few threads are idle while the last files of a group are verified.
     let max_group_files = if gpu.is_some() { 1 } else { 2 * rayon::current_num_threads() };
     for group in groups(&inputs, max_group_files) {
-        let done: Vec<(FileReport, Status)> = group.par_iter().with_max_len(1).map(one).collect();
-        for (file, status) in done {
+        let done: Vec<(FileReport, Status, RequestedFiles)> =
+            group.par_iter().with_max_len(1).map(one).collect();
+        for (file, status, read) in done {
+            files.extend(&read);
             report.ok &= file.ok;
             worst = worst.max(status);
-            if !args.json {
-                print(&file)?;
+            match args.run.format() {
+                None => print(&file)?,
+                Some(ReportFormat::Json) => {}
+                Some(ReportFormat::Jsonl) => console::json_line(&file)?,
             }
             report.files.push(file);
         }
     }
-    args.ci.publish("lodc verify", &report.suites())?;
-    if args.json {
-        console::json(&report)?;
+    args.run.ci.publish("lodc verify", &report.suites())?;
+    memory.write_depfile(&files)?;
+    if args.run.if_changed {
+        let left = report.files.iter().filter(|file| file.up_to_date).count();
+        console::note(&format!("{} verified, {left} up to date", report.files.len() - left));
+    }
+    match args.run.format() {
+        None => {}
+        Some(ReportFormat::Json) => console::json(&report)?,
+        Some(ReportFormat::Jsonl) => console::json_line(&report.summary())?,
     }
     Ok(worst)
 }
@@ -153,13 +169,19 @@ fn verify_one(
         Ok(checks) => {
             let ok = checks.iter().all(|c| c.ok != Some(false));
             let status = if ok { Status::Done } else { Status::Difference };
-            return (FileReport { file: name, ok, checks, error: None }, status);
+            return (FileReport { file: name, ok, up_to_date: false, checks, error: None }, status);
         }
         Err(failure) => failure,
     };
     each::print(&failure);
     (
-        FileReport { file: name, ok: false, checks: vec![], error: Some(failure.message) },
+        FileReport {
+            file: name,
+            ok: false,
+            up_to_date: false,
+            checks: vec![],
+            error: Some(failure.message),
+        },
         failure.status,
     )
 }
@@ -228,6 +250,9 @@ fn check_exported(
 
 /// One line per check on standard output; with `-q` only those that failed.
 fn print(file: &FileReport) -> Outcome<()> {
+    if file.up_to_date && wants(Loudness::Normal) {
+        return console::result(&one_line(&format!("{}: up to date", file.file)));
+    }
     for check in &file.checks {
         if check.ok == Some(true) && !wants(Loudness::Normal) {
             continue;

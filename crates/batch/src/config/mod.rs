@@ -131,7 +131,7 @@ impl<'a> Configs<'a> {
     fn layers_without_file(&self) -> Result<Vec<ConfigLayer>, AssetError> {
         match self.profile {
             Some(name) => Err(AssetError::Usage(format!(
-                "profile {name}: there is no {FILE_NAME} that could have it (--config names one)"
+                "profile {name}: no {FILE_NAME} was found that could have it (--config names one)"
             ))),
             None => Ok(vec![]),
         }

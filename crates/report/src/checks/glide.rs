@@ -144,7 +144,7 @@ fn kind_difference(from: &GlidePart, to: &GlidePart, may_stay: &mut u64) -> Opti
     }
     arrived.iter().zip(&wanted).find_map(|(triangle, next)| {
         if triangle.positions != next.positions {
-            return Some(format!("triangle {:?} is none of the next level", triangle.vertices));
+            return Some(format!("triangle {:?} is not one of the next level", triangle.vertices));
         }
         (0..3).find_map(|k| {
             let (v, w) = (triangle.vertices[k], next.vertices[k]);

@@ -11,4 +11,4 @@ mod suites;
 pub use glide::check_glide;
 pub use levels::check_levels;
 pub use models::{check_errors_again, check_models, check_models_by_reference, check_source};
-pub use report::{CheckReport, FileReport, VerifyReport};
+pub use report::{CheckReport, FileReport, VerifyReport, VerifySummary, VerifySummaryReport};

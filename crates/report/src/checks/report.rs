@@ -14,6 +14,40 @@ pub struct VerifyReport {
     pub files: Vec<FileReport>,
 }
 
+/// The last line of `verify --report jsonl`.
+#[derive(Debug, Serialize)]
+pub struct VerifySummaryReport {
+    /// Numbers of files.
+    pub summary: VerifySummary,
+}
+
+/// Numbers of files by their results.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct VerifySummary {
+    /// Verified now.
+    pub verified: usize,
+    /// Verified before.
+    pub up_to_date: usize,
+    /// With a difference, or not read.
+    pub failed: usize,
+}
+
+impl VerifyReport {
+    /// The numbers of files.
+    #[must_use]
+    pub fn summary(&self) -> VerifySummaryReport {
+        let mut summary = VerifySummary::default();
+        for file in &self.files {
+            match (file.ok, file.up_to_date) {
+                (false, _) => summary.failed += 1,
+                (true, true) => summary.up_to_date += 1,
+                (true, false) => summary.verified += 1,
+            }
+        }
+        VerifySummaryReport { summary }
+    }
+}
+
 /// One file of a verification.
 #[derive(Debug, Serialize)]
 pub struct FileReport {
@@ -21,6 +55,8 @@ pub struct FileReport {
     pub file: String,
     /// No check found a difference, and it could be read.
     pub ok: bool,
+    /// It was verified before, and nothing has changed since: there are no checks.
+    pub up_to_date: bool,
     /// Each check.
     pub checks: Vec<CheckReport>,
     /// Why there are no checks, if the file could not be read.

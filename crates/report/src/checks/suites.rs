@@ -16,7 +16,10 @@ fn suite(file: &FileReport) -> Suite {
         .error
         .as_ref()
         .map(|what| Case { name: "read".to_owned(), verdict: Verdict::Error(what.clone()) });
-    let cases = unread.into_iter().chain(file.checks.iter().map(case)).collect();
+    let before = file
+        .up_to_date
+        .then(|| Case { name: "verified before, unchanged".to_owned(), verdict: Verdict::Passed });
+    let cases = unread.into_iter().chain(before).chain(file.checks.iter().map(case)).collect();
     Suite { name: file.file.clone(), cases }
 }
 

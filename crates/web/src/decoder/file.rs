@@ -48,13 +48,14 @@ fn vertices(out: &mut Message, object: u32, simplified: &Simplified) {
 fn all_levels(simplified: &Simplified) -> Vec<Level> {
     let collapses = simplified.collapses();
     let positions = simplified.mesh().position_ids();
+    let all_triangles = collapses.triangles_at(Lod(0));
     let mut levels = Vec::new();
     let mut lod = Lod(0);
     loop {
         let level = level(simplified, &positions, lod);
         let triangles = collapses.triangles_at(lod);
         levels.push(level);
-        let next = collapses.lod_for_triangles(levels::max_coarser(triangles));
+        let next = collapses.lod_for_triangles(levels::max_coarser(triangles, all_triangles));
         if triangles == 0 || collapses.triangles_at(next) == 0 {
             break;
         }

@@ -2,21 +2,29 @@
 
 use super::message::{Message, Tag};
 
-/// A level has at least this many times the triangles of the one before, so all lists together are
-/// at most three times as long as that of the finest level. Where a level in between would do, up
-/// to a third of the triangles drawn are too many.
-const TRIANGLE_FACTOR: f64 = 1.5;
+/// Triangles in the lists of an object, all together: 24 MB of indices. More than this only in
+/// lists that are three times as long as that of the finest level. `LodcObject` has the same
+/// numbers. Chosen by hand.
+const LISTED_TRIANGLES: f64 = 2e6;
+
+/// How many times the triangles of the one before a level has at least, of an object with so many
+/// triangles: 1.1 up to 180,000, 1.5 from 670,000 on. Where a level in between would do, so many
+/// times the triangles that are needed are drawn at most.
+fn factor(all_triangles: u32) -> f64 {
+    let lists = (LISTED_TRIANGLES / f64::from(all_triangles)).clamp(3.0, 11.0);
+    lists / (lists - 1.0)
+}
 
 /// Returns the largest number of triangles of the next coarser level.
 #[cfg(feature = "file")]
-pub(super) fn max_coarser(triangles: u32) -> u32 {
-    (f64::from(triangles) / TRIANGLE_FACTOR) as u32
+pub(super) fn max_coarser(triangles: u32, all_triangles: u32) -> u32 {
+    (f64::from(triangles) / factor(all_triangles)) as u32
 }
 
 /// Returns the smallest number of triangles of the next finer level.
 #[cfg(feature = "stream")]
-pub(super) fn min_finer(triangles: u32) -> u32 {
-    (f64::from(triangles) * TRIANGLE_FACTOR).ceil() as u32
+pub(super) fn min_finer(triangles: u32, all_triangles: u32) -> u32 {
+    (f64::from(triangles) * factor(all_triangles)).ceil() as u32
 }
 
 /// The indices of a level.
@@ -68,4 +76,27 @@ pub(super) fn put(out: &mut Message, object: u32, first: usize, levels: &[Level]
         m.word(first as u32);
         levels.iter().for_each(|level| m.words(level.indices.iter().copied()));
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_small_and_all_lists_together_are_bounded() {
+        for (all, most) in
+            [(1, 1.1), (1000, 1.1), (180_000, 1.1), (400_000, 1.26), (9_000_000, 1.5)]
+        {
+            assert!(factor(all) <= most + 0.01, "{all}");
+            let (mut triangles, mut sum) = (all, 0.0);
+            while triangles > 0 {
+                sum += f64::from(triangles);
+                let coarser = max_coarser(triangles, all);
+                assert!(coarser < triangles && min_finer(coarser, all) <= triangles, "{triangles}");
+                triangles = coarser;
+            }
+            let lists = (LISTED_TRIANGLES / f64::from(all)).clamp(3.0, 11.0);
+            assert!(sum <= lists * f64::from(all), "{all}: {sum}");
+        }
+    }
 }

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// A stream is read in pieces of one part in this many of the bytes before, so that levels are kept
 /// however many bytes come at once. Chosen by hand.
-const PIECE_SHARE: u64 = 16;
+const PIECE_SHARE: u64 = 48;
 /// Bytes of the smallest piece. Chosen by hand.
 const MIN_PIECE: usize = 256;
 
@@ -122,7 +122,9 @@ impl SentObject {
     /// Keeps the present level if it is the next finer one.
     fn keep_level(&mut self, decoder: &MeshDecoder) {
         let triangles = decoder.triangle_count();
-        if triangles > 0 && triangles >= levels::min_finer(self.triangles) {
+        if triangles > 0
+            && triangles >= levels::min_finer(self.triangles, decoder.header().triangles)
+        {
             self.triangles = triangles;
             self.levels.push(level(decoder));
         }

@@ -189,7 +189,7 @@ impl Input<'_> {
     ) -> Result<usize, FormatError> {
         let location = self.location.as_str();
         let stated = self.stated(number);
-        let stated = stated.ok_or_else(|| malformed(location, "stands for no accessor"))?;
+        let stated = stated.ok_or_else(|| malformed(location, "belongs to no accessor"))?;
         let stated_count = stated.required("count", location)?;
         if stated_count != count as u64 {
             let problem = format!("has {count} elements where its accessor has {stated_count}");
@@ -257,7 +257,7 @@ fn decoded(
     MeshDecoder::new().decode(&mut buffer, &mut mesh).map_err(failed)?;
     let points = mesh.num_points() as u32;
     if mesh.faces().iter().flatten().any(|v| v.0 >= points) {
-        return Err(malformed(location, "has a corner that is no vertex"));
+        return Err(malformed(location, "has a corner without a vertex"));
     }
     Ok(mesh)
 }

@@ -1,10 +1,33 @@
 //! Embeds the images of the document, or renames them as their copies are called.
 
 use crate::assets::{is_of_another_machine, last_part};
-use crate::gltf::json::{Json, Object};
+use crate::gltf::json::{Json, Object, object};
 use crate::gltf::{uri, views};
 use crate::images::{ImagePlace, PlacedTextures};
+use crate::{FormatError, GltfDocument, Limits};
 use std::collections::BTreeMap;
+
+/// Puts the images that have a place inside into a document.
+///
+/// # Errors
+/// If the document is damaged.
+pub(crate) fn embed(
+    document: &mut GltfDocument,
+    textures: &PlacedTextures,
+) -> Result<(), FormatError> {
+    let (mut root, mut blob) = (document.root(&Limits::DEFAULT)?.clone(), document.blob().to_vec());
+    put(&mut root, &mut blob, textures);
+    if blob.len() > document.blob().len() {
+        if root.list("buffers").is_empty() {
+            root["buffers"] = [object! {}].into();
+        }
+        if let Some(buffer) = root.objects_mut("buffers").next() {
+            buffer["byteLength"] = blob.len().into();
+        }
+        *document = GltfDocument::new(root.to_string(), blob);
+    }
+    Ok(())
+}
 
 /// Makes every image refer to its bytes or its file. Embedded ones get a buffer view each, whose
 /// bytes are appended to `blob` at a multiple of four; a file that is named twice is embedded once.

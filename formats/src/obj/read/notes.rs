@@ -48,13 +48,13 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
     let [_, texcoords, normals] = notes.dangling;
     warn_lines(
         texcoords,
-        "corner names texture coordinates, of which the file has none",
-        "corners name texture coordinates, of which the file has none",
+        "corner uses texture coordinates, but the file has none",
+        "corners use texture coordinates, but the file has none",
     );
     warn_lines(
         normals,
-        "corner names a normal, of which the file has none",
-        "corners name normals, of which the file has none",
+        "corner uses a normal, but the file has none",
+        "corners use normals, but the file has none",
     );
     warn_lines(
         notes.zeros,

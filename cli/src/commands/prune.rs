@@ -1,0 +1,84 @@
+//! Results in folders whose inputs are gone: named, or removed with `--prune`.
+
+use super::records::Record;
+use crate::batch::{self, CommandPaths};
+use crate::console;
+use crate::exit::Outcome;
+use crate::help::OUTPUT;
+use clap::Args;
+use lodc_assets::AssetError;
+use lodc_formats::lodc;
+use lodc_report::text::count;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// The option to remove such results.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = OUTPUT)]
+pub(crate) struct PruneArgs {
+    /// Of folders, remove results whose inputs are gone
+    ///
+    /// Those that lodc has written under the names that it gives them, and no copies of images.
+    /// Without it a line names them.
+    #[arg(long, hide_short_help = true)]
+    prune: bool,
+}
+
+/// How it is known that lodc has written a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Written {
+    /// The `.lodc` file says so.
+    ByBuild,
+    /// There is a record.
+    Recorded,
+}
+
+impl Written {
+    /// The files of a result that lodc has written; none if it has not.
+    fn files(self, target: &Path) -> Vec<PathBuf> {
+        match self {
+            Self::ByBuild => {
+                let made = std::fs::read(target).ok().and_then(|b| lodc::made_from(&b).ok());
+                let verified = super::verify::record_path(target);
+                made.flatten()
+                    .map(|_| [target.to_owned(), verified])
+                    .into_iter()
+                    .flatten()
+                    .collect()
+            }
+            Self::Recorded => Record::files(target),
+        }
+    }
+}
+
+impl PruneArgs {
+    /// Names the results whose inputs are gone, or removes them.
+    ///
+    /// # Errors
+    /// If one cannot be removed.
+    pub(crate) fn sweep(self, paths: CommandPaths<'_>, written: Written) -> Outcome<()> {
+        let orphans = batch::orphans(paths, written == Written::Recorded).into_iter();
+        let gone = orphans.map(|target| (written.files(&target), target));
+        let gone: Vec<(Vec<PathBuf>, PathBuf)> = gone.filter(|(f, _)| !f.is_empty()).collect();
+        if self.prune {
+            for (files, target) in &gone {
+                files.iter().try_for_each(|file| remove(file))?;
+                console::note(&format!("{}: removed, its input is gone", target.display()));
+            }
+        } else if let Some((_, first)) = gone.first() {
+            let (results, first) = (count(gone.len() as u64, "result"), first.display());
+            console::note(&format!("{results} without an input ({first}): --prune removes them"));
+        }
+        Ok(())
+    }
+}
+
+fn remove(file: &Path) -> Outcome<()> {
+    match std::fs::remove_file(file) {
+        Err(e) if e.kind() != ErrorKind::NotFound => {
+            let what = format!("{}: not removed: {e}", file.display());
+            Err(AssetError::Output(what).into())
+        }
+        _ => Ok(()),
+    }
+}
