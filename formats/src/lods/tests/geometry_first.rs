@@ -159,10 +159,17 @@ fn a_scene_that_is_cut_anywhere_is_what_its_whole_blocks_are() {
         whole = end;
         states.push((end, state(&growing)));
     }
+    let mut by_byte = Unpacker::new(Limits::DEFAULT);
     for cut in 0..=packed.bytes.len() {
         let before = states.iter().rfind(|(end, _)| *end <= cut);
-        let found = state(&fed(&packed.bytes[..cut]));
-        assert_eq!(Some(&found), before.map(|(_, s)| s).or(Some(&(0, [0; 2], None, false))));
+        let expected = before.map_or((0, [0; 2], None, false), |(_, state)| *state);
+        if let Some(last) = cut.checked_sub(1) {
+            by_byte.feed(&packed.bytes[last..cut]).expect("a sound stream");
+        }
+        assert_eq!(state(&by_byte), expected, "{cut} bytes, one at a time");
+        if cut % 7 == 0 {
+            assert_eq!(state(&fed(&packed.bytes[..cut])), expected, "{cut} bytes at once");
+        }
     }
 }
 
