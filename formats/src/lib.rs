@@ -70,6 +70,8 @@ pub mod gltf;
 pub mod images;
 #[cfg(feature = "import")]
 pub mod import;
+#[cfg(feature = "gltf")]
+mod known;
 mod limits;
 #[cfg_attr(not(feature = "stream"), allow(dead_code, reason = "streams describe attributes alike"))]
 pub mod lodc;

@@ -2,6 +2,8 @@
 //! (materials, nodes, animations) as the file had it.
 
 use crate::RequestedFiles;
+#[cfg(feature = "gltf")]
+use crate::known::Known;
 use lodc_mesh::{Mesh, Posture};
 
 /// The format that a scene came from.
@@ -156,8 +158,11 @@ pub struct ObjMaterial {
 pub struct GltfDocument {
     json: String,
     blob: Vec<u8>,
+    /// Its root, parsed and checked, and its accessors.
     #[cfg(feature = "gltf")]
-    pub(crate) checked: crate::gltf::Checked,
+    pub(crate) root: Known,
+    #[cfg(feature = "gltf")]
+    pub(crate) accessors: Known,
 }
 
 impl GltfDocument {

@@ -39,6 +39,8 @@
 mod asset;
 #[cfg(feature = "build")]
 pub mod build;
+#[cfg(feature = "build")]
+mod builder;
 mod container;
 mod error;
 mod file;
@@ -57,7 +59,7 @@ mod source;
 #[cfg(feature = "build")]
 pub use asset::{Asset, Errors, Simplify};
 #[cfg(feature = "build")]
-pub use build::Builder;
+pub use builder::Builder;
 pub use container::{LodFile, LodObject, read, stored_bytes, write};
 pub use error::Error;
 pub use file::{File, Level, LevelObject, open};

@@ -11,24 +11,17 @@ use super::schema;
 use super::views::{Buffers, Views};
 use crate::{FormatError, GltfDocument, Limits};
 use lodc_mesh::{Attribute, Semantic};
-use std::sync::{Arc, OnceLock};
+#[cfg(feature = "import")]
+use std::convert::Infallible;
 #[cfg(feature = "import")]
 use xxhash_rust::xxh3::{Xxh3, xxh3_128};
-
-/// What is known of a document once it has been read: its parsed and checked JSON, and its
-/// accessors. Copies of a document share it.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Checked {
-    root: OnceLock<Arc<Object>>,
-    accessors: OnceLock<Arc<[Option<Accessor>]>>,
-}
 
 impl GltfDocument {
     /// The document of a checked root, and the bytes that its buffer views refer to.
     #[cfg(feature = "import")]
     pub(crate) fn of_root(root: Object, blob: Vec<u8>) -> Self {
         let document = Self::new(root.to_string(), blob);
-        document.checked.root.get_or_init(|| root.into());
+        let Ok(_) = document.root.or_make(|| Ok::<_, Infallible>(root));
         document
     }
 
@@ -37,12 +30,11 @@ impl GltfDocument {
     /// # Errors
     /// If it is damaged.
     pub(crate) fn root(&self, limits: &Limits) -> Result<&Object, FormatError> {
-        if let Some(root) = self.checked.root.get() {
-            return Ok(root);
-        }
-        let mut root = json::parse(self.json().as_bytes(), limits)?;
-        schema::check(&mut root)?;
-        Ok(self.checked.root.get_or_init(|| root.into()))
+        self.root.or_make(|| {
+            let mut root = json::parse(self.json().as_bytes(), limits)?;
+            schema::check(&mut root)?;
+            Ok(root)
+        })
     }
 }
 
@@ -71,13 +63,7 @@ impl Stored<'_> {
         check_length(root, blob.len())?;
         let budget = Budget::new(blob.len() as u64);
         let views = Views::new(root, &buffers, &budget)?;
-        let accessors = match document.checked.accessors.get() {
-            Some(known) => known,
-            None => {
-                let all = Accessor::all(root, &views)?;
-                document.checked.accessors.get_or_init(|| all.into())
-            }
-        };
+        let accessors = document.accessors.or_make(|| Accessor::all(root, &views))?;
         work(&Stored { accessors, views: &views }, root)
     }
 

@@ -76,8 +76,6 @@ pub(crate) use coordinates::coordinates;
 #[cfg(feature = "import")]
 pub(crate) use difference::difference;
 #[cfg(feature = "gltf")]
-pub(crate) use document::Checked;
-#[cfg(feature = "gltf")]
 pub use graph::scene_graph;
 #[cfg(feature = "export")]
 pub(crate) use images::{add_embedded, image_names, read_textures};

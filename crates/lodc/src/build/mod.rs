@@ -1,7 +1,6 @@
 //! The stages from a scene to objects with levels: simplify, measure errors, make models, check
-//! them. [`Asset`](crate::Asset) runs them; [`Builder`] does all of it.
+//! them. [`Asset`](crate::Asset) runs them.
 
-mod builder;
 mod colours;
 mod errors;
 mod estimate;
@@ -14,7 +13,6 @@ mod scene_context;
 mod simplify;
 mod watch;
 
-pub use builder::Builder;
 pub(crate) use colours::MetricColours;
 pub use colours::{ObjectColours, SceneColours, read_colours};
 pub use errors::{DEFAULT_POSES, LevelDistance, step_errors};
