@@ -24,7 +24,7 @@ pub use errors::{
 pub use estimate::{Need, Size};
 pub use gliding::{GlideJudge, Way};
 pub use models::{build_models, check_models, models};
-pub use refitted::{measured, refitted_meshes};
+pub use refitted::{Growth, measured, refitted_meshes};
 pub use scene_context::{Importance, SceneContext};
 pub use simplify::simplify_all;
 pub use watch::Watch;
