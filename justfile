@@ -98,6 +98,10 @@ web-long-tasks *triangles: build
 peers *words:
     tests/peers/run {{words}}
 
+# Levels beside those of other tools on a folder of models, in pictures, outlines and distances: FOLDER [--ratios R,R] [--ways W,W] [--models NAME,NAME] [--rows FILE]
+league folder *words: build
+    tests/league/run {{folder}} {{words}}
+
 # Draw the plots of docs/BENCHMARKS.md from docs/benchmarks/*.csv
 plots:
     python3 tests/plots.py

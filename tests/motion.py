@@ -571,6 +571,7 @@ def extract(program, path, ratio, poses):
     command = [
         program,
         "extract",
+        "--no-refit",
         str(path),
         "--ratio",
         str(ratio),

@@ -21,7 +21,7 @@ pub(crate) struct ImportanceArgs {
     weight: Option<Weights>,
     /// Keep border vertices until the terminal phase
     ///
-    /// Levels end there, and --refit moves none of them: what is simplified tile by tile meets at
+    /// Levels end there, and refitting moves none of them: what is simplified tile by tile meets at
     /// every level.
     #[arg(long, hide_short_help = true)]
     pub(crate) lock_border: bool,

@@ -3,6 +3,8 @@
 use crate::support::{Folder, grid, scene};
 use serde_json::Value;
 
+const PART: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/machine_part.glb");
+
 fn built(name: &str, text: &str) -> Folder {
     let f = Folder::new();
     f.file(name, text);
@@ -27,9 +29,9 @@ fn every_selector_keeps_its_promise() {
         let triangles = got["triangles"].as_u64().expect("a count");
         assert!(triangles <= most && triangles > most * 9 / 10, "{selector:?} gave {triangles}");
     }
-    let one = extracted(&f, &["--triangles", "100"]);
+    let one = extracted(&f, &["--triangles", "100", "--no-refit"]);
     let error = one["error"].to_string();
-    let again = extracted(&f, &["--error", &error]);
+    let again = extracted(&f, &["--error", &error, "--no-refit"]);
     assert_eq!(again["error"], one["error"], "a printed error, typed again, is met");
     assert!(again["lod"].as_u64() >= one["lod"].as_u64());
     let finer = extracted(&f, &["--error", "0"]);
@@ -67,7 +69,7 @@ fn an_object_with_triangles_never_comes_back_empty() {
 fn every_format_is_named_by_its_extension_and_every_model_gives_the_same_triangles() {
     let f = built("g.obj", &grid(8));
     for (name, magic) in [("o.glb", "glTF"), ("o.gltf", "{"), ("o.obj", ""), ("o.PLY", "ply\n")] {
-        f.lodc(["extract", "m.lodc", "--ratio", "0.3", "-o", name]).ends(0);
+        f.lodc(["extract", "m.lodc", "--ratio", "0.3", "--no-refit", "-o", name]).ends(0);
         assert!(f.read(name).starts_with(magic.as_bytes()), "{name}");
     }
     for model in ["speed", "masking", "interactive", "reference"] {
@@ -80,6 +82,44 @@ fn every_format_is_named_by_its_extension_and_every_model_gives_the_same_triangl
         .lodc(["extract", "one.lodc", "--ratio", "0.3", "--model", "speed", "-o", "o.obj"])
         .fails(2);
     assert!(run.err.contains("interactive"), "says what there is: {}", run.err);
+}
+
+#[test]
+fn levels_are_refitted_unless_they_are_asked_for_as_stored() {
+    let f = Folder::new();
+    f.file("p.glb", std::fs::read(PART).expect("a fixture"));
+    f.lodc(["build", "p.glb", "-o", "m.lodc", "-q"]).ends(0);
+    let refitted = |selector: &[&str]| extracted(&f, selector)["refitted"] == true;
+    let lod = extracted(&f, &["--ratio", "20%"])["lod"].to_string();
+    assert!(refitted(&["--ratio", "20%"]) && refitted(&["--triangles", "100"]));
+    assert!(!refitted(&["--ratio", "20%", "--no-refit"]) && !refitted(&["--ratio", "1"]));
+    assert!(!refitted(&["--lod", &lod]) && refitted(&["--lod", &lod, "--refit"]));
+    assert!(!refitted(&["--ratio", "20%", "--model", "reference"]));
+    let view = ["--criterion", "sphere", "--target", "0,0,0", "--radius", "1"];
+    assert!(!refitted(&[&view[..], &["--ratio", "20%"]].concat()));
+    assert!(!refitted(&["--ratio", "20%", "--refit", "--no-refit"]), "the last one counts");
+}
+
+#[test]
+fn what_is_asked_of_errors_holds_for_refitted_levels() {
+    let mut moved = 0;
+    for (name, text) in [("g.obj", grid(16)), ("p.glb", String::new())] {
+        let f = Folder::new();
+        let bytes =
+            if text.is_empty() { std::fs::read(PART).expect("a fixture") } else { text.into() };
+        f.file(name, bytes);
+        f.lodc(["build", name, "-o", "m.lodc", "-q"]).ends(0);
+        for share in [0.5, 0.3, 0.2, 0.1, 0.05] {
+            let plain = extracted(&f, &["--ratio", &share.to_string(), "--no-refit"]);
+            for key in ["error", "rms"] {
+                let wanted = plain[key].to_string();
+                let level = extracted(&f, &[&format!("--{key}"), &wanted]);
+                assert!(level[key].as_f64() <= plain[key].as_f64(), "{name} {key}: {level}");
+                moved += u32::from(level["refitted"] == true);
+            }
+        }
+    }
+    assert!(moved > 5, "{moved} levels with other vertices");
 }
 
 fn sorted_faces(obj: &[u8]) -> Vec<Vec<String>> {

@@ -306,13 +306,13 @@ class Case:
             )
 
     def file_way(self):
-        self.single("file", self.file)
+        self.single("file", self.file, "--no-refit")
 
     def direct_way(self):
-        self.single("direct", self.mesh)
+        self.single("direct", self.mesh, "--no-refit")
 
     def refit_way(self):
-        self.single("refit", self.file, "--refit")
+        self.single("refit", self.file)
 
     def chain_way(self):
         """A chain of all levels."""

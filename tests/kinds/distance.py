@@ -1,15 +1,13 @@
-"""How far apart two meshes are: the work is done by distance.c, which `cc` compiles once."""
+"""How far apart two meshes are: the work is done by distance.c."""
 
 import ctypes
 import hashlib
 import math
-import os
 import pathlib
-import subprocess
-import tempfile
 from typing import NamedTuple
 
 import numpy as np
+from compiled import compiled
 
 SOURCE = pathlib.Path(__file__).with_name("distance.c")
 TOLERANCE, PIECES = 1.02, 2_000_000
@@ -28,17 +26,7 @@ class Measured(NamedTuple):
 
 def library():
     """The compiled functions."""
-    words = ["cc", "-std=gnu11", "-O3", "-march=native", "-ffinite-math-only", "-fno-signed-zeros"]
-    words += ["-fno-math-errno", "-shared", "-fPIC", str(SOURCE), "-lm"]
-    made_from = SOURCE.read_bytes() + " ".join(words).encode()
-    name = f"lodc-distance-{hashlib.sha256(made_from).hexdigest()[:16]}.so"
-    path = pathlib.Path(tempfile.gettempdir()) / name
-    if not path.exists():
-        # Several processes may do so at once: each renames a file of its own.
-        made = path.with_suffix(f".{os.getpid()}")
-        subprocess.run([*words, "-o", made], check=True)
-        made.rename(path)
-    found = ctypes.CDLL(str(path))
+    found = compiled(SOURCE)
     found.tree_new.restype = ctypes.c_void_p
     found.integral.restype = ctypes.c_double
     found.farthest.restype = ctypes.c_int64

@@ -65,7 +65,8 @@ class Lodc:
 
     def extract(self, source, *more):
         out = os.path.join(self.folder, "level.glb")
-        return [self.program, "extract", source, "--ratio", "10%", "-o", out, "-q", *more]
+        words = ["--ratio", "10%", "--no-refit", "-o", out, "-q", *more]
+        return [self.program, "extract", source, *words]
 
     def chain(self, source):
         return [self.program, "chain", source, "-o", os.path.join(self.folder, "chain.glb"), "-q"]

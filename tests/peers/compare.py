@@ -148,7 +148,7 @@ class Lodc:
 
     def level(self, count):
         out = os.path.join(self.folder, "level.obj")
-        self.run("extract", self.file, "--triangles", str(count), "-o", out, "-q")
+        self.run("extract", self.file, "--triangles", str(count), "-o", out, "-q", "--no-refit")
         return read_obj(out)
 
 

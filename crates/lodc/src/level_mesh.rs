@@ -49,6 +49,9 @@ pub struct LevelMesh {
     pub error: f64,
     /// Root mean square distance, likewise; none if it was not measured.
     pub rms: Option<f64>,
+    /// Whether vertices are elsewhere, or have other normals, than in the input: see
+    /// [`refitted_meshes`](crate::build::refitted_meshes).
+    pub refitted: bool,
 }
 
 /// Makes the meshes of the objects at `lods`, one each.
@@ -87,7 +90,11 @@ pub fn ordered(mesh: Mesh, wanted: Order) -> Mesh {
 }
 
 /// The mesh of an object at a LOD before its triangles are ordered, with its stated distances.
-fn extracted(object: &LodObject, lod: Lod, options: MeshOptions) -> Result<LevelMesh, Error> {
+pub(crate) fn extracted(
+    object: &LodObject,
+    lod: Lod,
+    options: MeshOptions,
+) -> Result<LevelMesh, Error> {
     let mut live = levels::triangles(object, options.model, lod);
     if options.order != Order::File {
         // Every model has an order of its own; what is written must not depend on the model.
@@ -99,7 +106,8 @@ fn extracted(object: &LodObject, lod: Lod, options: MeshOptions) -> Result<Level
         })?;
     let collapses = object.simplified.collapses();
     let (error, rms) = (collapses.error_at(lod), collapses.rms_at(lod));
-    Ok(LevelMesh { mesh, error: decimal(error), rms: rms.map(decimal) })
+    let (error, rms) = (decimal(error), rms.map(decimal));
+    Ok(LevelMesh { mesh, error, rms, refitted: false })
 }
 
 /// The largest error and root mean square distance of all meshes, in world units.

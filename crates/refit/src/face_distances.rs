@@ -1,7 +1,6 @@
 //! Squared distances of samples for each face of the level that they are tied to: where a refit has
 //! made a level worse.
 
-use crate::system::Tie;
 use lodc_mesh::DisjointSets;
 
 /// A component of a level has gained too little from a refit if more than this share of its energy
@@ -22,10 +21,10 @@ impl FaceDistances {
         Self { max_squared: vec![0.0; face_count], energy: vec![0.0; face_count] }
     }
 
-    /// Adds a sample.
-    pub(crate) fn add(&mut self, tie: &Tie, squared: f64) {
-        let face = tie.face as usize;
-        self.energy[face] += tie.weight * squared;
+    /// Adds a sample that is tied to a face.
+    pub(crate) fn add(&mut self, face: u32, weight: f64, squared: f64) {
+        let face = face as usize;
+        self.energy[face] += weight * squared;
         self.max_squared[face] = self.max_squared[face].max(squared);
     }
 

@@ -57,8 +57,24 @@ pub(crate) struct Fitted {
     /// The input triangle that each point of the level's faces was nearest to last, in the order of
     /// the tree.
     pub(crate) backward_hints: Vec<u32>,
+    /// Where the points were when samples were looked up last.
+    looked_up_at: Vec<DVec3>,
     /// How far from a sample its own sheet is looked for at least.
     pub(crate) reach: f64,
+}
+
+impl Fitted {
+    /// Returns by face whether its points at `positions` are where they were when samples were
+    /// looked up last.
+    pub(crate) fn stayed(&self, level: &Level, positions: &[DVec3]) -> Vec<bool> {
+        stayed(level, &self.looked_up_at, positions)
+    }
+}
+
+/// Returns by face whether its points are at one place in both.
+fn stayed(level: &Level, before: &[DVec3], now: &[DVec3]) -> Vec<bool> {
+    let has_stayed = |face: &[u32; 3]| face.iter().all(|&p| before[p as usize] == now[p as usize]);
+    level.faces.iter().map(has_stayed).collect()
 }
 
 /// Returns the best positions of the points of a level that `iterations` find. No sample ends up
@@ -71,8 +87,8 @@ pub(crate) fn fit(
 ) -> Fitted {
     let mut fit = Fit::new(&input, level);
     let (positions, first_distance) = fit.run(iterations, tick);
-    let Fit { tree, hints, backward_hints, reach, .. } = fit;
-    Fitted { input, positions, first_distance, tree, hints, backward_hints, reach }
+    let Fit { tree, hints, backward_hints, looked_up_at, reach, .. } = fit;
+    Fitted { input, positions, first_distance, tree, hints, backward_hints, looked_up_at, reach }
 }
 
 /// Points of the level on their way to a better fit.
@@ -92,20 +108,38 @@ struct Fit<'a> {
     /// The input triangle that each point of the level's faces was nearest to last, in the order of
     /// the tree.
     backward_hints: Vec<u32>,
+    /// The squared distances of each sample that has a hint, as [`Found`] has them.
+    squared: Vec<[f64; 2]>,
+    /// Those of each point that has a backward hint.
+    backward_squared: Vec<[f64; 2]>,
+    /// The mean normal of the input near each face.
+    input_normals: Vec<DVec3>,
+    /// Where the points were when samples were looked up last; empty before the first
+    /// [`Purpose::Solve`].
+    looked_up_at: Vec<DVec3>,
     /// How far from a sample its own sheet is looked for at least: the mean edge of the level.
     reach: f64,
 }
 
+/// What the ties at a state of the points are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Purpose {
+    /// To move the points.
+    Solve,
+    /// To know how far the surfaces are from each other, at most: samples whose face has not moved
+    /// since they were looked up stay tied to it.
+    Measure,
+}
+
 /// The ties between both surfaces at one state of the points.
 struct Ties<'a> {
-    system: System<'a>,
+    /// None where nothing is to be solved.
+    system: Option<System<'a>>,
     /// Mean squared distance, both directions added.
     energy: f64,
     face_distances: FaceDistances,
     /// The largest squared distance of a sample from any sheet.
     max_squared: f64,
-    /// The mean normal of the input near each face.
-    input_normals: Vec<DVec3>,
 }
 
 /// A tie with its squared length, and that to the nearest point of any sheet.
@@ -149,11 +183,18 @@ impl UnmovedDistances {
 
 impl Ties<'_> {
     /// Adds a tie of a sample.
-    fn add(&mut self, (tie, [squared, to_any]): &Found) {
-        self.system.add(tie);
-        self.energy += tie.weight * squared;
-        self.face_distances.add(tie, *squared);
-        self.max_squared = self.max_squared.max(*to_any);
+    fn add(&mut self, (tie, squared): &Found) {
+        if let Some(system) = &mut self.system {
+            system.add(tie);
+        }
+        self.add_distances(tie.face, tie.weight, *squared);
+    }
+
+    /// Adds the distances of a sample that is tied to a face.
+    fn add_distances(&mut self, face: u32, weight: f64, [squared, to_any]: [f64; 2]) {
+        self.energy += weight * squared;
+        self.face_distances.add(face, weight, squared);
+        self.max_squared = self.max_squared.max(to_any);
     }
 }
 
@@ -169,7 +210,7 @@ impl<'a> Fit<'a> {
         let hint = |&face: &u32| {
             std::iter::repeat_n(level.input_triangles[face as usize], input.level_rule.len())
         };
-        let backward_hints = tree.spatial_order().iter().flat_map(hint).collect();
+        let backward_hints: Vec<u32> = tree.spatial_order().iter().flat_map(hint).collect();
         Self {
             input,
             level,
@@ -177,7 +218,11 @@ impl<'a> Fit<'a> {
             first_edge_lengths: level.edge_lengths(&level.points),
             curves: curves(&level.faces, &charts),
             hints: level.first_hints(input),
+            squared: vec![[0.0; 2]; input.sample_count()],
+            backward_squared: vec![[0.0; 2]; backward_hints.len()],
             backward_hints,
+            input_normals: vec![DVec3::ZERO; level.faces.len()],
+            looked_up_at: Vec::new(),
             tree,
             reach,
         }
@@ -186,7 +231,7 @@ impl<'a> Fit<'a> {
     /// Returns the best positions of the points that `iterations` find, and the distance of the
     /// sample that was farthest at the start.
     fn run(&mut self, iterations: u32, tick: &(dyn Fn() + Sync)) -> (Vec<DVec3>, f64) {
-        let start = self.tie(&self.level.points);
+        let start = self.tie(&self.level.points, Purpose::Solve);
         let first_distance = start.max_squared.sqrt();
         (self.best(start, iterations, tick), first_distance)
     }
@@ -203,14 +248,16 @@ impl<'a> Fit<'a> {
         };
         let (mut best, mut positions) = (None, points.clone());
         let (mut least_energy, mut ties) = (first.energies_around.iter().sum(), start);
-        for _ in 0..iterations {
+        for left in (0..iterations).rev() {
             tick();
             if ties.energy.sqrt() < GOOD_ENOUGH_SHARE * self.input.diagonal {
                 break;
             }
-            let moves = self.clamped(&positions, &ties.system.solve(&self.level.locked));
-            positions = self.guard(&ties.input_normals).limit(&positions, &moves);
-            ties = self.tie(&positions);
+            let Some(system) = ties.system.take() else { break };
+            let moves = self.clamped(&positions, &system.solve(&self.level.locked));
+            positions = self.guard().limit(&positions, &moves);
+            let purpose = if left > 0 { Purpose::Solve } else { Purpose::Measure };
+            ties = self.tie(&positions, purpose);
             let energies_around = self.energies_around(&ties.face_distances);
             let reachable = energy_if_worse_stay(&first.energies_around, &energies_around);
             if reachable < least_energy {
@@ -231,9 +278,7 @@ impl<'a> Fit<'a> {
         if !first.hold_worse(&best.energies_around, &mut held) && is_good {
             return best.positions;
         }
-        let normals = &ties.input_normals;
-        let (held_back, ties) =
-            self.hold_back(&best, held, crossed, normals, (&first, &neighbours));
+        let (held_back, ties) = self.hold_back(&best, held, crossed, (&first, &neighbours));
         let max_energy = if is_good { best.energy } else { first.energy };
         if ties.energy < max_energy && ties.face_distances.max_squared() <= max_squared {
             held_back
@@ -258,7 +303,6 @@ impl<'a> Fit<'a> {
         best: &State,
         mut held: Vec<bool>,
         mut crossed: Vec<usize>,
-        input_normals: &[DVec3],
         (first, neighbours): (&UnmovedDistances, &Neighbours),
     ) -> (Vec<DVec3>, Ties<'a>) {
         let (level, moved) = (self.level, &best.positions);
@@ -280,8 +324,8 @@ impl<'a> Fit<'a> {
             let moves: Vec<DVec3> = (0..moved.len())
                 .map(|p| if held[p] { DVec3::ZERO } else { moved[p] - level.points[p] })
                 .collect();
-            let positions = self.guard(input_normals).limit(&level.points, &moves);
-            let ties = self.tie(&positions);
+            let positions = self.guard().limit(&level.points, &moves);
+            let ties = self.tie(&positions, Purpose::Measure);
             let got_worse =
                 first.hold_worse(&self.energies_around(&ties.face_distances), &mut held);
             crossed = neighbours.crossed(level, &self.tree, &positions);
@@ -296,8 +340,9 @@ impl<'a> Fit<'a> {
         last.expect("a round")
     }
 
-    fn guard<'g>(&'g self, input_normals: &'g [DVec3]) -> Guard<'g> {
-        Guard { level: self.level, first_normals: &self.first_normals, input_normals }
+    fn guard(&self) -> Guard<'_> {
+        let (first_normals, input_normals) = (&self.first_normals, &self.input_normals);
+        Guard { level: self.level, first_normals, input_normals }
     }
 
     /// Limits moves to [`MAX_STEP`], and to [`MAX_MOVE`] in all.
@@ -315,32 +360,47 @@ impl<'a> Fit<'a> {
     }
 
     /// Ties both surfaces to each other, with the points of the level at `positions`.
-    fn tie(&mut self, positions: &[DVec3]) -> Ties<'a> {
+    fn tie(&mut self, positions: &[DVec3], purpose: Purpose) -> Ties<'a> {
         let corners = self.level.corners(positions);
         self.tree.move_to(&corners);
         let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
         let level = self.level;
-        let system = System::new(positions.len(), &level.faces, &level.face_edges, &level.edges);
+        let system = (purpose == Purpose::Solve)
+            .then(|| System::new(positions.len(), &level.faces, &level.face_edges, &level.edges));
         let face_distances = FaceDistances::new(level.faces.len());
-        let input_normals = vec![DVec3::ZERO; level.faces.len()];
-        let (energy, max_squared) = (0.0, 0.0);
-        let mut ties = Ties { system, energy, face_distances, max_squared, input_normals };
-        self.tie_input(&corners, &crosses, &mut ties);
-        self.tie_level(&corners, &crosses, &mut ties);
-        self.tie_curves(&corners, &mut ties);
+        let mut ties = Ties { system, energy: 0.0, face_distances, max_squared: 0.0 };
+        let stayed = match purpose {
+            Purpose::Solve => vec![false; level.faces.len()],
+            Purpose::Measure => stayed(level, &self.looked_up_at, positions),
+        };
+        self.tie_input(&corners, &crosses, &stayed, &mut ties);
+        self.tie_level(&corners, &crosses, &stayed, &mut ties);
+        if let Some(system) = &mut ties.system {
+            self.tie_curves(&corners, system);
+        }
+        self.looked_up_at.clear();
+        self.looked_up_at.extend_from_slice(positions);
         ties
     }
 
     /// Ties the input's samples to the level. `crosses` are twice the areas of faces along their
-    /// normals.
-    fn tie_input(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
+    /// normals; samples stay tied to faces that have `stayed`.
+    fn tie_input(
+        &mut self,
+        corners: &[[DVec3; 3]],
+        crosses: &[DVec3],
+        stayed: &[bool],
+        ties: &mut Ties<'_>,
+    ) {
         let (input, level, tree, reach) = (self.input, self.level, &self.tree, self.reach);
         let face_sheet = |face: usize| Sheet {
             component: input.components[level.input_triangles[face] as usize],
             normal: crosses[face],
         };
         let tiny_squared = (TINY_SHARE * input.diagonal).powi(2);
-        for (block, hints) in self.hints.chunks_mut(SAMPLES_PER_BLOCK).enumerate() {
+        let blocks = self.hints.chunks_mut(SAMPLES_PER_BLOCK);
+        let squared = self.squared.chunks_mut(SAMPLES_PER_BLOCK);
+        for (block, (hints, squared)) in blocks.zip(squared).enumerate() {
             let tie_sample = |i: usize, hint: u32| {
                 let (triangle, barycentric, weight) = input.sample_location(i);
                 let p = input.surface_point(triangle, barycentric);
@@ -360,32 +420,55 @@ impl<'a> Fit<'a> {
                 };
                 Some((tie, [nearest.squared, to_any]))
             };
-            let tie_run = |(run, hints): (usize, &mut [u32])| -> Vec<Found> {
+            type Run<'r> = (&'r mut [u32], &'r mut [[f64; 2]]);
+            let tie_run = |(run, (hints, squared)): (usize, Run<'_>)| -> Vec<Found> {
                 let first_sample = SAMPLES_PER_BLOCK * block + SAMPLES_PER_THREAD * run;
                 let mut last_face = NONE;
-                let tie_next = |(i, hint): (usize, &mut u32)| {
+                let tie_next = |(i, (hint, squared)): (usize, (&mut u32, &mut [f64; 2]))| {
+                    if *hint != NONE && stayed[*hint as usize] {
+                        let weight = input.sample_location(first_sample + i).2;
+                        return Some((Tie::of_face(*hint, weight), *squared));
+                    }
                     let guess = if *hint == NONE { last_face } else { *hint };
                     let tie = tie_sample(first_sample + i, guess);
                     *hint = tie.map_or(NONE, |(tie, _)| tie.face);
+                    *squared = tie.map_or([0.0; 2], |(_, squared)| squared);
                     last_face = *hint;
                     tie
                 };
-                hints.iter_mut().enumerate().filter_map(tie_next).collect()
+                hints.iter_mut().zip(squared).enumerate().filter_map(tie_next).collect()
             };
-            let found: Vec<_> =
-                hints.par_chunks_mut(SAMPLES_PER_THREAD).enumerate().map(tie_run).collect();
+            let runs = hints.par_chunks_mut(SAMPLES_PER_THREAD);
+            let runs = runs.zip(squared.par_chunks_mut(SAMPLES_PER_THREAD));
+            let found: Vec<_> = runs.enumerate().map(tie_run).collect();
             found.iter().flatten().for_each(|tie| ties.add(tie));
         }
     }
 
-    /// Ties points on the level's faces to the input, and finds the input's normals there.
-    fn tie_level(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
+    /// Ties points on the level's faces to the input, and finds the input's normals there. Those of
+    /// faces that have `stayed` are as they were.
+    fn tie_level(
+        &mut self,
+        corners: &[[DVec3; 3]],
+        crosses: &[DVec3],
+        stayed: &[bool],
+        ties: &mut Ties<'_>,
+    ) {
         let (input, level, reach) = (self.input, self.level, self.reach);
         let tiny_squared = (TINY_SHARE * input.diagonal).powi(2);
         let area = crosses.iter().map(|c| c.length()).sum::<f64>().max(f64::MIN_POSITIVE);
-        let tie_face = |(face, hints): (&u32, &mut [u32])| {
+        type Points<'p> = (&'p mut [u32], &'p mut [[f64; 2]]);
+        let tie_face = |(face, (hints, squared)): (&u32, Points<'_>)| {
             let (face, mut normal) = (*face as usize, DVec3::ZERO);
             let mut found = [None; MAX_POINTS];
+            let weight = |share: f64| crosses[face].length() * share / area;
+            if stayed[face] {
+                for (k, (_, share)) in input.level_rule.iter().enumerate() {
+                    let kept = (Tie::of_face(face as u32, weight(*share)), squared[k]);
+                    found[k] = (hints[k] != NONE).then_some(kept);
+                }
+                return (found, None);
+            }
             let component = input.components[level.input_triangles[face] as usize];
             let sheet = Sheet { component, normal: crosses[face] };
             for (k, (barycentric, share)) in input.level_rule.iter().enumerate() {
@@ -395,6 +478,7 @@ impl<'a> Fit<'a> {
                 let found_nearest = nearest_of_sheet(&input.tree, q, hint, reach, is_own);
                 let Some((nearest, to_any)) = found_nearest else { continue };
                 hints[k] = nearest.triangle;
+                squared[k] = [nearest.squared, to_any];
                 let input_triangle = nearest.triangle as usize;
                 normal += input.normals[input_triangle] * *share;
                 let residual = q - input.surface_point(input_triangle, nearest.barycentric);
@@ -404,19 +488,23 @@ impl<'a> Fit<'a> {
                     tiny_squared,
                     input.normals[input_triangle],
                 );
-                let weight = crosses[face].length() * share / area;
-                let (face, barycentric) = (face as u32, *barycentric);
+                let (face, barycentric, weight) = (face as u32, *barycentric, weight(*share));
                 let tie = Tie { face, barycentric, residual, direction, weight };
-                found[k] = Some((tie, [nearest.squared, to_any]));
+                found[k] = Some((tie, squared[k]));
             }
-            (found, normal.normalize_or_zero())
+            (found, Some(normal.normalize_or_zero()))
         };
-        let blocks = self.backward_hints.chunks_mut(SAMPLES_PER_BLOCK * input.level_rule.len());
-        for (faces, hints) in self.tree.spatial_order().chunks(SAMPLES_PER_BLOCK).zip(blocks) {
-            let hints = hints.par_chunks_mut(input.level_rule.len());
-            let found: Vec<_> = faces.par_iter().zip(hints).map(tie_face).collect();
+        let per_face = input.level_rule.len();
+        let hints = self.backward_hints.chunks_mut(SAMPLES_PER_BLOCK * per_face);
+        let squared = self.backward_squared.chunks_mut(SAMPLES_PER_BLOCK * per_face);
+        let blocks = self.tree.spatial_order().chunks(SAMPLES_PER_BLOCK).zip(hints.zip(squared));
+        for (faces, (hints, squared)) in blocks {
+            let points = hints.par_chunks_mut(per_face).zip(squared.par_chunks_mut(per_face));
+            let found: Vec<_> = faces.par_iter().zip(points).map(tie_face).collect();
             for (&face, (points, normal)) in faces.iter().zip(found) {
-                ties.input_normals[face as usize] = normal;
+                if let Some(normal) = normal {
+                    self.input_normals[face as usize] = normal;
+                }
                 points.iter().flatten().for_each(|found| ties.add(found));
             }
         }
@@ -424,7 +512,7 @@ impl<'a> Fit<'a> {
 
     /// Ties the curves of both surfaces to each other: borders, borders of materials, seams of
     /// charts.
-    fn tie_curves(&self, corners: &[[DVec3; 3]], ties: &mut Ties<'_>) {
+    fn tie_curves(&self, corners: &[[DVec3; 3]], system: &mut System<'_>) {
         let (input, curves) = (self.input, &self.curves);
         if curves.is_empty() || input.curve_points.is_empty() {
             return;
@@ -470,7 +558,7 @@ impl<'a> Fit<'a> {
                 ))
             })
             .collect();
-        from_input.into_iter().chain(from_level).flatten().for_each(|tie| ties.system.add(&tie));
+        from_input.into_iter().chain(from_level).flatten().for_each(|tie| system.add(&tie));
     }
 }
 

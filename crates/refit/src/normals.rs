@@ -12,7 +12,7 @@ use crate::level::Level;
 use crate::sheets::{Sheet, nearest_of_sheet};
 use glam::DVec3;
 use lodc_mesh::{Attribute, Mesh, MeshParts, NONE, Semantic, Submesh};
-use lodc_nearest::point_at;
+use lodc_nearest::{closest, point_at};
 use rayon::prelude::*;
 
 /// Number of fits. Chosen by hand.
@@ -199,7 +199,8 @@ impl<'a> InputNormals<'a> {
 
     /// Returns the normals at samples of the input, each tied to the nearest point of the level,
     /// and for points of the level those of the nearest point of the input. Only within a chart,
-    /// and only where normal and face are on the same side.
+    /// and only where normal and face are on the same side. Faces that are where the fit looked
+    /// them up last keep what was found there.
     fn ties(
         &self,
         level: &Level,
@@ -225,6 +226,7 @@ impl<'a> InputNormals<'a> {
             component: input.components[level.input_triangles[face as usize] as usize],
             normal: crosses[face as usize],
         };
+        let stayed = fitted.stayed(level, positions);
         let mut tree = fitted.tree.clone();
         tree.move_to(&corners);
         let runs = fitted.hints.par_chunks(SAMPLES_PER_THREAD).enumerate();
@@ -235,12 +237,14 @@ impl<'a> InputNormals<'a> {
                 let p = input.surface_point(triangle, barycentric);
                 let sheet = input.sheet(triangle);
                 let is_own = |face: u32| sheet.goes_with(face_sheet(face));
-                let Some((nearest, _)) = nearest_of_sheet(&tree, p, hint, fitted.reach, is_own)
-                else {
-                    continue;
+                let nearest = if hint != NONE && stayed[hint as usize] {
+                    Some((hint, closest(p, corners[hint as usize]).0))
+                } else {
+                    nearest_of_sheet(&tree, p, hint, fitted.reach, is_own)
+                        .map(|(nearest, _)| (nearest.triangle, nearest.barycentric))
                 };
-                let face = nearest.triangle;
-                found.extend(tie(face, nearest.barycentric, triangle, barycentric, weight));
+                let Some((face, on_face)) = nearest else { continue };
+                found.extend(tie(face, on_face, triangle, barycentric, weight));
             }
             found
         });
@@ -253,14 +257,15 @@ impl<'a> InputNormals<'a> {
                     let q = point_at(corners[face as usize], barycentric);
                     let sheet = face_sheet(face);
                     let is_own = |triangle: u32| sheet.goes_with(input.sheet(triangle as usize));
-                    let Some((nearest, _)) =
+                    let nearest = if hint != NONE && stayed[face as usize] {
+                        Some((hint, closest(q, input.tree.corners_of(hint)).0))
+                    } else {
                         nearest_of_sheet(&input.tree, q, hint, fitted.reach, is_own)
-                    else {
-                        continue;
+                            .map(|(nearest, _)| (nearest.triangle, nearest.barycentric))
                     };
-                    let (triangle, on_triangle) = (nearest.triangle as usize, nearest.barycentric);
+                    let Some((triangle, on_triangle)) = nearest else { continue };
                     let weight = crosses[face as usize].length() * share / area;
-                    found.extend(tie(face, barycentric, triangle, on_triangle, weight));
+                    found.extend(tie(face, barycentric, triangle as usize, on_triangle, weight));
                 }
             }
             found

@@ -75,6 +75,14 @@ pub(crate) struct Tie {
     pub(crate) weight: f64,
 }
 
+impl Tie {
+    /// A tie somewhere to a face, whose place there is not looked up.
+    pub(crate) fn of_face(face: u32, weight: f64) -> Self {
+        let (barycentric, residual, direction) = ([0.0; 3], DVec3::ZERO, DVec3::ZERO);
+        Self { face, barycentric, residual, direction, weight }
+    }
+}
+
 /// Weight of distances along the surface, of 1 for those across it: so vertices do not drift.
 /// Chosen by hand.
 const TANGENTIAL_WEIGHT: f64 = 0.01;

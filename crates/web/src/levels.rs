@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Makes a GLB with all levels ([`export_levels`]), and a warning for each texture that is missing.
 /// The GLB has the order of several objects, so that their levels for a number of triangles are
-/// those of `lodc extract`. `strips` may say the strip of each triangle of an object.
+/// those of `lodc extract --no-refit`. `strips` may say the strip of each triangle of an object.
 ///
 /// # Errors
 /// If the document is damaged, or glTF cannot hold the scene.

@@ -29,7 +29,7 @@ function built(input, ...options) {
 }
 
 const extracted = (input, ...selector) => JSON.parse(
-  run('extract', `${input}.lodc`, ...selector, '-o', 'l.glb', '--json', '-q'));
+  run('extract', `${input}.lodc`, ...selector, '--no-refit', '-o', 'l.glb', '--json', '-q'));
 
 const INPUTS = ['machine_part.glb', 'skinned_tube_u8.glb', 'morphing_sphere.glb', 'terrain.obj'];
 

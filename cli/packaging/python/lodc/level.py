@@ -32,8 +32,11 @@ class Origin:
             path = os.path.join(folder, f"file{suffix}")
             with open(path, "wb") as file:
                 file.write(self.data)
-            if self.folder is not None and self.command == "extract":
-                words = ["--textures-from", self.folder, *words]
+            if self.command == "extract":
+                # Levels have the vertices of the file.
+                words = ["--no-refit", *words]
+                if self.folder is not None:
+                    words = ["--textures-from", self.folder, *words]
             return run([self.command, path, "-q", *words])[0]
 
 
@@ -141,7 +144,7 @@ class Level(Mapping[Name, NDArray[Any]]):
 
     def to_glb(self) -> bytes:
         """The level as a GLB file: nodes, materials, skins and animations of the input, images
-        inside, the same bytes as ``lodc extract`` writes."""
+        inside, the same bytes as ``lodc extract --no-refit`` writes."""
         return self._origin.run([*self._words, "-o", "-"])
 
     def write(self, path: str | os.PathLike[str]) -> None:

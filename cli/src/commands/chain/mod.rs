@@ -26,7 +26,7 @@ use crate::selector::bound;
 use crate::stages::Stages;
 use clap::Args;
 use levels::{Level, LevelArgs, Measured};
-use lodc::build::refitted_meshes;
+use lodc::build::{Growth, refitted_meshes};
 use lodc::level_mesh::Order;
 use lodc::{Errors, parting_borders, parting_line, scene_levels};
 use lodc_formats::export::{LevelFacts, Provenance};
@@ -210,9 +210,10 @@ fn chain(
         true => {
             let order =
                 if args.glide.moved_streams().is_some() { Order::File } else { packing.order() };
+            let how = (order, if errors == Errors::Curve { Growth::None } else { Growth::Little });
             let refitted = stages.checked("refit", |tick| {
                 let refitted = |lods: &&[Lod]| {
-                    refitted_meshes(&asset.objects, &asset.document, lods, order, &limits, tick)
+                    refitted_meshes(&asset.objects, &asset.document, lods, how, &limits, tick)
                 };
                 lods.iter().map(refitted).collect::<Result<Vec<_>, _>>()
             });

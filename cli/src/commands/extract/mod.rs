@@ -23,6 +23,7 @@ use clap::builder::TypedValueParser;
 use lodc_lod::ModelKind;
 use lodc_report::documents::ExtractReport;
 use lodc_report::text::{count, distance};
+use lodc_select::Target;
 use std::path::{Path, PathBuf};
 
 /// Options of `extract`.
@@ -37,18 +38,24 @@ pub(crate) struct ExtractArgs {
     /// Error of at most E (or E%), whatever else is asked for
     #[arg(long, value_name = "E", value_parser = bound, conflicts_with = "criterion",
           help_heading = LEVEL, hide_short_help = true)]
-    max_error: Option<lodc_select::Target>,
+    max_error: Option<Target>,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
     pose: PoseArgs,
     #[command(flatten)]
     export: ExportArgs,
-    /// Move vertices to where they fit the input best
+    /// Keep every vertex where the input has it
     ///
-    /// But no object so far that it looks worse or its largest distance grows by more than 5 %.
-    /// Errors are measured on the result.
-    #[arg(long, conflicts_with = "criterion", help_heading = BECOMES, display_order = 0)]
+    /// By default vertices move to where they fit the input best, but no object's so far that it
+    /// looks worse or its largest distance grows by more than 5 %; none beyond an --error, --rms,
+    /// --pixels or --max-error that is asked for. Errors are measured on the result. A level that
+    /// is asked for as it is stored (--lod, --model, --criterion) keeps its vertices.
+    #[arg(long, help_heading = BECOMES, display_order = 0)]
+    no_refit: bool,
+    /// Move vertices with --lod and --model, too
+    #[arg(long, conflicts_with = "criterion", overrides_with = "no_refit", help_heading = BECOMES,
+          display_order = 0, hide_short_help = true)]
     refit: bool,
     /// Order of triangles and vertices [default: cache; size with compression]
     #[arg(long, value_enum, help_heading = BECOMES, display_order = 1,
@@ -90,6 +97,13 @@ impl ExtractArgs {
     /// Returns whether there is one input, in a small file.
     pub(crate) fn is_small(&self) -> bool {
         self.export.is_small(&self.inputs)
+    }
+
+    /// Returns whether vertices are moved to where they fit the input best.
+    fn refits(&self) -> bool {
+        let is_as_stored =
+            self.model.is_some() || matches!(self.selector.target(), Some(Target::Lod(_)));
+        self.refit || !self.no_refit && !is_as_stored
     }
 
     /// Returns the criterion of a view, if that is what is wanted.

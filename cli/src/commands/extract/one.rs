@@ -12,7 +12,7 @@ use crate::stages::Stages;
 use crate::views::CriterionName;
 use lodc::{
     Asset, Errors, LodObject,
-    build::{measured, refitted_meshes},
+    build::{Growth, measured, refitted_meshes},
     level_mesh::{self, LevelMesh, MeshOptions, Order},
     parting_borders, parting_line, scene_levels,
 };
@@ -69,7 +69,7 @@ pub(super) fn extract(
         let (objects, document) = (&asset.objects, &asset.document);
         let (stored, precision) = (format.export_format(), packing.precision);
         level_mesh::add_rounding_to_all(objects, document, meshes, stored, precision)?;
-        let mut report = report(args, input, &asset, &level, target);
+        let mut report = report(input, &asset, &level, target);
         report.warnings.extend_from_slice(&textures.warnings);
         let provenance = Some(provenance(&asset, &report));
         let additions = packing.additions(textures.clone(), provenance);
@@ -147,9 +147,15 @@ fn uniform(
     let chosen =
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
     let lods = &chosen.lods;
-    let meshes = if args.refit {
+    let meshes = if args.refits() {
+        let targets = args.selector.target().into_iter().chain(args.max_error);
+        let growth = match Errors::to_choose(targets) {
+            Errors::Curve => Growth::None,
+            Errors::OfResult => Growth::Little,
+        };
         stages.checked("extract", |tick| {
-            refitted_meshes(&asset.objects, &asset.document, lods, order, &limits, tick)
+            let how = (order, growth);
+            refitted_meshes(&asset.objects, &asset.document, lods, how, &limits, tick)
         })?
     } else {
         let distances =
@@ -243,13 +249,7 @@ fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
     }
 }
 
-fn report(
-    args: &ExtractArgs,
-    input: &Path,
-    asset: &Asset,
-    level: &Level,
-    target: &Target,
-) -> ExtractReport {
+fn report(input: &Path, asset: &Asset, level: &Level, target: &Target) -> ExtractReport {
     let finite = |x: f64| x.is_finite().then_some(x);
     let object =
         |((object, lod), level): ((&LodObject, &Option<Lod>), &LevelMesh)| ExtractedObject {
@@ -281,7 +281,7 @@ fn report(
         error: finite(error),
         rms: rms.and_then(finite),
         errors_over: ErrorsOver::of(asset.objects.iter().map(|o| &o.info)),
-        refitted: args.refit,
+        refitted: level.meshes.iter().any(|mesh| mesh.refitted),
         output: target.name(),
         input: input.display().to_string(),
         model: level.model,

@@ -21,7 +21,7 @@ pub use estimate::{Need, Size};
 pub use gliding::{GlideJudge, Way};
 pub(crate) use models::check_models;
 pub use models::{build_models, models};
-pub use refitted::{measured, refitted_meshes};
+pub use refitted::{Growth, measured, refitted_meshes};
 pub use scene_context::Importance;
 pub(crate) use scene_context::SceneContext;
 pub(crate) use simplify::simplify_all;

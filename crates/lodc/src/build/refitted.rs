@@ -1,8 +1,9 @@
 //! Refitted levels: their vertices are moved closer to the input, as far as pictures do not get
 //! worse.
 
+use super::errors::LevelDistance;
 use super::object_pictures::{ObjectPictures, ROUNDS, noise};
-use crate::level_mesh::{LevelMesh, Order, ordered};
+use crate::level_mesh::{LevelMesh, MeshOptions, Order, extracted, ordered};
 use crate::{Error, LodObject, stated_shapes};
 use lodc_errors::{Distances, Measurable, Tick};
 use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
@@ -31,8 +32,18 @@ const HOPELESS: f64 = 1.05;
 /// Shares that more pictures are taken for. Chosen by hand.
 const UNCLEAR: Range<f64> = 0.92..1.0;
 
+/// How far refitting may raise the distances of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Growth {
+    /// The bound by 5 %.
+    Little,
+    /// Not beyond what the object states at the level, if that was measured, so that one that was
+    /// chosen by its error keeps it.
+    None,
+}
+
 /// Makes the meshes of the objects at `lods`, one each, with vertices and normals where they fit
-/// the input best. The same objects and document give the same meshes, whether they come from a
+/// the input best, or as they are where that does not look better. The same objects and document give the same meshes, whether they come from a
 /// mesh or from a file of its levels, with or without textures. `tick` is called now and then.
 ///
 /// # Errors
@@ -41,7 +52,7 @@ pub fn refitted_meshes(
     objects: &[LodObject],
     document: &Document,
     lods: &[Lod],
-    order: Order,
+    (order, growth): (Order, Growth),
     limits: &Limits,
     tick: &Tick<'_>,
 ) -> Result<Vec<LevelMesh>, Error> {
@@ -51,10 +62,18 @@ pub fn refitted_meshes(
     let noise = noise();
     let one = |((object, &lod), (coordinates, shapes)): (_, (&Vec<_>, &ObjectShapes))| {
         let texture = NoiseTexture { coordinates, noise: &noise };
-        let (mesh, distances) = refitted(object, lod, shapes.all(), texture, tick);
-        LevelMesh { mesh: ordered(mesh, order), error: distances.upper, rms: Some(distances.rms) }
+        let (moved, distances) = refitted(object, lod, shapes.all(), texture, growth, tick);
+        let refitted = moved.is_some();
+        let mesh = match moved {
+            Some(mesh) => ordered(mesh, order),
+            None => {
+                let options = MeshOptions { model: None, order };
+                ordered(extracted(object, lod, options)?.mesh, order)
+            }
+        };
+        Ok(LevelMesh { mesh, error: distances.upper, rms: Some(distances.rms), refitted })
     };
-    Ok(objects.par_iter().zip(lods).zip(coordinates.par_iter().zip(&shapes)).map(one).collect())
+    objects.par_iter().zip(lods).zip(coordinates.par_iter().zip(&shapes)).map(one).collect()
 }
 
 /// Measures meshes that are levels of the objects but not of their collapse sequences: for each an
@@ -73,7 +92,7 @@ pub fn measured(
     let one = |((object, mesh), shapes): ((&LodObject, Mesh), &ObjectShapes)| {
         let input = object.simplified.mesh();
         let distances = largest(&Originals::new(shapes.all(), input).distances(&mesh));
-        LevelMesh { mesh, error: distances.upper, rms: Some(distances.rms) }
+        LevelMesh { mesh, error: distances.upper, rms: Some(distances.rms), refitted: false }
     };
     Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
 }
@@ -105,21 +124,22 @@ fn largest(distances: &[Distances]) -> Distances {
     distances.iter().fold(Distances::default(), |most, &distances| most.max(distances))
 }
 
-/// A refitted level of an object, with its distances, the largest over all shapes. These are
-/// measured: the stored ones are those of the vertices before they were moved. What would spoil the
-/// level in one of the shapes is held back.
+/// A refitted level of an object, none where it stays as it is, with its distances, the largest
+/// over all shapes. These are measured: the stored ones are those of the vertices before they were
+/// moved. What would spoil the level in one of the shapes is held back.
 fn refitted(
     object: &LodObject,
     lod: Lod,
     shapes: &[Shape],
     texture: NoiseTexture<'_>,
+    growth: Growth,
     tick: &Tick<'_>,
-) -> (Mesh, Distances) {
+) -> (Option<Mesh>, Distances) {
+    if lod.0 == 0 {
+        return (None, Distances::default());
+    }
     let input = object.simplified.mesh();
     let refit = Refit::new(&object.simplified, lod, &Options::DEFAULT, tick);
-    if lod.0 == 0 {
-        return (refit.unmoved(), Distances::default());
-    }
     let unmoved = refit.unmoved();
     let originals = Originals::new(shapes, input);
     // What is written states its distances, so those of the level before are only measured where
@@ -128,7 +148,22 @@ fn refitted(
     let before = || before.get_or_init(|| originals.distances(&unmoved));
     let judge = Judge::new(input, &unmoved, texture);
     let is_as_modelled = matches!(shapes, [shape] if shape.is_as_modelled());
+    let stated = match growth {
+        Growth::Little => None,
+        // Estimates bound nothing.
+        Growth::None => {
+            object.simplified.collapses().is_measured().then(|| LevelDistance::stated(object, lod))
+        }
+    };
+    let is_within = |now: &Distances| {
+        stated.is_none_or(|stated| {
+            now.upper <= stated.error && stated.rms.is_none_or(|rms| now.rms <= rms)
+        })
+    };
     let is_spoilt = |distances: &[Distances]| {
+        if !distances.iter().all(is_within) {
+            return true;
+        }
         let known = if is_as_modelled { refit.unmoved_distance() } else { 0.0 };
         let spoils =
             |(now, before): (&Distances, &Distances)| now.upper > MAX_BOUND_GROWTH * before.upper;
@@ -157,10 +192,15 @@ fn refitted(
             next = FIT_SHARES.last().copied().filter(|&s| s < share);
         }
     }
-    best.unwrap_or_else(|| {
-        let distances = largest(before());
-        (unmoved.clone(), distances)
-    })
+    if let Some((mesh, distances)) = best {
+        return (Some(mesh), distances);
+    }
+    let mut distances = largest(before());
+    if let Some(stated) = stated {
+        distances.upper = distances.upper.min(stated.error);
+        distances.rms = stated.rms.map_or(distances.rms, |rms| distances.rms.min(rms));
+    }
+    (None, distances)
 }
 
 /// Noise as the texture of an object.
@@ -257,7 +297,9 @@ mod tests {
             let triangles = mesh.triangles().len() as u32 / part;
             let lod = object.simplified.collapses().lod_for_triangles(triangles);
             let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT, &|| ()).unmoved();
-            let (level, stated) = refitted(&object, lod, shapes.all(), texture, &|| ());
+            let growth = Growth::Little;
+            let (moved, stated) = refitted(&object, lod, shapes.all(), texture, growth, &|| ());
+            let level = moved.unwrap_or_else(|| unmoved.clone());
             let [before, after] = [&unmoved, &level].map(|mesh| originals.distances(mesh));
             for (before, after) in before.iter().zip(&after) {
                 assert!(after.upper <= MAX_BOUND_GROWTH * before.upper, "{after:?} {before:?}");
@@ -294,9 +336,9 @@ mod tests {
             let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT, &|| ()).unmoved();
             let judge = Judge::new(&mesh, &unmoved, texture).expect("attributes");
             let shapes = [Shape::AS_MODELLED];
-            let (level, ..) = refitted(&object, lod, &shapes, texture, &|| ());
-            let is_held = level == unmoved;
-            assert!(is_held || judge.kept_share(&level) <= BETTER, "{name}");
+            let (level, ..) = refitted(&object, lod, &shapes, texture, Growth::Little, &|| ());
+            let is_held = level.is_none();
+            assert!(level.is_none_or(|l| judge.kept_share(&l) <= BETTER), "{name}");
             held += u32::from(is_held);
             moved += u32::from(!is_held);
         }
