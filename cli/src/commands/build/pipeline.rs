@@ -12,6 +12,7 @@ use lodc::build::{
 };
 use lodc::{LodFile, LodObject, parting_borders, parting_line, write};
 use lodc_assets::Parts;
+use lodc_formats::gltf::embed_images;
 use lodc_formats::images::{TextureMode, Textures};
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::lods::{self, as_streamed};
@@ -85,7 +86,7 @@ pub(super) fn make(
     files.extend(&images);
     if args.embed {
         let placed = textures.placed(TextureMode::Embed, input);
-        if !placed.put_into(&mut document)? && document.has_textures() {
+        if !embed_images(&mut document, &placed)? && document.has_textures() {
             report.warnings.push(NOT_EMBEDDED.to_owned());
         }
         report.warnings.extend(placed.warnings);
