@@ -13,7 +13,8 @@ fn scenes() -> Vec<(String, String)> {
         let sizes: Vec<usize> = (0..=number % 5).map(|i| 6 + (5 * i + 3 * number) % 17).collect();
         let node = |i: usize| {
             let scale = [1.0, 0.25, 4.0][(i + number) % 3];
-            json!({"mesh": i % sizes.len(), "translation": [3 * i, 0, 0], "scale": [scale, scale, 1.0]})
+            let (mesh, scale) = (i % sizes.len(), [scale, scale, 1.0]);
+            json!({"mesh": mesh, "translation": [3 * i, 0, 0], "scale": scale})
         };
         let count = sizes.len() + number % 2;
         let nodes: Vec<Value> = (0..count).map(node).collect();

@@ -6,7 +6,7 @@ use crate::support::{Folder, grid};
 fn folder() -> Folder {
     let f = Folder::new();
     f.file("g.obj", grid(12));
-    f.lodc(["build", "g.obj"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc"]).ends(0);
     f.lodc(["pack", "g.lodc", "-o", "g.lods"]).ends(0);
     f
 }

@@ -56,10 +56,10 @@ fn images_are_embedded_copied_or_kept() {
 
     extract(&["-o", "out/", "--format", "gltf"]);
     assert_eq!(f.read("out/wood/a b.png"), PNG);
-    assert_eq!(json(&f, "out/m.gltf")["images"][0]["uri"], "wood/a%20b.png");
+    assert_eq!(json(&f, "out/m.obj.gltf")["images"][0]["uri"], "wood/a%20b.png");
     extract(&["-o", "obj/", "--format", "obj"]);
     assert_eq!(f.read("obj/wood/a b.png"), PNG);
-    let library = String::from_utf8(f.read("obj/m.mtl")).expect("text");
+    let library = String::from_utf8(f.read("obj/m.obj.mtl")).expect("text");
     assert!(library.contains("map_Kd -s 1 1 1 wood\\a b.png\n"), "{library}");
 
     extract(&["-o", "keep/", "--format", "gltf", "--textures", "keep"]);

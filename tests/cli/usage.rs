@@ -91,7 +91,7 @@ fn two_results_of_one_name_or_on_one_stream_are_refused() {
         vec!["a/x.obj", "-o", "a/x.obj"],
         vec!["a/x.obj", "-o", "a/../a/x.obj"],
         vec!["a/x.obj", "y.obj", "-o", "plain"],
-        vec!["a/x.obj", "--depfile", "a/x.lodc"],
+        vec!["a/x.obj", "--depfile", "a/x.obj.lodc"],
         vec!["-", "-", "-o", "out"],
         vec!["-"],
     ] {

@@ -150,7 +150,8 @@ fn a_gpu_shows_what_the_cpu_shows() {
     let f = Folder::new();
     f.file("g.obj", grid(8));
     f.file("s.gltf", scene(&[1.0, 3.0], 5));
-    f.lodc(["build", "g.obj", "s.gltf", "-o", ".", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-o", "g.lodc", "-q"]).ends(0);
+    f.lodc(["build", "s.gltf", "-o", "s.lodc", "-q"]).ends(0);
     let run = f.lodc(["verify", "g.lodc", "s.lodc", "--gpu", "--json"]);
     let Some(run) = run.drawn() else { return };
     let report = run.json();

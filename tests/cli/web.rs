@@ -8,7 +8,7 @@ use std::process::Stdio;
 #[test]
 fn the_package_gives_the_levels_of_the_program() {
     let Some(folder) = outside("LODC_WEB") else { return };
-    node("package.mjs", &folder, 4);
+    node("package.mjs", &folder, 5);
 }
 
 #[test]

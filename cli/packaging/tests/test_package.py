@@ -316,7 +316,8 @@ def grids(path, sizes):
         attributes = {"POSITION": len(accessors) - 2}
         primitive = {"attributes": attributes, "indices": len(accessors) - 1}
         meshes.append({"name": f"sheet{number}", "primitives": [primitive]})
-        nodes.append({"mesh": number, "scale": [[1, 1, 1], [0.25, 0.25, 0.25], [3, 1, 2]][number % 3]})
+        scale = [[1, 1, 1], [0.25, 0.25, 0.25], [3, 1, 2]][number % 3]
+        nodes.append({"mesh": number, "scale": scale})
     pathlib.Path(path).with_suffix(".bin").write_bytes(data)
     document = {
         "asset": {"version": "2.0"},

@@ -85,7 +85,7 @@ impl File {
     /// # #[cfg(feature = "build")] {
     /// let file = lodc::build("../../fixtures/machine_part.glb").run()?;
     /// for place in file.placements()? {
-    ///     println!("{}: {}", file.objects()[place.object].info.name, place.transform.translation);
+    ///     println!("object {}: {}", place.object, place.transform.translation);
     /// }
     /// # }
     /// # Ok::<(), lodc::Error>(())

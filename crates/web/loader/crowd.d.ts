@@ -2,8 +2,8 @@ import type { Camera, Group, Matrix4 } from 'three';
 import type { LodcModel } from './loader.js';
 
 /**
- * Copies of a model, each at the level that its size on the screen needs or one with up to 1.5
- * times its triangles, in as many draw calls as levels are seen, times meshes of the model. For models without skins and morph targets.
+ * Copies of a model, each at the level that its size on the screen needs, in as many draw calls as
+ * levels are seen, times meshes of the model. For models without skins and morph targets.
  */
 export class LodcCrowd extends Group {
   /** Throws if the model has skins or morph targets. */

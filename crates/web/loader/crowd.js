@@ -85,7 +85,7 @@ export class LodcCrowd extends THREE.Group {
     sphere.copy(mesh.geometry.boundingSphere).applyMatrix4(world);
     const distance = eye.distanceTo(sphere.center) - sphere.radius;
     const error = allowed(camera, height, this.pixels, distance);
-    return Math.max(object.few(object.choose(error / world.getMaxScaleOnAxis())), 0);
+    return Math.max(object.choose(error / world.getMaxScaleOnAxis()), 0);
   }
 
   get triangles() {

@@ -141,21 +141,6 @@ export class LodcObject {
     return this.levels[at]?.ranges[part] ?? { start: 0, count: 0 };
   }
 
-  /** The first level from one on of those few that have half as many triangles again as the one
-   * before: for who pays for each level that is seen. */
-  few(level) {
-    if (this.fewOf !== this.levels) {
-      this.fewOf = this.levels;
-      this.fewLevels = [];
-      for (let at = this.levels.length - 1; at >= 0;) {
-        this.fewLevels.unshift(at);
-        const most = this.levels[at].triangles / 1.5;
-        at = this.levels.findLastIndex(({ triangles }) => triangles <= most);
-      }
-    }
-    return this.fewLevels.find((at) => at >= level) ?? level;
-  }
-
   /** The coarsest level whose error is allowed, in the object's units; else the finest. */
   choose(error) {
     const at = this.levels.findIndex((level) => level.error <= error);

@@ -3,7 +3,9 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import {
+  mkdtempSync, readFileSync, rmSync, writeFileSync,
+} from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test from 'node:test';
@@ -53,6 +55,60 @@ test('levels are those of extract', () => {
     const parts = ({ objects }) => objects.map((object) => object.parts);
     const gpu = parts(lodc.open(built(input, '--layout', 'gpu')));
     assert.deepEqual(gpu, parts(lodc.open(built(input))), `${input} of the gpu layout`);
+  }
+});
+
+/** A glTF of wavy sheets of some sizes, scaled by their nodes. */
+function scene(sizes) {
+  const [chunks, bufferViews, accessors, meshes, nodes] = [[], [], [], [], []];
+  let length = 0;
+  const accessor = (array, type, more) => {
+    bufferViews.push({ buffer: 0, byteOffset: length, byteLength: array.byteLength });
+    length += array.byteLength;
+    chunks.push(Buffer.from(array.buffer));
+    const count = type === 'VEC3' ? array.length / 3 : array.length;
+    const componentType = type === 'VEC3' ? 5126 : 5125;
+    accessors.push({ bufferView: accessors.length, count, type, componentType, ...more });
+    return accessors.length - 1;
+  };
+  sizes.forEach((size, number) => {
+    const [points, corners] = [[], []];
+    for (let i = 0; i <= size; i++) {
+      for (let j = 0; j <= size; j++) {
+        points.push(i, j, Math.sin(i * (0.7 + number)) * Math.cos(0.9 * j));
+        const at = i * (size + 1) + j;
+        const [right, below] = [at + 1, at + size + 1];
+        if (i < size && j < size) corners.push(at, below, below + 1, at, below + 1, right);
+      }
+    }
+    const [min, max] = [[0, 0, -1], [size, size, 1]];
+    const POSITION = accessor(new Float32Array(points), 'VEC3', { min, max });
+    const indices = accessor(new Uint32Array(corners), 'SCALAR');
+    meshes.push({ name: `sheet${number}`, primitives: [{ attributes: { POSITION }, indices }] });
+    nodes.push({ mesh: number, scale: [[1, 1, 1], [0.25, 0.25, 0.25], [3, 1, 2]][number % 3] });
+  });
+  const uri = `data:application/octet-stream;base64,${Buffer.concat(chunks).toString('base64')}`;
+  return JSON.stringify({
+    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: nodes.map((_, i) => i) }], nodes,
+    meshes, accessors, bufferViews, buffers: [{ byteLength: length, uri }],
+  });
+}
+
+test('levels of ten scenes are those of extract', () => {
+  for (let number = 0; number < 10; number++) {
+    const sizes = Array.from({ length: 1 + number % 4 }, (_, i) => 4 + (5 * i + 3 * number) % 13);
+    writeFileSync(join(scratch, 's.gltf'), scene(sizes));
+    run('build', 's.gltf', '-o', 's.lodc', '--models', 'none', '-q');
+    const { selection } = lodc.open(readFileSync(join(scratch, 's.lodc')));
+    const lods = (...selector) => extracted('s', ...selector).objects.map(({ lod }) => lod);
+    for (const share of [0.5, 0.25, 0.1, 0.05]) {
+      const most = Math.floor(share * selection.triangles);
+      const wanted = lods('--triangles', String(most));
+      assert.deepEqual(selection.byTriangles(most), wanted, `scene ${number} at ${share}`);
+    }
+    for (const error of [0.05, 0.3]) {
+      assert.deepEqual(selection.byError(error), lods('--error', String(error)), `${number}`);
+    }
   }
 });
 

@@ -90,8 +90,7 @@ pub(crate) use missing::{bare_gltf, gltf_without_missing};
 #[cfg(feature = "gltf")]
 pub use part_names::PartNames;
 #[cfg(feature = "export")]
-pub(crate) use write::embed;
-#[cfg(feature = "export")]
 pub use write::{
-    ChainObject, ChainShape, Glide, LevelsObject, MovedStreams, export_chain, export_levels,
+    ChainObject, ChainShape, Glide, LevelsObject, MovedStreams, embed_images, export_chain,
+    export_levels,
 };

@@ -2,7 +2,7 @@
 //! export or copied beside it, so that a model that moves to another folder keeps its textures.
 
 use crate::assets::{is_of_another_machine, last_part};
-use crate::{Assets, Document, FormatError, OutputFile};
+use crate::{Assets, FormatError, OutputFile};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -93,18 +93,6 @@ impl Textures {
 }
 
 impl PlacedTextures {
-    /// Puts the images that have a place inside into a document; returns whether it can hold any,
-    /// which the materials of an OBJ or PLY cannot.
-    ///
-    /// # Errors
-    /// If the document is damaged.
-    pub fn put_into(&self, document: &mut Document) -> Result<bool, FormatError> {
-        match document {
-            Document::Gltf(document) => crate::gltf::embed(document, self).map(|()| true),
-            Document::Obj(_) => Ok(false),
-        }
-    }
-
     /// The place of the file that the document calls `name`; none if it stays as it is.
     pub(crate) fn of(&self, name: &str) -> Option<&ImagePlace> {
         self.places.get(name)

@@ -9,6 +9,7 @@ use crate::stages::Stages;
 use lodc::build::{Need, Size};
 use lodc::{Asset, Errors, LodFile, LodObject, Simplify, parting_borders, parting_line, write};
 use lodc_assets::Parts;
+use lodc_formats::gltf::embed_images;
 use lodc_formats::images::{TextureMode, Textures};
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::lods::{self, as_streamed};
@@ -72,7 +73,7 @@ pub(super) fn make(
     asset.files.extend(&images);
     if args.embed {
         let placed = textures.placed(TextureMode::Embed, input);
-        if !placed.put_into(&mut asset.document)? && asset.document.has_textures() {
+        if !embed_images(&mut asset.document, &placed)? && asset.document.has_textures() {
             report.warnings.push(NOT_EMBEDDED.to_owned());
         }
         report.warnings.extend(placed.warnings);

@@ -23,7 +23,6 @@ use clap::builder::TypedValueParser;
 use lodc_lod::ModelKind;
 use lodc_report::documents::ExtractReport;
 use lodc_report::text::{count, distance};
-use lodc_select::Target;
 use std::path::{Path, PathBuf};
 
 /// Options of `extract`.
@@ -38,7 +37,7 @@ pub(crate) struct ExtractArgs {
     /// Error of at most E (or E%), whatever else is asked for
     #[arg(long, value_name = "E", value_parser = bound, conflicts_with = "criterion",
           help_heading = LEVEL, hide_short_help = true)]
-    max_error: Option<Target>,
+    max_error: Option<lodc_select::Target>,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -101,8 +100,8 @@ impl ExtractArgs {
 
     /// Returns whether vertices are moved to where they fit the input best.
     fn refits(&self) -> bool {
-        let is_as_stored =
-            self.model.is_some() || matches!(self.selector.target(), Some(Target::Lod(_)));
+        let is_as_stored = self.model.is_some()
+            || matches!(self.selector.target(), Some(lodc_select::Target::Lod(_)));
         self.refit || !self.no_refit && !is_as_stored
     }
 

@@ -4,17 +4,19 @@ use crate::assets::{is_of_another_machine, last_part};
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::{uri, views};
 use crate::images::{ImagePlace, PlacedTextures};
-use crate::{FormatError, GltfDocument, Limits};
+use crate::{Document, FormatError, GltfDocument, Limits};
 use std::collections::BTreeMap;
 
-/// Puts the images that have a place inside into a document.
+/// Puts the images that have a place inside into a document; returns whether it can hold any, which
+/// the materials of an OBJ or PLY cannot.
 ///
 /// # Errors
 /// If the document is damaged.
-pub(crate) fn embed(
-    document: &mut GltfDocument,
+pub fn embed_images(
+    document: &mut Document,
     textures: &PlacedTextures,
-) -> Result<(), FormatError> {
+) -> Result<bool, FormatError> {
+    let Document::Gltf(document) = document else { return Ok(false) };
     let (mut root, mut blob) = (document.root(&Limits::DEFAULT)?.clone(), document.blob().to_vec());
     put(&mut root, &mut blob, textures);
     if blob.len() > document.blob().len() {
@@ -26,7 +28,7 @@ pub(crate) fn embed(
         }
         *document = GltfDocument::new(root.to_string(), blob);
     }
-    Ok(())
+    Ok(true)
 }
 
 /// Makes every image refer to its bytes or its file. Embedded ones get a buffer view each, whose

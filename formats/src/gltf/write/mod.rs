@@ -21,7 +21,7 @@ use crate::percent::percent_encoded;
 use crate::provenance::{LevelFacts, Provenance};
 use crate::{Document, FormatError, GENERATOR, Limits, ObjectInfo, OutputFile, SubmeshInfo};
 use buffers::{Drawn, VertexBuffers};
-pub(crate) use images::embed;
+pub use images::embed_images;
 use lodc_mesh::{Mesh, Posture, Submesh};
 use std::borrow::Cow;
 use std::path::Path;
