@@ -1,5 +1,6 @@
 //! An app without a window: a file is loaded, an eye walks away, levels change; meshes are those
-//! that `lodc extract --no-refit` writes. `LODC` names the program; without it the library writes them.
+//! that `lodc extract --no-refit` writes. `LODC` names the program; without it the library writes
+//! them.
 
 use bevy_app::{App, TaskPoolPlugin};
 use bevy_asset::{AssetPlugin, AssetServer, Assets, Handle, LoadState};
