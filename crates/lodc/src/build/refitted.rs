@@ -43,8 +43,9 @@ pub enum Growth {
 }
 
 /// Makes the meshes of the objects at `lods`, one each, with vertices and normals where they fit
-/// the input best, or as they are where that does not look better. The same objects and document give the same meshes, whether they come from a
-/// mesh or from a file of its levels, with or without textures. `tick` is called now and then.
+/// the input best, or as they are where that does not look better. The same objects and document
+/// give the same meshes, whether they come from a mesh or from a file of its levels, with or
+/// without textures. `tick` is called now and then.
 ///
 /// # Errors
 /// If the stored document is damaged.
