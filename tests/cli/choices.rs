@@ -32,7 +32,7 @@ fn tables_levels_and_the_library_say_the_same() {
         let input = f.file(&name, text);
         f.lodc(["build", &name, "-o", "m.lodc", "--models", "none", "-q"]).ends(0);
         let info = f.lodc(["info", "m.lodc", "--json"]).ends(0).json();
-        let opened = lodc::open(&f.join("m.lodc")).expect("a file");
+        let opened = lodc::open(f.join("m.lodc")).expect("a file");
         let built = lodc::build(&input).models(&[]).run().expect("a mesh");
         let objects = info["objects"].as_array().expect("objects").len();
         for share in [0.5, 0.25, 0.1, 0.05, 0.01] {

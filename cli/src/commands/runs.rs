@@ -25,11 +25,14 @@ pub(crate) struct RunArgs {
     /// Contents are compared, never times.
     #[arg(long)]
     pub(crate) if_changed: bool,
-    /// Print one JSON document on standard output, also when inputs failed
+    /// Print one JSON document on standard output
+    ///
+    /// Also when inputs failed.
     #[arg(long)]
     json: bool,
     /// Print such a document (json), or one in each line as results come (jsonl)
-    #[arg(long, value_enum, value_name = "FORMAT", conflicts_with = "json")]
+    #[arg(long, value_enum, value_name = "FORMAT", conflicts_with = "json",
+          hide_short_help = true)]
     report: Option<ReportFormat>,
     /// Write a Make/Ninja dependency file that names every file read
     #[arg(long, value_name = "FILE", hide_short_help = true)]

@@ -79,8 +79,7 @@ impl File {
         Ok(self.materials.get_or_init(|| read))
     }
 
-    /// Where the default scene shows its objects, at rest; each as it was modelled if it shows
-    /// none.
+    /// Where the default scene shows its objects, at rest; as they were modelled if it shows none.
     ///
     /// ```
     /// # #[cfg(feature = "build")] {
