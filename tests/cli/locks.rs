@@ -406,13 +406,20 @@ fn the_shape_alone_costs_nothing_at_seams_and_flat_faces_stay_flat() {
     }
     for ratio in ["0.5", "0.25", "0.1"] {
         let error = |input: &str| {
-            let how = ["--no-refit", "--json", "-q"];
-            let args = ["extract", input, "-o", "level.obj", "--ratio", ratio];
-            let report = f.lodc(args.iter().chain(&how)).ends(0).json();
-            if input != "bare.lodc" {
-                assert_eq!(mixed_faces(&f.read("level.obj")), 0, "{input} at {ratio}");
-            }
-            report["error"].as_f64().expect("an error")
+            let args = ["extract", input, "-o", "level.obj", "--ratio", ratio, "--json", "-q"];
+            let level = |more: &[&str]| {
+                let report = f.lodc(args.iter().chain(more)).ends(0).json();
+                if input != "bare.lodc" {
+                    assert_eq!(
+                        mixed_faces(&f.read("level.obj")),
+                        0,
+                        "{input} at {ratio}, {more:?}"
+                    );
+                }
+                report["error"].as_f64().expect("an error")
+            };
+            level(&[]);
+            level(&["--no-refit"])
         };
         let bare = error("bare.lodc");
         for input in ["alone.lodc", "weightless.lodc"] {

@@ -96,7 +96,8 @@ fn refuse(faces: &[[u32; 3]], corners: &[[DVec3; 3]], others: &[DVec3], fitted: 
     }
 }
 
-/// The normals of a level as unknowns: one for all vertices that share position and normal.
+/// The normals of a level as unknowns: one for all vertices that share position and normal, and for
+/// all of a flat face, whose corners share one normal, and of flat faces that meet there.
 struct Unknowns {
     /// For each vertex its unknown; [`NONE`] without a normal.
     of_vertex: Vec<u32>,
@@ -131,10 +132,41 @@ impl Unknowns {
             unmoved.push(level_normals[equal[0] as usize]);
             first.push(sum.try_normalize().unwrap_or(level_normals[equal[0] as usize]));
         }
-        let faces =
+        let mut faces: Vec<[u32; 3]> =
             level.mesh.triangles().iter().map(|t| t.map(|v| of_vertex[v as usize])).collect();
+        let joined = joined_by_flat_faces(&faces, &unmoved);
+        let mut sums = vec![DVec3::ZERO; unmoved.len()];
+        joined.iter().zip(&first).for_each(|(&to, normal)| sums[to as usize] += normal);
+        for (u, &to) in joined.iter().enumerate() {
+            first[u] = sums[to as usize].try_normalize().unwrap_or(unmoved[u]);
+        }
+        let known = of_vertex.iter_mut().chain(faces.as_flattened_mut()).filter(|u| **u != NONE);
+        known.for_each(|u| *u = joined[*u as usize]);
         Self { of_vertex, faces, first, unmoved }
     }
+}
+
+/// For each unknown the first of those that are one with it, since flat faces join them.
+fn joined_by_flat_faces(faces: &[[u32; 3]], normals: &[DVec3]) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..normals.len() as u32).collect();
+    let root = |parent: &mut [u32], mut u: u32| {
+        while parent[u as usize] != u {
+            parent[u as usize] = parent[parent[u as usize] as usize];
+            u = parent[u as usize];
+        }
+        u
+    };
+    for &[a, b, c] in faces.iter().filter(|f| !f.contains(&NONE)) {
+        let [na, nb, nc] = [a, b, c].map(|u| normals[u as usize]);
+        if na != nb || nb != nc {
+            continue;
+        }
+        for other in [b, c] {
+            let (x, y) = (root(&mut parent, a), root(&mut parent, other));
+            parent[x.max(y) as usize] = x.min(y);
+        }
+    }
+    (0..normals.len() as u32).map(|u| root(&mut parent, u)).collect()
 }
 
 /// Returns the unit normal of each vertex; zero where it has none. `submeshes` come with those of
