@@ -31,7 +31,7 @@ const RMS_SLACK: f64 = 0.02;
 
 /// Samples on either surface that tell a root mean square distance: for each triangle of the input,
 /// at least and at most, and before one is refused, in steps.
-const SAMPLES_PER_TRIANGLE: usize = 2;
+const SAMPLES_PER_TRIANGLE: usize = 1;
 const SAMPLES: [usize; 2] = [64, 2_048];
 const SAMPLES_BEFORE_REFUSAL: [usize; 2] = [4_096, 32_768];
 

@@ -23,6 +23,8 @@ use lodc_mesh::CollapseSequence;
 /// the last of them an eighth of the one before. Chosen by hand.
 const PERCENTAGES: [u64; 10] = [99, 95, 85, 70, 50, 25, 15, 10, 5, 1];
 const DIVISOR: u64 = 8;
+/// The same of a mesh of a large scene: others follow from their errors. Chosen by hand.
+const PERCENTAGES_IN_SCENE: [u64; 5] = [85, 50, 25, 10, 5];
 
 /// Two measured levels are alike in their errors if these differ by no more than this factor; in
 /// meshes of few triangles, where a few steps change much, by no more than the second. So are those
@@ -47,8 +49,8 @@ const JUMP: f64 = 1.7;
 const JUMP_OF_MEANS: f64 = 1.25;
 const MEANS_SHARE: f64 = 0.02;
 /// The pass has few samples of a mesh of a large scene. There one of two neighbours is at most so
-/// many times as far as the other, whatever it proposes, and between them the larger error is
-/// stated. Chosen by hand.
+/// many times as far as the other, and between them the larger error is stated; at most [`JUMP`]
+/// times where the pass proposed what was found at both. Chosen by hand.
 const JUMP_IN_SCENE: f64 = 1.3;
 /// Such levels may be this many times as many as [`Limits::max_levels`](crate::settings::Limits).
 const JUMPS_MAY_TAKE: usize = 2;
@@ -63,9 +65,6 @@ const KNOWN_MEANS: f64 = 1.5;
 const LAST_TRIANGLES: u64 = 16;
 const BEFORE_LAST: [u64; 9] = [18, 21, 25, 29, 34, 40, 47, 55, 64];
 
-/// Of these last ones every so many of a mesh of a large scene.
-const STRIDE_IN_SCENE: usize = 3;
-
 /// Triangles of the input for each sample of a rung, within limits. Chosen by hand.
 const TRIANGLES_PER_SAMPLE: usize = 4;
 /// Most samples of a rung of a very small mesh: so many, and more for each triangle. Chosen by
@@ -77,6 +76,10 @@ const SAMPLES_OF_VERY_FEW: usize = 1280;
 const VERY_FEW_TRIANGLES: usize = 64;
 /// The same of those of large scenes.
 const SAMPLES_IN_SCENE: [usize; 2] = [128, 1];
+/// The same of a rung whose mean distance is known from its neighbours, and the factor by which
+/// they may differ from that. Chosen by hand.
+const SAMPLES_OF_KNOWN: usize = 96;
+const AS_EXPECTED: f64 = 1.2;
 
 /// Where the search for the farthest point of a rung met its limit with an upper bound of more than
 /// so many times the lower one, it is made again so many times, without what is nearer than their
@@ -133,17 +136,17 @@ struct Rung {
 pub(crate) fn planned(sequence: &CollapseSequence, settings: Settings) -> Vec<usize> {
     let all = u64::from(sequence.parts().triangles);
     let last = sequence.steps_at(sequence.last_visible());
-    let shares = PERCENTAGES.map(|percent| all * percent / 100);
+    let percentages =
+        if settings.is_in_scene { &PERCENTAGES_IN_SCENE[..] } else { &PERCENTAGES[..] };
+    let shares: Vec<u64> = percentages.iter().map(|percent| all * percent / 100).collect();
     let below = std::iter::successors(shares.last().copied(), |t| Some(t / DIVISOR)).skip(1);
     // Where few triangles are left each counts.
-    let is_small = settings.few_triangles || settings.is_in_scene;
-    let few = if is_small { &BEFORE_LAST[..] } else { &[] };
-    let stride = if settings.is_in_scene { STRIDE_IN_SCENE } else { 1 };
-    let last_few = if is_small { LAST_TRIANGLES } else { 0 };
+    let few = if settings.few_triangles { &BEFORE_LAST[..] } else { &[] };
+    let last_few = if settings.few_triangles { LAST_TRIANGLES } else { 0 };
     let mut planned: Vec<usize> = shares
         .into_iter()
         .chain(below.take_while(|&triangles| triangles > 0))
-        .chain((1..=last_few).step_by(stride))
+        .chain(1..=last_few)
         .chain(few.iter().copied())
         .map(|triangles| sequence.steps_at(sequence.lod_for_triangles(triangles as u32)))
         .filter(|steps| (1..last).contains(steps))
@@ -241,7 +244,7 @@ impl Ladder<'_> {
         let mut work = Work { levels: planned.len(), boxes: 0 };
         let mut rungs: Vec<Rung> = Vec::with_capacity(planned.len());
         for &steps in planned {
-            let rung = self.rung(steps, rungs.last(), &mut work);
+            let rung = self.rung(steps, rungs.last(), None, &mut work);
             self.add_between(rungs.last().copied(), rung, &mut rungs, &mut work);
         }
         rungs
@@ -256,12 +259,12 @@ impl Ladder<'_> {
         work: &mut Work,
     ) {
         let most = self.limits().max_levels;
-        if let Some(steps) = self.middle(finer.as_ref(), &coarser, work.levels < most)
+        if let Some((steps, ratio)) = self.middle(finer.as_ref(), &coarser, work.levels < most)
             && work.levels < JUMPS_MAY_TAKE * most
             && work.boxes < self.limits().max_boxes(self.original.input.triangles.len())
         {
             work.levels += 1;
-            let middle = self.rung(steps, finer.as_ref(), work);
+            let middle = self.rung(steps, finer.as_ref(), ratio, work);
             self.add_between(finer, middle, rungs, work);
             let before = rungs.last().copied();
             coarser.follow(before.as_ref());
@@ -272,8 +275,14 @@ impl Ladder<'_> {
     }
 
     /// Returns the number of steps of the level to measure between two, if they are not alike;
-    /// without `any`, only if there is a jump between them.
-    fn middle(&self, finer: Option<&Rung>, coarser: &Rung, any: bool) -> Option<usize> {
+    /// without `any`, only if there is a jump between them. Besides, in a mesh of a large scene,
+    /// the ratio of its mean distance to the proposed one, if both neighbours have about the same.
+    fn middle(
+        &self,
+        finer: Option<&Rung>,
+        coarser: &Rung,
+        any: bool,
+    ) -> Option<(usize, Option<f64>)> {
         let all = self.sequence.parts().triangles;
         let (steps, triangles) = finer.map_or((0, all), |rung| (rung.steps, rung.triangles));
         let [from, to] = [triangles, coarser.triangles].map(f64::from);
@@ -300,28 +309,37 @@ impl Ladder<'_> {
             let means_are_known = ratios_are_alike && high <= KNOWN_MEANS;
             let means_jump = !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_MEANS);
             let errors_jump = if is_in_scene {
-                !is_alike(error, coarser.upper, JUMP_IN_SCENE)
+                let factor = if excess > 1.0 { JUMP_IN_SCENE } else { JUMP };
+                !is_alike(error, coarser.upper, factor)
             } else {
                 !errors_are_alike && !is_alike(error, coarser.upper, JUMP)
             };
             errors_jump || (!means_are_known && means_jump)
         };
-        let are_alike = errors_are_alike && means_are_alike;
+        let are_alike = (is_in_scene || errors_are_alike) && means_are_alike;
         if (are_alike || are_neighbours || !any) && !is_jump() {
             return None;
         }
         let middle = (from * to.max(1.0)).sqrt() as u32;
         let sequence = self.sequence;
         let middle = sequence.steps_at(sequence.lod_for_triangles(middle));
-        Some(middle.clamp(steps + 1, coarser.steps - 1))
+        let known_ratio = (is_in_scene && ratios_are_alike).then_some((low * high).sqrt());
+        Some((middle.clamp(steps + 1, coarser.steps - 1), known_ratio))
     }
 
     fn limits(&self) -> &Limits {
         &self.settings.limits
     }
 
-    /// Measures the level after some steps; `finer` is a rung before it.
-    fn rung(&self, steps: usize, finer: Option<&Rung>, work: &mut Work) -> Rung {
+    /// Measures the level after some steps; `finer` is a rung before it. Where the ratio of the
+    /// mean distance to the proposed one is known, few samples only tell whether it is so.
+    fn rung(
+        &self,
+        steps: usize,
+        finer: Option<&Rung>,
+        known_ratio: Option<f64>,
+        work: &mut Work,
+    ) -> Rung {
         (self.tick)();
         let step = self.sequence.step(steps - 1);
         let proposed = Proposals::after(&self.proposals.largest, steps);
@@ -336,8 +354,21 @@ impl Ladder<'_> {
             0..=VERY_FEW_TRIANGLES => SAMPLES_OF_VERY_FEW,
             _ => FEWEST_SAMPLES + SAMPLES_PER_TRIANGLE * triangles,
         });
-        let mut found = self.original.measure(step.lod, known, samples, rough);
+        let proposed_rms = Proposals::after(&self.proposals.rms, steps);
+        let expected = known_ratio.map(|ratio| proposed_rms * ratio);
+        let few = if expected.is_some() { SAMPLES_OF_KNOWN } else { samples };
+        let mut found = self.original.measure(step.lod, known, few, rough);
         work.boxes += found.boxes;
+        if let Some(expected) = expected {
+            let [low, high] = [expected.min(found.rms), expected.max(found.rms)];
+            if high <= AS_EXPECTED * low {
+                found.rms = expected.min(found.upper);
+            } else {
+                let closely = self.original.measure(step.lod, found.lower, samples, rough);
+                work.boxes += closely.boxes;
+                found.rms = closely.rms;
+            }
+        }
         for _ in 0..TRIES {
             if found.upper <= UNFINISHED * found.lower || !found.upper.is_finite() {
                 break;
@@ -353,7 +384,6 @@ impl Ladder<'_> {
         let accepted = self.original.accepted(known);
         // Rounding errors of a level without any distance tell nothing of those beside it.
         let rms = if found.rms > self.original.rounding() { found.rms } else { 0.0 };
-        let proposed_rms = Proposals::after(&self.proposals.rms, steps);
         let mut rung = Rung {
             steps,
             triangles: step.triangles,
