@@ -31,8 +31,13 @@ pub(crate) struct RunArgs {
     #[arg(long)]
     json: bool,
     /// Print such a document (json), or one in each line as results come (jsonl)
-    #[arg(long, value_enum, value_name = "FORMAT", conflicts_with = "json",
-          hide_short_help = true)]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "FORMAT",
+        conflicts_with = "json",
+        hide_short_help = true
+    )]
     report: Option<ReportFormat>,
     /// Write a Make/Ninja dependency file that names every file read
     #[arg(long, value_name = "FILE", hide_short_help = true)]
