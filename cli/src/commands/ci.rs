@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 #[command(next_help_heading = OUTPUT)]
 pub(crate) struct CiArgs {
     /// Write the results as a JUnit file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     junit: Option<PathBuf>,
     /// Print every failure as an annotation of this CI system, on standard error
     #[arg(long, value_enum, value_name = "SYSTEM", hide_short_help = true)]

@@ -66,7 +66,8 @@ pub(crate) struct ChainArgs {
     /// Move vertices to where they fit the input best
     ///
     /// Needs --separate. Errors are measured on the result.
-    #[arg(long, requires = "separate", help_heading = BECOMES, display_order = 2)]
+    #[arg(long, requires = "separate", help_heading = BECOMES, display_order = 2,
+          hide_short_help = true)]
     refit: bool,
     /// File (.glb, .gltf; --separate: any), or folder
     ///
