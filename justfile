@@ -56,7 +56,7 @@ tour:
 options:
     UPDATE=1 cargo test -p lodc-cli --bin lodc page
 
-# Draw the pictures of README and CLI.md again (docs/*.png; needs a graphics device)
+# Draw the pictures of README and CLI.md again (docs/*.png)
 picture: build
     cargo run --release -p lodc-fixtures --example shell -- target/shell.obj
     target/release/lodc render target/shell.obj --contact-sheet 1,0.1,0.03,0.01 --size 320x380 \

@@ -49,19 +49,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/plan", &["lodc-mesh", "lodc-strip"]),
     ("crates/lod", &["lodc-mesh", "lodc-model", "lodc-plan", "lodc-strip", "lodc-verify", "rayon"]),
     ("crates/select", &["lodc-lod", "lodc-mesh", "lodc-raster", "lodc-scene", "glam", "rayon"]),
-    (
-        "crates/gpu",
-        &[
-            "lodc-mesh",
-            "lodc-plan",
-            "lodc-scene",
-            "ab_glyph",
-            "bytemuck",
-            "pollster",
-            "rayon",
-            "wgpu",
-        ],
-    ),
+    ("crates/gpu", &["lodc-plan", "bytemuck", "pollster", "wgpu"]),
     (
         "formats",
         &[
@@ -131,6 +119,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-scene",
             "lodc-select",
             "lodc-verify",
+            "ab_glyph",
             "glam",
             "indexmap",
             "rayon",

@@ -77,7 +77,7 @@ pub(crate) enum Command {
     Verify(verify::VerifyArgs),
     /// Say how far apart two meshes are, in space and in pictures
     Compare(compare::CompareArgs),
-    /// Make a picture of a mesh, or of levels, on a graphics device
+    /// Make a picture of a mesh, or of levels
     Render(render::RenderArgs),
     /// Make an offline page for approving an asset: pictures, errors, checks
     #[command(after_help = MORE, after_long_help = report::EXAMPLES)]
@@ -108,9 +108,8 @@ impl Command {
     /// Returns whether a graphics device may be opened.
     pub(crate) fn uses_gpu(&self) -> bool {
         match self {
-            Self::Render(_) => true,
             Self::Verify(args) => args.gpu.gpu.is_some(),
-            Self::Bench(args) => args.gpu.gpu.is_some() || args.draws_picture(),
+            Self::Bench(args) => args.gpu.gpu.is_some(),
             _ => false,
         }
     }

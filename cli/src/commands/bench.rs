@@ -97,11 +97,6 @@ impl BenchArgs {
     fn rounds(&self) -> Option<u32> {
         (!self.no_times).then(|| self.rounds.get())
     }
-
-    /// Returns whether a picture is wanted.
-    pub(crate) fn draws_picture(&self) -> bool {
-        self.crowd.picture.is_some()
-    }
 }
 
 /// Options of a crowd.
@@ -124,7 +119,7 @@ struct CrowdArgs {
     /// Seed of its paths: the same number gives the same paths
     #[arg(long, value_name = "K", default_value = "1", requires = "crowd", hide_short_help = true)]
     seed: u64,
-    /// Draw the crowd, all levels beside five, on a graphics device
+    /// Draw the crowd, all levels beside five
     #[arg(long, value_name = "OUT.png", requires = "crowd", help_heading = OUTPUT,
           hide_short_help = true)]
     picture: Option<PathBuf>,
@@ -224,23 +219,14 @@ fn open(args: &GpuArgs) -> Outcome<Option<Device>> {
 
 /// Measures a crowd of all inputs, and nothing else.
 fn run_crowd(args: &BenchArgs, device: Option<Device>, mut report: BenchReport) -> Outcome<Status> {
-    let open = |out: &PathBuf| {
-        gpu::open(None).map_err(|failure| {
-            let message = format!("{}: {failure}; nothing was drawn", out.display());
-            Failure { message, ..failure }
-        })
-    };
-    // A device that is opened only for the picture is not measured.
-    let picture_device = args.crowd.picture.as_ref().filter(|_| device.is_none());
-    let picture_device = picture_device.map(open).transpose()?;
     let inputs: Vec<Input> =
         args.inputs.iter().map(|input| read(args, input)).collect::<Outcome<_>>()?;
     let CrowdArgs { instances, seconds, seed, .. } = args.crowd;
     let limits = args.import.options().limits;
     let settings = CrowdSettings { instances, seconds, seed, rounds: args.rounds(), limits };
     let figures = crowd(&inputs, &settings, device.as_ref())?;
-    if let (Some(out), Some(device)) = (&args.crowd.picture, picture_device.or(device)) {
-        let drawn = crowd_picture(&inputs, &settings, &device)?;
+    if let Some(out) = &args.crowd.picture {
+        let drawn = crowd_picture(&inputs, &settings)?;
         output::write(&Target::File(out.clone()), images::png(&drawn))?;
     }
     if let Some(folder) = &args.plots {

@@ -230,21 +230,6 @@ impl Device {
         Ok(())
     }
 
-    /// Checks that a texture may have `texels` texels in a row.
-    pub(crate) fn allows_texture(&self, what: &str, texels: u32) -> Result<(), GpuError> {
-        let allowed = self.device.limits().max_texture_dimension_2d;
-        if texels <= allowed {
-            return Ok(());
-        }
-        let (needed, allowed) = (u64::from(texels), u64::from(allowed));
-        Err(GpuError::Limit {
-            what: what.to_owned(),
-            limit: "max_texture_dimension_2d",
-            needed,
-            allowed,
-        })
-    }
-
     /// Checks that a buffer that no shader binds may have `needed` bytes.
     pub(crate) fn allows_buffer(&self, what: &str, needed: u64) -> Result<(), GpuError> {
         let allowed = self.device.limits().max_buffer_size;

@@ -2,7 +2,6 @@
 //! triangles by one draw.
 
 use crate::draw::{Targets, pipeline};
-use crate::picture::Camera;
 use crate::timer::{Clock, Now};
 use crate::{Device, GpuError};
 use std::ops::Range;
@@ -52,14 +51,15 @@ pub struct Instanced<'d> {
 }
 
 impl<'d> Instanced<'d> {
-    /// Sends the positions of meshes.
+    /// Sends the positions of meshes. `matrix` leads from positions to clip space, column by
+    /// column.
     ///
     /// # Errors
     /// If one is larger than the device allows, or the device fails.
     pub fn new(
         device: &'d Device,
         meshes: &[Vec<[f32; 3]>],
-        camera: &Camera,
+        matrix: [[f32; 4]; 4],
     ) -> Result<Self, GpuError> {
         let gpu = &device.device;
         let layout = |step_mode, attributes, array_stride| {
@@ -71,7 +71,6 @@ impl<'d> Instanced<'d> {
             layout(wgpu::VertexStepMode::Vertex, position, 12),
             layout(wgpu::VertexStepMode::Instance, instance, size_of::<Instance>() as u64),
         ];
-        let matrix = camera.matrix();
         let uniform = buffer(device, wgpu::BufferUsages::UNIFORM, bytemuck::cast_slice(&matrix))?;
         let pipelines = [false, true].map(|strips| {
             let pipeline = pipeline(gpu, include_str!("instanced.wgsl"), &buffers, strips);

@@ -4,12 +4,38 @@
 
 use super::*;
 use crate::draw::SIZE;
-use crate::picture::{Framing, Lens, Up, read_back};
+
+/// Reads back the picture's pixels, four bytes each, row by row from the top.
+fn read_back(stage: &Instanced<'_>) -> Vec<u8> {
+    let (gpu, bytes) = (&stage.device.device, 4 * u64::from(SIZE * SIZE));
+    let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("pixels"),
+        size: bytes,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(
+        stage.targets.picture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * SIZE),
+                rows_per_image: None,
+            },
+        },
+        wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
+    );
+    stage.device.queue.submit([encoder.finish()]);
+    let mut pixels = Vec::new();
+    stage.device.map(&buffer, bytes, |mapped| pixels = mapped.to_vec()).expect("a picture");
+    pixels
+}
 
 /// The grey of the pixel at a share of the way across, halfway down.
 fn grey(stage: &Instanced<'_>, across: f32) -> u8 {
-    let picture = &stage.targets.picture;
-    let pixels = read_back(stage.device, picture, [SIZE; 2]).expect("a picture");
+    let pixels = read_back(stage);
     let pixel = SIZE / 2 * SIZE + (across * SIZE as f32) as u32;
     pixels[4 * pixel as usize]
 }
@@ -25,10 +51,10 @@ fn instances_stand_where_they_are_put_and_turned_and_take_time() {
         Err(e) => panic!("{e}"),
     };
     let square = [[0.4, -0.2, 0.0], [0.8, -0.2, 0.0], [0.8, 0.2, 0.0], [0.4, 0.2, 0.0]];
-    let lens = Lens::Orthographic;
-    let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens, zoom: 1.0 };
-    let camera = Camera::around(&[[-1.0; 3], [1.0; 3]], &framing, 1.0);
-    let stage = Instanced::new(&device, &[square.to_vec()], &camera).expect("small");
+    // From the front, without perspective; depth grows away from the camera.
+    let matrix =
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, -0.25, 0.0], [0.0, 0.0, 0.5, 1.0]];
+    let stage = Instanced::new(&device, &[square.to_vec()], matrix).expect("small");
     let frame = |instances: &[Instance], strips: bool| InstancedFrame {
         // Two strips of one triangle each.
         indices: if strips { vec![0, 1, 3, u32::MAX, 1, 2, 3] } else { vec![0, 1, 2, 0, 2, 3] },

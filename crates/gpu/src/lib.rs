@@ -1,5 +1,5 @@
-//! The only package that sees a graphics device: it runs any [`Plan`](lodc_plan::Plan),
-//! compares what comes back bit for bit, and draws pictures. It knows no model.
+//! The only package that sees a graphics device: it runs any [`Plan`](lodc_plan::Plan)
+//! and compares what comes back bit for bit. It knows no model.
 //!
 //! ```
 //! use lodc_gpu::{Device, GpuError, Session};
@@ -24,7 +24,6 @@ mod draw;
 mod error;
 mod instanced;
 mod measure;
-pub mod picture;
 mod pipelines;
 mod replay;
 mod session;

@@ -9,9 +9,9 @@ use crate::timings::Timings;
 use indexmap::IndexMap;
 use lodc::LodObject;
 pub use lodc_gpu::Device;
-use lodc_gpu::picture::{Camera, Framing, Lens, Up};
 use lodc_gpu::{DRAWN_UPDATES, SWEEP_UPDATES, drawn_stops, timed_updates};
 use lodc_gpu::{GpuError, Instance, Instanced, InstancedDraw, InstancedFrame};
+use lodc_measure::render::{Camera, Framing, Lens, Up};
 use lodc_mesh::{Lod, Simplified};
 use lodc_model::Model;
 use lodc_report::text::grouped;
@@ -92,7 +92,7 @@ impl<'d> Stage<'d> {
         let camera = Camera::around(&wide, &framing, 1.0);
         let origin = camera.centre.map(|c| -c as f32);
         let instance = Instance { origin, rotation: [1.0, 0.0] };
-        let drawn = Instanced::new(device, &[positions], &camera)?;
+        let drawn = Instanced::new(device, &[positions], camera.matrix())?;
         Ok(Self { drawn, instance, rounds, start: Instant::now() })
     }
 

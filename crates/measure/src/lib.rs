@@ -30,6 +30,7 @@ mod field;
 mod heat;
 mod picture;
 mod reference;
+pub mod render;
 mod scene;
 mod spread;
 mod surface;

@@ -3,7 +3,7 @@
 
 use glam::{Vec2, Vec3};
 use lodc_mesh::floor;
-use lodc_scene::{Image, Wrap};
+use lodc_scene::{Image, Texture, Wrap};
 
 /// An image that can be read at any coordinates and size: itself and all its halved sizes. Texture
 /// coordinates 0 to 1 span it, with its first row at 0.
@@ -27,35 +27,84 @@ impl Pyramid {
         self.levels[0].width as f32 * self.levels[0].height as f32
     }
 
+    /// Pixels of the whole image, across and down.
+    #[must_use]
+    pub fn size(&self) -> Vec2 {
+        Vec2::new(self.levels[0].width as f32, self.levels[0].height as f32)
+    }
+
     /// Returns the colour at texture coordinates, sRGB values from 0 to 1, for a pixel of a picture
     /// that covers an area of `texels` texels. Linear between texels and between sizes.
     #[must_use]
     pub fn at(&self, uv: Vec2, texels: f32, wrap: [Wrap; 2]) -> Vec3 {
-        let (mut level, mut level_texels) = (0, texels);
-        while level_texels > 4.0 && level + 2 < self.levels.len() {
-            level_texels *= 0.25;
-            level += 1;
-        }
+        let (level, share) = self.level(texels);
         let finer = bilinear(&self.levels[level], uv, wrap);
-        let share = ((level_texels - 1.0) / 3.0).clamp(0.0, 1.0);
         match self.levels.get(level + 1) {
             Some(next) if share > 0.0 => finer.lerp(bilinear(next, uv, wrap), share),
             _ => finer,
         }
     }
+
+    /// Returns linear light and opacity at coordinates of the image, as a texture has it read, for
+    /// a pixel that covers an area of `texels` texels. `linear` is the light of every value.
+    #[must_use]
+    pub fn light(&self, uv: Vec2, texels: f32, texture: &Texture, linear: &[f32; 256]) -> [f32; 4] {
+        let value = |texel: &[u8]| -> [f32; 4] {
+            let table = |c: usize| if c < 3 { linear } else { &SHARES };
+            std::array::from_fn(|c| table(c)[usize::from(texel[c])])
+        };
+        let mix = |a: [f32; 4], b: [f32; 4], share: f32| -> [f32; 4] {
+            std::array::from_fn(|c| a[c] + (b[c] - a[c]) * share)
+        };
+        let at = |image: &Image| {
+            let (texels, [x, y]) = corner_texels(image, uv, texture.wrap);
+            let [a, b, c, d] = texels.map(value);
+            mix(mix(a, b, x), mix(c, d, x), y)
+        };
+        if texture.nearest && texels <= 1.0 {
+            let (texels, [x, y]) = corner_texels(&self.levels[0], uv, texture.wrap);
+            return value(texels[usize::from(x >= 0.5) + 2 * usize::from(y >= 0.5)]);
+        }
+        let (level, share) = self.level(texels);
+        let finer = at(&self.levels[level]);
+        match self.levels.get(level + 1) {
+            Some(next) if share > 0.0 => mix(finer, at(next), share),
+            _ => finer,
+        }
+    }
+
+    /// The level whose pixels are not larger than `texels` texels, and how far it is from there to
+    /// the next.
+    fn level(&self, mut texels: f32) -> (usize, f32) {
+        let mut level = 0;
+        while texels > 4.0 && level + 2 < self.levels.len() {
+            texels *= 0.25;
+            level += 1;
+        }
+        (level, ((texels - 1.0) / 3.0).clamp(0.0, 1.0))
+    }
 }
 
+/// The four texels around coordinates, row by row, and how far these are from the first to the
+/// last, across and down.
 #[inline]
-fn bilinear(image: &Image, uv: Vec2, wrap: [Wrap; 2]) -> Vec3 {
+fn corner_texels(image: &Image, uv: Vec2, wrap: [Wrap; 2]) -> ([&[u8]; 4], [f32; 2]) {
     let x = axis_texels(uv.x, image.width, wrap[0]);
     let y = axis_texels(uv.y, image.height, wrap[1]);
     let texel = |i: usize, j: usize| {
         let start = 4 * (y.0[j] as usize * image.width as usize + x.0[i] as usize);
-        let texel = &image.bytes[start..start + 3];
-        Vec3::new(SHARES[texel[0] as usize], SHARES[texel[1] as usize], SHARES[texel[2] as usize])
+        &image.bytes[start..start + 4]
     };
-    let row = |j: usize| texel(0, j).lerp(texel(1, j), x.1);
-    row(0).lerp(row(1), y.1)
+    ([texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)], [x.1, y.1])
+}
+
+#[inline]
+fn bilinear(image: &Image, uv: Vec2, wrap: [Wrap; 2]) -> Vec3 {
+    let (texels, [x, y]) = corner_texels(image, uv, wrap);
+    let [a, b, c, d] = texels.map(|texel| {
+        Vec3::new(SHARES[texel[0] as usize], SHARES[texel[1] as usize], SHARES[texel[2] as usize])
+    });
+    a.lerp(b, x).lerp(c.lerp(d, x), y)
 }
 
 /// The values of a channel as shares of 255: a table, since millions of texels are read.

@@ -23,6 +23,7 @@ mod errors_over;
 pub mod html;
 mod missing_parts;
 mod page;
+mod sheet;
 pub mod text;
 
 pub use chart::{Chart, Curve, Scale, colour_of};
@@ -38,6 +39,7 @@ pub use compare::{
 pub use errors_over::ErrorsOver;
 pub use missing_parts::{MissingPart, PartInventory};
 pub use page::{PageContent, PageLevel, error_curve, page, page_levels};
+pub use sheet::{Legend, Sheet};
 
 /// Version of all documents; rises only if a key changes its meaning or goes away.
 pub const SCHEMA_VERSION: u32 = 1;

@@ -1,4 +1,4 @@
-//! Draws each cell with the software rasterizer, and joins the pictures to a contact sheet.
+//! Draws each cell, and joins the pictures to a contact sheet.
 
 use super::RenderArgs;
 use super::cells::Cell;
@@ -6,15 +6,13 @@ use super::heat::Heat;
 use super::options::{Backs, Colouring, Shading, View};
 use super::scene::DrawableScene;
 use crate::exit::{Failure, Outcome, Status};
-use crate::gpu::{Device, failure};
 use crate::kinds::UpAxis;
-use lodc_gpu::GpuError;
-use lodc_gpu::picture::{
-    BackFaces, Camera, Colours, Division, Frame, Framing, Legend, Lens, Level, Scene, Sheet, Style,
-    Up, Viewpoint,
+use lodc_measure::render::{
+    BackFaces, Camera, Colours, Division, Framing, Lens, Level, Scene, Style, Up, Viewpoint,
 };
 use lodc_measure::{distinct, heat as heat_colour};
 use lodc_report::text::distance;
+use lodc_report::{Legend, Sheet};
 use lodc_scene::{Image, posed, to_linear};
 
 /// The linear colour of surfaces without a colour of their own.
@@ -23,16 +21,12 @@ const PLAIN_GREY: [f32; 3] = [0.52, 0.51, 0.49];
 const MAX_PIXELS: u64 = 1 << 28;
 
 /// Draws one picture of every cell, all from the same camera.
-///
-/// # Errors
-/// If the device allows less than is needed, or fails.
 pub(super) fn pictures(
     args: &RenderArgs,
     drawable: &DrawableScene,
     cells: &[Cell],
     heat: Option<&Heat>,
-    device: &Device,
-) -> Outcome<Vec<Image>> {
+) -> Vec<Image> {
     let size =
         args.size.unwrap_or(if args.contact_sheet.is_empty() { [1024, 768] } else { [480, 360] });
     let camera = camera(args, drawable, f64::from(size[0]) / f64::from(size[1]));
@@ -74,17 +68,12 @@ pub(super) fn pictures(
             Box::new(move |t, corners| heat.divide(cell, object, t, corners))
         }),
     };
-    let draw = || -> Result<Vec<Image>, GpuError> {
-        let painter = scene.painter(device)?;
-        let draw_cell = |cell| {
-            let mut frame = Frame::new(&painter, &camera, &style)?;
-            let levels: Vec<Level<'_>> = (0..objects).map(|o| level(cell, o)).collect();
-            scene.draw(&mut frame, &camera, &levels)?;
-            frame.finish()
-        };
-        (0..cells.len()).map(draw_cell).collect()
+    let painter = scene.painter();
+    let draw_cell = |cell| {
+        let levels: Vec<Level<'_>> = (0..objects).map(|o| level(cell, o)).collect();
+        scene.draw(&painter, &camera, &style, &levels)
     };
-    draw().map_err(|e| failure(&e))
+    (0..cells.len()).map(draw_cell).collect()
 }
 
 /// Vertical field of view, in degrees, of a picture from a side: narrow, so that shapes look little

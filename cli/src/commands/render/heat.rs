@@ -3,7 +3,7 @@
 use super::cells::{Cell, all_triangles};
 use super::scene::DrawableScene;
 use lodc_formats::ObjectInfo;
-use lodc_gpu::picture::Corner;
+use lodc_measure::render::Corner;
 use lodc_measure::{DistanceField, TriangleTree, heat};
 use lodc_mesh::{Mesh, OrientedTriangle};
 use lodc_scene::to_linear;

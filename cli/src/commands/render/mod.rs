@@ -1,23 +1,20 @@
 //! `lodc render`: pictures of a mesh, or of levels of detail.
 
-#[cfg(feature = "gpu")]
 mod cells;
-#[cfg(feature = "gpu")]
 mod draw;
-#[cfg(feature = "gpu")]
 mod heat;
 mod options;
-#[cfg(feature = "gpu")]
 mod scene;
 
+use crate::console::{self, note};
 use crate::exit::{Failure, Outcome};
-use crate::gpu::{self, Device};
-use crate::help::{BECOMES, DEVICE, LEVEL, MORE, OUTPUT, SEEN};
+use crate::help::{BECOMES, LEVEL, MORE, OUTPUT, SEEN};
 use crate::kinds::UpAxis;
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::pose::PoseArgs;
 use crate::selector::{SelectorArgs, share};
+use crate::stages::Stages;
 use crate::views::ViewArgs;
 use clap::{Arg, Args};
 use options::{Backs, Colouring, Shading, View};
@@ -105,9 +102,6 @@ pub(crate) struct RenderArgs {
     /// Pictures alone: no text below them, no meaning of error colours
     #[arg(long, help_heading = BECOMES, hide_short_help = true)]
     no_labels: bool,
-    /// Graphics device to use, by a part of its name
-    #[arg(long, value_name = "NAME", help_heading = DEVICE, hide_short_help = true)]
-    adapter: Option<String>,
     /// PNG file, or folder; - for standard output
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
     output: PathBuf,
@@ -134,11 +128,7 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome<()> {
         return Err(Failure::usage("--color error divides triangles: leave --wireframe out"));
     }
     check_view(args)?;
-    let device = gpu::open(args.adapter.as_deref()).map_err(|failure| {
-        let message = format!("{}: {failure}; nothing was drawn", args.input.display());
-        Failure { message, ..failure }
-    })?;
-    picture(args, &target, &device)
+    picture(args, &target)
 }
 
 /// Refuses options of views that do not fit together.
@@ -168,16 +158,7 @@ impl RenderArgs {
     }
 }
 
-#[cfg(not(feature = "gpu"))]
-fn picture(_: &RenderArgs, _: &Target, device: &Device) -> Outcome<()> {
-    match *device {}
-}
-
-#[cfg(feature = "gpu")]
-fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
-    use crate::console::{self, note};
-    use crate::stages::Stages;
-
+fn picture(args: &RenderArgs, target: &Target) -> Outcome<()> {
     let name = args.input.display().to_string();
     let mut stages = Stages::new(args.import.clock(&args.input));
     let drawable = scene::read(args, &mut stages)?;
@@ -187,8 +168,8 @@ fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
     console::warnings(&name, &warnings);
     let heat = (args.color == Colouring::Error)
         .then(|| stages.run("measure", || heat::measure(&drawable, &cells_to_draw)));
-    let pictures = stages
-        .run("draw", || draw::pictures(args, &drawable, &cells_to_draw, heat.as_ref(), device))?;
+    let pictures =
+        stages.run("draw", || draw::pictures(args, &drawable, &cells_to_draw, heat.as_ref()));
     let picture = if args.contact_sheet.is_empty() && heat.is_none() {
         pictures.into_iter().next().expect("there is always one")
     } else {
@@ -200,6 +181,6 @@ fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
     let destination =
         if *target == Target::Stdout { "standard output".to_owned() } else { target.name() };
     let lods: Vec<String> = cells_to_draw.iter().map(cells::Cell::sentence).collect();
-    note(&format!("{destination}: {size}, {}; {}", lods.join(", "), device.adapter()));
+    note(&format!("{destination}: {size}, {}", lods.join(", ")));
     Ok(())
 }

@@ -14,7 +14,6 @@ pub(super) enum View {
     ThreeQuarter,
 }
 
-#[cfg(feature = "gpu")]
 impl View {
     /// Azimuth and elevation in degrees. Left and right are those of the picture of the front.
     pub(super) fn angles(self) -> (f64, f64) {
@@ -61,8 +60,7 @@ pub(super) enum Backs {
     Mark,
 }
 
-/// Pixels of a side of a picture at most. Chosen by hand: usual devices draw into
-/// pictures of this size.
+/// Pixels of a side of a picture at most. Chosen by hand: bounds the memory.
 const MAX_SIDE: u32 = 8192;
 
 /// Reads `1024x768`.

@@ -1,10 +1,9 @@
-//! Replays and pictures on a graphics device, compared with what must come out.
+//! Replays on a graphics device, compared with what must come out.
 
 mod by_hand;
 mod engine;
 mod faults;
 mod limits;
 mod many;
-mod picture;
 mod replay;
 mod support;

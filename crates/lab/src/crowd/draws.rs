@@ -7,8 +7,8 @@ use super::walk::WalkerPosition;
 use super::{CrowdLevels, picture};
 use crate::device::Device;
 use crate::error::LabError;
-use lodc_gpu::picture::Camera;
 use lodc_gpu::{GpuError, Instance, Instanced, InstancedDraw, InstancedFrame};
+use lodc_measure::render::Camera;
 use lodc_mesh::Lod;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -36,7 +36,7 @@ pub(crate) fn measure(
     let frames = positions.len() - 1;
     let count = frames.min(MAX_DRAWN_FRAMES);
     let frame_numbers: Vec<usize> = (1..=count).map(|i| i * frames / count).collect();
-    let stage = Instanced::new(device, &meshes, &camera)?;
+    let stage = Instanced::new(device, &meshes, camera.matrix())?;
     let start = Instant::now();
     let mut drawn_frames = |levels: &CrowdLevels| -> Result<DrawnFrames, GpuError> {
         let frames: Vec<InstancedFrame> = frame_numbers

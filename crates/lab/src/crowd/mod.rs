@@ -187,13 +187,8 @@ fn drawn(
 /// level: from blue (every triangle) to red (none).
 ///
 /// # Errors
-/// If a scene or an animation is damaged, or the device fails or is too small.
-#[cfg(feature = "gpu")]
-pub fn crowd_picture(
-    inputs: &[Input],
-    settings: &CrowdSettings,
-    device: &Device,
-) -> Result<Image, LabError> {
+/// If a scene or an animation is damaged.
+pub fn crowd_picture(inputs: &[Input], settings: &CrowdSettings) -> Result<Image, LabError> {
     let frames = settings.seconds * FRAMES_PER_SECOND;
     let all = positions(settings.instances, frames, settings.seed);
     let now = all.len() / 2;
@@ -201,16 +196,7 @@ pub fn crowd_picture(
         [("continuous", continuous_lod), ("five levels", discrete_lod)];
     let policies = policies.map(|(name, policy)| (name, lods(inputs, &all[now], policy)));
     let mut figures = figures::all(inputs, &settings.limits)?;
-    Ok(picture::picture(device, &mut figures, &all[now], &policies, now)?)
-}
-
-/// There is no device.
-///
-/// # Errors
-/// Never.
-#[cfg(not(feature = "gpu"))]
-pub fn crowd_picture(_: &[Input], _: &CrowdSettings, device: &Device) -> Result<Image, LabError> {
-    match *device {}
+    Ok(picture::picture(&mut figures, &all[now], &policies, now))
 }
 
 /// The names of all structures that every object of every input has.

@@ -3,13 +3,12 @@
 
 use super::figures::{Figure, ground_position, rotation};
 use super::walk::WalkerPosition;
-use crate::device::Device;
-use lodc_gpu::GpuError;
-use lodc_gpu::picture::{
-    BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Sheet, Style, Up, Viewpoint,
-};
 use lodc_measure::heat;
+use lodc_measure::render::{
+    BackFaces, Camera, Corner, Framing, Lens, Painter, Run, Style, Up, Viewpoint,
+};
 use lodc_mesh::Lod;
+use lodc_report::Sheet;
 use lodc_report::text::count;
 use lodc_scene::{Image, Material, to_linear};
 
@@ -54,37 +53,31 @@ fn points<'a>(
 
 /// Draws the frame `now` by each way to choose levels, side by side: from blue (every triangle) to
 /// red (none).
-///
-/// # Errors
-/// If the device fails or is too small.
 pub(crate) fn picture(
-    device: &Device,
     figures: &mut [Figure<'_>],
     positions: &[WalkerPosition],
     policies: &[(&str, Vec<Vec<Lod>>)],
     now: usize,
-) -> Result<Image, GpuError> {
+) -> Image {
     let camera = behind(figures, positions);
     let style = Style { size: SIZE, background: [1.0; 4], back_faces: BackFaces::Shown, wire: 0.0 };
     let matte = Material { double_sided: true, ..Material::default() };
-    let painter = Painter::new(device, &[], &[matte])?;
+    let painter = Painter::new(&[], vec![matte]);
     let (mut pictures, mut labels) = (Vec::new(), Vec::new());
     for (name, lods) in policies {
-        let mut frame = Frame::new(&painter, &camera, &style)?;
-        let mut drawn = 0;
+        let mut all = Vec::new();
         for (i, (walker, lods)) in positions.iter().zip(lods).enumerate() {
             let f = i % figures.len();
             let phase = figures[f].phase(i, now);
-            let corners = corners(&mut figures[f], phase, walker, lods, &camera);
-            drawn += corners.len() as u64 / 3;
-            frame.draw(0, false, &corners)?;
+            all.extend(corners(&mut figures[f], phase, walker, lods, &camera));
         }
-        pictures.push(frame.finish()?);
+        let drawn = all.len() as u64 / 3;
+        pictures.push(painter.draw(&camera, &style, &[Run { material: 0, corners: all }]));
         labels.push([(*name).to_owned(), count(drawn, "triangle")]);
     }
     let (pictures, labels) = (&pictures, &labels);
     let background = [255; 4];
-    Ok(Sheet { pictures, columns: None, labels, background }.compose(None))
+    Sheet { pictures, columns: None, labels, background }.compose(None)
 }
 
 /// The triangles of a walker.

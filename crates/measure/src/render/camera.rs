@@ -1,6 +1,9 @@
 //! The camera of a picture: from a direction, at the distance at which everything just fits, or
 //! from a viewpoint.
 
+use super::angles::{sin_cos, tan_of_half};
+use glam::{DVec3, Vec3};
+
 /// The axis that points up in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Up {
@@ -156,7 +159,7 @@ impl Camera {
             if farthest <= nearest { (farthest, nearest) } else { (0.0, 0.0) };
         let (eye, half) = match framing.lens {
             Lens::Perspective(degrees) => {
-                let tangent = (degrees.to_radians() / 2.0).tan();
+                let tangent = tan_of_half(degrees);
                 let half = [tangent * aspect, tangent];
                 let mut eye = perspective_eye(&in_view, half);
                 eye[2] = eye[2].max(nearest + size * 0.01);
@@ -200,7 +203,7 @@ impl Camera {
         let in_view = PointsInView::new(points, view.axes());
         let from_centre: [f64; 3] = std::array::from_fn(|i| view.eye[i] - in_view.centre[i]);
         let eye = in_view.axes.map(|axis| dot(axis, from_centre));
-        let tangent = (view.degrees.to_radians() / 2.0).tan() / view.zoom;
+        let tangent = tan_of_half(view.degrees) / view.zoom;
         let size = in_view.size();
         let (farthest, nearest) = in_view.along(2);
         let (farthest, nearest) =
@@ -217,9 +220,10 @@ impl Camera {
         }
     }
 
-    /// From positions relative to the centre to the device's clip space, column by column. Depth
-    /// grows from 0 to 1.
-    pub(crate) fn matrix(&self) -> [[f32; 4]; 4] {
+    /// From positions relative to the centre to a graphics device's clip space, column by column.
+    /// Depth grows from 0 to 1.
+    #[must_use]
+    pub fn matrix(&self) -> [[f32; 4]; 4] {
         let [near, far] = self.depth;
         let shift: [f64; 3] = std::array::from_fn(|a| -self.eye[a]);
         // Rows of the view: the camera looks along its negative third axis.
@@ -242,27 +246,49 @@ impl Camera {
         std::array::from_fn(|column| std::array::from_fn(|r| rows[r][column] as f32))
     }
 
+    /// Returns a point, relative to the centre, as the camera sees it: across and up, each -1 to 1
+    /// in the picture once it is divided by the third, then that divisor (the distance or, without
+    /// perspective, 1), then the distance from the eye along the axis of view.
+    pub(super) fn seen(&self, p: [f32; 3]) -> [f64; 4] {
+        let p = p.map(f64::from);
+        let [x, y, z] = std::array::from_fn(|a| dot(self.axes[a], p) - self.eye[a]);
+        [x / self.half[0], y / self.half[1], if self.perspective { -z } else { 1.0 }, -z]
+    }
+
+    /// The nearest distance from the eye that is seen; none without perspective.
+    pub(super) fn near(&self) -> Option<f64> {
+        self.perspective.then_some(self.depth[0])
+    }
+
+    /// Returns the depth at a distance from the eye, 0 to 1; it changes evenly over the picture of
+    /// a plane.
+    pub(super) fn depth(&self, distance: f64) -> f64 {
+        let [near, far] = self.depth;
+        let depth = if self.perspective {
+            far / (far - near) * (1.0 - near / distance)
+        } else {
+            (distance - near) / (far - near)
+        };
+        depth.clamp(0.0, 1.0)
+    }
+
     /// Right, up and towards the camera, in the space of the scene.
-    pub(super) fn axes(&self) -> [[f32; 3]; 3] {
-        self.axes.map(|axis| axis.map(|v| v as f32))
+    pub(super) fn axes(&self) -> [Vec3; 3] {
+        self.axes.map(|axis| DVec3::from(axis).as_vec3())
     }
 
     /// Direction of the sky.
-    pub(super) fn world_up(&self) -> [f32; 3] {
+    pub(super) fn world_up(&self) -> Vec3 {
         match self.up {
-            Up::Y => [0.0, 1.0, 0.0],
-            Up::Z => [0.0, 0.0, 1.0],
+            Up::Y => Vec3::Y,
+            Up::Z => Vec3::Z,
         }
     }
 
-    /// The eye relative to the centre, in the space of the scene.
-    pub(super) fn eye(&self) -> [f32; 3] {
-        std::array::from_fn(|i| (0..3).map(|a| self.axes[a][i] * self.eye[a]).sum::<f64>() as f32)
-    }
-
-    /// True if it has perspective.
-    pub(super) fn has_perspective(&self) -> bool {
-        self.perspective
+    /// The eye relative to the centre, in the space of the scene; none without perspective.
+    pub(super) fn eye(&self) -> Option<Vec3> {
+        let along = |i: usize| (0..3).map(|a| self.axes[a][i] * self.eye[a]).sum::<f64>() as f32;
+        self.perspective.then(|| Vec3::new(along(0), along(1), along(2)))
     }
 
     /// Returns the depth of a point relative to the centre, for sorting.
@@ -311,8 +337,8 @@ fn orthographic_eye(in_view: &PointsInView<'_>, aspect: f64) -> ([f64; 3], f64) 
 
 /// Right, up, towards the camera.
 fn axes(framing: &Framing) -> [[f64; 3]; 3] {
-    let (sa, ca) = framing.azimuth.to_radians().sin_cos();
-    let (se, ce) = framing.elevation.clamp(-90.0, 90.0).to_radians().sin_cos();
+    let (sa, ca) = sin_cos(framing.azimuth);
+    let (se, ce) = sin_cos(framing.elevation.clamp(-90.0, 90.0));
     let rotated = [[ca, 0.0, -sa], [-sa * se, ce, -ca * se], [sa * ce, se, ca * ce]];
     match framing.up {
         Up::Y => rotated,

@@ -1,6 +1,8 @@
 //! Composes several pictures of one size into a sheet, with labels and a legend.
 
-use super::label::{Lettering, Line};
+mod label;
+
+use label::{Lettering, Line};
 use lodc_scene::Image;
 
 /// Lines of a label.

@@ -1,31 +1,24 @@
-//! Pictures: triangles, materials and a camera become pixels, off screen. Which triangles are shown
+//! Pictures for people: triangles, materials and a camera become pixels. Which triangles are shown
 //! is decided before; [`Scene`] poses them and gives them normals and colours.
 //!
-//! Pictures are drawn at twice their size with four samples for each pixel, and halved in linear
-//! light. On one machine the same input gives the same bytes; drivers differ by a shade at edges.
+//! A pixel has 16 samples, no two of them in one row or column. Which triangle each of them sees is
+//! decided in integers by [`lodc_raster::scan`]; colours are computed for each quarter of a pixel
+//! and averaged in linear light. Everything is computed from sums, products, quotients and square
+//! roots, so that the same bytes come out on every machine and for any number of threads.
 
+mod angles;
 mod camera;
-mod frame;
-#[cfg(feature = "sheets")]
-mod label;
 mod painter;
-mod pixels;
+mod projection;
 mod scene;
-#[cfg(feature = "sheets")]
-mod sheet;
+mod shader;
 
 pub use camera::{Camera, Framing, Lens, Up, Viewpoint};
-pub use frame::Frame;
-pub use painter::Painter;
-#[cfg(test)]
-pub(crate) use pixels::read_back;
+pub use painter::{Painter, Run};
 pub use scene::{Colours, Division, Level, Scene};
-#[cfg(feature = "sheets")]
-pub use sheet::{Legend, Sheet};
 
 /// A corner of a triangle. Three in a row are one, counter-clockwise from outside.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Corner {
     /// Relative to the camera's centre ([`Camera::centre`]), in the scene's units.
     pub position: [f32; 3],
@@ -63,3 +56,6 @@ pub struct Style {
     /// Width of the edges drawn over the triangles, in pixels; none are drawn at 0.
     pub wire: f32,
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,12 +1,11 @@
 //! A scene at some levels of detail as drawable triangles: corners with positions, normals and
 //! colours, in the order in which they are drawn.
 
-use super::{Camera, Corner, Frame, Painter};
-use crate::{Device, GpuError};
+use super::{Camera, Corner, Painter, Run, Style};
 use lodc_mesh::{Attribute, Mesh, OrientedTriangle, PositionIds, Semantic};
 use lodc_scene::{
-    AlphaMode, Appearance, Arrangement, Material, Placement, PosedVertices, flat_normals, posed,
-    smooth_normals, stream,
+    AlphaMode, Appearance, Arrangement, Image, Material, Placement, PosedVertices, flat_normals,
+    posed, smooth_normals, stream,
 };
 use rayon::prelude::*;
 
@@ -47,15 +46,13 @@ pub struct Scene<'a> {
 
 impl Scene<'_> {
     /// Prepares drawing its materials.
-    ///
-    /// # Errors
-    /// If an image is larger than the device allows, or the device fails.
-    pub fn painter<'d>(&self, device: &'d Device) -> Result<Painter<'d>, GpuError> {
+    #[must_use]
+    pub fn painter(&self) -> Painter {
         let images = match self.colours {
             Colours::Materials(looks) => &looks.images[..],
             Colours::Submeshes(_) => &[],
         };
-        Painter::new(device, images, &self.materials())
+        Painter::new(images, self.materials())
     }
 
     /// All materials, and one more for colours with a meaning.
@@ -68,39 +65,39 @@ impl Scene<'_> {
     }
 
     /// Draws every object where the scene shows it, what is blended last and from far to near.
-    /// `frame` is of the scene's own painter.
-    ///
-    /// # Errors
-    /// If the device fails.
+    /// `painter` is the scene's own.
+    #[must_use]
     pub fn draw(
         &self,
-        frame: &mut Frame<'_>,
+        painter: &Painter,
         camera: &Camera,
+        style: &Style,
         levels: &[Level<'_>],
-    ) -> Result<(), GpuError> {
-        let materials = self.materials();
+    ) -> Image {
+        let materials = painter.materials();
         let points: Vec<PositionIds> =
             levels.par_iter().map(|level| PositionIds::new(level.mesh.positions())).collect();
+        let mut runs: Vec<Run> = Vec::new();
         let mut blended: Vec<(f32, usize, [Corner; 3])> = Vec::new();
         for placement in self.arrangement.placements() {
             let (level, points) = (&levels[placement.object], &points[placement.object]);
             let part = Part { scene: self, placement, level, points, camera };
-            for (material, corners) in part.corners(materials.len() - 1) {
-                if materials[material].alpha == AlphaMode::Blend {
-                    let triples = corners.as_chunks::<3>().0;
-                    blended.extend(triples.iter().map(|&t| (depth(camera, &t), material, t)));
+            for run in part.corners(materials.len() - 1) {
+                if materials[run.material].alpha == AlphaMode::Blend {
+                    let triples = run.corners.as_chunks::<3>().0;
+                    blended.extend(triples.iter().map(|&t| (depth(camera, &t), run.material, t)));
                 } else {
-                    frame.draw(material, false, &corners)?;
+                    runs.push(run);
                 }
             }
         }
         // Far ones first; the sort is stable, so that equal ones keep the order of the file.
         blended.sort_by(|a, b| b.0.total_cmp(&a.0));
         for run in blended.chunk_by(|a, b| a.1 == b.1) {
-            let corners: Vec<Corner> = run.iter().flat_map(|(_, _, t)| *t).collect();
-            frame.draw(run[0].1, true, &corners)?;
+            let corners = run.iter().flat_map(|(_, _, t)| *t).collect();
+            runs.push(Run { material: run[0].1, corners });
         }
-        Ok(())
+        painter.draw(camera, style, &runs)
     }
 }
 
@@ -131,7 +128,7 @@ struct SubmeshStyle<'a> {
 
 impl Part<'_> {
     /// Runs of triangles with one material.
-    fn corners(&self, matte: usize) -> Vec<(usize, Vec<Corner>)> {
+    fn corners(&self, matte: usize) -> Vec<Run> {
         let Level { mesh, triangles, ref colours, ref division } = *self.level;
         let posed = posed(mesh, self.placement);
         let indices: Vec<[u32; 3]> = triangles.iter().map(|t| t.corners).collect();
@@ -159,12 +156,13 @@ impl Part<'_> {
             }
             corners
         };
-        let mut runs: Vec<(usize, Vec<Corner>)> = Vec::new();
+        let mut runs = Vec::new();
         let mut first = 0;
         let material = |t: &OrientedTriangle| styles[t.submesh as usize].material;
         for run in triangles.chunk_by(|a, b| material(a) == material(b)) {
             let corners = run.par_iter().enumerate().map(|(i, tri)| triangle((first + i, tri)));
-            runs.push((material(&run[0]), corners.flatten_iter().collect()));
+            let corners = corners.flatten_iter().collect();
+            runs.push(Run { material: material(&run[0]), corners });
             first += run.len();
         }
         runs
