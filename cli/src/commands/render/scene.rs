@@ -12,7 +12,7 @@ use lodc_scene::{Appearance, Arrangement};
 
 /// Triangles, with all instances, that one picture shows at most. Chosen by hand, as is the next:
 /// both bound the memory.
-const MAX_TRIANGLES: u64 = 1 << 26;
+const MAX_TRIANGLES: u64 = 1 << 25;
 /// Placements that one picture shows at most.
 const MAX_PLACEMENTS: usize = 1 << 20;
 
