@@ -62,7 +62,7 @@ impl Packing {
         let [packed, plain] = [packed, plain].map(bytes);
         (plain < packed).then(|| {
             format!(
-                "neither quantised nor compressed: that would take {} instead of {}",
+                "written without quantisation and compression, which would take {} instead of {}",
                 size(packed),
                 size(plain)
             )

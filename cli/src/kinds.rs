@@ -185,7 +185,9 @@ impl ModelArgs {
         let has_none = named.len() < self.models.len();
         match (has_none, named.is_empty()) {
             (true, true) => Ok(vec![]),
-            (true, false) => Err(Failure::usage("--models none goes with no other name")),
+            (true, false) => {
+                Err(Failure::usage("--models none cannot be combined with other models"))
+            }
             (false, _) => Ok(models_or_all(&named)),
         }
     }

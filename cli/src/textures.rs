@@ -45,7 +45,7 @@ impl TextureArgs {
                 Err(Failure::usage("only .glb and .gltf hold images: use --textures copy or keep"))
             }
             Some(TextureChoice::Copy) if to_stdout => {
-                Err(Failure::usage("image files have no place beside standard output"))
+                Err(Failure::usage("image files cannot be written beside standard output"))
             }
             _ => Ok(()),
         }

@@ -121,7 +121,7 @@ fn levels_are_found_in_folders_and_their_meshes_by_content() {
     assert!(suites.contains("levels, levels share vertices"), "{suites}");
 
     let run = f.lodc(["verify", "out/part.glb"]).ends(2);
-    assert!(run.err.contains("add --source MESH"), "{}", run.err);
+    assert!(run.err.contains("give it with --source MESH"), "{}", run.err);
     let run = f.lodc(["verify", "out/cube.glb", "--source", "machine_part.glb"]);
     assert!(run.ends(3).err.contains("not written by `lodc extract`"), "a mesh");
 }

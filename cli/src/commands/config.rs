@@ -50,7 +50,7 @@ pub(crate) fn run(args: &ShowArgs, program: &Program) -> Outcome<()> {
         }
     }
     if lines.is_empty() {
-        let what = format!("{}: no lodc.toml says anything of it", args.show.display());
+        let what = format!("{}: no lodc.toml applies to it", args.show.display());
         console::note(&what);
         return Ok(());
     }

@@ -30,7 +30,7 @@ Examples:
 
 pub(crate) fn run(args: &ShadersArgs) -> Outcome<()> {
     if output::is_standard_stream(&args.output) {
-        return Err(Failure::usage("several files do not fit one standard output: name a folder"));
+        return Err(Failure::usage("several files cannot go to standard output: name a folder"));
     }
     // Models share kernels: each is written once.
     let shaders = ModelKind::ALL.into_iter().flat_map(|kind| kind.shaders());

@@ -168,7 +168,7 @@ fn check_link(path: &Path, folder: &Path, allowed: &[PathBuf]) -> Result<(), Ass
 /// Checks that the results of several inputs can be written inside OUT.
 fn check_output_folder(out: &Path) -> Result<(), AssetError> {
     if is_standard_stream(out) {
-        let what = "several results do not fit one standard output: name a folder";
+        let what = "several results cannot go to standard output: name a folder";
         return Err(AssetError::Usage(what.to_owned()));
     }
     if out.exists() && !out.is_dir() {

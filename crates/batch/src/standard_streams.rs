@@ -22,7 +22,7 @@ pub fn check_standard_streams(
     let result_to_stdout = targets().any(|target| *target == Target::Stdout);
     if result_to_stdout && report_to_stdout {
         return Err(AssetError::Usage(
-            "the report and the output do not fit one standard output".to_owned(),
+            "the report and the output cannot both go to standard output".to_owned(),
         ));
     }
     let Some(depfile) = depfile else { return Ok(()) };

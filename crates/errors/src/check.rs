@@ -157,7 +157,7 @@ impl Checked {
         if lower > MAX_MEASURED * stated + rounding {
             let pose =
                 if self.pose > 0 { format!(" in pose {}", self.pose) } else { String::new() };
-            return Some(format!("the error is {stated}, measured are {lower}{pose}"));
+            return Some(format!("the error is {stated}, but {lower} was measured{pose}"));
         }
         let collapses = simplified.collapses();
         if stated > negligible && stated > MAX_STATED * lower {
@@ -193,7 +193,7 @@ impl Checked {
                 return None;
             }
         }
-        Some(format!("the root mean square distance is {stated_rms}, measured are {rms}"))
+        Some(format!("the root mean square distance is {stated_rms}, but {rms} was measured"))
     }
 }
 

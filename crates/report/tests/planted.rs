@@ -332,7 +332,7 @@ const DEFECTS: &[Defect] = &[
         "the source has the streams",
     ),
     // Curves.
-    ("errors that are 0", |p| p.scale_errors(0.0), "the error is 0, measured are 0."),
+    ("errors that are 0", |p| p.scale_errors(0.0), "the error is 0, but 0."),
     ("errors of half the size", |p| p.scale_errors(0.5), "errors hold: LOD"),
     ("errors of 0.9 of the size", |p| p.scale_errors(0.9), "errors measured again: LOD"),
     ("errors of 1.5 times the size", |p| p.scale_errors(1.5), "errors measured again: LOD"),
@@ -371,7 +371,7 @@ const DEFECTS: &[Defect] = &[
     (
         "root mean squares that are 0",
         |p| p.scale_rms(0.0),
-        "the root mean square distance is 0, measured are 0.0",
+        "the root mean square distance is 0, but 0.0",
     ),
     (
         "root mean squares of 0.5 of the size",
@@ -525,14 +525,14 @@ const MOVING: &[Defect] = &[
 /// In `machine_part.glb`, made by another program, whose numbers need not be those of this one:
 /// independent samples see them.
 const FOREIGN: &[Defect] = &[
-    ("errors that are 0", |p| p.scale_errors(0.0), "the error is 0, measured are"),
-    ("errors of half the size", |p| p.scale_errors(0.5), "measured are 0."),
+    ("errors that are 0", |p| p.scale_errors(0.0), "the error is 0, but"),
+    ("errors of half the size", |p| p.scale_errors(0.5), ", but 0."),
     ("errors of four times the size", |p| p.scale_errors(4.0), "no point is farther than"),
     ("errors of ten times the size", |p| p.scale_errors(10.0), "no point is farther than"),
     (
         "root mean squares that are 0",
         |p| p.scale_rms(0.0),
-        "the root mean square distance is 0, measured are",
+        "the root mean square distance is 0, but",
     ),
     (
         "root mean squares of a tenth of the size",

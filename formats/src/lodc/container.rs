@@ -55,7 +55,7 @@ impl<'a> Container<'a> {
         if let Some(duplicate) = sections.windows(2).find(|pair| pair[0].0 == pair[1].0) {
             let (tag, object, index) = duplicate[0].0;
             let location = location(tag, object, index);
-            return Err(FormatError::new(Fault::Malformed, location, "is there twice"));
+            return Err(FormatError::new(Fault::Malformed, location, "occurs twice"));
         }
         Ok(Self { sections, unknown })
     }

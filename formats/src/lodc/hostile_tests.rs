@@ -226,7 +226,7 @@ fn what_is_left_out_is_reported_in_bounded_space() {
     let lines = left_out.into_lines();
     assert_eq!(
         (lines.len(), lines[19].as_str(), lines[20].as_str()),
-        (21, "19", "980 things more were left out")
+        (21, "19", "980 more unknown parts were left out")
     );
     assert_eq!(skipped::shortened(&"é\n".repeat(10_000)), format!("{}…", "é\\n".repeat(30)));
 }
@@ -337,7 +337,7 @@ fn crafted_tables_are_refused_by_name() {
         fails(&crafted(|b| set(b, 16, huge.to_le_bytes())), Fault::Malformed, "cut off");
     }
     fails(&crafted(|b| set(b, 12, u32::MAX.to_le_bytes())), Fault::Malformed, "does not fit into");
-    fails(&crafted(|b| set(b, SECOND, *b"MANI")), Fault::Malformed, "is there twice");
+    fails(&crafted(|b| set(b, SECOND, *b"MANI")), Fault::Malformed, "occurs twice");
 }
 
 #[test]

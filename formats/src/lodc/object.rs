@@ -185,7 +185,7 @@ impl ObjectReader<'_, '_> {
                 continue;
             }
             if models.iter().any(|m| m.name == name) {
-                let problem = format!("the model {name} is there twice");
+                let problem = format!("the model {name} occurs twice");
                 return Err(FormatError::new(
                     Fault::Malformed,
                     format!("object {number}"),

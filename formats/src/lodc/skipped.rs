@@ -27,7 +27,7 @@ impl SkippedParts {
 
     pub(super) fn into_lines(mut self) -> Vec<String> {
         if self.unlisted > 0 {
-            self.lines.push(format!("{} things more were left out", self.unlisted));
+            self.lines.push(format!("{} more unknown parts were left out", self.unlisted));
         }
         self.lines
     }

@@ -49,7 +49,7 @@ class Container:
         content = data[start : start + length]
         need(xxh3_64(content) == check, place, "does not match its checksum")
         if tag in KNOWN:
-            need((tag, obj, index) not in self.sections, place, "is there twice")
+            need((tag, obj, index) not in self.sections, place, "occurs twice")
             self.sections[tag, obj, index] = content
             if flags & WIDE:
                 self.wide.add((tag, obj, index))

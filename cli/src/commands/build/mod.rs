@@ -43,7 +43,7 @@ pub(crate) struct BuildArgs {
     preserve_topology: bool,
     /// Look at the shape alone: no normals, texture coordinates or colours
     ///
-    /// They take no part in the cost, and are kept all the same.
+    /// They do not affect the cost, but are kept.
     #[arg(long, help_heading = SIMPLIFIED)]
     no_attributes: bool,
     #[command(flatten)]
@@ -73,7 +73,7 @@ pub(crate) struct BuildArgs {
     output: Option<PathBuf>,
     /// Say how much memory each build needs, and build nothing
     ///
-    /// Told by headers, for text by its lines. With --report, as JSON.
+    /// Estimated from file headers, for text from its lines. With --report, as JSON.
     #[arg(long, help_heading = OUTPUT, hide_short_help = true)]
     estimate: bool,
     #[command(flatten)]

@@ -47,7 +47,7 @@ pub(crate) struct ChainArgs {
     levels: LevelArgs,
     /// Error of at most E (or E%) in every level
     ///
-    /// However few triangles are asked for.
+    /// It counts before the number of triangles that is asked for.
     #[arg(long, value_name = "E", value_parser = bound, help_heading = LEVEL)]
     max_error: Option<lodc_select::Target>,
     #[command(flatten)]

@@ -41,7 +41,7 @@ pub(crate) struct CompareArgs {
     /// Mesh to compare with (.glb, .gltf, .obj, .ply, .stl, .lodc), or folder; - for standard input
     #[arg(required_unless_present = "manifest", conflicts_with = "manifest", requires = "b")]
     a: Option<PathBuf>,
-    /// Mesh to be judged, or of which levels are; or folder
+    /// Mesh to judge, or whose levels to judge; or folder
     ///
     /// Levels of a mesh are made in memory. Of folders, each file of B is compared with that of A
     /// of the same path, with or without a further extension.
@@ -84,7 +84,7 @@ pub(crate) struct CompareArgs {
     size: u32,
     /// Look at the shape alone: no normals, textures or texture coordinates
     ///
-    /// Else pictures have those that both meshes have.
+    /// By default pictures show the attributes that both meshes have.
     #[arg(long, help_heading = MEASURED, hide_short_help = true)]
     no_attributes: bool,
     /// Root mean square distance above D (or D%)

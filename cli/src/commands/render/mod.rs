@@ -111,7 +111,7 @@ pub(crate) struct RenderArgs {
 
 /// Replaces the help of `--fovy`: here it is that of an eye, and that of a picture from a side.
 fn with_help_for_pictures(fovy: Arg) -> Arg {
-    fovy.help("Vertical field of view in degrees, below 180 [default: 60 of an eye, 30 of a side]")
+    fovy.help("Vertical field of view in degrees, below 180 [default: 60 with --eye, else 30]")
 }
 
 const EXAMPLES: &str = "\
@@ -125,7 +125,7 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome<()> {
     let target = output::single_target(&args.input, Some(&args.output), "png")?;
     output::prepare_targets([&target], folder)?;
     if args.wireframe && args.color == Colouring::Error {
-        return Err(Failure::usage("--color error divides triangles: leave --wireframe out"));
+        return Err(Failure::usage("--color error cannot be combined with --wireframe"));
     }
     check_view(args)?;
     picture(args, &target)
@@ -140,11 +140,11 @@ fn check_view(args: &RenderArgs) -> Outcome<()> {
     }
     let is_for_a_level = args.selector.pixels().is_some();
     if args.orthographic && args.selector.field_of_view().is_some() && !is_for_a_level {
-        return Err(Failure::usage("--fovy is of a perspective: leave --orthographic out"));
+        return Err(Failure::usage("--fovy cannot be combined with --orthographic"));
     }
     if args.orthographic && args.eye_of_picture().is_some() {
         return Err(Failure::usage(
-            "an eye sees with perspective: leave --orthographic out, or say --view",
+            "--eye needs perspective: leave --orthographic out, or use --view",
         ));
     }
     Ok(())

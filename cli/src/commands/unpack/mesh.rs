@@ -17,7 +17,7 @@ use lodc_mesh::Mesh;
 /// complete though it should be, or the mesh cannot be written.
 pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
     if args.json && output::is_standard_stream(&args.output) {
-        return Err(Failure::usage("the mesh and the JSON do not fit one standard output"));
+        return Err(Failure::usage("the mesh and the JSON cannot both go to standard output"));
     }
     let format = mesh_output::format(&args.output, args.format, output::is_folder(&args.output))?;
     let target = output::single_target(&args.input, Some(&args.output), format.extension())?;

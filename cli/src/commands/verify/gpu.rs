@@ -22,9 +22,7 @@ pub(super) fn open(gpu_use: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Op
         Ok(device) => Ok(Some(Gpu::Device(Box::new(device)))),
         Err(failure) if gpu_use == GpuUse::Auto => Ok(Some(Gpu::Skipped(failure.message))),
         Err(failure) => {
-            let message = format!(
-                "a GPU was required, and there is none to use: {failure}; nothing was verified"
-            );
+            let message = format!("--gpu needs a usable GPU: {failure}; nothing was verified");
             Err(Failure { message, ..failure })
         }
     }

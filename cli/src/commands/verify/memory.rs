@@ -28,7 +28,7 @@ impl<'a> Memory<'a> {
     /// If there is no file that a dependency file could have a rule for.
     pub(super) fn new(args: &'a VerifyArgs, program: &Program) -> Outcome<Self> {
         if args.run.depfile.is_some() && args.run.ci.junit().is_none() {
-            let what = "--depfile needs --junit FILE: that is the file that it has a rule for";
+            let what = "--depfile needs --junit FILE: its rule is for that file";
             return Err(Failure::usage(what));
         }
         let read = program.arguments::<VerifyArgs>("verify", &OptionValues::default());

@@ -237,7 +237,8 @@ fn check_exported(
             return Ok(vec![glide]);
         }
         let name = input.display();
-        let what = format!("{name}: levels are verified against their mesh: add --source MESH");
+        let what =
+            format!("{name}: levels are verified against their mesh: give it with --source MESH");
         return Err(Failure::usage(what));
     };
     let source = import(source, options)?;

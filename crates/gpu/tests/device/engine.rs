@@ -216,15 +216,18 @@ fn every_file_is_a_shader_by_itself() {
 
 /// The page, and what it may quote.
 const PAGE: &str = include_str!("../../../../docs/ENGINE.md");
-const SOURCES: [&str; 3] = [
+const SOURCES: [&str; 4] = [
     include_str!("engine.rs"),
     include_str!("../../../lodc/examples/host/main.rs"),
+    include_str!("../../../lodc/src/gpu.rs"),
     include_str!("../../../web/example/webgpu.js"),
 ];
 
-/// The lines of a text that are not empty, without what stands before and behind them.
+/// The lines of a text that are not empty, without what stands before and behind them; of examples
+/// in comments those that are shown.
 fn lines(text: &str) -> Vec<&str> {
-    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect()
+    let shown = |line: &&str| !line.is_empty() && !line.starts_with("# ");
+    text.lines().map(|line| line.trim().trim_start_matches("//!").trim()).filter(shown).collect()
 }
 
 #[test]

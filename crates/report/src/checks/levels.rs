@@ -199,7 +199,7 @@ impl<'a> Measure<'a> {
         };
         let Distances { lower, upper, rms } = measured(false);
         if lower > MAX_MEASURED * stated + negligible {
-            return Ok(Some(format!("the error is {stated}, measured are {lower}")));
+            return Ok(Some(format!("the error is {stated}, but {lower} was measured")));
         }
         // Errors may be the largest over poses that are not known, as in an OBJ.
         let bends = self.stretches || self.source.objects.iter().any(|o| bends(&o.mesh));
@@ -226,7 +226,8 @@ impl<'a> Measure<'a> {
             return Ok(None);
         }
         let Distances { rms, .. } = measured(true);
-        let what = || format!("the root mean square distance is {stated_rms}, measured are {rms}");
+        let what =
+            || format!("the root mean square distance is {stated_rms}, but {rms} was measured");
         Ok((!is_near(rms)).then(what))
     }
 
