@@ -92,7 +92,7 @@ pub fn parting_line(names: &[&str]) -> Option<String> {
     let more = if names.len() > MAX_NAMES { ", …" } else { "" };
     (!names.is_empty()).then(|| {
         format!(
-            "borders that touch separate in this level: {}{more}; --lock-border keeps them together",
+            "borders that touch separate here: {}{more}; --lock-border keeps them together",
             names[..names.len().min(MAX_NAMES)].join(", ")
         )
     })
