@@ -184,7 +184,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         crowd: None,
     };
     if args.crowd.crowd {
-        return run_crowd(args, device, report);
+        return run_crowd(args, device.as_ref(), report);
     }
     clock::expect_several(args.inputs.len() > 1);
     let mut worst = Status::Done;
@@ -218,13 +218,17 @@ fn open(args: &GpuArgs) -> Outcome<Option<Device>> {
 }
 
 /// Measures a crowd of all inputs, and nothing else.
-fn run_crowd(args: &BenchArgs, device: Option<Device>, mut report: BenchReport) -> Outcome<Status> {
+fn run_crowd(
+    args: &BenchArgs,
+    device: Option<&Device>,
+    mut report: BenchReport,
+) -> Outcome<Status> {
     let inputs: Vec<Input> =
         args.inputs.iter().map(|input| read(args, input)).collect::<Outcome<_>>()?;
     let CrowdArgs { instances, seconds, seed, .. } = args.crowd;
     let limits = args.import.options().limits;
     let settings = CrowdSettings { instances, seconds, seed, rounds: args.rounds(), limits };
-    let figures = crowd(&inputs, &settings, device.as_ref())?;
+    let figures = crowd(&inputs, &settings, device)?;
     if let Some(out) = &args.crowd.picture {
         let drawn = crowd_picture(&inputs, &settings)?;
         output::write(&Target::File(out.clone()), images::png(&drawn))?;
