@@ -121,7 +121,6 @@ impl SelectorArgs {
         self.screen.fovy
     }
     /// Returns the vertical field of view of an eye, in degrees.
-    #[cfg(feature = "gpu")]
     pub(crate) fn field_of_view_of_eye(&self) -> f64 {
         self.screen.degrees()
     }

@@ -41,7 +41,6 @@ mod pose;
 mod poses;
 mod readme;
 mod refused;
-#[cfg(feature = "gpu")]
 mod render;
 mod report;
 mod scene_kinds;

@@ -1,14 +1,15 @@
 //! Draws a crowd on a GPU: all characters with the same level in the same pose are one instanced
 //! draw call.
 
+use super::CrowdLevels;
 use super::figures::{Figure, ground_position, rotation};
+use super::picture::{DEGREES, points};
 use super::report::{CrowdOnDevice, DrawnFrames};
 use super::walk::WalkerPosition;
-use super::{CrowdLevels, picture};
 use crate::device::Device;
 use crate::error::LabError;
 use lodc_gpu::{GpuError, Instance, Instanced, InstancedDraw, InstancedFrame};
-use lodc_measure::render::Camera;
+use lodc_measure::render::{Camera, Framing, Lens, Up};
 use lodc_mesh::Lod;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -18,6 +19,13 @@ use std::time::{Duration, Instant};
 const MAX_DRAWN_FRAMES: usize = 25;
 /// No further round starts once drawing has taken so long. Chosen by hand.
 const MAX_DRAWING_TIME: Duration = Duration::from_secs(20);
+
+/// The camera that sees all of a crowd in all its frames.
+fn camera(figures: &[Figure<'_>], positions: &[Vec<WalkerPosition>]) -> Camera {
+    let lens = Lens::Perspective(DEGREES);
+    let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: DEGREES, lens, zoom: 1.0 };
+    Camera::around(&points(figures, positions.iter().flatten()), &framing, 1.0)
+}
 
 /// Draws frames of each way to choose levels: continuous, discrete, none.
 ///
@@ -30,7 +38,7 @@ pub(crate) fn measure(
     levels: [&CrowdLevels; 3],
     rounds: u32,
 ) -> Result<CrowdOnDevice, LabError> {
-    let camera = picture::camera(figures, positions);
+    let camera = camera(figures, positions);
     let mut buffers = Buffers::default();
     let meshes = buffers.all(figures);
     let frames = positions.len() - 1;

@@ -3,9 +3,7 @@
 
 #[cfg(feature = "gpu")]
 mod draws;
-#[cfg(feature = "gpu")]
 mod figures;
-#[cfg(feature = "gpu")]
 mod picture;
 mod plots;
 mod report;

@@ -4,9 +4,7 @@
 use super::figures::{Figure, ground_position, rotation};
 use super::walk::WalkerPosition;
 use lodc_measure::heat;
-use lodc_measure::render::{
-    BackFaces, Camera, Corner, Framing, Lens, Painter, Run, Style, Up, Viewpoint,
-};
+use lodc_measure::render::{BackFaces, Camera, Corner, Painter, Run, Style, Up, Viewpoint};
 use lodc_mesh::Lod;
 use lodc_report::Sheet;
 use lodc_report::text::count;
@@ -15,14 +13,7 @@ use lodc_scene::{Image, Material, to_linear};
 /// Pixels of each half, across and down. Chosen by hand.
 const SIZE: [u32; 2] = [800, 640];
 /// Degrees of view, from the upper to the lower edge. Chosen by hand.
-const DEGREES: f64 = 30.0;
-
-/// The camera that sees all of a crowd in all its frames.
-pub(crate) fn camera(figures: &[Figure<'_>], positions: &[Vec<WalkerPosition>]) -> Camera {
-    let lens = Lens::Perspective(DEGREES);
-    let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: DEGREES, lens, zoom: 1.0 };
-    Camera::around(&points(figures, positions.iter().flatten()), &framing, 1.0)
-}
+pub(crate) const DEGREES: f64 = 30.0;
 
 /// The camera behind and above the viewer, so far away that most of the crowd is seen; the shares
 /// are chosen by hand.
@@ -35,7 +26,7 @@ fn behind(figures: &[Figure<'_>], positions: &[WalkerPosition]) -> Camera {
 }
 
 /// Corners of a box around each walker.
-fn points<'a>(
+pub(crate) fn points<'a>(
     figures: &[Figure<'_>],
     positions: impl Iterator<Item = &'a WalkerPosition>,
 ) -> Vec<[f64; 3]> {
