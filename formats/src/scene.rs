@@ -169,7 +169,14 @@ impl GltfDocument {
     /// A document of its text and the bytes of buffer 0; nothing is checked yet.
     #[must_use]
     pub fn new(json: String, blob: Vec<u8>) -> Self {
-        Self { json, blob, ..Self::default() }
+        Self {
+            json,
+            blob,
+            #[cfg(feature = "gltf")]
+            root: Known::default(),
+            #[cfg(feature = "gltf")]
+            accessors: Known::default(),
+        }
     }
 
     /// The JSON document. Primitives that are objects' submeshes have no `indices` and no
