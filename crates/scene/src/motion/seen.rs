@@ -230,7 +230,8 @@ fn target_shapes(
         let is_apart = |shape: &&mut Shared| {
             !shape.taken.iter().zip(&near).any(|(&taken, &near)| taken && near)
         };
-        let shared = match all.iter_mut().find(is_apart) {
+        // As many shapes are kept: more are not asked, so that work grows with the targets.
+        let shared = match all.iter_mut().take(MAX_TARGET_SHAPES).find(is_apart) {
             Some(shared) => shared,
             None => {
                 let (positions, taken) = (at_rest.to_vec(), vec![false; ids.len()]);
