@@ -6,7 +6,7 @@ use crate::help::{LIMITS, READ};
 use crate::huge_pages;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use lodc::build::{Need, Size};
-use lodc_assets::LIMIT_OPTION;
+use lodc_assets::{Budget, LIMIT_OPTION};
 use lodc_formats::import::ImportOptions;
 use lodc_formats::{Assets, Limits};
 use lodc_report::text::{count, size as size_text};
@@ -255,6 +255,12 @@ impl LimitArgs {
     /// unknown.
     pub(crate) fn memory(&self) -> Option<u64> {
         self.memory.or_else(crate::memory::available_bytes)
+    }
+
+    /// Workers and memory of a run; memory is unbounded where it is unknown.
+    pub(crate) fn budget(&self) -> Budget {
+        let bytes = self.memory().unwrap_or(u64::MAX);
+        Budget { workers: rayon::current_num_threads(), bytes }
     }
 
     /// Starts the clock of an asset.

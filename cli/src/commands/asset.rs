@@ -123,9 +123,9 @@ fn simplified_showing(
     import.limits().check_memory(&input.display().to_string(), size, &needs)?;
     let importance = importance(&scene, &options, &simplify_args.importance, parts)?;
     let poses = simplify_args.poses.max_poses();
-    let how = Simplify { options: &options, importance: &importance, poses, errors };
+    let how = Simplify { options: &options, importance: &importance, poses };
     let watch = stages.watched(progress);
-    let mut asset = Asset::simplified(input, scene, &import.options(), &how, &watch)?;
+    let mut asset = Asset::simplified(input, scene, &import.options(), &how, errors, &watch)?;
     drop(watch);
     asset.warnings.extend(stages.take_notes());
     Ok(asset)

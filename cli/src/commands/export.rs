@@ -4,9 +4,8 @@
 use super::asset::SimplifyArgs;
 use super::each;
 use super::prune::{PruneArgs, Written};
-use super::records::Wanted;
 use super::runs::{Finished, RunArgs};
-use crate::batch::{self, Asset, BatchArgs, Budget, CommandPaths, LEVEL_EXTENSIONS};
+use crate::batch::{self, Asset, BatchArgs, CommandPaths, LEVEL_EXTENSIONS};
 use crate::compression::CompressArgs;
 use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
@@ -16,7 +15,6 @@ use crate::output::Target;
 use crate::program::Program;
 use crate::textures::TextureArgs;
 use clap::Args;
-use lodc_formats::Assets;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -99,17 +97,6 @@ impl ExportArgs {
         Ok(status)
     }
 
-    /// What is wanted of an input, of which nothing has been read.
-    pub(crate) fn wanted<'a>(
-        &self,
-        input: &'a Path,
-        target: &'a Path,
-        assets: &'a Assets,
-        options: &'a str,
-    ) -> Option<Wanted<'a>> {
-        self.run.if_changed.then_some(Wanted { input, target, assets, options })
-    }
-
     /// Checks that a format supports compression and textures as asked for.
     ///
     /// # Errors
@@ -123,11 +110,5 @@ impl ExportArgs {
     pub(crate) fn need(&self, input: &Path) -> Option<u64> {
         let needs = |size| self.simplify.needs(size);
         each::estimate(input, &self.import, needs).ok().map(|(_, bytes)| bytes)
-    }
-
-    /// Workers and memory of a run; memory is unbounded where it is unknown.
-    pub(crate) fn budget(&self) -> Budget {
-        let bytes = self.import.limits().memory().unwrap_or(u64::MAX);
-        Budget { workers: rayon::current_num_threads(), bytes }
     }
 }

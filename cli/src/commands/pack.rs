@@ -6,7 +6,7 @@ use super::prune::{PruneArgs, Written};
 use super::read::read_lodc;
 use super::records::Wanted;
 use super::runs::{AssetResult, RunArgs};
-use crate::batch::{self, Asset, BatchArgs, Budget, CommandPaths};
+use crate::batch::{self, Asset, BatchArgs, CommandPaths};
 use crate::bits;
 use crate::config::ConfigArgs;
 use crate::console::{Loudness, note, wants};
@@ -90,11 +90,9 @@ pub(crate) fn run(args: &PackArgs, program: &Program) -> Outcome<Status> {
     args.run.check(&assets)?;
     let with_text = |args, options_text| PackArgs { options_text, ..args };
     let options = AssetOptions::new(program, "pack", &assets, with_text);
-    let bytes = args.limits.memory().unwrap_or(u64::MAX);
-    let budget = Budget { workers: rayon::current_num_threads(), bytes };
     let done = each::all(
         &assets,
-        budget,
+        args.limits.budget(),
         |_| None,
         |_, asset, _| args.run.one(asset, || pack_asset(asset, &options)),
     );
@@ -109,12 +107,7 @@ fn pack_asset(asset: &Asset, options: &AssetOptions<PackArgs>) -> Outcome<AssetR
     let (args, target) = options.ready(asset)?;
     let input = &asset.input;
     let beside = Assets::new(input, &[], args.limits.limits());
-    let wanted = match target {
-        Target::File(path) if args.run.if_changed => {
-            Some(Wanted { input, target: path, assets: &beside, options: &args.options_text })
-        }
-        _ => None,
-    };
+    let wanted = args.run.wanted(input, target, &beside, &args.options_text);
     if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
         return Ok(left);
     }

@@ -112,13 +112,6 @@ impl Wanted<'_> {
 }
 
 impl Record {
-    /// The file of the record of a result.
-    fn path(target: &Path) -> PathBuf {
-        let mut name = target.file_name().unwrap_or_default().to_owned();
-        name.push(".json");
-        folder(target).join(RECORDS).join(name)
-    }
-
     /// The files of a result that has a record, with the record, without copies of images; none if
     /// it has none.
     pub(crate) fn files(target: &Path) -> Vec<PathBuf> {
@@ -126,18 +119,16 @@ impl Record {
         let own = target.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let outputs = record.outputs.into_iter().map(|(name, _)| name);
         let outputs = outputs.filter(|name| name.starts_with(&own));
-        outputs.map(|name| folder(target).join(name)).chain([Self::path(target)]).collect()
+        outputs.map(|name| folder(target).join(name)).chain([path(target, ".json")]).collect()
     }
 
     fn read(target: &Path) -> Option<Self> {
-        serde_json::from_slice(&std::fs::read(Self::path(target)).ok()?).ok()
+        serde_json::from_slice(&std::fs::read(path(target, ".json")).ok()?).ok()
     }
 
     fn write(&self, target: &Path) -> Outcome<()> {
-        let path = Self::path(target);
         let bytes = serde_json::to_vec_pretty(self).expect("strings are JSON");
-        output::prepare_targets([&Target::File(path.clone())], true)?;
-        output::commit(&[OutputFile { path, bytes }])
+        write(path(target, ".json"), bytes)
     }
 
     fn made_from(&self) -> Option<MadeFrom> {
@@ -145,6 +136,22 @@ impl Record {
         let (files, warnings) = (self.files.clone(), self.warnings.clone());
         Some(MadeFrom { key, files, warnings, program: self.program.clone() })
     }
+}
+
+/// The record of a file: `NAME` and an extension in the folder of records beside it.
+pub(crate) fn path(of: &Path, extension: &str) -> PathBuf {
+    let mut name = of.file_name().unwrap_or_default().to_owned();
+    name.push(extension);
+    folder(of).join(RECORDS).join(name)
+}
+
+/// Writes a record.
+///
+/// # Errors
+/// If it cannot be written.
+pub(crate) fn write(path: PathBuf, bytes: Vec<u8>) -> Outcome<()> {
+    output::prepare_targets([&Target::File(path.clone())], true)?;
+    output::commit(&[OutputFile { path, bytes }])
 }
 
 fn folder(target: &Path) -> &Path {

@@ -7,7 +7,7 @@
 //! ```
 
 use crate::build::{
-    Importance, LevelDistance, MetricColours, SceneColours, SceneContext, Tick, Watch,
+    Growth, Importance, LevelDistance, MetricColours, SceneColours, SceneContext, Tick, Watch,
     build_models, check_models, choose_poses, measure_all, measure_levels, read_colours,
     simplify_all,
 };
@@ -66,6 +66,16 @@ impl Errors {
     }
 }
 
+impl From<Errors> for Growth {
+    /// A level that was chosen by its error keeps it.
+    fn from(errors: Errors) -> Self {
+        match errors {
+            Errors::Curve => Self::None,
+            Errors::OfResult => Self::Little,
+        }
+    }
+}
+
 /// How a scene is simplified.
 #[derive(Clone, Copy)]
 pub struct Simplify<'a> {
@@ -75,12 +85,10 @@ pub struct Simplify<'a> {
     pub importance: &'a Importance,
     /// How many poses of animations collapses are priced in, and errors measured in, at most.
     pub poses: usize,
-    /// The levels whose errors are to be known.
-    pub errors: Errors,
 }
 
 impl Asset {
-    /// Simplifies the objects of a scene, and measures the errors that are asked for; of several
+    /// Simplifies the objects of a scene, and measures the `errors` that are asked for; of several
     /// objects those of every level, since they share out triangles by errors. `path` is the
     /// scene's file, beside which images are looked for.
     ///
@@ -91,10 +99,11 @@ impl Asset {
         scene: Scene,
         import: &ImportOptions,
         how: &Simplify<'_>,
+        errors: Errors,
         watch: &dyn Watch,
     ) -> Result<Self, Error> {
         let sequences = Self::sequences(path, scene, import, how, watch)?;
-        match how.errors {
+        match errors {
             Errors::OfResult if sequences.objects.len() <= 1 => sequences.with_poses(how.poses),
             _ => sequences.measured(how.poses, watch),
         }

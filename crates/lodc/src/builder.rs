@@ -98,13 +98,9 @@ impl<'a> Builder<'a> {
             other => import_bytes(other.bytes()?.into_owned(), &self.import),
         }?;
         let options = vec![self.options; scene.objects.len()];
-        let how = Simplify {
-            options: &options,
-            importance: &Importance::default(),
-            poses: self.poses,
-            errors: Errors::Curve,
-        };
-        let asset = Asset::simplified(&path, scene, &self.import, &how, &())?;
+        let how =
+            Simplify { options: &options, importance: &Importance::default(), poses: self.poses };
+        let asset = Asset::simplified(&path, scene, &self.import, &how, Errors::Curve, &())?;
         let mut asset = asset.with_models(&self.kinds, StripOptions::default(), &())?;
         let warnings = std::mem::take(&mut asset.warnings);
         Ok(File::new(asset.into_file(self.layout, None), &path, warnings))

@@ -243,7 +243,7 @@ impl<'a> Level<'a> {
     #[cfg(feature = "export")]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<Vec<String>, Error> {
         use lodc_formats::export::{
-            Additions, ExportFormat, LevelFacts, Provenance, export_with, left_out,
+            Additions, ExportFormat, LevelFacts, Precision, Provenance, export_with, left_out,
         };
         use lodc_formats::images::{TextureMode, Textures};
         let path = path.as_ref();
@@ -277,7 +277,15 @@ impl<'a> Level<'a> {
             [lod] => Some(lod.0),
             _ => None,
         };
-        let (error, rms) = self.distance_as(format)?;
+        let (document, precision) = (&content.document, Precision::default());
+        let written = level_mesh::written_distances(
+            &content.objects,
+            document,
+            &self.meshes,
+            format,
+            precision,
+        )?;
+        let (error, rms) = level_mesh::largest_distance(&content.objects, written.into_iter());
         let levels = vec![LevelFacts { lod, error, rms, glide: None }];
         let source = content.source.content_hash;
         let poses = Some(content.objects.iter().map(|o| o.info.poses.clone()).collect());
@@ -288,27 +296,6 @@ impl<'a> Level<'a> {
         let files = export_with(path, format, &content.document, &objects, &additions)?;
         lodc_formats::write_all(&files)?;
         Ok(warnings)
-    }
-}
-
-#[cfg(feature = "export")]
-impl Level<'_> {
-    /// The largest error and root mean square distance of what a file of this format has, in world
-    /// units: with what writing rounds.
-    fn distance_as(
-        &self,
-        format: lodc_formats::export::ExportFormat,
-    ) -> Result<(f64, Option<f64>), Error> {
-        let (objects, document) = (self.file.objects(), &self.file.content.document);
-        let meshes = self.meshes.iter().map(|m| &m.mesh);
-        let precision = lodc_formats::export::Precision::default();
-        let rounding = level_mesh::rounding(objects, document, meshes, format, precision)?;
-        let distances = self.meshes.iter().zip(&rounding.by_object).map(|(mesh, &moved)| {
-            let (mut error, mut rms) = (mesh.error, mesh.rms);
-            level_mesh::add_rounding(&mut error, &mut rms, moved);
-            (error, rms)
-        });
-        Ok(level_mesh::largest_distance(objects, distances))
     }
 }
 

@@ -181,6 +181,29 @@ pub struct Rounding {
     pub largest: f64,
 }
 
+/// The error and the root mean square distance of each mesh as a file has it: with what writing
+/// rounds, see [`rounding`].
+///
+/// # Errors
+/// If the document is damaged.
+#[cfg(feature = "export")]
+pub fn written_distances(
+    objects: &[LodObject],
+    document: &Document,
+    meshes: &[LevelMesh],
+    format: ExportFormat,
+    precision: Precision,
+) -> Result<Vec<(f64, Option<f64>)>, FormatError> {
+    let only_meshes = meshes.iter().map(|m| &m.mesh);
+    let rounding = rounding(objects, document, only_meshes, format, precision)?;
+    let with_rounding = |(mesh, moved): (&LevelMesh, f64)| {
+        let (mut error, mut rms) = (mesh.error, mesh.rms);
+        add_rounding(&mut error, &mut rms, moved);
+        (error, rms)
+    };
+    Ok(meshes.iter().zip(rounding.by_object).map(with_rounding).collect())
+}
+
 /// Adds to the distances of levels how far rounding moves their vertices: see [`rounding`].
 ///
 /// # Errors
@@ -193,10 +216,9 @@ pub fn add_rounding_to_all(
     format: ExportFormat,
     precision: Precision,
 ) -> Result<(), FormatError> {
-    let only_meshes = meshes.iter().map(|m| &m.mesh);
-    let rounding = rounding(objects, document, only_meshes, format, precision)?;
-    for (mesh, moved) in meshes.iter_mut().zip(rounding.by_object) {
-        add_rounding(&mut mesh.error, &mut mesh.rms, moved);
+    let written = written_distances(objects, document, meshes, format, precision)?;
+    for (mesh, distances) in meshes.iter_mut().zip(written) {
+        (mesh.error, mesh.rms) = distances;
     }
     Ok(())
 }

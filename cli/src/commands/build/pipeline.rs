@@ -7,7 +7,7 @@ use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc::build::{Need, Size};
-use lodc::{Asset, Errors, LodFile, LodObject, Simplify, parting_borders, parting_line, write};
+use lodc::{Asset, LodFile, LodObject, Simplify, parting_borders, parting_line, write};
 use lodc_assets::Parts;
 use lodc_formats::gltf::embed_images;
 use lodc_formats::images::{TextureMode, Textures};
@@ -62,7 +62,7 @@ pub(super) fn make(
     let importance = importance(&scene, &options, &args.importance, args.parts.all())?;
     let import = args.import.options();
     let poses = args.poses.max_poses();
-    let how = Simplify { options: &options, importance: &importance, poses, errors: Errors::Curve };
+    let how = Simplify { options: &options, importance: &importance, poses };
     let watch = stages.watched(progress);
     let mut asset = Asset::sequences(input, scene, &import, &how, &watch)?;
     if args.sequence.sequence == StepOrder::Stream {

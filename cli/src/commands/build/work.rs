@@ -3,7 +3,7 @@
 
 use super::pipeline::{self, Job};
 use super::{BuildArgs, estimate, summary};
-use crate::batch::{Asset, Budget};
+use crate::batch::Asset;
 use crate::commands::each::{self, AssetOptions};
 use crate::commands::runs::ReportFormat;
 use crate::console::{self, error};
@@ -36,8 +36,7 @@ struct AssetResult {
 pub(super) fn build_all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outcome<Status> {
     let with_text = |args, options_text| BuildArgs { options_text, ..args };
     let options = AssetOptions::new(program, "build", assets, with_text);
-    let bytes = args.import.limits().memory().unwrap_or(u64::MAX);
-    let budget = Budget { workers: rayon::current_num_threads(), bytes };
+    let budget = args.import.limits().budget();
     let results: Vec<OnceLock<Outcome<AssetResult>>> =
         assets.iter().map(|_| OnceLock::new()).collect();
     let on_written = |(number, done): (usize, AssetResult), written| {

@@ -116,13 +116,14 @@ pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
     let options = AssetOptions::new(program, "chain", &assets, with_text);
     let several = args.export.batch.takes_many(&args.inputs);
     let need = |asset: &Asset| options.of(asset).ok()?.export.need(&asset.input);
-    let done = each::all(&assets, args.export.budget(), need, |_, asset, bar| {
+    let done = each::all(&assets, args.export.import.limits().budget(), need, |_, asset, bar| {
         args.export.run.one(asset, || {
             let (args, target) = options.ready(asset)?;
             let Target::File(path) = target else { return Err(no_stream(&args.output)) };
             args.export.check(format, target)?;
             let beside = args.export.import.assets(&asset.input, None);
-            let wanted = args.export.wanted(&asset.input, path, &beside, &args.options_text);
+            let options = &args.options_text;
+            let wanted = args.export.run.wanted(&asset.input, target, &beside, options);
             if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
                 return Ok(left);
             }
@@ -211,7 +212,7 @@ fn chain(
         true => {
             let order =
                 if args.glide.moved_streams().is_some() { Order::File } else { packing.order() };
-            let how = (order, if errors == Errors::Curve { Growth::None } else { Growth::Little });
+            let how = (order, Growth::from(errors));
             let refitted = stages.checked("refit", |tick| {
                 let refitted = |lods: &&[Lod]| {
                     refitted_meshes(&asset.objects, &asset.document, lods, how, &limits, tick)

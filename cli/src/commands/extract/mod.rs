@@ -12,7 +12,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::help::{BECOMES, LEVEL, MORE, OUTPUT};
 use crate::kinds::{Choice, parser_with};
 use crate::mesh_output::{self, FormatName, OrderName};
-use crate::output::{self, Target};
+use crate::output;
 use crate::pose::PoseArgs;
 use crate::program::Program;
 use crate::results::reported;
@@ -132,17 +132,13 @@ pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
     let with_text = |args, options_text| ExtractArgs { options_text, ..args };
     let options = AssetOptions::new(program, "extract", &assets, with_text);
     let need = |asset: &Asset| options.of(asset).ok()?.export.need(&asset.input);
-    let done = each::all(&assets, args.export.budget(), need, |_, asset, bar| {
+    let done = each::all(&assets, args.export.import.limits().budget(), need, |_, asset, bar| {
         args.export.run.one(asset, || {
             let (args, target) = options.ready(asset)?;
             args.export.check(format, target)?;
             let beside = args.export.import.assets(&asset.input, None);
-            let wanted = match target {
-                Target::File(path) => {
-                    args.export.wanted(&asset.input, path, &beside, &args.options_text)
-                }
-                Target::Stdout => None,
-            };
+            let options = &args.options_text;
+            let wanted = args.export.run.wanted(&asset.input, target, &beside, options);
             if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
                 return Ok(left);
             }

@@ -54,7 +54,7 @@ pub(super) fn extract(
     let order = args.order.map_or(packing.order(), Into::into);
     let mut level = match criterion {
         Some(name) => view(args, name, order, input, &asset, &mut stages)?,
-        None => uniform(args, order, input, &asset, &mut stages)?,
+        None => uniform(args, (order, errors), input, &asset, &mut stages)?,
     };
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
@@ -133,7 +133,7 @@ struct Level {
 /// One level of detail for each object.
 fn uniform(
     args: &ExtractArgs,
-    order: Order,
+    (order, errors): (Order, Errors),
     input: &Path,
     asset: &Asset,
     stages: &mut Stages,
@@ -148,13 +148,8 @@ fn uniform(
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
     let lods = &chosen.lods;
     let meshes = if args.refits() {
-        let targets = args.selector.target().into_iter().chain(args.max_error);
-        let growth = match Errors::to_choose(targets) {
-            Errors::Curve => Growth::None,
-            Errors::OfResult => Growth::Little,
-        };
         stages.checked("extract", |tick| {
-            let how = (order, growth);
+            let how = (order, Growth::from(errors));
             refitted_meshes(&asset.objects, &asset.document, lods, how, &limits, tick)
         })?
     } else {

@@ -1,15 +1,16 @@
 //! Which files have been verified already: for `--if-changed` records beside them, of `NAME` in
-//! `.lodc/NAME.verified.json`, and for `--depfile` every file read.
+//! `.lodc/NAME.verified`, and for `--depfile` every file read.
 
 use super::VerifyArgs;
 use super::sources::Sources;
-use crate::batch::{OptionValues, RECORDS};
+use crate::batch::OptionValues;
+use crate::commands::records;
 use crate::exit::{Failure, Outcome, Status};
-use crate::output::{self, DependencyRule, Target, is_standard_stream};
+use crate::output::{self, DependencyRule, is_standard_stream};
 use crate::program::Program;
 use lodc_formats::import::{ImportOptions, import, import_levels};
 use lodc_formats::lodc::{MadeFrom, key};
-use lodc_formats::{Assets, OutputFile, RequestedFiles};
+use lodc_formats::{Assets, RequestedFiles};
 use lodc_report::FileReport;
 use std::path::{Path, PathBuf};
 
@@ -73,7 +74,7 @@ impl<'a> Memory<'a> {
         let (report, status) = verify();
         if let (true, Some(key), Status::Done) = (remembers, key, status) {
             // Without a record the file is verified again.
-            let _ = write_record(record, key);
+            let _ = records::write(record, key.into_bytes());
         }
         (report, status, files)
     }
@@ -116,12 +117,5 @@ impl<'a> Memory<'a> {
 
 /// The record of a file that has been verified.
 pub(crate) fn record_path(input: &Path) -> PathBuf {
-    let mut name = input.file_name().unwrap_or_default().to_owned();
-    name.push(".verified");
-    input.with_file_name(RECORDS).join(name)
-}
-
-fn write_record(path: PathBuf, key: String) -> Outcome<()> {
-    output::prepare_targets([&Target::File(path.clone())], true)?;
-    output::commit(&[OutputFile { path, bytes: key.into_bytes() }])
+    records::path(input, ".verified")
 }

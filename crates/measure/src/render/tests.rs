@@ -59,6 +59,15 @@ fn draw(style: &Style, material: &Material, images: &[Image], parts: &[Vec<Corne
     Painter::new(images, vec![material]).draw(&ahead(style), style, &runs)
 }
 
+/// The first image, whose texels are seen one by one.
+const TEXELS: Texture = Texture {
+    image: 0,
+    set: 0,
+    transform: Texture::UNTRANSFORMED,
+    wrap: [Wrap::Clamp; 2],
+    nearest: true,
+};
+
 #[test]
 fn a_square_is_where_it_belongs_and_as_large() {
     let picture = draw(&style(), &PLAIN, &[], &[square(0.0, RED)]);
@@ -102,13 +111,7 @@ fn a_texture_stands_upright_and_keeps_its_colours() {
     // A middle grey survives both ways through linear light; the upper row is red and grey.
     let bytes =
         [[255, 0, 0, 255], [128, 128, 128, 255], [0, 255, 0, 255], [10, 20, 30, 255]].concat();
-    let texture = Texture {
-        image: 0,
-        set: 0,
-        transform: Texture::UNTRANSFORMED,
-        wrap: [Wrap::Clamp; 2],
-        nearest: true,
-    };
+    let texture = TEXELS;
     let image = Image { width: 2, height: 2, bytes };
     let material = Material { texture: Some(texture), ..PLAIN };
     let picture = draw(&style(), &material, &[image], &[square(0.0, WHITE)]);
@@ -223,13 +226,7 @@ fn every_machine_and_number_of_threads_gives_the_same_bytes() {
 /// cut away, and squares are where perspective puts them.
 #[test]
 fn what_is_behind_the_eye_is_cut_away_and_textures_follow_perspective() {
-    let texture = Texture {
-        image: 0,
-        set: 0,
-        transform: Texture::UNTRANSFORMED,
-        wrap: [Wrap::Clamp; 2],
-        nearest: true,
-    };
+    let texture = TEXELS;
     // The far half of the ground is green, the near half is red.
     let image = Image { width: 1, height: 2, bytes: [[0, 255, 0, 255], [255, 0, 0, 255]].concat() };
     let at = |x: f32, z: f32| Corner {
