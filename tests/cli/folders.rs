@@ -392,6 +392,24 @@ fn results_without_an_input_are_named_and_pruned() {
 }
 
 #[test]
+fn a_record_removes_nothing_but_results_beside_it() {
+    let f = Folder::new();
+    f.file("in/a.obj", grid(3));
+    f.file("in/b.obj", grid(4));
+    let extract = ["extract", "in", "-o", "ex", "--lod", "0", "--format", "obj", "--if-changed"];
+    f.lodc(extract).ends(0);
+    f.file("ex/b.obj/note", "a folder of somebody's");
+    f.file("keep.txt", "none of lodc's");
+    let record = String::from_utf8(f.read("ex/.lodc/b.obj.obj.json")).expect("text");
+    assert!(record.contains("\"b.obj.obj\""), "{record}");
+    let forged = record.replace("\"b.obj.obj\"", "\"b.obj/../../keep.txt\"");
+    f.file("ex/.lodc/b.obj.obj.json", forged);
+    std::fs::remove_file(f.join("in/b.obj")).expect("it is there");
+    f.lodc(extract.iter().chain(&["--prune"])).ends(0);
+    assert!(f.has("keep.txt") && f.has("ex/b.obj.obj") && !f.has("ex/.lodc/b.obj.obj.json"));
+}
+
+#[test]
 fn a_result_has_one_name_alone_and_in_a_folder() {
     let f = Folder::new();
     f.file("in/club.obj", grid(3));

@@ -107,7 +107,7 @@ fn pack_asset(asset: &Asset, options: &AssetOptions<PackArgs>) -> Outcome<AssetR
     let (args, target) = options.ready(asset)?;
     let input = &asset.input;
     let beside = Assets::new(input, &[], args.limits.limits());
-    let wanted = args.run.wanted(input, target, &beside, &args.options_text);
+    let wanted = Wanted::new(&args.run, input, target, &beside, &args.options_text);
     if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
         return Ok(left);
     }

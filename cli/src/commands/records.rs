@@ -1,7 +1,7 @@
 //! Records of what results were made from, for `--if-changed` and `--prune`: of `OUT/NAME` in
 //! `OUT/.lodc/NAME.json`. A `.lodc` file says it itself.
 
-use super::runs::AssetResult;
+use super::runs::{AssetResult, RunArgs};
 use crate::batch::{RECORDS, has_extension};
 use crate::console;
 use crate::exit::{Outcome, Status};
@@ -30,15 +30,28 @@ pub(crate) struct Record {
 /// The result that is to be made of an input.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
-    pub(crate) input: &'a Path,
-    pub(crate) target: &'a Path,
+    input: &'a Path,
+    target: &'a Path,
     /// The files beside the input; nothing of them has been read.
-    pub(crate) assets: &'a Assets,
+    assets: &'a Assets,
     /// All options that can change the result.
-    pub(crate) options: &'a str,
+    options: &'a str,
 }
 
-impl Wanted<'_> {
+impl<'a> Wanted<'a> {
+    /// What is wanted of an input, of which nothing has been read, if a run leaves results alone
+    /// that are up to date: a file can be.
+    pub(crate) fn new(
+        run: &RunArgs,
+        input: &'a Path,
+        target: &'a Target,
+        assets: &'a Assets,
+        options: &'a str,
+    ) -> Option<Self> {
+        let Target::File(target) = target else { return None };
+        run.if_changed.then_some(Self { input, target, assets, options })
+    }
+
     /// Returns the result if it is up to date; prints the warnings of the run that made it.
     pub(crate) fn if_up_to_date<R>(self) -> Option<AssetResult<R>> {
         let record = Record::read(self.target)?;
@@ -118,7 +131,11 @@ impl Record {
         let Some(record) = Self::read(target) else { return Vec::new() };
         let own = target.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let outputs = record.outputs.into_iter().map(|(name, _)| name);
-        let outputs = outputs.filter(|name| name.starts_with(&own));
+        // They stand beside the target, whatever a record says.
+        let is_own = |name: &String| {
+            name.starts_with(&own) && Path::new(name).file_name() == Some(name.as_ref())
+        };
+        let outputs = outputs.filter(is_own);
         outputs.map(|name| folder(target).join(name)).chain([path(target, ".json")]).collect()
     }
 

@@ -3,15 +3,13 @@
 
 use super::ci::CiArgs;
 use super::each;
-use super::records::Wanted;
 use crate::batch::{self, Asset};
 use crate::console;
 use crate::exit::{Outcome, Status};
 use crate::help::OUTPUT;
-use crate::output::{self, DependencyRule, Target};
+use crate::output::{self, DependencyRule};
 use crate::results::{self, FailureReport, ResultReport};
 use clap::{Args, ValueEnum};
-use lodc_formats::Assets;
 use lodc_report::documents::{Summary, SummaryReport};
 use lodc_report::{Case, Suite, Verdict};
 use serde::Serialize;
@@ -85,19 +83,6 @@ impl RunArgs {
     /// Returns whether standard output is for a report.
     pub(crate) fn reports(&self) -> bool {
         self.format().is_some()
-    }
-
-    /// What is wanted of an input, of which nothing has been read, if results that are up to date
-    /// are left alone: a file can be.
-    pub(crate) fn wanted<'a>(
-        &self,
-        input: &'a Path,
-        target: &'a Target,
-        assets: &'a Assets,
-        options: &'a str,
-    ) -> Option<Wanted<'a>> {
-        let Target::File(target) = target else { return None };
-        self.if_changed.then_some(Wanted { input, target, assets, options })
     }
 
     /// Checks that the files of reports can be written, and that each standard stream has one use.

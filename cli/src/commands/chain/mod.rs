@@ -122,8 +122,8 @@ pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
             let Target::File(path) = target else { return Err(no_stream(&args.output)) };
             args.export.check(format, target)?;
             let beside = args.export.import.assets(&asset.input, None);
-            let options = &args.options_text;
-            let wanted = args.export.run.wanted(&asset.input, target, &beside, options);
+            let (run, options) = (&args.export.run, &args.options_text);
+            let wanted = Wanted::new(run, &asset.input, target, &beside, options);
             if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
                 return Ok(left);
             }
