@@ -65,7 +65,7 @@ picture: build
         --wireframe --criterion silhouette --coarse 5% --eye 1.8,1.6,5 --fovy 31 -o docs/views.png
     target/release/lodc render target/shell.obj --size 300x300 --shading flat --wireframe --criterion box \
         --box -9,-9,-9,0.15,9,9 --azimuth 20 --elevation 12 -o docs/half-refined.png
-    python3 docs/glide.py target/release/lodc target/shell.obj docs/glide.png
+    python3 docs/geomorph.py target/release/lodc target/shell.obj docs/geomorph.png
 
 # Draw the picture of the packages again (docs/packages.svg)
 drawing:
@@ -95,8 +95,8 @@ web-long-tasks *triangles: build
     LODC="$PWD/target/release/lodc" LODC_WEB="$PWD/target/web" node crates/web/test/longtasks.mjs {{triangles}}
 
 # The bars on lodc's time beside gltfpack and others; with a mesh how close levels are; --build-openmesh adds OpenMesh
-peers *words:
-    tests/peers/run {{words}}
+other-tools *words:
+    tests/other_tools/run {{words}}
 
 # Levels beside those of other tools on a folder of models, in pictures, outlines and distances: FOLDER [--ratios R,R] [--ways W,W] [--models NAME,NAME] [--rows FILE]
 league folder *words: build

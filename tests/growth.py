@@ -216,7 +216,7 @@ def lines(before):
     return lambda n: "".join(corners(i) + face(i) for i in range(n)).encode()
 
 
-def hub(n):
+def high_valence(n):
     """Triangles around one vertex, alike for every count."""
     turn = lambda i: math.tau * i / n
     place = lambda i: f"{math.cos(turn(i)):.5f} {math.sin(turn(i)):.5f} {i % 7 / 100}"
@@ -249,7 +249,7 @@ COUNTS = {
     "groups": ("obj", lines(lambda i: f"g g{i}\n"), 2_000, 64_000, 500),
     "usemtls": ("obj", lines(lambda i: f"usemtl m{i}\n"), 500, 16_000, 500),
     # Budgets of distances grow up to 4,000 triangles: a step that looks like growth of the work.
-    "hub": ("obj", hub, 1_000, 128_000, LARGE),
+    "high_valence": ("obj", high_valence, 1_000, 128_000, LARGE),
 }
 
 # Arguments, with IN for the mesh, A for its .lodc file and S for its stream.
@@ -267,7 +267,7 @@ STAGES = {
 
 # A surface that grows with the count: what measures distances has samples and budgets that are the
 # same for all small ones, so it is looked at from a larger count on, and left out of samples.
-SURFACES = {"sparse", "objects", "groups", "usemtls", "hub"}
+SURFACES = {"sparse", "objects", "groups", "usemtls", "high_valence"}
 BY_SURFACE = {"build", "verify"}
 
 # Cells that were once beyond the bar: always in a sample.
@@ -276,7 +276,7 @@ MENDED = {
     "channels": ["chain"],
     "instances": ["chain"],
     "meshes": ["pack", "unpack"],
-    "hub": ["extract"],
+    "high_valence": ["extract"],
     "primitives": ["extract", "chain", "view", "unpack"],
     "usemtls": ["extract", "chain", "view", "unpack"],
 }

@@ -4,11 +4,11 @@
 use crate::exit::Outcome;
 use crate::help::MANY_ASSETS;
 use clap::Args;
-use lodc_assets::{AssetChoice, Shard};
+use lodc_assets::{JobChoice, Shard};
 use std::path::{Path, PathBuf};
 
 pub(crate) use lodc_assets::{
-    Asset, Budget, CommandPaths, LEVEL_EXTENSIONS, MESH_EXTENSIONS, OptionValues, Pair, RECORDS,
+    Budget, CommandPaths, Job, LEVEL_EXTENSIONS, MESH_EXTENSIONS, OptionValues, Pair, RECORDS,
     check_standard_streams, expand_folders, has_extension, orphans, run_queue,
 };
 
@@ -41,9 +41,9 @@ pub(crate) struct BatchArgs {
 
 impl BatchArgs {
     /// The choice of assets that the options make.
-    fn choice(&self) -> AssetChoice {
+    fn choice(&self) -> JobChoice {
         let Self { manifest, include, exclude, shard } = self.clone();
-        AssetChoice { list: manifest, include, exclude, shard }
+        JobChoice { list: manifest, include, exclude, shard }
     }
 
     /// Returns whether a run has several results, or may have them.
@@ -55,9 +55,9 @@ impl BatchArgs {
 /// The assets of a run, in order.
 ///
 /// # Errors
-/// As [`lodc_assets::assets`].
-pub(crate) fn assets(paths: CommandPaths<'_>, batch: &BatchArgs) -> Outcome<Vec<Asset>> {
-    Ok(lodc_assets::assets(paths, &batch.choice())?)
+/// As [`lodc_assets::jobs`].
+pub(crate) fn jobs(paths: CommandPaths<'_>, batch: &BatchArgs) -> Outcome<Vec<Job>> {
+    Ok(lodc_assets::jobs(paths, &batch.choice())?)
 }
 
 /// The pairs of files that a run compares.

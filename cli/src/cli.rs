@@ -1,7 +1,7 @@
 //! The command line as `clap` sees it: every command, and the options that all of them have.
 
 use crate::commands::{
-    bench, build, chain, compare, completions, config, extract, info, man, pack, render, report,
+    bench, building, chain, compare, completions, config, extract, info, man, pack, render, report,
     select, shaders, strips, unpack, verify, view,
 };
 use crate::help::{GENERAL, MORE};
@@ -63,7 +63,7 @@ pub(crate) struct CommonArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Turn glTF, GLB, OBJ, PLY or STL files into .lodc files, which hold every level
-    Build(build::BuildArgs),
+    Build(building::BuildArgs),
     /// Take one level of detail out of meshes or .lodc files
     Extract(extract::ExtractArgs),
     /// Write a few levels for engines: one file, or a file for each

@@ -7,7 +7,7 @@ use crate::mesh_output::FormatName;
 use clap::{Args, ValueEnum};
 use lodc::level_mesh::Order;
 use lodc_formats::OutputFile;
-use lodc_formats::export::{Additions, Precision, Provenance};
+use lodc_formats::export::{ExportOptions, Precision, Provenance};
 use lodc_formats::images::PlacedTextures;
 use lodc_report::text::size;
 
@@ -42,12 +42,12 @@ enum Compression {
 
 /// Compression and precision of one output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Packing {
+pub(crate) struct EncodeOptions {
     compress: bool,
     pub(crate) precision: Precision,
 }
 
-impl Packing {
+impl EncodeOptions {
     /// What to write instead if files become larger by this: neither compressed nor quantised. They
     /// are to be small where they are both.
     pub(crate) fn alternative(self) -> Option<Self> {
@@ -69,19 +69,19 @@ impl Packing {
         })
     }
 
-    /// The packing of an export.
-    pub(crate) fn of(additions: &Additions) -> Self {
-        Self { compress: additions.compress, precision: additions.precision }
+    /// How an export is encoded.
+    pub(crate) fn of(options: &ExportOptions) -> Self {
+        Self { compress: options.compress, precision: options.precision }
     }
 
     /// The contents of an export besides its objects.
-    pub(crate) fn additions(
+    pub(crate) fn options(
         self,
         textures: PlacedTextures,
         provenance: Option<Provenance>,
-    ) -> Additions {
+    ) -> ExportOptions {
         let Self { compress, precision } = self;
-        Additions { textures, compress, precision, provenance }
+        ExportOptions { textures, compress, precision, provenance }
     }
 
     /// The order of triangles where none is asked for.
@@ -95,7 +95,11 @@ impl CompressArgs {
     ///
     /// # Errors
     /// If either was asked for and the format has neither.
-    pub(crate) fn wanted(&self, format: FormatName, input_is_compressed: bool) -> Outcome<Packing> {
+    pub(crate) fn wanted(
+        &self,
+        format: FormatName,
+        input_is_compressed: bool,
+    ) -> Outcome<EncodeOptions> {
         let supports_both = format.is_gltf();
         if self.compress == Some(Compression::Meshopt) && !supports_both {
             return Err(Failure::usage("only .glb and .gltf can be compressed"));
@@ -105,7 +109,7 @@ impl CompressArgs {
         }
         let compress = supports_both
             && self.compress.map_or(input_is_compressed, |c| c == Compression::Meshopt);
-        Ok(Packing { compress, precision: self.quantize.unwrap_or_default() })
+        Ok(EncodeOptions { compress, precision: self.quantize.unwrap_or_default() })
     }
 }
 

@@ -5,7 +5,7 @@ use crate::exit::Outcome;
 use crate::help::CONFIGURATION;
 use crate::program::Program;
 use clap::Args;
-use lodc_assets::{Asset, ConfigLayer, Configs};
+use lodc_assets::{ConfigLayer, Configs, Job};
 use std::path::{Path, PathBuf};
 
 /// Options that choose a configuration.
@@ -28,16 +28,11 @@ impl ConfigArgs {
     ///
     /// # Errors
     /// As [`Configs::apply`].
-    pub(crate) fn apply(
-        &self,
-        program: &Program,
-        command: &str,
-        assets: &mut [Asset],
-    ) -> Outcome<()> {
+    pub(crate) fn apply(&self, program: &Program, command: &str, jobs: &mut [Job]) -> Outcome<()> {
         let mut configs = self.configs(program, command);
-        configs.apply(assets, || program.given(command))?;
+        configs.apply(jobs, || program.given(command))?;
         // Of named files alone, an override for others is no mistake.
-        if assets.iter().any(|asset| asset.folder.is_some()) {
+        if jobs.iter().any(|job| job.folder.is_some()) {
             configs.unmatched().iter().for_each(|what| console::note(&format!("lodc: {what}")));
         }
         Ok(())

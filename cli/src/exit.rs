@@ -1,7 +1,7 @@
 //! Exit statuses, and the failures that carry one: a one-line message, and whether input, options
 //! or system are at fault.
 
-use lodc_assets::AssetError;
+use lodc_assets::JobError;
 use lodc_formats::{Fault, FormatError};
 use std::fmt;
 
@@ -86,13 +86,13 @@ impl From<lodc::Error> for Failure {
     }
 }
 
-impl From<AssetError> for Failure {
-    fn from(error: AssetError) -> Self {
+impl From<JobError> for Failure {
+    fn from(error: JobError) -> Self {
         match error {
-            AssetError::Usage(problem) => Self::new(Status::Usage, problem),
-            AssetError::Input(problem) => Self::new(Status::Input, problem),
-            AssetError::Output(problem) => Self::new(Status::Output, problem),
-            AssetError::Format(error) => error.into(),
+            JobError::Usage(problem) => Self::new(Status::Usage, problem),
+            JobError::Input(problem) => Self::new(Status::Input, problem),
+            JobError::Output(problem) => Self::new(Status::Output, problem),
+            JobError::Format(error) => error.into(),
         }
     }
 }

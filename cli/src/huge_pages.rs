@@ -39,7 +39,7 @@ fn allow_if(_: bool) {}
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
-    use lodc::build::Size;
+    use lodc::pipeline::Size;
     use rustix::thread::transparent_huge_pages_are_disabled;
 
     /// The state is the process's: one test for all of it.

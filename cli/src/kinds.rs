@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::help::{SIMPLIFIED, STORED};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use lodc::build::DEFAULT_POSES;
+use lodc::pipeline::DEFAULT_POSES;
 use lodc_formats::lodc::{Layout, MAX_POSES};
 use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;

@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::help::{LIMITS, READ};
 use crate::huge_pages;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use lodc::build::{Need, Size};
+use lodc::pipeline::{Need, Size};
 use lodc_assets::{Budget, LIMIT_OPTION};
 use lodc_formats::import::ImportOptions;
 use lodc_formats::{Assets, Limits};

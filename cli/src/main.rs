@@ -38,8 +38,8 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use commands::{
-    bench, build, chain, compare, completions, config as config_command, extract, info, man, pack,
-    render, select, shaders, strips, unpack, verify, view,
+    bench, building, chain, compare, completions, config as config_command, extract, info, man,
+    pack, render, select, shaders, strips, unpack, verify, view,
 };
 use console::Loudness;
 use exit::{Outcome, Status};
@@ -105,7 +105,7 @@ fn run() -> Status {
     let without_status = |outcome: Outcome<()>| outcome.map(|()| Status::Done);
     let outcome = interrupt::install().and_then(|()| threads::start(cli.common.jobs)).and_then(
         |()| match &cli.command {
-            Command::Build(args) => build::run(args, &program),
+            Command::Build(args) => building::run(args, &program),
             Command::Extract(args) => extract::run(args, &program),
             Command::Chain(args) => chain::run(args, &program),
             Command::Info(args) => info::run(args),

@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::output::{self, Target};
 use clap::ValueEnum;
 use lodc::level_mesh::Order;
-use lodc_formats::export::{Additions, ExportFormat, ExportObject, export_with, left_out};
+use lodc_formats::export::{ExportFormat, ExportObject, ExportOptions, export_with, left_out};
 use lodc_formats::{Document, OutputFile};
 use std::path::{Path, PathBuf};
 
@@ -124,13 +124,13 @@ pub(crate) fn files(
     format: FormatName,
     document: &Document,
     objects: &[ExportObject<'_>],
-    additions: &Additions,
+    options: &ExportOptions,
 ) -> Outcome<Vec<OutputFile>> {
     let path = match target {
         Target::File(path) => path.clone(),
         Target::Stdout => PathBuf::from("stdout").with_extension(format.extension()),
     };
-    Ok(export_with(&path, format.export_format(), document, objects, additions)?)
+    Ok(export_with(&path, format.export_format(), document, objects, options)?)
 }
 
 /// Writes what [`files`] gave.

@@ -3,7 +3,7 @@
 
 use crate::exit::{Failure, Outcome};
 use crate::{console, interrupt};
-use lodc_assets::AssetError;
+use lodc_assets::JobError;
 use lodc_formats::{OutputFile, write_all, write_each};
 use std::mem::take;
 use std::path::Path;
@@ -24,9 +24,7 @@ pub(crate) fn commit(files: &[OutputFile]) -> Outcome<()> {
     for folder in files.iter().skip(1).filter_map(|f| f.path.parent()) {
         if folder != Path::new("") && !folder.exists() {
             let made = std::fs::create_dir_all(folder);
-            made.map_err(|e| {
-                AssetError::Output(format!("{}: not written: {e}", folder.display()))
-            })?;
+            made.map_err(|e| JobError::Output(format!("{}: not written: {e}", folder.display())))?;
         }
     }
     // Opening a pipe without a reader blocks, so there an interruption must get through; it leaves

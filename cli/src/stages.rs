@@ -4,7 +4,7 @@ use crate::clock::Clock;
 use crate::console::detail;
 use crate::memory;
 use crate::progress::Progress;
-use lodc::build::{Tick, Watch};
+use lodc::pipeline::{Tick, Watch};
 use lodc_report::documents::StageReport;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;

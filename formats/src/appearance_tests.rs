@@ -61,8 +61,8 @@ fn arranged(json: &str, blob: Vec<u8>, meshes: &[u32]) -> Result<Arrangement, Fo
 fn an_mtl_gives_colours_opacity_and_textures() {
     let folder = Scratch::new("appearance-mtl");
     folder.write("in a/te xture.png", &red());
-    let looks = of_mtl(&["Kd 1 0.5 0", "d 0.25"], &folder);
-    let material = &looks.materials[looks.of_submesh[0][0]];
+    let appearance = of_mtl(&["Kd 1 0.5 0", "d 0.25"], &folder);
+    let material = &appearance.materials[appearance.of_submesh[0][0]];
     assert!(
         material.colour[0] == 1.0
             && (material.colour[1] - 0.214).abs() < 1e-3
@@ -72,17 +72,17 @@ fn an_mtl_gives_colours_opacity_and_textures() {
         material.alpha == AlphaMode::Blend && material.double_sided && material.texture.is_none()
     );
 
-    let looks =
+    let appearance =
         of_mtl(&["Kd 0 0 0", "map_Kd -s 2 3 -clamp on -o 0.5 0 0 in a\\te xture.png"], &folder);
-    let material = &looks.materials[looks.of_submesh[0][0]];
+    let material = &appearance.materials[appearance.of_submesh[0][0]];
     let texture = material.texture.expect("a texture");
     assert_eq!(material.colour, [1.0; 4], "a black that a texture paints over");
     assert_eq!((texture.image, texture.wrap), (0, [Wrap::Clamp; 2]));
     // The bottom left corner of the coordinates is the bottom left of the picture.
     assert_eq!(texture.transform, [[2.0, 0.0, 0.5], [0.0, -3.0, 1.0]]);
     assert_eq!(material.coordinates, Coordinates { set: 0, transform: texture.transform });
-    assert_eq!((looks.images[0].width, looks.images[0].height), (2, 1));
-    assert!(looks.warnings.is_empty(), "{:?}", looks.warnings);
+    assert_eq!((appearance.images[0].width, appearance.images[0].height), (2, 1));
+    assert!(appearance.warnings.is_empty(), "{:?}", appearance.warnings);
 }
 
 /// Exports the triangle of an OBJ with this material as another format, and reads that file.
@@ -126,24 +126,24 @@ fn what_an_obj_shows_is_what_its_gltf_shows_and_an_obj_made_of_that() {
         &["Kd 0.2 0.4 0.6"],
         &["Ks 1 1 1"],
     ] {
-        let looks = [None, Some(ExportFormat::Gltf), Some(ExportFormat::Obj)].map(|format| {
+        let appearance = [None, Some(ExportFormat::Gltf), Some(ExportFormat::Obj)].map(|format| {
             let first = || crate::import::import(&folder.path("a.obj"), &ImportOptions::default());
             let written = exported(lines, format.unwrap_or(ExportFormat::Gltf), &folder);
             let scene = if format.is_some() { written } else { first().expect("sound") };
             let mut assets = Assets::new(&folder.path("a.obj"), &[], Limits::DEFAULT);
             let infos = [&scene.objects[0].info];
-            let looks = appearance(&scene.document, &infos, &mut assets).expect("sound");
-            let material = looks.materials[looks.of_submesh[0][0]];
+            let appearance = appearance(&scene.document, &infos, &mut assets).expect("sound");
+            let material = appearance.materials[appearance.of_submesh[0][0]];
             let corners =
                 material.texture.map(|t| (t.wrap, [0, 1, 2].map(|v| shown_at(&scene, &t, v))));
             (material.colour, material.alpha, corners)
         });
         let named = lines.iter().any(|line| line.starts_with("map_Kd"));
-        assert_eq!(looks[0].2.is_some(), named, "{lines:?}");
-        for other in &looks[1..] {
+        assert_eq!(appearance[0].2.is_some(), named, "{lines:?}");
+        for other in &appearance[1..] {
             let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-5;
-            assert!(looks[0].0.iter().zip(&other.0).all(near), "{lines:?}: {looks:?}");
-            assert_eq!((looks[0].1, &looks[0].2), (other.1, &other.2), "{lines:?}");
+            assert!(appearance[0].0.iter().zip(&other.0).all(near), "{lines:?}: {appearance:?}");
+            assert_eq!((appearance[0].1, &appearance[0].2), (other.1, &other.2), "{lines:?}");
         }
     }
 }
@@ -160,12 +160,15 @@ fn textures_that_cannot_be_had_are_warnings_and_none_is_read_from_elsewhere() {
         ("map_Kd http://127.0.0.1/x.png", "http"),
         ("map_Kd broken.png", "damaged"),
     ] {
-        let looks = of_mtl(&[line], &inner);
-        assert!(looks.images.is_empty() && looks.materials[1].texture.is_none(), "{line}");
+        let appearance = of_mtl(&[line], &inner);
         assert!(
-            looks.warnings.len() == 1 && looks.warnings[0].contains(word),
+            appearance.images.is_empty() && appearance.materials[1].texture.is_none(),
+            "{line}"
+        );
+        assert!(
+            appearance.warnings.len() == 1 && appearance.warnings[0].contains(word),
             "{line}: {:?}",
-            looks.warnings
+            appearance.warnings
         );
     }
 }
@@ -193,8 +196,8 @@ fn a_gltf_material_is_read_with_its_sampler_and_transform() {
         "bufferViews": [{"buffer": 0, "byteLength": blob.len()}],
         "buffers": [{"byteLength": blob.len()}]
     });
-    let looks = of_gltf(&json.to_string(), blob, &[0], &folder).expect("a document");
-    let material = &looks.materials[looks.of_submesh[0][0]];
+    let appearance = of_gltf(&json.to_string(), blob, &[0], &folder).expect("a document");
+    let material = &appearance.materials[appearance.of_submesh[0][0]];
     assert_eq!(material.colour, [0.5, 0.25, 1.0, 0.75]);
     assert_eq!(
         (material.alpha, material.double_sided, material.unlit),
@@ -299,9 +302,14 @@ fn an_image_is_decoded_once_however_often_it_is_there_and_pixels_have_a_limit() 
         appearance(&document, &[&object], &mut assets)
     };
     // Two pixels and one.
-    let looks = within(3).expect("as many as are allowed");
-    assert!(looks.warnings.is_empty() && looks.images.len() == 2, "{:?}", looks.warnings);
-    let shown = looks.of_submesh[0].iter().map(|&m| looks.materials[m].texture.map(|t| t.image));
+    let appearance = within(3).expect("as many as are allowed");
+    assert!(
+        appearance.warnings.is_empty() && appearance.images.len() == 2,
+        "{:?}",
+        appearance.warnings
+    );
+    let shown =
+        appearance.of_submesh[0].iter().map(|&m| appearance.materials[m].texture.map(|t| t.image));
     assert_eq!(shown.collect::<Vec<_>>(), [Some(0), Some(0), Some(1), Some(0)]);
     for pixels in [0, 2] {
         let error = within(pixels).expect_err("more pixels than are allowed");

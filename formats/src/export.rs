@@ -1,8 +1,8 @@
 //! Writing one level of detail, in any format.
 
 pub use crate::gltf::write::{RoundedObject, rounded};
-pub use crate::options::{Additions, ExportObject, Precision};
-pub use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
+pub use crate::options::{ExportObject, ExportOptions, Precision};
+pub use crate::provenance::{GeomorphFacts, LevelFacts, Provenance, ScreenFacts};
 
 use crate::far::Extent;
 use crate::flatten::{FileCoordinates, Placed, placed};
@@ -41,7 +41,7 @@ pub fn export(
     document: &Document,
     objects: &[ExportObject<'_>],
 ) -> Result<Vec<OutputFile>, FormatError> {
-    export_with(path, format, document, objects, &Additions::default())
+    export_with(path, format, document, objects, &ExportOptions::default())
 }
 
 /// Makes the files of an export in memory, copies of image files included, the file that refers to
@@ -54,27 +54,27 @@ pub fn export_with(
     format: ExportFormat,
     document: &Document,
     objects: &[ExportObject<'_>],
-    additions: &Additions,
+    options: &ExportOptions,
 ) -> Result<Vec<OutputFile>, FormatError> {
     let mut files = match format {
         ExportFormat::Glb | ExportFormat::Gltf => {
-            gltf::write::export(path, format == ExportFormat::Glb, document, objects, additions)?
+            gltf::write::export(path, format == ExportFormat::Glb, document, objects, options)?
         }
         ExportFormat::Obj => {
-            let library = library(document, additions)?;
+            let library = library(document, options)?;
             let placed = all_placed(document, objects, true)?;
             let loose = loose(document)?;
-            obj::write::export(path, &placed, &library, &loose, additions.provenance.as_ref())
+            obj::write::export(path, &placed, &library, &loose, options.provenance.as_ref())
         }
         ExportFormat::Ply => {
-            let library = library(document, additions)?;
+            let library = library(document, options)?;
             let placed = all_placed(document, objects, false)?;
             let loose = loose(document)?;
-            ply::write::export(path, &placed, &library, &loose, additions.provenance.as_ref())?
+            ply::write::export(path, &placed, &library, &loose, options.provenance.as_ref())?
         }
         ExportFormat::Stl => stl::write::export(path, &all_placed(document, objects, false)?)?,
     };
-    files.extend(additions.textures.copies.iter().cloned());
+    files.extend(options.textures.copies.iter().cloned());
     Ok(files)
 }
 
@@ -165,10 +165,10 @@ fn loose(document: &Document) -> Result<Loose, FormatError> {
 }
 
 /// The materials of a document as an OBJ has them.
-fn library(document: &Document, additions: &Additions) -> Result<Library, FormatError> {
+fn library(document: &Document, options: &ExportOptions) -> Result<Library, FormatError> {
     match document {
-        Document::Obj(obj) => Ok(Library::new(obj, &additions.textures)),
-        Document::Gltf(gltf) => gltf::library(gltf, &additions.textures),
+        Document::Obj(obj) => Ok(Library::new(obj, &options.textures)),
+        Document::Gltf(gltf) => gltf::library(gltf, &options.textures),
     }
 }
 

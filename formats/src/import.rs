@@ -3,13 +3,13 @@
 mod count;
 mod sniff;
 
+use crate::exported::NOT_EXPORTED;
 use crate::lodc::{self, LodFile};
 pub use crate::options::ImportOptions;
 use crate::provenance::Provenance;
 pub use crate::scene::Counted;
-use crate::shipped::NOT_SHIPPED;
 use crate::{
-    Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, faces, gltf, obj, ply, stl,
+    Assets, Document, ExportedLevels, Fault, FormatError, Limits, Scene, faces, gltf, obj, ply, stl,
 };
 pub use count::count;
 use lodc_mesh::MeshParts;
@@ -85,7 +85,7 @@ pub fn import_parts(parts: MeshParts, options: &ImportOptions) -> Result<Scene, 
 ///
 /// # Errors
 /// As [`import`], and if the file states no levels.
-pub fn import_levels(path: &Path, options: &ImportOptions) -> Result<ShippedLevels, FormatError> {
+pub fn import_levels(path: &Path, options: &ImportOptions) -> Result<ExportedLevels, FormatError> {
     let mut assets = Assets::new(path, &options.allowed, options.limits);
     let bytes = assets.read_main()?;
     read_levels(bytes, path, &mut assets, options)
@@ -100,7 +100,7 @@ pub fn levels_in(
     bytes: Vec<u8>,
     path: &Path,
     options: &ImportOptions,
-) -> Result<ShippedLevels, FormatError> {
+) -> Result<ExportedLevels, FormatError> {
     let mut assets = Assets::new(path, &options.allowed, options.limits);
     read_levels(bytes, path, &mut assets, options)
 }
@@ -110,19 +110,19 @@ fn read_levels(
     path: &Path,
     assets: &mut Assets,
     options: &ImportOptions,
-) -> Result<ShippedLevels, FormatError> {
+) -> Result<ExportedLevels, FormatError> {
     let name = assets.main_name();
     if is_gltf(&bytes, path) {
-        return gltf::read::shipped(&bytes, assets, options).map_err(|e| e.in_file(&name));
+        return gltf::read::exported(&bytes, assets, options).map_err(|e| e.in_file(&name));
     }
     let stated = stated_in_text(&bytes);
     let levels = vec![read(bytes, path, assets, options)?];
-    let states_none = || FormatError::new(Fault::Malformed, "line 1", NOT_SHIPPED).in_file(&name);
-    Ok(ShippedLevels {
+    let states_none = || FormatError::new(Fault::Malformed, "line 1", NOT_EXPORTED).in_file(&name);
+    Ok(ExportedLevels {
         stated: stated.ok_or_else(states_none)?,
         levels,
         difference: None,
-        glides: Vec::new(),
+        morphs: Vec::new(),
     })
 }
 

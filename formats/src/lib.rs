@@ -26,12 +26,12 @@
 //! (`.lods`); all of them by default, and without any the container alone.
 
 #![cfg_attr(
-    feature = "terse",
+    feature = "minimal-messages",
     allow(unused_variables, reason = "values of messages are not formatted")
 )]
 
 /// A message without its values: what formats them would be half of a browser's decoder.
-#[cfg(feature = "terse")]
+#[cfg(feature = "minimal-messages")]
 macro_rules! format {
     ($text:literal $(, $value:expr)* $(,)?) => {{
         $(let _ = &$value;)*
@@ -47,6 +47,8 @@ mod colours;
 mod error;
 #[cfg(feature = "export")]
 pub mod export;
+#[cfg(feature = "import")]
+mod exported;
 #[cfg(feature = "import")]
 mod faces;
 #[cfg(any(feature = "import", feature = "export"))]
@@ -104,8 +106,6 @@ mod ply;
 mod provenance;
 mod requested_files;
 mod scene;
-#[cfg(feature = "import")]
-mod shipped;
 #[cfg(any(feature = "import", feature = "export"))]
 mod stl;
 #[cfg(test)]
@@ -120,6 +120,8 @@ mod write;
 pub use appearance::{appearance, coordinates};
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
+#[cfg(feature = "import")]
+pub use exported::{ExportedLevels, Geomorph, GeomorphPart};
 #[cfg(feature = "gltf")]
 pub use gltf::{PartNames, animation, animation_names, scene_graph, scene_motion};
 pub use limits::Limits;
@@ -132,13 +134,11 @@ pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,
     SourceFormat, SubmeshInfo,
 };
-#[cfg(feature = "import")]
-pub use shipped::{Glide, GlidePart, ShippedLevels};
 pub use write::{OutputFile, write_all, write_each};
 
 /// The name of the morph target that moves a level to the next one.
 #[cfg_attr(not(all(feature = "import", feature = "export")), allow(dead_code, reason = "of glTF"))]
-pub(crate) const GLIDE_TARGET: &str = "lodc:next";
+pub(crate) const GEOMORPH_TARGET: &str = "lodc:next";
 
 /// The name and version of this program.
 pub(crate) const GENERATOR: &str = concat!("lodc ", env!("CARGO_PKG_VERSION"));

@@ -35,7 +35,7 @@ pub struct ExportObject<'a> {
 /// Contents of an export besides the document and its objects. The default adds nothing.
 #[cfg(feature = "export")]
 #[derive(Clone, Debug, Default)]
-pub struct Additions {
+pub struct ExportOptions {
     /// Image files in or beside the export.
     pub textures: PlacedTextures,
     /// True to compress geometry by EXT_meshopt_compression.

@@ -1,9 +1,9 @@
 //! The metadata that an export states about itself (JSON in glTF, a comment line in OBJ and PLY):
-//! source hash, level of detail, error, distances at which it glides.
+//! source hash, level of detail, error, distances at which it morphs.
 
 #[cfg(feature = "export")]
 use crate::GENERATOR;
-use lodc_mesh::Posture;
+use lodc_mesh::PoseKey;
 
 /// A level of detail as its file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,14 +14,14 @@ pub struct LevelFacts {
     pub error: f64,
     /// Its root mean square distance, in the same units, if it was measured.
     pub rms: Option<f64>,
-    /// Where it glides to the next level; none of a level that does not.
-    pub glide: Option<GlideFacts>,
+    /// Where it morphs to the next level; none of a level that does not.
+    pub geomorph: Option<GeomorphFacts>,
 }
 
-/// The distances from the eye at which a level of a chain is shown and glides, in the units of
+/// The distances from the eye at which a level of a chain is shown and morphs, in the units of
 /// errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GlideFacts {
+pub struct GeomorphFacts {
     /// The distance from which the level suits.
     pub distance: Option<f64>,
     /// The distance from which it moves towards the next level. It arrives at the next level's
@@ -56,11 +56,11 @@ pub struct Provenance {
     pub refitted: bool,
     /// The screen that distances are for, if levels state any.
     pub screen: Option<ScreenFacts>,
-    /// The file of the next level, where each has its own and glides to it.
+    /// The file of the next level, where each has its own and morphs to it.
     pub next: Option<String>,
     /// For each object of the source the poses that its errors are the largest over, besides the
     /// one at rest; none if that is not known.
-    pub poses: Option<Vec<Vec<Posture>>>,
+    pub poses: Option<Vec<Vec<PoseKey>>>,
 }
 
 impl Provenance {
@@ -88,7 +88,7 @@ impl Provenance {
     /// Reads such a line; none if it is something else.
     #[cfg(feature = "import")]
     pub(crate) fn of_line(line: &str) -> Option<Self> {
-        let mut stated = LevelFacts { lod: None, error: f64::INFINITY, rms: None, glide: None };
+        let mut stated = LevelFacts { lod: None, error: f64::INFINITY, rms: None, geomorph: None };
         let (mut source, mut refitted) = (None, false);
         for part in line.strip_prefix("lodc ")?.split(", ").skip(1) {
             match part.split_once(' ') {

@@ -4,7 +4,7 @@
 use crate::RequestedFiles;
 #[cfg(feature = "gltf")]
 use crate::known::Known;
-use lodc_mesh::{Mesh, Posture};
+use lodc_mesh::{Mesh, PoseKey};
 
 /// The format that a scene came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +83,7 @@ pub struct ObjectInfo {
     /// glTF: its index in the document's `meshes`. Others: 0.
     pub document_mesh: u32,
     /// The poses that its errors hold in besides the one at rest.
-    pub poses: Vec<Posture>,
+    pub poses: Vec<PoseKey>,
 }
 
 /// Description of a submesh besides its triangles.

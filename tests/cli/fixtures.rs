@@ -1,7 +1,7 @@
 //! The committed fixture files are what the generator writes; good ones import, and `x_` ones are
 //! refused as they should.
 
-use lodc_fixtures::files::{self, HOSTILE};
+use lodc_fixtures::files::{self, MALFORMED};
 use lodc_formats::import::{ImportOptions, import};
 use std::path::PathBuf;
 
@@ -75,21 +75,21 @@ fn good_files_import_with_every_triangle_of_their_shape() {
 #[test]
 fn hostile_files_are_refused_for_their_own_reason() {
     let mut wrong = Vec::new();
-    for hostile in HOSTILE {
-        assert!(hostile.name.starts_with("x_"), "{}", hostile.name);
-        match import(&folder().join(hostile.name), &ImportOptions::default()) {
-            Ok(_) => wrong.push(format!("{}: was read", hostile.name)),
+    for malformed in MALFORMED {
+        assert!(malformed.name.starts_with("x_"), "{}", malformed.name);
+        match import(&folder().join(malformed.name), &ImportOptions::default()) {
+            Ok(_) => wrong.push(format!("{}: was read", malformed.name)),
             Err(e) => {
                 let (fault, message) = (format!("{:?}", e.fault), e.to_string());
-                let said = message.to_lowercase().contains(hostile.message);
-                if !hostile.faults.contains(&fault.as_str())
+                let said = message.to_lowercase().contains(malformed.message);
+                if !malformed.faults.contains(&fault.as_str())
                     || !said
                     || message.lines().count() != 1
                 {
-                    wrong.push(format!("{}: {fault}: {message}", hostile.name));
+                    wrong.push(format!("{}: {fault}: {message}", malformed.name));
                 }
             }
         }
     }
-    assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), HOSTILE.len(), wrong.join("\n"));
+    assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), MALFORMED.len(), wrong.join("\n"));
 }

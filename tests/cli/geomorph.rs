@@ -72,7 +72,7 @@ fn levels_become_the_next_ones() {
 }
 
 #[test]
-fn files_of_their_own_glide_to_the_next_file() {
+fn files_of_their_own_morph_to_the_next_file() {
     for fixture in FIXTURES {
         for more in [&[][..], &["--refit"], &["--refit", "--compress", "meshopt"]] {
             let f = Folder::new();
@@ -92,7 +92,7 @@ fn files_of_their_own_glide_to_the_next_file() {
     }
 }
 
-type Plant = fn(&mut Value, &mut [u8]);
+type Inject = fn(&mut Value, &mut [u8]);
 
 /// The place of the first value of a stream of the target of level 0.
 fn first_delta(d: &Value, name: &str) -> usize {
@@ -111,7 +111,7 @@ fn add(numbers: &mut [u8], at: usize, by: f32) {
 }
 
 /// Each a defect.
-const DEFECTS: &[(&str, Plant)] = &[
+const DEFECTS: &[(&str, Inject)] = &[
     ("a vertex that goes elsewhere", |d, numbers| {
         (0..40).for_each(|k| add(numbers, first_delta(d, "POSITION") + 12 * k, 0.125));
     }),
@@ -139,9 +139,9 @@ const DEFECTS: &[(&str, Plant)] = &[
 #[test]
 fn planted_targets_are_found() {
     let f = chained("machine_part.glb", &["--geomorph"]);
-    for (name, plant) in DEFECTS {
+    for (name, inject) in DEFECTS {
         let (mut d, mut numbers) = (document(&f, "c.gltf"), f.read("c.bin"));
-        plant(&mut d, &mut numbers);
+        inject(&mut d, &mut numbers);
         d["buffers"][0]["uri"] = "d.bin".into();
         f.file("d.gltf", d.to_string());
         f.file("d.bin", numbers);
@@ -234,7 +234,7 @@ fn other_targets_and_their_animations_stay() {
 }
 
 #[test]
-fn what_cannot_glide_is_refused() {
+fn what_cannot_morph_is_refused() {
     let f = chained("machine_part.glb", &[]);
     for (args, what) in [
         (
@@ -277,19 +277,19 @@ fn real_meshes_glide() {
     for model in models {
         let f = Folder::new();
         let input = corpus.join(model).to_string_lossy().into_owned();
-        for (name, more) in [("plain.gltf", &[][..]), ("glide.gltf", &["--geomorph"])] {
+        for (name, more) in [("plain.gltf", &[][..]), ("geomorph.gltf", &["--geomorph"])] {
             let args = ["chain", &input, "-o", name, "-q", "--poses", "2"];
             f.lodc(args.iter().chain(more)).ends(0);
         }
-        f.lodc(["verify", "glide.gltf"]).ends(0);
-        ratios.push((geometry(&f, "plain.gltf", "glide.gltf"), model));
+        f.lodc(["verify", "geomorph.gltf"]).ends(0);
+        ratios.push((geometry(&f, "plain.gltf", "geomorph.gltf"), model));
     }
     let mean = ratios.iter().map(|r| r.0).sum::<f64>() / ratios.len() as f64;
     assert!(mean <= 1.5, "{ratios:?}");
 }
 
 /// A page that looks at a chain from one place, its distance swept from 0 beyond the last level's:
-/// the largest changes from one picture to the next, of levels that glide and that switch.
+/// the largest changes from one picture to the next, of levels that morph and that switch.
 const SWEEP: &str = r#"<!doctype html>
 <script type="importmap">
 { "imports": {
@@ -331,8 +331,8 @@ const picture = () => {
 // Every step is the same share farther away: levels may begin at distances of any ratio.
 const first = model.levels.levels.find((level) => level.distance > 0).distance / 8;
 const end = model.levels.levels.at(-1).distance * 1.05;
-const largest = (glides) => {
-  chain.glides = glides;
+const largest = (morphs) => {
+  chain.morphs = morphs;
   chain.show(0, 0);
   let [most, before] = [0, picture()];
   for (let i = 1; i <= 300; i++) {
@@ -351,7 +351,7 @@ console.log(`done: ${largest(true)} ${largest(false)}`);
 "#;
 
 #[test]
-fn levels_that_glide_change_little_from_picture_to_picture() {
+fn levels_that_morph_change_little_from_picture_to_picture() {
     let (Some(browser), Some(web)) = (Browser::find(), outside("LODC_WEB")) else { return };
     let part = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/terrain.glb");
     let mut inputs = vec![std::path::PathBuf::from(part)];
@@ -366,9 +366,9 @@ fn levels_that_glide_change_little_from_picture_to_picture() {
         let address = served(vec![f.path().to_owned(), web.clone()]);
         let told = browser.result_at(&format!("{address}/sweep.html"));
         let numbers: Vec<f64> = told.split(' ').filter_map(|n| n.parse().ok()).collect();
-        let [glide, switch] = numbers[..] else { panic!("{input}: {told}") };
+        let [geomorph, switch] = numbers[..] else { panic!("{input}: {told}") };
         assert!(switch > 0.1, "{input}: nothing switches: {told}");
-        assert!(glide <= 0.25 * switch, "{input}: {glide} against {switch}");
+        assert!(geomorph <= 0.25 * switch, "{input}: {geomorph} against {switch}");
     }
 }
 

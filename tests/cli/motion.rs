@@ -260,7 +260,7 @@ fn with_weights(glb: &[u8], weights: &[f64]) -> Vec<u8> {
 }
 
 #[test]
-fn what_glides_spoils_no_shape() {
+fn what_morphs_spoils_no_shape() {
     let f = Folder::new();
     let (mut model, below) = Model::slit();
     model.target = Some((model.opening(&below), 0.0));

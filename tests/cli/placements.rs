@@ -279,14 +279,14 @@ fn one_object_states_the_units_of_its_scene_as_two_do() {
     let [selected, extracted] = [&select["error"], &level["error"]].map(number);
     assert!((selected - extracted).abs() <= 1e-6 * extracted, "{selected} {extracted}");
     // Distances of a chain are those at which errors, in the scene's units, are a pixel.
-    let glides = ["chain", "m.lodc", "-o", "glide.glb", "--geomorph", "--json"];
-    let levels = alone.lodc(glides).ends(0).json()["levels"].clone();
+    let morphs = ["chain", "m.lodc", "-o", "geomorph.glb", "--geomorph", "--json"];
+    let levels = alone.lodc(morphs).ends(0).json()["levels"].clone();
     let slope = 2.0 * (TAU / 12.0).tan() / 1080.0;
     for level in levels.as_array().expect("levels") {
         let expected = number(&level["error"]) / slope;
         assert!((number(&level["distance"]) - expected).abs() <= 1e-6 * expected, "{level}");
     }
-    alone.lodc(["verify", "glide.glb", "--source", "s.gltf"]).ends(0);
+    alone.lodc(["verify", "geomorph.glb", "--source", "s.gltf"]).ends(0);
 }
 
 /// The scene of one rock at a hundred instances of any widths and heights.

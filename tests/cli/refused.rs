@@ -5,7 +5,7 @@ use crate::support::{Folder, Run};
 use std::path::{Path, PathBuf};
 
 /// The committed files that must be refused, sorted.
-fn hostile() -> Vec<PathBuf> {
+fn malformed() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures");
     let entries = std::fs::read_dir(folder).expect("the folder can be listed");
     let mut paths: Vec<PathBuf> = entries.map(|e| e.expect("an entry").path()).collect();
@@ -33,7 +33,7 @@ fn refused(run: &Run, name: &str, what: &str) -> Result<(), String> {
 fn every_hostile_fixture_ends_in_one_line_and_writes_nothing() {
     let f = Folder::new();
     let mut wrong = Vec::new();
-    for path in hostile() {
+    for path in malformed() {
         let name = path.file_name().expect("files have names").to_string_lossy().into_owned();
         let path = path.to_string_lossy();
         let commands: [&[&str]; 4] = [

@@ -50,7 +50,7 @@ pub(crate) fn lathe(columns: usize, rows: usize) -> String {
 }
 
 #[test]
-fn seams_off_by_rounding_glide() {
+fn seams_off_by_rounding_morph() {
     for (columns, rows) in [(12, 16), (17, 12), (24, 20)] {
         for more in [&["--geomorph"][..], &["--geomorph", "--auto", "7"]] {
             chained(&lathe(columns, rows), more);

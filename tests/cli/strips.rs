@@ -82,8 +82,8 @@ fn strips_refuse_what_makes_no_sense_and_keep_what_was_there() {
     f.file("old.strips", "kept");
     for args in [
         ["--cache-size", "3"],
-        ["--index-price", "-1"],
-        ["--index-price", "NaN"],
+        ["--index-cost", "-1"],
+        ["--index-cost", "NaN"],
         ["--strips", "best"],
     ] {
         f.lodc(["strips", "a.obj", "-o", "old.strips"].into_iter().chain(args)).ends(2);

@@ -60,8 +60,8 @@ fn exports_of_valid_gltf_files_are_valid_at_every_level() {
             names.push(name);
         }
         let bits = ["--quantize", "pos=14,normal=10,uv=12,color=8,weight=8"];
-        let gliding = ["--geomorph=uv,tangent,color,joints"];
-        let kinds = [("plain", &[][..]), ("quantised", &bits), ("gliding", &gliding)];
+        let morphing = ["--geomorph=uv,tangent,color,joints"];
+        let kinds = [("plain", &[][..]), ("quantised", &bits), ("morphing", &morphing)];
         for (kind, more) in kinds {
             let name = format!("{}@{kind}-chain.glb", path.replace(['/', ' '], "_"));
             folder.lodc(["chain", "m.lodc", "-o", &name, "-q"].iter().chain(more)).ends(0);

@@ -197,8 +197,8 @@ fn webgpu_shows_what_webgl_shows_and_less_while_it_moves() {
     assert!(number("drawn").is_some_and(|drawn| (1..480).contains(&drawn)), "{moves}");
 }
 
-/// Shows levels as shipped, and at the end of the way to the next: logs what is said and differs.
-const GLIDING: &str = r"
+/// Shows levels as exported, and at the end of the way to the next: logs what is said and differs.
+const MORPHING: &str = r"
 {
 const pause = (delay) => scheduler.postTask(() => {}, { delay });
 setTimeout(() => console.log('done: no end'), 300000);
@@ -233,7 +233,7 @@ async function run() {
   const { lods } = viewer;
   viewer.lods = () => {
     const chosen = lods.call(viewer);
-    if (viewer.atEnd && viewer.glides) viewer.scene.weight = 1;
+    if (viewer.atEnd && viewer.morphs) viewer.scene.weight = 1;
     return chosen;
   };
   const levels = [];
@@ -262,11 +262,11 @@ run().then((text) => console.log(`done: ${text}`), (e) => console.log(`done: ${e
 fn levels_are_shown_as_they_are_shipped() {
     let Some(browser) = Browser::find() else { return };
     let tube = PART.replace("machine_part", "skinned_tube_u8");
-    let gliding: &[&str] =
+    let morphing: &[&str] =
         &["--geomorph=joints", "--compress", "meshopt", "--quantize", "pos=14,normal=8,uv=12"];
     let variants: [(&str, &str, &[&str]); 4] = [
         (PART, "c.glb", &["--geomorph"]),
-        (&tube, "c.gltf", gliding),
+        (&tube, "c.gltf", morphing),
         (PART, "c.glb", &[]),
         (PART, "c.glb", &["--index-ranges"]),
     ];
@@ -275,13 +275,13 @@ fn levels_are_shown_as_they_are_shipped() {
         let args = ["chain", input, "-o", out, "--auto", "4", "--json", "-q"];
         let chain = f.lodc(args.iter().chain(more)).ends(0).json();
         let run = f.lodc(["view", out, "-o", "view.html"]).ends(0);
-        assert!(run.err.contains("4 levels as shipped"), "{}", run.err);
+        assert!(run.err.contains("4 levels as exported"), "{}", run.err);
         let page = String::from_utf8(f.read("view.html")).expect("a page is text");
         let (front, end) = page.rsplit_once("</script>").expect("a script");
-        let page = f.file("gliding.html", format!("{front}{GLIDING}</script>{end}"));
+        let page = f.file("morphing.html", format!("{front}{MORPHING}</script>{end}"));
         let result = browser.result(&page);
         let result: Value = serde_json::from_str(&result).unwrap_or_else(|_| panic!("{result}"));
-        let glides = more.iter().any(|o| o.starts_with("--geomorph"));
+        let morphs = more.iter().any(|o| o.starts_with("--geomorph"));
         let mut ways = 0;
         for (k, shown) in result["told"].as_array().expect("levels").iter().enumerate() {
             let what = format!("{input}, {more:?}, {k}: {shown}");
@@ -289,7 +289,7 @@ fn levels_are_shown_as_they_are_shipped() {
             assert_eq!(shown["triangles"], chain["levels"][k]["triangles"].to_string(), "{what}");
             let [way, left] = ["way", "left"].map(|key| shown[key].as_u64().expect(key));
             // Edges may fall on other samples.
-            assert!(!glides || left <= 40 + way / 20, "{what}");
+            assert!(!morphs || left <= 40 + way / 20, "{what}");
             ways += way;
         }
         assert!(ways > 50, "levels look different: {result}");
@@ -298,11 +298,11 @@ fn levels_are_shown_as_they_are_shipped() {
 }
 
 #[test]
-fn a_file_that_glides_to_another_one_is_shown_and_a_level_alone_is_a_mesh() {
+fn a_file_that_morphs_to_another_one_is_shown_and_a_level_alone_is_a_mesh() {
     let f = Folder::new();
     f.lodc(["chain", PART, "-o", "s.glb", "--auto", "3", "--separate", "--geomorph", "-q"]).ends(0);
     let run = f.lodc(["view", "s_LOD0.glb", "-o", "v.html", "--depfile", "d"]).ends(0);
-    assert!(run.err.contains("1 level as shipped"), "{}", run.err);
+    assert!(run.err.contains("1 level as exported"), "{}", run.err);
     assert!(String::from_utf8_lossy(&f.read("d")).contains("s_LOD0.glb"));
     f.lodc(["view", "s_LOD2.glb", "-o", "v.html", "-q"]).ends(0);
     f.lodc(["extract", PART, "--ratio", "50%", "-o", "l.obj", "-q"]).ends(0);

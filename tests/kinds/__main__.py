@@ -29,7 +29,7 @@ import kinds
 from distance import Surface, measure
 
 SHARES = [0.7, 0.5, 0.25, 0.15, 0.1, 0.05, 0.01, 0.004]
-WAYS = ["file", "direct", "chain", "refit", "view", "planted", "choice"]
+WAYS = ["file", "direct", "chain", "refit", "view", "injected", "choice"]
 # At 100,000 triangles.
 LARGE = [
     "closed_scan",
@@ -39,7 +39,7 @@ LARGE = [
     "thin_shell",
     "hair",
     "tree",
-    "hub",
+    "high_valence",
     "own_quads",
     "wires",
 ]
@@ -56,7 +56,7 @@ SHORT = [
     "hair",
     "wires",
 ]
-PLANTED = [("error", 0.6), ("error", 2.2), ("rms", 0.7), ("rms", 1.4)]
+INJECTED = [("error", 0.6), ("error", 2.2), ("rms", 0.7), ("rms", 1.4)]
 COARSER = [1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.5, 1.7, 2, 2.5, 3, 4, 6]
 # Stated errors are bounds: a level that measures this much less than was asked for has to be found.
 MARGIN = 1.06
@@ -181,9 +181,9 @@ class Case:
         """`verify` refuses numbers that are not so."""
         status, out, err, _ = self.lodc("verify", *words, "--json", "-q", "--jobs", 1)
         if status == 1:
-            self.row("planted", what)
+            self.row("injected", what)
         else:
-            self.row("planted", what, fault="passed", factor=math.inf, note=f"status {status}")
+            self.row("injected", what, fault="passed", factor=math.inf, note=f"status {status}")
 
     # Ways
 
@@ -327,8 +327,8 @@ class Case:
             finer.append(self.measured(surface))
             self.judge(row, finer + self.finer.get(share, []))
         self.verify("chain", out, "--source", self.mesh)
-        if "planted" in self.asked.ways:
-            for name, factor in self.planted(finer):
+        if "injected" in self.asked.ways:
+            for name, factor in self.injected(finer):
                 changed = self.folder / "changed.glb"
                 files.with_numbers(out, changed, **{name: factor})
                 self.refused(f"chain {name} x {factor}", changed, "--source", self.mesh)
@@ -354,18 +354,18 @@ class Case:
         if written:
             self.verify("view", *written, "--source", self.mesh)
 
-    def planted(self, measured):
-        """What is planted into levels: no mean distances where all are negligible, as below a
+    def injected(self, measured):
+        """What is injected into levels: no mean distances where all are negligible, as below a
         millionth of the size."""
         is_seen = max(m.rms for m in measured) > 1e-5 * self.diagonal
-        return [(name, factor) for name, factor in PLANTED if is_seen or name != "rms"]
+        return [(name, factor) for name, factor in INJECTED if is_seen or name != "rms"]
 
     def planted_way(self):
         """`verify` refuses curves with other numbers."""
-        for name, factor in self.planted(self.finer[SHARES[0]]):
-            out = self.folder / "planted.lodc"
-            moved = files.planted(self.file, out, **{name: factor})
-            # A mean distance is never above the largest: nothing was planted then.
+        for name, factor in self.injected(self.finer[SHARES[0]]):
+            out = self.folder / "injected.lodc"
+            moved = files.injected(self.file, out, **{name: factor})
+            # A mean distance is never above the largest: nothing was injected then.
             if name == "error" or factor < 1 or moved > 1.2:
                 self.refused(f"{name} x {factor}", out)
 

@@ -87,7 +87,7 @@ def curve(numbers):
     return bytes(out)
 
 
-def planted(path, out, error=1.0, rms=1.0):
+def injected(path, out, error=1.0, rms=1.0):
     """Writes a file whose curves are scaled, with right checksums and without what says that this
     program made it. Returns the factor of the mean distances where it is least: they stay below
     the largest ones."""

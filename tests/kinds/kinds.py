@@ -225,7 +225,7 @@ def poles(rng, n):
 
 
 @kind
-def hub(rng, n):
+def high_valence(rng, n):
     t = np.arange(n) * TAU / n
     ring = np.stack([np.cos(t), np.sin(t), 0.05 * np.sin(7 * t)], 1) * rng.uniform(0.97, 1, (n, 1))
     k = np.arange(n)

@@ -136,7 +136,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("folder", type=pathlib.Path, help="models, or files of them by name")
     parser.add_argument("--lodc", default="target/release/lodc")
-    parser.add_argument("--tools", default="target/peers", type=pathlib.Path)
+    parser.add_argument("--tools", default="target/other_tools", type=pathlib.Path)
     parser.add_argument("--ratios", default="0.5,0.25,0.1,0.05,0.02")
     parser.add_argument("--ways", default="default,`--no-refit`")
     parser.add_argument("--models", default="", help="names, by commas [default: all]")

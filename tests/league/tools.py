@@ -51,7 +51,7 @@ def gltfpack(folder, flags):
 
 def meshoptimizer(folder, way):
     return of_files(lambda path, ratio, out: [
-        "node", HERE / "peers.mjs", folder, path, ratio, way, out
+        "node", HERE / "other_tools.mjs", folder, path, ratio, way, out
     ])  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 //! The input of commands that need levels: a `.lodc` file that is read, or a mesh file that is
 //! imported and simplified in memory.
 
-use crate::commands::build::{importance, object_options};
+use crate::commands::building::{importance, object_options};
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, PosesArgs};
@@ -10,7 +10,7 @@ use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::stages::Stages;
 use clap::Args;
-use lodc::build::{Need, Size};
+use lodc::pipeline::{Need, Size};
 use lodc::{Asset, Errors, Input, Simplify, read_input};
 use lodc_formats::Scene;
 use lodc_simplify::{MetricKind, Options};

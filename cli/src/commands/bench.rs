@@ -2,7 +2,7 @@
 //! (thesis 3.5, 4.5, 5.5).
 
 use super::asset::{self, SimplifyArgs};
-use super::build::counts;
+use super::building::counts;
 use super::each;
 use super::read::read_lodc;
 use crate::clock;

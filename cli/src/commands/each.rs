@@ -1,6 +1,6 @@
 //! Runs a command on each of several inputs: one that fails is reported, and the others go on.
 
-use crate::batch::{self, Asset, Budget, OptionValues};
+use crate::batch::{self, Budget, Job, OptionValues};
 use crate::clock::{self, AtWork};
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
@@ -10,7 +10,7 @@ use crate::output::{self, Target};
 use crate::program::Program;
 use crate::progress::BatchProgress;
 use clap::FromArgMatches;
-use lodc::build::{Need, Size};
+use lodc::pipeline::{Need, Size};
 use lodc_assets::expected_bytes;
 use lodc_formats::import;
 use lodc_formats::import::Counted;
@@ -24,21 +24,21 @@ const MAX_SMALL_BYTES: u64 = 8_000_000;
 
 /// The arguments of a command for each asset, parsed once for every set of options.
 #[derive(Debug)]
-pub(crate) struct AssetOptions<A>(BTreeMap<OptionValues, Result<A, String>>);
+pub(crate) struct JobOptions<A>(BTreeMap<OptionValues, Result<A, String>>);
 
-impl<A: FromArgMatches> AssetOptions<A> {
+impl<A: FromArgMatches> JobOptions<A> {
     /// Reads the command line anew for every set of options that assets have. `with_text` gets the
     /// arguments and all options as text.
     pub(crate) fn new(
         program: &Program,
         command: &str,
-        assets: &[Asset],
+        jobs: &[Job],
         with_text: impl Fn(A, String) -> A,
     ) -> Self {
         let mut parsed = BTreeMap::new();
-        for asset in assets {
-            parsed.entry(asset.options.clone()).or_insert_with(|| {
-                let read = program.arguments::<A>(command, &asset.options);
+        for job in jobs {
+            parsed.entry(job.options.clone()).or_insert_with(|| {
+                let read = program.arguments::<A>(command, &job.options);
                 read.map(|(args, text)| with_text(args, text))
             });
         }
@@ -49,9 +49,9 @@ impl<A: FromArgMatches> AssetOptions<A> {
     ///
     /// # Errors
     /// If one is wrong.
-    pub(crate) fn of(&self, asset: &Asset) -> Outcome<&A> {
-        let args = self.0[&asset.options].as_ref();
-        args.map_err(|what| Failure::usage(asset.with_line(what)))
+    pub(crate) fn of(&self, job: &Job) -> Outcome<&A> {
+        let args = self.0[&job.options].as_ref();
+        args.map_err(|what| Failure::usage(job.with_line(what)))
     }
 
     /// Returns the arguments for an asset and its target, and makes sure that its result can be
@@ -59,10 +59,10 @@ impl<A: FromArgMatches> AssetOptions<A> {
     ///
     /// # Errors
     /// If an option is wrong, the asset has no target, or its result cannot be written.
-    pub(crate) fn ready<'a>(&'a self, asset: &'a Asset) -> Outcome<(&'a A, &'a Target)> {
-        let target = asset.target.as_ref().map_err(|e| Failure::from(e.clone()))?;
-        let args = self.of(asset)?;
-        output::prepare_targets([target], asset.makes_folders)?;
+    pub(crate) fn ready<'a>(&'a self, job: &'a Job) -> Outcome<(&'a A, &'a Target)> {
+        let target = job.target.as_ref().map_err(|e| Failure::from(e.clone()))?;
+        let args = self.of(job)?;
+        output::prepare_targets([target], job.makes_folders)?;
         Ok((args, target))
     }
 }
@@ -71,27 +71,27 @@ impl<A: FromArgMatches> AssetOptions<A> {
 /// memory. `need` says how many bytes an asset needs, if that is known. `work` also gets the
 /// asset's number. The results are in the order of the assets.
 pub(crate) fn all<R: Send>(
-    assets: &[Asset],
+    jobs: &[Job],
     budget: Budget,
-    need: impl Fn(&Asset) -> Option<u64>,
-    work: impl Fn(usize, &Asset, &BatchProgress) -> R + Sync,
+    need: impl Fn(&Job) -> Option<u64>,
+    work: impl Fn(usize, &Job, &BatchProgress) -> R + Sync,
 ) -> Vec<R> {
-    let expected = |asset: &Asset| expected_bytes(&asset.input);
-    let needs: Vec<u64> = match assets {
+    let expected = |job: &Job| expected_bytes(&job.input);
+    let needs: Vec<u64> = match jobs {
         // A single asset shares memory with no other, so a rough number will do.
-        [asset] => vec![expected(asset)],
-        _ => assets.iter().map(|a| need(a).unwrap_or_else(|| expected(a))).collect(),
+        [job] => vec![expected(job)],
+        _ => jobs.iter().map(|a| need(a).unwrap_or_else(|| expected(a))).collect(),
     };
     if let [bytes] = needs[..] {
         huge_pages::allow_for(bytes);
     }
-    clock::expect_several(assets.len() > 1);
-    let bar = BatchProgress::new(assets.len());
+    clock::expect_several(jobs.len() > 1);
+    let bar = BatchProgress::new(jobs.len());
     batch::run_queue(&needs, budget, |number| {
-        let asset = &assets[number];
+        let job = &jobs[number];
         // Inside the pool: else each parallel step waits until another thread wakes.
-        let result = rayon::scope(|_| work(number, asset, &bar));
-        bar.done(&asset.name);
+        let result = rayon::scope(|_| work(number, job, &bar));
+        bar.done(&job.name);
         result
     })
 }

@@ -5,7 +5,7 @@ use super::asset::SimplifyArgs;
 use super::each;
 use super::prune::{PruneArgs, Written};
 use super::runs::{Finished, RunArgs};
-use crate::batch::{self, Asset, BatchArgs, CommandPaths, LEVEL_EXTENSIONS};
+use crate::batch::{self, BatchArgs, CommandPaths, Job, LEVEL_EXTENSIONS};
 use crate::compression::CompressArgs;
 use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
@@ -50,19 +50,19 @@ impl ExportArgs {
     ///
     /// # Errors
     /// If options do not fit together, or as [`batch::assets`] and [`ConfigArgs::apply`].
-    pub(crate) fn assets(
+    pub(crate) fn jobs(
         &self,
         (program, command): (&Program, &str),
         inputs: &[PathBuf],
         output: &Path,
         format: FormatName,
-    ) -> Outcome<Vec<Asset>> {
-        let mut assets = batch::assets(self.paths(inputs, output, format), &self.batch)?;
-        self.configuration.apply(program, command, &mut assets)?;
-        self.run.check(&assets)?;
-        let mut targets = assets.iter().filter_map(|asset| asset.target.as_ref().ok());
+    ) -> Outcome<Vec<Job>> {
+        let mut jobs = batch::jobs(self.paths(inputs, output, format), &self.batch)?;
+        self.configuration.apply(program, command, &mut jobs)?;
+        self.run.check(&jobs)?;
+        let mut targets = jobs.iter().filter_map(|job| job.target.as_ref().ok());
         targets.try_for_each(|target| self.check(format, target))?;
-        Ok(assets)
+        Ok(jobs)
     }
 
     fn paths<'a>(
@@ -88,11 +88,11 @@ impl ExportArgs {
         &self,
         command: &str,
         (inputs, output, format): (&[PathBuf], &Path, FormatName),
-        assets: &[Asset],
+        jobs: &[Job],
         done: Vec<Outcome<Finished<R>>>,
     ) -> Outcome<Status> {
         let several = self.batch.takes_many(inputs);
-        let status = self.run.finish(command, several, assets, done)?;
+        let status = self.run.finish(command, several, jobs, done)?;
         self.prune.sweep(self.paths(inputs, output, format), Written::Recorded)?;
         Ok(status)
     }

@@ -2,7 +2,7 @@
 
 mod asset;
 pub(crate) mod bench;
-pub(crate) mod build;
+pub(crate) mod building;
 pub(crate) mod chain;
 mod ci;
 pub(crate) mod compare;

@@ -1,12 +1,12 @@
 //! `lodc pack`: turns a `.lodc` file into a progressive stream.
 
-use super::build::counts;
-use super::each::{self, AssetOptions};
+use super::building::counts;
+use super::each::{self, JobOptions};
 use super::prune::{PruneArgs, Written};
 use super::read::read_lodc;
 use super::records::Wanted;
-use super::runs::{AssetResult, RunArgs};
-use crate::batch::{self, Asset, BatchArgs, CommandPaths};
+use super::runs::{JobResult, RunArgs};
+use crate::batch::{self, BatchArgs, CommandPaths, Job};
 use crate::bits;
 use crate::config::ConfigArgs;
 use crate::console::{Loudness, note, wants};
@@ -85,27 +85,27 @@ pub(crate) fn run(args: &PackArgs, program: &Program) -> Outcome<Status> {
         output_extension: "lods",
         allowed_folders: &[],
     };
-    let mut assets = batch::assets(paths, &args.batch)?;
-    args.configuration.apply(program, "pack", &mut assets)?;
-    args.run.check(&assets)?;
+    let mut jobs = batch::jobs(paths, &args.batch)?;
+    args.configuration.apply(program, "pack", &mut jobs)?;
+    args.run.check(&jobs)?;
     let with_text = |args, options_text| PackArgs { options_text, ..args };
-    let options = AssetOptions::new(program, "pack", &assets, with_text);
+    let options = JobOptions::new(program, "pack", &jobs, with_text);
     let done = each::all(
-        &assets,
+        &jobs,
         args.limits.budget(),
         |_| None,
-        |_, asset, _| args.run.one(asset, || pack_asset(asset, &options)),
+        |_, job, _| args.run.one(job, || pack_asset(job, &options)),
     );
     let several = args.batch.takes_many(&args.inputs);
-    let status = args.run.finish("pack", several, &assets, done)?;
+    let status = args.run.finish("pack", several, &jobs, done)?;
     args.prune.sweep(paths, Written::Recorded)?;
     Ok(status)
 }
 
 /// Packs one file, unless its stream is up to date.
-fn pack_asset(asset: &Asset, options: &AssetOptions<PackArgs>) -> Outcome<AssetResult<PackReport>> {
-    let (args, target) = options.ready(asset)?;
-    let input = &asset.input;
+fn pack_asset(job: &Job, options: &JobOptions<PackArgs>) -> Outcome<JobResult<PackReport>> {
+    let (args, target) = options.ready(job)?;
+    let input = &job.input;
     let beside = Assets::new(input, &[], args.limits.limits());
     let wanted = Wanted::new(&args.run, input, target, &beside, &args.options_text);
     if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
@@ -123,7 +123,7 @@ fn pack_asset(asset: &Asset, options: &AssetOptions<PackArgs>) -> Outcome<AssetR
     if !args.run.reports() && wants(Loudness::Normal) {
         note(&text(&report));
     }
-    Ok(AssetResult::done(report, rules))
+    Ok(JobResult::done(report, rules))
 }
 
 /// Writes the stream of a file.

@@ -6,7 +6,7 @@ use crate::console;
 use crate::exit::Outcome;
 use crate::help::OUTPUT;
 use clap::Args;
-use lodc_assets::AssetError;
+use lodc_assets::JobError;
 use lodc_formats::lodc;
 use lodc_report::text::count;
 use std::io::ErrorKind;
@@ -77,7 +77,7 @@ fn remove(file: &Path) -> Outcome<()> {
     match std::fs::remove_file(file) {
         Err(e) if e.kind() != ErrorKind::NotFound => {
             let what = format!("{}: not removed: {e}", file.display());
-            Err(AssetError::Output(what).into())
+            Err(JobError::Output(what).into())
         }
         _ => Ok(()),
     }

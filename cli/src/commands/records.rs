@@ -1,7 +1,7 @@
 //! Records of what results were made from, for `--if-changed` and `--prune`: of `OUT/NAME` in
 //! `OUT/.lodc/NAME.json`. A `.lodc` file says it itself.
 
-use super::runs::{AssetResult, RunArgs};
+use super::runs::{JobResult, RunArgs};
 use crate::batch::{RECORDS, has_extension};
 use crate::console;
 use crate::exit::{Outcome, Status};
@@ -53,7 +53,7 @@ impl<'a> Wanted<'a> {
     }
 
     /// Returns the result if it is up to date; prints the warnings of the run that made it.
-    pub(crate) fn if_up_to_date<R>(self) -> Option<AssetResult<R>> {
+    pub(crate) fn if_up_to_date<R>(self) -> Option<JobResult<R>> {
         let record = Record::read(self.target)?;
         let made = record.made_from()?;
         let files = made.unchanged(self.input, self.assets, self.options)?;
@@ -77,7 +77,7 @@ impl<'a> Wanted<'a> {
             up_to_date: true,
             warnings: record.warnings,
         });
-        Some(AssetResult { report, rules })
+        Some(JobResult { report, rules })
     }
 
     /// Writes the record of a result that has been written: its `outputs`, the rules about them,

@@ -3,7 +3,7 @@
 
 use super::ci::CiArgs;
 use super::each;
-use crate::batch::{self, Asset};
+use crate::batch::{self, Job};
 use crate::console;
 use crate::exit::{Outcome, Status};
 use crate::help::OUTPUT;
@@ -54,14 +54,14 @@ pub(crate) enum ReportFormat {
 }
 
 /// The result of one asset.
-pub(crate) struct AssetResult<R> {
+pub(crate) struct JobResult<R> {
     /// Its part of the JSON document.
     pub(crate) report: ResultReport<R>,
     /// Its rules for a dependency file: which files it read and wrote.
     pub(crate) rules: Vec<DependencyRule>,
 }
 
-impl<R> AssetResult<R> {
+impl<R> JobResult<R> {
     /// A result that was made now.
     pub(crate) fn done(report: R, rules: Vec<DependencyRule>) -> Self {
         Self { report: ResultReport::Done(report), rules }
@@ -71,7 +71,7 @@ impl<R> AssetResult<R> {
 /// What became of an asset.
 pub(crate) struct Finished<R> {
     status: Status,
-    result: AssetResult<R>,
+    result: JobResult<R>,
 }
 
 impl RunArgs {
@@ -89,9 +89,9 @@ impl RunArgs {
     ///
     /// # Errors
     /// If not.
-    pub(crate) fn check(&self, assets: &[Asset]) -> Outcome<()> {
-        self.ci.check(assets.iter().map(|asset| &asset.input))?;
-        Ok(batch::check_standard_streams(assets, self.reports(), self.depfile.as_deref())?)
+    pub(crate) fn check(&self, jobs: &[Job]) -> Outcome<()> {
+        self.ci.check(jobs.iter().map(|job| &job.input))?;
+        Ok(batch::check_standard_streams(jobs, self.reports(), self.depfile.as_deref())?)
     }
 
     /// Does the work on one asset, and prints its failure, of which a panic is one, or its line of
@@ -101,15 +101,15 @@ impl RunArgs {
     /// If standard output cannot be written.
     pub(crate) fn one<R: Serialize>(
         &self,
-        asset: &Asset,
-        work: impl FnOnce() -> Outcome<AssetResult<R>>,
+        job: &Job,
+        work: impl FnOnce() -> Outcome<JobResult<R>>,
     ) -> Outcome<Finished<R>> {
-        let done = each::guarded(&asset.input, work).inspect_err(each::print);
+        let done = each::guarded(&job.input, work).inspect_err(each::print);
         let finished = match done {
             Ok(result) => Finished { status: Status::Done, result },
             Err(failure) => {
-                let report = ResultReport::Failed(FailureReport::of(&asset.input, &failure));
-                let result = AssetResult { report, rules: Vec::new() };
+                let report = ResultReport::Failed(FailureReport::of(&job.input, &failure));
+                let result = JobResult { report, rules: Vec::new() };
                 Finished { status: failure.status, result }
             }
         };
@@ -129,25 +129,25 @@ impl RunArgs {
         &self,
         command: &str,
         several: bool,
-        assets: &[Asset],
+        jobs: &[Job],
         done: Vec<Outcome<Finished<R>>>,
     ) -> Outcome<Status> {
         let done = done.into_iter().collect::<Outcome<Vec<_>>>()?;
         let worst = done.iter().map(|one| one.status).max().unwrap_or_default();
         let (mut summary, mut rules, mut suites) = (Summary::default(), Vec::new(), Vec::new());
-        for (asset, one) in assets.iter().zip(&done) {
+        for (job, one) in jobs.iter().zip(&done) {
             match one.result.report {
                 ResultReport::Done(_) => summary.built += 1,
                 ResultReport::UpToDate(_) => summary.up_to_date += 1,
                 ResultReport::Failed(_) => summary.failed += 1,
             }
             rules.extend(one.result.rules.iter().cloned());
-            suites.push(suite(command, &asset.input, &one.result.report));
+            suites.push(suite(command, &job.input, &one.result.report));
         }
         if let Some(depfile) = &self.depfile {
             output::write_depfile(depfile, &rules)?;
         }
-        if assets.iter().any(Asset::is_listed) {
+        if jobs.iter().any(Job::is_listed) {
             let Summary { built, up_to_date, failed } = summary;
             let left =
                 if self.if_changed { format!("{up_to_date} up to date, ") } else { String::new() };

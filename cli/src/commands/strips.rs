@@ -9,7 +9,7 @@ use crate::output;
 use crate::stages::Stages;
 use clap::Args;
 use clap::builder::TypedValueParser;
-use lodc::build::Size;
+use lodc::pipeline::Size;
 use lodc_formats::import;
 use lodc_lab::StripText;
 use lodc_report::text::count;
@@ -39,7 +39,7 @@ pub(crate) struct StripsArgs {
     /// A higher price gives fewer indices, a lower one fewer cache misses.
     #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price,
           help_heading = BECOMES)]
-    index_price: f32,
+    index_cost: f32,
     /// Text file; - for standard output
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
     output: PathBuf,
@@ -79,7 +79,7 @@ pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     args.import.limits().check_memory(&name, size, &[size.strips()])?;
     let options = CacheOptions {
         cache_size: args.cache_size,
-        index_price: args.index_price,
+        index_cost: args.index_cost,
         effort: args.effort,
     };
     let mut made = StripText::default();

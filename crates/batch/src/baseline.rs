@@ -1,6 +1,6 @@
 //! What an earlier run recorded of its assets: one file for all, or a folder with a file for each.
 
-use crate::error::AssetError;
+use crate::error::JobError;
 use crate::target::is_folder;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,7 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
     ///
     /// # Errors
     /// If it cannot be read.
-    pub fn open(path: &Path) -> Result<Self, AssetError> {
+    pub fn open(path: &Path) -> Result<Self, JobError> {
         let is_folder = is_folder(path);
         let assets = match !is_folder && path.exists() {
             true => read::<Document<T>>(path)?.assets,
@@ -48,7 +48,7 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
     ///
     /// # Errors
     /// If its file cannot be read.
-    pub fn record(&self, name: &str) -> Result<Option<T>, AssetError> {
+    pub fn record(&self, name: &str) -> Result<Option<T>, JobError> {
         let file = self.file(name);
         if !self.is_folder {
             return Ok(self.assets.get(name).cloned());
@@ -82,8 +82,8 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
     }
 }
 
-fn read<T: DeserializeOwned>(path: &Path) -> Result<T, AssetError> {
-    let failure = |what: String| AssetError::Input(format!("{}: {what}", path.display()));
+fn read<T: DeserializeOwned>(path: &Path) -> Result<T, JobError> {
+    let failure = |what: String| JobError::Input(format!("{}: {what}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|e| failure(e.to_string()))?;
     serde_json::from_str(&text).map_err(|e| failure(format!("not a baseline: {e}")))
 }

@@ -1,6 +1,6 @@
 //! Dependency files, as Make and Ninja read them: which files a result was made from.
 
-use crate::error::AssetError;
+use crate::error::JobError;
 use crate::target::is_standard_stream;
 use lodc_formats::RequestedFiles;
 use std::collections::BTreeSet;
@@ -31,13 +31,13 @@ impl DependencyRule {
     ///
     /// # Errors
     /// If one has a line break or is not UTF-8: there is no way to write it.
-    pub fn check(&self) -> Result<(), AssetError> {
+    pub fn check(&self) -> Result<(), JobError> {
         let names = [&self.output].into_iter().chain(&self.inputs).chain(&self.absent);
         let unwritable =
             |path: &&PathBuf| path.to_str().is_none_or(|name| name.contains(['\n', '\r']));
         match names.into_iter().find(unwritable) {
             None => Ok(()),
-            Some(path) => Err(AssetError::Output(format!(
+            Some(path) => Err(JobError::Output(format!(
                 "{path:?}: a name with a line break, or not in UTF-8, has no place in a \
                  dependency file"
             ))),

@@ -6,7 +6,7 @@ use std::fmt;
 /// Why a run cannot begin, or an asset not be worked on. The variant says whose fault it is, the
 /// text is the message.
 #[derive(Clone, Debug, PartialEq)]
-pub enum AssetError {
+pub enum JobError {
     /// The options contradict each other or the inputs.
     Usage(String),
     /// A folder, a list or a file cannot be read, or holds nothing of use.
@@ -17,7 +17,7 @@ pub enum AssetError {
     Format(FormatError),
 }
 
-impl fmt::Display for AssetError {
+impl fmt::Display for JobError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Usage(what) | Self::Input(what) | Self::Output(what) => f.write_str(what),
@@ -26,9 +26,9 @@ impl fmt::Display for AssetError {
     }
 }
 
-impl std::error::Error for AssetError {}
+impl std::error::Error for JobError {}
 
-impl From<FormatError> for AssetError {
+impl From<FormatError> for JobError {
     fn from(error: FormatError) -> Self {
         Self::Format(error)
     }

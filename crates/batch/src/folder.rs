@@ -1,6 +1,6 @@
 //! The files below a folder, at any depth, by extension and glob.
 
-use crate::error::AssetError;
+use crate::error::JobError;
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
 use std::path::{Component, Path, PathBuf};
 use walkdir::WalkDir;
@@ -24,7 +24,7 @@ impl PathFilter {
     ///
     /// # Errors
     /// If a glob is malformed.
-    pub(crate) fn new(include: &[String], exclude: &[String]) -> Result<Self, AssetError> {
+    pub(crate) fn new(include: &[String], exclude: &[String]) -> Result<Self, JobError> {
         let include = (!include.is_empty()).then(|| globs(include)).transpose()?;
         Ok(Self { include, exclude: globs(exclude)? })
     }
@@ -45,7 +45,7 @@ pub fn expand_folders(
     extensions: &[&str],
     include: &[String],
     exclude: &[String],
-) -> Result<Vec<PathBuf>, AssetError> {
+) -> Result<Vec<PathBuf>, JobError> {
     let filter = PathFilter::new(include, exclude)?;
     let mut all = Vec::new();
     for input in inputs {
@@ -59,13 +59,13 @@ pub fn expand_folders(
 }
 
 /// Compiles globs, in which `*` and `?` do not match a slash.
-pub(crate) fn globs(patterns: &[String]) -> Result<GlobSet, AssetError> {
+pub(crate) fn globs(patterns: &[String]) -> Result<GlobSet, JobError> {
     let mut set = GlobSetBuilder::new();
     for pattern in patterns {
         let glob = GlobBuilder::new(pattern).literal_separator(true).build();
-        set.add(glob.map_err(|e| AssetError::Usage(format!("glob {pattern}: {}", e.kind())))?);
+        set.add(glob.map_err(|e| JobError::Usage(format!("glob {pattern}: {}", e.kind())))?);
     }
-    set.build().map_err(|e| AssetError::Usage(format!("globs: {e}")))
+    set.build().map_err(|e| JobError::Usage(format!("globs: {e}")))
 }
 
 /// Returns the files below `folder` with one of the extensions that the filter accepts, sorted by
@@ -78,7 +78,7 @@ pub(crate) fn files_below(
     folder: &Path,
     extensions: &[&str],
     filter: &PathFilter,
-) -> Result<Vec<(PathBuf, String)>, AssetError> {
+) -> Result<Vec<(PathBuf, String)>, JobError> {
     let hidden = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with('.');
     let walk = WalkDir::new(folder).sort_by_file_name().into_iter();
     let mut found = Vec::new();
@@ -88,7 +88,7 @@ pub(crate) fn files_below(
             let why = e
                 .into_io_error()
                 .map_or("is part of a circle of links".to_owned(), |e| e.to_string());
-            AssetError::Input(format!("{path}: {why}"))
+            JobError::Input(format!("{path}: {why}"))
         })?;
         let path = entry.path();
         let name = with_slashes(path.strip_prefix(folder).unwrap_or(path));
@@ -99,7 +99,7 @@ pub(crate) fn files_below(
     if found.is_empty() {
         let wanted = extensions.join(", ");
         let what = format!("{}: no file of this folder matches ({wanted})", folder.display());
-        return Err(AssetError::Input(what));
+        return Err(JobError::Input(what));
     }
     found.sort_by(|a, b| a.1.cmp(&b.1));
     Ok(found)

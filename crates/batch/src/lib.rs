@@ -4,7 +4,7 @@
 //! that is available. It knows no command line: [`Vocabulary`] says which options there are.
 //!
 //! ```
-//! use lodc_assets::{AssetChoice, CommandPaths, assets};
+//! use lodc_assets::{CommandPaths, JobChoice, jobs};
 //! use std::path::{Path, PathBuf};
 //!
 //! let inputs = ["chair.obj", "props/lamp.glb"].map(PathBuf::from);
@@ -15,18 +15,18 @@
 //!     output_extension: "lodc",
 //!     allowed_folders: &[],
 //! };
-//! let all = assets(paths, &AssetChoice::default())?;
+//! let all = jobs(paths, &JobChoice::default())?;
 //! let target = all[1].target.as_ref().map(|target| target.name().replace('\\', "/"));
 //! assert_eq!(target, Ok("built/lamp.glb.lodc".to_owned()));
-//! # Ok::<(), lodc_assets::AssetError>(())
+//! # Ok::<(), lodc_assets::JobError>(())
 //! ```
 
-mod assets;
 mod baseline;
 mod config;
 mod depfile;
 mod error;
 mod folder;
+mod jobs;
 mod list;
 mod options;
 mod orphans;
@@ -37,12 +37,12 @@ mod shard;
 mod standard_streams;
 mod target;
 
-pub use assets::{Asset, AssetChoice, CommandPaths, assets};
 pub use baseline::Baseline;
 pub use config::{ConfigLayer, Configs};
 pub use depfile::DependencyRule;
-pub use error::AssetError;
+pub use error::JobError;
 pub use folder::{LEVEL_EXTENSIONS, MESH_EXTENSIONS, expand_folders, has_extension};
+pub use jobs::{CommandPaths, Job, JobChoice, jobs};
 pub use options::{CommandOptions, LIMIT_OPTION, OptionValues, ValueCheck, Vocabulary};
 pub use orphans::{RECORDS, orphans};
 pub use pairs::{Pair, pairs};

@@ -1,6 +1,6 @@
 //! Files that list assets (`--manifest`): a JSON document in each line.
 
-use crate::error::AssetError;
+use crate::error::JobError;
 use crate::options::OptionValues;
 use crate::target::is_standard_stream;
 use serde::Deserialize;
@@ -30,8 +30,8 @@ impl Line {
 }
 
 /// The error that says what is wrong with a line of a list.
-pub(crate) fn line_error(list: &Path, number: usize, what: &str) -> AssetError {
-    AssetError::Input(format!("{}: line {number}: {what}", list.display()))
+pub(crate) fn line_error(list: &Path, number: usize, what: &str) -> JobError {
+    JobError::Input(format!("{}: line {number}: {what}", list.display()))
 }
 
 /// Reads a list, `-` from standard input; blank lines are skipped. Returns the lines with
@@ -39,8 +39,8 @@ pub(crate) fn line_error(list: &Path, number: usize, what: &str) -> AssetError {
 ///
 /// # Errors
 /// If the list cannot be read, or a line is no valid document.
-pub(crate) fn read(path: &Path) -> Result<Vec<(usize, Line)>, AssetError> {
-    let failure = |what: String| AssetError::Input(format!("{}: {what}", path.display()));
+pub(crate) fn read(path: &Path) -> Result<Vec<(usize, Line)>, JobError> {
+    let failure = |what: String| JobError::Input(format!("{}: {what}", path.display()));
     let text = if is_standard_stream(path) {
         std::io::read_to_string(std::io::stdin())
     } else {

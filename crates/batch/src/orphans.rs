@@ -1,7 +1,7 @@
 //! Results whose inputs are gone.
 
-use crate::assets::CommandPaths;
 use crate::folder::{has_extension, with_slashes};
+use crate::jobs::CommandPaths;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;

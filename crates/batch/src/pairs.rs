@@ -1,9 +1,9 @@
 //! Pairs of files that are compared: two files, the files of two folders paired by their names, or
 //! those of a list.
 
-use crate::assets::{Asset, AssetChoice};
-use crate::error::AssetError;
+use crate::error::JobError;
 use crate::folder::{LEVEL_EXTENSIONS, PathFilter, files_below, with_slashes};
+use crate::jobs::{Job, JobChoice};
 use crate::list;
 use crate::target::Target;
 use std::collections::BTreeMap;
@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct Pair {
     /// The file that is judged. No file is written for it: its target is standard output.
-    pub asset: Asset,
+    pub job: Job,
     /// The file that it is compared with, or why there is none.
-    pub compared_with: Result<PathBuf, AssetError>,
+    pub compared_with: Result<PathBuf, JobError>,
 }
 
 /// Returns the pairs of two files, of two folders or of a list that belong to the chosen shard.
@@ -23,29 +23,29 @@ pub struct Pair {
 /// # Errors
 /// If a folder would be compared with a file, a folder or the list cannot be read, or a line of the
 /// list or a glob is malformed.
-pub fn pairs(named: Option<[&Path; 2]>, choice: &AssetChoice) -> Result<Vec<Pair>, AssetError> {
+pub fn pairs(named: Option<[&Path; 2]>, choice: &JobChoice) -> Result<Vec<Pair>, JobError> {
     let mut pairs = match (named, &choice.list) {
         (Some([a, b]), _) => pairs_of_paths(a, b, choice)?,
         (None, Some(list)) => pairs_of_list(list)?,
         (None, None) => Vec::new(),
     };
     if let Some(shard) = choice.shard {
-        pairs.retain(|pair| shard.contains(&pair.asset.name));
+        pairs.retain(|pair| shard.contains(&pair.job.name));
     }
     Ok(pairs)
 }
 
-fn judged_asset(path: PathBuf, name: String, folder: Option<PathBuf>) -> Asset {
-    Asset::without_options(path, name, folder, Ok(Target::Stdout))
+fn judged_asset(path: PathBuf, name: String, folder: Option<PathBuf>) -> Job {
+    Job::without_options(path, name, folder, Ok(Target::Stdout))
 }
 
 /// Pairs two files, or each file of folder `b` that the globs accept with a file of folder `a`.
-fn pairs_of_paths(a: &Path, b: &Path, choice: &AssetChoice) -> Result<Vec<Pair>, AssetError> {
+fn pairs_of_paths(a: &Path, b: &Path, choice: &JobChoice) -> Result<Vec<Pair>, JobError> {
     let filter = PathFilter::new(&choice.include, &choice.exclude)?;
     match (a.is_dir(), b.is_dir()) {
         (false, false) => {
-            let asset = judged_asset(b.to_owned(), with_slashes(b), None);
-            Ok(vec![Pair { asset, compared_with: Ok(a.to_owned()) }])
+            let job = judged_asset(b.to_owned(), with_slashes(b), None);
+            Ok(vec![Pair { job, compared_with: Ok(a.to_owned()) }])
         }
         (true, true) => {
             let files = files_below(a, &LEVEL_EXTENSIONS, &PathFilter::new(&[], &[])?)?;
@@ -54,21 +54,21 @@ fn pairs_of_paths(a: &Path, b: &Path, choice: &AssetChoice) -> Result<Vec<Pair>,
             let pair = |(path, name): (PathBuf, String)| Pair {
                 compared_with: counterpart(&files_of_a, &name).cloned().ok_or_else(|| {
                     let what = format!("{} has no file of this name", a.display());
-                    AssetError::Input(format!("{}: {what}", path.display()))
+                    JobError::Input(format!("{}: {what}", path.display()))
                 }),
-                asset: judged_asset(path, name, Some(b.to_owned())),
+                job: judged_asset(path, name, Some(b.to_owned())),
             };
             Ok(files_below(b, &LEVEL_EXTENSIONS, &filter)?.into_iter().map(pair).collect())
         }
         _ => {
             let what = "a folder is compared with a folder, a file with a file";
-            Err(AssetError::Usage(what.to_owned()))
+            Err(JobError::Usage(what.to_owned()))
         }
     }
 }
 
 /// The pairs of a list, one in each line.
-fn pairs_of_list(list: &Path) -> Result<Vec<Pair>, AssetError> {
+fn pairs_of_list(list: &Path) -> Result<Vec<Pair>, JobError> {
     let pair = |(number, line): (usize, list::Line)| {
         let wrong = |what: &str| list::line_error(list, number, what);
         if line.output.is_some() {
@@ -78,9 +78,9 @@ fn pairs_of_list(list: &Path) -> Result<Vec<Pair>, AssetError> {
         let Some(a) = line.compared_with else {
             return Err(wrong("a, what to compare with, is missing"));
         };
-        let asset = judged_asset(line.input.clone(), with_slashes(&line.input), None);
+        let job = judged_asset(line.input.clone(), with_slashes(&line.input), None);
         let list_line = Some((list.to_owned(), number));
-        Ok(Pair { asset: Asset { options, list_line, ..asset }, compared_with: Ok(a) })
+        Ok(Pair { job: Job { options, list_line, ..job }, compared_with: Ok(a) })
     };
     list::read(list)?.into_iter().map(pair).collect()
 }

@@ -1,6 +1,6 @@
 //! Options for parts of an asset: for objects or materials whose names match globs.
 
-use crate::error::AssetError;
+use crate::error::JobError;
 use crate::folder::globs;
 use globset::GlobSet;
 use lodc_formats::{ObjectInfo, PartNames, Scene};
@@ -163,7 +163,7 @@ impl Parts<'_> {
         &self,
         scene: &Scene,
         options: &[Options],
-    ) -> Result<Vec<Vec<Weights>>, AssetError> {
+    ) -> Result<Vec<Vec<Weights>>, JobError> {
         let mut all = vec![Vec::new(); scene.objects.len()];
         let by_material = |part: &Part| part.materials.is_some() && part.weights.is_some();
         if !self.0.iter().any(by_material) {
@@ -191,7 +191,7 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// If there is such a part; the message lists what it has. If the stored document is damaged.
-    pub fn check_names(&self, scene: &Scene) -> Result<(), AssetError> {
+    pub fn check_names(&self, scene: &Scene) -> Result<(), JobError> {
         if self.0.iter().all(|part| part.required.is_none()) {
             return Ok(());
         }
@@ -212,7 +212,7 @@ impl Parts<'_> {
                     ("material", &names.materials, within.flat_map(|(_, all)| all).collect())
                 }
             };
-            return Err(AssetError::Usage(format!(
+            return Err(JobError::Usage(format!(
                 "--part: no {kind} is named {} (there are: {})",
                 given.join(" or "),
                 name_list(present.into_iter().map(String::as_str))
@@ -226,7 +226,7 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// If the stored document is damaged.
-    pub fn lock_vertices(&self, scene: &Scene, locked: &mut [Vec<bool>]) -> Result<(), AssetError> {
+    pub fn lock_vertices(&self, scene: &Scene, locked: &mut [Vec<bool>]) -> Result<(), JobError> {
         if self.0.iter().all(|part| !part.lock) {
             return Ok(());
         }
@@ -267,7 +267,7 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// If there are any.
-    pub fn refuse_sequence_options(&self, input: &str) -> Result<(), AssetError> {
+    pub fn refuse_sequence_options(&self, input: &str) -> Result<(), JobError> {
         let decides_sequence =
             |part: &Part| part.lock || part.weights.is_some() || part.has_object_options();
         if !self.0.iter().any(decides_sequence) {
@@ -275,7 +275,7 @@ impl Parts<'_> {
         }
         let what = "its order of collapses is fixed: metric, weight and lock of parts belong to \
                     `lodc build`";
-        Err(AssetError::Usage(format!("{input}: {what}")))
+        Err(JobError::Usage(format!("{input}: {what}")))
     }
 }
 
@@ -289,7 +289,7 @@ pub fn name_list<'a>(names: impl Iterator<Item = &'a str>) -> String {
 }
 
 /// The names of the materials of every object, by submesh.
-fn materials_by_submesh(scene: &Scene) -> Result<Vec<Vec<String>>, AssetError> {
+fn materials_by_submesh(scene: &Scene) -> Result<Vec<Vec<String>>, JobError> {
     let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
     Ok(PartNames::new(&scene.document, &infos)?.materials)
 }

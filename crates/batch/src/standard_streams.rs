@@ -1,7 +1,7 @@
 //! The standard streams of a run and its dependency file are each used for one thing only.
 
-use crate::assets::Asset;
-use crate::error::AssetError;
+use crate::error::JobError;
+use crate::jobs::Job;
 use crate::target::{Target, is_standard_stream, prepare_targets};
 use std::path::Path;
 
@@ -11,29 +11,29 @@ use std::path::Path;
 /// # Errors
 /// If not, or if the dependency file could not be written.
 pub fn check_standard_streams(
-    assets: &[Asset],
+    jobs: &[Job],
     report_to_stdout: bool,
     depfile: Option<&Path>,
-) -> Result<(), AssetError> {
-    if assets.iter().filter(|asset| is_standard_stream(&asset.input)).count() > 1 {
-        return Err(AssetError::Usage("standard input can be read once only".to_owned()));
+) -> Result<(), JobError> {
+    if jobs.iter().filter(|job| is_standard_stream(&job.input)).count() > 1 {
+        return Err(JobError::Usage("standard input can be read once only".to_owned()));
     }
-    let targets = || assets.iter().filter_map(|asset| asset.target.as_ref().ok());
+    let targets = || jobs.iter().filter_map(|job| job.target.as_ref().ok());
     let result_to_stdout = targets().any(|target| *target == Target::Stdout);
     if result_to_stdout && report_to_stdout {
-        return Err(AssetError::Usage(
+        return Err(JobError::Usage(
             "the report and the output cannot both go to standard output".to_owned(),
         ));
     }
     let Some(depfile) = depfile else { return Ok(()) };
     if result_to_stdout || is_standard_stream(depfile) {
-        return Err(AssetError::Usage(
+        return Err(JobError::Usage(
             "a dependency file needs files, not standard output".to_owned(),
         ));
     }
-    let inputs = assets.iter().map(|asset| asset.input.display().to_string());
+    let inputs = jobs.iter().map(|job| job.input.display().to_string());
     if targets().map(Target::name).chain(inputs).any(|path| path == depfile.display().to_string()) {
-        return Err(AssetError::Usage(format!(
+        return Err(JobError::Usage(format!(
             "{}: named both as dependency file and as mesh",
             depfile.display()
         )));

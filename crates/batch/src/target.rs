@@ -1,6 +1,6 @@
 //! Where results go: a file, a file in a folder, or standard output.
 
-use crate::error::AssetError;
+use crate::error::JobError;
 use crate::folder::{LEVEL_EXTENSIONS, has_extension};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ pub fn single_target(
     input: &Path,
     out: Option<&Path>,
     extension: &str,
-) -> Result<Target, AssetError> {
+) -> Result<Target, JobError> {
     let folder = out.filter(|out| is_folder(out));
     let mut target = named_target(input, folder, out, extension);
     refuse_clashes([(input, &mut target)]);
@@ -57,7 +57,7 @@ pub(crate) fn named_target(
     folder: Option<&Path>,
     out: Option<&Path>,
     extension: &str,
-) -> Result<Target, AssetError> {
+) -> Result<Target, JobError> {
     let file = result_file(input, extension);
     match (folder, out) {
         // `./x.lodc` says no more than `x.lodc`.
@@ -67,7 +67,7 @@ pub(crate) fn named_target(
         (None, Some(out)) => Ok(Target::File(out.to_owned())),
         (None, None) if is_standard_stream(input) => {
             let what = "standard input has no place beside it: name the output with -o";
-            Err(AssetError::Usage(what.to_owned()))
+            Err(JobError::Usage(what.to_owned()))
         }
         (None, None) => Ok(Target::File(input.with_file_name(file))),
     }
@@ -75,7 +75,7 @@ pub(crate) fn named_target(
 
 /// Turns every target that another result also has, or that is an input, into an error.
 pub(crate) fn refuse_clashes<'a>(
-    results: impl IntoIterator<Item = (&'a Path, &'a mut Result<Target, AssetError>)>,
+    results: impl IntoIterator<Item = (&'a Path, &'a mut Result<Target, JobError>)>,
 ) {
     let mut results: Vec<_> = results.into_iter().collect();
     let files = results.iter().filter(|(input, _)| !is_standard_stream(input));
@@ -101,7 +101,7 @@ pub(crate) fn refuse_clashes<'a>(
         for number in numbers {
             let target = &mut *results[number].1;
             if let Ok(Target::File(path)) = target {
-                *target = Err(AssetError::Usage(format!("{}: {what}", path.display())));
+                *target = Err(JobError::Usage(format!("{}: {what}", path.display())));
             }
         }
     }
@@ -121,14 +121,14 @@ const WRITTEN_EXTENSIONS: [&str; 2] = ["lods", "html"];
 ///
 /// # Errors
 /// If it is so.
-pub(crate) fn refuse_file_name(folder: &Path) -> Result<(), AssetError> {
+pub(crate) fn refuse_file_name(folder: &Path) -> Result<(), JobError> {
     let is_file_name =
         has_extension(folder, &LEVEL_EXTENSIONS) || has_extension(folder, &WRITTEN_EXTENSIONS);
     if !is_file_name || is_folder(folder) {
         return Ok(());
     }
     let folder = folder.display();
-    Err(AssetError::Usage(format!(
+    Err(JobError::Usage(format!(
         "{folder}: a file's name, and there are several results: name a folder, or {folder}/"
     )))
 }
@@ -181,7 +181,7 @@ fn path_identity(path: &Path) -> PathBuf {
 pub fn prepare_targets<'a>(
     targets: impl IntoIterator<Item = &'a Target>,
     make_folders: bool,
-) -> Result<(), AssetError> {
+) -> Result<(), JobError> {
     for target in targets {
         let Target::File(path) = target else { continue };
         let folder = match path.parent() {
@@ -201,8 +201,8 @@ pub fn prepare_targets<'a>(
     Ok(())
 }
 
-fn not_written(path: &Path, why: &str) -> AssetError {
-    AssetError::Output(format!("{}: not written: {why}", path.display()))
+fn not_written(path: &Path, why: &str) -> JobError {
+    JobError::Output(format!("{}: not written: {why}", path.display()))
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ pub struct LodcPlacement {
 /// A level that is wanted, as options of `lodc extract` say it. Of several objects, those lose
 /// triangles first that lose least by it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum LevelWish {
+pub enum LevelTarget {
     /// At most this share of the triangles.
     Ratio(f64),
     /// The most triangles.
@@ -76,7 +76,7 @@ pub enum LevelWish {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LodcSettings {
     /// Each takes the memory of its meshes.
-    pub levels: Vec<LevelWish>,
+    pub levels: Vec<LevelTarget>,
 }
 
 impl Default for LodcSettings {
@@ -84,7 +84,7 @@ impl Default for LodcSettings {
     /// take twice the memory of the finest.
     fn default() -> Self {
         let shares = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.01];
-        Self { levels: shares.map(LevelWish::Ratio).to_vec() }
+        Self { levels: shares.map(LevelTarget::Ratio).to_vec() }
     }
 }
 
@@ -156,14 +156,14 @@ pub(crate) fn name_materials(
 fn add_level(
     file: &LodFile,
     number: usize,
-    wish: LevelWish,
+    wish: LevelTarget,
     objects: &mut [LodcObject],
     context: &mut LoadContext<'_>,
 ) -> Result<(), BevyError> {
     let select = match wish {
-        LevelWish::Ratio(share) => Select::Ratio(share),
-        LevelWish::Triangles(most) => Select::Triangles(most),
-        LevelWish::Error(error) => Select::Error(error),
+        LevelTarget::Ratio(share) => Select::Ratio(share),
+        LevelTarget::Triangles(most) => Select::Triangles(most),
+        LevelTarget::Error(error) => Select::Error(error),
     };
     let scene = scene_levels(&file.objects, &file.document, &Limits::DEFAULT)?;
     let lods = scene.select(select, false)?.lods;

@@ -13,7 +13,7 @@ use bevy_transform::TransformPlugin;
 use bevy_transform::components::{GlobalTransform, Transform};
 use lodc::formats::import::{ImportOptions, import};
 use lodc::mesh::Semantic;
-use lodc_bevy::{LevelOfDetail, LevelWish, LodEye, Lodc, LodcPlugin, LodcSettings};
+use lodc_bevy::{LevelOfDetail, LevelTarget, LodEye, Lodc, LodcPlugin, LodcSettings};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -120,7 +120,7 @@ fn meshes_are_those_that_extract_writes() {
     let shares = [1.0, 0.3, 0.1];
     for (fixture, with) in [("machine_part.glb", 1), ("terrain.obj", 2), ("uv_sphere.obj", 2)] {
         let folder = Folder::new(fixture);
-        let settings = LodcSettings { levels: shares.map(LevelWish::Ratio).to_vec() };
+        let settings = LodcSettings { levels: shares.map(LevelTarget::Ratio).to_vec() };
         let (app, handle) = app(&folder, fixture, settings);
         let assets = app.world().resource::<Assets<Mesh>>();
         let file = app.world().resource::<Assets<Lodc>>().get(&handle).expect("it is there");

@@ -13,7 +13,8 @@ use lodc_nearest::longest_edge_squared;
 /// Most triangles that are looked at; where more lie over a face, a search by branch and bound
 /// takes less. Chosen by hand.
 const MAX_TRIANGLES: usize = 48;
-/// Most triangles around a point: more are a hub, around which every edge would be looked for.
+/// Most triangles around a point: more are a high-valence vertex, around which every edge would be
+/// looked for.
 const MAX_AROUND: usize = 32;
 
 /// How much of each altitude of the face is left out at its edge, so that what lies along an edge,

@@ -301,7 +301,7 @@ fn large_fans_take_no_quadratic_time_while_their_middle_stays() {
 }
 
 #[test]
-fn a_hub_that_moves_in_every_step_ends_in_a_bound_that_needs_no_work() {
+fn a_center_that_moves_in_every_step_ends_in_a_bound_that_needs_no_work() {
     // The middle goes first and takes the whole fan along the border.
     let n = 3_000;
     let (mut positions, triangles) = fan(n);
@@ -619,7 +619,7 @@ fn limits_a_hundred_times_as_small_end_in_errors_that_hold() {
 /// The backward pass has a thread of its own, for which all threads of a pool may be waiting.
 #[test]
 fn many_meshes_at_once_end_on_two_threads() {
-    let mesh = fixtures::twin(&fixtures::icosphere(4), fixtures::Twin::HalfDoubled);
+    let mesh = fixtures::coincident(&fixtures::icosphere(4), fixtures::Coincident::HalfDoubled);
     let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
     let all: Vec<StepErrors> =

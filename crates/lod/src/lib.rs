@@ -31,13 +31,13 @@
 //! ```
 
 mod any;
+mod cpu;
 mod cut;
 pub mod interactive;
 pub mod masking;
 pub mod speed;
 mod stored_strips;
 pub mod trace;
-mod twin;
 
 pub use any::{AnyCursor, AnyModel, ModelKind};
 pub use cut::{LONGEST_TRACED, cut_long};

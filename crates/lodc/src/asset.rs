@@ -6,7 +6,7 @@
 //!                             └─ with_poses ──► errors of the levels that are taken out
 //! ```
 
-use crate::build::{
+use crate::pipeline::{
     Growth, Importance, LevelDistance, MetricColours, SceneColours, SceneContext, Tick, Watch,
     build_models, check_models, choose_poses, measure_all, measure_levels, read_colours,
     simplify_all,

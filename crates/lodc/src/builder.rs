@@ -1,6 +1,6 @@
 //! All stages from a mesh file to a file with every level of it.
 
-use crate::build::{DEFAULT_POSES, Importance};
+use crate::pipeline::{DEFAULT_POSES, Importance};
 use crate::{Asset, Error, Errors, File, Simplify, Source};
 use lodc_formats::import::{ImportOptions, import, import_bytes, import_parts};
 use lodc_formats::lodc::Layout;

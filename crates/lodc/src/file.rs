@@ -243,7 +243,7 @@ impl<'a> Level<'a> {
     #[cfg(feature = "export")]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<Vec<String>, Error> {
         use lodc_formats::export::{
-            Additions, ExportFormat, LevelFacts, Precision, Provenance, export_with, left_out,
+            ExportFormat, ExportOptions, LevelFacts, Precision, Provenance, export_with, left_out,
         };
         use lodc_formats::images::{TextureMode, Textures};
         let path = path.as_ref();
@@ -261,7 +261,7 @@ impl<'a> Level<'a> {
             }
         };
         let content = &self.file.content;
-        let mut additions = Additions::default();
+        let mut options = ExportOptions::default();
         let mut warnings = Vec::new();
         if let Some(mode) = mode {
             let mut assets = lodc_formats::Assets::new(&self.file.path, &[], Limits::DEFAULT);
@@ -270,8 +270,8 @@ impl<'a> Level<'a> {
                 textures.add_embedded(&content.document)?;
             }
             warnings.append(&mut textures.warnings);
-            additions.textures = textures.placed(mode, path);
-            warnings.extend_from_slice(&additions.textures.warnings);
+            options.textures = textures.placed(mode, path);
+            warnings.extend_from_slice(&options.textures.warnings);
         }
         let lod = match self.lods[..] {
             [lod] => Some(lod.0),
@@ -286,14 +286,14 @@ impl<'a> Level<'a> {
             precision,
         )?;
         let (error, rms) = level_mesh::largest_distance(&content.objects, written.into_iter());
-        let levels = vec![LevelFacts { lod, error, rms, glide: None }];
+        let levels = vec![LevelFacts { lod, error, rms, geomorph: None }];
         let source = content.source.content_hash;
         let poses = Some(content.objects.iter().map(|o| o.info.poses.clone()).collect());
         let (screen, next, refitted) = (None, None, false);
-        additions.provenance = Some(Provenance { source, levels, refitted, screen, next, poses });
+        options.provenance = Some(Provenance { source, levels, refitted, screen, next, poses });
         let objects = level_mesh::export_objects(&content.objects, &self.meshes);
         warnings.extend(left_out(format, &content.document, &objects));
-        let files = export_with(path, format, &content.document, &objects, &additions)?;
+        let files = export_with(path, format, &content.document, &objects, &options)?;
         lodc_formats::write_all(&files)?;
         Ok(warnings)
     }

@@ -50,7 +50,7 @@ pub struct LevelMesh {
     /// Root mean square distance, likewise; none if it was not measured.
     pub rms: Option<f64>,
     /// Whether vertices are elsewhere, or have other normals, than in the input: see
-    /// [`refitted_meshes`](crate::build::refitted_meshes).
+    /// [`refitted_meshes`](crate::pipeline::refitted_meshes).
     pub refitted: bool,
 }
 

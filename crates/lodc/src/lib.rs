@@ -38,13 +38,11 @@
 #[cfg(feature = "build")]
 mod asset;
 #[cfg(feature = "build")]
-pub mod build;
-#[cfg(feature = "build")]
 mod builder;
 mod container;
 mod error;
 mod file;
-pub mod glide;
+pub mod geomorph;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(feature = "import")]
@@ -52,6 +50,8 @@ mod input;
 pub mod level_mesh;
 pub mod levels;
 mod meeting;
+#[cfg(feature = "build")]
+pub mod pipeline;
 mod scene_levels;
 mod shapes;
 mod source;

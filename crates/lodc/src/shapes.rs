@@ -3,7 +3,7 @@
 
 use crate::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
-use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
+use lodc_mesh::{Attribute, Mesh, PoseKey, Semantic};
 use lodc_scene::{ObjectShapes, Shape};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -25,7 +25,7 @@ pub fn stated_shapes(
 }
 
 /// Returns for each object of a file its shapes with each morph target at weight 1, by itself, that
-/// its errors are not over: those [of postures](ObjectShapes::of_postures).
+/// its errors are not over: those [of pose keys](ObjectShapes::of_pose_keys).
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -38,23 +38,23 @@ pub fn target_shapes(
         let deltas = object.simplified.mesh().attributes().iter();
         let deltas = deltas.filter(|a| a.semantic == Semantic::Position);
         let targets: BTreeSet<u32> = deltas.filter_map(|a| a.morph_target).collect();
-        let postures = targets.into_iter().map(Posture::Target);
-        postures.filter(|p| !object.info.poses.contains(p)).collect()
+        let pose_keys = targets.into_iter().map(PoseKey::Target);
+        pose_keys.filter(|p| !object.info.poses.contains(p)).collect()
     };
     shapes(objects, document, limits, targets)
 }
 
-/// Returns for each object its shapes in all placements, and in some postures.
+/// Returns for each object its shapes in all placements, and in some pose keys.
 fn shapes(
     objects: &[LodObject],
     document: &Document,
     limits: &Limits,
-    postures: impl Fn(&LodObject) -> Vec<Posture>,
+    pose_keys: impl Fn(&LodObject) -> Vec<PoseKey>,
 ) -> Result<Vec<ObjectShapes>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
     let motion = scene_motion(document, &infos, limits)?;
     let of_object = |(number, object): (usize, &LodObject)| {
-        motion.shapes(object.simplified.mesh(), number, &postures(object))
+        motion.shapes(object.simplified.mesh(), number, &pose_keys(object))
     };
     Ok(objects.iter().enumerate().map(of_object).collect())
 }

@@ -42,10 +42,10 @@ impl Picture {
 /// A sheet of pictures from four sides: `a`, `b`, and `a` coloured by the distance of each point
 /// from `b`. `hottest` is the distance of the reddest colour.
 #[must_use]
-pub fn heat_sheet(a: &Surface, b: &Surface, looks: ShadingOptions, hottest: f64) -> Image {
+pub fn heat_sheet(a: &Surface, b: &Surface, shading: ShadingOptions, hottest: f64) -> Image {
     const BLACK: [u8; 4] = [0, 0, 0, 255];
     let cameras = VIEWING.cameras(a);
-    let [pictures_a, pictures_b] = [a, b].map(|surface| pictures(surface, &cameras, looks));
+    let [pictures_a, pictures_b] = [a, b].map(|surface| pictures(surface, &cameras, shading));
     let tree = b.tree();
     let heat_map = |picture: &Picture| {
         let distances = picture.distances(&tree);

@@ -79,8 +79,8 @@ pub struct ImageError {
 
 /// Takes a picture from every camera.
 #[must_use]
-pub fn pictures(surface: &Surface, cameras: &[Camera], looks: ShadingOptions) -> Vec<Picture> {
-    let shaded = ShadedSurface::new(surface, &[looks]);
+pub fn pictures(surface: &Surface, cameras: &[Camera], shading: ShadingOptions) -> Vec<Picture> {
+    let shaded = ShadedSurface::new(surface, &[shading]);
     cameras.par_iter().map(|camera| shaded.picture(camera, true)).collect()
 }
 
@@ -101,11 +101,11 @@ impl<'a> ShadedSurface<'a> {
         } else {
             smoothed_normals(surface)
         };
-        let possible = |looks: &ShadingOptions| ShadingOptions {
-            checkerboard: looks.checkerboard && !surface.texture.is_empty(),
-            materials: looks.materials && !surface.material_of.is_empty(),
-            vertex_colours: looks.vertex_colours && !surface.colours.is_empty(),
-            ..*looks
+        let possible = |shading: &ShadingOptions| ShadingOptions {
+            checkerboard: shading.checkerboard && !surface.texture.is_empty(),
+            materials: shading.materials && !surface.material_of.is_empty(),
+            vertex_colours: shading.vertex_colours && !surface.colours.is_empty(),
+            ..*shading
         };
         Self { surface, normals, kinds: kinds.iter().map(possible).collect() }
     }
@@ -224,17 +224,17 @@ fn picture(
         // counter-clockwise in space are clockwise here.
         let cosine = normal.dot(camera.toward.as_vec3()) * if area < 0.0 { 1.0 } else { -1.0 };
         let light = (AMBIENT + LAMP * cosine.max(0.0)).min(1.0);
-        for (looks, colours) in kinds.iter().zip(&mut colours) {
-            let behind = if looks.materials {
+        for (shading, colours) in kinds.iter().zip(&mut colours) {
+            let behind = if shading.materials {
                 material_colour(surface, fragment.item() as usize, shares, area)
-            } else if looks.checkerboard
+            } else if shading.checkerboard
                 && is_dark(texture_coordinates(surface, triangle, shares) * SQUARES)
             {
                 Vec3::splat(DARK)
             } else {
                 Vec3::ONE
             };
-            let colour = if looks.vertex_colours {
+            let colour = if shading.vertex_colours {
                 behind * as_shown(mix(triangle.map(|v| surface.colours[v as usize])))
             } else {
                 behind

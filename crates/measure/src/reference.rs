@@ -13,36 +13,36 @@ use rayon::prelude::*;
 #[derive(Clone, Debug)]
 pub struct ReferencePictures {
     cameras: Vec<Camera>,
-    looks: ShadingOptions,
+    shading: ShadingOptions,
     pictures: Vec<Picture>,
 }
 
 impl ReferencePictures {
     /// Takes the pictures.
     #[must_use]
-    pub fn new(surface: &Surface, viewing: Viewing, looks: ShadingOptions) -> Self {
+    pub fn new(surface: &Surface, viewing: Viewing, shading: ShadingOptions) -> Self {
         let cameras = viewing.cameras(surface);
-        let shaded = ShadedSurface::new(surface, &[looks]);
+        let shaded = ShadedSurface::new(surface, &[shading]);
         let pictures = cameras.par_iter().map(|camera| shaded.picture(camera, false)).collect();
-        Self { cameras, looks, pictures }
+        Self { cameras, shading, pictures }
     }
 
     /// How the pictures are shaded.
     #[must_use]
-    pub fn looks(&self) -> ShadingOptions {
-        self.looks
+    pub fn shading(&self) -> ShadingOptions {
+        self.shading
     }
 
     /// Takes the same pictures of another surface.
     #[must_use]
     pub fn pictures_of(&self, other: &Surface) -> Vec<Picture> {
-        pictures(other, &self.cameras, self.looks)
+        pictures(other, &self.cameras, self.shading)
     }
 
     /// Compares another surface.
     #[must_use]
     pub fn compare(&self, other: &Surface) -> ImageError {
-        let shaded = ShadedSurface::new(other, &[self.looks]);
+        let shaded = ShadedSurface::new(other, &[self.shading]);
         let references = self.cameras.par_iter().zip(&self.pictures);
         let difference =
             |(camera, picture)| Difference::new(picture, &shaded.picture(camera, false));

@@ -28,9 +28,9 @@ impl SceneSurface {
     /// has them; texture coordinates are those that the submesh's texture reads, moved as it moves
     /// them.
     #[must_use]
-    pub fn new(meshes: &[&Mesh], scene: &Arrangement, looks: &Appearance) -> Self {
-        let images = looks.images.iter().map(Pyramid::new);
-        Self::with_images(meshes, scene, looks, || images.collect())
+    pub fn new(meshes: &[&Mesh], scene: &Arrangement, shading: &Appearance) -> Self {
+        let images = shading.images.iter().map(Pyramid::new);
+        Self::with_images(meshes, scene, shading, || images.collect())
     }
 
     /// As [`Self::new`], with the prepared images of `looks`; `images` is called only if they are
@@ -39,16 +39,16 @@ impl SceneSurface {
     pub fn with_images(
         meshes: &[&Mesh],
         scene: &Arrangement,
-        looks: &Appearance,
+        shading: &Appearance,
         images: impl FnOnce() -> Arc<[Pyramid]>,
     ) -> Self {
         let has = |o: usize, s: usize, semantic| stream(meshes[o], s, &semantic).is_some();
         let material = |o: usize, s: usize| {
-            looks.of_submesh.get(o)?.get(s)?;
-            Some(looks.material_of(o, s, has(o, s, Semantic::Color(0))))
+            shading.of_submesh.get(o)?.get(s)?;
+            Some(shading.material_of(o, s, has(o, s, Semantic::Color(0))))
         };
         let coordinates = |o: usize, s: usize| {
-            material(o, s).map_or(Coordinates::PLAIN, |m| looks.materials[m].coordinates)
+            material(o, s).map_or(Coordinates::PLAIN, |m| shading.materials[m].coordinates)
         };
         let submeshes = || {
             let placed = |p: &Placement| {
@@ -85,12 +85,12 @@ impl SceneSurface {
                 surface.material_of.extend(submesh.triangles().map(|_| material));
             }
         }
-        let has_textures = with_texture && looks.materials.iter().any(|m| m.texture.is_some());
-        let colour_of = |(o, s)| material(o, s).map(|m| looks.materials[m].colour);
+        let has_textures = with_texture && shading.materials.iter().any(|m| m.texture.is_some());
+        let colour_of = |(o, s)| material(o, s).map(|m| shading.materials[m].colour);
         let first = submeshes().next().and_then(colour_of);
         let has_colours = submeshes().any(|s| colour_of(s) != first);
         if has_textures || submeshes().any(|(o, s)| material(o, s).is_some_and(|m| m > 0)) {
-            surface.materials.clone_from(&looks.materials);
+            surface.materials.clone_from(&shading.materials);
             for material in &mut surface.materials {
                 material.texture = material
                     .texture
@@ -110,7 +110,7 @@ impl SceneSurface {
     /// Everything that this surface and another can be shown with: colours of vertices, and
     /// materials or else a checkerboard where there are coordinates only.
     #[must_use]
-    pub fn common_looks(&self, other: &Self) -> ShadingOptions {
+    pub fn common_shading(&self, other: &Self) -> ShadingOptions {
         let both = |has: fn(&Self) -> bool| has(self) && has(other);
         let neither_textured = !self.has_textures && !other.has_textures;
         let materials = both(|s| s.has_textures)

@@ -106,8 +106,9 @@ fn a_texture_that_slips_is_seen_on_the_checkerboard_only() {
         ..a.clone()
     };
     let cameras = Viewing { views: 4, size: 64 }.cameras(&a);
-    let error = |looks| {
-        compare_pictures(&pictures(&a, &cameras, looks), &pictures(&slipped, &cameras, looks)).rmse
+    let error = |shading| {
+        compare_pictures(&pictures(&a, &cameras, shading), &pictures(&slipped, &cameras, shading))
+            .rmse
     };
     assert_eq!(error(ShadingOptions::default()), 0.0);
     assert!(error(ShadingOptions { checkerboard: true, ..ShadingOptions::default() }) > 5.0);
@@ -121,9 +122,9 @@ fn what_is_turned_inside_out_looks_the_same_without_normals_of_its_own() {
         ..a.clone()
     };
     let cameras = Viewing { views: 3, size: 64 }.cameras(&a);
-    let looks = ShadingOptions::default();
+    let shading = ShadingOptions::default();
     let error =
-        compare_pictures(&pictures(&a, &cameras, looks), &pictures(&inside, &cameras, looks));
+        compare_pictures(&pictures(&a, &cameras, shading), &pictures(&inside, &cameras, shading));
     assert!(error.rmse < 1e-3, "{error:?}");
 }
 
@@ -155,14 +156,16 @@ fn a_texture_that_slips_is_seen_where_it_changes() {
     };
     let a = striped(0.0);
     let cameras = Viewing { views: 4, size: 128 }.cameras(&a);
-    let looks = ShadingOptions { materials: true, ..ShadingOptions::default() };
-    let shown = pictures(&a, &cameras, looks);
-    let error = |b: &Surface, looks| compare_pictures(&shown, &pictures(b, &cameras, looks)).rmse;
-    assert_eq!(error(&a, looks), 0.0);
-    let (little, more) = (error(&striped(1.0 / 64.0), looks), error(&striped(4.0 / 64.0), looks));
+    let shading = ShadingOptions { materials: true, ..ShadingOptions::default() };
+    let shown = pictures(&a, &cameras, shading);
+    let error =
+        |b: &Surface, shading| compare_pictures(&shown, &pictures(b, &cameras, shading)).rmse;
+    assert_eq!(error(&a, shading), 0.0);
+    let (little, more) =
+        (error(&striped(1.0 / 64.0), shading), error(&striped(4.0 / 64.0), shading));
     assert!(little > 20.0 && more > 1.5 * little, "{little} {more}");
     // A whole period later it is the same again.
-    assert!(error(&striped(8.0 / 64.0), looks) < 0.1);
+    assert!(error(&striped(8.0 / 64.0), shading) < 0.1);
     assert!(error(&a, ShadingOptions::default()) > 20.0);
 }
 

@@ -1,5 +1,5 @@
 //! A chain: several levels of one mesh over one vertex buffer, of which every level uses a prefix.
-//! A gliding chain also says where each vertex moves when the next level replaces its own
+//! A morphing chain also says where each vertex moves when the next level replaces its own
 //! (geomorphing).
 
 use crate::{Attribute, Lod, Mesh, MeshError, MeshParts, NONE, Semantic, Simplified, Submesh};
@@ -22,7 +22,7 @@ pub struct Chain {
 
 /// A chain with what moves each level into the next one (geomorphing).
 #[derive(Clone, Debug, PartialEq)]
-pub struct GlidingChain {
+pub struct MorphingChain {
     /// The levels; the mesh also has the vertices that others become without having a triangle.
     pub chain: Chain,
     /// For each vertex of the mesh the vertex that it becomes at the first level that does not use
@@ -31,7 +31,7 @@ pub struct GlidingChain {
     pub becomes: Vec<u32>,
 }
 
-impl GlidingChain {
+impl MorphingChain {
     /// Returns the mesh with every vertex moved to what it becomes, without triangles. A vertex
     /// that becomes one of another submesh takes its position alone, and its normal if both have
     /// the same streams: its other values stay.
@@ -89,7 +89,7 @@ impl Simplified {
     ///
     /// # Errors
     /// As [`Self::chain`].
-    pub fn gliding_chain(&self, lods: &[Lod]) -> Result<GlidingChain, MeshError> {
+    pub fn morphing_chain(&self, lods: &[Lod]) -> Result<MorphingChain, MeshError> {
         let (levels, mut used) = self.used(lods);
         let floors: Vec<Lod> = lods.iter().map(|&lod| self.collapses().floor(lod)).collect();
         // For each vertex of the input the vertex that it becomes, where it is removed.
@@ -133,7 +133,7 @@ impl Simplified {
                 false => own,
             })
             .collect();
-        Ok(GlidingChain { chain: self.chain_of(levels, &used, count)?, becomes })
+        Ok(MorphingChain { chain: self.chain_of(levels, &used, count)?, becomes })
     }
 
     /// Returns the triangles of the levels at `lods` by the vertices of this mesh, and the vertices

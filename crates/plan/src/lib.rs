@@ -2,7 +2,7 @@
 //!
 //! A model that can live on a graphics device says so by making a [`Plan`]. `lodc-gpu` runs any
 //! plan and knows no model; nothing here knows a graphics API. Every kernel (compute shader) is
-//! beside its twin, the Rust code that does the same.
+//! beside its CPU version, the Rust code that does the same.
 //!
 //! ```
 //! use lodc_plan::{Expected, Pass, Program, Scan};

@@ -70,8 +70,8 @@ impl Names {
         names.gamma(&c.error_drop, "error_drop");
         names.add(&c.rms_falls, "rms_falls".to_owned());
         names.gamma(&c.rms_drop, "rms_drop");
-        names.add(&c.named_star.is_named, "is_named".to_owned());
-        names.gamma(&c.named_star.size, "named");
+        names.add(&c.face_list.is_named, "is_named".to_owned());
+        names.gamma(&c.face_list.size, "named");
         for (i, by_size) in c.triangles.pattern.iter().enumerate() {
             for (j, by_closed) in by_size.iter().enumerate() {
                 names.symbols(by_closed, &format!("pattern[{i}][{j}]"));

@@ -63,9 +63,9 @@ fn a_fan_covers_every_centre_once_even_when_edges_run_through_centres() {
     for round in 0..500 {
         // Every second round all points are pixel centres, so that edges meet many of them.
         let snap = |p: Point| Point { x: p.x / 256 * 256 + 128, y: p.y / 256 * 256 + 128, z: p.z };
-        let mut hub = point(&mut state, 3000);
+        let mut center = point(&mut state, 3000);
         if round % 2 == 0 {
-            hub = snap(hub);
+            center = snap(center);
         }
         let link = [
             (-1000, -1000),
@@ -79,13 +79,13 @@ fn a_fan_covers_every_centre_once_even_when_edges_run_through_centres() {
         let link = link.map(|(x, y)| Point { x, y, z: 0 });
         let mut count = [0; 256];
         for i in 0..link.len() {
-            let mut corners = [hub, link[i], link[(i + 1) % link.len()]];
+            let mut corners = [center, link[i], link[(i + 1) % link.len()]];
             if round % 3 == 0 {
                 corners.swap(0, 1);
             }
             scan(corners, Window::whole(16), |x, y, _| count[(y * 16 + x) as usize] += 1);
         }
-        assert!(count.iter().all(|&n| n == 1), "hub {hub:?}: {count:?}");
+        assert!(count.iter().all(|&n| n == 1), "center {center:?}: {count:?}");
     }
 }
 

@@ -16,11 +16,11 @@ pub(crate) fn keep_to_own_side(
     let key = |v: &u32| (level.point_of_vertex[*v as usize], chart_of_vertex[*v as usize]);
     let mut order: Vec<u32> = (0..sources.len() as u32).collect();
     order.sort_unstable_by_key(|v| (key(v), *v));
-    for twins in order.chunk_by(|a, b| key(a) == key(b)).filter(|twins| twins.len() > 1) {
-        for &v in twins {
+    for wedges in order.chunk_by(|a, b| key(a) == key(b)).filter(|wedges| wedges.len() > 1) {
+        for &v in wedges {
             let Some(source) = sources[v as usize] else { continue };
             let own_distance = texture_distance(input, level, v, source);
-            if twins
+            if wedges
                 .iter()
                 .any(|&other| texture_distance(input, level, other, source) < own_distance)
             {

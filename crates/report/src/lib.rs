@@ -29,7 +29,7 @@ pub mod text;
 pub use chart::{Chart, Curve, Scale, colour_of};
 pub use checks::{
     CheckReport, FileReport, VerifyReport, VerifySummary, VerifySummaryReport, check_errors_again,
-    check_glide, check_levels, check_models, check_models_by_reference, check_source,
+    check_geomorph, check_levels, check_models, check_models_by_reference, check_source,
 };
 pub use ci::{Case, Suite, Verdict, github, junit};
 pub use compare::{

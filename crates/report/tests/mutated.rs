@@ -1,7 +1,7 @@
 //! Whatever mesh is built, `verify` agrees with the file.
 
 use lodc::LodObject;
-use lodc::build::{build_models, step_errors};
+use lodc::pipeline::{build_models, step_errors};
 use lodc_formats::{Document, GltfDocument, Limits, ObjectInfo, SubmeshInfo};
 use lodc_lod::ModelKind;
 use lodc_mesh::Mesh;

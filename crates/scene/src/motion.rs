@@ -1,5 +1,5 @@
 //! The shapes that a scene gives an object: in its placements, at rest and where animations stretch
-//! it, and in its postures, the moments of animations and the morph targets that change it.
+//! it, and in its pose keys, the moments of animations and the morph targets that change it.
 
 mod choice;
 mod measured;
@@ -16,7 +16,7 @@ use crate::placement::{Arrangement, Placement};
 use crate::shape::Shape;
 use crate::transform::{Transform, largest_stretch};
 use glam::DMat3;
-use lodc_mesh::{Mesh, Posture};
+use lodc_mesh::{Mesh, PoseKey};
 use movers::Mover;
 use std::collections::{BTreeMap, BTreeSet};
 use stretching::Stretching;
@@ -42,8 +42,8 @@ pub struct Motion {
 pub struct ObjectShapes {
     all: Vec<Shape>,
     of_placements: usize,
-    /// After each posture the number of shapes of postures.
-    posture_ends: Vec<usize>,
+    /// After each pose key the number of shapes of pose keys.
+    pose_key_ends: Vec<usize>,
 }
 
 impl ObjectShapes {
@@ -59,18 +59,18 @@ impl ObjectShapes {
         &self.all[..self.of_placements]
     }
 
-    /// Those of postures.
+    /// Those of pose keys.
     #[must_use]
-    pub fn of_postures(&self) -> &[Shape] {
+    pub fn of_pose_keys(&self) -> &[Shape] {
         &self.all[self.of_placements..]
     }
 
-    /// How many postures the first `shapes` shapes of postures belong to, and how many shapes these
-    /// postures have.
+    /// How many pose keys the first `shapes` shapes of pose keys belong to, and how many shapes
+    /// these pose keys have.
     #[must_use]
-    pub fn postures_of(&self, shapes: usize) -> (usize, usize) {
-        let before = self.posture_ends.partition_point(|&end| end < shapes);
-        let last = self.posture_ends.get(before).filter(|_| shapes > 0);
+    pub fn pose_keys_of(&self, shapes: usize) -> (usize, usize) {
+        let before = self.pose_key_ends.partition_point(|&end| end < shapes);
+        let last = self.pose_key_ends.get(before).filter(|_| shapes > 0);
         last.map_or((before, shapes), |&end| (before + 1, end))
     }
 }
@@ -134,11 +134,11 @@ impl Motion {
     }
 
     /// The shapes of an object: in its [measured placements](Self::measured_placements), and in
-    /// each posture, in the same units, where moments move several placements in each of them.
-    /// Postures that do not apply, such as one of an animation that does not exist, are skipped.
+    /// each pose key, in the same units, where moments move several placements in each of them.
+    /// Pose keys that do not apply, such as one of an animation that does not exist, are skipped.
     /// `mesh` is the object at full detail.
     #[must_use]
-    pub fn shapes(&self, mesh: &Mesh, object: usize, postures: &[Posture]) -> ObjectShapes {
+    pub fn shapes(&self, mesh: &Mesh, object: usize, pose_keys: &[PoseKey]) -> ObjectShapes {
         let measured = self.measured_placements(mesh, object);
         let shape = |at: &MeasuredPlacement| at.shape(mesh, measured.scale);
         let mut all: Vec<Shape> = measured.placements.iter().filter_map(shape).collect();
@@ -147,27 +147,27 @@ impl Motion {
         }
         let of_placements = all.len();
         let movers = self.movers(object, &measured);
-        let mut posture_ends = Vec::with_capacity(postures.len());
-        for &posture in postures {
+        let mut pose_key_ends = Vec::with_capacity(pose_keys.len());
+        for &pose_key in pose_keys {
             let shape = |m: Mover| Shape::placed(mesh, m.placement, measured.scale / m.growth);
-            all.extend(self.all_placed(&movers, posture).into_iter().filter_map(shape));
-            posture_ends.push(all.len() - of_placements);
+            all.extend(self.all_placed(&movers, pose_key).into_iter().filter_map(shape));
+            pose_key_ends.push(all.len() - of_placements);
         }
-        ObjectShapes { all, of_placements, posture_ends }
+        ObjectShapes { all, of_placements, pose_key_ends }
     }
 
-    /// Returns placements of an object in a posture: in a moment all that have shapes of their own,
-    /// with a morph target the first; none if it does not apply.
-    fn all_placed(&self, movers: &[Mover], posture: Posture) -> Vec<Mover> {
-        match posture {
-            Posture::Moment { animation, seconds } => {
+    /// Returns placements of an object in a pose key: in a moment all that have shapes of their
+    /// own, with a morph target the first; none if it does not apply.
+    fn all_placed(&self, movers: &[Mover], pose_key: PoseKey) -> Vec<Mover> {
+        match pose_key {
+            PoseKey::Moment { animation, seconds } => {
                 let animation = self.animations.get(animation as usize);
                 let moment = animation.map(|animation| self.moment(animation, seconds));
                 moment.map_or_else(Vec::new, |moment| moment.all_placed(&self.graph, movers))
             }
-            Posture::Target(_) => {
+            PoseKey::Target(_) => {
                 let placed = |first: &Mover| {
-                    let placement = self.placed(&first.placement, posture)?;
+                    let placement = self.placed(&first.placement, pose_key)?;
                     Some(Mover { placement, growth: first.growth })
                 };
                 movers.first().and_then(placed).into_iter().collect()
@@ -175,15 +175,15 @@ impl Motion {
         }
     }
 
-    /// Returns a rest placement changed by a posture; none if the posture does not apply.
+    /// Returns a rest placement changed by a pose key; none if the pose key does not apply.
     #[must_use]
-    pub fn placed(&self, rest: &Placement, posture: Posture) -> Option<Placement> {
-        match posture {
-            Posture::Moment { animation, seconds } => {
+    pub fn placed(&self, rest: &Placement, pose_key: PoseKey) -> Option<Placement> {
+        match pose_key {
+            PoseKey::Moment { animation, seconds } => {
                 let animation = self.animations.get(animation as usize)?;
                 Some(self.moment(animation, seconds).placed(&self.graph, rest))
             }
-            Posture::Target(target) => {
+            PoseKey::Target(target) => {
                 let target = target as usize;
                 let mut weights = rest.weights.to_vec();
                 weights.resize(weights.len().max(target + 1), 0.0);
@@ -194,10 +194,10 @@ impl Motion {
     }
 
     /// Returns a rest placement at a moment, moved and stretched as a whole, too; its morph weights
-    /// stay as at rest. None if the posture is no moment of an animation that exists.
+    /// stay as at rest. None if the pose key is no moment of an animation that exists.
     #[must_use]
-    pub fn shown_at(&self, rest: &Placement, moment: Posture) -> Option<Placement> {
-        let Posture::Moment { animation: number, seconds } = moment else { return None };
+    pub fn shown_at(&self, rest: &Placement, moment: PoseKey) -> Option<Placement> {
+        let PoseKey::Moment { animation: number, seconds } = moment else { return None };
         let animation = self.animations.get(number as usize)?;
         let Some(node) = rest.node else { return Some(rest.clone()) };
         let transform = self.node_at(node as usize, number, seconds) * self.instance(rest);

@@ -4,7 +4,7 @@
 use crate::placement::{Arrangement, Placement};
 use crate::posed::Streams;
 use crate::transform::{Transform, largest_stretch};
-use lodc_mesh::{Mesh, Posture};
+use lodc_mesh::{Mesh, PoseKey};
 use std::sync::Arc;
 
 /// Returns every placement of an object with its scale: the largest factor by which it stretches
@@ -56,8 +56,8 @@ impl<'a> PlacementScales<'a> {
     pub(crate) fn largest_moment(
         &mut self,
         placement: &Placement,
-        joints: &[Option<(f64, Posture)>],
-    ) -> Option<Posture> {
+        joints: &[Option<(f64, PoseKey)>],
+    ) -> Option<PoseKey> {
         let at_rest = self.of(placement);
         let leading = self.leading.as_ref()?;
         let of_leading = leading.joints.iter().filter_map(|&j| *joints.get(j)?);

@@ -53,7 +53,7 @@ pub use candidate::Candidate;
 pub use levels::{ObjectLevels, SceneLevels, SelectError};
 pub use loss::losses;
 pub use number::decimal;
-pub use order::{Turn, turns};
+pub use order::{RankedLod, ranks};
 pub use parse::{bound, count, rms_bound, share, size};
 pub use quadric::accumulated_error;
 pub use selection::{RecordError, Selection, Target, scene_diagonal, select};

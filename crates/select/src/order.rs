@@ -38,26 +38,26 @@ struct Segment {
 /// A segment in the order of a scene, as a receiver of its levels needs it: when one of its objects
 /// loses triangles, and down to which level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Turn {
-    /// Its rank, from 0 on, among the turns of all objects.
+pub struct RankedLod {
+    /// Its place, from 0 on, among those of all objects.
     pub rank: u32,
     /// The level that the object has after it.
     pub lod: Lod,
 }
 
-/// For each object of a scene its turns, by which a receiver can choose levels for a number of
-/// triangles as [`select`](crate::select()) does, without knowing losses: it takes turns in the
-/// order of their ranks while the scene has too many triangles; where one would remove more
-/// than is needed, it takes the object's finest level that fits.
+/// For each object of a scene its ranked LODs, by which a receiver can choose levels for a number
+/// of triangles as [`select`](crate::select()) does, without knowing losses: it takes them in the
+/// order of their ranks while the scene has too many triangles; where one would remove more than is
+/// needed, it takes the object's finest level that fits.
 #[must_use]
-pub fn turns(objects: &[Candidate<'_>], losses: &[Vec<f64>]) -> Vec<Vec<Turn>> {
-    let mut turns = vec![Vec::new(); objects.len()];
+pub fn ranks(objects: &[Candidate<'_>], losses: &[Vec<f64>]) -> Vec<Vec<RankedLod>> {
+    let mut ranks = vec![Vec::new(); objects.len()];
     for (rank, segment) in (0..).zip(order(objects, losses)) {
         let collapses = objects[segment.object].collapses;
         let lod = Lod(collapses.parts().step_ends[segment.end - 1]);
-        turns[segment.object].push(Turn { rank, lod });
+        ranks[segment.object].push(RankedLod { rank, lod });
     }
-    turns
+    ranks
 }
 
 /// The segments of all objects in the order in which they are removed.

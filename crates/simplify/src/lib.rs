@@ -7,7 +7,7 @@
 //!
 //! A mesh goes through seven stages, each a module that says what it does and why: `number`, `cut`,
 //! `price` (by a [`metric`](MetricKind)), `choose`, `commit`, `rounds` and `output`. Where faces
-//! lie on each other, one layer goes through them, and the others follow it (`skin`).
+//! lie on each other, one layer goes through them, and the others follow it (`shell`).
 //!
 //! ```
 //! use lodc_simplify::{Options, simplify};
@@ -32,7 +32,7 @@ mod price;
 mod recorded;
 mod rounds;
 mod seen;
-mod skin;
+mod shell;
 
 use commit::{CollapseLog, Sources};
 use cut::Region;
@@ -41,7 +41,7 @@ use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
 use number::Input;
 use price::{Attributes, Context};
 use rounds::{Progress, as_one, in_regions};
-use skin::Skin;
+use shell::Shell;
 
 pub use metric::{Checkerboard, SurfaceColours};
 pub use options::{MetricKind, Options, Weights};
@@ -140,8 +140,8 @@ fn simplify_with(
     }
     let run = Run { mesh, options, guidance, region, progress };
     let positions = mesh.position_ids();
-    let skin = Skin::of(mesh, &positions);
-    if let Some(simplified) = skin.and_then(|skin| run.by_skin(&skin, &positions)) {
+    let shell = Shell::of(mesh, &positions);
+    if let Some(simplified) = shell.and_then(|shell| run.by_shell(&shell, &positions)) {
         return simplified;
     }
     let as_modelled = SeenShapes::default();
@@ -179,31 +179,35 @@ struct Collapsed {
 impl<'a> Run<'a> {
     /// Simplifies one layer of a mesh whose faces lie on each other; the whole mesh follows. None
     /// if it cannot.
-    fn by_skin(
+    fn by_shell(
         self,
-        skin: &Skin,
+        shell: &Shell,
         positions: &PositionIds,
     ) -> Option<(Simplified, RecordedCollapses)> {
         let (layer_collapses, recorded, legal) = {
-            let seen = self.guidance.shapes.map(|seen| seen.gathered(&skin.vertices));
+            let seen = self.guidance.shapes.map(|seen| seen.gathered(&shell.vertices));
             let seen = seen.unwrap_or_default();
-            let mut input = Input::with_positions(&skin.mesh, &skin.mesh.position_ids(), &seen);
+            let mut input = Input::with_positions(&shell.mesh, &shell.mesh.position_ids(), &seen);
             self.count(&mut input);
-            input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
-            input.planes = skin.planes(self.mesh, positions, &input);
+            input.lock(&shell.locked(self.mesh, positions, self.guidance.locked));
+            input.planes = shell.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
             let guidance = Guidance { shapes: Some(&seen), ..self.guidance };
-            let run = Run { mesh: &skin.mesh, guidance, ..self };
+            let run = Run { mesh: &shell.mesh, guidance, ..self };
             let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
             let recorded = std::mem::take(&mut log.recorded);
-            (skin::layer_collapses(&input, &skin.vertices, &log, legal, by_stamp), recorded, legal)
+            (
+                shell::layer_collapses(&input, &shell.vertices, &log, legal, by_stamp),
+                recorded,
+                legal,
+            )
         };
         let as_modelled = SeenShapes::default();
         let mut input = Input::with_positions(self.mesh, positions, &as_modelled);
         self.count(&mut input);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
-        let (log, legal) = skin::follow(&context, &layer_collapses, legal, &mut sources)?;
+        let (log, legal) = shell::follow(&context, &layer_collapses, legal, &mut sources)?;
         drop(context);
         Some((output::output(&input, &sources, log, legal, false), recorded))
     }

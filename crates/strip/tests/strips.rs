@@ -217,8 +217,8 @@ fn strips_are_short_and_misses_few_on_a_smooth_surface() {
 #[test]
 fn the_price_of_an_index_trades_indices_against_misses() {
     let sphere = fixtures::icosphere(5);
-    let at = |index_price| {
-        let strips = cache(&sphere, &CacheOptions { index_price, ..CacheOptions::default() });
+    let at = |index_cost| {
+        let strips = cache(&sphere, &CacheOptions { index_cost, ..CacheOptions::default() });
         let stream = strips.indices().iter().copied();
         (
             strips.separate_indices(),

@@ -188,7 +188,7 @@ fn a_first_difference_is_one_of_the_two() {
 
 #[test]
 fn a_sequence_made_to_be_slow_is_given_up() {
-    // A fan whose hub moves along a chain: all triangles change at every step.
+    // A fan whose high-valence vertex moves along a chain: all triangles change at every step.
     let n = 30_000u32;
     let mesh = lodc_mesh::Mesh::try_from(lodc_mesh::MeshParts {
         positions: (0..2 * n).map(|i| [i as f32, (i % 7) as f32, (i % 11) as f32]).collect(),

@@ -1,12 +1,12 @@
 // A crowd of one chain that walks away: each copy at the level of its distance, which switches to
-// the next one or glides there. Addresses: ?model=x.glb&copies=500&pixels=4
+// the next one or morphs there. Addresses: ?model=x.glb&copies=500&pixels=4
 
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { ChainModel, LodcChain } from '../chain.js';
 
 const query = new URLSearchParams(location.search);
-const [told, slider] = ['told', 'glide'].map((id) => document.getElementById(id));
+const [told, slider] = ['told', 'geomorph'].map((id) => document.getElementById(id));
 const renderer = new THREE.WebGLRenderer({ antialias: true });
 renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
 document.body.append(renderer.domElement);
@@ -52,7 +52,7 @@ renderer.setAnimationLoop(() => {
   const passed = clock.getDelta();
   for (const mixer of mixers) mixer.update(passed);
   for (const copy of copies) {
-    copy.glides = slider.value === '1';
+    copy.morphs = slider.value === '1';
     copy.position.z -= passed * size * 0.7;
     if (copy.position.z < -depth * 1.6) copy.position.z += depth * 1.6;
     copy.update(camera, renderer.domElement.height);

@@ -7,7 +7,7 @@ export interface ChainLevel {
   error: number;
   /** From where on it is shown. */
   distance: number;
-  /** From where on it is on its way to the next one; none if it does not glide. */
+  /** From where on it is on its way to the next one; none if it does not morph. */
   morph_from?: number | null;
 }
 
@@ -38,8 +38,8 @@ export class LodcChain extends Group {
   constructor(model: ChainModel, pixels?: number);
   readonly model: ChainModel;
   pixels: number;
-  /** Levels glide; false: they switch. */
-  glides: boolean;
+  /** Levels morph; false: they switch. */
+  morphs: boolean;
   /** The copy: what an `AnimationMixer` moves. */
   readonly content: Object3D;
   /** The present level, 0 is the finest, and how far it is on its way to the next one, 0 to 1. */

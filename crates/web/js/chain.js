@@ -1,5 +1,5 @@
 // three.js: chains of levels as `lodc chain` writes them, shown by distance. Those of --geomorph
-// glide: a level has become the next one where that one begins.
+// geomorph: a level has become the next one where that one begins.
 
 import * as THREE from 'three';
 import { clone } from 'three/addons/utils/SkeletonUtils.js';
@@ -53,8 +53,8 @@ export class LodcChain extends THREE.Group {
     super();
     this.model = model;
     this.pixels = pixels;
-    /** Levels glide; false: they switch. */
-    this.glides = true;
+    /** Levels morph; false: they switch. */
+    this.morphs = true;
     this.content = clone(model.scene);
     this.add(this.content);
     this.meshes = [];
@@ -84,7 +84,7 @@ export class LodcChain extends THREE.Group {
   /** Shows the level at a distance in the units of the file. Call it after animation mixers. */
   at(distance) {
     const { level, weight } = this.model.levels.at(distance, this.level);
-    this.show(level, this.glides ? weight : 0);
+    this.show(level, this.morphs ? weight : 0);
   }
 
   /** Shows a level, a weight's part of the way to the next one. */

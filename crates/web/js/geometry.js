@@ -24,7 +24,7 @@ function object(glb, mesh, number) {
     scale: lodc.scale,
     diagonal: lodc.diagonal,
     submeshes: parts.map((p) => p.submesh),
-    turns: lodc.turns && { places: glb.words(lodc.turns), lods: glb.words(lodc.turn_lods) },
+    ranks: lodc.ranks && { places: glb.words(lodc.ranks), lods: glb.words(lodc.rank_lods) },
   });
   return { name: mesh.name || `Object ${number + 1}`, parts, levels, weights: mesh.weights ?? [] };
 }

@@ -44,7 +44,7 @@ export class Levels {
     diagonal: number;
     submeshes: Submesh[];
     /** Where, in the order over the objects of a scene, this one gives up triangles. */
-    turns?: { places: Uint32Array; lods: Uint32Array } | null;
+    ranks?: { places: Uint32Array; lods: Uint32Array } | null;
   });
   readonly records: number;
   readonly triangles: number;

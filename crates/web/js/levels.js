@@ -75,12 +75,12 @@ function permuted(words, order, width) {
 /** The levels of an object: steps with their ends, triangles and errors, fine to coarse. */
 export class Levels {
   /**
-   * @param turns `places` in the order over the objects of a scene where this one gives up
+   * @param ranks `places` in the order over the objects of a scene where this one gives up
    *   triangles, and its `lods` after each; none for a single object
    */
-  constructor({ records, triangles, ends, counts, errors, scale, diagonal, submeshes, turns }) {
+  constructor({ records, triangles, ends, counts, errors, scale, diagonal, submeshes, ranks }) {
     Object.assign(this, { records, triangles, ends, counts, errors, scale, diagonal, submeshes });
-    this.turns = turns ?? null;
+    this.ranks = ranks ?? null;
     this.lod = 0;
   }
 

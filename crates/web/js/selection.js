@@ -12,7 +12,7 @@ export class Selection {
     this.least = sum(this.objects, (o) => o.trianglesAt(o.lastVisible()));
     this.largest = this.objects.reduce((most, o) => (
       Math.max(most, o.scale * o.errorAt(o.lastVisible()))), 0);
-    this.turns = turns(objects);
+    this.ranks = ranks(objects);
     this.diagonal = this.objects.reduce((most, o) => Math.max(most, o.scale * o.diagonal), 0);
   }
 
@@ -36,16 +36,16 @@ export class Selection {
       return this.all.map((o) => Math.min(o.forTriangles(most), o.lastVisible()));
     }
     if (this.triangles <= most) return this.byLod(0);
-    return this.turns ? this.inTurn(most) : this.inCommon(most);
+    return this.ranks ? this.byRank(most) : this.inCommon(most);
   }
 
-  inTurn(most) {
+  byRank(most) {
     const lods = this.all.map(() => 0);
     let total = this.triangles;
-    for (const { object, lod, spared } of this.turns) {
+    for (const { object, lod, spared } of this.ranks) {
       if (total <= most) break;
       if (total - spared < most) {
-        // Within a turn steps are taken one by one.
+        // Within a ranked LOD steps are taken one by one.
         const levels = this.all[object];
         lods[object] = levels.forTriangles(levels.trianglesAt(lods[object]) - (total - most));
         break;
@@ -97,14 +97,14 @@ export class Selection {
 }
 
 /**
- * The turns of all objects in their order: the object's number, its LOD after the turn and the
- * triangles that it gives up. Null if an object that has triangles to give has no turns.
+ * The ranks of all objects in their order: the object's number, its LOD there and the
+ * triangles that it gives up. Null if an object that has triangles to give has no ranks.
  */
-function turns(objects) {
-  if (objects.some((o) => !o.turns && o.lastVisible() > 0)) return null;
+function ranks(objects) {
+  if (objects.some((o) => !o.ranks && o.lastVisible() > 0)) return null;
   const all = objects.flatMap((levels, object) => {
-    if (!levels.turns) return [];
-    const { places, lods } = levels.turns;
+    if (!levels.ranks) return [];
+    const { places, lods } = levels.ranks;
     const left = Array.from(lods, (lod) => levels.trianglesAt(lod));
     return left.map((triangles, i) => ({
       place: places[i],

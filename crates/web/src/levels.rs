@@ -1,4 +1,4 @@
-//! Objects with all their levels as one GLB, and the order in which they lose triangles. A *turn*
+//! Objects with all their levels as one GLB, and the order in which they lose triangles. A *rank*
 //! is a LOD of one object and its rank in the order over all objects: with a budget of triangles,
 //! the objects are coarsened by rank.
 
@@ -6,7 +6,7 @@ use lodc_formats::gltf::{LevelsObject, export_levels};
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, OutputFile, scene_motion};
-use lodc_select::{ObjectLevels, losses, turns};
+use lodc_select::{ObjectLevels, losses, ranks};
 use std::path::Path;
 
 /// Makes a GLB with all levels ([`export_levels`]), and a warning for each texture that is missing.
@@ -24,23 +24,23 @@ pub fn levels<M>(
     limits: &Limits,
 ) -> Result<(OutputFile, Vec<String>), FormatError> {
     let strips: Vec<Option<Vec<u32>>> = objects.iter().map(strips).collect();
-    let turns = turns_of_objects(document, objects, limits)?;
-    let object = |((object, strips), turns)| {
+    let ranks = ranks_of_objects(document, objects, limits)?;
+    let object = |((object, strips), ranks)| {
         let (object, strips): (&LodObject<M>, &Option<Vec<u32>>) = (object, strips);
-        let turns: &Vec<(u32, u32)> = turns;
+        let ranks: &Vec<(u32, u32)> = ranks;
         LevelsObject {
             info: &object.info,
             simplified: &object.simplified,
             strips: strips.as_deref(),
-            turns,
+            ranks,
         }
     };
-    let objects: Vec<_> = objects.iter().zip(&strips).zip(&turns).map(object).collect();
+    let objects: Vec<_> = objects.iter().zip(&strips).zip(&ranks).map(object).collect();
     export_levels(path, document, &objects, textures)
 }
 
-/// The turns of each object as rank and LOD; none for a single object.
-fn turns_of_objects<'a, M>(
+/// The ranks of each object as rank and LOD; none for a single object.
+fn ranks_of_objects<'a, M>(
     document: &Document,
     objects: &'a [LodObject<M>],
     limits: &Limits,
@@ -57,11 +57,11 @@ fn turns_of_objects<'a, M>(
         unevenness: 1.0,
     };
     let levels: Vec<ObjectLevels<'_>> = objects.iter().map(levels).collect();
-    let as_pairs = |turns: Vec<lodc_select::Turn>| {
-        turns.into_iter().map(|turn| (turn.rank, turn.lod.0)).collect()
+    let as_pairs = |ranks: Vec<lodc_select::RankedLod>| {
+        ranks.into_iter().map(|rank| (rank.rank, rank.lod.0)).collect()
     };
     let simplified: Vec<_> = levels.iter().map(|o| o.simplified).collect();
     let candidates: Vec<_> = levels.iter().map(ObjectLevels::candidate).collect();
-    let turns = turns(&candidates, &losses(&simplified, &scene));
-    Ok(turns.into_iter().map(as_pairs).collect())
+    let ranks = ranks(&candidates, &losses(&simplified, &scene));
+    Ok(ranks.into_iter().map(as_pairs).collect())
 }

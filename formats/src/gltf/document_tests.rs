@@ -1,4 +1,4 @@
-use crate::export::{Additions, ExportFormat, ExportObject, export_with};
+use crate::export::{ExportFormat, ExportObject, ExportOptions, export_with};
 use crate::gltf::json::PARSED;
 use crate::import::{ImportOptions, import};
 use crate::{
@@ -18,8 +18,8 @@ fn ask_everything(document: &Document, objects: &[ExportObject<'_>], path: &Path
     PartNames::new(document, &infos).expect("names");
     appearance(document, &infos, &mut Assets::new(path, &[], limits)).expect("an appearance");
     for _ in 0..2 {
-        let additions = Additions::default();
-        export_with(path, ExportFormat::Glb, document, objects, &additions).expect("a file");
+        let options = ExportOptions::default();
+        export_with(path, ExportFormat::Glb, document, objects, &options).expect("a file");
     }
 }
 

@@ -91,6 +91,6 @@ pub(crate) use missing::{bare_gltf, gltf_without_missing};
 pub use part_names::PartNames;
 #[cfg(feature = "export")]
 pub use write::{
-    ChainObject, ChainShape, Glide, LevelsObject, MovedStreams, embed_images, export_chain,
+    ChainObject, ChainShape, Geomorph, LevelsObject, MovedStreams, embed_images, export_chain,
     export_levels,
 };

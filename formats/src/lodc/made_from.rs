@@ -102,7 +102,7 @@ impl MadeFrom {
     /// Reads the section; what follows the known fields belongs to later versions.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
         decode(bytes).ok_or_else(|| {
-            FormatError::new(Fault::Malformed, "section MADE", "ends too early or is no text")
+            FormatError::new(Fault::Malformed, "section MADE", "is truncated or not text")
         })
     }
 }

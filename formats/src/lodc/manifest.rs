@@ -96,7 +96,7 @@ impl Manifest {
             let problem = format!("has more than {MAX_BYTES} bytes");
             return Err(FormatError::new(Fault::Limit, LOCATION, problem));
         }
-        let problem = "ends too early or has invalid values";
+        let problem = "is truncated or has invalid values";
         decode(bytes).ok_or_else(|| FormatError::new(Fault::Malformed, LOCATION, problem))
     }
 

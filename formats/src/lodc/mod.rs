@@ -5,9 +5,9 @@ mod arrays;
 mod container;
 #[cfg(test)]
 mod golden_tests;
-#[cfg(test)]
-mod hostile_tests;
 mod made_from;
+#[cfg(test)]
+mod malformed_tests;
 pub(crate) mod manifest;
 mod object;
 mod overview;

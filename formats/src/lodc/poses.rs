@@ -4,7 +4,7 @@
 use super::arrays::check_whole_entries;
 use super::table::{location, tag};
 use crate::{Fault, FormatError};
-use lodc_mesh::Posture;
+use lodc_mesh::PoseKey;
 
 /// Bytes of a pose: its kind, its number, its seconds.
 const POSE_BYTES: usize = 16;
@@ -17,11 +17,11 @@ const TARGET: u32 = 1;
 /// Largest number of poses of an object. Chosen by hand: errors are measured in each.
 pub const MAX_POSES: usize = 64;
 
-pub(super) fn put(out: &mut Vec<u8>, poses: &[Posture]) {
+pub(super) fn put(out: &mut Vec<u8>, poses: &[PoseKey]) {
     for &pose in poses {
         let (kind, number, seconds) = match pose {
-            Posture::Moment { animation, seconds } => (MOMENT, animation, seconds),
-            Posture::Target(target) => (TARGET, target, 0.0),
+            PoseKey::Moment { animation, seconds } => (MOMENT, animation, seconds),
+            PoseKey::Target(target) => (TARGET, target, 0.0),
         };
         out.extend(kind.to_le_bytes());
         out.extend(number.to_le_bytes());
@@ -30,7 +30,7 @@ pub(super) fn put(out: &mut Vec<u8>, poses: &[Posture]) {
 }
 
 /// Reads the section of an object; nothing is no pose.
-pub(super) fn get(bytes: &[u8], number: u32) -> Result<Vec<Posture>, FormatError> {
+pub(super) fn get(bytes: &[u8], number: u32) -> Result<Vec<PoseKey>, FormatError> {
     let location = || location(tag::POSES, number, 0);
     let wrong = |problem: String| FormatError::new(Fault::Malformed, location(), problem);
     check_whole_entries(bytes, POSE_BYTES, location)?;
@@ -42,9 +42,9 @@ pub(super) fn get(bytes: &[u8], number: u32) -> Result<Vec<Posture>, FormatError
         let seconds = f64::from_le_bytes(std::array::from_fn(|i| entry[8 + i]));
         match (word(0), word(4)) {
             (MOMENT, animation) if seconds.is_finite() && seconds >= 0.0 => {
-                Ok(Posture::Moment { animation, seconds })
+                Ok(PoseKey::Moment { animation, seconds })
             }
-            (TARGET, target) if seconds.to_bits() == 0 => Ok(Posture::Target(target)),
+            (TARGET, target) if seconds.to_bits() == 0 => Ok(PoseKey::Target(target)),
             (kind, _) => Err(wrong(format!("has a pose of kind {kind} at {seconds} s"))),
         }
     };
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn poses_come_back_and_nonsense_is_refused() {
-        let poses = [Posture::Moment { animation: 3, seconds: 1.25 }, Posture::Target(7)];
+        let poses = [PoseKey::Moment { animation: 3, seconds: 1.25 }, PoseKey::Target(7)];
         let mut bytes = Vec::new();
         put(&mut bytes, &poses);
         assert_eq!(get(&bytes, 0), Ok(poses.to_vec()));

@@ -39,5 +39,5 @@ pub(super) fn shortened(name: &str) -> String {
     if short.len() < name.len() {
         short.push('…');
     }
-    if cfg!(feature = "terse") { short } else { short.escape_debug().to_string() }
+    if cfg!(feature = "minimal-messages") { short } else { short.escape_debug().to_string() }
 }

@@ -6,7 +6,7 @@ use crate::testing::{LodFile, LodObject, read, stored, write};
 use crate::{ObjDocument, ObjMaterial, SourceFormat, SubmeshInfo};
 use lodc_fixtures as fixtures;
 use lodc_lod::{AnyModel, ModelKind};
-use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Posture, Semantic, Submesh};
+use lodc_mesh::{Attribute, Component, Mesh, MeshParts, PoseKey, Semantic, Submesh};
 use lodc_strip::{StripOptions, StripPool};
 
 fn object(name: &str, mesh: &Mesh) -> LodObject {
@@ -148,7 +148,7 @@ pub(super) fn measured_file(name: &str) -> LodFile {
 fn poses_that_errors_hold_in_come_back() {
     let mut file = gltf_file(&["cube", "morphing_sphere"]);
     file.objects[1].info.poses =
-        vec![Posture::Moment { animation: 1, seconds: 0.5 }, Posture::Target(0)];
+        vec![PoseKey::Moment { animation: 1, seconds: 0.5 }, PoseKey::Target(0)];
     let again = read(&write(&file)).expect("what was written");
     same(&file, &again);
     assert!(again.left_out.is_empty());

@@ -331,7 +331,7 @@ impl ParsedText {
             &decoded
         };
         let (entry, used) = decode_front::<TextEntry>(text)
-            .ok_or_else(|| malformed("ends too early or has invalid values"))?;
+            .ok_or_else(|| malformed("is truncated or has invalid values"))?;
         let json = &text[used..];
         let source =
             source_of(entry.format, entry.content_hash).map_err(|problem| malformed(&problem))?;

@@ -415,8 +415,8 @@ impl<'a> ObjectWriter<'a> {
         let exact_levels = match (is_as_in_file, encoder.header().exact) {
             (true, _) => simplified.collapses().steps() as u32,
             (false, false) => encoder.exact_levels(),
-            // The steps were put into batches, but a hub kept them from being coded so: of the
-            // levels only the finest is sure to be one of the file.
+            // The steps were put into batches, but a high-valence vertex kept them from being coded
+            // so: of the levels only the finest is sure to be one of the file.
             (false, true) => 1,
         };
         let scale = object.info.world_scale;

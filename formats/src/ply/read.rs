@@ -379,7 +379,7 @@ fn header_error(error: &DeserializeError) -> FormatError {
 /// Whose fault an error of `serde-ply` or a sink is, and its message.
 fn fault_and_problem(error: &DeserializeError) -> (Fault, String) {
     if error.0.kind() == ErrorKind::UnexpectedEof {
-        return (Fault::Malformed, "the file ends too early".to_owned());
+        return (Fault::Malformed, "the file is truncated".to_owned());
     }
     let text = error.0.to_string();
     if let Some(limit) = text.strip_prefix(columns::LIMIT) {

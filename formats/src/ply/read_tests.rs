@@ -152,12 +152,12 @@ fn what_is_wrong_is_said_with_its_place() {
     let faces = "element face 1\nproperty list uchar int vertex_indices\n";
     let all = |face: &str| PLAIN.to_owned() + faces + POINTS + face;
     for (source, message) in [
-        ("ply\nformat ascii 1.0\n".to_owned(), "header: the file ends too early"),
+        ("ply\nformat ascii 1.0\n".to_owned(), "header: the file is truncated"),
         ("ply\nend_header\n".to_owned(), "header: missing format specification"),
         (PLAIN.replace("float x", "half x"), "header: unknown scalar type: half"),
         (all("3 0 1 4\n"), "face 1: vertex 4 does not exist (the file has 4, counted from 0)"),
         (all("3 0 1 -1\n"), "face 1: -1 is not the number of a vertex"),
-        (all("3 0 1\n"), "face 1: the file ends too early"),
+        (all("3 0 1\n"), "face 1: the file is truncated"),
         (all("3 0 1 x\n"), "face 1: failed to parse i32 from ASCII"),
         (
             all("3 0 1 2").replace("1 1 0\n", "1 inf 0\n"),

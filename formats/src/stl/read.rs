@@ -196,7 +196,7 @@ fn read(bytes: &[u8], faces: &mut Faces, limits: &Limits, solid: &str) -> Result
     for triangle in reader.map_err(|e| malformed("header", &e.to_string()))? {
         facet += 1;
         let triangle = triangle.map_err(|e| match e.kind() {
-            ErrorKind::UnexpectedEof => malformed(&location(facet), "the file ends too early"),
+            ErrorKind::UnexpectedEof => malformed(&location(facet), "the file is truncated"),
             _ => malformed(&location(facet), &e.to_string()),
         })?;
         if faces.face_ends.len() as u64 >= limits.triangles.min(u64::from(NONE) / 3 - 1) {

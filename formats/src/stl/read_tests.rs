@@ -82,7 +82,7 @@ fn what_is_wrong_is_said_with_its_place() {
         (binary(b"")[..70].to_vec(), "the file ends within its header"),
         (infinite, "facet 1: the position (inf, 0, 0) is not finite"),
         (other.into_bytes(), "solid \\\"a b\\\", facet 1: vertex f32 f32 f32, got"),
-        (text("x").replace("endsolid x\n", "").into_bytes(), "facet 3: the file ends too early"),
+        (text("x").replace("endsolid x\n", "").into_bytes(), "facet 3: the file is truncated"),
         (text("x").replace("outer loop", "loop").into_bytes(), "facet 1: expected"),
     ] {
         let error = import_bytes(&bytes).expect_err(message);

@@ -14,7 +14,7 @@ class Cursor:
     def take(self, length):
         """The next bytes."""
         if length > len(self.data) - self.at:
-            raise FormatError(self.place, "ends too early")
+            raise FormatError(self.place, "is truncated")
         self.at += length
         return self.data[self.at - length : self.at]
 

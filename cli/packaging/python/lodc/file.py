@@ -12,7 +12,7 @@ from .level import Level, Origin, table
 from .manifest import read_manifest
 from .object import Object
 from .scene import Scene, named_by
-from .selector import Selector, Wish, selector
+from .selector import Selector, TargetValue, selector
 
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.05, 0.01)
 
@@ -51,12 +51,12 @@ class LodFile:
 
     def level(
         self,
-        lod: Wish = None,
+        lod: TargetValue = None,
         *,
-        ratio: Wish = None,
-        triangles: Wish = None,
-        error: Wish = None,
-        rms: Wish = None,
+        ratio: TargetValue = None,
+        triangles: TargetValue = None,
+        error: TargetValue = None,
+        rms: TargetValue = None,
     ) -> Level:
         """One level of the whole scene, by exactly one selector: ``ratio`` (0.1 or ``"10%"``),
         ``triangles`` (500 or ``"10k"``), ``error`` or ``rms`` (a distance, or ``"0.5%"`` of the

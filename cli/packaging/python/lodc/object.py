@@ -13,7 +13,7 @@ from .errors import need
 from .level_object import LevelObject, Whole
 from .manifest import ObjectEntry
 from .scene import Submesh, fractions
-from .selector import Selector, Wish, selector
+from .selector import Selector, TargetValue, selector
 from .structures import Array, Interactive, Masking, Speed
 
 
@@ -242,12 +242,12 @@ class Object:
 
     def select(
         self,
-        lod: Wish = None,
+        lod: TargetValue = None,
         *,
-        ratio: Wish = None,
-        triangles: Wish = None,
-        error: Wish = None,
-        rms: Wish = None,
+        ratio: TargetValue = None,
+        triangles: TargetValue = None,
+        error: TargetValue = None,
+        rms: TargetValue = None,
     ) -> int:
         """The LOD that a selector means; exactly one must be given.
 
@@ -287,12 +287,12 @@ class Object:
 
     def level(
         self,
-        lod: Wish = None,
+        lod: TargetValue = None,
         *,
-        ratio: Wish = None,
-        triangles: Wish = None,
-        error: Wish = None,
-        rms: Wish = None,
+        ratio: TargetValue = None,
+        triangles: TargetValue = None,
+        error: TargetValue = None,
+        rms: TargetValue = None,
         structure: str | None = None,
     ) -> LevelObject:
         """This object at one level, by a selector of :meth:`select`; ``structure`` names the model

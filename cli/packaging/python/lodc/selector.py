@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from numbers import Integral, Real
 
-Wish = int | float | str | None
+TargetValue = int | float | str | None
 """A number, or text such as ``"10%"``, ``"10k"``."""
 
 SCALES = {"k": 1_000, "m": 1_000_000}
@@ -32,7 +32,7 @@ class Selector:
         return [f"--{self.name}", f"{number!r}%" if self.percent else repr(number)]
 
 
-def selector(**wishes: Wish) -> Selector:
+def selector(**wishes: TargetValue) -> Selector:
     """The one that is given.
 
     Raises TypeError if none or several are, or if it is neither a number nor text, ValueError if it

@@ -5,11 +5,11 @@ use crate::exit::{Failure, Outcome};
 use crate::help::LEVEL;
 use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
-use lodc::build::LevelDistance;
 use lodc::level_mesh::{self, LevelMesh};
+use lodc::pipeline::LevelDistance;
 use lodc::{LodObject, SceneLevels};
 use lodc_assets::Parts;
-use lodc_formats::export::GlideFacts;
+use lodc_formats::export::GeomorphFacts;
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainLevel;
 use lodc_report::{MissingPart, PartInventory};
@@ -63,7 +63,7 @@ pub(super) struct Level {
     /// Distance that the level was chosen for.
     pub(super) distance: Option<f64>,
     /// Where it moves to the next level, if it does.
-    pub(super) glide: Option<GlideFacts>,
+    pub(super) geomorph: Option<GeomorphFacts>,
     pub(super) gone: Vec<MissingPart>,
 }
 
@@ -84,9 +84,9 @@ impl Level {
             error: self.error.is_finite().then_some(self.error),
             rms: self.rms.filter(|rms| rms.is_finite()),
             distance: self.distance,
-            morph_from: self.glide.and_then(|glide| glide.morph_from),
-            geomorph_pose_error: self.glide.and_then(|glide| glide.pose_error),
-            geomorph_staying: self.glide.map(|glide| glide.staying),
+            morph_from: self.geomorph.and_then(|geomorph| geomorph.morph_from),
+            geomorph_pose_error: self.geomorph.and_then(|geomorph| geomorph.pose_error),
+            geomorph_staying: self.geomorph.map(|geomorph| geomorph.staying),
             gone: self.gone.clone(),
             output: output.display().to_string(),
         }
@@ -227,7 +227,7 @@ pub(super) fn described(
             distances,
             refitted,
             distance,
-            glide: None,
+            geomorph: None,
             gone: lost_parts,
         });
     }

@@ -1,19 +1,19 @@
 //! `lodc chain`: a few levels for engines, over one vertex buffer or as a file each. With
-//! `--geomorph` a level *glides* to the next: a morph target moves its vertices there.
+//! `--geomorph` a level *morphs* to the next: a morph target moves its vertices there.
 
-mod glide;
+mod geomorph;
 mod levels;
 mod separate;
 mod shared;
 mod summary;
 
 use super::asset;
-use super::each::{self, AssetOptions};
+use super::each::{self, JobOptions};
 use super::export::ExportArgs;
 use super::records::Wanted;
-use super::runs::AssetResult;
-use crate::batch::Asset;
-use crate::compression::Packing;
+use super::runs::JobResult;
+use crate::batch::Job;
+use crate::compression::EncodeOptions;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{BECOMES, LEVEL, MORE, OUTPUT};
@@ -26,8 +26,8 @@ use crate::selector::bound;
 use crate::stages::Stages;
 use clap::Args;
 use levels::{Level, LevelArgs, Measured};
-use lodc::build::{Growth, refitted_meshes};
 use lodc::level_mesh::Order;
+use lodc::pipeline::{Growth, refitted_meshes};
 use lodc::{Errors, parting_borders, parting_line, scene_levels};
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{Limits, ObjectInfo, OutputFile, RequestedFiles, scene_graph};
@@ -62,7 +62,7 @@ pub(crate) struct ChainArgs {
           hide_short_help = true)]
     index_ranges: bool,
     #[command(flatten)]
-    glide: glide::GlideArgs,
+    geomorph: geomorph::GeomorphArgs,
     /// Move vertices to where they fit the input best
     ///
     /// Needs --separate. Errors are measured on the result.
@@ -111,48 +111,48 @@ struct Files {
 }
 
 pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
-    let (assets, format) = reported(args.export.run.reports(), assets(args, program))?;
+    let (jobs, format) = reported(args.export.run.reports(), jobs(args, program))?;
     let with_text = |args, options_text| ChainArgs { options_text, ..args };
-    let options = AssetOptions::new(program, "chain", &assets, with_text);
+    let options = JobOptions::new(program, "chain", &jobs, with_text);
     let several = args.export.batch.takes_many(&args.inputs);
-    let need = |asset: &Asset| options.of(asset).ok()?.export.need(&asset.input);
-    let done = each::all(&assets, args.export.import.limits().budget(), need, |_, asset, bar| {
-        args.export.run.one(asset, || {
-            let (args, target) = options.ready(asset)?;
+    let need = |job: &Job| options.of(job).ok()?.export.need(&job.input);
+    let done = each::all(&jobs, args.export.import.limits().budget(), need, |_, job, bar| {
+        args.export.run.one(job, || {
+            let (args, target) = options.ready(job)?;
             let Target::File(path) = target else { return Err(no_stream(&args.output)) };
             args.export.check(format, target)?;
-            let beside = args.export.import.assets(&asset.input, None);
+            let beside = args.export.import.assets(&job.input, None);
             let (run, options) = (&args.export.run, &args.options_text);
-            let wanted = Wanted::new(run, &asset.input, target, &beside, options);
+            let wanted = Wanted::new(run, &job.input, target, &beside, options);
             if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
                 return Ok(left);
             }
-            let bar = bar.of_asset(&asset.name);
-            let (report, rules) = chain(args, (&asset.input, path), wanted, format, &bar)?;
+            let bar = bar.of_asset(&job.name);
+            let (report, rules) = chain(args, (&job.input, path), wanted, format, &bar)?;
             summary::print(&report, several, args.export.run.reports())?;
-            Ok(AssetResult::done(report, rules))
+            Ok(JobResult::done(report, rules))
         })
     });
-    args.export.finish("chain", (&args.inputs, &args.output, format), &assets, done)
+    args.export.finish("chain", (&args.inputs, &args.output, format), &jobs, done)
 }
 
 /// The assets and the format of their results.
-fn assets(args: &ChainArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatName)> {
+fn jobs(args: &ChainArgs, program: &Program) -> Outcome<(Vec<Job>, FormatName)> {
     if output::is_standard_stream(&args.output) {
         return Err(no_stream(&args.output));
     }
     let folder = args.export.batch.takes_many(&args.inputs) || output::is_folder(&args.output);
     let format = mesh_output::format(&args.output, args.format, folder)?;
-    args.glide.check(format, &args.output)?;
+    args.geomorph.check(format, &args.output)?;
     if !args.separate && !format.is_gltf() {
         return Err(Failure::usage(format!(
             "{}: only .glb and .gltf hold several levels: add --separate for a file per level",
             args.output.display()
         )));
     }
-    let mut assets = args.export.assets((program, "chain"), &args.inputs, &args.output, format)?;
-    assets.iter_mut().for_each(|asset| asset.makes_folders = true);
-    Ok((assets, format))
+    let mut jobs = args.export.jobs((program, "chain"), &args.inputs, &args.output, format)?;
+    jobs.iter_mut().for_each(|job| job.makes_folders = true);
+    Ok((jobs, format))
 }
 
 fn no_stream(output: &Path) -> Failure {
@@ -182,7 +182,7 @@ fn chain(
     progress: &Progress,
 ) -> Outcome<(ChainReport, Vec<DependencyRule>)> {
     // An asset may have options of its own.
-    args.glide.check(format, out)?;
+    args.geomorph.check(format, out)?;
     let mut stages = Stages::new(args.export.import.clock(input));
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let errors = Errors::to_choose(args.levels.wanted().into_iter().chain(args.max_error));
@@ -206,12 +206,15 @@ fn chain(
         levels::keep_whole(&mut chosen, &asset.objects, &is_shown);
     }
     let lods: Vec<&[Lod]> = chosen.iter().map(|level| &*level.lods).collect();
-    let packing = args.export.compress.wanted(format, asset.compressed)?;
+    let encoding = args.export.compress.wanted(format, asset.compressed)?;
     let measured: Vec<Measured> = match args.refit {
         // Refitted levels are measured as they are made.
         true => {
-            let order =
-                if args.glide.moved_streams().is_some() { Order::File } else { packing.order() };
+            let order = if args.geomorph.moved_streams().is_some() {
+                Order::File
+            } else {
+                encoding.order()
+            };
             let how = (order, Growth::from(errors));
             let refitted = stages.checked("refit", |tick| {
                 let refitted = |lods: &&[Lod]| {
@@ -239,24 +242,24 @@ fn chain(
     });
     let (textures, images) = textures?;
     warnings.extend_from_slice(&textures.warnings);
-    if args.glide.moved_streams().is_some() {
-        glide::check(&levels)?;
+    if args.geomorph.moved_streams().is_some() {
+        geomorph::check(&levels)?;
     }
-    let files = |packing: Packing, levels: &mut [Level]| {
-        let additions = packing.additions(textures.clone(), None);
+    let files = |encoding: EncodeOptions, levels: &mut [Level]| {
+        let options = encoding.options(textures.clone(), None);
         match args.separate {
-            true if args.glide.moved_streams().is_some() => {
-                separate::gliding_files(args, out, format, &asset, levels, additions)
+            true if args.geomorph.moved_streams().is_some() => {
+                separate::morphing_files(args, out, format, &asset, levels, options)
             }
-            true => separate::files(args, out, format, &asset, levels, additions),
-            false => shared::files(args, out, format, &asset, levels, additions),
+            true => separate::files(args, out, format, &asset, levels, options),
+            false => shared::files(args, out, format, &asset, levels, options),
         }
     };
-    let mut alternative = packing.alternative().map(|plain| (plain, levels.clone()));
-    let mut made = stages.run("export", || files(packing, &mut levels))?;
-    if let Some((packing, plain_levels)) = &mut alternative {
-        let plain = stages.run("export", || files(*packing, plain_levels))?;
-        if let Some(line) = Packing::prefers_plain(&made.files, &plain.files) {
+    let mut alternative = encoding.alternative().map(|plain| (plain, levels.clone()));
+    let mut made = stages.run("export", || files(encoding, &mut levels))?;
+    if let Some((encoding, plain_levels)) = &mut alternative {
+        let plain = stages.run("export", || files(*encoding, plain_levels))?;
+        if let Some(line) = EncodeOptions::prefers_plain(&made.files, &plain.files) {
             warnings.push(line);
             levels.clone_from(plain_levels);
             made = plain;
@@ -284,13 +287,13 @@ fn provenance(args: &ChainArgs, asset: &lodc::Asset, levels: &[Level]) -> Proven
         lod: level.lod(),
         error: level.error,
         rms: level.rms.filter(|rms| rms.is_finite()),
-        glide: level.glide,
+        geomorph: level.geomorph,
     };
     Provenance {
         source: asset.source.content_hash,
         levels: levels.iter().map(facts).collect(),
         refitted: args.refit,
-        screen: args.glide.moved_streams().map(|_| glide::screen(&args.levels)),
+        screen: args.geomorph.moved_streams().map(|_| geomorph::screen(&args.levels)),
         next: None,
         poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
     }

@@ -1,18 +1,18 @@
 //! Writes a chain as separate files, one for each level.
 
-use super::glide::{self, GlideShapes, MovingMesh};
+use super::geomorph::{self, GeomorphShapes, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
-use crate::compression::Packing;
+use crate::compression::EncodeOptions;
 use crate::exit::Outcome;
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
 use lodc::Asset;
-use lodc::build::Way;
-use lodc::glide::{GlidingLevel, gliding_levels, with_staying};
+use lodc::geomorph::{MorphingLevel, morphing_levels, with_staying};
 use lodc::level_mesh::{self, LevelMesh, MeshOptions, Order};
-use lodc_formats::export::Additions;
-use lodc_formats::gltf::{ChainObject, ChainShape, Glide, export_chain};
+use lodc::pipeline::Way;
+use lodc_formats::export::ExportOptions;
+use lodc_formats::gltf::{ChainObject, ChainShape, Geomorph, export_chain};
 use lodc_mesh::{LevelTriangles, Mesh, Submesh};
 use lodc_strip::{codec_order_list, order_list};
 use rayon::prelude::*;
@@ -24,26 +24,26 @@ pub(super) fn files(
     format: FormatName,
     asset: &Asset,
     levels: &mut [Level],
-    mut additions: Additions,
+    mut options: ExportOptions,
 ) -> Outcome<Files> {
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
     let mut left_out = None;
-    let order = Packing::of(&additions).order();
+    let order = EncodeOptions::of(&options).order();
     for (number, level) in levels.iter_mut().enumerate() {
         let (objects, document) = (&asset.objects, &asset.document);
         let mut meshes = meshes(asset, level, order)?;
-        let (stored, precision) = (format.export_format(), additions.precision);
+        let (stored, precision) = (format.export_format(), options.precision);
         level_mesh::add_rounding_to_all(objects, document, &mut meshes, stored, precision)?;
         (level.error, level.rms) = level_mesh::largest_of_meshes(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
         let objects = level_mesh::export_objects(&asset.objects, &meshes);
         let path = numbered(out, number);
         let target = Target::File(path.clone());
-        additions.provenance = Some(provenance(args, asset, std::slice::from_ref(level)));
+        options.provenance = Some(provenance(args, asset, std::slice::from_ref(level)));
         left_out = left_out.or_else(|| format.left_out(&asset.document, &objects));
-        files.extend(mesh_output::files(&target, format, &asset.document, &objects, &additions)?);
+        files.extend(mesh_output::files(&target, format, &asset.document, &objects, &options)?);
         // All levels share the copies.
-        additions.textures.copies.clear();
+        options.textures.copies.clear();
         of_level.push(path);
     }
     Ok(Files { files, of_level, note: left_out })
@@ -64,13 +64,13 @@ fn meshes(asset: &Asset, level: &mut Level, order: Order) -> Outcome<Vec<LevelMe
 
 /// The levels, each on its way to the next one's vertices: in its file the vertices that disappear
 /// last come first.
-pub(super) fn gliding_files(
+pub(super) fn morphing_files(
     args: &ChainArgs,
     out: &Path,
     format: FormatName,
     asset: &Asset,
     levels: &mut [Level],
-    mut additions: Additions,
+    mut options: ExportOptions,
 ) -> Outcome<Files> {
     let limits = args.export.import.limits().limits();
     let (objects, document) = (&asset.objects, &asset.document);
@@ -79,21 +79,21 @@ pub(super) fn gliding_files(
     for level in levels.iter_mut() {
         let meshes = meshes(asset, level, order)?;
         let meshes_only = meshes.iter().map(|m| &m.mesh);
-        let (stored, precision) = (format.export_format(), additions.precision);
+        let (stored, precision) = (format.export_format(), options.precision);
         let moved =
             level_mesh::rounding(objects, document, meshes_only, stored, precision)?.largest;
         level_mesh::add_rounding(&mut level.error, &mut level.rms, moved);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
         all.push(meshes);
     }
-    let moved_streams = args.glide.moved_streams().unwrap_or_default();
-    let shapes = GlideShapes::new(asset, &limits)?;
+    let moved_streams = args.geomorph.moved_streams().unwrap_or_default();
+    let shapes = GeomorphShapes::new(asset, &limits)?;
     let of_object = |o: usize| {
         let of_levels: Vec<_> = (0..all.len()).map(|k| (levels[k].lods[o], &all[k][o])).collect();
-        let mut gliding = gliding_levels(&objects[o], &of_levels, args.refit)?;
+        let mut morphing = morphing_levels(&objects[o], &of_levels, args.refit)?;
         let judge = shapes.judge(asset, o);
-        let mut staying = vec![0; gliding.len()];
-        for (k, own) in gliding.iter_mut().enumerate().take(of_levels.len() - 1) {
+        let mut staying = vec![0; morphing.len()];
+        for (k, own) in morphing.iter_mut().enumerate().take(of_levels.len() - 1) {
             let Some(judge) = &judge else { break };
             let way = Way {
                 now: &own.mesh,
@@ -101,33 +101,33 @@ pub(super) fn gliding_files(
                 triangles: own.mesh.triangles(),
                 moving: own.moving.clone(),
                 takes_joints: moved_streams.joints,
-                error: glide::larger_error(levels, k, o),
+                error: geomorph::larger_error(levels, k, o),
             };
             let vertices = judge.staying(&way);
             staying[k] = vertices.len() as u64;
             own.next = with_staying(&own.mesh, own.next.clone(), &vertices);
         }
-        Ok((gliding, staying))
+        Ok((morphing, staying))
     };
-    let made: Vec<(Vec<GlidingLevel>, Vec<u64>)> =
+    let made: Vec<(Vec<MorphingLevel>, Vec<u64>)> =
         (0..objects.len()).into_par_iter().map(of_object).collect::<Result<_, lodc::Error>>()?;
-    let (gliding, staying): (Vec<_>, Vec<_>) = made.into_iter().unzip();
+    let (morphing, staying): (Vec<_>, Vec<_>) = made.into_iter().unzip();
     let staying: Vec<u64> = (0..levels.len())
         .map(|k| staying.iter().map(|of_object: &Vec<u64>| of_object[k]).sum())
         .collect();
     let moving_meshes = |level: usize| -> Vec<MovingMesh<'_>> {
-        gliding.iter().map(|g| (&g[level].mesh, &g[level].next, g[level].moving.clone())).collect()
+        morphing.iter().map(|g| (&g[level].mesh, &g[level].next, g[level].moving.clone())).collect()
     };
     let ways: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(moving_meshes).collect();
-    let errors = glide::pose_errors(asset, &ways, moved_streams.joints, &limits)?;
-    glide::set_distances(&args.levels, levels, &errors, &staying);
+    let errors = geomorph::pose_errors(asset, &ways, moved_streams.joints, &limits)?;
+    geomorph::set_distances(&args.levels, levels, &errors, &staying);
 
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
     let last = levels.len().saturating_sub(1);
     for (number, level) in levels.iter().enumerate() {
         let chain_object = |o: usize| {
-            let own = &gliding[o][number];
-            let glide = Glide {
+            let own = &morphing[o][number];
+            let geomorph = Geomorph {
                 next: &own.next,
                 moving: vec![Some(own.moving.clone())],
                 streams: moved_streams,
@@ -135,9 +135,9 @@ pub(super) fn gliding_files(
             ChainObject {
                 info: &objects[o].info,
                 mesh: &own.mesh,
-                levels: vec![in_order(&own.mesh, additions.compress)],
+                levels: vec![in_order(&own.mesh, options.compress)],
                 coverage: vec![0.0],
-                glide: (number < last).then_some(glide),
+                geomorph: (number < last).then_some(geomorph),
             }
         };
         let chained: Vec<ChainObject<'_>> = (0..objects.len()).map(chain_object).collect();
@@ -148,11 +148,11 @@ pub(super) fn gliding_files(
             let name = next.file_name().unwrap_or_default().to_string_lossy();
             stated.next = Some(name.into_owned());
         }
-        additions.provenance = Some(stated);
+        options.provenance = Some(stated);
         let binary = format != FormatName::Gltf;
         let shape = ChainShape::Nodes;
-        files.extend(export_chain(&path, binary, document, &chained, shape, &additions)?);
-        additions.textures.copies.clear();
+        files.extend(export_chain(&path, binary, document, &chained, shape, &options)?);
+        options.textures.copies.clear();
         of_level.push(path);
     }
     Ok(Files { files, of_level, note: None })

@@ -1,20 +1,20 @@
 //! Writes a chain as one file, all levels over one vertex buffer.
 
-use super::glide::{self, GlideShapes, MovingMesh};
+use super::geomorph::{self, GeomorphShapes, MovingMesh};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance, showing_nodes};
 use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::FormatName;
-use lodc::build::{GlideJudge, Way};
-use lodc::glide::with_staying;
+use lodc::geomorph::with_staying;
+use lodc::pipeline::{GeomorphJudge, Way};
 use lodc::{
     Asset, LodObject,
     level_mesh::{self, CACHE_VERTICES},
 };
 use lodc_formats::OutputFile;
-use lodc_formats::export::Additions;
-use lodc_formats::gltf::{ChainObject, ChainShape, Glide, MovedStreams, export_chain};
-use lodc_mesh::{Chain, GlidingChain, Lod, Mesh};
+use lodc_formats::export::ExportOptions;
+use lodc_formats::gltf::{ChainObject, ChainShape, Geomorph, MovedStreams, export_chain};
+use lodc_mesh::{Chain, Lod, Mesh, MorphingChain};
 use lodc_report::text::{count, size};
 use lodc_strip::{codec_order_list, order_list};
 use rayon::prelude::*;
@@ -30,25 +30,25 @@ pub(super) fn files(
     format: FormatName,
     asset: &Asset,
     levels: &mut [Level],
-    mut additions: Additions,
+    mut options: ExportOptions,
 ) -> Outcome<Files> {
-    let moved_streams = args.glide.moved_streams();
-    let made: Vec<GlidingChain> = (0..asset.objects.len())
+    let moved_streams = args.geomorph.moved_streams();
+    let made: Vec<MorphingChain> = (0..asset.objects.len())
         .into_par_iter()
         .map(|o| {
-            let lods = glide::lods(levels, o);
-            chain(&asset.objects[o], &lods, moved_streams.is_some(), additions.compress)
+            let lods = geomorph::lods(levels, o);
+            chain(&asset.objects[o], &lods, moved_streams.is_some(), options.compress)
         })
         .collect::<Outcome<_>>()?;
-    // Of each object the mesh that each vertex glides to.
+    // Of each object the mesh that each vertex morphs to.
     let mut next: Vec<Mesh> = match moved_streams {
-        Some(_) => made.par_iter().map(GlidingChain::next).collect(),
+        Some(_) => made.par_iter().map(MorphingChain::next).collect(),
         None => Vec::new(),
     };
     let chains: Vec<&Chain> = made.iter().map(|made| &made.chain).collect();
     let coverages: Vec<Vec<f64>> =
         asset.objects.iter().enumerate().map(|(o, object)| coverage(object, o, levels)).collect();
-    let (meshes, precision) = (chains.iter().map(|c| &c.mesh), additions.precision);
+    let (meshes, precision) = (chains.iter().map(|c| &c.mesh), options.precision);
     let stored = format.export_format();
     let rounding =
         level_mesh::rounding(&asset.objects, &asset.document, meshes, stored, precision)?.largest;
@@ -58,11 +58,11 @@ pub(super) fn files(
     }
     if let Some(moved_streams) = moved_streams {
         let limits = args.export.import.limits().limits();
-        let shapes = GlideShapes::new(asset, &limits)?;
+        let shapes = GeomorphShapes::new(asset, &limits)?;
         let held = (next.into_par_iter().enumerate()).map(|(o, next)| {
             let judge = shapes.judge(asset, o);
             hold_back(chains[o], next, judge.as_ref(), moved_streams, |k| {
-                glide::larger_error(levels, k, o)
+                geomorph::larger_error(levels, k, o)
             })
         });
         let staying: Vec<Vec<u64>>;
@@ -71,18 +71,18 @@ pub(super) fn files(
             (0..levels.len()).map(|k| staying.iter().map(|of_object| of_object[k]).sum()).collect();
         let of_level = |level: usize| -> Vec<MovingMesh<'_>> {
             let of_object = |o: usize| {
-                let moving = glide::moving(&chains[o].prefixes, level).unwrap_or(0..0);
+                let moving = geomorph::moving(&chains[o].prefixes, level).unwrap_or(0..0);
                 (&chains[o].mesh, &next[o], moving)
             };
             (0..chains.len()).map(of_object).collect()
         };
         let moving_meshes: Vec<Vec<MovingMesh<'_>>> = (0..levels.len()).map(of_level).collect();
-        let errors = glide::pose_errors(asset, &moving_meshes, moved_streams.joints, &limits)?;
-        glide::set_distances(&args.levels, levels, &errors, &staying);
+        let errors = geomorph::pose_errors(asset, &moving_meshes, moved_streams.joints, &limits)?;
+        geomorph::set_distances(&args.levels, levels, &errors, &staying);
     }
-    let glide = |object: usize, moved_streams: MovedStreams| Glide {
+    let geomorph = |object: usize, moved_streams: MovedStreams| Geomorph {
         next: &next[object],
-        moving: (0..levels.len()).map(|k| glide::moving(&chains[object].prefixes, k)).collect(),
+        moving: (0..levels.len()).map(|k| geomorph::moving(&chains[object].prefixes, k)).collect(),
         streams: moved_streams,
     };
     let objects: Vec<ChainObject<'_>> = (asset.objects.iter().zip(&chains).zip(coverages))
@@ -92,13 +92,13 @@ pub(super) fn files(
             mesh: &chain.mesh,
             levels: chain.levels.clone(),
             coverage: moved_streams.map_or(coverage, |_| by_distance(args, asset, o, levels)),
-            glide: moved_streams.map(|moved_streams| glide(o, moved_streams)),
+            geomorph: moved_streams.map(|moved_streams| geomorph(o, moved_streams)),
         })
         .collect();
     let shape = if args.index_ranges { ChainShape::IndexRanges } else { ChainShape::Nodes };
     let binary = format != FormatName::Gltf;
-    additions.provenance = Some(provenance(args, asset, levels));
-    let files = export_chain(out, binary, &asset.document, &objects, shape, &additions)?;
+    options.provenance = Some(provenance(args, asset, levels));
+    let files = export_chain(out, binary, &asset.document, &objects, shape, &options)?;
     let note = match shape {
         ChainShape::Nodes => repeated_nodes(args, asset, &files)?,
         ChainShape::IndexRanges => None,
@@ -111,13 +111,15 @@ pub(super) fn files(
 fn hold_back(
     chain: &Chain,
     mut next: Mesh,
-    judge: Option<&GlideJudge<'_>>,
+    judge: Option<&GeomorphJudge<'_>>,
     moved_streams: MovedStreams,
     error: impl Fn(usize) -> f64,
 ) -> (Mesh, Vec<u64>) {
     let mut staying = vec![0; chain.levels.len()];
     for (k, triangles) in chain.levels.iter().enumerate() {
-        let (Some(judge), Some(moving)) = (judge, glide::moving(&chain.prefixes, k)) else { break };
+        let (Some(judge), Some(moving)) = (judge, geomorph::moving(&chain.prefixes, k)) else {
+            break;
+        };
         let way = Way {
             now: &chain.mesh,
             next: &next,
@@ -163,12 +165,12 @@ fn repeated_nodes(
 }
 
 /// The levels of an object, each in an order for vertex caches or for compression.
-fn chain(object: &LodObject, lods: &[Lod], glides: bool, compress: bool) -> Outcome<GlidingChain> {
-    let made = if glides {
-        object.simplified.gliding_chain(lods)
+fn chain(object: &LodObject, lods: &[Lod], morphs: bool, compress: bool) -> Outcome<MorphingChain> {
+    let made = if morphs {
+        object.simplified.morphing_chain(lods)
     } else {
         let plain = object.simplified.chain(lods);
-        plain.map(|chain| GlidingChain { chain, becomes: Vec::new() })
+        plain.map(|chain| MorphingChain { chain, becomes: Vec::new() })
     };
     let mut made = made.map_err(|e| {
         Failure::new(Status::Bug, format!("{}: its levels are no mesh: {e}", object.info.name))

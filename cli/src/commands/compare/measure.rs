@@ -95,7 +95,7 @@ fn comparison(
         let viewing = Viewing { views: args.views, size: args.size };
         stages.run("pictures", || {
             // Most levels are shaded alike, so the pictures of A serve again.
-            let reusable = pictures_of_a.take().filter(|reference| reference.looks() == shading);
+            let reusable = pictures_of_a.take().filter(|reference| reference.shading() == shading);
             let pictures_of_a = pictures_of_a
                 .insert(reusable.unwrap_or_else(|| ReferencePictures::new(a, viewing, shading)));
             ImageReport::new(viewing, shading, pictures_of_a.compare(b))
@@ -106,7 +106,7 @@ fn comparison(
 
 /// Normals, textures and texture coordinates as far as both meshes have them.
 fn shading(a: &SceneSurface, b: &SceneSurface, args: &CompareArgs) -> ShadingOptions {
-    if args.no_attributes { ShadingOptions::default() } else { a.common_looks(b) }
+    if args.no_attributes { ShadingOptions::default() } else { a.common_shading(b) }
 }
 
 /// The name of a level in a baseline, of one that the command line does not name.

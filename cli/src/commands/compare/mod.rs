@@ -7,8 +7,8 @@ mod surface;
 
 use super::asset::SimplifyArgs;
 use super::ci::CiArgs;
-use super::each::{self, AssetOptions};
-use crate::batch::{self, Asset, BatchArgs, Pair};
+use super::each::{self, JobOptions};
+use crate::batch::{self, BatchArgs, Job, Pair};
 use crate::clock;
 use crate::config::ConfigArgs;
 use crate::console::{self, Loudness, note, wants};
@@ -23,7 +23,7 @@ use crate::results::{self, FailureReport, ResultReport, reported};
 use crate::selector::{SelectorArgs, size};
 use baseline::Baseline;
 use clap::Args;
-use lodc_assets::AssetError;
+use lodc_assets::JobError;
 use lodc_report::{Case, ComparisonLimits, Length, PairReport, Suite, Verdict};
 use lodc_select::Target;
 use measure::Measured;
@@ -216,28 +216,28 @@ fn compare_all(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     check(args)?;
     let baseline = baseline::open(args)?;
     let pairs = batch::pairs(args.named(), &args.batch)?;
-    let (mut assets, others): (Vec<Asset>, Vec<_>) =
-        pairs.into_iter().map(|Pair { asset, compared_with }| (asset, compared_with)).unzip();
-    args.configuration.apply(program, "compare", &mut assets)?;
-    let options = AssetOptions::new(program, "compare", &assets, |args: CompareArgs, _| args);
-    let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
-    clock::expect_several(assets.len() > 1);
+    let (mut jobs, others): (Vec<Job>, Vec<_>) =
+        pairs.into_iter().map(|Pair { job, compared_with }| (job, compared_with)).unzip();
+    args.configuration.apply(program, "compare", &mut jobs)?;
+    let options = JobOptions::new(program, "compare", &jobs, |args: CompareArgs, _| args);
+    let (several, bar) = (args.takes_many(), BatchProgress::new(jobs.len()));
+    clock::expect_several(jobs.len() > 1);
     // One pair after the other: each uses all threads, and much memory for its pictures.
-    let compare_pair = |(asset, other): (&Asset, Result<PathBuf, AssetError>)| {
-        let done = each::guarded(&asset.input, || {
-            let (other, (args, _)) = (other?, options.ready(asset)?);
-            let progress = bar.of_asset(&asset.name);
-            let (paths, baseline) = ([&*other, &*asset.input], baseline.as_ref());
-            let measured = measure::compare(args, paths, &asset.name, baseline, &progress)?;
+    let compare_pair = |(job, other): (&Job, Result<PathBuf, JobError>)| {
+        let done = each::guarded(&job.input, || {
+            let (other, (args, _)) = (other?, options.ready(job)?);
+            let progress = bar.of_asset(&job.name);
+            let (paths, baseline) = ([&*other, &*job.input], baseline.as_ref());
+            let measured = measure::compare(args, paths, &job.name, baseline, &progress)?;
             print_measured(args, &measured, several)?;
             Ok(measured)
         });
-        bar.done(&asset.name);
+        bar.done(&job.name);
         done.inspect_err(each::print)
     };
-    let done = assets.iter().zip(others).map(compare_pair).collect();
+    let done = jobs.iter().zip(others).map(compare_pair).collect();
     drop(bar);
-    finish(args, &assets, baseline, done)
+    finish(args, &jobs, baseline, done)
 }
 
 /// Checks that nothing is read or written twice.
@@ -273,37 +273,37 @@ fn print_measured(args: &CompareArgs, measured: &Measured, several: bool) -> Out
 
 /// Comparisons as CI systems show them. A pair that could not be compared has the name of the file
 /// that was to be judged.
-fn suites(assets: &[Asset], done: &[Outcome<Measured>]) -> Vec<Suite> {
-    let suite = |(asset, measured): (&Asset, &Outcome<Measured>)| match measured {
+fn suites(jobs: &[Job], done: &[Outcome<Measured>]) -> Vec<Suite> {
+    let suite = |(job, measured): (&Job, &Outcome<Measured>)| match measured {
         Ok(measured) => measured.report.suite(),
         Err(failure) => {
             let verdict = Verdict::Error(failure.message.clone());
             let cases = vec![Case { name: "compare".to_owned(), verdict }];
-            Suite { name: asset.input.display().to_string(), cases }
+            Suite { name: job.input.display().to_string(), cases }
         }
     };
-    assets.iter().zip(done).map(suite).collect()
+    jobs.iter().zip(done).map(suite).collect()
 }
 
 /// Finishes a run: reports, baseline, documents. Returns the highest status.
 fn finish(
     args: &CompareArgs,
-    assets: &[Asset],
+    jobs: &[Job],
     baseline: Option<Baseline>,
     done: Vec<Outcome<Measured>>,
 ) -> Outcome<Status> {
-    args.ci.publish("lodc compare", &suites(assets, &done))?;
+    args.ci.publish("lodc compare", &suites(jobs, &done))?;
     let (mut worst, mut results, mut recorded) = (Status::Done, Vec::new(), Vec::new());
-    for (asset, measured) in assets.iter().zip(done) {
+    for (job, measured) in jobs.iter().zip(done) {
         results.push(match measured {
             Ok(Measured { report, recorded: now }) => {
-                recorded.push((asset.name.clone(), now));
+                recorded.push((job.name.clone(), now));
                 worst = worst.max(if report.ok { Status::Done } else { Status::Difference });
                 ResultReport::Done(report)
             }
             Err(failure) => {
                 worst = worst.max(failure.status);
-                ResultReport::Failed(FailureReport::of(&asset.input, &failure))
+                ResultReport::Failed(FailureReport::of(&job.input, &failure))
             }
         });
     }

@@ -8,7 +8,7 @@ use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc::build::{SceneColours, read_colours};
+use lodc::pipeline::{SceneColours, read_colours};
 use lodc::{Errors, Input, level_mesh, read_input, scene_levels};
 use lodc_formats::{Document, scene_graph};
 use lodc_measure::SceneSurface;

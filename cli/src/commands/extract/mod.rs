@@ -2,11 +2,11 @@
 
 mod one;
 
-use super::each::{self, AssetOptions};
+use super::each::{self, JobOptions};
 use super::export::ExportArgs;
 use super::records::Wanted;
-use super::runs::AssetResult;
-use crate::batch::Asset;
+use super::runs::JobResult;
+use crate::batch::Job;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{BECOMES, LEVEL, MORE, OUTPUT};
@@ -128,37 +128,37 @@ impl ExtractArgs {
 }
 
 pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
-    let (assets, format) = reported(args.export.run.reports(), assets(args, program))?;
+    let (jobs, format) = reported(args.export.run.reports(), jobs(args, program))?;
     let with_text = |args, options_text| ExtractArgs { options_text, ..args };
-    let options = AssetOptions::new(program, "extract", &assets, with_text);
-    let need = |asset: &Asset| options.of(asset).ok()?.export.need(&asset.input);
-    let done = each::all(&assets, args.export.import.limits().budget(), need, |_, asset, bar| {
-        args.export.run.one(asset, || {
-            let (args, target) = options.ready(asset)?;
+    let options = JobOptions::new(program, "extract", &jobs, with_text);
+    let need = |job: &Job| options.of(job).ok()?.export.need(&job.input);
+    let done = each::all(&jobs, args.export.import.limits().budget(), need, |_, job, bar| {
+        args.export.run.one(job, || {
+            let (args, target) = options.ready(job)?;
             args.export.check(format, target)?;
-            let beside = args.export.import.assets(&asset.input, None);
+            let beside = args.export.import.assets(&job.input, None);
             let (run, options) = (&args.export.run, &args.options_text);
-            let wanted = Wanted::new(run, &asset.input, target, &beside, options);
+            let wanted = Wanted::new(run, &job.input, target, &beside, options);
             if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
                 return Ok(left);
             }
-            let bar = bar.of_asset(&asset.name);
-            let made = one::extract(args, (&asset.input, target), wanted, format, &bar)?;
-            say(&asset.input, &made.report);
-            if !asset.is_listed() && !args.export.run.reports() && wants(Loudness::Normal) {
+            let bar = bar.of_asset(&job.name);
+            let made = one::extract(args, (&job.input, target), wanted, format, &bar)?;
+            say(&job.input, &made.report);
+            if !job.is_listed() && !args.export.run.reports() && wants(Loudness::Normal) {
                 made.tip.into_iter().for_each(note);
             }
-            Ok(AssetResult::done(made.report, made.rules))
+            Ok(JobResult::done(made.report, made.rules))
         })
     });
-    args.export.finish("extract", (&args.inputs, &args.output, format), &assets, done)
+    args.export.finish("extract", (&args.inputs, &args.output, format), &jobs, done)
 }
 
 /// The assets and the format of their results.
-fn assets(args: &ExtractArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatName)> {
+fn jobs(args: &ExtractArgs, program: &Program) -> Outcome<(Vec<Job>, FormatName)> {
     let folder = args.export.batch.takes_many(&args.inputs) || output::is_folder(&args.output);
     let format = mesh_output::format(&args.output, args.format, folder)?;
-    Ok((args.export.assets((program, "extract"), &args.inputs, &args.output, format)?, format))
+    Ok((args.export.jobs((program, "extract"), &args.inputs, &args.output, format)?, format))
 }
 
 /// Prints warnings and what was extracted.

@@ -3,7 +3,7 @@
 use super::ExtractArgs;
 use crate::commands::asset;
 use crate::commands::records::Wanted;
-use crate::compression::Packing;
+use crate::compression::EncodeOptions;
 use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{DependencyRule, Target};
@@ -12,9 +12,10 @@ use crate::stages::Stages;
 use crate::views::CriterionName;
 use lodc::{
     Asset, Errors, LodObject,
-    build::{Growth, measured, refitted_meshes},
     level_mesh::{self, LevelMesh, MeshOptions, Order},
-    parting_borders, parting_line, scene_levels,
+    parting_borders, parting_line,
+    pipeline::{Growth, measured, refitted_meshes},
+    scene_levels,
 };
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
@@ -50,8 +51,8 @@ pub(super) fn extract(
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let errors = errors(args, criterion);
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
-    let packing = args.export.compress.wanted(format, asset.compressed)?;
-    let order = args.order.map_or(packing.order(), Into::into);
+    let encoding = args.export.compress.wanted(format, asset.compressed)?;
+    let order = args.order.map_or(encoding.order(), Into::into);
     let mut level = match criterion {
         Some(name) => view(args, name, order, input, &asset, &mut stages)?,
         None => uniform(args, (order, errors), input, &asset, &mut stages)?,
@@ -61,27 +62,27 @@ pub(super) fn extract(
     });
     let (textures, images) = textures?;
     let measured: Vec<_> = level.meshes.iter().map(|mesh| (mesh.error, mesh.rms)).collect();
-    let mut packed = |packing: Packing| -> Outcome<_> {
+    let mut encoded = |encoding: EncodeOptions| -> Outcome<_> {
         let meshes = &mut level.meshes;
         for (mesh, distance) in meshes.iter_mut().zip(&measured) {
             (mesh.error, mesh.rms) = *distance;
         }
         let (objects, document) = (&asset.objects, &asset.document);
-        let (stored, precision) = (format.export_format(), packing.precision);
+        let (stored, precision) = (format.export_format(), encoding.precision);
         level_mesh::add_rounding_to_all(objects, document, meshes, stored, precision)?;
         let mut report = report(input, &asset, &level, target);
         report.warnings.extend_from_slice(&textures.warnings);
         let provenance = Some(provenance(&asset, &report));
-        let additions = packing.additions(textures.clone(), provenance);
+        let options = encoding.options(textures.clone(), provenance);
         let objects = level_mesh::export_objects(objects, &level.meshes);
         report.warnings.extend(format.left_out(document, &objects));
-        let files = mesh_output::files(target, format, document, &objects, &additions)?;
+        let files = mesh_output::files(target, format, document, &objects, &options)?;
         Ok((report, files))
     };
-    let (mut report, mut files) = stages.run("export", || packed(packing))?;
-    if let Some(alternative) = packing.alternative() {
-        let (plain_report, plain_files) = stages.run("export", || packed(alternative))?;
-        if let Some(line) = Packing::prefers_plain(&files, &plain_files) {
+    let (mut report, mut files) = stages.run("export", || encoded(encoding))?;
+    if let Some(alternative) = encoding.alternative() {
+        let (plain_report, plain_files) = stages.run("export", || encoded(alternative))?;
+        if let Some(line) = EncodeOptions::prefers_plain(&files, &plain_files) {
             (report, files) = (plain_report, plain_files);
             report.warnings.push(line);
         }
@@ -236,7 +237,7 @@ fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
     let error = report.error.unwrap_or(f64::INFINITY);
     Provenance {
         source: asset.source.content_hash,
-        levels: vec![LevelFacts { lod: report.lod, error, rms: report.rms, glide: None }],
+        levels: vec![LevelFacts { lod: report.lod, error, rms: report.rms, geomorph: None }],
         refitted: report.refitted,
         screen: None,
         next: None,

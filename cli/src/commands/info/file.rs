@@ -1,6 +1,6 @@
 //! `lodc info` of a `.lodc`: counts, levels, strips, and the bytes of every section.
 
-use crate::commands::build::counts;
+use crate::commands::building::counts;
 use crate::commands::read::parse_lodc;
 use crate::exit::Outcome;
 use indexmap::IndexMap;

@@ -1,14 +1,14 @@
-//! Draws each cell, and joins the pictures to a contact sheet.
+//! Draws each tile, and joins the pictures to a contact sheet.
 
 use super::RenderArgs;
-use super::cells::Cell;
 use super::heat::Heat;
-use super::options::{Backs, Colouring, Shading, View};
+use super::options::{BackFaceMode, ColorMode, Shading, View};
 use super::scene::DrawableScene;
+use super::tiles::Tile;
 use crate::exit::{Failure, Outcome, Status};
 use crate::kinds::UpAxis;
 use lodc_measure::render::{
-    BackFaces, Camera, Colours, Division, Framing, Lens, Level, Scene, Style, Up, Viewpoint,
+    BackFaces, Camera, Colours, Framing, Lens, Level, Scene, Style, Subdivision, Up, Viewpoint,
 };
 use lodc_measure::{distinct, heat as heat_colour};
 use lodc_report::text::distance;
@@ -20,11 +20,11 @@ const PLAIN_GREY: [f32; 3] = [0.52, 0.51, 0.49];
 /// Pixels of a contact sheet at most. Chosen by hand: bounds the memory.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// Draws one picture of every cell, all from the same camera.
+/// Draws one picture of every tile, all from the same camera.
 pub(super) fn pictures(
     args: &RenderArgs,
     drawable: &DrawableScene,
-    cells: &[Cell],
+    tiles: &[Tile],
     heat: Option<&Heat>,
 ) -> Vec<Image> {
     let size =
@@ -34,17 +34,17 @@ pub(super) fn pictures(
         size,
         background: args.background.map(|c| f32::from(c) / 255.0),
         back_faces: match args.back_faces {
-            Backs::Material => BackFaces::AsMaterial,
-            Backs::Show => BackFaces::Shown,
-            Backs::Hide => BackFaces::Hidden,
-            Backs::Mark => BackFaces::Marked,
+            BackFaceMode::Material => BackFaces::AsMaterial,
+            BackFaceMode::Show => BackFaces::Shown,
+            BackFaceMode::Hide => BackFaces::Hidden,
+            BackFaceMode::Mark => BackFaces::Marked,
         },
         wire: if args.wireframe { 1.0 } else { 0.0 },
     };
     let objects = drawable.objects.len();
     let submeshes = |o: usize| drawable.objects.mesh(o).submeshes().len();
     let of_submesh = |object: usize, submesh: usize| match args.color {
-        Colouring::Submesh => {
+        ColorMode::Submesh => {
             colour_of(((0..object).map(submeshes).sum::<usize>() + submesh) as u32)
         }
         _ => PLAIN_GREY,
@@ -52,28 +52,28 @@ pub(super) fn pictures(
     let scene = Scene {
         arrangement: &drawable.arrangement,
         colours: match args.color {
-            Colouring::Material => Colours::Materials(&drawable.appearance),
+            ColorMode::Material => Colours::Materials(&drawable.appearance),
             _ => Colours::Submeshes(&of_submesh),
         },
         smooth: args.shading == Shading::Smooth,
     };
-    let level = |cell: usize, object: usize| Level {
-        mesh: cells[cell].mesh(drawable, object),
-        triangles: &cells[cell].objects[object],
-        colours: cells[cell]
+    let level = |tile: usize, object: usize| Level {
+        mesh: tiles[tile].mesh(drawable, object),
+        triangles: &tiles[tile].objects[object],
+        colours: tiles[tile]
             .strips
             .get(object)
             .map_or_else(Vec::new, |strips| strips.iter().map(|&strip| colour_of(strip)).collect()),
-        division: heat.map(|heat| -> Box<Division<'_>> {
-            Box::new(move |t, corners| heat.divide(cell, object, t, corners))
+        subdivision: heat.map(|heat| -> Box<Subdivision<'_>> {
+            Box::new(move |t, corners| heat.divide(tile, object, t, corners))
         }),
     };
     let painter = scene.painter();
-    let draw_cell = |cell| {
-        let levels: Vec<Level<'_>> = (0..objects).map(|o| level(cell, o)).collect();
+    let draw_tile = |tile| {
+        let levels: Vec<Level<'_>> = (0..objects).map(|o| level(tile, o)).collect();
         scene.draw(&painter, &camera, &style, &levels)
     };
-    (0..cells.len()).map(draw_cell).collect()
+    (0..tiles.len()).map(draw_tile).collect()
 }
 
 /// Vertical field of view, in degrees, of a picture from a side: narrow, so that shapes look little
@@ -125,11 +125,11 @@ fn colour_of(number: u32) -> [f32; 3] {
 /// If that is more than a picture may hold.
 pub(super) fn sheet(
     args: &RenderArgs,
-    cells: &[Cell],
+    tiles: &[Tile],
     heat: Option<&Heat>,
     pictures: &[Image],
 ) -> Outcome<Image> {
-    let labels: Vec<[String; 2]> = cells.iter().map(Cell::label).collect();
+    let labels: Vec<[String; 2]> = tiles.iter().map(Tile::label).collect();
     let sheet = Sheet {
         pictures,
         columns: args.columns.map(|c| c as usize),

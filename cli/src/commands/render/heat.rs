@@ -1,7 +1,7 @@
 //! Colours by the distance of a level of detail from the input, all over its surface.
 
-use super::cells::{Cell, all_triangles};
 use super::scene::DrawableScene;
+use super::tiles::{Tile, all_triangles};
 use lodc_formats::ObjectInfo;
 use lodc_measure::render::Corner;
 use lodc_measure::{DistanceField, TriangleTree, heat};
@@ -15,7 +15,7 @@ const SAMPLE_SPACING: f64 = 1.0 / 160.0;
 
 /// The distances of the surfaces that one sheet shows.
 pub(super) struct Heat {
-    /// By cell and object.
+    /// By tile and object.
     fields: Vec<Vec<DistanceField>>,
     /// World units per mesh unit of each object.
     scales: Vec<f64>,
@@ -26,8 +26,8 @@ pub(super) struct Heat {
     pub(super) diagonal: f64,
 }
 
-/// Measures the distances of every cell from the input.
-pub(super) fn measure(drawable: &DrawableScene, cells: &[Cell]) -> Heat {
+/// Measures the distances of every tile from the input.
+pub(super) fn measure(drawable: &DrawableScene, tiles: &[Tile]) -> Heat {
     let objects = drawable.objects.len();
     let scale = |o: usize| world_scale(drawable.objects.info(o));
     let scales: Vec<f64> = (0..objects).map(scale).collect();
@@ -36,21 +36,21 @@ pub(super) fn measure(drawable: &DrawableScene, cells: &[Cell]) -> Heat {
         TriangleTree::new(&corners(mesh, &all_triangles(mesh)))
     };
     let trees: Vec<TriangleTree> = (0..objects).into_par_iter().map(tree).collect();
-    let field = |cell: &Cell, o: usize| {
-        let corners = corners(cell.mesh(drawable, o), &cell.objects[o]);
+    let field = |tile: &Tile, o: usize| {
+        let corners = corners(tile.mesh(drawable, o), &tile.objects[o]);
         DistanceField::new(
             &corners,
             &trees[o],
             drawable.objects.mesh(o).diagonal() * SAMPLE_SPACING,
         )
     };
-    let fields: Vec<Vec<DistanceField>> = cells
+    let fields: Vec<Vec<DistanceField>> = tiles
         .iter()
-        .map(|cell| (0..objects).into_par_iter().map(|o| field(cell, o)).collect())
+        .map(|tile| (0..objects).into_par_iter().map(|o| field(tile, o)).collect())
         .collect();
     let in_scene = |(f, scale): (&DistanceField, &f64)| f64::from(f.largest()) * scale;
-    let largest = fields.iter().flat_map(|cell| cell.iter().zip(&scales)).map(in_scene);
-    let stated = cells.iter().filter_map(|cell| cell.error).filter(|e| e.is_finite());
+    let largest = fields.iter().flat_map(|tile| tile.iter().zip(&scales)).map(in_scene);
+    let stated = tiles.iter().filter_map(|tile| tile.error).filter(|e| e.is_finite());
     let largest = stated.reduce(f64::max).unwrap_or_else(|| largest.fold(0.0, f64::max));
     let diagonals = (0..objects).map(|o| drawable.objects.mesh(o).diagonal() * scales[o]);
     let diagonal = diagonals.fold(0.0, f64::max);
@@ -67,15 +67,15 @@ fn corners<P: From<[f64; 3]>>(mesh: &Mesh, triangles: &[OrientedTriangle]) -> Ve
 }
 
 impl Heat {
-    /// Divides triangle `t` of a cell's object; each corner has the colour of its distance.
+    /// Divides triangle `t` of a tile's object; each corner has the colour of its distance.
     pub(super) fn divide(
         &self,
-        cell: usize,
+        tile: usize,
         object: usize,
         t: usize,
         corners: &[Corner; 3],
     ) -> Vec<Corner> {
-        self.fields[cell][object].parts(t, |shares, distance| {
+        self.fields[tile][object].parts(t, |shares, distance| {
             let distance = f64::from(distance) * self.scales[object];
             let share = if self.largest > 0.0 { distance / self.largest } else { 0.0 };
             let [r, g, b] = heat(share).map(|v| to_linear(f32::from(v) / 255.0));

@@ -1,10 +1,10 @@
 //! `lodc render`: pictures of a mesh, or of levels of detail.
 
-mod cells;
 mod draw;
 mod heat;
 mod options;
 mod scene;
+mod tiles;
 
 use crate::console::{self, note};
 use crate::exit::{Failure, Outcome};
@@ -17,7 +17,7 @@ use crate::selector::{SelectorArgs, share};
 use crate::stages::Stages;
 use crate::views::ViewArgs;
 use clap::{Arg, Args};
-use options::{Backs, Colouring, Shading, View};
+use options::{BackFaceMode, ColorMode, Shading, View};
 use std::path::PathBuf;
 
 /// Options of `render`.
@@ -68,7 +68,7 @@ pub(crate) struct RenderArgs {
     textures: Option<PathBuf>,
     /// Meaning of colours
     #[arg(long, value_enum, default_value = "material", help_heading = BECOMES)]
-    color: Colouring,
+    color: ColorMode,
     /// Normals of the file, or one for each triangle
     ///
     /// Rounded ones, with sharp edges kept, where the file has none.
@@ -88,7 +88,7 @@ pub(crate) struct RenderArgs {
     /// As their material says (those of an OBJ are shown), shown, hidden, or in a warning colour.
     #[arg(long, value_enum, default_value = "material", help_heading = BECOMES,
           hide_short_help = true)]
-    back_faces: Backs,
+    back_faces: BackFaceMode,
     /// Picture size [default: 1024x768, in sheets 480x360]
     ///
     /// In pixels, of each picture of a contact sheet too.
@@ -124,7 +124,7 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome<()> {
     let folder = output::is_folder(&args.output);
     let target = output::single_target(&args.input, Some(&args.output), "png")?;
     output::prepare_targets([&target], folder)?;
-    if args.wireframe && args.color == Colouring::Error {
+    if args.wireframe && args.color == ColorMode::Error {
         return Err(Failure::usage("--color error cannot be combined with --wireframe"));
     }
     check_view(args)?;
@@ -133,7 +133,7 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome<()> {
 
 /// Refuses options of views that do not fit together.
 fn check_view(args: &RenderArgs) -> Outcome<()> {
-    if args.views.check(&args.selector)?.is_some() && args.color == Colouring::Strips {
+    if args.views.check(&args.selector)?.is_some() && args.color == ColorMode::Strips {
         return Err(Failure::usage(
             "--color strips shows one level of each object, no --criterion",
         ));
@@ -162,11 +162,11 @@ fn picture(args: &RenderArgs, target: &Target) -> Outcome<()> {
     let name = args.input.display().to_string();
     let mut stages = Stages::new(args.import.clock(&args.input));
     let drawable = scene::read(args, &mut stages)?;
-    let cells_to_draw = cells::choose(args, &drawable)?;
+    let cells_to_draw = tiles::choose(args, &drawable)?;
     let mut warnings = [&drawable.appearance.warnings[..], &drawable.warnings].concat();
     warnings.extend(cells_to_draw.iter().flat_map(|c| c.warnings.iter().cloned()));
     console::warnings(&name, &warnings);
-    let heat = (args.color == Colouring::Error)
+    let heat = (args.color == ColorMode::Error)
         .then(|| stages.run("measure", || heat::measure(&drawable, &cells_to_draw)));
     let pictures =
         stages.run("draw", || draw::pictures(args, &drawable, &cells_to_draw, heat.as_ref()));
@@ -180,7 +180,7 @@ fn picture(args: &RenderArgs, target: &Target) -> Outcome<()> {
     stages.run("write", || output::write(target, bytes))?;
     let destination =
         if *target == Target::Stdout { "standard output".to_owned() } else { target.name() };
-    let lods: Vec<String> = cells_to_draw.iter().map(cells::Cell::sentence).collect();
+    let lods: Vec<String> = cells_to_draw.iter().map(tiles::Tile::sentence).collect();
     note(&format!("{destination}: {size}, {}", lods.join(", ")));
     Ok(())
 }

@@ -38,7 +38,7 @@ pub(super) enum Shading {
 
 /// Meanings of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Colouring {
+pub(super) enum ColorMode {
     /// Base colours, textures and vertex colours of the file
     Material,
     /// Grey
@@ -53,7 +53,7 @@ pub(super) enum Colouring {
 
 /// Treatment of back faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Backs {
+pub(super) enum BackFaceMode {
     Material,
     Show,
     Hide,

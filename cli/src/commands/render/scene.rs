@@ -1,7 +1,7 @@
 //! What `render` draws: objects, their materials and textures, and their transforms in the scene.
 
 use super::RenderArgs;
-use super::options::Colouring;
+use super::options::ColorMode;
 use crate::commands::asset::{self, SimplifyArgs};
 use crate::commands::input::Objects;
 use crate::exit::{Failure, Outcome, Status};
@@ -73,7 +73,7 @@ fn objects_of_scene(
     let needs_levels = args.selector.target().is_some()
         || args.views.criterion.is_some()
         || !args.contact_sheet.is_empty();
-    if !needs_levels && args.color != Colouring::Strips {
+    if !needs_levels && args.color != ColorMode::Strips {
         return Ok((Objects::Meshes(scene.objects), scene.document, scene.warnings));
     }
     let simplify_args = SimplifyArgs::default();

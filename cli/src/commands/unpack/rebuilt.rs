@@ -6,7 +6,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::output;
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc::{Asset, LodFile, build::Size};
+use lodc::{Asset, LodFile, pipeline::Size};
 use lodc_formats::ObjectInfo;
 use lodc_formats::lods::Unpacker;
 use lodc_mesh::Simplified;

@@ -22,7 +22,7 @@ use lodc_formats::RequestedFiles;
 use lodc_formats::import::{ImportOptions, import, import_levels, states_levels};
 use lodc_report::text::{count, grouped};
 use lodc_report::{
-    CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_errors_again, check_glide,
+    CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_errors_again, check_geomorph,
     check_levels, check_models_by_reference, check_source,
 };
 use memory::Memory;
@@ -230,11 +230,11 @@ fn check_exported(
 ) -> Outcome<Vec<CheckReport>> {
     let levels = import_levels(input, options)?;
     clock.check();
-    let glide = check_glide(&levels);
+    let geomorph = check_geomorph(&levels);
     let Some(source) = sources.of(levels.stated.source, input)? else {
         // Whether each level, moved, is the next one can be checked without the mesh.
-        if let Some(glide) = glide {
-            return Ok(vec![glide]);
+        if let Some(geomorph) = geomorph {
+            return Ok(vec![geomorph]);
         }
         let name = input.display();
         let what =
@@ -245,7 +245,7 @@ fn check_exported(
     clock.check();
     let mut all = check_levels(&levels, &source, &options.limits)?;
     clock.check();
-    all.extend(glide);
+    all.extend(geomorph);
     Ok(all)
 }
 

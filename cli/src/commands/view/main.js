@@ -6,7 +6,7 @@ import { ViewDependent } from '../../../../crates/web/js/viewdependent.js';
 import { WebglRenderer } from '../../../../crates/web/js/webgl.js';
 import { WebgpuRenderer } from '../../../../crates/web/js/webgpu.js';
 import { Controls } from './controls.js';
-import { ShippedControls, ShippedScene, ShippedViewer, isShipped } from './shipped.js';
+import { ExportedControls, ExportedScene, ExportedViewer, isExported } from './exported.js';
 import { Viewer } from './viewer.js';
 
 /** RFC 4648 base64 as bytes. */
@@ -19,23 +19,23 @@ async function start() {
   const canvas = document.getElementById('canvas');
   const model = document.getElementById('model');
   const glb = new Glb(bytesOf(model.textContent));
-  const shipped = isShipped(glb);
+  const exported = isExported(glb);
   const { up } = document.documentElement.dataset;
-  const scene = shipped ? new ShippedScene(glb) : new Scene(glb);
+  const scene = exported ? new ExportedScene(glb) : new Scene(glb);
   scene.stand(up);
   model.remove();
   // WebGL is there at once, WebGPU takes over when its device is.
   const renderer = await WebglRenderer.create(canvas, scene)
     ?? await WebgpuRenderer.create(canvas, scene);
   if (!renderer) throw new Error('This browser offers neither WebGL 2 nor WebGPU.');
-  const viewer = new (shipped ? ShippedViewer : Viewer)(canvas, scene, renderer);
-  const controls = new (shipped ? ShippedControls : Controls)(viewer);
+  const viewer = new (exported ? ExportedViewer : Viewer)(canvas, scene, renderer);
+  const controls = new (exported ? ExportedControls : Controls)(viewer);
   Object.assign(window, { viewer, controls });
   // At once: a page in the background gets no frames.
   viewer.frame(performance.now());
   const hasDevice = !(renderer instanceof WebglRenderer) || await upgrade(viewer, scene);
   // Where there is no device it is not asked for again: browsers complain of each time.
-  if (shipped || !hasDevice) return;
+  if (exported || !hasDevice) return;
   const wgsl = document.getElementById('view-shader').textContent;
   const viewDependent = await ViewDependent.create(scene, wgsl);
   if (viewDependent) {

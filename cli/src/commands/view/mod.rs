@@ -17,7 +17,7 @@ use lodc::Asset;
 use lodc::LodObject;
 use lodc_formats::images::Textures;
 use lodc_formats::import::{as_plain_glb, import_levels, states_levels};
-use lodc_formats::{Assets, OutputFile, RequestedFiles, ShippedLevels};
+use lodc_formats::{Assets, ExportedLevels, OutputFile, RequestedFiles};
 use lodc_lod::AnyModel;
 use lodc_report::text::{count, size};
 use lodc_strip::Strips;
@@ -92,9 +92,9 @@ pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
     let ViewArgs { page: args, up } = args;
     let options = args.import.options();
     if !output::is_standard_stream(&args.input) && states_levels(&args.input, &options) {
-        let ShippedLevels { levels, glides, .. } = import_levels(&args.input, &options)?;
+        let ExportedLevels { levels, morphs, .. } = import_levels(&args.input, &options)?;
         // A single level is shown like any mesh.
-        if levels.len() > 1 || !glides.is_empty() {
+        if levels.len() > 1 || !morphs.is_empty() {
             return run_shipped(args, *up, levels.len());
         }
     }
@@ -138,7 +138,7 @@ fn run_shipped(args: &PageArgs, up: UpAxis, levels: usize) -> Outcome<()> {
     let (glb, warnings) = stages.run("export", || as_plain_glb(&mut assets, &options))?;
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
     let text = stages.run("page", || page::page(&title, up, &glb));
-    let before_size = format!("{} as shipped, ", count(levels as u64, "level"));
+    let before_size = format!("{} as exported, ", count(levels as u64, "level"));
     let page = Page { text, warnings, before_size, after_size: String::new() };
     write_page(args, &target, page, assets.files(), &mut stages)
 }

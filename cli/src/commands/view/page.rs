@@ -12,7 +12,7 @@ const STYLE: &str = include_str!("page.css");
 const MODULES: [(&str, &str); 4] = [
     ("viewer.js", include_str!("viewer.js")),
     ("controls.js", include_str!("controls.js")),
-    ("shipped.js", include_str!("shipped.js")),
+    ("exported.js", include_str!("exported.js")),
     ("main.js", include_str!("main.js")),
 ];
 

@@ -1,6 +1,6 @@
 //! One configuration file: defaults, profiles, and overrides by glob.
 
-use crate::error::AssetError;
+use crate::error::JobError;
 use crate::folder::globs;
 use crate::options::{CommandOptions, OptionValues, Vocabulary};
 use indexmap::IndexMap;
@@ -97,13 +97,13 @@ impl ConfigFile {
     ///
     /// # Errors
     /// If it cannot be read, is no TOML, or has an unknown key.
-    pub(super) fn read(path: &Path, vocabulary: &Vocabulary) -> Result<Self, AssetError> {
+    pub(super) fn read(path: &Path, vocabulary: &Vocabulary) -> Result<Self, JobError> {
         let message = |what: String| format!("{}: {what}", path.display());
-        let unreadable = |e: std::io::Error| AssetError::Input(message(e.to_string()));
+        let unreadable = |e: std::io::Error| JobError::Input(message(e.to_string()));
         let text = std::fs::read_to_string(path).map_err(unreadable)?;
         let document: Document = toml::from_str(&text).map_err(|e| {
             let line = e.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
-            AssetError::Usage(message(format!("line {line}: {}", e.message())))
+            JobError::Usage(message(format!("line {line}: {}", e.message())))
         })?;
         let folder = match path.parent() {
             Some(parent) if parent != Path::new("") => parent,
@@ -139,13 +139,13 @@ impl ConfigFile {
     }
 
     /// A message about what keys lead to, with its line.
-    fn message(&self, keys: &[String], what: &str) -> AssetError {
+    fn message(&self, keys: &[String], what: &str) -> JobError {
         let line = line_of(&self.text, keys);
-        AssetError::Usage(format!("{}: line {line}: {what}", self.path.display()))
+        JobError::Usage(format!("{}: line {line}: {what}", self.path.display()))
     }
 
     /// Refuses unknown options and malformed overrides.
-    fn check(&self, vocabulary: &Vocabulary) -> Result<(), AssetError> {
+    fn check(&self, vocabulary: &Vocabulary) -> Result<(), JobError> {
         let all_commands: Vec<&CommandOptions> = vocabulary.commands.iter().collect();
         for (table, options) in self.tables() {
             for (key, value) in options {
@@ -177,7 +177,7 @@ impl ConfigFile {
         (option, value): (&String, &Value),
         vocabulary: &Vocabulary,
         commands: &[&CommandOptions],
-    ) -> Result<(), AssetError> {
+    ) -> Result<(), JobError> {
         let is_switch = |command: &&CommandOptions| command.switches.contains(option);
         let what = if option == "allow-path" {
             "only the command line permits further folders".to_owned()
@@ -233,10 +233,10 @@ impl ConfigFile {
         command: &str,
         profile: Option<&str>,
         input: &Path,
-    ) -> Result<Vec<ConfigLayer>, AssetError> {
+    ) -> Result<Vec<ConfigLayer>, JobError> {
         if let Some(name) = profile.filter(|name| !self.document.profile.contains_key(*name)) {
             let names: Vec<&str> = self.document.profile.keys().map(String::as_str).collect();
-            return Err(AssetError::Usage(format!(
+            return Err(JobError::Usage(format!(
                 "{}: no profile {name}; there are: {}",
                 self.path.display(),
                 names.join(", ")

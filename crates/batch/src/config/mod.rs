@@ -8,8 +8,8 @@ mod find;
 
 pub use file::ConfigLayer;
 
-use crate::assets::Asset;
-use crate::error::AssetError;
+use crate::error::JobError;
+use crate::jobs::Job;
 use crate::options::{OptionValues, Vocabulary};
 use file::{ConfigFile, OptionTable};
 use std::collections::BTreeMap;
@@ -61,7 +61,7 @@ impl<'a> Configs<'a> {
         &mut self,
         input: &Path,
         folder: Option<&Path>,
-    ) -> Result<Vec<ConfigLayer>, AssetError> {
+    ) -> Result<Vec<ConfigLayer>, JobError> {
         let found = match self.path {
             Some(path) => Some(path.to_owned()),
             None => find::nearest(FILE_NAME, input, folder),
@@ -83,14 +83,14 @@ impl<'a> Configs<'a> {
     /// As for [`Self::layers`].
     pub fn apply(
         &mut self,
-        assets: &mut [Asset],
+        jobs: &mut [Job],
         given: impl Fn() -> Vec<String>,
-    ) -> Result<(), AssetError> {
+    ) -> Result<(), JobError> {
         let (command, mut given_options) = (self.vocabulary.command(self.command), None);
-        for asset in assets {
-            let layers = self.layers(&asset.input, asset.folder.as_deref())?;
+        for job in jobs {
+            let layers = self.layers(&job.input, job.folder.as_deref())?;
             let has_sequence =
-                asset.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc"));
+                job.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc"));
             let applies = |option: &str| !has_sequence || !SEQUENCE_OPTIONS.contains(&option);
             let (mut configured, mut parts) = (OptionValues::default(), Vec::new());
             for layer in layers {
@@ -102,7 +102,7 @@ impl<'a> Configs<'a> {
                 let given = given_options.get_or_insert_with(&given);
                 // The command line and the asset's line of a list win.
                 part.retain(|option, _| {
-                    let stronger = given.contains(option) || asset.options.0.contains_key(option);
+                    let stronger = given.contains(option) || job.options.0.contains_key(option);
                     applies(option) && !stronger
                 });
             }
@@ -115,8 +115,8 @@ impl<'a> Configs<'a> {
                 let texts = parts.into_iter().map(optional);
                 configured.0.insert("part".to_owned(), texts.collect());
             }
-            let own = std::mem::take(&mut asset.options);
-            asset.options = configured.overridden_by(own, command);
+            let own = std::mem::take(&mut job.options);
+            job.options = configured.overridden_by(own, command);
         }
         Ok(())
     }
@@ -128,9 +128,9 @@ impl<'a> Configs<'a> {
     }
 
     /// No layers, and an error if a profile is asked for: no file can have it.
-    fn layers_without_file(&self) -> Result<Vec<ConfigLayer>, AssetError> {
+    fn layers_without_file(&self) -> Result<Vec<ConfigLayer>, JobError> {
         match self.profile {
-            Some(name) => Err(AssetError::Usage(format!(
+            Some(name) => Err(JobError::Usage(format!(
                 "profile {name}: no {FILE_NAME} was found that could have it (--config names one)"
             ))),
             None => Ok(vec![]),

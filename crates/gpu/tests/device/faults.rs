@@ -1,4 +1,4 @@
-//! A verification that cannot fail proves nothing: every planted fault is found, in every buffer
+//! A verification that cannot fail proves nothing: every injected fault is found, in every buffer
 //! and every kernel.
 
 use crate::support::{device, models, reference};
@@ -35,15 +35,15 @@ const SCRATCH: &[&str] = &["sums of blocks", "live", "values", "strips", "strip_
 #[test]
 fn a_flipped_bit_in_any_uploaded_buffer_is_found() {
     let Some(device) = device() else { return };
-    let mut planted = 0;
+    let mut injected = 0;
     for model in &everything()[..3] {
-        planted += flip(&device, model);
+        injected += flip(&device, model);
     }
-    assert!(planted >= 60, "only {planted} faults");
+    assert!(injected >= 60, "only {injected} faults");
 }
 
 fn flip(device: &Device, model: &AnyModel) -> usize {
-    let mut planted = 0;
+    let mut injected = 0;
     let reference = reference(model.simplified());
     let plans = || plans(model, &reference);
     for which in 0..plans().len() {
@@ -65,11 +65,11 @@ fn flip(device: &Device, model: &AnyModel) -> usize {
                     done.difference.is_some(),
                     "word {at} of {name} is wrong and nobody sees it"
                 );
-                planted += 1;
+                injected += 1;
             }
         }
     }
-    planted
+    injected
 }
 
 /// A kernel, a piece of it, and something else in its place.
@@ -184,7 +184,7 @@ fn a_fault_in_any_kernel_is_found() {
         for kernel in &plan.program.kernels {
             assert!(
                 kernels.contains(&kernel.name) || kernel.name == "scan_add",
-                "no fault was planted in {}",
+                "no fault was injected in {}",
                 kernel.name
             );
         }

@@ -1,5 +1,5 @@
 //! The continuous extraction pass on the CPU (thesis 5.2.3, algorithm 5): every vertex moves along
-//! its collapse list. The twin of `extract.wgsl`.
+//! its collapse list. The same on the CPU as `extract.wgsl`.
 
 use super::CollapseLists;
 use lodc_mesh::Lod;

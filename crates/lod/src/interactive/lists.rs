@@ -1,5 +1,6 @@
 //! The construction pass on the CPU (thesis 5.2.2): makes each vertex's collapse list from
-//! `collapse_to` when a model is loaded. The twin of `lists_length.wgsl` and `lists_fill.wgsl`.
+//! `collapse_to` when a model is loaded. The same on the CPU as `lists_length.wgsl` and
+//! `lists_fill.wgsl`.
 
 use lodc_mesh::Lod;
 use std::{fmt, ops::Range};

@@ -1,5 +1,5 @@
 //! The continuous variant of Interactive Meshes on a graphics device as a [`Plan`]: construction of
-//! collapse lists, extraction, and live counts, each compared with the twin on the CPU.
+//! collapse lists, extraction, and live counts, each compared with the CPU version.
 
 use super::{CollapseLists, Counting, Extraction, Interactive, ListsTooLong, shaders};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
@@ -136,7 +136,8 @@ impl Continuous {
 
 impl Interactive {
     /// The continuous variant over some LODs, each compared in full: collapse pointers, drawn
-    /// records and draw arguments with the twin, the twin's triangles with the reference.
+    /// records and draw arguments with the CPU version, the CPU version's triangles with the
+    /// reference.
     ///
     /// # Errors
     /// If the mesh is too large or its lists too long.
@@ -167,7 +168,7 @@ impl Interactive {
         let whole = [device.vertices, device.source];
         let locate =
             locate(simplified, whole, words, [counting.triangles, counting.draws], records.stride);
-        let mut twin = Twin {
+        let mut cpu = CpuVersion {
             model: self,
             reference,
             extraction: Extraction::new(&lists),
@@ -178,7 +179,7 @@ impl Interactive {
             counting,
             lod: Lod(0),
         };
-        let moves = stops.into_iter().map(move |lod| twin.step(lod));
+        let moves = stops.into_iter().map(move |lod| cpu.step(lod));
         let steps = std::iter::once(construction).chain(moves).chain([unchanged]);
         Ok(Plan {
             model: self.name(),
@@ -211,7 +212,7 @@ pub(super) fn checked_depth(lists: &CollapseLists) -> Result<u32, PlanError> {
 }
 
 /// The same work on the CPU.
-struct Twin<'a> {
+struct CpuVersion<'a> {
     model: &'a Interactive,
     reference: &'a Reference<'a>,
     extraction: Extraction,
@@ -224,7 +225,7 @@ struct Twin<'a> {
     lod: Lod,
 }
 
-impl Twin<'_> {
+impl CpuVersion<'_> {
     fn step(&mut self, wanted: Lod) -> Step {
         let simplified = self.model.simplified();
         let lod = simplified.collapses().floor(wanted);
@@ -248,7 +249,7 @@ impl Twin<'_> {
         Step::show(lod, passes, checks, difference.map(|d| d.to_string()))
     }
 
-    /// What the twin shows other than the reference.
+    /// What the CPU version shows other than the reference.
     fn judge(&self, lod: Lod) -> Option<Failure> {
         let mesh = self.model.simplified().mesh();
         let shown = |v: u32| self.extraction.shown(&self.lists, v);

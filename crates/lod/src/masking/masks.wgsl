@@ -2,7 +2,7 @@
 // strip. A strip has an entry for each record that changes it: record k makes vertex k its target.
 // A position mask says at which positions of the strip that vertex is; a filter mask, which
 // positions are drawn afterwards. Position masks are applied or undone one by one; of the filter
-// masks only that of the last entry before the new LOD counts. CPU code that does the same: `Twin`
+// masks only that of the last entry before the new LOD counts. CPU version: `CpuVersion`
 // in replay.rs.
 // `Thread`, `number_of` and `WORKGROUP` are in prelude.wgsl.
 

@@ -3,7 +3,7 @@
 
 use super::history::Entry;
 use super::{Cursor, Masking};
-use crate::twin::move_and_compare;
+use crate::cpu::move_and_compare;
 use lodc_mesh::Lod;
 use lodc_model::Model;
 use lodc_plan::{
@@ -133,12 +133,12 @@ impl Masking {
                 format!("word {word}")
             }
         };
-        let (mut cursor, mut twin) = (self.cursor(), Twin::new(self));
+        let (mut cursor, mut cpu) = (self.cursor(), CpuVersion::new(self));
         let moves = stops.into_iter().map(move |lod| {
             let lod = self.simplified.collapses().floor(lod);
             let difference = move_and_compare(self, &mut cursor, lod, reference);
-            twin.seek(self, lod);
-            Step::show(lod, device.passes(lod), twin.checks(self, &device, &cursor), difference)
+            cpu.seek(self, lod);
+            Step::show(lod, device.passes(lod), cpu.checks(self, &device, &cursor), difference)
         });
         Ok(Plan::of_moves([self.name(), "masks"], program, &[full, states], moves, locate))
     }
@@ -147,20 +147,20 @@ impl Masking {
 /// The CPU code that does the same as the kernel `masks`, with the state that the kernel keeps from
 /// move to move: full strips to which position masks are applied one by one.
 #[derive(Debug)]
-struct Twin {
+struct CpuVersion {
     full: Vec<u32>,
     /// Two words for each strip: its first entry that is not applied, and its filter mask.
     states: Vec<u32>,
 }
 
-impl Twin {
+impl CpuVersion {
     fn new(model: &Masking) -> Self {
         let states =
             model.entry_starts[..model.strips.len()].iter().flat_map(|&first| [first, 0]).collect();
         Self { full: model.strips.indices().to_vec(), states }
     }
 
-    /// The words that a device must hold where the twin and the cursor are.
+    /// The words that a device must hold where the CPU version and the cursor are.
     fn checks(&self, model: &Masking, device: &Device, cursor: &Cursor) -> Vec<Expected> {
         let mut checks = vec![
             Expected::new(device.full, self.full.as_slice()),

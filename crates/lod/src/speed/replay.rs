@@ -2,7 +2,7 @@
 //! passes apply the edits to the strips in the device's memory.
 
 use super::{RemovalKind, Speed};
-use crate::twin::move_and_compare;
+use crate::cpu::move_and_compare;
 use lodc_mesh::{Lod, NONE};
 use lodc_model::Model;
 use lodc_plan::{

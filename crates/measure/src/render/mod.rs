@@ -15,7 +15,7 @@ mod shader;
 
 pub use camera::{Camera, Framing, Lens, Up, Viewpoint};
 pub use painter::{Painter, Run};
-pub use scene::{Colours, Division, Level, Scene};
+pub use scene::{Colours, Level, Scene, Subdivision};
 
 /// A corner of a triangle. Three in a row are one, counter-clockwise from outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -19,7 +19,7 @@ pub enum Colours<'a> {
 }
 
 /// Divides a triangle, given by its number and its corners, into triangles of other colours.
-pub type Division<'a> = dyn Fn(usize, &[Corner; 3]) -> Vec<Corner> + Sync + 'a;
+pub type Subdivision<'a> = dyn Fn(usize, &[Corner; 3]) -> Vec<Corner> + Sync + 'a;
 
 /// An object at a level of detail.
 pub struct Level<'a> {
@@ -30,7 +30,7 @@ pub struct Level<'a> {
     /// The linear colour of each triangle, instead of that of its submesh; else empty.
     pub colours: Vec<[f32; 3]>,
     /// Triangles that are drawn in parts.
-    pub division: Option<Box<Division<'a>>>,
+    pub subdivision: Option<Box<Subdivision<'a>>>,
 }
 
 /// A scene to be drawn.
@@ -38,7 +38,7 @@ pub struct Level<'a> {
 pub struct Scene<'a> {
     /// Where its objects are shown.
     pub arrangement: &'a Arrangement,
-    /// Its looks.
+    /// Its appearance.
     pub colours: Colours<'a>,
     /// Normals of the file, rounded ones where it has none; else one for each triangle.
     pub smooth: bool,
@@ -49,7 +49,7 @@ impl Scene<'_> {
     #[must_use]
     pub fn painter(&self) -> Painter {
         let images = match self.colours {
-            Colours::Materials(looks) => &looks.images[..],
+            Colours::Materials(appearance) => &appearance.images[..],
             Colours::Submeshes(_) => &[],
         };
         Painter::new(images, self.materials())
@@ -59,7 +59,9 @@ impl Scene<'_> {
     fn materials(&self) -> Vec<Material> {
         let matte = Material { double_sided: true, ..Material::default() };
         match self.colours {
-            Colours::Materials(looks) => looks.materials.iter().copied().chain([matte]).collect(),
+            Colours::Materials(appearance) => {
+                appearance.materials.iter().copied().chain([matte]).collect()
+            }
             Colours::Submeshes(_) => vec![matte],
         }
     }
@@ -129,7 +131,7 @@ struct SubmeshStyle<'a> {
 impl Part<'_> {
     /// Runs of triangles with one material.
     fn corners(&self, matte: usize) -> Vec<Run> {
-        let Level { mesh, triangles, ref colours, ref division } = *self.level;
+        let Level { mesh, triangles, ref colours, ref subdivision } = *self.level;
         let posed = posed(mesh, self.placement);
         let indices: Vec<[u32; 3]> = triangles.iter().map(|t| t.corners).collect();
         let styles: Vec<SubmeshStyle<'_>> =
@@ -147,7 +149,7 @@ impl Part<'_> {
             let corners: [Corner; 3] = std::array::from_fn(|k| {
                 self.corner(&posed, style, fixed, tri.corners[k], computed[t][k])
             });
-            let mut corners = match division {
+            let mut corners = match subdivision {
                 Some(divide) => divide(t, &corners),
                 None => corners.to_vec(),
             };
@@ -172,16 +174,16 @@ impl Part<'_> {
     fn submesh_style<'a>(&self, mesh: &'a Mesh, submesh: usize, matte: usize) -> SubmeshStyle<'a> {
         let object = self.placement.object;
         let normals = stream(mesh, submesh, &Semantic::Normal).is_some();
-        let looks = match self.scene.colours {
-            Colours::Materials(looks) => looks,
+        let appearance = match self.scene.colours {
+            Colours::Materials(appearance) => appearance,
             Colours::Submeshes(colour) => {
                 let fixed = Some(colour(object, submesh));
                 return SubmeshStyle { material: matte, normals, uv: None, colour: None, fixed };
             }
         };
         let colour = stream(mesh, submesh, &Semantic::Color(0));
-        let material = looks.material_of(object, submesh, colour.is_some());
-        let set = looks.materials[material].texture.map(|t| t.set);
+        let material = appearance.material_of(object, submesh, colour.is_some());
+        let set = appearance.materials[material].texture.map(|t| t.set);
         let uv = set.and_then(|set| stream(mesh, submesh, &Semantic::TexCoord(set)));
         SubmeshStyle { material, normals, uv, colour, fixed: None }
     }

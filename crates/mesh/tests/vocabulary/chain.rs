@@ -65,9 +65,9 @@ fn coarser_levels_use_prefixes() {
 fn levels_become_the_next_by_index() {
     for seed in 0..60 {
         let s = random_collapse(&random(seed), seed);
-        let glide = s.gliding_chain(&lods(&s)).expect("levels of the sequence");
-        let (chain, becomes) = (&glide.chain, &glide.becomes);
-        let next = glide.next();
+        let geomorph = s.morphing_chain(&lods(&s)).expect("levels of the sequence");
+        let (chain, becomes) = (&geomorph.chain, &geomorph.becomes);
+        let next = geomorph.next();
         for (v, &to) in becomes.iter().enumerate() {
             assert_eq!(next.positions()[v], chain.mesh.positions()[to as usize], "seed {seed}");
         }

@@ -170,7 +170,7 @@ pub(crate) struct ParentStar<'a> {
     pub(crate) faces: &'a [StarFace],
     /// For each of `faces` whether it is transferred.
     pub(crate) transfer: &'a [bool],
-    /// True for a named star: `faces` has only the triangles that are transferred.
+    /// True for an explicit face list: `faces` has only the triangles that are transferred.
     pub(crate) is_part: bool,
 }
 

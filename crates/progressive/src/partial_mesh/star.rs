@@ -10,9 +10,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// safe.
 pub(crate) const NEXT: [u32; 4] = [1, 2, 0, 0];
 
-/// Stars of more triangles are large: those of hubs, vertices with hundreds of triangles. Only
-/// splits of large stars pay the bits that hubs need, so the number is high enough for ordinary
-/// meshes to have none. A constant of the format; chosen by hand.
+/// Stars of more triangles are large: those of high-valence vertices, with hundreds of triangles.
+/// Only splits of large stars pay the bits that high-valence vertices need, so the number is high
+/// enough for ordinary meshes to have none. A constant of the format; chosen by hand.
 pub(crate) const LARGE_STAR: u32 = 256;
 
 /// A triangle seen from one of its corners, at vertex v: (v, a, b) counter-clockwise.

@@ -1,5 +1,5 @@
 //! Chooses the parent of each new vertex: the vertex that it is coded as split off. That is its
-//! target, except at some hubs (vertices with a very large star).
+//! target, except at some high-valence vertices.
 //!
 //! A split pays for the star of its parent: a bit for each triangle, transferred or not. A vertex
 //! that takes over no triangle of its target needs nothing of that star. If the star is large, the
@@ -8,7 +8,7 @@
 //!
 //! Some vertices do take over a few triangles of a large star. If these stars cost much more than
 //! the rest of the mesh, the triangles that are transferred are coded by their numbers instead (a
-//! named star).
+//! explicit face list).
 
 use crate::partial_mesh::star::LARGE_STAR;
 use crate::source::first_appearance::FirstAppearance;
@@ -36,7 +36,8 @@ impl StarRule {
     /// microseconds. A mesh whose large stars have up to 32 triangles for each of its own is packed
     /// fast enough with bits, which are smaller than numbers. `max_star_ratio`: beyond it, numbers
     /// (about 17 bits for each triangle that is transferred) are smaller than the bits (one for
-    /// each triangle of the star). Measured with both on 25 generated hubs: none takes more than
+    /// each triangle of the star). Measured with both on 25 generated high-valence vertices: none
+    /// takes more than
     /// 1.3 times as long as loose triangles.
     pub(crate) const DEFAULT: Self =
         Self { large_star: LARGE_STAR, max_star_ratio: 32, max_total_ratio: 32 };
@@ -46,7 +47,7 @@ impl StarRule {
 pub(crate) struct SplitPlan {
     /// The vertex that each one is coded as split off.
     pub(crate) parents: Vec<u32>,
-    /// The vertices with a named star, in falling order; none if naming is not worth it.
+    /// The vertices with an explicit face list, in falling order; none if naming is not worth it.
     pub(crate) named: Vec<u32>,
 }
 
@@ -64,9 +65,9 @@ pub(crate) struct Splits<'a> {
 }
 
 impl Splits<'_> {
-    /// Chooses parents and named stars. The parent of a vertex is its target, or an earlier vertex
-    /// with the same target and a small star that is not a point. Linear time: the sizes of stars
-    /// are followed backwards from the whole mesh.
+    /// Chooses parents and explicit face lists. The parent of a vertex is its target, or an earlier
+    /// vertex with the same target and a small star that is not a point. Linear time: the sizes of
+    /// stars are followed backwards from the whole mesh.
     pub(crate) fn plan(self, rule: StarRule) -> SplitPlan {
         let Self { targets, points, appearances, by_vertex, triangles } = self;
         let mut star_sizes = vec![0u32; targets.len()];
@@ -83,8 +84,8 @@ impl Splits<'_> {
                 }
             }
             let (target, transferred) = (targets[new], star_sizes[new]);
-            let is_hub = star_sizes[target as usize] > rule.large_star;
-            if transferred == 0 && is_hub && new as u32 >= points {
+            let is_high_valence = star_sizes[target as usize] > rule.large_star;
+            if transferred == 0 && is_high_valence && new as u32 >= points {
                 let earlier_sibling = |v: usize| Some(earlier[v]).filter(|&v| v != NONE);
                 let siblings =
                     std::iter::successors(earlier_sibling(new), |&v| earlier_sibling(v as usize));

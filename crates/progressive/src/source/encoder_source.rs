@@ -9,8 +9,8 @@ use crate::source::batches::{
     Batch, StepOrder, StepTree, errors_by_steps, find_continued_steps, fixed_levels, wedge_groups,
 };
 use crate::source::coding_parents::{SplitPlan, Splits, StarRule};
+use crate::source::face_lists::{FaceLists, Transfers};
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
-use crate::source::named_stars::{NamedStars, Transfers};
 use crate::source::split_source::{SourceTriangle, SplitSource};
 use crate::vertex_data::vertex_layout::VertexLayout;
 use lodc_mesh::{CollapseSequence, Csr, Lod, NONE, Simplified};
@@ -38,7 +38,7 @@ pub(crate) struct EncoderSource {
     /// For each vertex the interval of preorder numbers in the tree of splits that it and all
     /// vertices that split off it have, directly or not.
     subtree: Vec<Range<u32>>,
-    named_stars: NamedStars,
+    face_lists: FaceLists,
     /// The errors after each vertex, as if its step ended there.
     error_codes: Vec<ErrorCodes>,
     /// Number of points: the vertices before the first triangle.
@@ -103,7 +103,7 @@ impl EncoderSource {
         let exact = step_order == StepOrder::Exact;
         let batches = if exact || parents != targets { None } else { tree.batches() };
         Self {
-            named_stars: transfers.named_stars(named),
+            face_lists: transfers.face_lists(named),
             points,
             subtree: subtrees(&targets),
             continues,
@@ -197,8 +197,8 @@ impl SplitSource for EncoderSource {
         let vertex = self.final_vertices[corner as usize];
         self.subtree[new as usize].contains(&self.subtree[vertex as usize].start)
     }
-    fn named_star(&self, new: u32) -> Option<&[u32]> {
-        self.named_stars.triangles(new)
+    fn face_list(&self, new: u32) -> Option<&[u32]> {
+        self.face_lists.triangles(new)
     }
     fn indices(&self, new: u32) -> &[i32] {
         &self.indices[new as usize * self.channels..][..self.channels]

@@ -5,8 +5,8 @@
 pub(crate) mod batches;
 pub(crate) mod coding_parents;
 pub(crate) mod encoder_source;
+pub(crate) mod face_lists;
 pub(crate) mod first_appearance;
-pub(crate) mod named_stars;
 pub(crate) mod split_source;
 #[cfg(test)]
 mod tests;

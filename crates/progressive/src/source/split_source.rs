@@ -33,7 +33,7 @@ pub(crate) trait SplitSource {
     /// Returns whether a corner of a live triangle is transferred to a new vertex.
     fn is_transferred(&self, corner: u32, new: u32) -> bool;
     /// Returns the triangles that a new vertex takes over, if they are to be named.
-    fn named_star(&self, new: u32) -> Option<&[u32]>;
+    fn face_list(&self, new: u32) -> Option<&[u32]>;
     /// Returns the indices of all channels of a vertex; none for a decoder.
     fn indices(&self, new: u32) -> &[i32];
     /// Returns the codes of the error and of the root mean square distance after the step that ends
@@ -72,7 +72,7 @@ impl SplitSource for DecoderSource {
     fn is_transferred(&self, _: u32, _: u32) -> bool {
         false
     }
-    fn named_star(&self, _: u32) -> Option<&[u32]> {
+    fn face_list(&self, _: u32) -> Option<&[u32]> {
         None
     }
     fn indices(&self, _: u32) -> &[i32] {

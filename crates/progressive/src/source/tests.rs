@@ -47,8 +47,8 @@ fn chain(n: u32) -> Simplified {
     simplified(positions, triangles, (1..n).collect())
 }
 
-/// A fan in which every vertex collapses onto the hub.
-fn hub(n: u32) -> Simplified {
+/// A fan in which every vertex collapses onto the high-valence vertex.
+fn center(n: u32) -> Simplified {
     let positions = (0..n).map(|i| [i as f32, (i % 89 * (i % 97)) as f32, 0.0]).collect();
     let triangles = (0..n - 2).map(|i| [i, i + 1, n - 1]).collect();
     simplified(positions, triangles, vec![n - 1; n as usize - 1])
@@ -87,14 +87,14 @@ fn first_appearances_are_the_corners_before_the_removal() {
         }
     }
     check_first_appearances(&chain(500));
-    check_first_appearances(&hub(500));
+    check_first_appearances(&center(500));
 }
 
 #[test]
 fn chains_and_hubs_take_near_linear_time() {
     // Following each collapse one by one would take 10^10 operations.
     let n = 100_000;
-    for simplified in [chain(n), hub(n)] {
+    for simplified in [chain(n), center(n)] {
         let layout = VertexLayout::choose(&simplified);
         let source = EncoderSource::new(&simplified, &layout, StepOrder::Exact, StarRule::DEFAULT);
         let triangles: usize = (0..n).map(|v| source.new_triangles(v).len()).sum();
@@ -105,7 +105,7 @@ fn chains_and_hubs_take_near_linear_time() {
 }
 
 #[test]
-fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
+fn vertices_that_take_nothing_from_a_large_star_are_coded_as_split_off_one_another() {
     // Triangles around one edge, like the pages of a book. The last one is the first in the stream:
     // each vertex brings one, and takes over none.
     let n = 5_000;
@@ -117,7 +117,8 @@ fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
     let source = EncoderSource::new(&book, &layout, StepOrder::Exact, StarRule::DEFAULT);
     let target = |new: u32| n - 1 - target_of(n - 1 - new);
     for new in 2..n {
-        // Each of the first 256 triangles leaves the stars of both hubs small enough.
+        // Each of the first 256 triangles leaves the stars of both high-valence vertices small
+        // enough.
         let wanted = if new < 2 + 257 { target(new) } else { new - 2 };
         assert_eq!(source.parent(new), wanted, "{new}");
         assert_eq!(source.repeats_target(new), new >= 2 + 257, "{new}");

@@ -1,7 +1,7 @@
 //! Coding of a new vertex's values, stream by stream (position, then each attribute): either the
 //! number of a nearby vertex with the same value, or residuals to a prediction.
 //!
-//! A slot is an entry of a table of contexts; a mate is another wedge of the vertex's group.
+//! A slot is an entry of a table of contexts; a sibling is another wedge of the vertex's group.
 
 use crate::entropy::adaptive_probability::AdaptiveSymbol;
 use crate::entropy::coder::Coder;
@@ -53,10 +53,11 @@ enum PositionMode {
 /// Contexts of values.
 #[derive(Clone, Debug)]
 pub(crate) struct ValueContexts {
-    /// The source of an attribute: by stream; whether there are mates (1) and link vertices (2) to
-    /// take it from; the source of the stream's last vertex; that of the stream before (4: none).
+    /// The source of an attribute: by stream; whether there are siblings (1) and link vertices (2)
+    /// to take it from; the source of the stream's last vertex; that of the stream before (4:
+    /// none).
     pub(crate) source: [[[[AdaptiveSymbol; 5]; 4]; 4]; STREAM_SLOTS],
-    /// Which mate or link vertex: by its kind, and their number less one, up to 7.
+    /// Which sibling or link vertex: by its kind, and their number less one, up to 7.
     pub(crate) which: [[AdaptiveSymbol; 8]; 2],
     /// The source of each stream at the last vertex.
     last_source: [usize; STREAM_SLOTS],
@@ -132,11 +133,11 @@ impl VertexValues {
         let mut vertex = VertexCode {
             values: self,
             neighborhood,
-            mate: None,
+            sibling: None,
             previous_source: NO_PREVIOUS_SOURCE,
             candidates: Vec::new(),
         };
-        if let Some(wedge) = neighborhood.mates.clone().next_back() {
+        if let Some(wedge) = neighborhood.siblings.clone().next_back() {
             coded.extend(self.stream_indices(wedge, &self.layout.streams[0]));
         } else {
             let position = vertex.code_position(coder, contexts, wanted);
@@ -152,11 +153,11 @@ impl VertexValues {
 struct VertexCode<'a> {
     values: &'a VertexValues,
     neighborhood: &'a Neighborhood<'a>,
-    /// The mate whose value the stream before had.
-    mate: Option<u32>,
+    /// The sibling whose value the stream before had.
+    sibling: Option<u32>,
     /// The source of the stream before, or [`NO_PREVIOUS_SOURCE`].
     previous_source: usize,
-    /// Vertices with different values in the present stream: mates, the parent, the link.
+    /// Vertices with different values in the present stream: siblings, the parent, the link.
     candidates: Vec<u32>,
 }
 
@@ -252,11 +253,11 @@ impl VertexCode<'_> {
             offset = (coder.symbol(context, which) as usize).min(range.len() - 1);
         }
         let vertex = self.candidates[range.start + offset];
-        self.mate = if source == 0 { Some(vertex) } else { self.mate };
+        self.sibling = if source == 0 { Some(vertex) } else { self.sibling };
         coded.extend_from_slice(values.stream_indices(vertex, stream));
     }
 
-    /// Collects `candidates`. Returns where the mates and the parent end.
+    /// Collects `candidates`. Returns where the siblings and the parent end.
     fn find_candidates(&mut self, stream: &Stream) -> [usize; 2] {
         let (values, neighborhood) = (self.values, self.neighborhood);
         let candidates = &mut self.candidates;
@@ -271,8 +272,8 @@ impl VertexCode<'_> {
             candidates.len()
         };
         let mut ends = [0; 2];
-        let latest = neighborhood.mates.clone().rev().take(MAX_CANDIDATES);
-        for v in self.mate.into_iter().chain(latest) {
+        let latest = neighborhood.siblings.clone().rev().take(MAX_CANDIDATES);
+        for v in self.sibling.into_iter().chain(latest) {
             ends[0] = add(v, MAX_CANDIDATES);
         }
         ends[1] = add(neighborhood.parent, MAX_CANDIDATES + 1);

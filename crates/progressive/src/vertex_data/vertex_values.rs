@@ -9,7 +9,7 @@ use std::ops::Range;
 pub(crate) struct Neighborhood<'a> {
     pub(crate) parent: u32,
     /// The other wedges so far: earlier vertices of the same step at the same position.
-    pub(crate) mates: Range<u32>,
+    pub(crate) siblings: Range<u32>,
     /// The vertices around the new one.
     pub(crate) link: &'a [u32],
     /// The apexes (third corners) of the first left and the first right new triangle; the parent

@@ -4,8 +4,8 @@ use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 use crate::entropy::integer_codes::{BoundedCode, GammaCode};
 use crate::vertex_data::values::ValueContexts;
 use crate::vertex_split::corner_transfer::TransferContexts;
+use crate::vertex_split::face_list::FaceListContexts;
 use crate::vertex_split::group_list::BatchContexts;
-use crate::vertex_split::named_star::NamedStarContexts;
 use crate::vertex_split::new_triangles::TriangleContexts;
 use crate::vertex_split::point_contexts::PointContexts;
 use crate::vertex_split::turns::TurnContexts;
@@ -25,10 +25,11 @@ pub struct Contexts {
     pub(crate) same_submesh: AdaptiveBit,
     pub(crate) turns: TurnContexts,
     pub(crate) batches: BatchContexts,
-    pub(crate) named_star: NamedStarContexts,
+    pub(crate) face_list: FaceListContexts,
     pub(crate) triangles: TriangleContexts,
     pub(crate) transfer: TransferContexts,
-    /// The target is the parent's target; for a vertex that takes over no triangle of a hub.
+    /// The target is the parent's target; for a vertex that takes over no triangle of a
+    /// high-valence vertex.
     pub(crate) repeats_target: AdaptiveBit,
     /// The position is that of the vertex before.
     pub(crate) same_position: AdaptiveBit,
@@ -58,7 +59,7 @@ impl Contexts {
             same_submesh: AdaptiveBit::NEW,
             turns: TurnContexts::NEW,
             batches: BatchContexts::NEW,
-            named_star: NamedStarContexts::NEW,
+            face_list: FaceListContexts::NEW,
             triangles: TriangleContexts::NEW,
             transfer: TransferContexts::NEW,
             repeats_target: AdaptiveBit::NEW,

@@ -5,7 +5,7 @@
 //! ```text
 //!  batch  = number of steps, step, step, ... , errors
 //!  step   = group, vertex, vertex, ...
-//!  vertex = parent | submesh | continues | named star | pattern | new triangles | corner transfer
+//!  vertex = parent | submesh | continues | face list | pattern | new triangles | corner transfer
 //!           | same position | values
 //! ```
 //!
@@ -15,10 +15,10 @@
 pub(crate) mod budget;
 pub(crate) mod contexts;
 pub(crate) mod corner_transfer;
-pub(crate) mod group_list;
-pub(crate) mod named_star;
+pub(crate) mod face_list;
 #[cfg(test)]
-mod named_star_tests;
+mod face_list_tests;
+pub(crate) mod group_list;
 pub(crate) mod neighborhood;
 pub(crate) mod new_triangles;
 pub(crate) mod object_codec;

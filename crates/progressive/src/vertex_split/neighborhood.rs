@@ -63,7 +63,7 @@ impl SplitNeighborhood {
         }
     }
 
-    /// Collects the link of `self.star`, which holds the triangles of a named star.
+    /// Collects the link of `self.star`, which holds the triangles of an explicit face list.
     pub(crate) fn finish_named_star(&mut self) {
         (self.is_named, self.closed) = (true, is_closed_fan(&self.star));
         if !self.closed {

@@ -11,7 +11,7 @@ use crate::vertex_split::corner_transfer::TransferRule;
 use crate::vertex_split::neighborhood::{Apex, SplitNeighborhood};
 
 /// Links of up to this many vertices, which a symbol can name, have contexts of their own; in
-/// longer ones, of hubs, indices are coded as equally likely.
+/// longer ones, of high-valence vertices, indices are coded as equally likely.
 const MAX_LINK_CONTEXTS: usize = 16;
 /// The symbol of a number of triangles that does not fit a symbol.
 const COUNT_ESCAPE: u32 = 15;

@@ -70,7 +70,7 @@ pub(crate) struct ObjectCodec {
     /// True if a position of the step is not finite, which no encoder writes.
     pub(crate) has_infinite_position: bool,
     /// The first vertex of the wedges (same step, same position) that end with the newest one.
-    first_mate: u32,
+    first_sibling: u32,
     /// The parent of the next step's first vertex, if the order is exact; else the group that is
     /// likely to be needed next.
     pub(super) next_parent: u32,
@@ -107,7 +107,7 @@ impl ObjectCodec {
             package_bytes: 0,
             continued: false,
             has_infinite_position: false,
-            first_mate: 0,
+            first_sibling: 0,
             next_parent: 0,
             groups: (!exact).then(|| GroupList::new(0)),
             split: SplitNeighborhood::default(),
@@ -246,8 +246,8 @@ impl ObjectCodec {
         }
 
         self.split.start(new, parent, continued);
-        let (named_star, large) = (&mut contexts.named_star, self.large_star);
-        self.split.code_star(coder, source, named_star, &self.mesh, large)?;
+        let (face_list, large) = (&mut contexts.face_list, self.large_star);
+        self.split.code_star(coder, source, face_list, &self.mesh, large)?;
         self.work += 2 + self.split.star.len() as u64;
         self.package_bytes += 5 + self.split.star.len().div_ceil(8) as u64;
         let pattern = self.code_triangles(coder, source, contexts)?;
@@ -446,14 +446,14 @@ impl ObjectCodec {
         let first_index = |v: u32| indices.get(v as usize * channels).copied().unwrap_or_default();
         self.mesh.prefetch_link(self.next_parent, first_index);
         if wedge.is_none() {
-            self.first_mate = new;
+            self.first_sibling = new;
         }
         let apex = |side: Side, apex_of: fn(&NewTriangle) -> u32| {
             self.split.triangles.iter().find(|t| t.side == side).map_or(parent, apex_of)
         };
         let neighborhood = Neighborhood {
             parent,
-            mates: self.first_mate..new,
+            siblings: self.first_sibling..new,
             link: &self.buffers.new_link,
             apexes: [apex(Side::Left, |t| t.next), apex(Side::Right, |t| t.previous)],
         };

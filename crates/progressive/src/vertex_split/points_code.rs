@@ -130,8 +130,9 @@ impl ObjectCodec {
         match reference {
             None => self.code_absolute(coder, wanted, contexts),
             Some(parent) => {
-                let mates = wedge.map_or(0..0, |wedge| wedge..wedge + 1);
-                let neighborhood = Neighborhood { parent, mates, link: &[], apexes: [parent; 2] };
+                let siblings = wedge.map_or(0..0, |wedge| wedge..wedge + 1);
+                let neighborhood =
+                    Neighborhood { parent, siblings, link: &[], apexes: [parent; 2] };
                 let (values, coded) = (&mut contexts.points.values, &mut self.buffers.indices);
                 self.values.code(coder, values, &neighborhood, wanted, coded);
             }

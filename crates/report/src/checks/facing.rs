@@ -1,4 +1,4 @@
-//! Checks that no triangle of a shipped level is turned over, compared with its source.
+//! Checks that no triangle of a exported level is turned over, compared with its source.
 //!
 //! The directed edges of triangles add up to the border of a surface: two faces that face the same
 //! way cancel out at the edge between them. A level is its source with vertices moved, so its

@@ -1,17 +1,17 @@
-//! The checks of shipped levels, as engines load them, against the mesh that they were made from:
+//! The checks of exported levels, as engines load them, against the mesh that they were made from:
 //! errors, vertices, facing, and everything else.
 
 use super::facing::{Facing, Moved};
 use super::report::CheckReport;
 use glam::DVec3;
-use lodc::build::{Distances, Measurable};
-use lodc::glide::bends;
+use lodc::geomorph::bends;
+use lodc::pipeline::{Distances, Measurable};
 use lodc_formats::import::document_difference;
 use lodc_formats::{
-    Document, FormatError, Limits, ObjDocument, ObjectInfo, Scene, SceneObject, ShippedLevels,
+    Document, ExportedLevels, FormatError, Limits, ObjDocument, ObjectInfo, Scene, SceneObject,
     scene_motion,
 };
-use lodc_mesh::{Attribute, Component, Mesh, Posture, Semantic};
+use lodc_mesh::{Attribute, Component, Mesh, PoseKey, Semantic};
 use lodc_scene::{
     Arrangement, Graph, MeasuredPlacement, Motion, Node, Placement, Transform, largest_stretch,
     posed_positions,
@@ -49,11 +49,11 @@ const NEGLIGIBLE_SHARE: f64 = 1e-6;
 /// # Errors
 /// If a stored document is damaged.
 pub fn check_levels(
-    shipped: &ShippedLevels,
+    exported: &ExportedLevels,
     source: &Scene,
     limits: &Limits,
 ) -> Result<Vec<CheckReport>, FormatError> {
-    let stated = &shipped.stated;
+    let stated = &exported.stated;
     let (ours, theirs) = (stated.source, source.source.content_hash);
     let other = (ours != theirs).then(|| {
         format!("the levels are of a mesh with hash {ours:032x}, this one's is {theirs:032x}")
@@ -61,7 +61,7 @@ pub fn check_levels(
     let mut checks = vec![CheckReport::new(None, "source", "levels are of this mesh").of(1, other)];
     let report = |check| CheckReport::new(None, "levels", check);
     let levels: Vec<Cow<'_, Scene>> =
-        shipped.levels.iter().map(|level| about_source(level, source)).collect();
+        exported.levels.iter().map(|level| about_source(level, source)).collect();
     let count = levels.len() as u64;
 
     let measure = Measure::new(source, stated.poses.as_deref(), limits)?;
@@ -90,7 +90,7 @@ pub fn check_levels(
         |_, level: &Scene| document_difference(&source.document, &level.document, limits);
     checks.push(report("nothing else changed").of(count, first(&levels, document)?));
     if count > 1 {
-        checks.push(report("levels share vertices").of(count, shipped.difference.clone()));
+        checks.push(report("levels share vertices").of(count, exported.difference.clone()));
     }
     Ok(checks)
 }
@@ -137,7 +137,7 @@ struct Measure<'a> {
     source: &'a Scene,
     motion: Motion,
     /// The poses of each object that its errors are the largest over; none if that is not known.
-    poses: Option<&'a [Vec<Posture>]>,
+    poses: Option<&'a [Vec<PoseKey>]>,
     /// The middle of the source's box, in world space.
     origin: DVec3,
     /// The diagonal of that box.
@@ -151,7 +151,7 @@ struct Measure<'a> {
 impl<'a> Measure<'a> {
     fn new(
         source: &'a Scene,
-        poses: Option<&'a [Vec<Posture>]>,
+        poses: Option<&'a [Vec<PoseKey>]>,
         limits: &Limits,
     ) -> Result<Self, FormatError> {
         let motion = motion(source, limits)?;
@@ -337,7 +337,7 @@ impl<'a> Measure<'a> {
             };
             let poses =
                 self.poses.and_then(|poses| poses.get(object)).map_or(&[][..], Vec::as_slice);
-            let in_pose = |(at, &pose): (&MeasuredPlacement, &Posture)| {
+            let in_pose = |(at, &pose): (&MeasuredPlacement, &PoseKey)| {
                 let rest = [source_rest(at.rest)?, level_rest(at.rest)];
                 // What has no joints is moved and stretched as in the placement.
                 let moved = |motion: &Motion, rest: &Placement| match at.moment {
@@ -348,8 +348,8 @@ impl<'a> Measure<'a> {
                 let placements = [at_pose(&self.motion, &rest[0])?, at_pose(shown, &rest[1])?];
                 Some(pair(placements.each_ref(), at.growth))
             };
-            let is_moment = |pose: &&Posture| matches!(pose, Posture::Moment { .. });
-            let by_itself = |(number, &pose): (usize, &Posture)| {
+            let is_moment = |pose: &&PoseKey| matches!(pose, PoseKey::Moment { .. });
+            let by_itself = |(number, &pose): (usize, &PoseKey)| {
                 let rest = [source_rest(number)?, level_rest(number)];
                 let source_at = self.motion.placed(&rest[0], pose)?;
                 Some(pair([&source_at, &shown.placed(&rest[1], pose)?], 1.0))

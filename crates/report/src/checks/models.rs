@@ -2,14 +2,14 @@
 //! ones, LOD 0 against the source.
 
 use super::report::CheckReport;
-use lodc::build::check_errors;
-use lodc::build::step_errors;
+use lodc::pipeline::check_errors;
+use lodc::pipeline::step_errors;
 use lodc::{LodFile, LodObject, stated_shapes};
 use lodc_formats::import::{ImportOptions, document_difference, import};
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, Scene, animation_names};
 use lodc_lod::AnyModel;
-use lodc_mesh::Posture;
+use lodc_mesh::PoseKey;
 use lodc_scene::ObjectShapes;
 use lodc_verify::{Check, Reference, VerifyOptions, source_difference, verify};
 use rayon::prelude::*;
@@ -61,9 +61,9 @@ fn check_poses(object: &LodObject, animations: usize) -> Option<CheckReport> {
     let targets = mesh.attributes().iter().filter_map(|a| a.morph_target).max();
     let unknown = poses.iter().enumerate().find_map(|(number, pose)| {
         let what = match *pose {
-            Posture::Moment { animation, .. } if animation as usize >= animations => "an animation",
-            Posture::Target(target) if targets.is_none_or(|last| target > last) => "a morph target",
-            Posture::Moment { .. } | Posture::Target(_) => return None,
+            PoseKey::Moment { animation, .. } if animation as usize >= animations => "an animation",
+            PoseKey::Target(target) if targets.is_none_or(|last| target > last) => "a morph target",
+            PoseKey::Moment { .. } | PoseKey::Target(_) => return None,
         };
         Some(format!("pose {} is of {what} that is not there", number + 1))
     });

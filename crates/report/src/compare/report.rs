@@ -122,16 +122,16 @@ pub struct ImageReport {
 impl ImageReport {
     /// The difference of pictures, and how they were taken.
     #[must_use]
-    pub fn new(viewing: Viewing, looks: ShadingOptions, error: ImageError) -> Self {
+    pub fn new(viewing: Viewing, shading: ShadingOptions, error: ImageError) -> Self {
         Self {
             views: viewing.views,
             size: viewing.size,
             rmse: error.rmse,
             silhouette: error.silhouette,
-            normals: looks.own_normals,
-            texture: looks.checkerboard,
-            textures: looks.materials,
-            vertex_colors: looks.vertex_colours,
+            normals: shading.own_normals,
+            texture: shading.checkerboard,
+            textures: shading.materials,
+            vertex_colors: shading.vertex_colours,
         }
     }
 }

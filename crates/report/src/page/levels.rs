@@ -59,8 +59,8 @@ pub fn page_levels(
     let arrangement = &arrangement.moved(centre(arrangement, |o| input[o]).map(|c| -c));
     let input_triangles: usize = input.iter().map(|m| m.triangles().len()).sum();
     let input = SceneSurface::new(&input, arrangement, appearance);
-    let looks = ShadingOptions { checkerboard: false, ..input.common_looks(&input) };
-    let reference = ReferencePictures::new(&input.surface, VIEWING, looks);
+    let shading = ShadingOptions { checkerboard: false, ..input.common_shading(&input) };
+    let reference = ReferencePictures::new(&input.surface, VIEWING, shading);
     let tree = input.surface.tree();
     let rounding = ROUNDING * input.surface.diagonal();
     let input_pictures = reference.pictures_of(&input.surface);

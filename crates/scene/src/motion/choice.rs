@@ -11,7 +11,7 @@ use crate::placement::Placement;
 use crate::posed::{Streams, posed_vertex, transformed, vector};
 use crate::transform::Transform;
 use glam::DVec3;
-use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
+use lodc_mesh::{Attribute, Mesh, PoseKey, Semantic};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -32,7 +32,7 @@ const MIN_DIFFERENCE_SHARE: f64 = 0.01;
 
 /// A pose that may be chosen.
 struct Candidate {
-    posture: Posture,
+    pose_key: PoseKey,
     /// Distances between pairs of vertices of the object in that pose, in mesh units.
     distances: Vec<f64>,
 }
@@ -43,7 +43,7 @@ impl Motion {
     /// The list of an object is empty if it has neither skin nor morph targets, or only moves as a
     /// whole.
     #[must_use]
-    pub fn choose(&self, meshes: &[&Mesh], max_poses: usize) -> Vec<Vec<Posture>> {
+    pub fn choose(&self, meshes: &[&Mesh], max_poses: usize) -> Vec<Vec<PoseKey>> {
         let objects = meshes.iter().enumerate();
         let deformable: Vec<Option<Deformable>> =
             objects.map(|(o, m)| self.deformable(o, m)).collect();
@@ -72,7 +72,7 @@ impl Motion {
     }
 
     /// Returns moments of all animations, evenly spread over each.
-    fn moments(&self) -> Vec<(Posture, Moment)> {
+    fn moments(&self) -> Vec<(PoseKey, Moment)> {
         let animations = self.animations.len();
         let max_of_one = (MAX_MOMENTS / animations.max(1)).max(MIN_MOMENTS);
         let times = |(number, animation): (usize, &crate::Animation)| {
@@ -84,26 +84,26 @@ impl Motion {
         };
         let all: Vec<_> = self.animations.iter().enumerate().flat_map(times).collect();
         let moment = |&(number, seconds): &(usize, f64)| {
-            let posture = Posture::Moment { animation: number as u32, seconds };
-            (posture, self.moment(&self.animations[number], seconds))
+            let pose_key = PoseKey::Moment { animation: number as u32, seconds };
+            (pose_key, self.moment(&self.animations[number], seconds))
         };
         let stride = all.len().div_ceil(MAX_MOMENTS).max(1);
         all.par_iter().step_by(stride).map(moment).collect()
     }
 
     /// Returns the poses that an object may take.
-    fn candidates(&self, object: &Deformable, moments: &[(Posture, Moment)]) -> Vec<Candidate> {
-        let at_moment = |(posture, moment): &(Posture, Moment)| {
+    fn candidates(&self, object: &Deformable, moments: &[(PoseKey, Moment)]) -> Vec<Candidate> {
+        let at_moment = |(pose_key, moment): &(PoseKey, Moment)| {
             let placed = moment.all_placed(&self.graph, &object.movers);
             let candidate = |mover: Mover| Candidate {
-                posture: *posture,
+                pose_key: *pose_key,
                 distances: object.distances(&mover.placement),
             };
             placed.into_iter().map(candidate).collect::<Vec<_>>()
         };
         let rest = AtRest::new(object);
         let with_target = |(&target, deltas): (&u32, &Deltas<'_>)| Candidate {
-            posture: Posture::Target(target),
+            pose_key: PoseKey::Target(target),
             distances: rest.distances(target, deltas),
         };
         let targets = object.targets.par_iter().map(with_target);
@@ -114,7 +114,7 @@ impl Motion {
 /// An object whose shape may change.
 struct Deformable<'a> {
     mesh: &'a Mesh,
-    /// The first of its placements that postures change, at rest, and all of them.
+    /// The first of its placements that pose keys change, at rest, and all of them.
     rest: Placement,
     movers: Vec<Mover>,
     /// World units per mesh unit.
@@ -222,7 +222,7 @@ fn choose_farthest(
     object: &Deformable,
     candidates: Vec<Candidate>,
     max_poses: usize,
-) -> Vec<Posture> {
+) -> Vec<PoseKey> {
     // Poses with positions that are not finite, or overflow as floats, are left out.
     let is_finite = |c: &Candidate| c.distances.iter().all(|&d| d < f64::from(f32::MAX));
     let candidates: Vec<Candidate> = candidates.into_iter().filter(is_finite).collect();
@@ -248,10 +248,10 @@ fn choose_farthest(
         let Some(next) = next.filter(|&next| min_differences[next] > negligible) else {
             break;
         };
-        let posture = candidates[next].posture;
-        let shown = candidates.iter().filter(|candidate| candidate.posture == posture);
+        let pose_key = candidates[next].pose_key;
+        let shown = candidates.iter().filter(|candidate| candidate.pose_key == pose_key);
         latest = shown.map(|candidate| candidate.distances.clone()).collect();
-        chosen.push(posture);
+        chosen.push(pose_key);
     }
     chosen
 }

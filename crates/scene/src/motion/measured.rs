@@ -14,7 +14,7 @@ use crate::scale::PlacementScales;
 use crate::shape::Shape;
 use crate::transform::{Transform, largest_stretch};
 use glam::DMat3;
-use lodc_mesh::{Mesh, Posture};
+use lodc_mesh::{Mesh, PoseKey};
 use std::sync::Arc;
 
 /// Most placements of an object in which it is measured. Chosen by hand: each takes as long as a
@@ -55,7 +55,7 @@ pub struct MeasuredPlacement {
     /// The number of its placement at rest, among those of the object.
     pub rest: usize,
     /// The moment of an animation, if it is not at rest.
-    pub moment: Option<Posture>,
+    pub moment: Option<PoseKey>,
     /// Distances in it are multiplied by this, at least 1, to hold for all that it stands for.
     pub growth: f64,
 }
@@ -79,7 +79,7 @@ impl Motion {
         let measured = |&(number, growth): &(usize, f64)| {
             let Candidate { rest: at, moment, .. } = &candidates[number];
             let placement = match moment {
-                Some(posture) => self.shown_at(rest[*at], *posture)?,
+                Some(pose_key) => self.shown_at(rest[*at], *pose_key)?,
                 None => rest[*at].clone(),
             };
             Some(MeasuredPlacement { placement, rest: *at, moment: *moment, growth })
@@ -151,7 +151,7 @@ impl Motion {
 #[derive(Clone)]
 struct Candidate {
     rest: usize,
-    moment: Option<Posture>,
+    moment: Option<PoseKey>,
     linear: DMat3,
     /// Distances in it are multiplied by this.
     growth: f64,

@@ -112,7 +112,7 @@ fn an_object_is_measured_at_the_moment_when_it_is_largest() {
         let motion = Motion::new(graph, animation(vec![grows]), 1);
         let all = motion.measured_placements(&cube(), 0);
         let [one] = &all.placements[..] else { panic!("{all:?}") };
-        let moment = Posture::Moment { animation: 0, seconds: 0.47 };
+        let moment = PoseKey::Moment { animation: 0, seconds: 0.47 };
         assert_eq!((one.moment, all.scale), (Some(moment), 3.0));
         let shapes = motion.shapes(&cube(), 0, &[]);
         assert_eq!(shapes.all().len(), 1);

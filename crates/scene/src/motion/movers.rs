@@ -11,21 +11,21 @@ use std::sync::Arc;
 /// Most placements of an object that are looked at in each moment. Chosen by hand.
 const MAX_MOVERS: usize = 8;
 
-/// A placement of an object before a posture changes it.
+/// A placement of an object before a pose key changes it.
 #[derive(Clone, Debug)]
 pub(super) struct Mover {
     pub(super) placement: Placement,
-    /// Distances in its postures are multiplied by this, at least 1, to hold for all placements
+    /// Distances in its pose keys are multiplied by this, at least 1, to hold for all placements
     /// that it stands for.
     pub(super) growth: f64,
 }
 
 impl Motion {
-    /// The placements of an object that postures change: first that of largest scale, the only one
+    /// The placements of an object that pose keys change: first that of largest scale, the only one
     /// in poses of morph targets, then those that [move by themselves](Self::movers_besides).
     ///
     /// An object without joints that has unlike placements is there as it was modelled, in its
-    /// largest scale, which stretches no posture less than any placement does.
+    /// largest scale, which stretches no pose key less than any placement does.
     pub(super) fn movers(&self, object: usize, measured: &MeasuredPlacements) -> Vec<Mover> {
         let Some(first) = measured.placements.first() else { return Vec::new() };
         let (transform, growth) = match measured.placements.len() {

@@ -5,7 +5,7 @@ use super::{Motion, ObjectShapes};
 use crate::placement::Placement;
 use crate::posed::{Streams, vector};
 use glam::{DVec3, Vec3};
-use lodc_mesh::{Attribute, Mesh, Posture, Semantic, SplitMix64};
+use lodc_mesh::{Attribute, Mesh, PoseKey, Semantic, SplitMix64};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most shapes with morph targets that are looked at. Where more targets move the same places,
@@ -51,17 +51,17 @@ pub struct TargetShape {
 
 impl Motion {
     /// Returns the shapes of an object in which collapses are priced: those at rest, of every morph
-    /// target, and in those of `postures` that are moments of animations. None if neither joints
+    /// target, and in those of `pose_keys` that are moments of animations. None if neither joints
     /// nor morph targets move it.
     #[must_use]
-    pub fn seen(&self, mesh: &Mesh, object: usize, postures: &[Posture]) -> Option<SeenPositions> {
+    pub fn seen(&self, mesh: &Mesh, object: usize, pose_keys: &[PoseKey]) -> Option<SeenPositions> {
         let [deltas, turns] = [Semantic::Position, Semantic::Normal].map(|s| deltas(mesh, &s));
         let is_skinned = self.rest.of(object).any(|placement| !placement.joints.is_empty());
         if deltas.is_empty() && turns.is_empty() && !is_skinned {
             return None;
         }
-        let is_moment = |p: &&Posture| matches!(p, Posture::Moment { .. });
-        let moments: Vec<Posture> = postures.iter().filter(is_moment).copied().collect();
+        let is_moment = |p: &&PoseKey| matches!(p, PoseKey::Moment { .. });
+        let moments: Vec<PoseKey> = pose_keys.iter().filter(is_moment).copied().collect();
         let shapes = self.shapes(mesh, object, &moments);
         let first = self.measured_placements(mesh, object).placements.into_iter().next();
         let weights = first.map_or_else(Vec::new, |at| at.placement.weights.to_vec());
@@ -121,7 +121,7 @@ fn diagonal(positions: &[DVec3]) -> f64 {
     if positions.is_empty() { 0.0 } else { (high - low).length() }
 }
 
-/// The shapes of placements, and those of postures, that are others than that at rest, and than
+/// The shapes of placements, and those of pose keys, that are others than that at rest, and than
 /// each other.
 fn other_shapes(
     mesh: &Mesh,
@@ -140,7 +140,7 @@ fn other_shapes(
     let compared: Vec<[usize; 2]> = pairs.into_iter().chain(edges).collect();
     let mut found: [Vec<Vec<[f32; 3]>>; 2] = Default::default();
     let placements = shapes.of_placements().iter().map(|shape| (shape, 0));
-    for (shape, kind) in placements.chain(shapes.of_postures().iter().map(|shape| (shape, 1))) {
+    for (shape, kind) in placements.chain(shapes.of_pose_keys().iter().map(|shape| (shape, 1))) {
         let positions = shape.of(mesh);
         let at = |v: usize| Vec3::from(positions[v]).as_dvec3();
         let is_same = |other: &dyn Fn(usize) -> DVec3| {

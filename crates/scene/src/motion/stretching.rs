@@ -4,7 +4,7 @@ use crate::animation::{Animation, Interpolation, Property};
 use crate::graph::Graph;
 use crate::transform::{LocalTransform, Transform, largest_stretch};
 use glam::DMat3;
-use lodc_mesh::Posture;
+use lodc_mesh::PoseKey;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -28,14 +28,14 @@ pub(super) struct Stretching {
     pub(super) nodes: BTreeMap<u32, Vec<Stretched>>,
     /// By skin and joint: the moment at which the joint stretches most, and by how much; none where
     /// no moment stretches it more than at rest.
-    pub(super) joints: BTreeMap<u32, Vec<Option<(f64, Posture)>>>,
+    pub(super) joints: BTreeMap<u32, Vec<Option<(f64, PoseKey)>>>,
 }
 
 /// How a node is stretched, at rest or at a moment.
 #[derive(Clone, Debug)]
 pub(super) struct Stretched {
     /// None at rest.
-    pub(super) moment: Option<Posture>,
+    pub(super) moment: Option<PoseKey>,
     /// The linear part of its world transform.
     pub(super) linear: DMat3,
     /// Distances in it are multiplied by this to hold for other moments, too.
@@ -64,17 +64,17 @@ impl Stretching {
             joints.iter().any(|&j| affected.get(j as usize).is_some_and(|&is| is))
         };
         let skins: Vec<usize> = (0..graph.skins.len()).filter(is_affected).collect();
-        let mut of_skins: Vec<Vec<Option<(f64, Posture)>>> =
+        let mut of_skins: Vec<Vec<Option<(f64, PoseKey)>>> =
             skins.iter().map(|&s| vec![None; graph.skins[s].joints.len()]).collect();
         for some in moments.chunks(MOMENTS_AT_ONCE) {
             let world_at = |&(animation, seconds): &(usize, f64)| {
                 let pose = animations[animation].pose(graph, seconds);
                 (
-                    Posture::Moment { animation: animation as u32, seconds },
+                    PoseKey::Moment { animation: animation as u32, seconds },
                     graph.world_transforms(&pose),
                 )
             };
-            let worlds: Vec<(Posture, Vec<Transform>)> = some.par_iter().map(world_at).collect();
+            let worlds: Vec<(PoseKey, Vec<Transform>)> = some.par_iter().map(world_at).collect();
             nodes.par_iter().zip(&mut of_nodes).for_each(|(&n, kept)| {
                 for (moment, world) in &worlds {
                     keep(kept, *moment, world[n].matrix3);
@@ -106,7 +106,7 @@ impl Stretching {
 /// Adds a moment to those that are kept of a node, unless one of them stands for it; leaves out
 /// those that it stands for. What stands for a linear part stands for it with any instance: the
 /// map between both is the same.
-fn keep(kept: &mut Vec<Stretched>, moment: Posture, linear: DMat3) {
+fn keep(kept: &mut Vec<Stretched>, moment: PoseKey, linear: DMat3) {
     if !linear.is_finite() {
         return;
     }

@@ -41,8 +41,8 @@ fn tube(animations: Vec<Animation>) -> (Mesh, Motion) {
 fn the_farthest_pose_comes_first_and_the_others_differ_from_it() {
     let (mesh, motion) = tube(vec![turning(3)]);
     let chosen = motion.choose(&[&mesh], 3).remove(0);
-    let seconds = |posture: &Posture| match posture {
-        Posture::Moment { animation: 0, seconds } => *seconds,
+    let seconds = |pose_key: &PoseKey| match pose_key {
+        PoseKey::Moment { animation: 0, seconds } => *seconds,
         other => panic!("{other:?}"),
     };
     let times: Vec<f64> = chosen.iter().map(seconds).collect();
@@ -80,7 +80,7 @@ fn morph_targets_are_poses_that_need_no_animation() {
     let motion = Motion::new(graph, vec![], 1);
     let chosen = motion.choose(&[&sphere], 8).remove(0);
     // The first moves z by itself, the second x by a half.
-    assert_eq!(chosen, [Posture::Target(0), Posture::Target(1)]);
+    assert_eq!(chosen, [PoseKey::Target(0), PoseKey::Target(1)]);
     let shapes = motion.shapes(&sphere, 0, &chosen);
     let shapes = shapes.all();
     let height = |shape: &Shape| {
@@ -107,11 +107,11 @@ fn moments_count_in_every_node_whose_weights_they_change() {
         let animation = Animation { channels, ..Animation::default() };
         Motion::new(graph.clone(), vec![animation], 1)
     };
-    let end = Posture::Moment { animation: 0, seconds: 1.0 };
+    let end = PoseKey::Moment { animation: 0, seconds: 1.0 };
     let shapes = |motion: &Motion| {
-        let shapes = motion.shapes(&sphere, 0, &[end, Posture::Target(0), end]);
-        let ends: Vec<(usize, usize)> = (0..6).map(|count| shapes.postures_of(count)).collect();
-        (shapes.of_placements().len(), shapes.of_postures().len(), ends)
+        let shapes = motion.shapes(&sphere, 0, &[end, PoseKey::Target(0), end]);
+        let ends: Vec<(usize, usize)> = (0..6).map(|count| shapes.pose_keys_of(count)).collect();
+        (shapes.of_placements().len(), shapes.of_pose_keys().len(), ends)
     };
     // The first node is at rest in both; two that move alike have one shape.
     let ends = [(0, 0), (1, 2), (1, 2), (2, 3), (3, 5), (3, 5)];
@@ -126,7 +126,7 @@ fn moments_count_in_every_node_whose_weights_they_change() {
         positions.iter().map(|p| p[2]).fold(f32::MIN, f32::max)
     };
     let shapes = of_one.shapes(&sphere, 0, &[end]);
-    let [still, moved] = shapes.of_postures() else { panic!("{shapes:?}") };
+    let [still, moved] = shapes.of_pose_keys() else { panic!("{shapes:?}") };
     assert!((height(moved) - 4.0 * height(still)).abs() < 1e-4);
 }
 

@@ -115,7 +115,7 @@ impl Rules {
         }
         let link = Link::new(mesh, from, to, marks);
         if link.shared_faces == 0 {
-            // No neighbour any more: choices of hubs are renewed only now and then.
+            // No neighbour any more: choices of high-valence groups are renewed only now and then.
             return None;
         }
         let changes_topology = !link.holds;

@@ -3,7 +3,7 @@
 //! another. Where several films meet in one edge, they must not lose it: none of them may end
 //! there, and no two points where such lines meet may become one.
 
-use crate::cut::{HUB_VALENCE, IS_HUB, OPEN, WorkingMesh};
+use crate::cut::{HIGH_VALENCE, IS_HIGH_VALENCE, OPEN, WorkingMesh};
 use lodc_mesh::NONE;
 
 /// Groups that are compared at a time: two registers of four lanes. Groups have six neighbours on
@@ -12,7 +12,7 @@ const BATCH: usize = 8;
 /// Edges of more faces than this keep no topology. Chosen by hand: foams have three or four, panels
 /// on beams a few more.
 const MAX_FILMS: usize = 8;
-/// Pairs of hubs (groups of very many faces) that are remembered as not neighbours; each question
+/// Pairs of high-valence groups that are remembered as not neighbours; each question
 /// about another pair takes a pass over a star. Chosen by hand: bipyramids and the like have a few.
 const MAX_PAIRS: usize = 64;
 
@@ -23,26 +23,26 @@ pub(crate) struct Marks {
     marks: Vec<u32>,
     /// The last values that groups were marked with: this and the next.
     epoch: u32,
-    /// Pairs of hubs that share no face.
+    /// Pairs of high-valence groups that share no face.
     apart: Vec<[u32; 2]>,
-    /// [`WorkingMesh::hub_epoch`] for which that holds.
-    hub_epoch: u32,
+    /// [`WorkingMesh::high_valence_epoch`] for which that holds.
+    high_valence_epoch: u32,
 }
 
 impl Marks {
-    /// Returns whether a group shares a face with a hub. Two hubs that do not are remembered, since
-    /// finding out takes a pass over one of their stars.
-    fn touches_hub(&mut self, mesh: &WorkingMesh, group: u32, hub: u32) -> bool {
-        if self.hub_epoch != mesh.hub_epoch {
-            self.hub_epoch = mesh.hub_epoch;
+    /// Returns whether a group shares a face with a high-valence group. Two high-valence groups
+    /// that do not are remembered, since finding out takes a pass over one of their stars.
+    fn touches_high_valence(&mut self, mesh: &WorkingMesh, group: u32, large: u32) -> bool {
+        if self.high_valence_epoch != mesh.high_valence_epoch {
+            self.high_valence_epoch = mesh.high_valence_epoch;
             self.apart.clear();
         }
-        if self.apart.contains(&[group, hub]) {
+        if self.apart.contains(&[group, large]) {
             return false;
         }
-        let touches = mesh.star(group).iter().any(|&c| mesh.others(c).contains(&hub));
-        if !touches && mesh.has(group, IS_HUB) && self.apart.len() < MAX_PAIRS {
-            self.apart.push([group, hub]);
+        let touches = mesh.star(group).iter().any(|&c| mesh.others(c).contains(&large));
+        if !touches && mesh.has(group, IS_HIGH_VALENCE) && self.apart.len() < MAX_PAIRS {
+            self.apart.push([group, large]);
         }
         touches
     }
@@ -133,9 +133,9 @@ impl Link {
         if mesh.valence(to) <= 64 + 8 * star.len() {
             mesh.each_neighbour(to, |g| meet(marks, g));
         } else {
-            // `to` is a hub: it has more neighbours than `from`.
+            // `to` is a high-valence group: it has more neighbours than `from`.
             for g in star.iter().flat_map(|&c| others(c)).filter(|&g| g != to) {
-                if marks.marks[g as usize] == near && marks.touches_hub(mesh, g, to) {
+                if marks.marks[g as usize] == near && marks.touches_high_valence(mesh, g, to) {
                     meet(marks, g);
                 }
             }
@@ -177,9 +177,10 @@ fn keeps_lines(mesh: &WorkingMesh, ends: [u32; 2], apexes: &[u32]) -> bool {
         && !ends.iter().all(|&end| is_junction(mesh, end))
 }
 
-/// Returns whether other than two lines meet at a group. A hub counts as one where they do.
+/// Returns whether other than two lines meet at a group. A high-valence group counts as one where
+/// they do.
 fn is_junction(mesh: &WorkingMesh, group: u32) -> bool {
-    let mut ends = [NONE; 2 * HUB_VALENCE];
+    let mut ends = [NONE; 2 * HIGH_VALENCE];
     let Some(ends) = ends.get_mut(..2 * mesh.valence(group)) else { return true };
     let star = mesh.star(group).iter().flat_map(|&corner| mesh.others(corner));
     ends.iter_mut().zip(star).for_each(|(end, other)| *end = other);

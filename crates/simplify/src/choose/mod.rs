@@ -17,9 +17,9 @@ pub(crate) use legality::{Rules, Stage};
 pub(crate) use plan::{Planner, WedgePlan};
 
 use crate::cut::{
-    Choice, HUB_VALENCE, InMotion, OPEN, RESTRICTED, Region, SEAM, STALE, WorkingMesh,
+    Choice, HIGH_VALENCE, InMotion, OPEN, RESTRICTED, Region, SEAM, STALE, WorkingMesh,
 };
-use crate::metric::Reprice;
+use crate::metric::Reevaluate;
 use crate::price::{PriceLists, Priced, Pricer, Scratch, scaled};
 use legality::{MovingFaces, Verdict, keeps_texture};
 use link::Marks;
@@ -28,9 +28,9 @@ use link::Marks;
 /// as one of three times the distance. A fake is one more vertex in every file, and mostly a seam
 /// that leaves its line. Chosen by hand; not tuned.
 const FAKE_FACTOR: f64 = 8.0;
-/// Limit on faces times candidates of one group. Checking each neighbour of a hub (a group of very
-/// many faces) against each of its faces would take quadratic time, so only its cheapest candidates
-/// are checked: 128 for 128 faces, 16 for 1,000, at least 8 for any number. Chosen by hand.
+/// Limit on faces times candidates of one group. Checking each neighbour of a high-valence group
+/// against each of its faces would take quadratic time, so only its cheapest candidates are
+/// checked: 128 for 128 faces, 16 for 1,000, at least 8 for any number. Chosen by hand.
 const MAX_CHECKED_FACES: usize = 1 << 14;
 
 /// A legal collapse of a group.
@@ -72,7 +72,7 @@ pub(crate) struct Selector<'a, M> {
     pub(crate) rules: Rules,
 }
 
-impl<M: Reprice> Selector<'_, M> {
+impl<M: Reevaluate> Selector<'_, M> {
     /// The cheapest legal collapse of a group, given its cheapest collapse of any kind.
     pub(crate) fn select(
         &self,
@@ -120,7 +120,7 @@ impl<M: Reprice> Selector<'_, M> {
             std::mem::swap(&mut buffers.tried, &mut buffers.plan);
         }
         let choice = if self.pricer.metric.is_active() && !M::IS_LOCAL {
-            self.pricer.reprice_choice(from, known, &mut buffers.scratch)?
+            self.pricer.reevaluate_choice(from, known, &mut buffers.scratch)?
         } else {
             known
         };
@@ -139,13 +139,13 @@ impl<M: Reprice> Selector<'_, M> {
         let mut candidates = std::mem::take(&mut buffers.scratch.candidates);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let faces = self.pricer.region.mesh.valence(from);
-        let most = if faces > HUB_VALENCE && self.rules.stage < Stage::Links {
+        let most = if faces > HIGH_VALENCE && self.rules.stage < Stage::Links {
             (MAX_CHECKED_FACES / faces).max(8)
         } else {
             usize::MAX
         };
         let mesh = &self.pricer.region.mesh;
-        let gathered = mesh.has(from, OPEN) && faces <= HUB_VALENCE;
+        let gathered = mesh.has(from, OPEN) && faces <= HIGH_VALENCE;
         if gathered {
             buffers.faces.gather(mesh, from);
         }
@@ -210,9 +210,10 @@ impl<M: Reprice> Selector<'_, M> {
         }
     }
 
-    /// The kept prices of a group; none for hubs, as not all changes around them are noticed.
+    /// The kept prices of a group; none for high-valence groups, as not all changes around them are
+    /// noticed.
     fn prices<'l>(&self, from: u32, lists: &'l PriceLists) -> Option<&'l [Priced]> {
-        lists.get(from).filter(|_| self.pricer.region.mesh.valence(from) < HUB_VALENCE)
+        lists.get(from).filter(|_| self.pricer.region.mesh.valence(from) < HIGH_VALENCE)
     }
 
     /// Returns whether the choice of a restricted group, whose own faces are unchanged, is still

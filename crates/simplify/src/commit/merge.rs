@@ -12,10 +12,10 @@
 //! ```
 //!
 //! Stars of all groups are in one arena; a star that outgrows its room there gets a new one. For
-//! hubs (groups of very many faces) the slots of faces are kept, so that removing one takes
+//! high-valence groups the slots of faces are kept, so that removing one takes
 //! constant time however large the star is.
 
-use crate::cut::{Corner, HUB_VALENCE, IS_HUB, OPEN, Star, WorkingMesh, next, previous};
+use crate::cut::{Corner, HIGH_VALENCE, IS_HIGH_VALENCE, OPEN, Star, WorkingMesh, next, previous};
 
 impl WorkingMesh {
     /// Moves all of `from`'s faces to `to`, which leaves `from` with an empty star. Faces that had
@@ -48,9 +48,11 @@ impl WorkingMesh {
                 self.faces[face as usize].groups[corner.at()] = to;
                 self.update_facet(face);
                 self.set_ahead(behind, face, to);
-                if self.has(to, IS_HUB) && (self.has(ahead, IS_HUB) || self.has(behind, IS_HUB)) {
-                    // Two hubs may have come to share a face: see `link::Marks`.
-                    self.hub_epoch += 1;
+                if self.has(to, IS_HIGH_VALENCE)
+                    && (self.has(ahead, IS_HIGH_VALENCE) || self.has(behind, IS_HIGH_VALENCE))
+                {
+                    // Two high-valence groups may have come to share a face: see `link::Marks`.
+                    self.high_valence_epoch += 1;
                 }
                 self.arena[kept] = corner;
                 kept += 1;
@@ -108,18 +110,18 @@ impl WorkingMesh {
             self.stars[to as usize] = Star { start: start as u32, len: len as u32, capacity };
             self.joined = joined;
         }
-        if self.has(to, IS_HUB) {
+        if self.has(to, IS_HIGH_VALENCE) {
             self.number_slots(to, kept);
-        } else if len > HUB_VALENCE {
-            self.make_hub(to);
+        } else if len > HIGH_VALENCE {
+            self.make_high_valence(to);
         }
     }
 
     /// Slot of a face in the star of the group at its corner `at`.
     #[inline]
     fn slot_of(&self, group: u32, face: u32, at: usize) -> Option<usize> {
-        if self.has(group, IS_HUB) {
-            let slot = self.hub_slots[face as usize][at] as usize;
+        if self.has(group, IS_HIGH_VALENCE) {
+            let slot = self.star_slots[face as usize][at] as usize;
             return (slot < self.valence(group)).then_some(slot);
         }
         let start = self.stars[group as usize].start as usize;
@@ -155,13 +157,13 @@ impl WorkingMesh {
         let star = &mut self.stars[group as usize];
         let (start, last) = (star.start as usize, star.len as usize - 1);
         star.len -= 1;
-        if self.has(group, IS_HUB) {
+        if self.has(group, IS_HIGH_VALENCE) {
             let corner = self.arena[start + last];
             self.arena[start + slot] = corner;
-            self.hub_slots[corner.face() as usize][corner.at()] = slot as u32;
+            self.star_slots[corner.face() as usize][corner.at()] = slot as u32;
         } else {
-            // In order, as a closed fan has to stay; a hub has no order, so its last corner may
-            // fill the slot.
+            // In order, as a closed fan has to stay; a high-valence group has no order, so its last
+            // corner may fill the slot.
             self.arena.copy_within(start + slot + 1..start + last + 1, start + slot);
         }
         Some(slot)

@@ -13,7 +13,7 @@ pub(crate) use log::{CollapseLog, Sources, renumber_wedges};
 
 use crate::choose::{LegalCollapse, WedgePlan};
 use crate::cut::{DEAD, OPEN, Quadric, Region, SEAM};
-use crate::metric::Reprice;
+use crate::metric::Reevaluate;
 use crate::number::Input;
 use lodc_mesh::NONE;
 
@@ -88,7 +88,7 @@ pub(crate) struct Commit<'a, M> {
     pub(crate) touched: &'a mut Touched,
 }
 
-impl<M: Reprice> Commit<'_, M> {
+impl<M: Reevaluate> Commit<'_, M> {
     /// Moves `from` as planned and writes it down.
     pub(crate) fn run(mut self, from: u32, legal: LegalCollapse, plan: &mut WedgePlan) {
         let to = legal.choice.to;

@@ -4,12 +4,12 @@
 //! found in an old region and given a number in the new one. Hash tables for that would be large
 //! and miss the cache, so there are none where something else tells the number: an own group's is
 //! its rank in the new order, and a face that is there already is in the (short) star of one of its
-//! groups. Only groups of other regions, wedges, and faces at hubs (groups of very many faces) are
+//! groups. Only groups of other regions, wedges, and faces at high-valence groups are
 //! looked up in tables.
 
 use super::mesh::{
-    Corner, Face, HUB_VALENCE, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, SHARED_POSITION, STALE,
-    Star, next, previous,
+    Corner, Face, HIGH_VALENCE, IS_HIGH_VALENCE, LOCKED, OPEN, RESTRICTED, SEAM, SHARED_POSITION,
+    STALE, Star, next, previous,
 };
 use super::region::{Choice, Region, SLACK};
 use super::table::Table;
@@ -84,8 +84,8 @@ impl Round<'_> {
             // 12,288 groups has 450 neighbours beyond its border. Lists and tables grow if they are
             // too small.
             others: Table::new(own_groups / 4),
-            hub_faces: Table::new(0),
-            hubs: Vec::new(),
+            high_valence_faces: Table::new(0),
+            large_groups: Vec::new(),
             wedges: Table::new(if self.lists.bare { 0 } else { own_groups + own_groups / 4 }),
         };
         let order = &self.order[range];
@@ -105,8 +105,8 @@ impl Round<'_> {
             gathering.add_star(group);
         }
         // Only now, since slots have to be numbered for all faces of the region.
-        for hub in std::mem::take(&mut gathering.hubs) {
-            gathering.new.mesh.make_hub(hub);
+        for large in std::mem::take(&mut gathering.large_groups) {
+            gathering.new.mesh.make_high_valence(large);
         }
         gathering.point_choices();
         gathering.new
@@ -123,10 +123,10 @@ struct Gathering<'a> {
     new: Region,
     /// From the numbers of other regions' groups in the whole mesh to those in the new region.
     others: Table,
-    /// From triangles at hubs to faces of the new region.
-    hub_faces: Table,
-    /// Own groups that are hubs.
-    hubs: Vec<u32>,
+    /// From triangles at high-valence groups to faces of the new region.
+    high_valence_faces: Table,
+    /// Own groups that are high-valence groups.
+    large_groups: Vec<u32>,
     /// From wedges' numbers in the whole mesh to those in the new region.
     wedges: Table,
 }
@@ -232,8 +232,8 @@ impl<'a> Gathering<'a> {
         let capacity = star.len() + SLACK as usize;
         mesh.arena.resize(start + capacity, Corner::new(0, 0, 0));
         mesh.stars[number as usize].capacity = capacity as u32;
-        if old.mesh.has(local, IS_HUB) {
-            self.hubs.push(number);
+        if old.mesh.has(local, IS_HIGH_VALENCE) {
+            self.large_groups.push(number);
         }
         if locks {
             mesh.add_flags(number, LOCKED);
@@ -259,8 +259,8 @@ impl<'a> Gathering<'a> {
     #[inline]
     fn face_at(&self, own: u32, at: usize, triangle: u32) -> Option<u32> {
         let mesh = &self.new.mesh;
-        if mesh.valence(own) > HUB_VALENCE {
-            return self.hub_faces.get(triangle);
+        if mesh.valence(own) > HIGH_VALENCE {
+            return self.high_valence_faces.get(triangle);
         }
         let mut faces = mesh.star(own).iter().filter(|c| c.at() == at).map(|c| c.face());
         faces.find(|&f| mesh.faces[f as usize].triangle == triangle)
@@ -281,8 +281,8 @@ impl<'a> Gathering<'a> {
             }
             other
         });
-        if old.mesh.faces[face as usize].groups.iter().any(|&g| old.mesh.has(g, IS_HUB)) {
-            self.hub_faces.get_or_insert(triangle, number);
+        if old.mesh.faces[face as usize].groups.iter().any(|&g| old.mesh.has(g, IS_HIGH_VALENCE)) {
+            self.high_valence_faces.get_or_insert(triangle, number);
         }
         self.new.mesh.faces.push(Face { groups, triangle });
         self.new.mesh.live_faces += 1;
@@ -315,8 +315,8 @@ impl<'a> Gathering<'a> {
             };
             match to {
                 Some(to) => choice.to = to,
-                // No neighbour any more. A hub is ranked only now and then, so its choice may be
-                // old.
+                // No neighbour any more. A high-valence group is ranked only now and then, so its
+                // choice may be old.
                 _ => self.new.mesh.flags[own as usize] |= STALE,
             }
         }

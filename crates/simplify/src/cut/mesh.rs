@@ -117,15 +117,16 @@ pub(super) const SHARED_POSITION: u8 = 8;
 pub(crate) const LOCKED: u8 = 16;
 /// The group's cost may have risen since it was computed.
 pub(crate) const STALE: u8 = 32;
-/// The group is a hub: its star is large, and `hub_slots` has the slots of its faces in it.
-pub(crate) const IS_HUB: u8 = 64;
+/// The group is a high-valence group: its star is large, and `star_slots` has the slots of its
+/// faces in it.
+pub(crate) const IS_HIGH_VALENCE: u8 = 64;
 /// The group has moved onto another.
 pub(crate) const DEAD: u8 = 128;
 
-/// Stars with more faces than this are hubs. Below, leaving a star is a scan of at most eight cache
-/// lines; above, one collapse after another at a large fan would take quadratic time. Chosen by
-/// hand: scans have no such stars, CAD and terrain around a pole do.
-pub(crate) const HUB_VALENCE: usize = 64;
+/// Stars with more faces than this are high-valence groups. Below, leaving a star is a scan of at
+/// most eight cache lines; above, one collapse after another at a large fan would take quadratic
+/// time. Chosen by hand: scans have no such stars, CAD and terrain around a pole do.
+pub(crate) const HIGH_VALENCE: usize = 64;
 
 /// Groups, faces and stars of one region.
 #[derive(Default)]
@@ -145,10 +146,10 @@ pub(crate) struct WorkingMesh {
     /// The corners of all stars, with unused room between them.
     pub(crate) arena: Vec<Corner>,
     /// For each corner of each face its slot (index) in the star of the group there, if that is a
-    /// hub; empty without hubs.
-    pub(crate) hub_slots: Vec<[u32; 3]>,
-    /// Rises whenever two hubs may have come to share a face.
-    pub(crate) hub_epoch: u32,
+    /// high-valence group; empty without high-valence groups.
+    pub(crate) star_slots: Vec<[u32; 3]>,
+    /// Rises whenever two high-valence groups may have come to share a face.
+    pub(crate) high_valence_epoch: u32,
     /// A buffer for a star that is being put together.
     pub(crate) joined: Vec<Corner>,
     pub(crate) live_faces: u32,
@@ -165,9 +166,9 @@ impl WorkingMesh {
         self.facets.clear();
         self.stars.clear();
         self.arena.clear();
-        self.hub_slots.clear();
+        self.star_slots.clear();
         self.joined.clear();
-        (self.hub_epoch, self.live_faces) = (0, 0);
+        (self.high_valence_epoch, self.live_faces) = (0, 0);
     }
 
     #[inline]
@@ -333,20 +334,20 @@ impl WorkingMesh {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// Makes a group a hub.
-    pub(crate) fn make_hub(&mut self, group: u32) {
-        self.add_flags(group, IS_HUB | OPEN);
-        self.hub_epoch += 1;
-        self.hub_slots.resize(self.faces.len(), [0; 3]);
+    /// Makes a group a high-valence group.
+    pub(crate) fn make_high_valence(&mut self, group: u32) {
+        self.add_flags(group, IS_HIGH_VALENCE | OPEN);
+        self.high_valence_epoch += 1;
+        self.star_slots.resize(self.faces.len(), [0; 3]);
         self.number_slots(group, 0);
     }
 
-    /// Writes the slots of a hub's faces, from the slot `first` on.
-    pub(crate) fn number_slots(&mut self, hub: u32, first: usize) {
-        let star = self.stars[hub as usize];
+    /// Writes the slots of a high-valence group's faces, from the slot `first` on.
+    pub(crate) fn number_slots(&mut self, large: u32, first: usize) {
+        let star = self.stars[large as usize];
         for slot in first as u32..star.len {
             let corner = self.arena[(star.start + slot) as usize];
-            self.hub_slots[corner.face() as usize][corner.at()] = slot;
+            self.star_slots[corner.face() as usize][corner.at()] = slot;
         }
     }
 }

@@ -19,8 +19,8 @@ mod wedges;
 pub(crate) use gather::{Home, RegionLists, Round};
 pub(crate) use in_motion::InMotion;
 pub(crate) use mesh::{
-    Corner, DEAD, Facet, HUB_VALENCE, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, STALE, Star,
-    WorkingMesh, next, previous,
+    Corner, DEAD, Facet, HIGH_VALENCE, IS_HIGH_VALENCE, LOCKED, OPEN, RESTRICTED, SEAM, STALE,
+    Star, WorkingMesh, next, previous,
 };
 pub(crate) use neighborhood::{
     EdgeKind, Entry, FeaturePlane, Neighborhood, PosedSurroundings, fold_plane, is_seam,

@@ -6,7 +6,7 @@
 
 use super::in_motion::{InMotion, MovingQuadrics};
 use super::mesh::{
-    Corner, Face, GroupPosition, HUB_VALENCE, LOCKED, OPEN, SEAM, SHARED_POSITION, Star,
+    Corner, Face, GroupPosition, HIGH_VALENCE, LOCKED, OPEN, SEAM, SHARED_POSITION, Star,
     WorkingMesh, next, previous,
 };
 use super::neighborhood::{Neighborhood, PosedSurroundings, has_seams};
@@ -269,8 +269,8 @@ impl Region {
         let mut fan = Vec::new();
         for g in 0..own as u32 {
             let star = self.mesh.stars[g as usize];
-            if star.len as usize > HUB_VALENCE {
-                self.mesh.make_hub(g);
+            if star.len as usize > HIGH_VALENCE {
+                self.mesh.make_high_valence(g);
             } else if !put_in_order(&mut self.mesh, star, &mut fan) {
                 self.mesh.add_flags(g, OPEN);
             }

@@ -9,11 +9,11 @@
 
 mod hybrid;
 mod quadric;
-mod reprice;
+mod reevaluate;
 mod visual;
 
 pub(crate) use hybrid::HybridMetric;
 pub use hybrid::{Checkerboard, SurfaceColours};
 pub(crate) use quadric::{MEMORY, QuadricOnly, TIE_WEIGHT};
-pub(crate) use reprice::Reprice;
+pub(crate) use reevaluate::Reevaluate;
 pub(crate) use visual::{Score, VisualMetric};

@@ -8,7 +8,7 @@
 //! error. Both are areas times squared distances, in working units to the fourth power (a working
 //! unit is a power of two in mesh units, so that the mesh is one to two across).
 
-use super::reprice::Reprice;
+use super::reevaluate::Reevaluate;
 use crate::cut::{
     Facet, FeaturePlane, Quadric, Quadrics, Symmetric, Wedges, WorkingMesh, add_outer, times,
 };
@@ -132,7 +132,7 @@ impl Quadrics {
 /// The quadric's costs as they are.
 pub(crate) struct QuadricOnly;
 
-impl Reprice for QuadricOnly {
+impl Reevaluate for QuadricOnly {
     const REPRICES: bool = false;
     type ViewScratch = ();
 
@@ -143,7 +143,7 @@ impl Reprice for QuadricOnly {
         false
     }
     fn update_activity(&mut self, _mesh: &WorkingMesh, _legal: bool) {}
-    fn reprice(
+    fn reevaluate(
         &self,
         _: &WorkingMesh,
         _: &Wedges,

@@ -23,7 +23,7 @@ use crate::cut::{
     Choice, EdgeKind, Entry, InMotion, Neighborhood, OPEN, PosedSurroundings, Quadrics, Region,
     SEAM,
 };
-use crate::metric::Reprice;
+use crate::metric::Reevaluate;
 use crate::number::{Input, ShapeSet, each_shape};
 use crate::options::Options;
 use glam::Vec4;
@@ -61,13 +61,13 @@ pub(crate) struct Scratch<S> {
     /// The costs of collapses at rest.
     at_rest: Vec<f64>,
     /// What attributes add to them.
-    surcharges: Vec<f64>,
+    attribute_costs: Vec<f64>,
     gradients: Gradients,
     /// The collapses of one group by the quadric and attributes.
     pub(crate) priced: Vec<Priced>,
     /// Candidates of one group: cost and target.
     pub(crate) candidates: Vec<(f64, u32)>,
-    repricing: S,
+    reevaluating: S,
 }
 
 /// Edges that a group may move along.
@@ -103,7 +103,7 @@ pub(crate) fn scaled(cost: f64) -> f32 {
     (cost * f64::from(COST_SCALE)).min(f64::from(f32::MAX)) as f32
 }
 
-impl<M: Reprice> Pricer<'_, M> {
+impl<M: Reevaluate> Pricer<'_, M> {
     /// The cheapest collapse of a group.
     #[inline]
     pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
@@ -124,8 +124,8 @@ impl<M: Reprice> Pricer<'_, M> {
             one_ring::cheapest(mesh, quadric, from, in_motion, &NoSurcharge)
         } else {
             let weight = self.metric.attribute_weight() as f32;
-            let surcharge = RingAttributes { view: self.attributes(), weight };
-            one_ring::cheapest(mesh, quadric, from, in_motion, &surcharge)
+            let attribute_cost = RingAttributes { view: self.attributes(), weight };
+            one_ring::cheapest(mesh, quadric, from, in_motion, &attribute_cost)
         }
     }
 
@@ -183,13 +183,13 @@ impl<M: Reprice> Pricer<'_, M> {
         self.price_seen(from, false, scratch);
     }
 
-    /// Prices all collapses of a group; see [`Reprice::reprice`].
+    /// Prices all collapses of a group; see [`Reevaluate::re-evaluate`].
     fn price_seen(&self, from: u32, only_cheapest: bool, scratch: &mut Scratch<M::ViewScratch>) {
         self.price_plainly(from, scratch);
         if self.metric.is_active() {
-            let Scratch { candidates, repricing, .. } = scratch;
+            let Scratch { candidates, reevaluating, .. } = scratch;
             let Region { mesh, wedges, .. } = self.region;
-            self.metric.reprice(mesh, wedges, from, candidates, only_cheapest, repricing);
+            self.metric.reevaluate(mesh, wedges, from, candidates, only_cheapest, reevaluating);
         }
     }
 
@@ -240,7 +240,7 @@ impl<M: Reprice> Pricer<'_, M> {
 
     /// Prices all collapses of any group.
     fn price_star(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        let Scratch { around, posed, at_rest, surcharges, gradients, priced, .. } = scratch;
+        let Scratch { around, posed, at_rest, attribute_costs, gradients, priced, .. } = scratch;
         let Region { mesh, wedges, quadrics, .. } = self.region;
         let attributes = self.attributes();
         let with_attributes =
@@ -255,11 +255,11 @@ impl<M: Reprice> Pricer<'_, M> {
             let own_cost = refitted.cost(mesh.position(edge.group) - origin);
             priced.push(Priced { own_cost, to: edge.group });
         }
-        surcharges.clear();
+        attribute_costs.clear();
         if with_attributes {
             let position = |g: u32| mesh.group_positions[g as usize].position;
             gradients.fit(attributes, from, position);
-            surcharges.extend(permitted().map(|edge| {
+            attribute_costs.extend(permitted().map(|edge| {
                 let delta = position(edge.group) - position(from);
                 attribute_weight * gradients.cost(attributes, delta, around.entries_at(edge))
             }));
@@ -270,10 +270,10 @@ impl<M: Reprice> Pricer<'_, M> {
                     (attributes.in_shape(shape), |g: u32| view.position(g, shape));
                 gradients.fit(attributes, from, position);
                 let weight = view.shapes.weight(shape) * attribute_weight;
-                for (surcharge, edge) in surcharges.iter_mut().zip(permitted()) {
+                for (attribute_cost, edge) in attribute_costs.iter_mut().zip(permitted()) {
                     let delta = position(edge.group) - position(from);
                     let cost = gradients.cost(attributes, delta, around.entries_at(edge));
-                    *surcharge = surcharge.max(weight * cost);
+                    *attribute_cost = attribute_cost.max(weight * cost);
                 }
             }
         }
@@ -297,14 +297,14 @@ impl<M: Reprice> Pricer<'_, M> {
                 priced.own_cost = at_rest + weight * (priced.own_cost - at_rest);
             }
         }
-        for (priced, surcharge) in priced.iter_mut().zip(&*surcharges) {
-            priced.own_cost += surcharge;
+        for (priced, attribute_cost) in priced.iter_mut().zip(&*attribute_costs) {
+            priced.own_cost += attribute_cost;
         }
     }
 
     /// Prices all collapses of a group with a closed fan of less than `4 N` faces.
     fn price_ring<const N: usize>(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        let Scratch { around, surcharges, gradients, priced, .. } = scratch;
+        let Scratch { around, attribute_costs, gradients, priced, .. } = scratch;
         let Region { mesh, wedges, quadrics, .. } = self.region;
         let star = mesh.star(from);
         let ring = SeamRing::<N>::new(mesh, wedges, from, star);
@@ -325,13 +325,13 @@ impl<M: Reprice> Pricer<'_, M> {
             let own_cost = by_faces + refitted.cost(spokes[i].as_dvec3());
             priced.push(Priced { own_cost, to: star[i].ahead });
         }
-        surcharges.clear();
+        attribute_costs.clear();
         if with_attributes {
             gradients.fit_ring(attributes, &ring.ring, &ring.corners);
             let cost = |(i, _, faces): (usize, _, &[Entry; 2])| {
                 attribute_weight * gradients.cost(attributes, spokes[i], faces)
             };
-            surcharges.extend(permitted().map(cost));
+            attribute_costs.extend(permitted().map(cost));
         }
         if let Some(view) = self.in_motion().filter(|_| with_attributes) {
             for shape in each_shape(self.turned(from)) {
@@ -339,9 +339,9 @@ impl<M: Reprice> Pricer<'_, M> {
                 let (attributes, spokes) = (attributes.in_shape(shape), moved.spokes());
                 gradients.fit_ring(attributes, &moved, &ring.corners);
                 let weight = view.shapes.weight(shape) * attribute_weight;
-                for (surcharge, (i, _, faces)) in surcharges.iter_mut().zip(permitted()) {
+                for (attribute_cost, (i, _, faces)) in attribute_costs.iter_mut().zip(permitted()) {
                     let cost = gradients.cost(attributes, spokes[i], faces);
-                    *surcharge = surcharge.max(weight * cost);
+                    *attribute_cost = attribute_cost.max(weight * cost);
                 }
             }
         }
@@ -362,8 +362,8 @@ impl<M: Reprice> Pricer<'_, M> {
                 }
             }
         }
-        for (priced, surcharge) in priced.iter_mut().zip(&*surcharges) {
-            priced.own_cost += surcharge;
+        for (priced, attribute_cost) in priced.iter_mut().zip(&*attribute_costs) {
+            priced.own_cost += attribute_cost;
         }
     }
 
@@ -389,17 +389,17 @@ impl<M: Reprice> Pricer<'_, M> {
 
     /// The known choice at its present price; none if it has become dearer, as others may be better
     /// then.
-    pub(crate) fn reprice_choice(
+    pub(crate) fn reevaluate_choice(
         &self,
         from: u32,
         known: Choice,
         scratch: &mut Scratch<M::ViewScratch>,
     ) -> Option<Choice> {
         self.price_geometry(from, scratch);
-        let Scratch { priced, repricing, .. } = scratch;
+        let Scratch { priced, reevaluating, .. } = scratch;
         let Region { mesh, wedges, .. } = self.region;
         let mut one = [(priced.iter().find(|p| p.to == known.to)?.cost(mesh), known.to)];
-        self.metric.reprice(mesh, wedges, from, &mut one, false, repricing);
+        self.metric.reevaluate(mesh, wedges, from, &mut one, false, reevaluating);
         let cost = scaled(one[0].0);
         (cost <= known.cost).then_some(Choice { cost, ..known })
     }

@@ -29,7 +29,7 @@ const LEAST_AREA: f32 = 1e-3;
 pub(super) type LaneArray<const N: usize> = [Vec4; N];
 
 /// A cost besides that of the quadric.
-pub(super) trait Surcharge {
+pub(super) trait AttributeCost {
     /// True if there is none.
     const IS_ZERO: bool;
 
@@ -46,10 +46,10 @@ pub(super) trait Surcharge {
     );
 }
 
-/// No surcharge.
+/// No attribute cost.
 pub(super) struct NoSurcharge;
 
-impl Surcharge for NoSurcharge {
+impl AttributeCost for NoSurcharge {
     const IS_ZERO: bool = true;
 
     fn costs<const N: usize>(&self, _: &OneRing<N>, _: &[Corner]) -> LaneArray<N> {
@@ -73,12 +73,12 @@ pub(super) fn cheapest(
     quadric: &Quadric,
     from: u32,
     in_motion: Option<InMotion<'_>>,
-    surcharge: &impl Surcharge,
+    attribute_cost: &impl AttributeCost,
 ) -> Option<Choice> {
     let star = mesh.star(from);
     match star.len() {
-        3..=7 => Some(price::<2>(mesh, quadric, from, star, in_motion, surcharge)),
-        8..=MAX_LEN => Some(price::<3>(mesh, quadric, from, star, in_motion, surcharge)),
+        3..=7 => Some(price::<2>(mesh, quadric, from, star, in_motion, attribute_cost)),
+        8..=MAX_LEN => Some(price::<3>(mesh, quadric, from, star, in_motion, attribute_cost)),
         _ => None,
     }
 }
@@ -349,9 +349,9 @@ fn raise_in_motion<const N: usize>(
     }
 }
 
-/// Returns whether a surcharge is none.
+/// Returns whether an attribute cost is zero.
 #[inline(always)]
-fn is_zero<S: Surcharge>(_: &S) -> bool {
+fn is_zero<S: AttributeCost>(_: &S) -> bool {
     S::IS_ZERO
 }
 
@@ -362,17 +362,17 @@ fn price<const N: usize>(
     from: u32,
     star: &[Corner],
     in_motion: Option<InMotion<'_>>,
-    surcharge: &impl Surcharge,
+    attribute_cost: &impl AttributeCost,
 ) -> Choice {
     let ring = OneRing::<N>::new(mesh, from, star);
     let mut sums = ring.geometric(quadric);
     if let Some(view) = in_motion {
         raise_in_motion(&view, from, star, &mut sums);
     }
-    if !is_zero(surcharge) {
-        let mut costs = surcharge.costs(&ring, star);
+    if !is_zero(attribute_cost) {
+        let mut costs = attribute_cost.costs(&ring, star);
         if let Some(view) = in_motion {
-            surcharge.raise_in_motion(&view, from, star, &mut costs);
+            attribute_cost.raise_in_motion(&view, from, star, &mut costs);
         }
         for (sum, cost) in sums.iter_mut().zip(costs) {
             *sum += cost;

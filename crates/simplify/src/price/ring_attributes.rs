@@ -2,7 +2,7 @@
 //! explains, for all neighbours of one wedge at once.
 
 use super::gradients::{Dual, FourGradients, Scatter, WedgeAttributes, continued, sum};
-use super::one_ring::{LaneArray, MAX_LEN, OneRing, Surcharge};
+use super::one_ring::{AttributeCost, LaneArray, MAX_LEN, OneRing};
 use crate::cut::{Corner, InMotion, next};
 use crate::number::each_shape;
 use glam::Vec4;
@@ -20,7 +20,7 @@ struct Faces {
     area: f32,
 }
 
-impl Surcharge for RingAttributes<'_> {
+impl AttributeCost for RingAttributes<'_> {
     const IS_ZERO: bool = false;
 
     fn costs<const N: usize>(&self, ring: &OneRing<N>, star: &[Corner]) -> LaneArray<N> {

@@ -4,8 +4,8 @@
 
 use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stage};
 use crate::commit::{CollapseLog, Commit, Touched, join_points};
-use crate::cut::{Choice, DEAD, HUB_VALENCE, LOCKED, RESTRICTED, Region, STALE};
-use crate::metric::Reprice;
+use crate::cut::{Choice, DEAD, HIGH_VALENCE, LOCKED, RESTRICTED, Region, STALE};
+use crate::metric::Reevaluate;
 use crate::price::{Context, Pricer, Scratch};
 use crate::recorded::RecordedCollapse;
 use rayon::prelude::*;
@@ -89,7 +89,7 @@ impl<T: Default> ScratchPool<T> {
 }
 
 /// The simplification of one region.
-pub(super) struct Engine<'a, M: Reprice> {
+pub(super) struct Engine<'a, M: Reevaluate> {
     context: &'a Context<'a>,
     region: &'a mut Region,
     metric: &'a mut M,
@@ -122,7 +122,7 @@ enum Queue {
     All,
 }
 
-impl<'a, M: Reprice> Engine<'a, M> {
+impl<'a, M: Reevaluate> Engine<'a, M> {
     pub(super) fn new(context: &'a Context<'a>, region: &'a mut Region, metric: &'a mut M) -> Self {
         let preserve_topology = context.options.preserve_topology;
         let lists = if M::REPRICES { 0 } else { region.groups.len() };
@@ -148,7 +148,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             if M::REPRICES {
                 self.metric.update_activity(&self.region.mesh, stage == Stage::Legal);
                 if stage == Stage::Legal {
-                    // These may end where repricing begins or ends.
+                    // These may end where reevaluating begins or ends.
                     self.collapse_as_given();
                     self.metric.update_activity(&self.region.mesh, true);
                 }
@@ -225,7 +225,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
     }
 
     /// Collapses groups until none is left in the queue (returns true), or until the metric starts
-    /// or ends repricing, so that all prices change (returns false).
+    /// or ends reevaluating, so that all prices change (returns false).
     fn run_queue(&mut self, queue: Queue, progress: &Progress<'_>) -> bool {
         let mesh = &self.region.mesh;
         let limit = match queue {
@@ -443,13 +443,13 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Returns whether a group is to be ranked again after a neighbour moved. Hubs (groups of very
-    /// many faces) are ranked again only when their number of faces has just passed a multiple of
-    /// about a sixteenth of it, else a fan would take quadratic time; legality is always checked
-    /// anew.
+    /// Returns whether a group is to be ranked again after a neighbour moved. High-valence groups
+    /// (groups of very many faces) are ranked again only when their number of faces has just passed
+    /// a multiple of about a sixteenth of it, else a fan would take quadratic time; legality is
+    /// always checked anew.
     fn is_due(&self, group: u32) -> bool {
         let faces = self.region.mesh.valence(group);
-        faces < HUB_VALENCE || faces % (faces / 16).next_power_of_two() < 2
+        faces < HIGH_VALENCE || faces % (faces / 16).next_power_of_two() < 2
     }
 
     /// Ranks one group again.

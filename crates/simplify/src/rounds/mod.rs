@@ -13,7 +13,7 @@ pub(crate) use engine::Progress;
 
 use crate::commit::{CollapseLog, Sources, renumber_wedges};
 use crate::cut::{DEAD, Home, Region, RegionLists, Round};
-use crate::metric::{QuadricOnly, Reprice};
+use crate::metric::{QuadricOnly, Reevaluate};
 use crate::number::Curve;
 use crate::price::Context;
 use engine::Engine;
@@ -84,7 +84,7 @@ pub(crate) fn in_regions(
 
 /// Simplifies a mesh as one region, in the exact order of costs. Returns the log and how many of
 /// its steps are legal.
-pub(crate) fn as_one<M: Reprice>(
+pub(crate) fn as_one<M: Reevaluate>(
     context: &Context<'_>,
     metric: impl FnOnce(&Region) -> M,
     sources: &mut Sources<'_>,
@@ -102,7 +102,7 @@ pub(crate) fn as_one<M: Reprice>(
 fn finish(
     context: &Context<'_>,
     region: &mut Region,
-    metric: &mut impl Reprice,
+    metric: &mut impl Reevaluate,
     sources: &mut Sources<'_>,
     progress: &Progress<'_>,
 ) -> (CollapseLog, usize) {

@@ -26,14 +26,14 @@ pub struct CacheOptions {
     pub cache_size: u32,
     /// Number of fetched vertices one index is worth: more makes longer strips, less makes fewer
     /// misses.
-    pub index_price: f32,
+    pub index_cost: f32,
     /// The time that the search may take.
     pub effort: Effort,
 }
 
 impl Default for CacheOptions {
     fn default() -> Self {
-        Self { cache_size: 16, index_price: 1.0, effort: Effort::Default }
+        Self { cache_size: 16, index_cost: 1.0, effort: Effort::Default }
     }
 }
 
@@ -56,10 +56,10 @@ pub(crate) fn cache_reporting(mesh: &Mesh, options: &CacheOptions, report: Repor
     let paths: Vec<Vec<u32>> = paths.into_iter().flatten().collect();
     // The search compares prices: NaN, negative or huge ones would make it accept everything or
     // nothing.
-    let price = if options.index_price >= 0.0 { options.index_price.min(100.0) } else { 0.0 };
+    let price = if options.index_cost >= 0.0 { options.index_cost.min(100.0) } else { 0.0 };
     let drawing = Drawing { paths: &paths, triangles, neighbours: &neighbours };
     let schedules = schedules(options.effort);
-    let goal = Goal { cache_size: size, index_price: price, schedules };
+    let goal = Goal { cache_size: size, index_cost: price, schedules };
     let refined = refine(&drawing, &goal, &Meter::new(report, 1));
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);

@@ -34,7 +34,7 @@ pub(crate) struct Goal {
     /// Number of vertices that the cache holds.
     pub(crate) cache_size: u32,
     /// The price of an index, in fetched vertices.
-    pub(crate) index_price: f32,
+    pub(crate) index_cost: f32,
     pub(crate) schedules: &'static [Schedule],
 }
 
@@ -168,7 +168,7 @@ struct Chunk {
 impl Chunk {
     /// Searches in stretches that overlap by half.
     fn improve(&mut self, goal: &Goal, schedule: &Schedule, random: &mut SplitMix64) {
-        let (size, price) = (goal.cache_size, goal.index_price);
+        let (size, price) = (goal.cache_size, goal.index_cost);
         let mut workspace = Workspace::new(&self.surface, self.vertices.len(), size, price, random);
         let mut done: Vec<Strip> = Vec::new();
         let mut waiting: VecDeque<Strip> = std::mem::take(&mut self.strips).into();

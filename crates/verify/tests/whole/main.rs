@@ -1,5 +1,5 @@
 //! Verification of whole sequences: real ones, large ones and damaged ones.
 
-mod hubs;
+mod high_valence;
 mod large;
 mod sensitivity;

@@ -25,7 +25,7 @@ const size: number = both.error(both.byError(0.5)) / pixelSize(1, 1080);
 const sections = new Sections(new ArrayBuffer(64));
 const ends: number[] = sections.stepEnds(0);
 const chain = new LodcChain(await ChainModel.of(await new GLTFLoader().loadAsync('helmet.glb')), 2);
-chain.glides = false;
+chain.morphs = false;
 chain.at(10);
 const { level, weight } = new ChainLevels({}).at(3);
 const crowd = new LodcCrowd(await LodcLoader.load('tree.lodc'), 200);

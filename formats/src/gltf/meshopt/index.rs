@@ -96,7 +96,7 @@ struct Decoder<'a> {
 
 impl Decoder<'_> {
     fn byte(&mut self) -> Result<u8, &'static str> {
-        let (&byte, unread) = self.unread.split_first().ok_or("the stream ends too early")?;
+        let (&byte, unread) = self.unread.split_first().ok_or("the stream is truncated")?;
         self.unread = unread;
         Ok(byte)
     }
@@ -136,7 +136,7 @@ impl Decoder<'_> {
 fn varint(bytes: &mut &[u8]) -> Result<u32, &'static str> {
     let mut value = 0;
     for i in 0..5 {
-        let (&byte, unread) = bytes.split_first().ok_or("the stream ends too early")?;
+        let (&byte, unread) = bytes.split_first().ok_or("the stream is truncated")?;
         *bytes = unread;
         value |= u32::from(byte & 127) << (7 * i);
         if byte < 128 {

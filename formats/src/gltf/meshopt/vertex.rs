@@ -120,7 +120,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn take(&mut self, n: usize) -> Result<&'a [u8], &'static str> {
-        let (taken, unread) = self.bytes.split_at_checked(n).ok_or("the stream ends too early")?;
+        let (taken, unread) = self.bytes.split_at_checked(n).ok_or("the stream is truncated")?;
         self.bytes = unread;
         Ok(taken)
     }

@@ -31,8 +31,8 @@ pub(super) struct WrittenObject<'a> {
     pub(super) primitives: Vec<usize>,
     /// Its geometry as it will be written.
     pub(super) geometry: Cow<'a, Mesh>,
-    /// The same vertices where the next level has them, if they glide there.
-    pub(super) glide_target: Option<Cow<'a, Mesh>>,
+    /// The same vertices where the next level has them, if they morph there.
+    pub(super) geomorph_target: Option<Cow<'a, Mesh>>,
 }
 
 /// The quantisation of a scene.
@@ -90,13 +90,13 @@ impl Quantizer {
         Cow::Owned(coded(&written.geometry, grid, coding))
     }
 
-    /// The vertices of an object where they glide to, quantised as its geometry is.
+    /// The vertices of an object where they morph to, quantised as its geometry is.
     pub(super) fn next<'a>(
         &self,
         object: usize,
         written: &WrittenObject<'a>,
     ) -> Option<Cow<'a, Mesh>> {
-        let next = written.glide_target.clone()?;
+        let next = written.geomorph_target.clone()?;
         if self.precision == Precision::default() {
             return Some(next);
         }

@@ -29,8 +29,8 @@ pub(super) fn grids(
 ) -> Result<Vec<Option<Grid<3>>>, FormatError> {
     let box_of = |written: &WrittenObject<'_>| {
         let mut all = bounds(&written.geometry);
-        // What a level glides to is written as differences from its positions, and needs the room.
-        written.glide_target.iter().for_each(|target| all.join(&bounds(target)));
+        // What a level morphs to is written as differences from its positions, and needs the room.
+        written.geomorph_target.iter().for_each(|target| all.join(&bounds(target)));
         all
     };
     let boxes: Vec<Bounds<3>> = written_objects.iter().map(box_of).collect();

@@ -1,6 +1,6 @@
 //! What is quantised stands where it stood, to half a step.
 
-use crate::export::{Additions, ExportFormat, ExportObject, Precision, export_with};
+use crate::export::{ExportFormat, ExportObject, ExportOptions, Precision, export_with};
 use crate::gltf::read::tests::{Builder, parsed, read_bytes, sound};
 use crate::import::ImportOptions;
 use crate::{Limits, Scene, scene_graph};
@@ -103,9 +103,9 @@ fn written(scene: &Scene, precision: Precision, compress: bool) -> Scene {
 fn file(scene: &Scene, precision: Precision, compress: bool) -> Vec<u8> {
     let objects: Vec<_> =
         scene.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
-    let additions = Additions { precision, compress, ..Additions::default() };
+    let options = ExportOptions { precision, compress, ..ExportOptions::default() };
     let path = Path::new("out.glb");
-    let files = export_with(path, ExportFormat::Glb, &scene.document, &objects, &additions);
+    let files = export_with(path, ExportFormat::Glb, &scene.document, &objects, &options);
     files.expect("it can be written").remove(0).bytes
 }
 

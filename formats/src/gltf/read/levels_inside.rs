@@ -1,8 +1,8 @@
 //! Leaves the finest level of a glTF that has levels inside already: nodes that are coarser levels
 //! of others (MSFT_lod), ranges of index accessors, and morph targets towards the next level.
 
-use super::glide;
-use super::shipped::{primitives, ranges, take_range};
+use super::exported::{primitives, ranges, take_range};
+use super::geomorph;
 use crate::gltf::extensions::{animation_pointer, forget, forget_extra};
 use crate::gltf::json::{Json, Object};
 use crate::gltf::prune;
@@ -21,7 +21,7 @@ pub(super) fn keep_finest(
     root: &mut Object,
     warnings: &mut Vec<String>,
 ) -> Result<(), FormatError> {
-    glide::strip(root);
+    geomorph::strip(root);
     take_ranges(root)?;
     if !root.entries("nodes").any(|node| node.extension(NAME).is_some()) {
         return Ok(());

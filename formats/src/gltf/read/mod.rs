@@ -9,9 +9,10 @@
 mod blob;
 mod count;
 mod draco;
+mod exported;
 mod feature_ids;
 mod forest;
-mod glide;
+mod geomorph;
 mod levels_inside;
 mod object;
 #[cfg(feature = "export")]
@@ -19,7 +20,6 @@ mod plain;
 mod primitive;
 mod remainder;
 mod repair;
-mod shipped;
 
 use super::accessor::Accessor;
 use super::budget::Budget;
@@ -34,12 +34,12 @@ use crate::{
     SubmeshInfo,
 };
 pub(crate) use count::counted;
+pub(crate) use exported::{exported, states_levels};
 use lodc_mesh::Mesh;
 use object::Reading;
 #[cfg(feature = "export")]
 pub(crate) use plain::plain;
 use primitive::{Primitive, Read};
-pub(crate) use shipped::{shipped, states_levels};
 
 /// Reads a glTF or GLB; `bytes` is the main file.
 ///

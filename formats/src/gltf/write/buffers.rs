@@ -81,7 +81,7 @@ impl VertexBuffers {
     }
 
     /// As [`Self::new`], of submeshes whose vertices move from level to level.
-    pub(super) fn gliding(
+    pub(super) fn morphing(
         drawn: Vec<Drawn>,
         last_level: impl Fn(u32) -> u32,
         ways: Ways<'_>,
@@ -485,7 +485,7 @@ mod tests {
         let streams = MovedStreams::default();
         let ways = Ways { mesh: &mesh, next: &next, moving: &moving, streams };
         let drawn = super::super::drawn(&mesh);
-        let buffers = VertexBuffers::gliding(drawn, level, ways);
+        let buffers = VertexBuffers::morphing(drawn, level, ways);
         check(&mesh, &buffers);
         assert_eq!(buffers.vertices.len(), 1);
         // Of a row of nine the six that move are there twice.

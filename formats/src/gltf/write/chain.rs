@@ -5,14 +5,14 @@
 use super::avatars::{self, Copies};
 use super::buffers::{Drawn, VertexBuffers, Ways};
 use super::differences::Deltas;
-use super::glide::{self, Glide};
+use super::geomorph::{self, Geomorph};
 use super::writer::{MeshWriter, Writer};
 use super::{glb, gltf, source_document, submesh_primitive};
 use crate::gltf::extensions;
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::prune;
 use crate::gltf::quantize::{Quantizer, WrittenObject};
-use crate::options::Additions;
+use crate::options::ExportOptions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::{LevelTriangles, Mesh};
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,7 +31,7 @@ pub struct ChainObject<'a> {
     /// Share of the screen below which the next level suits, one per level; the last is 0.
     pub coverage: Vec<f64>,
     /// The way from each level to the next, if it goes into the document.
-    pub glide: Option<Glide<'a>>,
+    pub geomorph: Option<Geomorph<'a>>,
 }
 
 /// The way in which a document holds several levels.
@@ -53,20 +53,21 @@ pub fn export_chain<'a>(
     document: &Document,
     objects: &[ChainObject<'a>],
     shape: ChainShape,
-    additions: &Additions,
+    options: &ExportOptions,
 ) -> Result<Vec<OutputFile>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
-    let (mut root, mut blob) = source_document(document, &infos, additions)?;
+    let (mut root, mut blob) = source_document(document, &infos, options)?;
     let written_object = |(i, o): (usize, &ChainObject<'a>)| {
         let written_object = super::written_object(document, i, o.info, o.mesh)?;
-        let glide_target = o.glide.as_ref().map(|glide| super::adapted(document, glide.next));
-        Ok::<_, FormatError>(WrittenObject { glide_target, ..written_object })
+        let geomorph_target =
+            o.geomorph.as_ref().map(|geomorph| super::adapted(document, geomorph.next));
+        Ok::<_, FormatError>(WrittenObject { geomorph_target, ..written_object })
     };
     let written_objects =
         objects.iter().enumerate().map(written_object).collect::<Result<Vec<_>, _>>()?;
     let quantizer =
-        Quantizer::new(additions.precision, document, &written_objects, &mut root, &mut blob)?;
-    let mut writer = Writer::new(&root, additions);
+        Quantizer::new(options.precision, document, &written_objects, &mut root, &mut blob)?;
+    let mut writer = Writer::new(&root, options);
     let nodes_showing = nodes_showing(&root);
     let mut empty = Vec::new();
     let mut levels = Vec::new();
@@ -86,15 +87,15 @@ pub fn export_chain<'a>(
         }
         levels.push(object_levels);
     }
-    let mut gliding = BTreeSet::new();
+    let mut morphing = BTreeSet::new();
     if shape == ChainShape::Nodes {
-        put_levels(&mut root, &mut writer, &levels, &nodes_showing, &mut gliding);
+        put_levels(&mut root, &mut writer, &levels, &nodes_showing, &mut morphing);
     }
-    glide::widen(&mut root, &mut writer, document, &gliding)?;
+    geomorph::widen(&mut root, &mut writer, document, &morphing)?;
     prune::without(&mut root, &empty);
     writer.finish(&mut root, &mut blob);
     let mut files = if binary { vec![glb(path, &root, &blob)?] } else { gltf(path, root, blob) };
-    files.extend(additions.textures.copies.iter().cloned());
+    files.extend(options.textures.copies.iter().cloned());
     Ok(files)
 }
 
@@ -131,29 +132,29 @@ fn vertex_buffers(
     };
     let drawn = (0..mesh.submeshes().len()).map(drawn).collect();
     let last_level = |v: u32| last_level[v as usize];
-    match object.glide.as_ref().zip(next) {
-        Some((glide, next)) => {
-            let Glide { moving, streams, .. } = glide;
+    match object.geomorph.as_ref().zip(next) {
+        Some((geomorph, next)) => {
+            let Geomorph { moving, streams, .. } = geomorph;
             let ways = Ways { mesh, next, moving, streams: *streams };
-            VertexBuffers::gliding(drawn, last_level, ways)
+            VertexBuffers::morphing(drawn, last_level, ways)
         }
         None => VertexBuffers::new(mesh, drawn, last_level),
     }
 }
 
 /// Puts the coarser levels of all meshes into the document, and the ways to the next one. Meshes
-/// that glide are added to `gliding`.
+/// that morph are added to `morphing`.
 fn put_levels(
     root: &mut Object,
     writer: &mut Writer,
     levels: &[Levels<'_>],
     nodes_showing: &BTreeMap<usize, Vec<usize>>,
-    gliding: &mut BTreeSet<usize>,
+    morphing: &mut BTreeSet<usize>,
 ) {
     let (mut copies, mut of_avatars) = (Vec::new(), Copies::default());
     for level in levels {
         let Some(nodes) = nodes_showing.get(&level.mesh) else { continue };
-        let meshes = level.put(root, writer, gliding);
+        let meshes = level.put(root, writer, morphing);
         let mut coarser = meshes[1..].to_vec();
         coarser.dedup();
         coarser.retain(|mesh| *mesh != level.mesh);
@@ -242,11 +243,11 @@ impl<'a> Levels<'a> {
                 target: None,
                 attributes: Object::default(),
             };
-            if let (Some(glide), Some(next)) = (&self.object.glide, next)
-                && glide.moving[level].is_some()
+            if let (Some(geomorph), Some(next)) = (&self.object.geomorph, next)
+                && geomorph.moving[level].is_some()
                 && self.is_shown
             {
-                let next = (next, glide.streams);
+                let next = (next, geomorph.streams);
                 let attributes = &primitive["attributes"];
                 let (target, replaced) = mesh_writer.target(submesh, level, next, attributes);
                 (level_primitive.target, level_primitive.attributes) = (Some(target), replaced);
@@ -260,12 +261,12 @@ impl<'a> Levels<'a> {
     /// level that does not differ from the one before has a mesh of its own all the same: engines
     /// dispose of the levels that they have replaced.
     ///
-    /// Meshes that glide are added to `gliding`.
+    /// Meshes that morph are added to `morphing`.
     fn put(
         &self,
         root: &mut Object,
         writer: &mut Writer,
-        gliding: &mut BTreeSet<usize>,
+        morphing: &mut BTreeSet<usize>,
     ) -> Vec<usize> {
         let mut meshes = vec![self.mesh];
         for level in 1..self.primitives.len() {
@@ -273,7 +274,7 @@ impl<'a> Levels<'a> {
             meshes.push(self.put_mesh(root, level).unwrap_or(before));
         }
         for (level, &mesh) in meshes.iter().enumerate() {
-            if self.glides(level) && gliding.insert(mesh) {
+            if self.morphs(level) && morphing.insert(mesh) {
                 self.put_targets(root, writer, mesh, level);
             }
         }
@@ -309,8 +310,8 @@ impl<'a> Levels<'a> {
     }
 
     /// Returns whether the vertices of a level move towards the next one.
-    fn glides(&self, level: usize) -> bool {
-        self.object.glide.as_ref().is_some_and(|glide| glide.moving[level].is_some())
+    fn morphs(&self, level: usize) -> bool {
+        self.object.geomorph.as_ref().is_some_and(|geomorph| geomorph.moving[level].is_some())
     }
 
     /// Gives the primitives of a level the target that moves them to the next one. Those that are
@@ -348,7 +349,7 @@ impl<'a> Levels<'a> {
             targets = targets.max(primitive.list("targets").len());
             primitive.append("targets", target.into_iter().map(Json::Object).collect());
         }
-        glide::name_target(entry, targets);
+        geomorph::name_target(entry, targets);
     }
 
     /// Adds a node per coarser level beside `node`, with its transform and skin. Returns the number

@@ -10,7 +10,7 @@ use super::{adapted, document_mesh, document_primitive, glb, source_document, su
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::prune;
 use crate::images::{TextureMode, Textures};
-use crate::options::Additions;
+use crate::options::ExportOptions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::{Attribute, Component, Mesh, SequenceParts, Simplified, Submesh, removal_lods};
 use std::path::Path;
@@ -26,7 +26,7 @@ pub struct LevelsObject<'a> {
     pub strips: Option<&'a [u32]>,
     /// When it loses triangles: indices into the order over the objects of the scene, rising, each
     /// with the LOD after it. Empty for the only object.
-    pub turns: &'a [(u32, u32)],
+    pub ranks: &'a [(u32, u32)],
 }
 
 /// Makes one GLB of a scene with every level, its textures embedded, and a warning for each texture
@@ -37,7 +37,7 @@ pub struct LevelsObject<'a> {
 /// primitive that it becomes), `removals` (LOD at which each triangle goes) and, if known,
 /// `strips`. Each mesh has `extras.lodc` with `records`, `scale` (world units per unit),
 /// `diagonal`, and the accessors `ends`, `triangles` and `errors` by step (steps that leave no
-/// triangle have the last finite error); of several objects also `turns` and `turn_lods`, the ranks
+/// triangle have the last finite error); of several objects also `ranks` and `rank_lods`, the ranks
 /// at which the object loses triangles in the order over all objects, and its LOD after each.
 ///
 /// # Errors
@@ -52,10 +52,10 @@ pub fn export_levels(
     let mut warnings = textures.warnings.clone();
     let textures = textures.placed(TextureMode::Embed, path);
     warnings.extend_from_slice(&textures.warnings);
-    let additions = Additions { textures, ..Additions::default() };
-    let (mut root, mut blob) = source_document(document, &infos, &additions)?;
+    let options = ExportOptions { textures, ..ExportOptions::default() };
+    let (mut root, mut blob) = source_document(document, &infos, &options)?;
     forget_missing(&mut root);
-    let mut writer = Writer::new(&root, &additions);
+    let mut writer = Writer::new(&root, &options);
     let mut empty = Vec::new();
     for (i, object) in objects.iter().enumerate() {
         let mesh = document_mesh(document, object.info, i);
@@ -184,10 +184,10 @@ impl<'a> Levels<'a> {
             extras["triangles"] = words(writer, &parts.step_triangles)?;
             extras["errors"] = scalars(writer, Component::F32, errors)?;
         }
-        if !self.object.turns.is_empty() {
-            let (indices, lods): (Vec<u32>, Vec<u32>) = self.object.turns.iter().copied().unzip();
-            extras["turns"] = words(writer, &indices)?;
-            extras["turn_lods"] = words(writer, &lods)?;
+        if !self.object.ranks.is_empty() {
+            let (indices, lods): (Vec<u32>, Vec<u32>) = self.object.ranks.iter().copied().unzip();
+            extras["ranks"] = words(writer, &indices)?;
+            extras["rank_lods"] = words(writer, &lods)?;
         }
         Ok(extras)
     }

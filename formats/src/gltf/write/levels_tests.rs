@@ -74,7 +74,7 @@ fn exported(simplified: &Simplified) -> Glb {
     let info = info(simplified);
     let triangles = simplified.mesh().triangles().len() as u32;
     let strips: Vec<u32> = (0..triangles).collect();
-    let object = LevelsObject { info: &info, simplified, strips: Some(&strips), turns: &[] };
+    let object = LevelsObject { info: &info, simplified, strips: Some(&strips), ranks: &[] };
     let document = Document::Obj(ObjDocument::default());
     let (file, warnings) =
         export_levels(Path::new("l.glb"), &document, &[object], Textures::default())

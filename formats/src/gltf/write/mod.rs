@@ -7,7 +7,7 @@ mod chain;
 mod compressed;
 mod differences;
 mod fresh;
-mod glide;
+mod geomorph;
 mod images;
 mod levels;
 mod samples;
@@ -16,13 +16,13 @@ mod writer;
 use super::json::{self, Json, Object, object};
 use super::quantize::{self, Quantizer, WrittenObject};
 use super::{glb, prune, schema};
-use crate::options::{Additions, ExportObject, Precision};
+use crate::options::{ExportObject, ExportOptions, Precision};
 use crate::percent::percent_encoded;
 use crate::provenance::{LevelFacts, Provenance};
 use crate::{Document, FormatError, GENERATOR, Limits, ObjectInfo, OutputFile, SubmeshInfo};
 use buffers::{Drawn, VertexBuffers};
 pub use images::embed_images;
-use lodc_mesh::{Mesh, Posture, Submesh};
+use lodc_mesh::{Mesh, PoseKey, Submesh};
 use std::borrow::Cow;
 use std::path::Path;
 use writer::Writer;
@@ -30,7 +30,7 @@ use writer::Writer;
 pub use super::quantize::RoundedObject;
 pub use chain::{ChainObject, ChainShape, export_chain};
 pub use differences::MovedStreams;
-pub use glide::Glide;
+pub use geomorph::Geomorph;
 pub use levels::{LevelsObject, export_levels};
 
 /// Makes one `.glb`, or a `.gltf` and the `.bin` beside it. Primitives without triangles are left
@@ -40,17 +40,17 @@ pub(crate) fn export<'a>(
     binary: bool,
     document: &Document,
     objects: &[ExportObject<'a>],
-    additions: &Additions,
+    options: &ExportOptions,
 ) -> Result<Vec<OutputFile>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
-    let (mut root, mut blob) = source_document(document, &infos, additions)?;
+    let (mut root, mut blob) = source_document(document, &infos, options)?;
     let written_object =
         |(i, o): (usize, &ExportObject<'a>)| written_object(document, i, o.info, o.mesh);
     let written_objects =
         objects.iter().enumerate().map(written_object).collect::<Result<Vec<_>, _>>()?;
     let quantizer =
-        Quantizer::new(additions.precision, document, &written_objects, &mut root, &mut blob)?;
-    let mut writer = Writer::new(&root, additions);
+        Quantizer::new(options.precision, document, &written_objects, &mut root, &mut blob)?;
+    let mut writer = Writer::new(&root, options);
     let mut empty = Vec::new();
     for (i, written_object) in written_objects.iter().enumerate() {
         let geometry = quantizer.geometry(i, written_object);
@@ -96,7 +96,7 @@ pub fn rounded<'a>(
         return Ok(None);
     }
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
-    let (root, _) = source_document(document, &infos, &Additions::default())?;
+    let (root, _) = source_document(document, &infos, &ExportOptions::default())?;
     let written_object =
         |(i, o): (usize, &ExportObject<'a>)| written_object(document, i, o.info, o.mesh);
     let written_objects =
@@ -104,20 +104,20 @@ pub fn rounded<'a>(
     quantize::rounded(precision, document, &root, &written_objects).map(Some)
 }
 
-/// The document that geometry goes into, additions included, and the bytes that it refers to
-/// already.
+/// The document that geometry goes into, provenance and images included, and the bytes that it
+/// refers to already.
 fn source_document(
     document: &Document,
     objects: &[&ObjectInfo],
-    additions: &Additions,
+    options: &ExportOptions,
 ) -> Result<(Object, Vec<u8>), FormatError> {
     let (mut root, mut blob) = match document {
         Document::Gltf(gltf) => (gltf.root(&Limits::DEFAULT)?.clone(), gltf.blob().to_vec()),
         Document::Obj(obj) => fresh::document(obj, objects),
     };
-    images::put(&mut root, &mut blob, &additions.textures);
-    if let Some(provenance) = &additions.provenance {
-        put_provenance(&mut root, provenance, additions.precision != Precision::default());
+    images::put(&mut root, &mut blob, &options.textures);
+    if let Some(provenance) = &options.provenance {
+        put_provenance(&mut root, provenance, options.precision != Precision::default());
     }
     Ok((root, blob))
 }
@@ -131,14 +131,14 @@ fn put_provenance(root: &mut Object, provenance: &Provenance, requantizes: bool)
     let finite = |x: f64| x.is_finite().then_some(x);
     let level = |l: &LevelFacts| {
         let mut facts = object! { "lod" => l.lod, "error" => finite(l.error), "rms" => l.rms };
-        if let Some(glide) = &l.glide {
-            facts["distance"] = glide.distance.and_then(finite).into();
-            facts["morph_from"] = glide.morph_from.and_then(finite).into();
-            if let Some(error) = glide.pose_error {
+        if let Some(geomorph) = &l.geomorph {
+            facts["distance"] = geomorph.distance.and_then(finite).into();
+            facts["morph_from"] = geomorph.morph_from.and_then(finite).into();
+            if let Some(error) = geomorph.pose_error {
                 facts["geomorph_pose_error"] = finite(error).into();
             }
-            if glide.staying > 0 {
-                facts["geomorph_staying"] = glide.staying.into();
+            if geomorph.staying > 0 {
+                facts["geomorph_staying"] = geomorph.staying.into();
             }
         }
         facts
@@ -164,7 +164,7 @@ fn put_provenance(root: &mut Object, provenance: &Provenance, requantizes: bool)
         let max_count = poses.iter().map(Vec::len).max().unwrap_or(0);
         all["errors_over"] = object! { "rest" => true, "poses" => max_count };
         if max_count > 0 {
-            let object_poses = |poses: &Vec<Posture>| poses.iter().map(posture).collect::<Json>();
+            let object_poses = |poses: &Vec<PoseKey>| poses.iter().map(pose_key).collect::<Json>();
             all["poses"] = poses.iter().map(object_poses).collect::<Json>();
         }
     }
@@ -173,12 +173,12 @@ fn put_provenance(root: &mut Object, provenance: &Provenance, requantizes: bool)
     }
 }
 
-fn posture(pose: &Posture) -> Json {
+fn pose_key(pose: &PoseKey) -> Json {
     match *pose {
-        Posture::Moment { animation, seconds } => {
+        PoseKey::Moment { animation, seconds } => {
             object! { "animation" => animation, "seconds" => seconds }
         }
-        Posture::Target(target) => object! { "target" => target },
+        PoseKey::Target(target) => object! { "target" => target },
     }
 }
 
@@ -222,7 +222,7 @@ fn written_object<'a>(
         mesh: document_mesh(document, info, object),
         primitives: info.submeshes.iter().enumerate().map(primitive).collect(),
         geometry: adapted(document, mesh),
-        glide_target: None,
+        geomorph_target: None,
     })
 }
 

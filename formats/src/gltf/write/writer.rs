@@ -13,7 +13,7 @@ use crate::gltf::meshopt::Content;
 use crate::gltf::schema::{Pool, referenced, retain};
 use crate::gltf::semantic;
 use crate::gltf::views::put;
-use crate::options::Additions;
+use crate::options::ExportOptions;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
 use std::collections::BTreeMap;
@@ -76,10 +76,10 @@ pub(super) struct Writer {
 
 impl Writer {
     /// A writer whose accessors follow those of the document.
-    pub(super) fn new(root: &Object, additions: &Additions) -> Self {
+    pub(super) fn new(root: &Object, options: &ExportOptions) -> Self {
         Self {
-            compress: additions.compress,
-            direction_bits: additions.precision.normal,
+            compress: options.compress,
+            direction_bits: options.precision.normal,
             first_accessor: Pool::Accessors.len(root),
             first_view: Pool::BufferViews.len(root),
             accessors: Vec::new(),

@@ -18,20 +18,20 @@ fn stream(name: &str) -> Vec<u8> {
     std::fs::read(golden(&format!("{name}.lods"))).expect("a golden stream")
 }
 
-/// What the golden streams are made from, and how: also meshes of hubs, of which a vertex repeats
-/// the target of another one (the book), or a star is named (flaps).
+/// What the golden streams are made from, and how: also meshes of high-valence vertices, of which a
+/// vertex repeats the target of another one (the book), or a star is named (flaps).
 fn sources() -> Vec<(&'static str, LodFile, PackOptions)> {
     let file = |name| {
         let bytes = std::fs::read(golden(&format!("{name}.lodc"))).expect("a golden file");
         (name, crate::testing::read(&bytes).expect("a golden file"), PackOptions::default())
     };
-    let hub = |name, mesh, block_bytes| {
+    let center = |name, mesh, block_bytes| {
         let file = obj(vec![object(name, fixtures::random_collapse(&mesh, 1))]);
         (name, file, PackOptions { block_bytes, exact: true, ..PackOptions::default() })
     };
-    let hubs =
-        [hub("book", fixtures::book(400), Some(0)), hub("flaps", fixtures::flaps(600), None)];
-    NAMES.into_iter().map(file).chain(hubs).collect()
+    let centers =
+        [center("book", fixtures::book(400), Some(0)), center("flaps", fixtures::flaps(600), None)];
+    NAMES.into_iter().map(file).chain(centers).collect()
 }
 
 fn packed(file: &LodFile, options: &PackOptions) -> Vec<u8> {

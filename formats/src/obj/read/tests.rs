@@ -227,7 +227,7 @@ const WORDS: [&str; 28] = [
     "1//", "/", "//1", "1/1/1/1", "\\", "#", "\u{0}", "newmtl",
 ];
 
-/// Changes a text the way damaged and hostile files are: by words, numbers, lines and bytes.
+/// Changes a text the way damaged and malformed files are: by words, numbers, lines and bytes.
 pub(super) fn mutated(source: &str, random: &mut Random) -> Vec<u8> {
     let mut lines: Vec<Vec<u8>> = source.split('\n').map(|l| l.as_bytes().to_vec()).collect();
     for _ in 0..1 + random.below(4) {

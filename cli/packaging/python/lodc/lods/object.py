@@ -130,7 +130,7 @@ class StreamObject:
         self.steps, self.error_code, self.rms_code = 0, 0, 0
         self.next_parent, self._parent, self._continued = 0, 0, False
         self.points, self.used = Points(), 0
-        self._first_mate = self._work = self._sides = 0
+        self._first_sibling = self._work = self._sides = 0
 
     def start(self, header):
         """Takes the header."""
@@ -347,7 +347,7 @@ class StreamObject:
         self._continued = coder.bit(contexts.continues[number if continued else 0][others])
         if self.header.exact and not self._continued and new + 1 < self.header.vertices:
             self.next_parent = (parent + coder.bounded(contexts.parent, new + 1)) % (new + 1)
-        star = Star(mesh, parent, self._named_star(coder, contexts, parent))
+        star = Star(mesh, parent, self._face_list(coder, contexts, parent))
         mesh.add_vertex(submesh)
         pattern, triangles = self._triangles(coder, contexts, star, parent, new, continued)
         for t in triangles:
@@ -372,21 +372,21 @@ class StreamObject:
             wedge = new - 1
             mesh.next_wedge[new], mesh.next_wedge[wedge] = mesh.next_wedge[wedge], new
         else:
-            self._first_mate = new
+            self._first_sibling = new
         if self.groups:
-            self.groups.add_vertex(self._first_mate == new)
+            self.groups.add_vertex(self._first_sibling == new)
         link = [v for v, _, _ in Star(mesh, new).link]
-        mates = range(self._first_mate, new)
+        siblings = range(self._first_sibling, new)
         lefts = [t[1] for t in triangles if t[0] == "left"] or [parent]
         rights = [t[2] for t in triangles if t[0] == "right"] or [parent]
         cut, values = (lefts[0], rights[0]), contexts.values
         self.indices.append(
             code_values(
-                coder, values, self.header.layout, self.indices, parent, mates, link, cut
+                coder, values, self.header.layout, self.indices, parent, siblings, link, cut
             )
         )
 
-    def _named_star(self, coder, contexts, parent):
+    def _face_list(self, coder, contexts, parent):
         """The triangles that are transferred if they are named, else None."""
         size, triangles = len(self.mesh.corners[parent]), self.mesh.triangles
         if size <= LONG or not coder.bit(contexts.is_named):

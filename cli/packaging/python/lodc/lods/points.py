@@ -86,9 +86,9 @@ def _point(obj, coder, contexts, point):
     if reference is None:
         obj.indices[point] = absolute(coder, contexts, header.layout.channels)
     else:
-        values, mates = contexts.point_values, [] if wedge is None else [wedge]
+        values, siblings = contexts.point_values, [] if wedge is None else [wedge]
         obj.indices[point] = code_values(
-            coder, values, header.layout, obj.indices, reference, mates, [], (reference,) * 2
+            coder, values, header.layout, obj.indices, reference, siblings, [], (reference,) * 2
         )
     points.come(point, parent)
 

@@ -40,11 +40,11 @@ def _prediction(attribute):
     return "fit" if attribute.meaning == "texcoord" else "smooth"
 
 
-def code_values(coder, contexts, layout, indices, parent, mates, link, cut):
-    """Decodes the indices of a vertex. ``indices`` has those of all vertices before; ``mates`` are
+def code_values(coder, contexts, layout, indices, parent, siblings, link, cut):
+    """Decodes the indices of a vertex. ``indices`` has those of all vertices before; ``siblings`` are
     wedges that came before it, ``cut`` the apexes of the first left and right triangle."""
-    vertex = _Vertex(coder, contexts, layout, indices, parent, mates, link)
-    out = list(indices[mates[-1]][:3]) if mates else vertex.position(cut)
+    vertex = _Vertex(coder, contexts, layout, indices, parent, siblings, link)
+    out = list(indices[siblings[-1]][:3]) if siblings else vertex.position(cut)
     for s in range(1, len(layout.streams)):
         out += vertex.attribute(s, out)
     return out
@@ -61,10 +61,10 @@ def _index(system, even, at, parent):
 class _Vertex:
     """A vertex while its values are decoded."""
 
-    def __init__(self, coder, contexts, layout, indices, parent, mates, link):
+    def __init__(self, coder, contexts, layout, indices, parent, siblings, link):
         self.coder, self.contexts, self.layout, self.indices = coder, contexts, layout, indices
-        self.parent, self.mates, self.link = parent, mates, link
-        self.mate, self.before = None, 4
+        self.parent, self.siblings, self.link = parent, siblings, link
+        self.sibling, self.before = None, 4
 
     def residual(self, slot, channel, accuracy, guess, spread):
         """An index by its prediction, and the accuracy of that."""
@@ -132,12 +132,12 @@ class _Vertex:
     def attribute(self, s, position):
         c, (first, channels, _, _) = self.contexts, self.layout.streams[s]
         slot = s if s < 8 else 0
-        mates, parents, sources = self.sources(first, channels)
-        available = (mates > 0) + 2 * (parents < len(sources))
+        siblings, parents, sources = self.sources(first, channels)
+        available = (siblings > 0) + 2 * (parents < len(sources))
         context = c.source[slot][available][c.last_source[slot]][self.before]
         source = min(self.coder.symbol(context), 3)
         c.last_source[slot] = self.before = source
-        begin, end = ((0, mates), (mates, parents), (parents, len(sources)), (0, 0))[source]
+        begin, end = ((0, siblings), (siblings, parents), (parents, len(sources)), (0, 0))[source]
         if begin == end:
             return self.coded(s, slot, position)
         at = begin
@@ -146,11 +146,11 @@ class _Vertex:
             at += min(which, end - begin - 1)
         vertex, value = sources[at]
         if source == 0:
-            self.mate = vertex
+            self.sibling = vertex
         return list(value)
 
     def sources(self, first, channels):
-        """Vertices with different values: mates, the parent, the link; where the first two end."""
+        """Vertices with different values: siblings, the parent, the link; where the first two end."""
         out = []
 
         def add(v, most):
@@ -158,15 +158,15 @@ class _Vertex:
             if len(out) < most and all(value != other for _, other in out):
                 out.append((v, value))
 
-        latest = list(self.mates)[::-1][:MOST_SOURCES]
-        for v in latest if self.mate is None else [self.mate, *latest]:
+        latest = list(self.siblings)[::-1][:MOST_SOURCES]
+        for v in latest if self.sibling is None else [self.sibling, *latest]:
             add(v, MOST_SOURCES)
-        mates = len(out)
+        siblings = len(out)
         add(self.parent, MOST_SOURCES + 1)
         parents = len(out)
         for v in self.link[:MOST_SOURCES]:
             add(v, 1 << 32)
-        return mates, parents, out
+        return siblings, parents, out
 
     def coded(self, s, slot, position):
         first, channels, prediction, systems = self.layout.streams[s]

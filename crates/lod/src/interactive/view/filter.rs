@@ -100,7 +100,7 @@ pub struct Filtered {
     pub drawn_before: Vec<u32>,
 }
 
-/// Filters on the CPU: the twin of the kernels.
+/// Filters: the CPU version of the kernels.
 #[must_use]
 pub fn filtered(mesh: &Mesh, triangles: &[[u32; 3]], vertices: &[u32], stride: usize) -> Filtered {
     let key = |v: u32| {

@@ -35,7 +35,7 @@ use lodc_mesh::{Lod, Simplified};
 use lodc_plan::VertexRecords;
 use lodc_verify::{Failure, ShownView, ViewReference};
 
-/// The view-dependent variant on the CPU: the twin of the kernels.
+/// The view-dependent variant: the CPU version of the kernels.
 #[derive(Clone, Debug)]
 pub struct Views<'a> {
     selector: Selector<'a>,

@@ -1,7 +1,7 @@
 //! Tests of view-dependent levels: every criterion from random viewpoints, with and without
 //! morphing, as a [`Plan`] for a device and as a check on the CPU.
 //!
-//! The CPU code that does the same as the kernels is their *twin* ([`Views`]). The twin itself is
+//! The CPU code that does the same as the kernels is their *CPU version* ([`Views`]). It is
 //! compared with the collapse sequence ([`ViewReference`]).
 
 use super::{Criterion, Filter, ViewPasses, ViewQuery, Views, filtered};
@@ -76,9 +76,9 @@ impl Interactive {
     }
 
     /// A plan of view-dependent levels, each compared in full: drawn records, compacted triangles
-    /// and draw arguments with the twin; the twin's level with the collapse sequence, and that it
-    /// has no cracks. `triangles` are those of the mesh, submesh by submesh, in the order in which
-    /// they are drawn.
+    /// and draw arguments with the CPU version; the CPU version's level with the collapse sequence,
+    /// and that it has no cracks. `triangles` are those of the mesh, submesh by submesh, in the
+    /// order in which they are drawn.
     ///
     /// # Errors
     /// If the mesh is too large, or one vertex has more collapses than kernels follow.
@@ -95,8 +95,8 @@ impl Interactive {
         let mut program = Program::default();
         let source = program.words("source", records.words.as_slice());
         let vertices = program.words("vertices", records.words.as_slice());
-        let twin = Views::new(simplified, records);
-        let device = ViewPasses::new(&mut program, &twin, source, vertices);
+        let cpu = Views::new(simplified, records);
+        let device = ViewPasses::new(&mut program, &cpu, source, vertices);
         let filter = Filter::new(&mut program, mesh, &triangles, vertices, stride);
         let reference = ViewReference::new(simplified);
         let locate = replay::locate(
@@ -107,7 +107,7 @@ impl Interactive {
             stride,
         );
         let step = move |view: ViewQuery| {
-            let shown = twin.show(&view);
+            let shown = cpu.show(&view);
             let remaining = filtered(mesh, &triangles, &shown.vertices, stride);
             let wrong = shown.check(&reference, &view, &remaining.indices, stride);
             // Morphing computes positions in floats; all else is copied.

@@ -12,7 +12,7 @@ use lodc_mesh::{CollapseSequence, Lod, NONE};
 const MAX_WALK: u32 = 64;
 
 /// Share of a move below which neither it nor the moves that continue it change an `f32`. Without
-/// it, thousands of moves around a hub may be followed one after the other.
+/// it, thousands of moves around a high-valence vertex may be followed one after the other.
 const MIN_SHARE: f32 = 1e-7;
 
 /// Added to the sines of cones, and cosines below which one counts as open: more than the

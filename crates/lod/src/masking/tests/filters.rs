@@ -127,11 +127,11 @@ fn strips_around_hubs_draw_exactly_their_triangles_however_they_are_filtered() {
     let mut search = Search::new();
     for case in 0..600 {
         let len = 12 + rng.below(5);
-        // Fans around few hubs, or bands.
-        let hubs = 1 + rng.below(3) as u32;
+        // Fans around few high-valence vertices, or bands.
+        let centers = 1 + rng.below(3) as u32;
         let fan = rng.one_in(2);
         let mut strip: Vec<u32> = (0..len as u32)
-            .map(|k| if fan && k % 2 == 0 { 1000 + k / 5 % hubs } else { k })
+            .map(|k| if fan && k % 2 == 0 { 1000 + k / 5 % centers } else { k })
             .collect();
         for _ in 0..rng.below(len) {
             let at = rng.below(len - 1);

@@ -39,7 +39,7 @@ pub(crate) use patch::Patch;
 
 use crate::Guidance;
 use crate::cut::{Region, Wedges, WorkingMesh};
-use crate::metric::reprice::Reprice;
+use crate::metric::reevaluate::Reevaluate;
 use crate::options::Options;
 use crate::recorded::RecordedCollapse;
 use appearance::Appearance;
@@ -59,12 +59,12 @@ const ATTRIBUTE_WEIGHT: f64 = 100.0;
 /// Pixels across a picture of the mesh: texels are averaged over one. Twice the 256 at which
 /// `compare` and the judge of builds look; not tuned.
 const PICTURE_PIXELS: f64 = 512.0;
-/// The most candidates of a group that are repriced: those that are cheapest by geometry. A limit
-/// of eight lowers the image error of chr_knight, whose texture is a palette, at 77 % of its
+/// The most candidates of a group that are re-evaluated: those that are cheapest by geometry. A
+/// limit of eight lowers the image error of chr_knight, whose texture is a palette, at 77 % of its
 /// triangles from 1.8 to 1.3 (of 255), and that of three other models hardly; it takes longer.
 const MAX_CANDIDATES: usize = 3;
-/// The most faces times candidates that are repriced: 21 faces still have three. Chosen by hand, as
-/// a bound on the time that a group takes.
+/// The most faces times candidates that are re-evaluated: 21 faces still have three. Chosen by
+/// hand, as a bound on the time that a group takes.
 const MAX_FACES_PRICED: usize = 64;
 /// Weight of geometry and attributes where nothing is visible, as a share of that elsewhere: it
 /// keeps hidden parts in the order of the quadric and before all that is seen. Any small number
@@ -147,7 +147,7 @@ impl<'a> HybridMetric<'a> {
     }
 }
 
-impl Reprice for HybridMetric<'_> {
+impl Reevaluate for HybridMetric<'_> {
     type ViewScratch = Patch;
 
     fn attribute_weight(&self) -> f64 {
@@ -155,7 +155,8 @@ impl Reprice for HybridMetric<'_> {
     }
 
     /// Samples lie on the surface at rest. What a collapse costs more in motion counts like as much
-    /// squared distance of what is visible: `reprice` multiplies it by the weight of the quadric.
+    /// squared distance of what is visible: `reevaluate` multiplies it by the weight of the
+    /// quadric.
     fn motion_weight(&self) -> f64 {
         if self.active { DISTANCE_SHARE.powi(-2) } else { 1.0 }
     }
@@ -206,7 +207,7 @@ impl Reprice for HybridMetric<'_> {
         prefix.collapses.get(i).copied().filter(|_| is_repeated)
     }
 
-    fn reprice(
+    fn reevaluate(
         &self,
         mesh: &WorkingMesh,
         wedges: &Wedges,
@@ -241,7 +242,7 @@ impl Reprice for HybridMetric<'_> {
             };
             worst = cost.max(worst);
         }
-        // Candidates that were not repriced come after all that were.
+        // Candidates that were not re-evaluated come after all that were.
         for (cost, _) in others {
             *cost = worst + tie_weight * *cost;
         }

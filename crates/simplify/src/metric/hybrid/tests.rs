@@ -3,7 +3,7 @@
 
 use super::{Checkerboard, HybridMetric, Patch};
 use crate::cut::Region;
-use crate::metric::Reprice;
+use crate::metric::Reevaluate;
 use crate::number::Input;
 use crate::{Guidance, MetricKind, Options, Prefix, simplify, simplify_recorded};
 use lodc_fixtures as shapes;
@@ -118,7 +118,14 @@ fn a_commit_costs_what_the_look_said() {
             let Some(&corner) = working.star(from).first() else { continue };
             let to = working.others(corner)[random.below(2)];
             let mut candidates = [(0.0, to)];
-            metric.reprice(&working, &wedges, from, &mut candidates, false, &mut Patch::default());
+            metric.reevaluate(
+                &working,
+                &wedges,
+                from,
+                &mut candidates,
+                false,
+                &mut Patch::default(),
+            );
             let before: f64 = metric.energy.iter().sum();
             metric.collapsed(&working, &wedges, from, to);
             let alive_before = working.live_faces;

@@ -2,7 +2,7 @@
 
 use super::samples::Samples;
 use crate::cut::WorkingMesh;
-use crate::metric::reprice::cameras;
+use crate::metric::reevaluate::cameras;
 use glam::Vec3;
 use lodc_raster::{Camera, SUBPIXELS, Window, scan};
 use rayon::prelude::*;

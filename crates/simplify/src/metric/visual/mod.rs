@@ -22,7 +22,7 @@ pub(crate) use candidate_view::ViewScratch;
 pub(crate) use score::Score;
 
 use crate::cut::{Corner, Wedges, WorkingMesh};
-use crate::metric::reprice::{Reprice, cameras};
+use crate::metric::reevaluate::{Reevaluate, cameras};
 use lodc_raster::{Camera, Window, scan};
 use rayon::prelude::*;
 use score::{Table, log_area};
@@ -207,7 +207,7 @@ fn divergence(sum: f64, covered: u32, table: &Table) -> f64 {
     if covered == 0 { 0.0 } else { (sum - table.at(covered)) / f64::from(covered) }
 }
 
-impl Reprice for VisualMetric {
+impl Reevaluate for VisualMetric {
     const IS_LOCAL: bool = false;
     type ViewScratch = ViewScratch;
 
@@ -236,7 +236,7 @@ impl Reprice for VisualMetric {
         }
     }
 
-    fn reprice(
+    fn reevaluate(
         &self,
         mesh: &WorkingMesh,
         _wedges: &Wedges,

@@ -4,7 +4,7 @@ use super::view::View;
 use super::{Score, VisualMetric, log_area};
 use crate::choose::link::{Link, Marks};
 use crate::cut::{OPEN, Region, WorkingMesh};
-use crate::metric::Reprice;
+use crate::metric::Reevaluate;
 use crate::number::Input;
 use crate::{MetricKind, Options, simplify};
 use lodc_fixtures as shapes;
@@ -122,7 +122,7 @@ fn a_look_says_what_a_collapse_changes() {
             for from in (0..working.group_positions.len() as u32).step_by(17) {
                 let Some(&corner) = working.star(from).first() else { continue };
                 let mut candidates = working.others(corner).map(|to| (0.0, to));
-                metric.reprice(
+                metric.reevaluate(
                     &working,
                     &wedges,
                     from,

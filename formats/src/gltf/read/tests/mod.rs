@@ -4,7 +4,7 @@ mod corpus;
 mod document;
 mod draco;
 mod geometry;
-mod hostile;
+mod malformed;
 mod mutation;
 
 use super::import;
