@@ -74,21 +74,6 @@ const DRAWING: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        "crates/batch",
-        &[
-            "lodc-formats",
-            "lodc-select",
-            "lodc-simplify",
-            "globset",
-            "indexmap",
-            "serde",
-            "serde_json",
-            "strsim",
-            "toml",
-            "walkdir",
-        ],
-    ),
-    (
         "crates/lodc",
         &[
             "lodc-errors",
@@ -152,7 +137,6 @@ const DRAWING: &[(&str, &[&str])] = &[
         "cli",
         &[
             "lodc",
-            "lodc-assets",
             "lodc-errors",
             "lodc-formats",
             "lodc-gpu",
@@ -174,6 +158,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "clap_complete",
             "clap_mangen",
             "ctrlc",
+            "globset",
             "indexmap",
             "indicatif",
             "mimalloc",
@@ -181,6 +166,9 @@ const DRAWING: &[(&str, &[&str])] = &[
             "rustix",
             "serde",
             "serde_json",
+            "strsim",
+            "toml",
+            "walkdir",
         ],
     ),
     // Beside the drawing: shapes for tests. Its generator writes them with the project's own
@@ -215,7 +203,7 @@ const OWNED: &[(&str, &[&str])] = &[
     ("zune_jpeg::", &["formats/"]),
     ("wgpu::", &["crates/gpu/"]),
     // Lists and configurations are read where assets are chosen.
-    ("std::fs", &["formats/", "crates/batch/", "crates/lodc/", "cli/"]),
+    ("std::fs", &["formats/", "crates/lodc/", "cli/"]),
     ("std::net", &[]),
     ("clap::", &["cli/"]),
     ("indicatif::", &["cli/"]),

@@ -3,11 +3,11 @@
 
 use crate::exit::Outcome;
 use crate::help::MANY_ASSETS;
+use crate::jobs::{JobChoice, Shard};
 use clap::Args;
-use lodc_assets::{JobChoice, Shard};
 use std::path::{Path, PathBuf};
 
-pub(crate) use lodc_assets::{
+pub(crate) use crate::jobs::{
     Budget, CommandPaths, Job, LEVEL_EXTENSIONS, MESH_EXTENSIONS, OptionValues, Pair, RECORDS,
     check_standard_streams, expand_folders, has_extension, orphans, run_queue,
 };
@@ -55,15 +55,15 @@ impl BatchArgs {
 /// The assets of a run, in order.
 ///
 /// # Errors
-/// As [`lodc_assets::jobs`].
+/// As [`crate::jobs::jobs`].
 pub(crate) fn jobs(paths: CommandPaths<'_>, batch: &BatchArgs) -> Outcome<Vec<Job>> {
-    Ok(lodc_assets::jobs(paths, &batch.choice())?)
+    Ok(crate::jobs::jobs(paths, &batch.choice())?)
 }
 
 /// The pairs of files that a run compares.
 ///
 /// # Errors
-/// As [`lodc_assets::pairs`].
+/// As [`crate::jobs::pairs`].
 pub(crate) fn pairs(named: Option<[&Path; 2]>, batch: &BatchArgs) -> Outcome<Vec<Pair>> {
-    Ok(lodc_assets::pairs(named, &batch.choice())?)
+    Ok(crate::jobs::pairs(named, &batch.choice())?)
 }

@@ -3,9 +3,9 @@
 use crate::console;
 use crate::exit::Outcome;
 use crate::help::CONFIGURATION;
+use crate::jobs::{ConfigLayer, Configs, Job};
 use crate::program::Program;
 use clap::Args;
-use lodc_assets::{ConfigLayer, Configs, Job};
 use std::path::{Path, PathBuf};
 
 /// Options that choose a configuration.

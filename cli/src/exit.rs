@@ -1,7 +1,7 @@
 //! Exit statuses, and the failures that carry one: a one-line message, and whether input, options
 //! or system are at fault.
 
-use lodc_assets::JobError;
+use crate::jobs::JobError;
 use lodc_formats::{Fault, FormatError};
 use std::fmt;
 

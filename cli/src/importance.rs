@@ -3,8 +3,8 @@
 
 use crate::exit::{Failure, Outcome};
 use crate::help::SIMPLIFIED;
+use crate::jobs::name_list;
 use clap::Args;
-use lodc_assets::name_list;
 use lodc_formats::{ObjectInfo, PartNames, Scene};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_simplify::Weights;

@@ -16,6 +16,7 @@ mod help;
 mod huge_pages;
 mod importance;
 mod interrupt;
+mod jobs;
 mod kinds;
 mod limits;
 mod memory;

@@ -5,8 +5,8 @@ use crate::exit::{Failure, Outcome};
 use crate::output::{self, Target};
 use clap::ValueEnum;
 use lodc::level_mesh::Order;
-use lodc_formats::export::{ExportFormat, ExportObject, ExportOptions, export_with, left_out};
-use lodc_formats::{Document, OutputFile};
+use lodc_formats::OutputFile;
+use lodc_formats::export::ExportFormat;
 use std::path::{Path, PathBuf};
 
 /// Formats that can be written.
@@ -81,14 +81,6 @@ impl FormatName {
     pub(crate) fn is_gltf(self) -> bool {
         matches!(self, Self::Glb | Self::Gltf | Self::Vrm)
     }
-    /// A line on what of an asset it cannot hold.
-    pub(crate) fn left_out(
-        self,
-        document: &Document,
-        objects: &[ExportObject<'_>],
-    ) -> Option<String> {
-        left_out(self.export_format(), document, objects)
-    }
 }
 
 /// Returns the format of results at OUT: by option, by the extension of OUT or, for standard output
@@ -115,25 +107,15 @@ pub(crate) fn format(
     Ok(format)
 }
 
-/// The files that a mesh becomes, the one that refers to the others first.
-///
-/// # Errors
-/// If the format cannot hold it.
-pub(crate) fn files(
-    target: &Target,
-    format: FormatName,
-    document: &Document,
-    objects: &[ExportObject<'_>],
-    options: &ExportOptions,
-) -> Outcome<Vec<OutputFile>> {
-    let path = match target {
+/// The path that the files of a result are named after.
+pub(crate) fn path(target: &Target, format: FormatName) -> PathBuf {
+    match target {
         Target::File(path) => path.clone(),
         Target::Stdout => PathBuf::from("stdout").with_extension(format.extension()),
-    };
-    Ok(export_with(&path, format.export_format(), document, objects, options)?)
+    }
 }
 
-/// Writes what [`files`] gave.
+/// Writes a mesh's files, of which the first refers to the others.
 ///
 /// # Errors
 /// If it cannot be written.

@@ -2,8 +2,8 @@
 //! files.
 
 use crate::exit::{Failure, Outcome};
+use crate::jobs::JobError;
 use crate::{console, interrupt};
-use lodc_assets::JobError;
 use lodc_formats::{OutputFile, write_all, write_each};
 use std::mem::take;
 use std::path::Path;
@@ -11,7 +11,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-pub(crate) use lodc_assets::{
+pub(crate) use crate::jobs::{
     DependencyRule, Target, is_folder, is_standard_stream, prepare_targets, single_target,
 };
 

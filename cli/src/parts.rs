@@ -2,8 +2,8 @@
 
 use crate::help::SIMPLIFIED;
 use crate::importance;
+use crate::jobs::{Part, Parts};
 use clap::Args;
-use lodc_assets::{Part, Parts};
 
 /// Options of parts.
 #[derive(Args, Clone, Debug, Default)]

@@ -1,11 +1,11 @@
 //! Options of single assets, from `lodc.toml` and lists: `clap` parses them as if they had been
 //! typed.
 
+use crate::jobs::{CommandOptions, LIMIT_OPTION, OptionValues, ValueCheck, Vocabulary};
 use crate::parts;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, FromArgMatches, Id};
-use lodc_assets::{CommandOptions, LIMIT_OPTION, OptionValues, ValueCheck, Vocabulary};
 use std::cell::OnceCell;
 use std::ffi::OsString;
 use std::rc::Rc;

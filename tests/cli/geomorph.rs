@@ -260,7 +260,7 @@ fn geometry(f: &Folder, plain: &str, more: &str) -> f64 {
 }
 
 #[test]
-fn real_meshes_glide() {
+fn real_meshes_morph() {
     let Some(corpus) = corpus() else { return };
     let models = [
         "paper/cow.obj",

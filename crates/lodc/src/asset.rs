@@ -6,6 +6,8 @@
 //!                             └─ with_poses ──► errors of the levels that are taken out
 //! ```
 
+#[cfg(feature = "export")]
+use crate::LevelOf;
 use crate::pipeline::{
     Growth, Importance, LevelDistance, MetricColours, SceneColours, SceneContext, Tick, Watch,
     build_models, check_models, choose_poses, measure_all, measure_levels, read_colours,
@@ -88,6 +90,14 @@ pub struct Simplify<'a> {
 }
 
 impl Asset {
+    /// A level of all its objects, to be written; `lod` is that of all of them, if they have one.
+    #[cfg(feature = "export")]
+    #[must_use]
+    pub fn level_of(&self, lod: Option<Lod>) -> LevelOf<'_> {
+        let source = self.source.content_hash;
+        LevelOf { objects: &self.objects, document: &self.document, source, lod }
+    }
+
     /// Simplifies the objects of a scene, and measures the `errors` that are asked for; of several
     /// objects those of every level, since they share out triangles by errors. `path` is the
     /// scene's file, beside which images are looked for.

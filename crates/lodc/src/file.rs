@@ -242,9 +242,8 @@ impl<'a> Level<'a> {
     /// written.
     #[cfg(feature = "export")]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<Vec<String>, Error> {
-        use lodc_formats::export::{
-            ExportFormat, ExportOptions, LevelFacts, Precision, Provenance, export_with, left_out,
-        };
+        use crate::LevelOf;
+        use lodc_formats::export::{ExportFormat, ExportOptions};
         use lodc_formats::images::{TextureMode, Textures};
         let path = path.as_ref();
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -273,28 +272,15 @@ impl<'a> Level<'a> {
             options.textures = textures.placed(mode, path);
             warnings.extend_from_slice(&options.textures.warnings);
         }
-        let lod = match self.lods[..] {
-            [lod] => Some(lod.0),
-            _ => None,
+        let level = LevelOf {
+            objects: &content.objects,
+            document: &content.document,
+            source: content.source.content_hash,
+            lod: <[Lod; 1]>::try_from(&self.lods[..]).ok().map(|[lod]| lod),
         };
-        let (document, precision) = (&content.document, Precision::default());
-        let written = level_mesh::written_distances(
-            &content.objects,
-            document,
-            &self.meshes,
-            format,
-            precision,
-        )?;
-        let (error, rms) = level_mesh::largest_distance(&content.objects, written.into_iter());
-        let levels = vec![LevelFacts { lod, error, rms, geomorph: None }];
-        let source = content.source.content_hash;
-        let poses = Some(content.objects.iter().map(|o| o.info.poses.clone()).collect());
-        let (screen, next, refitted) = (None, None, false);
-        options.provenance = Some(Provenance { source, levels, refitted, screen, next, poses });
-        let objects = level_mesh::export_objects(&content.objects, &self.meshes);
-        warnings.extend(left_out(format, &content.document, &objects));
-        let files = export_with(path, format, &content.document, &objects, &options)?;
-        lodc_formats::write_all(&files)?;
+        let made = level.files(&mut self.meshes.clone(), path, format, &options)?;
+        warnings.extend(made.left_out);
+        lodc_formats::write_all(&made.files)?;
         Ok(warnings)
     }
 }

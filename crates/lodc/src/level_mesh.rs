@@ -187,7 +187,7 @@ pub struct Rounding {
 /// # Errors
 /// If the document is damaged.
 #[cfg(feature = "export")]
-pub fn written_distances(
+pub(crate) fn written_distances(
     objects: &[LodObject],
     document: &Document,
     meshes: &[LevelMesh],
@@ -204,25 +204,6 @@ pub fn written_distances(
     Ok(meshes.iter().zip(rounding.by_object).map(with_rounding).collect())
 }
 
-/// Adds to the distances of levels how far rounding moves their vertices: see [`rounding`].
-///
-/// # Errors
-/// If the document is damaged.
-#[cfg(feature = "export")]
-pub fn add_rounding_to_all(
-    objects: &[LodObject],
-    document: &Document,
-    meshes: &mut [LevelMesh],
-    format: ExportFormat,
-    precision: Precision,
-) -> Result<(), FormatError> {
-    let written = written_distances(objects, document, meshes, format, precision)?;
-    for (mesh, distances) in meshes.iter_mut().zip(written) {
-        (mesh.error, mesh.rms) = distances;
-    }
-    Ok(())
-}
-
 /// Adds how far rounding moves vertices to the error and the root mean square distance of a
 /// level.
 pub fn add_rounding(error: &mut f64, rms: &mut Option<f64>, moved: f64) {
@@ -230,17 +211,4 @@ pub fn add_rounding(error: &mut f64, rms: &mut Option<f64>, moved: f64) {
     // `moved` is half the diagonal of a cell of the grid, √3/2 steps. Three coordinates, each off
     // by a uniformly distributed part of a step, have a mean square of a quarter of a step squared.
     *rms = rms.map(|rms| rms.hypot(moved / 3f64.sqrt()));
-}
-
-/// The objects with their meshes, to be exported.
-#[cfg(feature = "export")]
-pub fn export_objects<'a>(
-    objects: &'a [LodObject],
-    meshes: &'a [LevelMesh],
-) -> Vec<ExportObject<'a>> {
-    let one = |(o, level): (&'a LodObject, &'a LevelMesh)| ExportObject {
-        info: &o.info,
-        mesh: &level.mesh,
-    };
-    objects.iter().zip(meshes).map(one).collect()
 }

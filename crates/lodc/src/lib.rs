@@ -55,6 +55,8 @@ pub mod pipeline;
 mod scene_levels;
 mod shapes;
 mod source;
+#[cfg(feature = "export")]
+mod written;
 
 #[cfg(feature = "build")]
 pub use asset::{Asset, Errors, Simplify};
@@ -78,6 +80,8 @@ pub use meeting::{parting_borders, parting_line};
 pub use scene_levels::scene_levels;
 pub use shapes::{stated_shapes, target_shapes};
 pub use source::Source;
+#[cfg(feature = "export")]
+pub use written::{LevelOf, WrittenLevel};
 
 /// Builds a file from a glTF, GLB, OBJ, PLY or STL file, given by its path, its bytes or a reader,
 /// or from a mesh of arrays: [`Builder::run`] does the work.

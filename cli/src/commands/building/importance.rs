@@ -3,8 +3,8 @@
 
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
+use crate::jobs::Parts;
 use lodc::pipeline::Importance;
-use lodc_assets::Parts;
 use lodc_formats::Scene;
 use lodc_simplify::Options;
 

@@ -2,13 +2,13 @@
 
 use super::{BuildArgs, counts, importance};
 use crate::exit::{Failure, Outcome, Status};
+use crate::jobs::Parts;
 use crate::kinds::StepOrder;
 use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc::pipeline::{Need, Size};
 use lodc::{Asset, LodFile, LodObject, Simplify, parting_borders, parting_line, write};
-use lodc_assets::Parts;
 use lodc_formats::gltf::embed_images;
 use lodc_formats::images::{TextureMode, Textures};
 use lodc_formats::lodc::MadeFrom;

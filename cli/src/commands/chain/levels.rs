@@ -3,12 +3,12 @@
 
 use crate::exit::{Failure, Outcome};
 use crate::help::LEVEL;
+use crate::jobs::Parts;
 use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
 use lodc::level_mesh::{self, LevelMesh};
 use lodc::pipeline::LevelDistance;
 use lodc::{LodObject, SceneLevels};
-use lodc_assets::Parts;
 use lodc_formats::export::GeomorphFacts;
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainLevel;

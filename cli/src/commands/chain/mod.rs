@@ -251,7 +251,7 @@ fn chain(
             true if args.geomorph.moved_streams().is_some() => {
                 separate::morphing_files(args, out, format, &asset, levels, options)
             }
-            true => separate::files(args, out, format, &asset, levels, options),
+            true => separate::files(out, format, &asset, levels, options),
             false => shared::files(args, out, format, &asset, levels, options),
         }
     };

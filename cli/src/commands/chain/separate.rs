@@ -5,21 +5,19 @@ use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
 use crate::compression::EncodeOptions;
 use crate::exit::Outcome;
-use crate::mesh_output::{self, FormatName};
-use crate::output::Target;
+use crate::mesh_output::FormatName;
 use lodc::Asset;
 use lodc::geomorph::{MorphingLevel, morphing_levels, with_staying};
 use lodc::level_mesh::{self, LevelMesh, MeshOptions, Order};
 use lodc::pipeline::Way;
 use lodc_formats::export::ExportOptions;
 use lodc_formats::gltf::{ChainObject, ChainShape, Geomorph, export_chain};
-use lodc_mesh::{LevelTriangles, Mesh, Submesh};
+use lodc_mesh::{LevelTriangles, Lod, Mesh, Submesh};
 use lodc_strip::{codec_order_list, order_list};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 pub(super) fn files(
-    args: &ChainArgs,
     out: &Path,
     format: FormatName,
     asset: &Asset,
@@ -30,18 +28,18 @@ pub(super) fn files(
     let mut left_out = None;
     let order = EncodeOptions::of(&options).order();
     for (number, level) in levels.iter_mut().enumerate() {
-        let (objects, document) = (&asset.objects, &asset.document);
         let mut meshes = meshes(asset, level, order)?;
-        let (stored, precision) = (format.export_format(), options.precision);
-        level_mesh::add_rounding_to_all(objects, document, &mut meshes, stored, precision)?;
-        (level.error, level.rms) = level_mesh::largest_of_meshes(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
-        let objects = level_mesh::export_objects(&asset.objects, &meshes);
         let path = numbered(out, number);
-        let target = Target::File(path.clone());
-        options.provenance = Some(provenance(args, asset, std::slice::from_ref(level)));
-        left_out = left_out.or_else(|| format.left_out(&asset.document, &objects));
-        files.extend(mesh_output::files(&target, format, &asset.document, &objects, &options)?);
+        let made = asset.level_of(level.lod().map(Lod)).files(
+            &mut meshes,
+            &path,
+            format.export_format(),
+            &options,
+        )?;
+        (level.error, level.rms) = made.distances;
+        left_out = left_out.or(made.left_out);
+        files.extend(made.files);
         // All levels share the copies.
         options.textures.copies.clear();
         of_level.push(path);

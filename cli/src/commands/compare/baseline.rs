@@ -8,7 +8,7 @@ use lodc_measure::Recorded;
 use lodc_report::SCHEMA_VERSION;
 
 /// The numbers that an earlier run recorded, by asset and level.
-pub(super) type Baseline = lodc_assets::Baseline<Recorded>;
+pub(super) type Baseline = crate::jobs::Baseline<Recorded>;
 
 /// Reads the baseline, if one is wanted.
 ///

@@ -17,7 +17,6 @@ use lodc::{
     pipeline::{Growth, measured, refitted_meshes},
     scene_levels,
 };
-use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Lod;
@@ -67,17 +66,15 @@ pub(super) fn extract(
         for (mesh, distance) in meshes.iter_mut().zip(&measured) {
             (mesh.error, mesh.rms) = *distance;
         }
-        let (objects, document) = (&asset.objects, &asset.document);
-        let (stored, precision) = (format.export_format(), encoding.precision);
-        level_mesh::add_rounding_to_all(objects, document, meshes, stored, precision)?;
-        let mut report = report(input, &asset, &level, target);
+        let options = encoding.options(textures.clone(), None);
+        let lod = <[Option<Lod>; 1]>::try_from(&level.lods[..]).ok().and_then(|[lod]| lod);
+        let path = mesh_output::path(target, format);
+        let level_of = asset.level_of(lod);
+        let made = level_of.files(meshes, &path, format.export_format(), &options)?;
+        let mut report = report(input, &asset, &level, made.distances, target);
         report.warnings.extend_from_slice(&textures.warnings);
-        let provenance = Some(provenance(&asset, &report));
-        let options = encoding.options(textures.clone(), provenance);
-        let objects = level_mesh::export_objects(objects, &level.meshes);
-        report.warnings.extend(format.left_out(document, &objects));
-        let files = mesh_output::files(target, format, document, &objects, &options)?;
-        Ok((report, files))
+        report.warnings.extend(made.left_out);
+        Ok((report, made.files))
     };
     let (mut report, mut files) = stages.run("export", || encoded(encoding))?;
     if let Some(alternative) = encoding.alternative() {
@@ -233,19 +230,13 @@ fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<Mode
     )))
 }
 
-fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
-    let error = report.error.unwrap_or(f64::INFINITY);
-    Provenance {
-        source: asset.source.content_hash,
-        levels: vec![LevelFacts { lod: report.lod, error, rms: report.rms, geomorph: None }],
-        refitted: report.refitted,
-        screen: None,
-        next: None,
-        poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
-    }
-}
-
-fn report(input: &Path, asset: &Asset, level: &Level, target: &Target) -> ExtractReport {
+fn report(
+    input: &Path,
+    asset: &Asset,
+    level: &Level,
+    (error, rms): (f64, Option<f64>),
+    target: &Target,
+) -> ExtractReport {
     let finite = |x: f64| x.is_finite().then_some(x);
     let object =
         |((object, lod), level): ((&LodObject, &Option<Lod>), &LevelMesh)| ExtractedObject {
@@ -260,7 +251,6 @@ fn report(input: &Path, asset: &Asset, level: &Level, target: &Target) -> Extrac
         };
     let objects: Vec<_> =
         asset.objects.iter().zip(&level.lods).zip(&level.meshes).map(object).collect();
-    let (error, rms) = level_mesh::largest_of_meshes(&asset.objects, &level.meshes);
     let triangles = objects.iter().map(|o| o.triangles).sum();
     let all: usize = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len()).sum();
     ExtractReport {

@@ -6,7 +6,7 @@ use crate::mesh_output;
 use crate::output;
 use crate::stages::Stages;
 use lodc_formats::FormatError;
-use lodc_formats::export::{ExportObject, ExportOptions};
+use lodc_formats::export::{ExportObject, export};
 use lodc_formats::lods::{Arrived, Unpacker};
 use lodc_mesh::Mesh;
 
@@ -32,7 +32,7 @@ pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
         .collect();
     let document = &arrived.document;
     let files = stages.run("export", || {
-        mesh_output::files(&target, format, document, &objects, &ExportOptions::default())
+        export(&mesh_output::path(&target, format), format.export_format(), document, &objects)
     })?;
     stages.run("write", || mesh_output::write(&target, files))?;
     summary::print(args, &stream, &arrived, warnings, &target)?;

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 /// Shard `index` of `count`; `index` counts from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
+pub(crate) struct Shard {
     index: u64,
     count: u64,
 }
@@ -16,7 +16,7 @@ impl Shard {
     ///
     /// # Errors
     /// Unless 1 ≤ I ≤ N.
-    pub fn parse(text: &str) -> Result<Self, String> {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let number = |part: &str| u64::from_str(part).ok();
         let numbers = text.split_once('/').and_then(|(i, n)| Some((number(i)?, number(n)?)));
         match numbers {
@@ -31,7 +31,7 @@ impl Shard {
     /// Returns whether an asset of this name belongs to the shard: the XXH3-128 of the name, modulo
     /// `count`, decides.
     #[must_use]
-    pub fn contains(self, name: &str) -> bool {
+    pub(crate) fn contains(self, name: &str) -> bool {
         key(name.as_bytes()) % u128::from(self.count) == u128::from(self.index - 1)
     }
 }

@@ -1,11 +1,11 @@
 //! The assets of a run: named files, files below folders, lines of a list.
 
-use crate::error::JobError;
-use crate::folder::{PathFilter, files_below, with_slashes};
-use crate::list;
-use crate::options::OptionValues;
-use crate::shard::Shard;
-use crate::target::{
+use crate::jobs::error::JobError;
+use crate::jobs::folder::{PathFilter, files_below, with_slashes};
+use crate::jobs::list;
+use crate::jobs::options::OptionValues;
+use crate::jobs::shard::Shard;
+use crate::jobs::target::{
     Target, is_folder, is_standard_stream, named_target, refuse_clashes, refuse_file_name,
     result_name,
 };
@@ -13,21 +13,21 @@ use std::path::{Path, PathBuf};
 
 /// One asset of a run.
 #[derive(Clone, Debug)]
-pub struct Job {
+pub(crate) struct Job {
     /// The file that it is read from; `-` for standard input.
-    pub input: PathBuf,
+    pub(crate) input: PathBuf,
     /// Its path as it was named, or below `folder`; with slashes on every system.
-    pub name: String,
+    pub(crate) name: String,
     /// The folder of the command line that it was found in, at any depth.
-    pub folder: Option<PathBuf>,
+    pub(crate) folder: Option<PathBuf>,
     /// Where its result is written, or why it cannot be.
-    pub target: Result<Target, JobError>,
+    pub(crate) target: Result<Target, JobError>,
     /// Options that the list gives to it alone; configurations come under them.
-    pub options: OptionValues,
+    pub(crate) options: OptionValues,
     /// The list that names it and the number of its line, from 1, for messages.
-    pub list_line: Option<(PathBuf, usize)>,
+    pub(crate) list_line: Option<(PathBuf, usize)>,
     /// Whether missing folders of its result are made.
-    pub makes_folders: bool,
+    pub(crate) makes_folders: bool,
 }
 
 impl Job {
@@ -44,13 +44,13 @@ impl Job {
 
     /// Returns whether it came from a folder or a list: one of many.
     #[must_use]
-    pub fn is_listed(&self) -> bool {
+    pub(crate) fn is_listed(&self) -> bool {
         self.folder.is_some() || self.list_line.is_some()
     }
 
     /// A message about its options, with the list's line or the file that it is about.
     #[must_use]
-    pub fn with_line(&self, what: &str) -> String {
+    pub(crate) fn with_line(&self, what: &str) -> String {
         match &self.list_line {
             Some((list, line)) => format!("{}: line {line}: {what}", list.display()),
             None => format!("{}: {what}", self.input.display()),
@@ -60,38 +60,38 @@ impl Job {
 
 /// Which assets a run has besides those that are named, and which of them it leaves out.
 #[derive(Clone, Debug, Default)]
-pub struct JobChoice {
+pub(crate) struct JobChoice {
     /// A file that lists assets, a JSON document in each line; `-` for standard input.
-    pub list: Option<PathBuf>,
+    pub(crate) list: Option<PathBuf>,
     /// Globs of paths below a folder that is given: only these are taken.
-    pub include: Vec<String>,
+    pub(crate) include: Vec<String>,
     /// Globs of paths below a folder that is given: these are left out.
-    pub exclude: Vec<String>,
+    pub(crate) exclude: Vec<String>,
     /// The only part of the assets that this run is for.
-    pub shard: Option<Shard>,
+    pub(crate) shard: Option<Shard>,
 }
 
 impl JobChoice {
     /// Returns whether a run with these inputs has several results, or may have them.
     #[must_use]
-    pub fn takes_many(&self, inputs: &[PathBuf]) -> bool {
+    pub(crate) fn takes_many(&self, inputs: &[PathBuf]) -> bool {
         inputs.len() > 1 || self.list.is_some() || inputs.iter().any(|input| input.is_dir())
     }
 }
 
 /// The paths that a command was given, and what it does with them.
 #[derive(Clone, Copy, Debug)]
-pub struct CommandPaths<'a> {
+pub(crate) struct CommandPaths<'a> {
     /// Named files and folders.
-    pub inputs: &'a [PathBuf],
+    pub(crate) inputs: &'a [PathBuf],
     /// The file or folder of `-o`.
-    pub output: Option<&'a Path>,
+    pub(crate) output: Option<&'a Path>,
     /// Extensions of the files that are taken from folders.
-    pub input_extensions: &'a [&'a str],
+    pub(crate) input_extensions: &'a [&'a str],
     /// Extension of results.
-    pub output_extension: &'a str,
+    pub(crate) output_extension: &'a str,
     /// Folders outside of `inputs` that links in folders may lead to.
-    pub allowed_folders: &'a [PathBuf],
+    pub(crate) allowed_folders: &'a [PathBuf],
 }
 
 /// Returns the assets of a run in order: named ones and folders as they were given, then the
@@ -100,7 +100,7 @@ pub struct CommandPaths<'a> {
 /// # Errors
 /// If a folder or the list cannot be read, or a folder has no such file; if a glob is malformed, or
 /// several results have no folder to go to.
-pub fn jobs(paths: CommandPaths<'_>, choice: &JobChoice) -> Result<Vec<Job>, JobError> {
+pub(crate) fn jobs(paths: CommandPaths<'_>, choice: &JobChoice) -> Result<Vec<Job>, JobError> {
     let filter = PathFilter::new(&choice.include, &choice.exclude)?;
     let several = choice.takes_many(paths.inputs);
     let output_folder = paths.output.filter(|output| several || is_folder(output));

@@ -1,7 +1,7 @@
 //! What an earlier run recorded of its assets: one file for all, or a folder with a file for each.
 
-use crate::error::JobError;
-use crate::target::is_folder;
+use crate::jobs::error::JobError;
+use crate::jobs::target::is_folder;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The records of an earlier run, a `T` for each asset.
 #[derive(Debug)]
-pub struct Baseline<T> {
+pub(crate) struct Baseline<T> {
     path: PathBuf,
     /// Whether `path` is a folder with a file for each asset; else it is one file.
     is_folder: bool,
@@ -29,7 +29,7 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
     ///
     /// # Errors
     /// If it cannot be read.
-    pub fn open(path: &Path) -> Result<Self, JobError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, JobError> {
         let is_folder = is_folder(path);
         let assets = match !is_folder && path.exists() {
             true => read::<Document<T>>(path)?.assets,
@@ -40,7 +40,7 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
 
     /// Its file or folder.
     #[must_use]
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
@@ -48,7 +48,7 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
     ///
     /// # Errors
     /// If its file cannot be read.
-    pub fn record(&self, name: &str) -> Result<Option<T>, JobError> {
+    pub(crate) fn record(&self, name: &str) -> Result<Option<T>, JobError> {
         let file = self.file(name);
         if !self.is_folder {
             return Ok(self.assets.get(name).cloned());
@@ -63,7 +63,11 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
     /// Returns the files to write, as paths and texts, so that `new` is recorded; in the one file
     /// the records of other assets stay.
     #[must_use]
-    pub fn files(mut self, schema_version: u32, new: Vec<(String, T)>) -> Vec<(PathBuf, String)> {
+    pub(crate) fn files(
+        mut self,
+        schema_version: u32,
+        new: Vec<(String, T)>,
+    ) -> Vec<(PathBuf, String)> {
         if self.is_folder {
             return new
                 .into_iter()
@@ -77,7 +81,7 @@ impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
 
     /// Returns whether it has a file for each asset, in folders that may have to be made.
     #[must_use]
-    pub fn is_folder(&self) -> bool {
+    pub(crate) fn is_folder(&self) -> bool {
         self.is_folder
     }
 }

@@ -1,8 +1,8 @@
 //! The standard streams of a run and its dependency file are each used for one thing only.
 
-use crate::error::JobError;
-use crate::jobs::Job;
-use crate::target::{Target, is_standard_stream, prepare_targets};
+use crate::jobs::error::JobError;
+use crate::jobs::run::Job;
+use crate::jobs::target::{Target, is_standard_stream, prepare_targets};
 use std::path::Path;
 
 /// Checks that standard input is read by one asset at most, that standard output gets either a
@@ -10,7 +10,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// If not, or if the dependency file could not be written.
-pub fn check_standard_streams(
+pub(crate) fn check_standard_streams(
     jobs: &[Job],
     report_to_stdout: bool,
     depfile: Option<&Path>,

@@ -6,11 +6,11 @@
 mod file;
 mod find;
 
-pub use file::ConfigLayer;
+pub(crate) use file::ConfigLayer;
 
-use crate::error::JobError;
-use crate::jobs::Job;
-use crate::options::{OptionValues, Vocabulary};
+use crate::jobs::error::JobError;
+use crate::jobs::options::{OptionValues, Vocabulary};
+use crate::jobs::run::Job;
 use file::{ConfigFile, OptionTable};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ fn json(part: &OptionTable) -> String {
 
 /// The configurations of a run, each read once.
 #[derive(Debug)]
-pub struct Configs<'a> {
+pub(crate) struct Configs<'a> {
     /// The file that the command line names.
     path: Option<&'a Path>,
     profile: Option<&'a str>,
@@ -43,7 +43,7 @@ impl<'a> Configs<'a> {
     /// The configurations for the assets of a command: the file at `path`, or else for each asset
     /// the nearest `lodc.toml` beside or above it; with the options of a profile, if one is named.
     #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         path: Option<&'a Path>,
         profile: Option<&'a str>,
         vocabulary: &'a Vocabulary,
@@ -57,7 +57,7 @@ impl<'a> Configs<'a> {
     ///
     /// # Errors
     /// If the configuration cannot be read, has an unknown key, or lacks the profile.
-    pub fn layers(
+    pub(crate) fn layers(
         &mut self,
         input: &Path,
         folder: Option<&Path>,
@@ -81,7 +81,7 @@ impl<'a> Configs<'a> {
     ///
     /// # Errors
     /// As for [`Self::layers`].
-    pub fn apply(
+    pub(crate) fn apply(
         &mut self,
         jobs: &mut [Job],
         given: impl Fn() -> Vec<String>,
@@ -123,7 +123,7 @@ impl<'a> Configs<'a> {
 
     /// A message for each override of all configurations whose globs matched no input.
     #[must_use]
-    pub fn unmatched(&self) -> Vec<String> {
+    pub(crate) fn unmatched(&self) -> Vec<String> {
         self.files.values().flat_map(|file| file.unmatched()).collect()
     }
 

@@ -1,8 +1,8 @@
 //! One configuration file: defaults, profiles, and overrides by glob.
 
-use crate::error::JobError;
-use crate::folder::globs;
-use crate::options::{CommandOptions, OptionValues, Vocabulary};
+use crate::jobs::error::JobError;
+use crate::jobs::folder::globs;
+use crate::jobs::options::{CommandOptions, OptionValues, Vocabulary};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::Value;
@@ -45,19 +45,19 @@ struct Override {
 
 /// The options that one table of a configuration has for an asset.
 #[derive(Clone, Debug)]
-pub struct ConfigLayer {
+pub(crate) struct ConfigLayer {
     /// File and table, for people.
-    pub source: String,
+    pub(crate) source: String,
     /// The options of a whole asset; empty if there is a `part`.
-    pub values: OptionValues,
+    pub(crate) values: OptionValues,
     /// The options of a part of an asset, with the globs that name it.
-    pub part: Option<OptionTable>,
+    pub(crate) part: Option<OptionTable>,
 }
 
 impl ConfigLayer {
     /// The options of the part as JSON.
     #[must_use]
-    pub fn part_json(&self) -> Option<String> {
+    pub(crate) fn part_json(&self) -> Option<String> {
         self.part.as_ref().map(super::json)
     }
 }

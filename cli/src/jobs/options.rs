@@ -4,18 +4,18 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// The option whose values are `KEY=VALUE`: of the values of each key the last one counts.
-pub const LIMIT_OPTION: &str = "limit";
+pub(crate) const LIMIT_OPTION: &str = "limit";
 
 /// The values of options by long name, without dashes; a switch that is on has an empty list.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct OptionValues(pub BTreeMap<String, Vec<String>>);
+pub(crate) struct OptionValues(pub BTreeMap<String, Vec<String>>);
 
 impl OptionValues {
     /// Reads them from a JSON object. `false` turns a switch off, the same as leaving it out.
     ///
     /// # Errors
     /// If a value is neither text, number, true, false nor a list of texts and numbers.
-    pub fn from_json<'a>(
+    pub(crate) fn from_json<'a>(
         object: impl IntoIterator<Item = (&'a String, &'a serde_json::Value)>,
     ) -> Result<Self, String> {
         use serde_json::Value;
@@ -42,7 +42,7 @@ impl OptionValues {
     /// Returns `stronger` with those of these options that it neither has nor excludes. Limits of
     /// both are kept: those of `stronger` come last, so they count where the keys are the same.
     #[must_use]
-    pub fn overridden_by(mut self, mut stronger: Self, command: &CommandOptions) -> Self {
+    pub(crate) fn overridden_by(mut self, mut stronger: Self, command: &CommandOptions) -> Self {
         for name in command.excluded(stronger.0.keys()) {
             self.0.remove(name);
         }
@@ -59,26 +59,26 @@ impl OptionValues {
 
 /// The options of a command that can differ between the assets of a run.
 #[derive(Clone, Debug)]
-pub struct CommandOptions {
+pub(crate) struct CommandOptions {
     /// The name of the command.
-    pub name: String,
+    pub(crate) name: String,
     /// Long names of its options.
-    pub options: Vec<String>,
+    pub(crate) options: Vec<String>,
     /// Long names of those that take no value.
-    pub switches: Vec<String>,
+    pub(crate) switches: Vec<String>,
     /// Groups of long names; of each group only one option can be given.
-    pub exclusive_groups: Vec<Vec<String>>,
+    pub(crate) exclusive_groups: Vec<Vec<String>>,
 }
 
 impl CommandOptions {
     /// Returns whether it has an option of this long name.
     #[must_use]
-    pub fn has(&self, option: &str) -> bool {
+    pub(crate) fn has(&self, option: &str) -> bool {
         self.options.iter().any(|name| name == option)
     }
 
     /// Long names of the options that are in a group with one of `names`, these included.
-    pub fn excluded<'a>(
+    pub(crate) fn excluded<'a>(
         &'a self,
         names: impl IntoIterator<Item = &'a String>,
     ) -> impl Iterator<Item = &'a str> {
@@ -91,15 +91,15 @@ impl CommandOptions {
 
 /// The names that lists and configurations may use: the commands of a program and their options.
 #[derive(Clone, Debug)]
-pub struct Vocabulary {
+pub(crate) struct Vocabulary {
     /// Its commands.
-    pub commands: Vec<CommandOptions>,
+    pub(crate) commands: Vec<CommandOptions>,
     /// Long names of options that hold for a whole run, so no asset can have them of its own.
-    pub run_options: &'static [&'static str],
+    pub(crate) run_options: &'static [&'static str],
     /// Checks the options of a part, a JSON object as text; an error says what is wrong with them.
-    pub check_part: fn(&str) -> Result<(), String>,
+    pub(crate) check_part: fn(&str) -> Result<(), String>,
     /// Checks a value of an option that takes one.
-    pub check_value: ValueCheck,
+    pub(crate) check_value: ValueCheck,
 }
 
 /// Takes a command, one of its options and a value; an error says what the value must be.
@@ -107,7 +107,7 @@ type CheckValue = dyn Fn(&str, &str, &str) -> Result<(), String>;
 
 /// Checks values of options.
 #[derive(Clone)]
-pub struct ValueCheck(pub Rc<CheckValue>);
+pub(crate) struct ValueCheck(pub Rc<CheckValue>);
 
 impl std::fmt::Debug for ValueCheck {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -121,7 +121,7 @@ impl Vocabulary {
     /// # Panics
     /// If there is no such command.
     #[must_use]
-    pub fn command(&self, command: &str) -> &CommandOptions {
+    pub(crate) fn command(&self, command: &str) -> &CommandOptions {
         self.commands.iter().find(|c| c.name == command).expect("a command of the program")
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// Returns the nearest file of this name beside or above an input, but not above `folder`; without
 /// one, not above the current folder. None if there is none, or if the input is standard input.
 pub(super) fn nearest(name: &str, input: &Path, folder: Option<&Path>) -> Option<PathBuf> {
-    if crate::target::is_standard_stream(input) {
+    if crate::jobs::target::is_standard_stream(input) {
         return None;
     }
     let folder_of_input = match input.parent() {

@@ -1,15 +1,15 @@
 //! The files below a folder, at any depth, by extension and glob.
 
-use crate::error::JobError;
+use crate::jobs::error::JobError;
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
 use std::path::{Component, Path, PathBuf};
 use walkdir::WalkDir;
 
 /// Extensions of the meshes that are taken from folders.
-pub const MESH_EXTENSIONS: [&str; 6] = ["obj", "gltf", "glb", "vrm", "ply", "stl"];
+pub(crate) const MESH_EXTENSIONS: [&str; 6] = ["obj", "gltf", "glb", "vrm", "ply", "stl"];
 
 /// Extensions of the files that are taken from folders where stored levels serve as well as meshes.
-pub const LEVEL_EXTENSIONS: [&str; 7] = ["obj", "gltf", "glb", "vrm", "ply", "stl", "lodc"];
+pub(crate) const LEVEL_EXTENSIONS: [&str; 7] = ["obj", "gltf", "glb", "vrm", "ply", "stl", "lodc"];
 
 /// Accepts files by their paths below a folder.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ impl PathFilter {
 ///
 /// # Errors
 /// If a folder cannot be read or has no such file, or a glob is malformed.
-pub fn expand_folders(
+pub(crate) fn expand_folders(
     inputs: &[PathBuf],
     extensions: &[&str],
     include: &[String],
@@ -107,7 +107,7 @@ pub(crate) fn files_below(
 
 /// Returns whether a path ends in one of some extensions, in any case.
 #[must_use]
-pub fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+pub(crate) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     path.extension().is_some_and(|e| extensions.iter().any(|x| e.eq_ignore_ascii_case(x)))
 }
 

@@ -1,8 +1,8 @@
 //! Files that list assets (`--manifest`): a JSON document in each line.
 
-use crate::error::JobError;
-use crate::options::OptionValues;
-use crate::target::is_standard_stream;
+use crate::jobs::error::JobError;
+use crate::jobs::options::OptionValues;
+use crate::jobs::target::is_standard_stream;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! Dependency files, as Make and Ninja read them: which files a result was made from.
 
-use crate::error::JobError;
-use crate::target::is_standard_stream;
+use crate::jobs::error::JobError;
+use crate::jobs::target::is_standard_stream;
 use lodc_formats::RequestedFiles;
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
@@ -9,20 +9,20 @@ use std::path::{Component, Path, PathBuf};
 /// One rule of a dependency file: a result, the files that it was made from, and those that were
 /// looked for and absent.
 #[derive(Clone, Debug)]
-pub struct DependencyRule {
+pub(crate) struct DependencyRule {
     /// The result.
-    pub output: PathBuf,
+    pub(crate) output: PathBuf,
     /// The files that it was made from.
-    pub inputs: Vec<PathBuf>,
+    pub(crate) inputs: Vec<PathBuf>,
     /// Files that would have been read, had they been there.
-    pub absent: Vec<PathBuf>,
+    pub(crate) absent: Vec<PathBuf>,
 }
 
 impl DependencyRule {
     /// The rule of a result: the files that were read for it, and the absent ones that Make can
     /// name.
     #[must_use]
-    pub fn new(output: &Path, files: &RequestedFiles) -> Self {
+    pub(crate) fn new(output: &Path, files: &RequestedFiles) -> Self {
         let absent = files.absent().into_iter().filter(|path| make_can_name(path)).collect();
         Self { output: output.to_owned(), inputs: files.read(), absent }
     }
@@ -31,7 +31,7 @@ impl DependencyRule {
     ///
     /// # Errors
     /// If one has a line break or is not UTF-8: there is no way to write it.
-    pub fn check(&self) -> Result<(), JobError> {
+    pub(crate) fn check(&self) -> Result<(), JobError> {
         let names = [&self.output].into_iter().chain(&self.inputs).chain(&self.absent);
         let unwritable =
             |path: &&PathBuf| path.to_str().is_none_or(|name| name.contains(['\n', '\r']));
@@ -47,7 +47,7 @@ impl DependencyRule {
     /// The rule as Make reads it; a file that was read twice is listed once. Each absent file also
     /// gets a rule without inputs, else Make stops because it does not know how to make that file.
     #[must_use]
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let (mut text, mut listed) = (escaped(&self.output), BTreeSet::new());
         text.push(':');
         for input in self.inputs.iter().chain(&self.absent) {

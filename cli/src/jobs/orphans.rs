@@ -1,20 +1,20 @@
 //! Results whose inputs are gone.
 
-use crate::folder::{has_extension, with_slashes};
-use crate::jobs::CommandPaths;
+use crate::jobs::folder::{has_extension, with_slashes};
+use crate::jobs::run::CommandPaths;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
 
 /// The folder beside results that says what they were made from: of `OUT/NAME` in
 /// `OUT/.lodc/NAME.json`.
-pub const RECORDS: &str = ".lodc";
+pub(crate) const RECORDS: &str = ".lodc";
 
 /// Returns the results of folders, by their names, of which none of the folders has the input any
 /// more, in the order of their names. `recorded` says that only those with a record count. What
 /// cannot be read is left out.
 #[must_use]
-pub fn orphans(paths: CommandPaths<'_>, recorded: bool) -> Vec<PathBuf> {
+pub(crate) fn orphans(paths: CommandPaths<'_>, recorded: bool) -> Vec<PathBuf> {
     let folders: Vec<&PathBuf> = paths.inputs.iter().filter(|input| input.is_dir()).collect();
     let roots: BTreeSet<&Path> =
         folders.iter().map(|folder| paths.output.unwrap_or(folder)).collect();

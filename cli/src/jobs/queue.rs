@@ -12,7 +12,7 @@ const MEMORY_PER_INPUT_BYTE: u64 = 14;
 /// Bytes of memory that an asset is expected to need, from nothing but the size of its file and,
 /// for `x.gltf`, of `x.bin`; 0 if there is no such file.
 #[must_use]
-pub fn expected_bytes(input: &Path) -> u64 {
+pub(crate) fn expected_bytes(input: &Path) -> u64 {
     let size = |path: &Path| path.metadata().map_or(0, |m| m.len());
     let mut bytes = size(input);
     if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf")) {
@@ -23,16 +23,16 @@ pub fn expected_bytes(input: &Path) -> u64 {
 
 /// Limits on the work that is done at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct Budget {
+pub(crate) struct Budget {
     /// Assets.
-    pub workers: usize,
+    pub(crate) workers: usize,
     /// Bytes of memory, all assets together; an asset that is expected to need more runs alone.
-    pub bytes: u64,
+    pub(crate) bytes: u64,
 }
 
 /// Does `work` for each of `needs.len()` assets. `needs` are the bytes of memory that each is
 /// expected to take; those that need most come first. The results are in the order of `needs`.
-pub fn run_queue<R: Send>(
+pub(crate) fn run_queue<R: Send>(
     needs: &[u64],
     budget: Budget,
     work: impl Fn(usize) -> R + Sync,

@@ -1,7 +1,7 @@
 //! Options for parts of an asset: for objects or materials whose names match globs.
 
-use crate::error::JobError;
-use crate::folder::globs;
+use crate::jobs::error::JobError;
+use crate::jobs::folder::globs;
 use globset::GlobSet;
 use lodc_formats::{ObjectInfo, PartNames, Scene};
 use lodc_select::{Target as LevelTarget, share, size};
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 /// The options of one part.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub(crate) struct Part {
     /// Globs of the objects' names; none if it is for all objects.
     objects: Option<GlobSet>,
     /// Globs of the names of materials within those objects; none if it is for whole objects.
@@ -79,7 +79,7 @@ impl Part {
     ///
     /// # Errors
     /// If the text is no such object, names no part, or gives a material what only objects have.
-    pub fn parse(
+    pub(crate) fn parse(
         text: &str,
         weights: impl Fn(&str) -> Result<Weights, String>,
     ) -> Result<Self, String> {
@@ -137,13 +137,13 @@ impl Part {
 
 /// All parts that were given for an asset, in order: later ones win.
 #[derive(Clone, Copy, Debug)]
-pub struct Parts<'a>(pub &'a [Part]);
+pub(crate) struct Parts<'a>(pub &'a [Part]);
 
 impl Parts<'_> {
     /// The options for simplifying an object: `options`, those of the asset, with those of the
     /// object's parts in their place.
     #[must_use]
-    pub fn object_options(&self, object: &str, mut options: Options) -> Options {
+    pub(crate) fn object_options(&self, object: &str, mut options: Options) -> Options {
         for part in self.0.iter().filter(|p| p.materials.is_none() && p.matches_object(object)) {
             options.metric = part.metric.unwrap_or(options.metric);
             options.weights = part.weights.unwrap_or(options.weights);
@@ -159,7 +159,7 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// If the stored document is damaged.
-    pub fn material_weights(
+    pub(crate) fn material_weights(
         &self,
         scene: &Scene,
         options: &[Options],
@@ -191,7 +191,7 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// If there is such a part; the message lists what it has. If the stored document is damaged.
-    pub fn check_names(&self, scene: &Scene) -> Result<(), JobError> {
+    pub(crate) fn check_names(&self, scene: &Scene) -> Result<(), JobError> {
         if self.0.iter().all(|part| part.required.is_none()) {
             return Ok(());
         }
@@ -226,7 +226,11 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// If the stored document is damaged.
-    pub fn lock_vertices(&self, scene: &Scene, locked: &mut [Vec<bool>]) -> Result<(), JobError> {
+    pub(crate) fn lock_vertices(
+        &self,
+        scene: &Scene,
+        locked: &mut [Vec<bool>],
+    ) -> Result<(), JobError> {
         if self.0.iter().all(|part| !part.lock) {
             return Ok(());
         }
@@ -249,7 +253,7 @@ impl Parts<'_> {
 
     /// The level of an object that `extract` takes, if a part has one for it.
     #[must_use]
-    pub fn extract_level(&self, object: &str) -> Option<LevelTarget> {
+    pub(crate) fn extract_level(&self, object: &str) -> Option<LevelTarget> {
         let last = self.0.iter().rev().find(|p| p.ratio.is_some() && p.matches_object(object));
         last.and_then(|part| part.ratio).map(LevelTarget::Ratio)
     }
@@ -257,7 +261,7 @@ impl Parts<'_> {
     /// The level of an object that is number `number`, from 0, of the chain, if a part lists levels
     /// for it; beyond the end of that list its last one.
     #[must_use]
-    pub fn chain_level(&self, object: &str, number: usize) -> Option<LevelTarget> {
+    pub(crate) fn chain_level(&self, object: &str, number: usize) -> Option<LevelTarget> {
         let mut parts =
             self.0.iter().rev().filter(|p| !p.levels.is_empty() && p.matches_object(object));
         parts.next().and_then(|part| part.levels.get(number).or(part.levels.last())).copied()
@@ -267,7 +271,7 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// If there are any.
-    pub fn refuse_sequence_options(&self, input: &str) -> Result<(), JobError> {
+    pub(crate) fn refuse_sequence_options(&self, input: &str) -> Result<(), JobError> {
         let decides_sequence =
             |part: &Part| part.lock || part.weights.is_some() || part.has_object_options();
         if !self.0.iter().any(decides_sequence) {
@@ -280,7 +284,7 @@ impl Parts<'_> {
 }
 
 /// Names in order, each once, for a message; `none` if there are none.
-pub fn name_list<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn name_list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let unique: BTreeSet<&str> = names.filter(|name| !name.is_empty()).collect();
     if unique.is_empty() {
         return "none".to_owned();

@@ -1,21 +1,21 @@
 //! Pairs of files that are compared: two files, the files of two folders paired by their names, or
 //! those of a list.
 
-use crate::error::JobError;
-use crate::folder::{LEVEL_EXTENSIONS, PathFilter, files_below, with_slashes};
-use crate::jobs::{Job, JobChoice};
-use crate::list;
-use crate::target::Target;
+use crate::jobs::error::JobError;
+use crate::jobs::folder::{LEVEL_EXTENSIONS, PathFilter, files_below, with_slashes};
+use crate::jobs::list;
+use crate::jobs::run::{Job, JobChoice};
+use crate::jobs::target::Target;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Two files that are compared.
 #[derive(Debug)]
-pub struct Pair {
+pub(crate) struct Pair {
     /// The file that is judged. No file is written for it: its target is standard output.
-    pub job: Job,
+    pub(crate) job: Job,
     /// The file that it is compared with, or why there is none.
-    pub compared_with: Result<PathBuf, JobError>,
+    pub(crate) compared_with: Result<PathBuf, JobError>,
 }
 
 /// Returns the pairs of two files, of two folders or of a list that belong to the chosen shard.
@@ -23,7 +23,7 @@ pub struct Pair {
 /// # Errors
 /// If a folder would be compared with a file, a folder or the list cannot be read, or a line of the
 /// list or a glob is malformed.
-pub fn pairs(named: Option<[&Path; 2]>, choice: &JobChoice) -> Result<Vec<Pair>, JobError> {
+pub(crate) fn pairs(named: Option<[&Path; 2]>, choice: &JobChoice) -> Result<Vec<Pair>, JobError> {
     let mut pairs = match (named, &choice.list) {
         (Some([a, b]), _) => pairs_of_paths(a, b, choice)?,
         (None, Some(list)) => pairs_of_list(list)?,

@@ -1,13 +1,13 @@
 //! Where results go: a file, a file in a folder, or standard output.
 
-use crate::error::JobError;
-use crate::folder::{LEVEL_EXTENSIONS, has_extension};
+use crate::jobs::error::JobError;
+use crate::jobs::folder::{LEVEL_EXTENSIONS, has_extension};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Where one result is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Target {
+pub(crate) enum Target {
     /// Standard output, `-` on the command line.
     Stdout,
     /// A file.
@@ -17,7 +17,7 @@ pub enum Target {
 impl Target {
     /// As the user would write it.
     #[must_use]
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         match self {
             Self::Stdout => "-".to_owned(),
             Self::File(path) => path.display().to_string(),
@@ -27,7 +27,7 @@ impl Target {
 
 /// Returns whether a path stands for standard input or output.
 #[must_use]
-pub fn is_standard_stream(path: &Path) -> bool {
+pub(crate) fn is_standard_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
@@ -36,7 +36,7 @@ pub fn is_standard_stream(path: &Path) -> bool {
 ///
 /// # Errors
 /// If a result would be written beside standard input, or would replace the input.
-pub fn single_target(
+pub(crate) fn single_target(
     input: &Path,
     out: Option<&Path>,
     extension: &str,
@@ -109,7 +109,7 @@ pub(crate) fn refuse_clashes<'a>(
 
 /// Returns whether results are written inside: an existing folder, or a path that ends in a slash.
 #[must_use]
-pub fn is_folder(out: &Path) -> bool {
+pub(crate) fn is_folder(out: &Path) -> bool {
     out.is_dir() || out.as_os_str().to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
 }
 
@@ -178,7 +178,7 @@ fn path_identity(path: &Path) -> PathBuf {
 ///
 /// # Errors
 /// If a folder cannot be made or does not exist, or a result has the name of a folder.
-pub fn prepare_targets<'a>(
+pub(crate) fn prepare_targets<'a>(
     targets: impl IntoIterator<Item = &'a Target>,
     make_folders: bool,
 ) -> Result<(), JobError> {

@@ -6,7 +6,7 @@ use std::fmt;
 /// Why a run cannot begin, or an asset not be worked on. The variant says whose fault it is, the
 /// text is the message.
 #[derive(Clone, Debug, PartialEq)]
-pub enum JobError {
+pub(crate) enum JobError {
     /// The options contradict each other or the inputs.
     Usage(String),
     /// A folder, a list or a file cannot be read, or holds nothing of use.
