@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// Every package with what it may use, lowest first. A package may only use packages above it in
 /// this list.
 const DRAWING: &[(&str, &[&str])] = &[
-    ("crates/mesh", &["glam"]),
+    ("crates/mesh", &["glam", "thiserror"]),
     ("crates/raster", &["glam"]),
     ("crates/scene", &["lodc-mesh", "glam", "rayon"]),
     ("crates/nearest", &["lodc-mesh", "glam", "rayon"]),
@@ -42,14 +42,28 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/errors", &["lodc-mesh", "lodc-nearest", "glam", "rayon"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "prefetch-index", "rayon"]),
     ("crates/refit", &["lodc-mesh", "lodc-nearest", "glam", "rayon"]),
-    ("crates/strip", &["lodc-mesh", "rayon"]),
-    ("crates/progressive", &["lodc-mesh"]),
-    ("crates/model", &["lodc-mesh"]),
-    ("crates/verify", &["lodc-mesh", "lodc-model", "rayon"]),
-    ("crates/plan", &["lodc-mesh", "lodc-strip"]),
-    ("crates/lod", &["lodc-mesh", "lodc-model", "lodc-plan", "lodc-strip", "lodc-verify", "rayon"]),
-    ("crates/select", &["lodc-lod", "lodc-mesh", "lodc-raster", "lodc-scene", "glam", "rayon"]),
-    ("crates/gpu", &["lodc-plan", "bytemuck", "pollster", "wgpu"]),
+    ("crates/strip", &["lodc-mesh", "rayon", "thiserror"]),
+    ("crates/progressive", &["lodc-mesh", "thiserror"]),
+    ("crates/model", &["lodc-mesh", "thiserror"]),
+    ("crates/verify", &["lodc-mesh", "lodc-model", "rayon", "thiserror"]),
+    ("crates/plan", &["lodc-mesh", "lodc-strip", "thiserror"]),
+    (
+        "crates/lod",
+        &[
+            "lodc-mesh",
+            "lodc-model",
+            "lodc-plan",
+            "lodc-strip",
+            "lodc-verify",
+            "rayon",
+            "thiserror",
+        ],
+    ),
+    (
+        "crates/select",
+        &["lodc-lod", "lodc-mesh", "lodc-raster", "lodc-scene", "glam", "rayon", "thiserror"],
+    ),
+    ("crates/gpu", &["lodc-plan", "bytemuck", "pollster", "thiserror", "wgpu"]),
     (
         "formats",
         &[
@@ -90,6 +104,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-strip",
             "bytemuck",
             "rayon",
+            "thiserror",
         ],
     ),
     (
@@ -130,6 +145,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "rayon",
             "serde",
             "serde_json",
+            "thiserror",
         ],
     ),
     ("crates/web", &["lodc-formats", "lodc-mesh", "lodc-progressive", "lodc-scene", "lodc-select"]),

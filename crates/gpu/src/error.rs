@@ -1,17 +1,19 @@
 //! Errors of a graphics device, by whose fault they are.
 
-use std::fmt;
-
 /// Why a device did not do what it was asked.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
     /// There is no adapter at all.
+    #[error(
+        "no graphics adapter: {why} (on Debian, mesa-vulkan-drivers has one that needs no hardware)"
+    )]
     NoAdapter {
         /// The message of the system.
         why: String,
     },
     /// There are adapters, but none whose name has the wanted part.
+    #[error("no graphics adapter is called {wanted:?}; there are: {}", available.join(", "))]
     NoMatch {
         /// The part.
         wanted: String,
@@ -19,6 +21,7 @@ pub enum GpuError {
         available: Vec<String>,
     },
     /// An adapter gave no device.
+    #[error("{adapter} gives no device: {why}")]
     Refused {
         /// Its name.
         adapter: String,
@@ -26,6 +29,7 @@ pub enum GpuError {
         why: String,
     },
     /// The device allows less than is needed.
+    #[error("{what} needs {needed}, and the graphics device allows {allowed} ({limit})")]
     Limit {
         /// For what.
         what: String,
@@ -37,45 +41,18 @@ pub enum GpuError {
         allowed: u64,
     },
     /// The device does not take a kernel or a command: a bug of this program or of the driver.
+    #[error("the graphics device refuses: {why}")]
     Invalid {
         /// Its message.
         why: String,
     },
     /// The device ran out of memory.
+    #[error("the graphics device has no memory left")]
     OutOfMemory,
     /// The device was lost or does not answer.
+    #[error("the graphics device is lost: {why}")]
     Lost {
         /// Its message.
         why: String,
     },
 }
-
-impl fmt::Display for GpuError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoAdapter { why } => {
-                write!(f, "no graphics adapter: {why} ")?;
-                f.write_str("(on Debian, mesa-vulkan-drivers has one that needs no hardware)")
-            }
-            Self::NoMatch { wanted, available } => {
-                write!(
-                    f,
-                    "no graphics adapter is called {wanted:?}; there are: {}",
-                    available.join(", ")
-                )
-            }
-            Self::Refused { adapter, why } => write!(f, "{adapter} gives no device: {why}"),
-            Self::Limit { what, limit, needed, allowed } => {
-                write!(
-                    f,
-                    "{what} needs {needed}, and the graphics device allows {allowed} ({limit})"
-                )
-            }
-            Self::Invalid { why } => write!(f, "the graphics device refuses: {why}"),
-            Self::OutOfMemory => write!(f, "the graphics device has no memory left"),
-            Self::Lost { why } => write!(f, "the graphics device is lost: {why}"),
-        }
-    }
-}
-
-impl std::error::Error for GpuError {}

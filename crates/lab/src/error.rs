@@ -1,44 +1,21 @@
 //! Errors of measurements.
 
 use lodc_formats::FormatError;
-use std::fmt;
 
 /// Why something could not be measured.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum LabError {
     /// A model, a baseline or a stream cannot be made of what a simplifier made: a bug.
+    #[error("{0}")]
     Bug(String),
     /// The work is more than a device or this system has room for.
+    #[error("{0}")]
     Limit(String),
     /// A file's scene or animation is damaged.
-    Format(FormatError),
+    #[error(transparent)]
+    Format(#[from] FormatError),
     /// A graphics device failed, or is too small.
     #[cfg(feature = "gpu")]
-    Gpu(lodc_gpu::GpuError),
-}
-
-impl fmt::Display for LabError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Bug(what) | Self::Limit(what) => f.write_str(what),
-            Self::Format(error) => error.fmt(f),
-            #[cfg(feature = "gpu")]
-            Self::Gpu(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for LabError {}
-
-impl From<FormatError> for LabError {
-    fn from(error: FormatError) -> Self {
-        Self::Format(error)
-    }
-}
-
-#[cfg(feature = "gpu")]
-impl From<lodc_gpu::GpuError> for LabError {
-    fn from(error: lodc_gpu::GpuError) -> Self {
-        Self::Gpu(error)
-    }
+    #[error(transparent)]
+    Gpu(#[from] lodc_gpu::GpuError),
 }

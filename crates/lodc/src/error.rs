@@ -2,68 +2,27 @@
 
 use lodc_formats::FormatError;
 use lodc_select::SelectError;
-use std::fmt;
 
 /// Why something failed. Displays as one line.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A file is unreadable, malformed, unsupported or too large, or was not written.
-    Format(FormatError),
+    #[error("{0}")]
+    Format(#[from] FormatError),
     /// A level that the scene does not have was asked for.
-    Select(SelectError),
+    #[error("{0}")]
+    Select(#[from] SelectError),
     /// A graphics device is missing, too small or failed.
     #[cfg(feature = "gpu")]
-    Device(lodc_gpu::GpuError),
+    #[error("{0}")]
+    Device(#[from] lodc_gpu::GpuError),
     /// What was asked for does not fit the file.
+    #[error("{0}")]
     Request(String),
     /// A bug of this library.
+    #[error("internal error: {0}")]
     Bug(String),
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Format(error) => error.fmt(f),
-            Self::Select(error) => error.fmt(f),
-            #[cfg(feature = "gpu")]
-            Self::Device(error) => error.fmt(f),
-            Self::Request(what) => f.write_str(what),
-            Self::Bug(what) => write!(f, "internal error: {what}"),
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    /// The error of the package below, whose text this one has: for its type and fields.
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Format(error) => Some(error),
-            Self::Select(error) => Some(error),
-            #[cfg(feature = "gpu")]
-            Self::Device(error) => Some(error),
-            Self::Request(_) | Self::Bug(_) => None,
-        }
-    }
-}
-
-impl From<FormatError> for Error {
-    fn from(error: FormatError) -> Self {
-        Self::Format(error)
-    }
-}
-
-impl From<SelectError> for Error {
-    fn from(error: SelectError) -> Self {
-        Self::Select(error)
-    }
-}
-
-#[cfg(feature = "gpu")]
-impl From<lodc_gpu::GpuError> for Error {
-    fn from(error: lodc_gpu::GpuError) -> Self {
-        Self::Device(error)
-    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use crate::motion::MotionStreams;
 use crate::{Attribute, Csr, PositionIds, Submesh, position_key};
-use std::fmt;
 
 /// Parts of a mesh before they are known to be valid.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -196,10 +195,11 @@ fn check(parts: &MeshParts, without_degenerate: bool) -> Result<(), MeshError> {
 }
 
 /// Why parts are not a mesh. Each variant names the first offender.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// More vertices or triangles than `u32` arithmetic allows.
+    #[error("{vertices} vertices and {triangles} triangles are more than 2^30")]
     TooLarge {
         /// Vertices given.
         vertices: usize,
@@ -207,16 +207,19 @@ pub enum MeshError {
         triangles: usize,
     },
     /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} has a coordinate that is not a finite number")]
     NotFinite {
         /// The vertex.
         vertex: usize,
     },
     /// A vertex has no submesh, or one that does not exist.
+    #[error("vertex {vertex} has no valid submesh")]
     VertexSubmesh {
         /// The vertex.
         vertex: usize,
     },
     /// A stream's bytes do not match the number of vertices.
+    #[error("attribute {attribute} has {bytes} bytes, which do not fit {vertices} vertices")]
     AttributeLength {
         /// The stream.
         attribute: usize,
@@ -226,65 +229,33 @@ pub enum MeshError {
         vertices: usize,
     },
     /// Submeshes do not cover the triangles one after another.
+    #[error("submesh {submesh} does not follow the one before it")]
     SubmeshRange {
         /// The submesh.
         submesh: usize,
     },
     /// A submesh names a stream that does not exist.
+    #[error("submesh {submesh} names an attribute that is not there")]
     SubmeshAttribute {
         /// The submesh.
         submesh: usize,
     },
     /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} names a vertex that is not there")]
     IndexOutOfRange {
         /// The triangle.
         triangle: usize,
     },
     /// A triangle uses a vertex of another submesh.
+    #[error("triangle {triangle} uses a vertex of another submesh")]
     SharedVertex {
         /// The triangle.
         triangle: usize,
     },
     /// A triangle has two corners at one position.
+    #[error("triangle {triangle} has two corners at one position")]
     Degenerate {
         /// The triangle.
         triangle: usize,
     },
 }
-
-impl fmt::Display for MeshError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooLarge { vertices, triangles } => {
-                write!(f, "{vertices} vertices and {triangles} triangles are more than 2^30")
-            }
-            Self::NotFinite { vertex } => {
-                write!(f, "vertex {vertex} has a coordinate that is not a finite number")
-            }
-            Self::VertexSubmesh { vertex } => write!(f, "vertex {vertex} has no valid submesh"),
-            Self::AttributeLength { attribute, bytes, vertices } => {
-                write!(
-                    f,
-                    "attribute {attribute} has {bytes} bytes, which do not fit {vertices} vertices"
-                )
-            }
-            Self::SubmeshRange { submesh } => {
-                write!(f, "submesh {submesh} does not follow the one before it")
-            }
-            Self::SubmeshAttribute { submesh } => {
-                write!(f, "submesh {submesh} names an attribute that is not there")
-            }
-            Self::IndexOutOfRange { triangle } => {
-                write!(f, "triangle {triangle} names a vertex that is not there")
-            }
-            Self::SharedVertex { triangle } => {
-                write!(f, "triangle {triangle} uses a vertex of another submesh")
-            }
-            Self::Degenerate { triangle } => {
-                write!(f, "triangle {triangle} has two corners at one position")
-            }
-        }
-    }
-}
-
-impl std::error::Error for MeshError {}

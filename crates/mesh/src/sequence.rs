@@ -5,8 +5,6 @@
 //! records: LOD 0 is the input, `records()` the single vertex. Consecutive records of one half-edge
 //! collapse make a *step*; a LOD is shown at step ends only. (Ripollés 2009, 3.2.1, 4.2.1 and 5.2.)
 
-use std::fmt;
-
 /// Number of records applied. 0 is the full mesh; larger is coarser.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Lod(pub u32);
@@ -300,35 +298,24 @@ impl TryFrom<SequenceParts> for CollapseSequence {
 }
 
 /// Why parts are not a collapse sequence. Each variant names the first offender.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SequenceError {
     /// A record's target is not a later vertex.
+    #[error("record {record} does not lead to a later vertex")]
     Target {
         /// The record.
         record: usize,
     },
     /// Steps have different numbers of ends, errors and triangle counts.
+    #[error("steps have different numbers of ends, errors and triangle counts")]
     Lengths,
     /// A step does not follow the one before it: its end, error or root mean square distance falls,
     /// its triangles rise, its error is no distance, or the last step does not end with the last
     /// record.
+    #[error("step {step} does not follow the one before it")]
     Step {
         /// The step.
         step: usize,
     },
 }
-
-impl fmt::Display for SequenceError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Target { record } => write!(f, "record {record} does not lead to a later vertex"),
-            Self::Lengths => {
-                write!(f, "steps have different numbers of ends, errors and triangle counts")
-            }
-            Self::Step { step } => write!(f, "step {step} does not follow the one before it"),
-        }
-    }
-}
-
-impl std::error::Error for SequenceError {}

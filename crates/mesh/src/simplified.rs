@@ -4,7 +4,6 @@
 use crate::{
     CollapseSequence, Lod, Mesh, OrientedTriangle, PositionIds, SequenceError, is_degenerate,
 };
-use std::fmt;
 
 /// Result of a simplifier: the mesh, with its vertices in the order in which they disappear, and
 /// the sequence. Fake vertices, which the simplifier made and no triangle of LOD 0 uses, are among
@@ -154,10 +153,11 @@ impl Simplified {
 }
 
 /// Why a mesh and a sequence do not belong together.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimplifiedError {
     /// A sequence has one record fewer than the mesh has vertices.
+    #[error("{records} records do not fit {vertices} vertices")]
     Records {
         /// Vertices of the mesh.
         vertices: usize,
@@ -165,6 +165,7 @@ pub enum SimplifiedError {
         records: usize,
     },
     /// The two disagree on the triangles of LOD 0.
+    #[error("the mesh has {mesh} triangles, the sequence starts with {sequence}")]
     Triangles {
         /// Triangles of the mesh.
         mesh: usize,
@@ -172,18 +173,3 @@ pub enum SimplifiedError {
         sequence: usize,
     },
 }
-
-impl fmt::Display for SimplifiedError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Records { vertices, records } => {
-                write!(f, "{records} records do not fit {vertices} vertices")
-            }
-            Self::Triangles { mesh, sequence } => {
-                write!(f, "the mesh has {mesh} triangles, the sequence starts with {sequence}")
-            }
-        }
-    }
-}
-
-impl std::error::Error for SimplifiedError {}

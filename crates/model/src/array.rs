@@ -1,8 +1,6 @@
 //! The arrays that a model stores in files besides the mesh and the collapse sequence, and the
 //! errors of building a model from them.
 
-use std::fmt;
-
 /// Width of the numbers in stored arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Layout {
@@ -58,10 +56,11 @@ pub struct Array {
 }
 
 /// Why a model cannot be made of a sequence, or of what was stored.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {
     /// A triangle comes after one that disappears before it.
+    #[error("triangle {triangle} of submesh {submesh} comes after one that disappears before it")]
     TriangleOrder {
         /// The submesh of both.
         submesh: usize,
@@ -69,6 +68,7 @@ pub enum BuildError {
         triangle: usize,
     },
     /// A stored array does not fit the mesh, the sequence or itself.
+    #[error("the array \"{array}\" {what}")]
     Malformed {
         /// Name of the array.
         array: &'static str,
@@ -76,25 +76,9 @@ pub enum BuildError {
         what: String,
     },
     /// The stored arrays are not the ones that the model has.
+    #[error("the model does not have the arrays [{}]", given.join(", "))]
     Arrays {
         /// Names of the arrays given.
         given: Vec<String>,
     },
 }
-
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TriangleOrder { submesh, triangle } => {
-                write!(f, "triangle {triangle} of submesh {submesh} comes after one ")?;
-                f.write_str("that disappears before it")
-            }
-            Self::Malformed { array, what } => write!(f, "the array \"{array}\" {what}"),
-            Self::Arrays { given } => {
-                write!(f, "the model does not have the arrays [{}]", given.join(", "))
-            }
-        }
-    }
-}
-
-impl std::error::Error for BuildError {}

@@ -1,12 +1,11 @@
 //! The errors of plans that no device can run, and the longest loop that a kernel may have.
 
-use std::fmt;
-
 /// Why there is no plan for a mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
     /// A buffer would have too many words for 32-bit numbers.
+    #[error("{what} would take {words} words")]
     TooLarge {
         /// The content.
         what: &'static str,
@@ -14,25 +13,12 @@ pub enum PlanError {
         words: u64,
     },
     /// A vertex collapses more times in a row than a kernel may loop on every device.
+    #[error("a vertex collapses {length} times, more than the {LONGEST_LOOP} a kernel may loop")]
     TooDeep {
         /// Its length.
         length: u32,
     },
 }
-
-impl fmt::Display for PlanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooLarge { what, words } => write!(f, "{what} would take {words} words"),
-            Self::TooDeep { length } => {
-                write!(f, "a vertex collapses {length} times, ")?;
-                write!(f, "more than the {LONGEST_LOOP} a kernel may loop")
-            }
-        }
-    }
-}
-
-impl std::error::Error for PlanError {}
 
 /// The most rounds of a kernel's loops. Mesa's lavapipe silently leaves all loops of an invocation
 /// after 65,535 rounds.

@@ -6,55 +6,34 @@ use crate::loss::Visibility;
 use crate::selection::{RecordError, Selection, Target, select};
 use lodc_mesh::Simplified;
 use lodc_scene::Arrangement;
-use std::fmt;
 use std::sync::OnceLock;
 
 /// Why levels cannot be chosen or shown.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SelectError {
     /// A record number names no level.
-    Record(RecordError),
+    #[error(transparent)]
+    Record(#[from] RecordError),
     /// A root mean square distance was asked of an object that has none.
+    #[error("{object}: has errors that are estimates, and no root mean square distances")]
     NotMeasured {
         /// Its name.
         object: String,
     },
     /// Instances have too many vertices in all for views.
+    #[error("instances have more than {limit} vertices in all")]
     TooManyVertices {
         /// The largest number of vertices.
         limit: usize,
     },
     /// A view is no mesh: a bug.
+    #[error("{object}: a view is no mesh: {what}")]
     NoMesh {
         /// The object's name.
         object: String,
         /// The fault of the mesh.
         what: String,
     },
-}
-
-impl fmt::Display for SelectError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Record(error) => error.fmt(f),
-            Self::NotMeasured { object } => write!(
-                f,
-                "{object}: has errors that are estimates, and no root mean square distances"
-            ),
-            Self::TooManyVertices { limit } => {
-                write!(f, "instances have more than {limit} vertices in all")
-            }
-            Self::NoMesh { object, what } => write!(f, "{object}: a view is no mesh: {what}"),
-        }
-    }
-}
-
-impl std::error::Error for SelectError {}
-
-impl From<RecordError> for SelectError {
-    fn from(error: RecordError) -> Self {
-        Self::Record(error)
-    }
 }
 
 /// An object of a scene with its levels.

@@ -4,7 +4,6 @@ use crate::candidate::Candidate;
 use crate::number::{decimal, threshold};
 use crate::order::within_triangles;
 use lodc_mesh::{CollapseSequence, Lod};
-use std::fmt;
 
 /// What the levels of an object or a scene are to meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,14 +40,16 @@ pub struct Selection {
 }
 
 /// Why a record number names no level.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RecordError {
     /// It was asked of several objects at once.
+    #[error("a record number means one object, and there are {objects}")]
     OfScene {
         /// Number of objects.
         objects: usize,
     },
     /// That level lacks something that is locked.
+    #[error("{object}: what is locked is there down to LOD {}", coarsest.0)]
     Unlocks {
         /// The object's name.
         object: String,
@@ -56,21 +57,6 @@ pub enum RecordError {
         coarsest: Lod,
     },
 }
-
-impl fmt::Display for RecordError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OfScene { objects } => {
-                write!(f, "a record number means one object, and there are {objects}")
-            }
-            Self::Unlocks { object, coarsest } => {
-                write!(f, "{object}: what is locked is there down to LOD {}", coarsest.0)
-            }
-        }
-    }
-}
-
-impl std::error::Error for RecordError {}
 
 /// Chooses one level of detail per object. Unless `per_object`, objects meet an error in world
 /// units each for itself, and several meet numbers of triangles together: triangles are removed

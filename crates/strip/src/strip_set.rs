@@ -2,7 +2,6 @@
 //! these are the mesh's.
 
 use lodc_mesh::{Mesh, NONE, OrientedTriangle, PositionIds, is_degenerate};
-use std::fmt;
 use std::ops::Range;
 
 /// Triangle strips of a mesh, submesh by submesh; a strip never crosses from one submesh to
@@ -190,12 +189,14 @@ pub fn live_triangles<'a>(
 }
 
 /// A difference between strips and the mesh that they should draw.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StripSetError {
     /// Ends of strips or submeshes that fall, or do not end with everything.
+    #[error("strips that do not end where they should")]
     Ends,
     /// Another number of submeshes.
+    #[error("strips of {found} submeshes for a mesh of {wanted}")]
     Submeshes {
         /// Submeshes of the strips.
         found: usize,
@@ -203,26 +204,9 @@ pub enum StripSetError {
         wanted: usize,
     },
     /// A triangle is drawn that the mesh does not have, or not so often.
+    #[error("triangle {:?} of submesh {} is drawn too often", .0.corners, .0.submesh)]
     Extra(OrientedTriangle),
     /// A triangle of the mesh is not drawn, or not often enough.
+    #[error("triangle {:?} of submesh {} is not drawn", .0.corners, .0.submesh)]
     Missing(OrientedTriangle),
 }
-
-impl fmt::Display for StripSetError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Ends => f.write_str("strips that do not end where they should"),
-            Self::Submeshes { found, wanted } => {
-                write!(f, "strips of {found} submeshes for a mesh of {wanted}")
-            }
-            Self::Extra(t) => {
-                write!(f, "triangle {:?} of submesh {} is drawn too often", t.corners, t.submesh)
-            }
-            Self::Missing(t) => {
-                write!(f, "triangle {:?} of submesh {} is not drawn", t.corners, t.submesh)
-            }
-        }
-    }
-}
-
-impl std::error::Error for StripSetError {}

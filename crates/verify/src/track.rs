@@ -14,23 +14,15 @@ use crate::ties::Ties;
 use lodc_mesh::{
     Lod, NONE, OrientedTriangle, PositionIds, Simplified, TriangleHash, is_degenerate,
 };
-use std::fmt;
 
 /// A sequence moves the corners of live triangles far more often than that of a real mesh, which
 /// moves each about ten times. To follow it would take very long.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("up to LOD {} corners move more often than can be verified", lod.0)]
 pub struct TooMuchWork {
     /// The LOD at which it became too much.
     pub lod: Lod,
 }
-
-impl fmt::Display for TooMuchWork {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "up to LOD {} corners move more often than can be verified", self.lod.0)
-    }
-}
-
-impl std::error::Error for TooMuchWork {}
 
 /// Largest number of moves per corner, and corners that are added to those of small meshes. Chosen
 /// by hand: real meshes move each corner about ten times.

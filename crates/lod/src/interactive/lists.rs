@@ -3,7 +3,7 @@
 //! `lists_fill.wgsl`.
 
 use lodc_mesh::Lod;
-use std::{fmt, ops::Range};
+use std::ops::Range;
 
 /// For every vertex what it is, what it becomes, what that becomes, and so on, one list behind the
 /// other.
@@ -96,16 +96,9 @@ impl CollapseLists {
 }
 
 /// Why collapse lists were not made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the collapse lists would have {entries} entries")]
 pub struct ListsTooLong {
     /// Number of entries they would have.
     pub entries: u64,
 }
-
-impl fmt::Display for ListsTooLong {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the collapse lists would have {} entries", self.entries)
-    }
-}
-
-impl std::error::Error for ListsTooLong {}
