@@ -214,8 +214,11 @@ impl Faces {
     }
 
     /// The current level and a tree over it.
-    pub(crate) fn level_and_tree<'a>(&'a self, input: &'a Input) -> (Level<'a>, &'a MovingTree) {
-        (Level { input, faces: &self.all }, &self.tree)
+    pub(crate) fn level_and_tree<'a>(
+        &'a self,
+        input: &'a Input,
+    ) -> (LevelFaces<'a>, &'a MovingTree) {
+        (LevelFaces { input, faces: &self.all }, &self.tree)
     }
 }
 
@@ -226,12 +229,12 @@ fn next(faces: &mut [Face], corner: u32) -> &mut u32 {
 }
 
 /// The current level as its tree reads it.
-pub(crate) struct Level<'a> {
+pub(crate) struct LevelFaces<'a> {
     input: &'a Input,
     faces: &'a [Face],
 }
 
-impl Triangles for Level<'_> {
+impl Triangles for LevelFaces<'_> {
     #[inline]
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.input.corners_of(self.faces[triangle as usize].points)

@@ -136,7 +136,7 @@ impl<'a> Original<'a> {
         rough: Option<&[RoughSquare]>,
     ) -> LevelDistances {
         let Self { input, search, .. } = self;
-        let level = Level::new(self, lod);
+        let level = LevelSurface::new(self, lod);
         if level.face_count == 0 {
             let has_lost_all = !input.triangles.is_empty();
             return LevelDistances::same(if has_lost_all { f64::INFINITY } else { 0.0 });
@@ -227,7 +227,7 @@ impl<'a> Original<'a> {
 }
 
 /// The faces of a level, whose corners are points of the input.
-struct Level<'a> {
+struct LevelSurface<'a> {
     input: &'a Input,
     /// What each triangle of the input has become; [`NONE`] for corners of those that are gone.
     faces: Vec<[u32; 3]>,
@@ -241,7 +241,7 @@ struct Level<'a> {
     area: f64,
 }
 
-impl<'a> Level<'a> {
+impl<'a> LevelSurface<'a> {
     fn new(original: &Original<'a>, lod: Lod) -> Self {
         let Original { input, simplified, corner_vertices, .. } = *original;
         let vertex_at_lod = simplified.collapses().resolve_all(lod);
@@ -332,7 +332,7 @@ fn farthest_of(
     }
 }
 
-impl Triangles for Level<'_> {
+impl Triangles for LevelSurface<'_> {
     #[inline]
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.input.corners_of(self.faces[triangle as usize])

@@ -4,7 +4,7 @@
 use crate::blend::{Source, blend};
 use crate::guard::cross;
 use crate::input::Input;
-use crate::level::Level;
+use crate::level::CoarseMesh;
 use crate::seams;
 use glam::DVec3;
 use lodc_mesh::{Attribute, Mesh, MeshParts, NONE, Semantic};
@@ -23,7 +23,7 @@ const MIN_VERTICES: usize = 1 << 8;
 pub(crate) fn resample(
     mesh: &Mesh,
     input: &Input,
-    level: &Level,
+    level: &CoarseMesh,
     positions: &[DVec3],
 ) -> MeshParts {
     let mut parts = level.mesh.clone().into_parts();
@@ -48,7 +48,7 @@ pub(crate) fn resample(
 
 /// Returns for each vertex of the level its chart, in which all attributes are continuous; [`NONE`]
 /// without triangles.
-fn chart_of_vertex(input: &Input, level: &Level) -> Vec<u32> {
+fn chart_of_vertex(input: &Input, level: &CoarseMesh) -> Vec<u32> {
     let mut of_vertex = vec![NONE; level.mesh.vertex_count()];
     for (vertices, &t) in level.mesh.triangles().iter().zip(&level.input_triangles) {
         for &v in vertices {
@@ -64,7 +64,7 @@ fn chart_of_vertex(input: &Input, level: &Level) -> Vec<u32> {
 fn find_sources(
     mesh: &Mesh,
     input: &Input,
-    level: &Level,
+    level: &CoarseMesh,
     positions: &[DVec3],
     chart_of_vertex: &[u32],
 ) -> Vec<Option<Source>> {
@@ -85,7 +85,7 @@ fn find_sources(
 }
 
 /// Returns for each vertex the source of the first one at its point that has any.
-fn of_points(level: &Level, sources: &[Option<Source>]) -> Vec<Option<Source>> {
+fn of_points(level: &CoarseMesh, sources: &[Option<Source>]) -> Vec<Option<Source>> {
     let mut of_point: Vec<Option<Source>> = vec![None; level.points.len()];
     for (source, &point) in sources.iter().zip(&level.point_of_vertex) {
         let first = &mut of_point[point as usize];
@@ -95,7 +95,7 @@ fn of_points(level: &Level, sources: &[Option<Source>]) -> Vec<Option<Source>> {
 }
 
 /// Returns for each vertex the sum of its triangles' normals, by area.
-fn vertex_normals(level: &Level, positions: &[DVec3]) -> Vec<DVec3> {
+fn vertex_normals(level: &CoarseMesh, positions: &[DVec3]) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; level.mesh.vertex_count()];
     for (t, corners) in level.mesh.triangles().iter().zip(level.corners(positions)) {
         for &v in t {

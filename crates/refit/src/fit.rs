@@ -6,7 +6,7 @@ use crate::charts::curves;
 use crate::face_distances::{FaceDistances, barely_closer, energy_if_worse_stay};
 use crate::guard::{Guard, cross};
 use crate::input::Input;
-use crate::level::Level;
+use crate::level::CoarseMesh;
 use crate::neighbours::Neighbours;
 use crate::quadrature::MAX_POINTS;
 use crate::sheets::{Sheet, nearest_of_sheet};
@@ -66,13 +66,13 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// Returns by face whether its points at `positions` are where they were when samples were
     /// looked up last.
-    pub(crate) fn stayed(&self, level: &Level, positions: &[DVec3]) -> Vec<bool> {
+    pub(crate) fn stayed(&self, level: &CoarseMesh, positions: &[DVec3]) -> Vec<bool> {
         stayed(level, &self.looked_up_at, positions)
     }
 }
 
 /// Returns by face whether its points are at one place in both.
-fn stayed(level: &Level, before: &[DVec3], now: &[DVec3]) -> Vec<bool> {
+fn stayed(level: &CoarseMesh, before: &[DVec3], now: &[DVec3]) -> Vec<bool> {
     let has_stayed = |face: &[u32; 3]| face.iter().all(|&p| before[p as usize] == now[p as usize]);
     level.faces.iter().map(has_stayed).collect()
 }
@@ -81,7 +81,7 @@ fn stayed(level: &Level, before: &[DVec3], now: &[DVec3]) -> Vec<bool> {
 /// much farther from the other surface than the farthest was at the start.
 pub(crate) fn fit(
     input: Input,
-    level: &Level,
+    level: &CoarseMesh,
     iterations: u32,
     tick: &(dyn Fn() + Sync),
 ) -> Fitted {
@@ -94,7 +94,7 @@ pub(crate) fn fit(
 /// Points of the level on their way to a better fit.
 struct Fit<'a> {
     input: &'a Input,
-    level: &'a Level,
+    level: &'a CoarseMesh,
     /// Normals of the faces where the simplifier left them.
     first_normals: Vec<DVec3>,
     /// The mean edge length around each point where the simplifier left it.
@@ -199,7 +199,7 @@ impl Ties<'_> {
 }
 
 impl<'a> Fit<'a> {
-    fn new(input: &'a Input, level: &'a Level) -> Self {
+    fn new(input: &'a Input, level: &'a CoarseMesh) -> Self {
         let charts = level.input_triangles.iter().map(|&t| input.charts[t as usize]);
         let charts: Vec<u32> = charts.collect();
         let normal = |corners| cross(corners).normalize_or_zero();

@@ -1,6 +1,6 @@
 //! Limits moves of points so that no face turns over or becomes degenerate.
 
-use crate::level::Level;
+use crate::level::CoarseMesh;
 use glam::DVec3;
 
 /// Cosine of the angle by which a face may turn: about 75°. Chosen by hand.
@@ -13,7 +13,7 @@ const MAX_HALVINGS: usize = 5;
 
 /// What faces are compared with when their points have moved.
 pub(crate) struct Guard<'a> {
-    pub(crate) level: &'a Level,
+    pub(crate) level: &'a CoarseMesh,
     /// Normals of the faces where the simplifier left them.
     pub(crate) first_normals: &'a [DVec3],
     /// The mean normal of the input near each face; zero where there is none.

@@ -8,7 +8,7 @@ use lodc_mesh::{Lod, Mesh, NONE, OrientedTriangle, Simplified, is_degenerate};
 
 /// The triangles of a level and the positions that a refit may move.
 #[derive(Clone, Debug)]
-pub(crate) struct Level {
+pub(crate) struct CoarseMesh {
     /// The level as a mesh of its own, where the simplifier left it.
     pub(crate) mesh: Mesh,
     /// For each triangle of `mesh` the triangle of LOD 0 that it was.
@@ -30,7 +30,7 @@ pub(crate) struct Level {
     pub(crate) became: Vec<[u32; 3]>,
 }
 
-impl Level {
+impl CoarseMesh {
     pub(crate) fn new(simplified: &Simplified, lod: Lod) -> Self {
         let (input, vertex_at_lod) = (simplified.mesh(), simplified.collapses().resolve_all(lod));
         let positions = input.position_ids();

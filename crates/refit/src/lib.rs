@@ -41,7 +41,7 @@ use fit::Fitted;
 use glam::DVec3;
 use guard::{Guard, cross};
 use input::Input;
-use level::Level;
+use level::CoarseMesh;
 use lodc_mesh::{Lod, Mesh, MeshError, MeshParts, Simplified};
 use normals::InputNormals;
 
@@ -76,7 +76,7 @@ pub fn refit(simplified: &Simplified, lod: Lod, options: &Options) -> Mesh {
 /// A level of detail and the positions at which its vertices fit LOD 0 best.
 pub struct Refit<'a> {
     original: &'a Mesh,
-    level: Level,
+    level: CoarseMesh,
     /// LOD 0 as the input of a fit, and the positions; none where nothing moves.
     fitted: Option<(Fitted, InputNormals<'a>)>,
 }
@@ -94,7 +94,7 @@ impl<'a> Refit<'a> {
     ) -> Self {
         tick();
         let original = simplified.mesh();
-        let level = Level::new(simplified, simplified.collapses().floor(lod));
+        let level = CoarseMesh::new(simplified, simplified.collapses().floor(lod));
         if level.faces.is_empty() || lod.0 == 0 {
             return Self { original, level, fitted: None };
         }
@@ -151,7 +151,7 @@ impl<'a> Refit<'a> {
 }
 
 /// Gives locked vertices the attributes that the simplifier left them.
-fn keep_locked(level: &Level, parts: &mut MeshParts) {
+fn keep_locked(level: &CoarseMesh, parts: &mut MeshParts) {
     if level.locked.is_empty() {
         return;
     }
@@ -166,7 +166,7 @@ fn keep_locked(level: &Level, parts: &mut MeshParts) {
 }
 
 /// Returns the points of a level a share of the way to other positions, so that no face turns over.
-fn part_way(level: &Level, positions: &[DVec3], share: f64) -> Vec<DVec3> {
+fn part_way(level: &CoarseMesh, positions: &[DVec3], share: f64) -> Vec<DVec3> {
     if share >= 1.0 {
         return positions.to_vec();
     }
@@ -181,7 +181,7 @@ fn part_way(level: &Level, positions: &[DVec3], share: f64) -> Vec<DVec3> {
 }
 
 /// Moves the corners of all faces that `f32` makes degenerate back to where they were.
-fn reset_degenerate(level: &Level, positions: &mut [DVec3]) {
+fn reset_degenerate(level: &CoarseMesh, positions: &mut [DVec3]) {
     let stored = |p: u32| positions[p as usize].as_vec3();
     let is_degenerate = |f: &usize| {
         let [a, b, c] = level.faces[*f].map(stored);
@@ -192,7 +192,7 @@ fn reset_degenerate(level: &Level, positions: &mut [DVec3]) {
 }
 
 /// Returns some faces and those around them.
-fn around(level: &Level, faces: &[usize]) -> Vec<usize> {
+fn around(level: &CoarseMesh, faces: &[usize]) -> Vec<usize> {
     if faces.is_empty() {
         return Vec::new();
     }
@@ -203,7 +203,11 @@ fn around(level: &Level, faces: &[usize]) -> Vec<usize> {
 }
 
 /// Moves the corners of faces back to where they were; returns whether any was elsewhere.
-fn move_back(level: &Level, faces: impl Iterator<Item = usize>, positions: &mut [DVec3]) -> bool {
+fn move_back(
+    level: &CoarseMesh,
+    faces: impl Iterator<Item = usize>,
+    positions: &mut [DVec3],
+) -> bool {
     let mut any_moved = false;
     for p in faces.flat_map(|f| level.faces[f]) {
         let (position, before) = (&mut positions[p as usize], level.points[p as usize]);

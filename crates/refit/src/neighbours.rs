@@ -2,7 +2,7 @@
 
 use crate::guard::cross;
 use crate::input::Input;
-use crate::level::Level;
+use crate::level::CoarseMesh;
 use glam::DVec3;
 use lodc_nearest::{TriangleTree, point_at};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ const PLACES: [[f64; 3]; 4] =
 
 impl Neighbours {
     /// Those of a level where the simplifier left it, whose faces are in `tree`, within `reach`.
-    pub(crate) fn new(input: &Input, level: &Level, tree: &TriangleTree, reach: f64) -> Self {
+    pub(crate) fn new(input: &Input, level: &CoarseMesh, tree: &TriangleTree, reach: f64) -> Self {
         let components = level.input_triangles.iter().map(|&t| input.components[t as usize]);
         let components: Vec<u32> = components.collect();
         let is_one = components.iter().all(|c| *c == components[0]);
@@ -73,7 +73,7 @@ impl Neighbours {
     /// through. `tree` has the level's faces where its points are at `positions`.
     pub(crate) fn crossed(
         &self,
-        level: &Level,
+        level: &CoarseMesh,
         tree: &TriangleTree,
         positions: &[DVec3],
     ) -> Vec<usize> {

@@ -8,7 +8,7 @@
 use crate::blend::store;
 use crate::fit::Fitted;
 use crate::guard::cross;
-use crate::level::Level;
+use crate::level::CoarseMesh;
 use crate::sheets::{Sheet, nearest_of_sheet};
 use glam::DVec3;
 use lodc_mesh::{Attribute, Mesh, MeshParts, NONE, Semantic, Submesh};
@@ -39,7 +39,7 @@ const SAMPLES_PER_THREAD: usize = 1 << 8;
 /// where the simplifier left them.
 pub(crate) fn fit(
     normals: &InputNormals<'_>,
-    level: &Level,
+    level: &CoarseMesh,
     fitted: &Fitted,
     positions: &[DVec3],
     parts: &mut MeshParts,
@@ -110,7 +110,7 @@ struct Unknowns {
 }
 
 impl Unknowns {
-    fn new(level: &Level, parts: &MeshParts) -> Self {
+    fn new(level: &CoarseMesh, parts: &MeshParts) -> Self {
         let submeshes = (&parts.submeshes[..], &parts.vertex_submesh[..]);
         let normals = unit_normals(&parts.attributes, submeshes);
         let level_submeshes = (level.mesh.submeshes(), level.mesh.vertex_submesh());
@@ -235,7 +235,7 @@ impl<'a> InputNormals<'a> {
     /// them up last keep what was found there.
     fn ties(
         &self,
-        level: &Level,
+        level: &CoarseMesh,
         fitted: &Fitted,
         positions: &[DVec3],
         unknowns: &Unknowns,

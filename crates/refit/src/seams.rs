@@ -2,14 +2,14 @@
 //! vertices do not take attributes from beyond such a seam.
 
 use crate::blend::Source;
-use crate::level::Level;
+use crate::level::CoarseMesh;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 
 /// Removes the source of every vertex that found a point beyond a seam of its own chart: one whose
 /// texture coordinates are nearer to those of another vertex at the same position.
 pub(crate) fn keep_to_own_side(
     input: &Mesh,
-    level: &Level,
+    level: &CoarseMesh,
     chart_of_vertex: &[u32],
     sources: &mut [Option<Source>],
 ) {
@@ -33,7 +33,7 @@ pub(crate) fn keep_to_own_side(
 /// The squared distance of a vertex's texture coordinates from those at a point of the input.
 fn texture_distance(
     input: &Mesh,
-    level: &Level,
+    level: &CoarseMesh,
     v: u32,
     Source { vertices, weights }: Source,
 ) -> f64 {

@@ -306,7 +306,7 @@ fn pillow() -> Mesh {
 #[test]
 fn a_vertex_takes_nothing_from_the_other_side_of_a_sheet() {
     let s = simplified(&pillow());
-    let level = Level::new(&s, Lod(0));
+    let level = CoarseMesh::new(&s, Lod(0));
     let input = Input::new(s.mesh(), level.faces.len());
     let up = |m: &Mesh, v: u32| m.attributes()[0].value(v, 2);
     let above: Vec<u32> =

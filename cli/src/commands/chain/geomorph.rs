@@ -1,7 +1,7 @@
 //! `chain --geomorph`: which attributes get morph targets that move a level's vertices to the next
 //! level, and the distances at which the movement begins and ends.
 
-use super::levels::{Level, LevelArgs};
+use super::levels::{ChosenLevel, LevelArgs};
 use crate::exit::{Failure, Outcome};
 use crate::help::BECOMES;
 use crate::mesh_output::FormatName;
@@ -70,8 +70,8 @@ impl GeomorphArgs {
 }
 
 /// Refuses levels that get finer: an object may have levels of its own.
-pub(super) fn check(levels: &[Level]) -> Outcome<()> {
-    let finer = |pair: &[Level]| pair[0].lods.iter().zip(&pair[1].lods).any(|(a, b)| a > b);
+pub(super) fn check(levels: &[ChosenLevel]) -> Outcome<()> {
+    let finer = |pair: &[ChosenLevel]| pair[0].lods.iter().zip(&pair[1].lods).any(|(a, b)| a > b);
     match levels.windows(2).position(finer) {
         Some(k) => Err(Failure::usage(format!(
             "--geomorph: an object's level {} is finer than the one before it",
@@ -85,7 +85,7 @@ pub(super) fn check(levels: &[Level]) -> Outcome<()> {
 /// meshes that bend; `staying` are the numbers of vertices that stay.
 pub(super) fn set_distances(
     args: &LevelArgs,
-    levels: &mut [Level],
+    levels: &mut [ChosenLevel],
     pose_errors: &[Option<f64>],
     staying: &[u64],
 ) {
@@ -177,7 +177,7 @@ impl GeomorphShapes {
 }
 
 /// The error of an object's level or of the next one, the larger.
-pub(super) fn larger_error(levels: &[Level], level: usize, object: usize) -> f64 {
+pub(super) fn larger_error(levels: &[ChosenLevel], level: usize, object: usize) -> f64 {
     let error = |k: usize| levels.get(k).map_or(0.0, |level| level.distances[object].error);
     error(level).max(error(level + 1))
 }
@@ -190,6 +190,6 @@ pub(super) fn moving(vertex_counts: &[u32], level: usize) -> Option<Range<u32>> 
 }
 
 /// The LODs of an object.
-pub(super) fn lods(levels: &[Level], object: usize) -> Vec<Lod> {
+pub(super) fn lods(levels: &[ChosenLevel], object: usize) -> Vec<Lod> {
     levels.iter().map(|level| level.lods[object]).collect()
 }

@@ -47,7 +47,7 @@ pub(super) struct LevelArgs {
 
 /// One level of a chain.
 #[derive(Clone)]
-pub(super) struct Level {
+pub(super) struct ChosenLevel {
     /// One LOD per object.
     pub(super) lods: Vec<Lod>,
     pub(super) triangles: u64,
@@ -67,7 +67,7 @@ pub(super) struct Level {
     pub(super) gone: Vec<MissingPart>,
 }
 
-impl Level {
+impl ChosenLevel {
     /// Returns the LOD; none if several objects each have their own.
     pub(super) fn lod(&self) -> Option<u32> {
         match self.lods[..] {
@@ -201,8 +201,8 @@ pub(super) fn described(
     chosen: Vec<Chosen>,
     measured: Vec<Measured>,
     inventory: &PartInventory<'_>,
-) -> (Vec<Level>, Vec<String>) {
-    let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();
+) -> (Vec<ChosenLevel>, Vec<String>) {
+    let (mut levels, mut warnings): (Vec<ChosenLevel>, Vec<String>) = Default::default();
     for (number, (chosen, measured)) in chosen.into_iter().zip(measured).enumerate() {
         let Chosen { lods, triangles, distance, warnings: unmet } = chosen;
         let (distances, refitted) = match measured {
@@ -218,7 +218,7 @@ pub(super) fn described(
         warnings.extend(lost_parts.iter().map(|part| format!("level {number}: {part}")));
         let (error, rms) =
             level_mesh::largest_distance(objects, distances.iter().map(|d| (d.error, d.rms)));
-        levels.push(Level {
+        levels.push(ChosenLevel {
             lods,
             triangles,
             vertices: 0,

@@ -25,7 +25,7 @@ use crate::results::reported;
 use crate::selector::bound;
 use crate::stages::Stages;
 use clap::Args;
-use levels::{Level, LevelArgs, Measured};
+use levels::{ChosenLevel, LevelArgs, Measured};
 use lodc::level_mesh::Order;
 use lodc::pipeline::{Growth, refitted_meshes};
 use lodc::{Errors, parting_borders, parting_line, scene_levels};
@@ -245,7 +245,7 @@ fn chain(
     if args.geomorph.moved_streams().is_some() {
         geomorph::check(&levels)?;
     }
-    let files = |encoding: EncodeOptions, levels: &mut [Level]| {
+    let files = |encoding: EncodeOptions, levels: &mut [ChosenLevel]| {
         let options = encoding.options(textures.clone(), None);
         match args.separate {
             true if args.geomorph.moved_streams().is_some() => {
@@ -282,8 +282,8 @@ fn chain(
 }
 
 /// The origin of a file with these levels.
-fn provenance(args: &ChainArgs, asset: &lodc::Asset, levels: &[Level]) -> Provenance {
-    let facts = |level: &Level| LevelFacts {
+fn provenance(args: &ChainArgs, asset: &lodc::Asset, levels: &[ChosenLevel]) -> Provenance {
+    let facts = |level: &ChosenLevel| LevelFacts {
         lod: level.lod(),
         error: level.error,
         rms: level.rms.filter(|rms| rms.is_finite()),

@@ -1,7 +1,7 @@
 //! Writes a chain as separate files, one for each level.
 
 use super::geomorph::{self, GeomorphShapes, MovingMesh};
-use super::levels::Level;
+use super::levels::ChosenLevel;
 use super::{ChainArgs, Files, provenance};
 use crate::compression::EncodeOptions;
 use crate::exit::Outcome;
@@ -21,7 +21,7 @@ pub(super) fn files(
     out: &Path,
     format: FormatName,
     asset: &Asset,
-    levels: &mut [Level],
+    levels: &mut [ChosenLevel],
     mut options: ExportOptions,
 ) -> Outcome<Files> {
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
@@ -48,7 +48,7 @@ pub(super) fn files(
 }
 
 /// The meshes of the objects at a level, with its distances.
-fn meshes(asset: &Asset, level: &mut Level, order: Order) -> Outcome<Vec<LevelMesh>> {
+fn meshes(asset: &Asset, level: &mut ChosenLevel, order: Order) -> Outcome<Vec<LevelMesh>> {
     if let Some(refitted) = level.refitted.take() {
         return Ok(refitted);
     }
@@ -67,7 +67,7 @@ pub(super) fn morphing_files(
     out: &Path,
     format: FormatName,
     asset: &Asset,
-    levels: &mut [Level],
+    levels: &mut [ChosenLevel],
     mut options: ExportOptions,
 ) -> Outcome<Files> {
     let limits = args.export.import.limits().limits();

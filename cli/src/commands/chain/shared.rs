@@ -1,7 +1,7 @@
 //! Writes a chain as one file, all levels over one vertex buffer.
 
 use super::geomorph::{self, GeomorphShapes, MovingMesh};
-use super::levels::Level;
+use super::levels::ChosenLevel;
 use super::{ChainArgs, Files, provenance, showing_nodes};
 use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::FormatName;
@@ -29,7 +29,7 @@ pub(super) fn files(
     out: &Path,
     format: FormatName,
     asset: &Asset,
-    levels: &mut [Level],
+    levels: &mut [ChosenLevel],
     mut options: ExportOptions,
 ) -> Outcome<Files> {
     let moved_streams = args.geomorph.moved_streams();
@@ -188,7 +188,7 @@ fn chain(object: &LodObject, lods: &[Lod], morphs: bool, compress: bool) -> Outc
 }
 
 /// As [`coverage`], where levels state distances: the box's diagonal at that of the next level.
-fn by_distance(args: &ChainArgs, asset: &Asset, number: usize, levels: &[Level]) -> Vec<f64> {
+fn by_distance(args: &ChainArgs, asset: &Asset, number: usize, levels: &[ChosenLevel]) -> Vec<f64> {
     let object = &asset.objects[number];
     let diagonal = object.info.world_scale * object.simplified.mesh().diagonal();
     let next = levels.iter().skip(1).map(|level| {
@@ -205,7 +205,7 @@ fn by_distance(args: &ChainArgs, asset: &Asset, number: usize, levels: &[Level])
 
 /// Share of the screen below which the next level suits: where its error falls below a pixel of
 /// 1,080. The share is that of the bounding box's diagonal, squared.
-fn coverage(object: &LodObject, number: usize, levels: &[Level]) -> Vec<f64> {
+fn coverage(object: &LodObject, number: usize, levels: &[ChosenLevel]) -> Vec<f64> {
     let diagonal = object.simplified.mesh().diagonal();
     let next = levels.iter().skip(1).map(|level| {
         let error = level.distances[number].error;

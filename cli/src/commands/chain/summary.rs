@@ -1,7 +1,7 @@
 //! The summary of one chain: JSON for scripts, text for people.
 
 use super::Files;
-use super::levels::Level;
+use super::levels::ChosenLevel;
 use crate::console::{Loudness, note, result, wants};
 use crate::exit::Outcome;
 use lodc_report::documents::ChainReport;
@@ -11,7 +11,7 @@ use lodc_report::{ErrorsOver, SCHEMA_VERSION};
 /// The document of a chain.
 pub(super) fn report(
     input: String,
-    levels: &[Level],
+    levels: &[ChosenLevel],
     made: &Files,
     warnings: Vec<String>,
     errors_over: ErrorsOver,

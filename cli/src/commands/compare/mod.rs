@@ -54,7 +54,7 @@ pub(crate) struct CompareArgs {
     /// Of triangles.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = level,
           conflicts_with = "TargetArgs", help_heading = LEVEL)]
-    levels: Vec<Level>,
+    levels: Vec<ComparedLevel>,
     /// Level of A: a share (25%) or a count (10k) of triangles [default: all]
     #[arg(long, value_name = "LEVEL", value_parser = size, help_heading = LEVEL,
           hide_short_help = true)]
@@ -151,14 +151,14 @@ Examples:
 
 /// A level of `--levels`.
 #[derive(Clone, Debug)]
-struct Level {
+struct ComparedLevel {
     /// As it was typed.
     name: String,
     target: Target,
 }
 
-fn level(text: &str) -> Result<Level, String> {
-    Ok(Level { name: text.to_owned(), target: size(text)? })
+fn level(text: &str) -> Result<ComparedLevel, String> {
+    Ok(ComparedLevel { name: text.to_owned(), target: size(text)? })
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -117,7 +117,7 @@ fn errors(args: &ExtractArgs, criterion: Option<CriterionName>) -> Errors {
 }
 
 /// A level that was taken out.
-struct Level {
+struct ExtractedLevel {
     meshes: Vec<LevelMesh>,
     /// Of each object; none in a view.
     lods: Vec<Option<Lod>>,
@@ -135,7 +135,7 @@ fn uniform(
     input: &Path,
     asset: &Asset,
     stages: &mut Stages,
-) -> Outcome<Level> {
+) -> Outcome<ExtractedLevel> {
     let shape = MeshOptions { model: model(args, input, asset)?, order };
     let limits = args.export.import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
@@ -163,7 +163,7 @@ fn uniform(
     let parting = parting_borders(&asset.objects, lods, &asset.document, &limits)?;
     let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let gone = stages.run("gone", || inventory.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
-    Ok(Level {
+    Ok(ExtractedLevel {
         meshes,
         lods: chosen.lods.into_iter().map(Some).collect(),
         model: shape.model.map_or("reference", ModelKind::name),
@@ -186,7 +186,7 @@ fn view(
     input: &Path,
     asset: &Asset,
     stages: &mut Stages,
-) -> Outcome<Level> {
+) -> Outcome<ExtractedLevel> {
     args.view.check_models(input, &asset.objects)?;
     let limits = args.export.import.limits().limits();
     let levels = scene_levels(&asset.objects, &asset.document, &limits)?;
@@ -201,7 +201,7 @@ fn view(
         stages.run("extract", || views.show(views.max_triangles(args.selector.target())))?;
     let meshes = views.meshes(&shown)?.into_iter().map(|m| level_mesh::ordered(m, order));
     let meshes = meshes.collect();
-    Ok(Level {
+    Ok(ExtractedLevel {
         meshes: stages
             .run("measure", || measured(&asset.objects, &asset.document, meshes, &limits))?,
         lods: vec![None; asset.objects.len()],
@@ -233,7 +233,7 @@ fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<Mode
 fn report(
     input: &Path,
     asset: &Asset,
-    level: &Level,
+    level: &ExtractedLevel,
     (error, rms): (f64, Option<f64>),
     target: &Target,
 ) -> ExtractReport {

@@ -8,7 +8,7 @@ use super::tiles::Tile;
 use crate::exit::{Failure, Outcome, Status};
 use crate::kinds::UpAxis;
 use lodc_measure::render::{
-    BackFaces, Camera, Colours, Framing, Lens, Level, Scene, Style, Subdivision, Up, Viewpoint,
+    BackFaces, Camera, Colours, DrawnMesh, Framing, Lens, Scene, Style, Subdivision, Up, Viewpoint,
 };
 use lodc_measure::{distinct, heat as heat_colour};
 use lodc_report::text::distance;
@@ -57,7 +57,7 @@ pub(super) fn pictures(
         },
         smooth: args.shading == Shading::Smooth,
     };
-    let level = |tile: usize, object: usize| Level {
+    let level = |tile: usize, object: usize| DrawnMesh {
         mesh: tiles[tile].mesh(drawable, object),
         triangles: &tiles[tile].objects[object],
         colours: tiles[tile]
@@ -70,7 +70,7 @@ pub(super) fn pictures(
     };
     let painter = scene.painter();
     let draw_tile = |tile| {
-        let levels: Vec<Level<'_>> = (0..objects).map(|o| level(tile, o)).collect();
+        let levels: Vec<DrawnMesh<'_>> = (0..objects).map(|o| level(tile, o)).collect();
         scene.draw(&painter, &camera, &style, &levels)
     };
     (0..tiles.len()).map(draw_tile).collect()

@@ -16,11 +16,11 @@ pub const LEVELS: usize = 5;
 #[derive(Clone, Debug)]
 pub struct Discrete {
     simplified: Arc<Simplified>,
-    levels: Vec<Level>,
+    levels: Vec<DiscreteLevel>,
 }
 
 #[derive(Clone, Debug)]
-struct Level {
+struct DiscreteLevel {
     lod: Lod,
     /// In the order in which they are drawn.
     triangles: Vec<OrientedTriangle>,
@@ -45,7 +45,7 @@ impl Discrete {
             let mut used = vec![false; mesh.vertex_count()];
             triangles.iter().flat_map(|t| t.corners).for_each(|v| used[v as usize] = true);
             let vertices = used.into_iter().filter(|&u| u).count() as u64;
-            Level { lod, triangles, vertices }
+            DiscreteLevel { lod, triangles, vertices }
         };
         Self { simplified: Arc::clone(simplified), levels: (0..LEVELS).map(level).collect() }
     }

@@ -15,7 +15,7 @@ mod shader;
 
 pub use camera::{Camera, Framing, Lens, Up, Viewpoint};
 pub use painter::{Painter, Run};
-pub use scene::{Colours, Level, Scene, Subdivision};
+pub use scene::{Colours, DrawnMesh, Scene, Subdivision};
 
 /// A corner of a triangle. Three in a row are one, counter-clockwise from outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

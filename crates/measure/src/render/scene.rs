@@ -22,7 +22,7 @@ pub enum Colours<'a> {
 pub type Subdivision<'a> = dyn Fn(usize, &[Corner; 3]) -> Vec<Corner> + Sync + 'a;
 
 /// An object at a level of detail.
-pub struct Level<'a> {
+pub struct DrawnMesh<'a> {
     /// The vertices.
     pub mesh: &'a Mesh,
     /// The triangles, in the order in which they are drawn.
@@ -74,7 +74,7 @@ impl Scene<'_> {
         painter: &Painter,
         camera: &Camera,
         style: &Style,
-        levels: &[Level<'_>],
+        levels: &[DrawnMesh<'_>],
     ) -> Image {
         let materials = painter.materials();
         let points: Vec<PositionIds> =
@@ -112,7 +112,7 @@ fn depth(camera: &Camera, t: &[Corner; 3]) -> f32 {
 struct Part<'a> {
     scene: &'a Scene<'a>,
     placement: &'a Placement,
-    level: &'a Level<'a>,
+    level: &'a DrawnMesh<'a>,
     points: &'a PositionIds,
     camera: &'a Camera,
 }
@@ -131,7 +131,7 @@ struct SubmeshStyle<'a> {
 impl Part<'_> {
     /// Runs of triangles with one material.
     fn corners(&self, matte: usize) -> Vec<Run> {
-        let Level { mesh, triangles, ref colours, ref subdivision } = *self.level;
+        let DrawnMesh { mesh, triangles, ref colours, ref subdivision } = *self.level;
         let posed = posed(mesh, self.placement);
         let indices: Vec<[u32; 3]> = triangles.iter().map(|t| t.corners).collect();
         let styles: Vec<SubmeshStyle<'_>> =

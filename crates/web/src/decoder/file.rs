@@ -1,6 +1,6 @@
 //! A complete `.lodc` as one message of typed arrays for the page.
 
-use super::levels::{self, Level};
+use super::levels::{self, DecodedLevel};
 use super::message::{Message, Tag};
 use lodc_formats::lodc::{self, LodFile, LodObject};
 use lodc_formats::{Document, FormatError};
@@ -45,7 +45,7 @@ fn vertices(out: &mut Message, object: u32, simplified: &Simplified) {
 }
 
 /// The levels of an object, the coarsest first.
-fn all_levels(simplified: &Simplified) -> Vec<Level> {
+fn all_levels(simplified: &Simplified) -> Vec<DecodedLevel> {
     let collapses = simplified.collapses();
     let positions = simplified.mesh().position_ids();
     let all_triangles = collapses.triangles_at(Lod(0));
@@ -66,7 +66,7 @@ fn all_levels(simplified: &Simplified) -> Vec<Level> {
 }
 
 /// The triangles of a LOD, with vertices in stream order.
-fn level(simplified: &Simplified, positions: &PositionIds, lod: Lod) -> Level {
+fn level(simplified: &Simplified, positions: &PositionIds, lod: Lod) -> DecodedLevel {
     let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
     let vertex_at_lod = collapses.resolve_all(lod);
     let last = collapses.records();
@@ -79,5 +79,5 @@ fn level(simplified: &Simplified, positions: &PositionIds, lod: Lod) -> Level {
         let live = corners.take_while(|t| !is_degenerate(t.map(position)));
         live.map(move |t| (number, t.map(|v| last - v)))
     });
-    Level::new(collapses.error_at(lod), mesh.submeshes().len(), live)
+    DecodedLevel::new(collapses.error_at(lod), mesh.submeshes().len(), live)
 }

@@ -29,7 +29,7 @@ pub(super) fn min_finer(triangles: u32, all_triangles: u32) -> u32 {
 
 /// The indices of a level.
 #[derive(Clone, Debug)]
-pub(super) struct Level {
+pub(super) struct DecodedLevel {
     /// Upper bound of the distance from the input, in the object's units.
     pub(super) error: f32,
     /// Triangles of each submesh.
@@ -38,7 +38,7 @@ pub(super) struct Level {
     pub(super) indices: Vec<u32>,
 }
 
-impl Level {
+impl DecodedLevel {
     /// A level of triangles: each its submesh and its corners, vertices in stream order.
     pub(super) fn new(
         error: f32,
@@ -66,7 +66,7 @@ impl Level {
 /// Appends a chunk with levels of an object: the object's number, the number of levels, for each
 /// its error (f32) and the triangles of each submesh; `first`; all indices. They replace the
 /// indices of the object from the index `first` on.
-pub(super) fn put(out: &mut Message, object: u32, first: usize, levels: &[Level]) {
+pub(super) fn put(out: &mut Message, object: u32, first: usize, levels: &[DecodedLevel]) {
     out.chunk(Tag::Levels, |m| {
         m.words([object, levels.len() as u32]);
         for level in levels {

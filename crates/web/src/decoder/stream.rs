@@ -1,6 +1,6 @@
 //! A `.lods` as messages to the page: each holds what has arrived since the last one.
 
-use super::levels::{self, Level};
+use super::levels::{self, DecodedLevel};
 use super::message::{Message, Tag};
 use lodc_formats::lods::Unpacker;
 use lodc_formats::{FormatError, Limits};
@@ -37,7 +37,7 @@ struct SentObject {
     /// Triangles of the last of those levels.
     triangles: u32,
     /// Levels that stay and were not sent yet.
-    levels: Vec<Level>,
+    levels: Vec<DecodedLevel>,
     /// True if its header was sent.
     header_sent: bool,
     /// Steps at the last message.
@@ -161,7 +161,7 @@ impl SentObject {
     }
 }
 
-fn level(decoder: &MeshDecoder) -> Level {
+fn level(decoder: &MeshDecoder) -> DecodedLevel {
     // Before the first batch is complete its error is not known, and the decoder says 0. The page
     // must not take such a level for one without error.
     let error = match decoder.error() {
@@ -171,5 +171,5 @@ fn level(decoder: &MeshDecoder) -> Level {
     let submesh = |t: [u32; 3]| decoder.vertex_submesh()[t[0] as usize];
     let triangles = (0..decoder.triangle_count()).map(|t| decoder.triangle(t));
     let triangles = triangles.map(|t| (submesh(t), t));
-    Level::new(error, decoder.header().submeshes.len(), triangles)
+    DecodedLevel::new(error, decoder.header().submeshes.len(), triangles)
 }

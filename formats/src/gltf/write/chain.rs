@@ -76,7 +76,7 @@ pub fn export_chain<'a>(
         let next = quantizer.next(i, written_object);
         let next = next.as_deref();
         let is_shown = nodes_showing.contains_key(&written_object.mesh);
-        let mut object_levels = Levels::new(object, written_object.mesh, is_shown);
+        let mut object_levels = ChainedObject::new(object, written_object.mesh, is_shown);
         let buffers = vertex_buffers(object, object_levels.written(shape), &geometry, next);
         let mut mesh_writer = writer.mesh_writer(&geometry, buffers);
         for (s, &number) in written_object.primitives.iter().enumerate() {
@@ -147,7 +147,7 @@ fn vertex_buffers(
 fn put_levels(
     root: &mut Object,
     writer: &mut Writer,
-    levels: &[Levels<'_>],
+    levels: &[ChainedObject<'_>],
     nodes_showing: &BTreeMap<usize, Vec<usize>>,
     morphing: &mut BTreeSet<usize>,
 ) {
@@ -173,7 +173,7 @@ fn put_levels(
 }
 
 /// The levels of one mesh of the document.
-struct Levels<'a> {
+struct ChainedObject<'a> {
     object: &'a ChainObject<'a>,
     /// The mesh in the document.
     mesh: usize,
@@ -197,7 +197,7 @@ struct LevelPrimitive {
     attributes: Object,
 }
 
-impl<'a> Levels<'a> {
+impl<'a> ChainedObject<'a> {
     fn new(object: &'a ChainObject<'a>, mesh: usize, is_shown: bool) -> Self {
         let primitives = vec![Vec::new(); object.levels.len()];
         Self { object, mesh, is_shown, numbers: Vec::new(), primitives }

@@ -61,7 +61,7 @@ pub fn export_levels(
         let mesh = document_mesh(document, object.info, i);
         let finest = object.simplified.mesh();
         let adapted = adapted(document, finest);
-        let levels = Levels::new(object, &adapted);
+        let levels = WrittenLevels::new(object, &adapted);
         let mut mesh_writer = writer.mesh_writer(&adapted, levels.buffers());
         let numbers = || {
             let infos = object.info.submeshes.iter().enumerate();
@@ -97,7 +97,7 @@ fn forget_missing(root: &mut Object) {
 }
 
 /// The levels of one object.
-struct Levels<'a> {
+struct WrittenLevels<'a> {
     object: &'a LevelsObject<'a>,
     mesh: &'a Mesh,
     /// The LOD at which each triangle becomes degenerate.
@@ -108,7 +108,7 @@ struct Levels<'a> {
     local: Vec<u32>,
 }
 
-impl<'a> Levels<'a> {
+impl<'a> WrittenLevels<'a> {
     fn new(object: &'a LevelsObject<'a>, mesh: &'a Mesh) -> Self {
         let positions = mesh.position_ids();
         let mut vertices = vec![Vec::new(); mesh.submeshes().len()];
