@@ -19,11 +19,6 @@ fn options(command: &clap::Command) -> impl Iterator<Item = &Arg> {
     command.get_arguments().filter(|arg| !arg.is_positional())
 }
 
-/// Options that only stand for keys of `--limit`.
-fn is_other_name(option: &Arg) -> bool {
-    option.get_long().is_some_and(|name| name.starts_with("limit-"))
-}
-
 #[test]
 fn the_definition_is_sound() {
     Cli::command().debug_assert();
@@ -59,7 +54,7 @@ fn every_option_is_in_a_group_of_the_long_help_with_a_short_first_line() {
             assert!(length <= 76 * lines, "{name} --{option_name}: {length} characters: {words}");
             assert!(option.get_help_heading().is_some(), "{name} --{option_name} has no heading");
             let shown = long.contains(&format!("--{option_name}"));
-            assert!(shown && !option.is_hide_set() || is_other_name(option), "{name}: {long}");
+            assert!(shown && !option.is_hide_set(), "{name}: {long}");
         }
         for argument in command.get_positionals() {
             assert!(argument.get_help().is_some(), "{name} {}", argument.get_id());

@@ -72,8 +72,6 @@ pub(crate) struct LimitArgs {
 #[derive(Debug)]
 struct Key {
     name: &'static str,
-    /// The hidden option `--limit-KEY` that sets the same limit.
-    option: &'static str,
     /// What the key counts, for the help.
     description: &'static str,
     default: Preset,
@@ -93,7 +91,6 @@ enum Preset {
 const KEYS: [Key; 8] = [
     Key {
         name: "file",
-        option: "limit-file-bytes",
         description: "bytes of a single file",
         default: Preset::Number(Limits::DEFAULT.file_bytes),
         parse: size,
@@ -101,7 +98,6 @@ const KEYS: [Key; 8] = [
     },
     Key {
         name: "total",
-        option: "limit-total-bytes",
         description: "bytes of all files of one input together",
         default: Preset::Number(Limits::DEFAULT.total_bytes),
         parse: size,
@@ -109,7 +105,6 @@ const KEYS: [Key; 8] = [
     },
     Key {
         name: "line",
-        option: "limit-line-bytes",
         description: "bytes of a line of a text format",
         default: Preset::Number(Limits::DEFAULT.line_bytes),
         parse: size,
@@ -117,7 +112,6 @@ const KEYS: [Key; 8] = [
     },
     Key {
         name: "vertices",
-        option: "limit-vertices",
         description: "vertices",
         default: Preset::Number(Limits::DEFAULT.vertices),
         parse: size,
@@ -125,7 +119,6 @@ const KEYS: [Key; 8] = [
     },
     Key {
         name: "triangles",
-        option: "limit-triangles",
         description: "triangles",
         default: Preset::Number(Limits::DEFAULT.triangles),
         parse: size,
@@ -133,7 +126,6 @@ const KEYS: [Key; 8] = [
     },
     Key {
         name: "memory",
-        option: "limit-memory",
         description: "bytes that the work on one input may be expected to need",
         default: Preset::Text("what the machine has"),
         parse: size,
@@ -141,7 +133,6 @@ const KEYS: [Key; 8] = [
     },
     Key {
         name: "pixels",
-        option: "limit-pixels",
         description: "pixels of all images of one input that are decoded",
         default: Preset::Number(Limits::DEFAULT.pixels),
         parse: size,
@@ -149,7 +140,6 @@ const KEYS: [Key; 8] = [
     },
     Key {
         name: "time",
-        option: "limit-time",
         description: "processor time of the work on one input: 90s, 500ms, 5m, 1h",
         default: Preset::Text("none"),
         parse: milliseconds,
@@ -168,11 +158,7 @@ impl Args for LimitArgs {
             .long_help(long_help())
             .help_heading(LIMITS)
             .hide_short_help(true);
-        let flag = |key: &'static Key| {
-            let flag = Arg::new(key.option).long(key.option).value_parser(key.parse);
-            flag.help("The same as --limit with a key").help_heading(LIMITS).hide(true)
-        };
-        command.arg(limit).args(KEYS.iter().map(flag))
+        command.arg(limit)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -211,16 +197,9 @@ impl FromArgMatches for LimitArgs {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        let indices = |option| matches.indices_of(option).into_iter().flatten();
-        let keyed = matches.get_many::<Limit>(LIMIT_OPTION).into_iter().flatten();
-        let mut given: Vec<(usize, Limit)> = indices(LIMIT_OPTION).zip(keyed.copied()).collect();
-        for key in &KEYS {
-            let numbers = matches.get_many::<u64>(key.option).into_iter().flatten();
-            given.extend(indices(key.option).zip(numbers.map(|&number| Limit { key, number })));
+        for limit in matches.get_many::<Limit>(LIMIT_OPTION).into_iter().flatten() {
+            (limit.key.set)(self, limit.number);
         }
-        // The last one counts, by whichever name.
-        given.sort_by_key(|(index, _)| *index);
-        given.into_iter().for_each(|(_, limit)| (limit.key.set)(self, limit.number));
         Ok(())
     }
 }
@@ -353,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_and_options_of_their_own_say_the_same_and_the_last_counts() {
+    fn each_key_sets_its_limit_and_the_last_counts() {
         let numbers = |args: &LimitArgs| {
             let limits = args.limits();
             let seconds = args.time.map(|time| time.as_secs());
@@ -368,19 +347,15 @@ mod tests {
         let before = numbers(&given(&[]).expect("no limits"));
         for (index, key) in KEYS.iter().enumerate() {
             let is_time = key.name == "time";
-            let (small, large, number) =
-                if is_time { ("18h", "64800", 64_800) } else { ("64k", "64K", 64 << 10) };
-            let (keyed, flag) = (format!("{}={large}", key.name), format!("--{}", key.option));
+            let (texts, number) =
+                if is_time { (["18h", "64800"], 64_800) } else { (["64k", "64K"], 64 << 10) };
             let mut expected = before.clone();
             expected[index] = Some(number);
-            for words in [
-                &["--limit", &keyed][..],
-                &[&flag, small],
-                &["--limit", &format!("{}=1", key.name), "--limit", &keyed],
-                &["--limit", &format!("{}=1", key.name), &flag, large],
-                &[&flag, "1", "--limit", &keyed],
-            ] {
-                assert_eq!(numbers(&given(words).expect("limits")), expected, "{words:?}");
+            for text in texts {
+                let (one, keyed) = (format!("{}=1", key.name), format!("{}={text}", key.name));
+                assert_eq!(numbers(&given(&["--limit", &keyed]).expect("limits")), expected);
+                let words = ["--limit", &one, "--limit", &keyed];
+                assert_eq!(numbers(&given(&words).expect("limits")), expected, "{words:?}");
             }
         }
     }

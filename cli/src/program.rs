@@ -178,7 +178,7 @@ fn options_text(matches: &ArgMatches, command: &Command) -> String {
     for argument in command.get_arguments() {
         let id = argument.get_id().as_str();
         let name = argument.get_long().unwrap_or_default();
-        if name.is_empty() || RUN_OPTIONS.contains(&name) || name.starts_with(LIMIT_OPTION) {
+        if name.is_empty() || RUN_OPTIONS.contains(&name) || name == LIMIT_OPTION {
             continue;
         }
         let values = matches.get_raw(id).into_iter().flatten();

@@ -342,7 +342,6 @@ fn limits_of_a_configuration_a_list_and_the_command_line_count_key_by_key() {
         (&["a.obj"][..], 5),
         (&["a.obj", "--limit", "file=2G"], 5),
         (&["a.obj", "--limit", "vertices=1M"], 0),
-        (&["a.obj", "--limit-vertices", "1M"], 0),
         (&["a.obj", "--limit", "vertices=1M", "--limit", "file=3"], 5),
         (&["--manifest", "raised.jsonl"], 0),
         (&["--manifest", "raised.jsonl", "--limit", "vertices=3"], 5),

@@ -92,7 +92,7 @@ fn more_pixels_than_allowed_end_with_5_where_images_are_decoded() {
     let run = f.lodc(hybrid.iter().chain(&["--limit", "pixels=63"])).fails(5);
     assert!(run.err.contains("s.obj: ") && run.err.contains("63 pixels"), "{}", run.err);
     assert!(!f.has("s.lodc"));
-    f.lodc(hybrid.iter().chain(&["--limit-pixels", "64"])).ends(0);
+    f.lodc(hybrid.iter().chain(&["--limit", "pixels=64"])).ends(0);
     // Nothing is decoded here.
     f.lodc(["build", "s.obj", "-o", "s.lodc", "-q", "--limit", "pixels=0"]).ends(0);
 }
