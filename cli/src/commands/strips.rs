@@ -34,12 +34,6 @@ pub(crate) struct StripsArgs {
     #[arg(long, value_name = "N", default_value = "16",
           value_parser = clap::value_parser!(u32).range(4..=64), help_heading = BECOMES)]
     cache_size: u32,
-    /// Price of an index in fetched vertices (--strips cache), 0 to 100
-    ///
-    /// A higher price gives fewer indices, a lower one fewer cache misses.
-    #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price,
-          help_heading = BECOMES)]
-    index_cost: f32,
     /// Text file; - for standard output
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
     output: PathBuf,
@@ -61,13 +55,6 @@ fn generators() -> impl TypedValueParser<Value = Choice<StripKind>> {
     parser_with("list", "No strips: a triangle list that reuses a vertex cache")
 }
 
-fn price(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(price) if (0.0..=100.0).contains(&price) => Ok(price),
-        _ => Err("not a number from 0 to 100".to_owned()),
-    }
-}
-
 pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     let target = output::single_target(&args.input, Some(&args.output), "strips")?;
     output::prepare_targets([&target], output::is_folder(&args.output))?;
@@ -77,11 +64,7 @@ pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     let size = Size::of_objects(&scene.objects);
     let name = args.input.display().to_string();
     args.import.limits().check_memory(&name, size, &[size.strips()])?;
-    let options = CacheOptions {
-        cache_size: args.cache_size,
-        index_cost: args.index_cost,
-        effort: args.effort,
-    };
+    let options = CacheOptions { cache_size: args.cache_size, effort: args.effort };
     let mut made = StripText::default();
     for object in &scene.objects {
         stages.run("strips", || made.add(object, args.strips.kind(), &options));

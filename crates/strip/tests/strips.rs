@@ -213,20 +213,3 @@ fn strips_are_short_and_misses_few_on_a_smooth_surface() {
     let list = misses(order(&sphere, 16).as_flattened());
     assert!(list < 0.62, "list: {list} misses");
 }
-
-#[test]
-fn the_price_of_an_index_trades_indices_against_misses() {
-    let sphere = fixtures::icosphere(5);
-    let at = |index_cost| {
-        let strips = cache(&sphere, &CacheOptions { index_cost, ..CacheOptions::default() });
-        let stream = strips.indices().iter().copied();
-        (
-            strips.separate_indices(),
-            measure(stream, sphere.vertex_count(), CacheModel::default()).misses,
-        )
-    };
-    let (cheap, dear) = (at(0.1), at(10.0));
-    assert!(cheap.0 > dear.0 && cheap.1 < dear.1, "{cheap:?} {dear:?}");
-    // No price at all is none that could do harm.
-    assert_eq!(at(f32::NAN), at(0.0));
-}

@@ -24,16 +24,13 @@ pub struct CacheOptions {
     /// Number of vertices the cache holds (first in, first out). Values outside 4 to 64 are taken
     /// as the nearest of those.
     pub cache_size: u32,
-    /// Number of fetched vertices one index is worth: more makes longer strips, less makes fewer
-    /// misses.
-    pub index_cost: f32,
     /// The time that the search may take.
     pub effort: Effort,
 }
 
 impl Default for CacheOptions {
     fn default() -> Self {
-        Self { cache_size: 16, index_cost: 1.0, effort: Effort::Default }
+        Self { cache_size: 16, effort: Effort::Default }
     }
 }
 
@@ -54,12 +51,9 @@ pub(crate) fn cache_reporting(mesh: &Mesh, options: &CacheOptions, report: Repor
     let paths = parts.par_iter().map(|part| greedy::paths(part, size, weights));
     let paths: Vec<Vec<Vec<u32>>> = paths.collect();
     let paths: Vec<Vec<u32>> = paths.into_iter().flatten().collect();
-    // The search compares prices: NaN, negative or huge ones would make it accept everything or
-    // nothing.
-    let price = if options.index_cost >= 0.0 { options.index_cost.min(100.0) } else { 0.0 };
     let drawing = Drawing { paths: &paths, triangles, neighbours: &neighbours };
     let schedules = schedules(options.effort);
-    let goal = Goal { cache_size: size, index_cost: price, schedules };
+    let goal = Goal { cache_size: size, schedules };
     let refined = refine(&drawing, &goal, &Meter::new(report, 1));
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);

@@ -33,8 +33,6 @@ pub(crate) struct Drawing<'a> {
 pub(crate) struct Goal {
     /// Number of vertices that the cache holds.
     pub(crate) cache_size: u32,
-    /// The price of an index, in fetched vertices.
-    pub(crate) index_cost: f32,
     pub(crate) schedules: &'static [Schedule],
 }
 
@@ -168,8 +166,8 @@ struct Chunk {
 impl Chunk {
     /// Searches in stretches that overlap by half.
     fn improve(&mut self, goal: &Goal, schedule: &Schedule, random: &mut SplitMix64) {
-        let (size, price) = (goal.cache_size, goal.index_cost);
-        let mut workspace = Workspace::new(&self.surface, self.vertices.len(), size, price, random);
+        let (vertices, size) = (self.vertices.len(), goal.cache_size);
+        let mut workspace = Workspace::new(&self.surface, vertices, size, random);
         let mut done: Vec<Strip> = Vec::new();
         let mut waiting: VecDeque<Strip> = std::mem::take(&mut self.strips).into();
         let mut stretch: Vec<Strip> = Vec::new();

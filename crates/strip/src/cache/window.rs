@@ -71,8 +71,6 @@ pub(crate) struct Workspace<'a> {
     surface: &'a Surface,
     fifo: Fifo,
     random: &'a mut SplitMix64,
-    /// The price of an index, in fetched vertices.
-    index_cost: f32,
     /// The strip of each triangle of the surface; [`NONE`] outside of the stretch.
     strip_of: Vec<u32>,
 }
@@ -83,11 +81,10 @@ impl<'a> Workspace<'a> {
         surface: &'a Surface,
         vertices: usize,
         size: u32,
-        index_cost: f32,
         random: &'a mut SplitMix64,
     ) -> Self {
         let strip_of = vec![NONE; surface.triangles.len()];
-        Self { surface, fifo: Fifo::new(vertices, size), random, index_cost, strip_of }
+        Self { surface, fifo: Fifo::new(vertices, size), random, strip_of }
     }
 }
 
@@ -366,7 +363,8 @@ impl<'w, 'a> Stretch<'w, 'a> {
         // Drawn once, so that refusing early and in the end agree.
         let random = (self.shared.random.bits() >> 32) as f64;
         let refuses = |misses: f32| {
-            let delta = f64::from(misses + self.shared.index_cost * indices);
+            // An index costs as much as a fetched vertex.
+            let delta = f64::from(misses + indices);
             delta > 0.0 && random >= exp_minus(delta / temperature) * 4_294_967_296.0
         };
         for i in first..=new.len() {
