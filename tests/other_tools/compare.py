@@ -215,7 +215,8 @@ def main():
     show(rows)
     if given.csv:
         with open(given.csv, "w", encoding="utf-8") as out:
-            out.write(f"# just other-tools {given.mesh}\ntool,half_edge,level,triangles,rms,seconds\n")
+            out.write(f"# just other-tools {given.mesh}\n")
+            out.write("tool,half_edge,level,triangles,rms,seconds\n")
             out.writelines(",".join(str(c) for c in row) + "\n" for row in rows)
 
 

@@ -41,8 +41,8 @@ def _prediction(attribute):
 
 
 def code_values(coder, contexts, layout, indices, parent, siblings, link, cut):
-    """Decodes the indices of a vertex. ``indices`` has those of all vertices before; ``siblings`` are
-    wedges that came before it, ``cut`` the apexes of the first left and right triangle."""
+    """Decodes the indices of a vertex. ``indices`` has those of all vertices before; ``siblings``
+    are wedges that came before it, ``cut`` the apexes of the first left and right triangle."""
     vertex = _Vertex(coder, contexts, layout, indices, parent, siblings, link)
     out = list(indices[siblings[-1]][:3]) if siblings else vertex.position(cut)
     for s in range(1, len(layout.streams)):
@@ -150,7 +150,7 @@ class _Vertex:
         return list(value)
 
     def sources(self, first, channels):
-        """Vertices with different values: siblings, the parent, the link; where the first two end."""
+        """Vertices with different values: siblings, parent, link; where the first two end."""
         out = []
 
         def add(v, most):
