@@ -228,7 +228,7 @@ const DEFECTS: &[(&str, &str, Inject)] = &[
 ];
 
 #[test]
-fn planted_defects_are_found() {
+fn injected_defects_are_found() {
     let f = chained("machine_part.glb", &[]);
     assert_eq!(found(&verify(&f, "c.gltf", "machine_part.glb").ends(0)), [""; 0]);
     injected(&f, |_, _| {});
@@ -245,7 +245,7 @@ fn planted_defects_are_found() {
 }
 
 #[test]
-fn planted_ranges_are_found() {
+fn injected_ranges_are_found() {
     let f = chained("skinned_tube_u8.glb", &["--index-ranges"]);
     let levels = |d: &mut Value, level: usize, key: &str, by: i64| {
         let entry = &mut d["meshes"][0]["primitives"][0]["extras"]["lodc"]["levels"][level][key];

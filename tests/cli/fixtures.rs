@@ -73,7 +73,7 @@ fn good_files_import_with_every_triangle_of_their_shape() {
 }
 
 #[test]
-fn hostile_files_are_refused_for_their_own_reason() {
+fn malformed_files_are_refused_for_their_own_reason() {
     let mut wrong = Vec::new();
     for malformed in MALFORMED {
         assert!(malformed.name.starts_with("x_"), "{}", malformed.name);

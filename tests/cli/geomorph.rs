@@ -137,7 +137,7 @@ const DEFECTS: &[(&str, Inject)] = &[
 ];
 
 #[test]
-fn planted_targets_are_found() {
+fn injected_targets_are_found() {
     let f = chained("machine_part.glb", &["--geomorph"]);
     for (name, inject) in DEFECTS {
         let (mut d, mut numbers) = (document(&f, "c.gltf"), f.read("c.bin"));

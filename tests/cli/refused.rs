@@ -30,7 +30,7 @@ fn refused(run: &Run, name: &str, what: &str) -> Result<(), String> {
 }
 
 #[test]
-fn every_hostile_fixture_ends_in_one_line_and_writes_nothing() {
+fn every_malformed_fixture_ends_in_one_line_and_writes_nothing() {
     let f = Folder::new();
     let mut wrong = Vec::new();
     for path in malformed() {

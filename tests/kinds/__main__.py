@@ -360,7 +360,7 @@ class Case:
         is_seen = max(m.rms for m in measured) > 1e-5 * self.diagonal
         return [(name, factor) for name, factor in INJECTED if is_seen or name != "rms"]
 
-    def planted_way(self):
+    def injected_way(self):
         """`verify` refuses curves with other numbers."""
         for name, factor in self.injected(self.finer[SHARES[0]]):
             out = self.folder / "injected.lodc"

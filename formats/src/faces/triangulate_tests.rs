@@ -139,7 +139,7 @@ fn polygons_in_any_plane_keep_their_side() {
 }
 
 #[test]
-fn a_hostile_polygon_is_finished_as_a_fan_when_its_budget_is_spent() {
+fn a_malformed_polygon_is_finished_as_a_fan_when_its_budget_is_spent() {
     let n = 200_000;
     let points: Vec<[f32; 3]> = (0..n)
         .map(|i| [i as f32, if i % 2 == 0 { 0.0 } else { 1.0 + (i % 7) as f32 }, 0.0])

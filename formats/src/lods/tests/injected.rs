@@ -86,7 +86,7 @@ fn detected(bytes: &[u8], whole: &Unpacker) -> Option<Detection> {
 }
 
 #[test]
-fn planted_defects_are_detected() {
+fn injected_defects_are_detected() {
     let mesh = fixtures::named("machine_part").expect("a shape");
     let file = gltf(vec![object("part", fixtures::random_collapse(&mesh, 3))]);
     let bytes = stepwise(&file).bytes;
