@@ -27,7 +27,9 @@ mod chain;
 mod choose;
 mod mesh;
 
-pub use asset::{LevelTarget, Lodc, LodcLevel, LodcLoader, LodcObject, LodcPlacement, LodcSettings};
+pub use asset::{
+    LevelTarget, Lodc, LodcLevel, LodcLoader, LodcObject, LodcPlacement, LodcSettings,
+};
 #[cfg(feature = "chain")]
 pub use chain::ChainLoader;
 pub use choose::{LevelOfDetail, LodEye};
