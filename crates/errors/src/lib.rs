@@ -119,11 +119,11 @@ pub fn raise<S: AsRef<[[f32; 3]]> + Send>(
     let mut measured_shapes = 0;
     while let Some(first) = shapes.next() {
         let second = shapes.next();
-        let one = |shape: S| measure_above(errors, simplified, shape.as_ref(), settings, tick);
+        let measured = |shape: S| measure_above(errors, simplified, shape.as_ref(), settings, tick);
         let (first, second) = if in_pairs {
-            rayon::join(|| one(first), || second.map(one))
+            rayon::join(|| measured(first), || second.map(measured))
         } else {
-            (one(first), second.map(one))
+            (measured(first), second.map(measured))
         };
         let before = errors.error.clone();
         for found in std::iter::once(first).chain(second) {

@@ -25,8 +25,9 @@ pub struct Figure {
     pub vertices: Option<f64>,
 }
 
-/// Times every case of a benchmark up to `repeats` times, all in turn. A device without a clock is
-/// timed by the host's, from submitting to being done. `now` is the host's clock, from any start.
+/// Times every case of a benchmark in up to `repeats` rounds, at least one. Each times all
+/// cases in turn. A device without a clock is timed by the host's, from submitting to being done.
+/// `now` is the host's clock, from any start.
 ///
 /// # Errors
 /// If the device cannot run it.
@@ -41,32 +42,35 @@ pub fn measure(
     let canvases: Vec<Option<Canvas>> = (benchmark.cases.iter())
         .map(|case| case.drawn.as_ref().map(|drawn| Canvas::new(&session, drawn)).transpose())
         .collect::<Result<_, _>>()?;
-    // For each case the time spent on it, and the nanoseconds of each round.
-    let mut timings = vec![(Duration::ZERO, Vec::new()); benchmark.cases.len()];
+    let mut timings = vec![Timing::default(); benchmark.cases.len()];
     for round in 0..=repeats.max(1) {
-        for ((case, canvas), (spent, rounds)) in
-            benchmark.cases.iter().zip(&canvases).zip(&mut timings)
-        {
-            if *spent > MAX_CASE_TIME {
+        for (i, case) in benchmark.cases.iter().enumerate() {
+            let timing = &mut timings[i];
+            if timing.spent > MAX_CASE_TIME {
                 continue;
             }
             let start = now();
-            let nanoseconds = session.timed(&case.before, &case.runs, canvas.as_ref(), now)?;
-            *spent += now().saturating_sub(start);
-            if round > 0 || *spent > MAX_CASE_TIME {
-                rounds.push(nanoseconds);
+            let nanoseconds = session.timed(&case.before, &case.runs, canvases[i].as_ref(), now)?;
+            timing.spent += now().saturating_sub(start);
+            if round > 0 || timing.spent > MAX_CASE_TIME {
+                timing.nanoseconds.push(nanoseconds);
             }
         }
     }
-    Ok(benchmark
-        .cases
-        .iter()
-        .zip(timings)
-        .map(|(case, (_, rounds))| figure(case, &rounds))
-        .collect())
+    let timed = benchmark.cases.iter().zip(&timings);
+    Ok(timed.map(|(case, timing)| figure(case, &timing.nanoseconds)).collect())
 }
 
-/// The figure of a case, of the nanoseconds that all its runs took in each round.
+/// What is known of a case so far.
+#[derive(Clone, Default)]
+struct Timing {
+    /// The host's time spent on it, with all that is not timed.
+    spent: Duration,
+    /// For each round that counts, the nanoseconds of all runs together.
+    nanoseconds: Vec<f64>,
+}
+
+/// The figure of a case, given for each round the nanoseconds of all its runs together.
 fn figure(case: &Case, nanoseconds: &[f64]) -> Figure {
     let runs = case.runs.len().max(1) as f64;
     Figure {

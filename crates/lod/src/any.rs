@@ -74,7 +74,7 @@ impl FromStr for ModelKind {
     }
 }
 
-/// Why a cursor is refused.
+/// What methods panic with if the cursor is of another kind of model.
 const OTHER_MODEL: &str = "a cursor of another model";
 
 /// A model of any kind.
@@ -89,7 +89,8 @@ pub enum AnyModel {
     Interactive(Interactive),
 }
 
-/// A cursor over an [`AnyModel`].
+/// A cursor over an [`AnyModel`]. Methods that take a model and a cursor panic if the cursor is of
+/// another kind of model.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum AnyCursor {
@@ -155,7 +156,8 @@ impl AnyModel {
         }
     }
 
-    /// Compares a few levels that depend on the view with the plain sequence, if it has such.
+    /// Compares a few levels that depend on the view with the collapse sequence applied plainly;
+    /// none if the model shows only whole LODs.
     #[must_use]
     pub fn verify_views(&self) -> Option<Check> {
         match self {
@@ -164,8 +166,9 @@ impl AnyModel {
         }
     }
 
-    /// Its replays on a graphics device over a schedule of LODs. `reference` must have been made of
-    /// the simplification that the model was built from.
+    /// Its replays on a graphics device, each of which seeks the LODs `stops` in turn; none for a
+    /// mesh without vertices. `reference` must have been made of the simplification that the model
+    /// was built from.
     ///
     /// # Errors
     /// If the mesh is too large or too deep for any device.

@@ -16,9 +16,9 @@ pub struct LevelOf<'a> {
     pub objects: &'a [LodObject],
     /// The document around them.
     pub document: &'a Document,
-    /// The hash of the file that they came from.
+    /// The hash of the file that they came from: its XXH3-128.
     pub source: u128,
-    /// The LOD, where all have the same.
+    /// The LOD to be stated; none where each object has its own, or in a view.
     pub lod: Option<Lod>,
 }
 
@@ -27,16 +27,17 @@ pub struct LevelOf<'a> {
 pub struct WrittenLevel {
     /// The files; the one that refers to the others first.
     pub files: Vec<OutputFile>,
-    /// The largest distances of all objects in world units, with what writing rounds: upper bound
-    /// of the Hausdorff distance and root mean square distance, as the files state them.
+    /// Error and rms: the largest of all objects, in world units, with what writing rounds. The
+    /// files state them, but no rms that is not finite.
     pub distances: (f64, Option<f64>),
     /// A line on what of the asset the format cannot hold.
     pub left_out: Option<String>,
 }
 
 impl LevelOf<'_> {
-    /// Makes the files of the level at `path` from the meshes of its objects, whose distances then
-    /// also hold for what writing rounds. The provenance of `options` is made here.
+    /// Makes the files of the level at `path` from the meshes of its objects, one each. Adds what
+    /// writing rounds to the meshes' `error` and `rms`, in mesh units: called twice with the same
+    /// meshes, it adds twice. Any provenance in `options` is replaced.
     ///
     /// # Errors
     /// If the format cannot hold the level, or the document is damaged.
@@ -49,8 +50,8 @@ impl LevelOf<'_> {
     ) -> Result<WrittenLevel, FormatError> {
         let Self { objects, document, source, lod } = *self;
         let written = written_distances(objects, document, meshes, format, options.precision)?;
-        for (mesh, distances) in meshes.iter_mut().zip(written) {
-            (mesh.error, mesh.rms) = distances;
+        for (mesh, (error, rms)) in meshes.iter_mut().zip(written) {
+            (mesh.error, mesh.rms) = (error, rms);
         }
         let (error, rms) = largest_of_meshes(objects, meshes);
         let lod = lod.map(|lod| lod.0);

@@ -18,9 +18,16 @@ pub struct Scan {
     block: KernelId,
     /// [`SCAN_ADD`].
     add: KernelId,
-    /// Buffers and their numbers of words: the data, the sums of its blocks, the sums of blocks of
-    /// those, and so on.
-    levels: Vec<(BufferId, usize)>,
+    /// The data, the sums of its blocks, the sums of blocks of those, and so on, down to one word:
+    /// at least two.
+    sums: Vec<Words>,
+}
+
+/// The first words of a buffer.
+#[derive(Clone, Copy, Debug)]
+struct Words {
+    buffer: BufferId,
+    count: usize,
 }
 
 impl Scan {
@@ -28,40 +35,51 @@ impl Scan {
     pub fn new(program: &mut Program, data: BufferId, count: usize) -> Self {
         let block = program.kernel(SCAN);
         let add = program.kernel(SCAN_ADD);
-        let mut levels = vec![(data, count)];
-        let mut sums = count;
+        let mut sums = vec![Words { buffer: data, count }];
+        let mut blocks = count;
         loop {
-            sums = sums.div_ceil(BLOCK).max(1);
-            levels.push((program.zeros("sums of blocks", sums), sums));
-            if sums == 1 {
-                return Self { block, add, levels };
+            blocks = blocks.div_ceil(BLOCK).max(1);
+            let buffer = program.zeros("sums of blocks", blocks);
+            sums.push(Words { buffer, count: blocks });
+            if blocks == 1 {
+                return Self { block, add, sums };
             }
         }
     }
 
-    /// Returns the buffer that holds the sum of all words afterwards.
+    /// Returns the buffer whose one word is the sum of all words after the passes.
     #[must_use]
     pub fn total(&self) -> BufferId {
-        self.levels[self.levels.len() - 1].0
+        self.sums[self.sums.len() - 1].buffer
     }
 
     /// Returns the passes: sums within blocks, level by level; then, from the last level back,
     /// additions of the sums before each block.
     #[must_use]
     pub fn passes(&self) -> Vec<Pass> {
-        let pass = |kernel, pair: &[(BufferId, usize)], threads: usize| {
-            let count = pair[0].1 as u32;
-            Pass {
-                kernel,
-                buffers: vec![pair[0].0, pair[1].0],
-                threads: threads as u32,
-                parameters: vec![count],
+        let mut passes = Vec::new();
+        for pair in self.sums.windows(2) {
+            let [words, sums] = [pair[0], pair[1]];
+            // Each thread sums four words.
+            passes.push(pass(self.block, words, sums, words.count.div_ceil(4)));
+        }
+        for pair in self.sums.windows(2).rev() {
+            let [words, sums] = [pair[0], pair[1]];
+            // One block has nothing before it.
+            if sums.count > 1 {
+                passes.push(pass(self.add, words, sums, words.count));
             }
-        };
-        // Each thread sums four words.
-        let sums = self.levels.windows(2).map(|pair| pass(self.block, pair, pair[0].1.div_ceil(4)));
-        // One block has nothing before it.
-        let additions = self.levels.windows(2).rev().filter(|pair| pair[1].1 > 1);
-        sums.chain(additions.map(|pair| pass(self.add, pair, pair[0].1))).collect()
+        }
+        passes
+    }
+}
+
+/// A pass over `words` and the `sums` of their blocks.
+fn pass(kernel: KernelId, words: Words, sums: Words, threads: usize) -> Pass {
+    Pass {
+        kernel,
+        buffers: vec![words.buffer, sums.buffer],
+        threads: threads as u32,
+        parameters: vec![words.count as u32],
     }
 }

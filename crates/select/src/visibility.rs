@@ -27,8 +27,11 @@ impl Part<'_> {
     }
 }
 
-/// Returns for each triangle of each part four times the mean area that it takes in pictures from
-/// all sides: that is its own area if nothing hides it and it is visible from one side.
+/// Returns for each triangle of each part the area of it that is visible, in square world units:
+/// four times the mean area that it takes in pictures from all sides. A triangle that nothing hides
+/// covers half its area in the mean, so that a closed convex surface, which hides one side of each,
+/// gets its own area; what both sides of a triangle show counts twice. All are 0 if the parts have
+/// no extent or one that is not finite.
 pub(crate) fn visible_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
     let corners = || parts.iter().flat_map(|p| p.corners());
     let lo = corners().fold(DVec3::INFINITY, DVec3::min);
@@ -36,8 +39,9 @@ pub(crate) fn visible_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
     let count: usize = parts.iter().map(|p| p.triangles.len()).sum();
     let center = 0.5 * (lo + hi);
     let radius = corners().map(|p| p.distance(center)).fold(0.0, f64::max);
+    // For each triangle of all parts, one after another, the pixels of all pictures that show it.
     let mut pixels = vec![0u32; count];
-    // The length of a pixel's side, the same for all cameras.
+    // The length of a pixel's side in world units, the same for all cameras.
     let mut pixel = 0.0;
     if radius > 0.0 && radius.is_finite() {
         let cameras = spread_cameras(VIEWS, center, radius, SIZE);
@@ -45,10 +49,10 @@ pub(crate) fn visible_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
         let empty = vec![Fragment::NOTHING; (SIZE * SIZE) as usize];
         let mut depth_buffers = vec![empty; PICTURES_AT_ONCE];
         for views in cameras.chunks(depth_buffers.len()) {
-            let draw = |(camera, depth_buffer): (&Camera, &mut Vec<Fragment>)| {
-                draw(parts, camera, depth_buffer);
-            };
-            views.par_iter().zip(&mut depth_buffers).for_each(draw);
+            views
+                .par_iter()
+                .zip(&mut depth_buffers)
+                .for_each(|(camera, depth_buffer)| draw(parts, camera, depth_buffer));
             for fragment in depth_buffers[..views.len()].iter_mut().flatten() {
                 let nearest = std::mem::replace(fragment, Fragment::NOTHING);
                 if nearest != Fragment::NOTHING {
@@ -57,14 +61,16 @@ pub(crate) fn visible_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
             }
         }
     }
+    // What one pixel of one picture adds.
     let area = 4.0 * pixel * pixel / f64::from(VIEWS);
-    let mut first = 0;
-    let mut part_areas = |part: &Part<'_>| -> Vec<f64> {
-        let range = first..first + part.triangles.len();
-        first = range.end;
-        pixels[range].iter().map(|&n| f64::from(n) * area).collect()
-    };
-    parts.iter().map(&mut part_areas).collect()
+    let mut areas = Vec::with_capacity(parts.len());
+    let mut rest = &pixels[..];
+    for part in parts {
+        let (of_part, others) = rest.split_at(part.triangles.len());
+        areas.push(of_part.iter().map(|&n| f64::from(n) * area).collect());
+        rest = others;
+    }
+    areas
 }
 
 /// Draws all parts into an empty depth buffer: for each pixel the nearest triangle, by its number

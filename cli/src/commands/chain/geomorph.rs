@@ -10,7 +10,7 @@ use lodc::Asset;
 use lodc::geomorph::{bends, joints_error, pose_error};
 use lodc::pipeline::GeomorphJudge;
 use lodc_formats::Limits;
-use lodc_formats::export::{GeomorphFacts, ScreenFacts};
+use lodc_formats::export::GeomorphFacts;
 use lodc_formats::gltf::MovedStreams;
 use lodc_mesh::{Lod, Mesh};
 use lodc_scene::ObjectShapes;
@@ -102,12 +102,6 @@ pub(super) fn set_distances(
         let staying = staying.get(k).copied().unwrap_or(0);
         level.geomorph = Some(GeomorphFacts { distance, morph_from, pose_error, staying });
     }
-}
-
-/// The screen that distances are for.
-pub(super) fn screen(args: &LevelArgs) -> ScreenFacts {
-    let (pixels, height, fovy) = args.screen();
-    ScreenFacts { pixels, height, fovy }
 }
 
 /// An object on its way from each level to the next: the mesh, where it goes, what moves.

@@ -9,7 +9,7 @@ use clap::Args;
 use lodc::level_mesh::{self, LevelMesh};
 use lodc::pipeline::LevelDistance;
 use lodc::{LodObject, SceneLevels};
-use lodc_formats::export::GeomorphFacts;
+use lodc_formats::export::{GeomorphFacts, ScreenFacts};
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainLevel;
 use lodc_report::{MissingPart, PartInventory};
@@ -53,17 +53,18 @@ pub(super) struct ChosenLevel {
     pub(super) triangles: u64,
     /// Vertices that the level needs, once its files are made.
     pub(super) vertices: u64,
-    /// The largest of all objects, as `rms`.
+    /// The largest of all objects, in world units, as `rms`.
     pub(super) error: f64,
     pub(super) rms: Option<f64>,
-    /// The distances of each object by itself.
+    /// The distances of each object by itself, in its mesh units.
     pub(super) distances: Vec<LevelDistance>,
     /// The meshes of the objects, until they are written; none of levels that are not refitted.
     pub(super) refitted: Option<Vec<LevelMesh>>,
-    /// Distance that the level was chosen for.
+    /// Distance from the eye that the level was chosen for, in world units; none without --pixels.
     pub(super) distance: Option<f64>,
     /// Where it moves to the next level, if it does.
     pub(super) geomorph: Option<GeomorphFacts>,
+    /// Parts that it no longer shows.
     pub(super) gone: Vec<MissingPart>,
 }
 
@@ -98,7 +99,7 @@ impl LevelArgs {
     /// `parts` have these.
     ///
     /// # Errors
-    /// If the levels do not get coarser.
+    /// If a level has more triangles than the one before it, or a level cannot be chosen.
     pub(super) fn choose(
         &self,
         objects: &[LodObject],
@@ -139,10 +140,10 @@ impl LevelArgs {
         distance.is_finite().then_some(distance)
     }
 
-    /// The pixels that errors may take up, the lines of the screen and its field of view.
-    pub(super) fn screen(&self) -> (f64, f64, f64) {
+    /// The screen that distances are for.
+    pub(super) fn screen(&self) -> ScreenFacts {
         let (height, fovy) = self.screen.size();
-        (self.pixels.unwrap_or(1.0), height, fovy)
+        ScreenFacts { pixels: self.pixels.unwrap_or(1.0), height, fovy }
     }
 
     /// The share of the screen's height, squared, that a length takes up at a distance.
@@ -151,11 +152,12 @@ impl LevelArgs {
         if height > 0.0 { (length / height).powi(2).min(1.0) } else { 1.0 }
     }
 
+    /// What each level is chosen by, finest first, and the distance that it is for, if it is.
     fn targets(&self) -> Vec<(Target, Option<f64>)> {
         let plain = |targets: &[Target]| targets.iter().map(|&t| (t, None)).collect();
         if let Some(pixels) = self.pixels {
-            let error = |&d: &f64| (self.screen.error(pixels, d), Some(d));
-            return self.distances.iter().map(error).collect();
+            let for_distance = |&d: &f64| (self.screen.error(pixels, d), Some(d));
+            return self.distances.iter().map(for_distance).collect();
         }
         if let Some(n) = self.auto {
             return (0..n).map(|k| (Target::Ratio(0.5f64.powi(k as i32)), None)).collect();
@@ -183,19 +185,23 @@ pub(super) struct Chosen {
 pub(super) fn keep_whole(levels: &mut [Chosen], objects: &[LodObject], is_shown: &[bool]) {
     let Some((finest, coarser)) = levels.split_first_mut() else { return };
     for level in coarser {
-        let lods = level.lods.iter_mut().zip(&finest.lods).zip(is_shown);
-        lods.filter(|(_, shown)| !**shown).for_each(|((lod, finest), _)| *lod = *finest);
+        for ((lod, &finest), &is_shown) in level.lods.iter_mut().zip(&finest.lods).zip(is_shown) {
+            if !is_shown {
+                *lod = finest;
+            }
+        }
         level.triangles = triangles(objects, &level.lods);
     }
 }
 
-/// A level, measured for each object.
+/// How far each object of a level is from the input; with its meshes where levels are refitted.
 pub(super) enum Measured {
     Plain(Vec<LevelDistance>),
     Refitted(Vec<LevelMesh>),
 }
 
-/// Adds to levels how far they are from the input and what they no longer show; with all warnings.
+/// Adds to levels how far they are from the input and what they no longer show. Returns also the
+/// warnings, level by level: wishes that were not met, then parts that are gone.
 pub(super) fn described(
     objects: &[LodObject],
     chosen: Vec<Chosen>,
@@ -234,8 +240,11 @@ pub(super) fn described(
     (levels, warnings)
 }
 
+/// Returns the number of triangles of all objects, each at its LOD.
 fn triangles(objects: &[LodObject], lods: &[Lod]) -> u64 {
-    let of_object =
-        |(o, &lod): (&LodObject, &Lod)| u64::from(o.simplified.collapses().triangles_at(lod));
-    objects.iter().zip(lods).map(of_object).sum()
+    let mut sum = 0;
+    for (object, &lod) in objects.iter().zip(lods) {
+        sum += u64::from(object.simplified.collapses().triangles_at(lod));
+    }
+    sum
 }

@@ -293,7 +293,7 @@ fn provenance(args: &ChainArgs, asset: &lodc::Asset, levels: &[ChosenLevel]) -> 
         source: asset.source.content_hash,
         levels: levels.iter().map(facts).collect(),
         refitted: args.refit,
-        screen: args.geomorph.moved_streams().map(|_| geomorph::screen(&args.levels)),
+        screen: args.geomorph.moved_streams().map(|_| args.levels.screen()),
         next: None,
         poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
     }

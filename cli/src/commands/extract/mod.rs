@@ -143,7 +143,7 @@ pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
                 return Ok(left);
             }
             let bar = bar.of_asset(&job.name);
-            let made = one::extract(args, (&job.input, target), wanted, format, &bar)?;
+            let made = one::extract(args, &job.input, target, wanted, format, &bar)?;
             say(&job.input, &made.report);
             if !job.is_listed() && !args.export.run.reports() && wants(Loudness::Normal) {
                 made.tip.into_iter().for_each(note);

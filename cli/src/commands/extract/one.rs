@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::stages::Stages;
 use crate::views::CriterionName;
 use lodc::{
-    Asset, Errors, LodObject,
+    Asset, Errors,
     level_mesh::{self, LevelMesh, MeshOptions, Order},
     parting_borders, parting_line,
     pipeline::{Growth, measured, refitted_meshes},
@@ -34,13 +34,15 @@ pub(super) struct Extracted {
     pub(super) tip: Option<&'static str>,
 }
 
-/// Extracts the level of one input.
+/// Extracts the level of one input and writes it to `target` as `format`. What was written is
+/// recorded if that is `wanted`.
 ///
 /// # Errors
 /// If the input cannot be read, has no such level or model, or the output cannot be written.
 pub(super) fn extract(
     args: &ExtractArgs,
-    (input, target): (&Path, &Target),
+    input: &Path,
+    target: &Target,
     wanted: Option<Wanted<'_>>,
     format: FormatName,
     progress: &Progress,
@@ -54,12 +56,13 @@ pub(super) fn extract(
     let order = args.order.map_or(encoding.order(), Into::into);
     let mut level = match criterion {
         Some(name) => view(args, name, order, input, &asset, &mut stages)?,
-        None => uniform(args, (order, errors), input, &asset, &mut stages)?,
+        None => uniform(args, order, errors, input, &asset, &mut stages)?,
     };
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
     });
     let (textures, images) = textures?;
+    // Encoding adds what it rounds to the meshes' distances; it may be done twice, in two ways.
     let measured: Vec<_> = level.meshes.iter().map(|mesh| (mesh.error, mesh.rms)).collect();
     let mut encoded = |encoding: EncodeOptions| -> Outcome<_> {
         let meshes = &mut level.meshes;
@@ -67,9 +70,8 @@ pub(super) fn extract(
             (mesh.error, mesh.rms) = *distance;
         }
         let options = encoding.options(textures.clone(), None);
-        let lod = <[Option<Lod>; 1]>::try_from(&level.lods[..]).ok().and_then(|[lod]| lod);
         let path = mesh_output::path(target, format);
-        let level_of = asset.level_of(lod);
+        let level_of = asset.level_of(single(&level.lods));
         let made = level_of.files(meshes, &path, format.export_format(), &options)?;
         let mut report = report(input, &asset, &level, made.distances, target);
         report.warnings.extend_from_slice(&textures.warnings);
@@ -119,11 +121,11 @@ fn errors(args: &ExtractArgs, criterion: Option<CriterionName>) -> Errors {
 /// A level that was taken out.
 struct ExtractedLevel {
     meshes: Vec<LevelMesh>,
-    /// Of each object; none in a view.
+    /// The LOD of each object; none in a view.
     lods: Vec<Option<Lod>>,
     model: &'static str,
     criterion: Option<CriterionName>,
-    /// None in a view.
+    /// Parts that the level no longer shows; none in a view, where it is not looked for.
     gone: Option<Vec<MissingPart>>,
     warnings: Vec<String>,
 }
@@ -131,7 +133,8 @@ struct ExtractedLevel {
 /// One level of detail for each object.
 fn uniform(
     args: &ExtractArgs,
-    (order, errors): (Order, Errors),
+    order: Order,
+    errors: Errors,
     input: &Path,
     asset: &Asset,
     stages: &mut Stages,
@@ -212,7 +215,10 @@ fn view(
     })
 }
 
-/// The model to replay; the reference if none.
+/// The model to replay, unless asked otherwise the first that is stored; the reference if none.
+///
+/// # Errors
+/// If the objects do not have the model that was asked for.
 fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<ModelKind>> {
     let stored =
         || asset.objects.first().into_iter().flat_map(|o| o.models.iter().map(AnyModel::kind));
@@ -230,6 +236,15 @@ fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<Mode
     )))
 }
 
+/// Returns the LOD of a single object; none of several, which each have their own.
+fn single(lods: &[Option<Lod>]) -> Option<Lod> {
+    match lods {
+        [one] => *one,
+        _ => None,
+    }
+}
+
+/// The report on a level whose files state `error` and `rms`, in world units.
 fn report(
     input: &Path,
     asset: &Asset,
@@ -238,28 +253,25 @@ fn report(
     target: &Target,
 ) -> ExtractReport {
     let finite = |x: f64| x.is_finite().then_some(x);
-    let object =
-        |((object, lod), level): ((&LodObject, &Option<Lod>), &LevelMesh)| ExtractedObject {
+    let mut objects = Vec::with_capacity(asset.objects.len());
+    for ((object, lod), mesh) in asset.objects.iter().zip(&level.lods).zip(&level.meshes) {
+        objects.push(ExtractedObject {
             name: object.info.name.clone(),
             lod: lod.map(|lod| lod.0),
-            triangles: level.mesh.triangles().len() as u64,
-            vertices: level.mesh.vertex_count() as u64,
-            error: finite(level.error),
-            rms: level.rms.and_then(finite),
-            world_error: finite(object.info.world_scale * level.error),
-            world_rms: level.rms.and_then(|rms| finite(object.info.world_scale * rms)),
-        };
-    let objects: Vec<_> =
-        asset.objects.iter().zip(&level.lods).zip(&level.meshes).map(object).collect();
+            triangles: mesh.mesh.triangles().len() as u64,
+            vertices: mesh.mesh.vertex_count() as u64,
+            error: finite(mesh.error),
+            rms: mesh.rms.and_then(finite),
+            world_error: finite(object.info.world_scale * mesh.error),
+            world_rms: mesh.rms.and_then(|rms| finite(object.info.world_scale * rms)),
+        });
+    }
     let triangles = objects.iter().map(|o| o.triangles).sum();
     let all: usize = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len()).sum();
     ExtractReport {
         schema_version: SCHEMA_VERSION,
         status: 0,
-        lod: match level.lods[..] {
-            [one] => one.map(|lod| lod.0),
-            _ => None,
-        },
+        lod: single(&level.lods).map(|lod| lod.0),
         criterion: level.criterion.map(CriterionName::name),
         triangles,
         kept_share: if all == 0 { 1.0 } else { triangles as f64 / all as f64 },

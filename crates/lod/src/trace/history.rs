@@ -1,5 +1,9 @@
 //! The history of strips through a collapse sequence: which indices every record changes, and which
 //! elements it removes.
+//!
+//! An element is an index of a strip while the strip shrinks. Its offset counts the elements that
+//! are still in the buffer before it, from where the strip starts at LOD 0: those of dead fronts
+//! stay in the buffer and count.
 
 use lodc_mesh::NONE;
 
@@ -35,8 +39,7 @@ impl RemovalKind {
 /// Consecutive elements that a record removes from a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Removal {
-    /// The offset of the first of them before the record, counted from where the strip starts at
-    /// LOD 0, whatever was removed at the front.
+    /// The offset of the first of them before the record.
     pub offset: u32,
     /// Number of elements.
     pub count: u32,
@@ -44,8 +47,8 @@ pub struct Removal {
     pub kind: RemovalKind,
 }
 
-/// A record that changes a strip, and how many of the changes and removals in [`History`] are its.
-/// They follow one another in the order of events.
+/// A record that changes a strip, and how many of the changes and removals in [`History`] are its:
+/// those after the ones of the events before it.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
     /// The strip.
@@ -64,9 +67,9 @@ pub struct Event {
 pub struct History {
     /// One for each strip and record that changes it.
     pub events: Vec<Event>,
-    /// Offsets in a strip, as before the record, that change.
+    /// Offsets before the record of the elements that it changes.
     pub changes: Vec<u32>,
-    /// The removals.
+    /// Runs of elements that records remove.
     pub removals: Vec<Removal>,
     /// For each index of the strips the first LOD without it, [`NONE`] if it is never removed.
     pub index_removal_lods: Vec<u32>,
@@ -80,7 +83,8 @@ pub struct History {
 }
 
 impl History {
-    /// Adds a strip. Returns where its indices start.
+    /// Adds a strip of `index_count` indices, none of them removed so far. Returns where they start
+    /// in the lists by index.
     pub(crate) fn begin_strip(&mut self, index_count: usize) -> usize {
         let first = self.index_removal_lods.len();
         self.index_removal_lods.resize(first + index_count, NONE);

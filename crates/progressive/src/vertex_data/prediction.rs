@@ -77,7 +77,7 @@ pub(crate) struct Position {
     pub(crate) weighted: [i32; 3],
     /// Largest minus least index of the link on each axis, if it has more than one vertex.
     pub(crate) spread: [Option<u32>; 3],
-    /// `weighted` before it is rounded.
+    /// `weighted` before it is rounded; on each axis an index or a value, see [`Scale`].
     weighted_unrounded: [f64; 3],
     /// Predicts the last axis from the other two, once they are coded. Only if positions are in a
     /// system with a fixed step and the link has more than one vertex.
@@ -90,14 +90,16 @@ pub(crate) struct Position {
 pub(crate) struct TangentPlane {
     /// The axes in the order in which they are coded: that closest to the normal last.
     pub(crate) axes: [usize; 3],
-    /// Change of the last axis for each unit of the first and of the second.
+    /// Change of the last axis for each unit of the first and of the second, −1 to 1: the last
+    /// component of the normal is the largest. Both 0 if the plane is not defined.
     slopes: [f64; 2],
     /// Half the diagonal of the link's bounding box.
     pub(crate) spread: u32,
 }
 
 impl Position {
-    /// Predicts a position; without a link it is the parent's.
+    /// Predicts a position; without a link it is the parent's. `systems` are those of the three
+    /// axes, `indices` gives a vertex's position.
     #[inline]
     pub(crate) fn predict(
         systems: &[NumberSystem],
@@ -158,7 +160,7 @@ impl Position {
 }
 
 impl TangentPlane {
-    /// The plane of two vectors; the link's bounding box has these sides.
+    /// The plane of two vectors; the link's bounding box has these sides. All are in indices.
     fn new(edge: [f64; 3], outwards: [f64; 3], sides: [f64; 3]) -> Self {
         let cross = |i: usize, j: usize| edge[i] * outwards[j] - edge[j] * outwards[i];
         let normal = [cross(1, 2), cross(2, 0), cross(0, 1)];
@@ -193,7 +195,7 @@ impl TangentPlane {
 pub(crate) struct ValuePredictor<'a> {
     pub(crate) values: &'a VertexValues,
     pub(crate) neighborhood: &'a Neighborhood<'a>,
-    /// The indices of the new vertex that are known, those of its position first.
+    /// The new vertex's position, as indices; what else of it is coded may follow.
     pub(crate) position: &'a [i32],
 }
 
@@ -202,7 +204,7 @@ impl ValuePredictor<'_> {
         self.values.indices[vertex as usize * self.values.channels() + channel]
     }
 
-    /// Predicts the channels of a stream.
+    /// Predicts the channels of a stream: a guess for each.
     pub(crate) fn predict(&self, stream: &Stream) -> Vec<Guess> {
         let link = self.neighborhood.link;
         let channels = stream.first_channel..stream.first_channel + stream.channels;
@@ -320,6 +322,7 @@ fn distance_weights(offsets: &[[f64; 3]]) -> Vec<f64> {
     lengths.iter().map(weight).collect()
 }
 
+/// Returns the mean of `values`; there is a weight for each.
 fn weighted_mean(weights: &[f64], values: &[f64]) -> f64 {
     let pairs = || weights.iter().zip(values);
     pairs().fold(0.0, |sum, (w, v)| sum + w * v) / weights.iter().fold(0.0, |sum, w| sum + w)

@@ -26,11 +26,11 @@ const MAX_CANDIDATES: usize = 15;
 /// [`ValueContexts::source`] has this index for a vertex's first attribute.
 const NO_PREVIOUS_SOURCE: usize = 4;
 
-/// Where the value of an attribute comes from.
+/// Where the value of an attribute comes from; the numbers are those of the symbols.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ValueSource {
-    /// It is that of another wedge of the group.
-    Mate = 0,
+    /// It is that of a sibling.
+    Sibling = 0,
     /// It is that of the parent.
     Parent = 1,
     /// It is that of a vertex in the link.
@@ -44,7 +44,7 @@ enum ValueSource {
 enum PositionMode {
     /// As the mean of the link.
     Mean,
-    /// As the mean with weights for the parent and the cut.
+    /// As that mean, moved towards the parent and away from the cut.
     Weighted,
     /// Like `Weighted`, with the last axis from a plane.
     Plane,
@@ -57,7 +57,7 @@ pub(crate) struct ValueContexts {
     /// to take it from; the source of the stream's last vertex; that of the stream before (4:
     /// none).
     pub(crate) source: [[[[AdaptiveSymbol; 5]; 4]; 4]; STREAM_SLOTS],
-    /// Which sibling or link vertex: by its kind, and their number less one, up to 7.
+    /// Which sibling (0) or link vertex (1): by that, and their number less one, up to 7.
     pub(crate) which: [[AdaptiveSymbol; 8]; 2],
     /// The source of each stream at the last vertex.
     last_source: [usize; STREAM_SLOTS],
@@ -83,8 +83,12 @@ impl ValueContexts {
         }
     }
 
-    /// Codes an index, given its prediction. Its residual is expected to be as long as the spread
-    /// of the indices around or, if that is not known, as earlier residuals of the slot.
+    /// Codes the index `wanted` (which a decoder does not know and passes as 0), given its
+    /// prediction; returns it. Its residual is expected to have as many bits as the spread of the
+    /// indices around or, if that is not known, as earlier residuals of the slot.
+    ///
+    /// `accuracy` says how well the channel before was predicted, from 0 (best) to
+    /// [`ACCURACIES`] − 1, and then how well this one was: errors of channels go together.
     #[inline]
     fn code<C: Coder>(
         &mut self,
@@ -112,15 +116,15 @@ impl ValueContexts {
     }
 }
 
-/// Returns the bit below the highest one.
+/// Returns the bit below the highest one: in which half of the numbers of its length `spread` is.
 fn second_bit(spread: u32) -> usize {
     let bits = bit_length(spread);
     if bits < 2 { 0 } else { (spread >> (bits - 2)) as usize & 1 }
 }
 
 impl VertexValues {
-    /// Codes the values of a vertex into `coded`. `wanted` has all its channels for an encoder and
-    /// none for a decoder.
+    /// Codes the values of a vertex into `coded`: an index for each channel, those of its position
+    /// first. `wanted` has the same for an encoder and nothing for a decoder.
     pub(crate) fn code<C: Coder>(
         &self,
         coder: &mut C,
@@ -162,6 +166,7 @@ struct VertexCode<'a> {
 }
 
 impl VertexCode<'_> {
+    /// Codes the position of a vertex without siblings.
     fn code_position<C: Coder>(
         &self,
         coder: &mut C,
@@ -203,7 +208,7 @@ impl VertexCode<'_> {
         coded
     }
 
-    /// Codes an attribute and appends its channels.
+    /// Codes the attribute of stream `s` and appends its channels.
     fn code_attribute<C: Coder>(
         &mut self,
         coder: &mut C,
@@ -217,13 +222,13 @@ impl VertexCode<'_> {
         let slot = stream_slot(s);
         let wanted = wanted.get(stream.first_channel..).unwrap_or_default();
         let wanted = &wanted[..stream.channels.min(wanted.len())];
-        let [mates_end, parent_end] = self.find_candidates(stream);
+        let [siblings_end, parent_end] = self.find_candidates(stream);
         let has_link_candidate = parent_end < self.candidates.len();
-        let available = usize::from(mates_end > 0) + 2 * usize::from(has_link_candidate);
+        let available = usize::from(siblings_end > 0) + 2 * usize::from(has_link_candidate);
         let has_value = |&v: &u32| values.stream_indices(v, stream) == wanted;
         let found = self.candidates.iter().position(has_value);
         let source = match found {
-            Some(number) if number < mates_end => ValueSource::Mate,
+            Some(number) if number < siblings_end => ValueSource::Sibling,
             Some(number) if number < parent_end => ValueSource::Parent,
             Some(_) => ValueSource::Link,
             None => ValueSource::Coded,
@@ -233,8 +238,8 @@ impl VertexCode<'_> {
         let source = coder.symbol(context, source as u32).min(3) as usize;
         (contexts.last_source[slot], self.previous_source) = (source, source);
         let range = match source {
-            0 => 0..mates_end,
-            1 => mates_end..parent_end,
+            0 => 0..siblings_end,
+            1 => siblings_end..parent_end,
             2 => parent_end..self.candidates.len(),
             _ => 0..0,
         };
@@ -248,39 +253,42 @@ impl VertexCode<'_> {
         }
         let mut offset = 0;
         if range.len() > 1 {
-            let context = &mut contexts.which[source >> 1][(range.len() - 1).min(7)];
+            let is_link = source == ValueSource::Link as usize;
+            let context = &mut contexts.which[usize::from(is_link)][(range.len() - 1).min(7)];
             let which = found.unwrap_or_default().wrapping_sub(range.start) as u32;
             offset = (coder.symbol(context, which) as usize).min(range.len() - 1);
         }
         let vertex = self.candidates[range.start + offset];
-        self.sibling = if source == 0 { Some(vertex) } else { self.sibling };
+        if source == ValueSource::Sibling as usize {
+            self.sibling = Some(vertex);
+        }
         coded.extend_from_slice(values.stream_indices(vertex, stream));
     }
 
-    /// Collects `candidates`. Returns where the siblings and the parent end.
+    /// Collects `candidates`. Returns where the siblings and the parent end in it.
     fn find_candidates(&mut self, stream: &Stream) -> [usize; 2] {
-        let (values, neighborhood) = (self.values, self.neighborhood);
-        let candidates = &mut self.candidates;
-        candidates.clear();
-        let mut add = |v: u32, max_count: usize| {
-            let value = values.stream_indices(v, stream);
-            let is_new = candidates.len() < max_count
-                && candidates.iter().all(|&c| values.stream_indices(c, stream) != value);
-            if is_new {
-                candidates.push(v);
-            }
-            candidates.len()
-        };
-        let mut ends = [0; 2];
-        let latest = neighborhood.siblings.clone().rev().take(MAX_CANDIDATES);
+        self.candidates.clear();
+        let latest = self.neighborhood.siblings.clone().rev().take(MAX_CANDIDATES);
         for v in self.sibling.into_iter().chain(latest) {
-            ends[0] = add(v, MAX_CANDIDATES);
+            if self.candidates.len() < MAX_CANDIDATES {
+                self.add_candidate(v, stream);
+            }
         }
-        ends[1] = add(neighborhood.parent, MAX_CANDIDATES + 1);
-        for &v in neighborhood.link.iter().take(MAX_CANDIDATES) {
-            add(v, usize::MAX);
+        let siblings_end = self.candidates.len();
+        self.add_candidate(self.neighborhood.parent, stream);
+        let parent_end = self.candidates.len();
+        for &v in self.neighborhood.link.iter().take(MAX_CANDIDATES) {
+            self.add_candidate(v, stream);
         }
-        ends
+        [siblings_end, parent_end]
+    }
+
+    /// Appends a vertex to `candidates` if no other there has its value.
+    fn add_candidate(&mut self, v: u32, stream: &Stream) {
+        let value = self.values.stream_indices(v, stream);
+        if self.candidates.iter().all(|&c| self.values.stream_indices(c, stream) != value) {
+            self.candidates.push(v);
+        }
     }
 
     /// Codes the channels of stream `s` as residuals to `guesses`, and appends them.
@@ -330,7 +338,8 @@ impl ValueContexts {
         }
     }
 
-    /// Updates the mean length of residuals in each mode.
+    /// Updates the mean length of residuals in each mode, as if the position had been predicted in
+    /// it.
     fn update_mode(&mut self, position: &Position, coded: &[i32; 3]) {
         let bits = |guess: &[i32; 3]| -> u32 {
             (0..3).map(|c| bit_length(coded[c].abs_diff(guess[c]))).sum()

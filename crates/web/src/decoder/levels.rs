@@ -2,26 +2,31 @@
 
 use super::message::{Message, Tag};
 
-/// Triangles in the lists of an object, all together: 24 MB of indices. More than this only in
-/// lists that are three times as long as that of the finest level. `LodcObject` has the same
-/// numbers. Chosen by hand.
+/// Triangles in the lists of all levels of an object together: 24 MB of indices. Small objects have
+/// fewer, large ones more; see [`factor`]. `listed` in `loader/model.js` has the same numbers.
+/// Chosen by hand.
 const LISTED_TRIANGLES: f64 = 2e6;
 
-/// How many times the triangles of the one before a level has at least, of an object with so many
-/// triangles: 1.1 up to 180,000, 1.5 from 670,000 on. Where a level in between would do, so many
-/// times the triangles that are needed are drawn at most.
+/// The least ratio of a level's triangles to those of the next coarser level, for an object of
+/// `all_triangles` at LOD 0: 1.1 up to 180,000, 1.5 from 670,000 on. It bounds what is wasted:
+/// where a level in between would do, at most so many times the needed triangles are drawn.
+///
+/// With ratio *f* all lists together are at most 1 + 1/*f* + 1/*f*² + … = *f* / (*f* − 1) times as
+/// long as the finest. That number, `lists`, is what memory allows, but from 3 to 11; hence *f*.
 fn factor(all_triangles: u32) -> f64 {
     let lists = (LISTED_TRIANGLES / f64::from(all_triangles)).clamp(3.0, 11.0);
     lists / (lists - 1.0)
 }
 
-/// Returns the largest number of triangles of the next coarser level.
+/// Returns the largest number of triangles that the level after one of `triangles` may have, from
+/// finest to coarsest.
 #[cfg(feature = "file")]
 pub(super) fn max_coarser(triangles: u32, all_triangles: u32) -> u32 {
     (f64::from(triangles) / factor(all_triangles)) as u32
 }
 
-/// Returns the smallest number of triangles of the next finer level.
+/// Returns the smallest number of triangles that the level after one of `triangles` may have, from
+/// coarsest to finest.
 #[cfg(feature = "stream")]
 pub(super) fn min_finer(triangles: u32, all_triangles: u32) -> u32 {
     (f64::from(triangles) * factor(all_triangles)).ceil() as u32

@@ -2,7 +2,8 @@
 //!
 //! A chunk is its tag (u32), the length of its content in bytes (u32), and the content, padded to a
 //! multiple of four bytes, so that arrays in it can be used where they are. Numbers are
-//! little-endian, as they are in WebAssembly and in every browser's typed arrays.
+//! little-endian, as they are in WebAssembly and in every browser's typed arrays. The page reads
+//! them in `loader/message.js`.
 
 use lodc_formats::{Document, ObjectInfo};
 use lodc_mesh::{Attribute, Component, Semantic};
@@ -35,7 +36,7 @@ pub(super) struct Message {
 }
 
 impl Message {
-    /// Appends a chunk.
+    /// Appends a chunk, whose content `content` writes.
     pub(super) fn chunk(&mut self, tag: Tag, content: impl FnOnce(&mut Self)) {
         self.word(tag as u32);
         let length_at = self.bytes.len();
@@ -88,7 +89,8 @@ impl Message {
     /// (f32), name; number of streams, for each its meaning, set, morph target + 1 (0: none),
     /// component, components, whether it is normalised, name; number of submeshes, for each its
     /// primitive in the document, whether it has a material by name, that name, number of streams,
-    /// streams.
+    /// the streams' numbers. `counts` are vertices and triangles; `streams` gives for a submesh the
+    /// numbers of the `attributes` that it has.
     pub(super) fn object<'a>(
         &mut self,
         number: u32,
@@ -116,6 +118,7 @@ impl Message {
         });
     }
 
+    /// Appends what [`Message::object`] says of a stream.
     fn attribute(&mut self, attribute: &Attribute) {
         let (meaning, set, name) = match &attribute.semantic {
             Semantic::Position => (0, 0, ""),
