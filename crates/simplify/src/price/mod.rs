@@ -183,7 +183,7 @@ impl<M: Reevaluate> Pricer<'_, M> {
         self.price_seen(from, false, scratch);
     }
 
-    /// Prices all collapses of a group; see [`Reevaluate::re-evaluate`].
+    /// Prices all collapses of a group; see [`Reevaluate::reevaluate`].
     fn price_seen(&self, from: u32, only_cheapest: bool, scratch: &mut Scratch<M::ViewScratch>) {
         self.price_plainly(from, scratch);
         if self.metric.is_active() {
