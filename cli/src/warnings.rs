@@ -60,7 +60,7 @@ mod tests {
         let shown = lines(&[
             "the object bolt is gone",
             "1 polygon was triangulated",
-            "the object nut is gone (97 % of what is seen)",
+            "the object nut is gone (97 % of its visible surface)",
             "a texture is missing: a.png: no such file",
             "a texture is missing: b.png: no such file",
             "level 2: the object nut is gone",

@@ -59,7 +59,7 @@ fn levels_become_the_next_ones() {
             let f = chained(fixture, more);
             let run = f.lodc(["verify", "c.gltf", "--json"]).ends(0).json();
             let check = &run["files"][0]["checks"][0];
-            assert_eq!(check["check"], "become the next ones", "{fixture}, {more:?}: {run}");
+            assert_eq!(check["check"], "morph into the next level", "{fixture}, {more:?}: {run}");
             assert_eq!((&check["ok"], check["lods"].as_u64() > Some(1)), (&true.into(), true));
             // Nothing else of the file is wrong with a target more.
             // The cube is on a grid already, and put on another one.
@@ -146,7 +146,7 @@ fn injected_targets_are_found() {
         f.file("d.gltf", d.to_string());
         f.file("d.bin", numbers);
         let run = f.lodc(["verify", "d.gltf"]).ends(1);
-        assert!(run.text().contains("become the next ones, cpu: DIFFERENT"), "{name}");
+        assert!(run.text().contains("morph into the next level, cpu: DIFFERENT"), "{name}");
     }
 }
 

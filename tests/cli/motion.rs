@@ -298,7 +298,7 @@ fn what_morphs_spoils_no_shape() {
     f.lodc(["verify", "s.gltf", "--source", "m.glb", "-q"]).ends(0);
     f.file("t.gltf", text.replace("geomorph_staying", "geomorph_stays"));
     let run = f.lodc(["verify", "t.gltf"]).ends(1);
-    assert!(run.text().contains("become the next ones, cpu: DIFFERENT"), "{}", run.text());
+    assert!(run.text().contains("morph into the next level, cpu: DIFFERENT"), "{}", run.text());
 }
 
 #[test]

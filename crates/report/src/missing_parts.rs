@@ -36,7 +36,9 @@ impl fmt::Display for MissingPart {
         let percent = 100.0 * share;
         match name {
             Some(name) if *share >= 1.0 => write!(f, "the {kind} {name} is gone"),
-            Some(name) => write!(f, "the {kind} {name} is gone ({percent:.0} % of what is seen)"),
+            Some(name) => {
+                write!(f, "the {kind} {name} is gone ({percent:.0} % of its visible surface)")
+            }
             None => write!(f, "{percent:.1} % of the visible {kind} is gone"),
         }
     }

@@ -146,7 +146,7 @@ class Opening {
           return reject(error);
         }
         if (this.complete) return resolve();
-        if (data.ended) return reject(new Error(`${url}: ends before everything has come`));
+        if (data.ended) return reject(new Error(`${url}: the file is cut off, or came incomplete`));
         picture().then(() => send({ next: true }));
         return undefined;
       });
@@ -157,7 +157,7 @@ class Opening {
       send({ wasm: WASM });
       await Promise.race([this.fetch(full, url, onProgress, send), ended]);
       await ended;
-      this.refuse(new Error(`${url}: needs bytes that it does not have`));
+      this.refuse(new Error(`${url}: the file is incomplete`));
       await this.shown;
       await this.rest();
     } catch (error) {

@@ -26,9 +26,9 @@ pub fn check_geomorph(exported: &ExportedLevels) -> Option<CheckReport> {
         let level = geomorph.level;
         let may_stay = may_stay.entry(level).or_insert_with(|| stated(level).unwrap_or(0));
         let what = difference(geomorph, may_stay)?;
-        Some(format!("level {level} moves: {}: {what}", geomorph.location))
+        Some(format!("level {level}, fully morphed: {}: {what}", geomorph.location))
     });
-    let report = CheckReport::new(None, "levels", "become the next ones");
+    let report = CheckReport::new(None, "levels", "morph into the next level");
     (count > 0).then(|| report.of(count, found))
 }
 
@@ -72,7 +72,7 @@ fn kind_difference(from: &GeomorphPart, to: &GeomorphPart, may_stay: &mut u64) -
         return (!from.triangles.is_empty()).then(|| "has no positions".to_owned());
     }
     if from.width != to.width && !from.triangles.is_empty() && !to.triangles.is_empty() {
-        return Some("moves other values than the next level has".to_owned());
+        return Some("the morph target has other attributes than the next level".to_owned());
     }
     let mut positions = CornerPositions::of(to, width);
     let mut found: Vec<Option<u32>> = vec![None; from.values.len() / width];
@@ -111,7 +111,7 @@ fn kind_difference(from: &GeomorphPart, to: &GeomorphPart, may_stay: &mut u64) -
             _ => {
                 let lost = t.iter().zip(moved_to).find(|(_, position)| position.is_none());
                 let vertex = lost.map_or(0, |(&v, _)| v);
-                return Some(format!("vertex {vertex} becomes none of the next level"));
+                return Some(format!("vertex {vertex} is where the next level has none"));
             }
         }
     }
@@ -139,16 +139,27 @@ fn kind_difference(from: &GeomorphPart, to: &GeomorphPart, may_stay: &mut u64) -
         left_behind += missing.arrived;
         *may_stay = match may_stay.checked_sub(staying.len() as u64) {
             Some(rest) if missing.wanted <= left_behind => rest,
-            Some(_) => return Some(format!("lacks {} triangles there", missing.wanted)),
-            None => return Some(format!("{} vertices stay, more than it states", staying.len())),
+            Some(_) => {
+                return Some(format!("lacks {} triangles of the next level", missing.wanted));
+            }
+            None => {
+                return Some(format!(
+                    "{} vertices do not move, more than the file states",
+                    staying.len()
+                ));
+            }
         };
     }
     if arrived.len() != wanted.len() {
-        return Some(format!("has {} triangles there, {} are wanted", arrived.len(), wanted.len()));
+        return Some(format!(
+            "has {} triangles, and the next level {}",
+            arrived.len(),
+            wanted.len()
+        ));
     }
     arrived.iter().zip(&wanted).find_map(|(triangle, next)| {
         if triangle.positions != next.positions {
-            return Some(format!("triangle {:?} is not one of the next level", triangle.vertices));
+            return Some(format!("its triangle {:?} is not in the next level", triangle.vertices));
         }
         (0..3).find_map(|k| {
             let (v, w) = (triangle.vertices[k], next.vertices[k]);
@@ -158,7 +169,10 @@ fn kind_difference(from: &GeomorphPart, to: &GeomorphPart, may_stay: &mut u64) -
             let (before, moved) = (row(&from.values, v, width), row(&from.moved, v, width));
             let goal = row(&to.values, w, width);
             let wrong = (3..width).find(|&c| !is_near(before[c], moved[c], goal[c]))?;
-            Some(format!("vertex {v} has {} in place {wrong}, not {}", moved[wrong], goal[wrong]))
+            Some(format!(
+                "component {wrong} of vertex {v} is {}, and {} in the next level",
+                moved[wrong], goal[wrong]
+            ))
         })
     })
 }

@@ -93,7 +93,9 @@ fn coarser_nodes(root: &Object) -> Result<Vec<bool>, FormatError> {
             if !is_beside {
                 return Err(unsupported(
                     format!("nodes[{id}]"),
-                    format!("is a level of nodes[{finest}] ({NAME}), and shown elsewhere, too"),
+                    format!(
+                        "is a coarser level of nodes[{finest}] ({NAME}), but shown by itself, too"
+                    ),
                 ));
             }
             stack.extend(levels_of(nodes[id]));
@@ -140,7 +142,9 @@ fn drop_nodes(root: &mut Object, dropped: &[bool]) -> Result<(), FormatError> {
         if let Some(joint) = joints.find(|&joint| dropped.get(joint) == Some(&true)) {
             return Err(unsupported(
                 format!("skins[{number}]"),
-                format!("nodes[{joint}] is a joint and part of a coarser level ({NAME})"),
+                format!(
+                    "its joint nodes[{joint}] is part of a coarser level ({NAME}), which is left out"
+                ),
             ));
         }
     }

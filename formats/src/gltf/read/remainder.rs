@@ -31,7 +31,7 @@ pub(super) fn remainder(
     if outlines > 0 {
         let primitives = counted(outlines, "primitive", "primitives");
         warnings.push(format!(
-            "outlines or n-gons of {primitives} were dropped: they refer to the input's triangles"
+            "left out the outlines or n-gons of {primitives}: they number triangles of the input"
         ));
     }
     let simplified: BTreeSet<usize> = stripped.iter().map(|(mesh, _)| *mesh).collect();
@@ -43,8 +43,8 @@ pub(super) fn remainder(
     let unknown = extensions::unknown(&root);
     if let Some(Unknown { name, .. }) = &unknown {
         warnings.push(format!(
-            "the extension {name} is unknown: what its numbers may refer to keeps its place, \
-             without the vertex data of simplified triangles"
+            "the extension {name} is unknown: accessors and buffer views that its numbers may mean \
+             keep their numbers; those of simplified triangles are empty"
         ));
     }
     let mut kept_views: Vec<usize> = (0..Pool::BufferViews.len(&root)).collect();
