@@ -66,6 +66,10 @@ picture: build
     target/release/lodc render target/shell.obj --size 300x300 --shading flat --wireframe --criterion box \
         --box -9,-9,-9,0.15,9,9 --azimuth 20 --elevation 12 -o docs/half-refined.png
     python3 docs/geomorph.py target/release/lodc target/shell.obj docs/geomorph.png
+    awk '/^v / { print $1, $2, $3, $4, ($3 > 0.75 ? "1 0.6 0.4" : "0.3 0.6 0.7"); next } 1' target/shell.obj > target/painted.obj
+    target/release/lodc build target/painted.obj --importance COLOR_0 --weight color=0 --models none -o target/painted.lodc
+    target/release/lodc render target/painted.lodc --contact-sheet 0.25,0.1,0.03 --size 240x240 --shading flat \
+        --wireframe --azimuth 20 --elevation 12 -o docs/painted.png
 
 # Draw the picture of the packages again (docs/packages.svg)
 drawing:

@@ -1,10 +1,11 @@
-//! Options that shape a simplification: weights of attributes (`--weight`), and parts that stay
-//! until the end (`--lock`).
+//! Options that shape a simplification: weights of attributes (`--weight`), parts that stay until
+//! the end (`--lock`), and what matters by paint (`--importance`).
 
 use crate::exit::{Failure, Outcome};
 use crate::help::SIMPLIFIED;
 use crate::jobs::name_list;
 use clap::Args;
+use lodc::pipeline::Painted;
 use lodc_formats::{ObjectInfo, PartNames, Scene};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_simplify::Weights;
@@ -31,6 +32,13 @@ pub(crate) struct ImportanceArgs {
     /// May be given several times.
     #[arg(long, value_name = "PART", value_parser = lock, hide_short_help = true)]
     lock: Vec<Lock>,
+    /// Painted importance: a vertex attribute (COLOR_0), or an image (.png, .jpg)
+    ///
+    /// Its red, from 0 to 1, makes distances there count a tenth (0), as usual (0.5), or ten times
+    /// (1), for any metric; stated errors stay what is measured. An image is read at the first
+    /// texture coordinates. Objects without them or the attribute count as usual.
+    #[arg(long, value_name = "ATTRIBUTE|MAP", hide_short_help = true)]
+    importance: Option<String>,
 }
 
 /// A part that stays.
@@ -46,17 +54,23 @@ impl ImportanceArgs {
         self.weight.unwrap_or(Weights::DEFAULT)
     }
 
-    /// Refuses weights and locks for an input that has a collapse sequence already.
+    /// Where importance is painted, if it is.
+    pub(crate) fn painted(&self) -> Option<Painted> {
+        self.importance.as_deref().map(Painted::named)
+    }
+
+    /// Refuses weights, paint and locks for an input that has a collapse sequence already.
     ///
     /// # Errors
     /// If there are any.
     pub(crate) fn refuse_for_sequence(&self, input: &str) -> Outcome<()> {
-        if self.weight.is_none() && self.lock.is_empty() && !self.lock_border {
+        let is_plain = self.weight.is_none() && self.importance.is_none() && self.lock.is_empty();
+        if is_plain && !self.lock_border {
             return Ok(());
         }
         Err(Failure::usage(format!(
-            "{input}: its order of collapses is fixed: --weight, --lock and --lock-border belong \
-             to `lodc build`"
+            "{input}: its order of collapses is fixed: --weight, --importance, --lock and \
+             --lock-border belong to `lodc build`"
         )))
     }
 

@@ -1,6 +1,10 @@
-//! Weights and locks: what is locked stays, and a wrong name lists the right ones.
+//! Weights, locks and paint: what is locked stays, what matters keeps triangles, and a wrong name
+//! lists the right ones.
 
 use crate::support::{Folder, grid};
+use lodc_formats::images::png;
+use lodc_scene::Image;
+use std::f32::consts::TAU;
 use std::fmt::Write;
 
 /// Two grids side by side, of materials of their own.
@@ -191,4 +195,135 @@ fn coloured_vertices_stay() {
     let args = ["extract", "g.obj", "-o", "o.obj", "--ratio", "30%", "--weight", "color=0", "-q"];
     f.lodc(args.iter().chain(&["--lock", "color"])).ends(0);
     assert_eq!(red(&String::from_utf8(f.read("o.obj")).expect("text")), all);
+}
+
+/// Columns of a ball, and texels of its map.
+const COLUMNS: u32 = 48;
+
+/// A ball whose western half is white, and black its eastern; with texture coordinates whose
+/// columns are texels.
+fn painted_ball() -> String {
+    let (mut text, rows) = (String::new(), 24);
+    for row in 0..=rows {
+        for column in 0..=COLUMNS {
+            let (around, down) = (column as f32 / COLUMNS as f32, row as f32 / rows as f32);
+            let (radius, angle) = ((down * TAU / 2.0).sin(), around * TAU);
+            let [x, y, z] = [radius * angle.cos(), (down * TAU / 2.0).cos(), radius * angle.sin()];
+            let grey = paint(column % COLUMNS);
+            writeln!(text, "v {x} {y} {z} {grey} {grey} {grey}").expect("text");
+            writeln!(text, "vt {} {down}", around + 0.5 / COLUMNS as f32).expect("text");
+        }
+    }
+    for row in 0..rows {
+        for column in 0..COLUMNS {
+            let a = row * (COLUMNS + 1) + column + 1;
+            let (b, c, d) = (a + 1, a + COLUMNS + 1, a + COLUMNS + 2);
+            writeln!(text, "f {a}/{a} {b}/{b} {d}/{d}\nf {a}/{a} {d}/{d} {c}/{c}").expect("text");
+        }
+    }
+    text
+}
+
+/// The grey of a column.
+fn paint(column: u32) -> u32 {
+    u32::from((COLUMNS / 4..3 * COLUMNS / 4).contains(&column))
+}
+
+/// Faces of an OBJ by the side that they lie on: east (no paint), west.
+fn faces_by_side(obj: &[u8]) -> [usize; 2] {
+    let text = str::from_utf8(obj).expect("text");
+    let numbers = |line: &str| -> Vec<f32> {
+        let words = line.split_whitespace().skip(1);
+        words.filter_map(|w| w.split('/').next()?.parse().ok()).collect()
+    };
+    let lines = |start: &'static str| text.lines().filter(move |l| l.starts_with(start));
+    let across: Vec<f32> = lines("v ").map(|line| numbers(line)[0]).collect();
+    let mut counts = [0; 2];
+    for face in lines("f ") {
+        let sum: f32 = numbers(face).iter().map(|&v| across[v as usize - 1]).sum();
+        counts[usize::from(sum < 0.0)] += 1;
+    }
+    counts
+}
+
+#[test]
+fn what_is_painted_keeps_its_triangles() {
+    let f = Folder::new();
+    f.file("ball.obj", painted_ball());
+    let texel = |column| [255 * paint(column) as u8; 3].into_iter().chain([255]);
+    let bytes = (0..COLUMNS).flat_map(texel).collect();
+    f.file("map.png", png(&Image { width: COLUMNS, height: 1, bytes }));
+    let extracted = |more: &[&str]| {
+        let args = ["extract", "ball.obj", "-o", "o.obj", "--ratio", "15%", "--no-refit", "-q"];
+        f.lodc(args.iter().chain(&["--weight", "color=0"]).chain(more)).ends(0);
+        f.read("o.obj")
+    };
+    let [east, west] = faces_by_side(&extracted(&[]));
+    assert!(east * 3 < west * 4 && west * 3 < east * 4, "{east} {west}");
+    let painted = extracted(&["--importance", "COLOR_0"]);
+    let [east, west] = faces_by_side(&painted);
+    assert!(west > 6 * east, "{east} {west}");
+    assert!(painted == extracted(&["--importance", "COLOR_0", "--jobs", "3"]));
+    assert!(painted == extracted(&["--importance", "map.png"]), "a map says the same");
+    for metric in ["hybrid", "viewpoint"] {
+        let more = ["--importance", "COLOR_0", "--metric", metric];
+        let [east, west] = faces_by_side(&extracted(&more));
+        assert!(west > 2 * east, "{metric}: {east} {west}");
+    }
+    f.file("lodc.toml", "[defaults]\nimportance = \"COLOR_0\"\n");
+    assert!(painted == extracted(&[]), "as by configuration");
+    // Errors that a file states still hold.
+    let build = ["build", "ball.obj", "-o", "b.lodc", "--if-changed", "--models", "none"];
+    f.lodc(build.iter().chain(&["--importance", "map.png"])).ends(0);
+    f.lodc(["verify", "b.lodc", "--source", "ball.obj", "-q"]).ends(0);
+    let again = f.lodc(build.iter().chain(&["--importance", "map.png"])).ends(0).err;
+    assert!(again.contains("unchanged"), "{again}");
+    f.file("map.png", png(&Image::filled(1, 1, [9; 4])));
+    let other = f.lodc(build.iter().chain(&["--importance", "map.png"])).ends(0).err;
+    assert!(!other.contains("unchanged"), "the map belongs to the input: {other}");
+}
+
+#[test]
+fn paint_is_the_same_with_any_number_of_threads() {
+    let f = Folder::new();
+    let mut text = String::new();
+    for line in grid(330).lines() {
+        let end =
+            if line.starts_with("v ") { format!(" {} 0 0", text.len() % 3) } else { "".into() };
+        writeln!(text, "{line}{end}").expect("text");
+    }
+    f.file("g.obj", text);
+    let built = |jobs: &str| {
+        let args = ["build", "g.obj", "-o", "g.lodc", "--models", "none", "--jobs", jobs, "-q"];
+        f.lodc(args.iter().chain(&["--importance", "COLOR_0"])).ends(0);
+        f.read("g.lodc")
+    };
+    assert!(built("1") == built("3"));
+}
+
+#[test]
+fn paint_that_is_not_there_is_refused_in_a_line() {
+    let f = Folder::new();
+    f.file("ball.obj", painted_ball());
+    f.file("plain.obj", grid(4));
+    f.file("not.png", "no picture");
+    let fails = |status, input: &str, paint: &str| {
+        let args = ["build", input, "-o", "o.lodc", "--importance", paint];
+        f.lodc(args).fails(status).err
+    };
+    let wrong = fails(2, "ball.obj", "_FACE");
+    assert!(wrong.contains("no object has the attribute _FACE"), "{wrong}");
+    assert!(wrong.contains("(there are: COLOR_0)"), "{wrong}");
+    let wrong = fails(2, "plain.obj", "COLOR_0");
+    assert!(wrong.contains("(there is none)"), "{wrong}");
+    let wrong = fails(3, "ball.obj", "missing.png");
+    assert!(wrong.contains("missing.png"), "{wrong}");
+    let wrong = fails(3, "ball.obj", "not.png");
+    assert!(wrong.contains("not.png"), "{wrong}");
+    f.file("map.png", png(&Image::filled(1, 1, [255; 4])));
+    let wrong = fails(2, "plain.obj", "map.png");
+    assert!(wrong.contains("no object has texture coordinates"), "{wrong}");
+    f.lodc(["build", "plain.obj", "-o", "p.lodc", "-q"]).ends(0);
+    let args = ["extract", "p.lodc", "-o", "o.obj", "--ratio", "1", "--importance", "COLOR_0"];
+    assert!(f.lodc(args).fails(2).err.contains("belong to `lodc build`"));
 }

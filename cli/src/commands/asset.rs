@@ -121,11 +121,13 @@ fn simplified_showing(
     let options = object_options(&scene, options, parts);
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&input.display().to_string(), size, &needs)?;
-    let importance = importance(&scene, &options, &simplify_args.importance, parts)?;
+    let import = import.options();
+    let from = (input, &import);
+    let importance = importance(from, &scene, &options, &simplify_args.importance, parts)?;
     let poses = simplify_args.poses.max_poses();
     let how = Simplify { options: &options, importance: &importance, poses };
     let watch = stages.watched(progress);
-    let mut asset = Asset::simplified(input, scene, &import.options(), &how, errors, &watch)?;
+    let mut asset = Asset::simplified(input, scene, &import, &how, errors, &watch)?;
     drop(watch);
     asset.warnings.extend(stages.take_notes());
     Ok(asset)

@@ -83,7 +83,7 @@ impl From<Errors> for Growth {
 pub struct Simplify<'a> {
     /// Options of every object.
     pub options: &'a [Options],
-    /// Vertices that stay, and weights of materials.
+    /// Vertices that stay, weights of materials, and what is painted.
     pub importance: &'a Importance,
     /// How many poses of animations collapses are priced in, and errors measured in, at most.
     pub poses: usize,
@@ -142,6 +142,7 @@ impl Asset {
         let simplified = simplify_all(objects, how.options, context, watch)?;
         warnings.extend(colours.warnings);
         files.extend(&colours.files);
+        files.extend(&how.importance.painted.files);
         let colours = colours.colours;
         let made = Self::of_sequences(source, document, simplified, import.limits);
         Ok(Self { compressed, simplified: true, files, warnings, colours, ..made })

@@ -23,6 +23,7 @@
 mod choose;
 mod commit;
 mod cut;
+mod importance;
 mod locks;
 mod metric;
 mod number;
@@ -78,6 +79,9 @@ pub struct Guidance<'a> {
     pub colours: Option<&'a dyn SurfaceColours>,
     /// For each vertex: true if it stays where it is until the terminal phase. Empty: none does.
     pub locked: &'a [bool],
+    /// For each vertex how much distances there count, from 0 (a tenth) to 1 (ten times); 0.5 is
+    /// as usual. At one position the largest counts. Empty: as usual everywhere.
+    pub importance: &'a [f32],
     /// For each submesh the importance of its attributes, in place of [`Options::weights`]. Empty:
     /// that of the options for all.
     pub weights: &'a [Weights],
@@ -140,6 +144,8 @@ fn simplify_with(
     }
     let run = Run { mesh, options, guidance, region, progress };
     let positions = mesh.position_ids();
+    let painted = importance::of_positions(guidance.importance, &positions);
+    let run = Run { guidance: Guidance { importance: &painted, ..guidance }, ..run };
     let shell = Shell::of(mesh, &positions);
     if let Some(simplified) = shell.and_then(|shell| run.by_shell(&shell, &positions)) {
         return simplified;
@@ -149,6 +155,7 @@ fn simplify_with(
     let mut input = Input::with_positions(mesh, &positions, seen);
     drop(positions);
     input.lock(guidance.locked);
+    input.weigh(&painted);
     run.count(&mut input);
     let mut sources = Sources::new(&input);
     let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
@@ -190,6 +197,9 @@ impl<'a> Run<'a> {
             let mut input = Input::with_positions(&shell.mesh, &shell.mesh.position_ids(), &seen);
             self.count(&mut input);
             input.lock(&shell.locked(self.mesh, positions, self.guidance.locked));
+            let painted = self.guidance.importance;
+            let of_shell = shell.vertices.iter().filter_map(|&v| painted.get(v as usize).copied());
+            input.weigh(&of_shell.collect::<Vec<_>>());
             input.planes = shell.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
             let guidance = Guidance { shapes: Some(&seen), ..self.guidance };

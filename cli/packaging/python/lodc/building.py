@@ -24,7 +24,8 @@ def build(
 
     ``metric`` is ``quadric`` (the default), ``hybrid``, ``viewpoint`` or ``kl``; ``models`` names
     structures to store besides, separated by commas. Further ``options`` are those of ``lodc
-    build``: ``lock_border=True``, ``weight={"uv": 0.5}``, ``lock=["material:face"]``.
+    build``: ``lock_border=True``, ``weight={"uv": 0.5}``, ``lock=["material:face"]``,
+    ``importance="COLOR_0"``.
 
     Warnings of the build are warned of (:class:`LodcWarning`), and stay in ``warnings``.
 

@@ -4,15 +4,20 @@
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
 use crate::jobs::Parts;
-use lodc::pipeline::Importance;
+use lodc::pipeline::{Importance, PaintedValues};
 use lodc_formats::Scene;
+use lodc_formats::import::ImportOptions;
 use lodc_simplify::Options;
+use std::path::Path;
 
-/// The locked vertices and the weights of a scene. `options` are those of the objects.
+/// The locked vertices, the weights and the painted importance of a scene. `options` are those of
+/// the objects.
 ///
 /// # Errors
-/// If a lock or a part names nothing in the scene, or the stored document is damaged.
+/// If a lock or a part names nothing in the scene, the stored document is damaged, or what is
+/// painted is not there or cannot be read.
 pub(crate) fn importance(
+    (input, import): (&Path, &ImportOptions),
     scene: &Scene,
     options: &[Options],
     args: &ImportanceArgs,
@@ -21,5 +26,9 @@ pub(crate) fn importance(
     parts.check_names(scene)?;
     let mut locked = args.locked(scene)?;
     parts.lock_vertices(scene, &mut locked)?;
-    Ok(Importance { locked, weights: parts.material_weights(scene, options)? })
+    let painted = match args.painted() {
+        Some(painted) => painted.read(input, import, scene)?,
+        None => PaintedValues::default(),
+    };
+    Ok(Importance { locked, weights: parts.material_weights(scene, options)?, painted })
 }

@@ -59,8 +59,9 @@ pub(super) fn make(
     let options = object_options(&scene, args.simplify_options(), args.parts.all());
     let kinds = args.models.kinds()?;
     check_memory(args, input, size, &options, &kinds)?;
-    let importance = importance(&scene, &options, &args.importance, args.parts.all())?;
     let import = args.import.options();
+    let from = (input, &import);
+    let importance = importance(from, &scene, &options, &args.importance, args.parts.all())?;
     let poses = args.poses.max_poses();
     let how = Simplify { options: &options, importance: &importance, poses };
     let watch = stages.watched(progress);

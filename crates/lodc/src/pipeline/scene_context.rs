@@ -1,6 +1,6 @@
 //! What the simplifier uses of a scene besides its meshes.
 
-use super::SceneColours;
+use super::{PaintedValues, SceneColours};
 use lodc_formats::{Document, Limits};
 use lodc_simplify::Weights;
 
@@ -9,7 +9,7 @@ use lodc_simplify::Weights;
 pub(crate) struct SceneContext<'a> {
     /// Its colours, if a metric uses them.
     pub(crate) colours: Option<&'a SceneColours>,
-    /// Vertices that stay, and weights of materials.
+    /// Vertices that stay, weights of materials, and what is painted.
     pub(crate) importance: &'a Importance,
     /// Its document: nodes and materials.
     pub(crate) document: &'a Document,
@@ -20,7 +20,7 @@ pub(crate) struct SceneContext<'a> {
     pub(crate) limits: Limits,
 }
 
-/// Vertices that stay, and weights of materials.
+/// Vertices that stay, weights of materials, and what is painted.
 #[derive(Clone, Debug, Default)]
 pub struct Importance {
     /// By object and vertex: whether it stays. The list of an object without such vertices is
@@ -29,4 +29,6 @@ pub struct Importance {
     /// By object and submesh: the weights of attributes. An object with an empty list has those of
     /// its options.
     pub weights: Vec<Vec<Weights>>,
+    /// How much distances count where.
+    pub painted: PaintedValues,
 }

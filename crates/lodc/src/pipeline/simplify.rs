@@ -210,6 +210,12 @@ impl ObjectWork<'_> {
             colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
             locked: context.importance.locked.get(number).map_or(&[], Vec::as_slice),
             weights: context.importance.weights.get(number).map_or(&[], Vec::as_slice),
+            importance: context
+                .importance
+                .painted
+                .of_vertices
+                .get(number)
+                .map_or(&[], Vec::as_slice),
             shapes: seen,
             hybrid_ranges: plan.map(|plan| plan.hybrid_ranges),
             prefix: prefix.map(|(run, share)| Prefix { collapses: &run.recorded[number], share }),

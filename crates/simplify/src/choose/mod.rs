@@ -20,7 +20,7 @@ use crate::cut::{
     Choice, HIGH_VALENCE, InMotion, OPEN, RESTRICTED, Region, SEAM, STALE, WorkingMesh,
 };
 use crate::metric::Reevaluate;
-use crate::price::{PriceLists, Priced, Pricer, Scratch, scaled};
+use crate::price::{PriceLists, Priced, Pricer, Scratch};
 use legality::{MovingFaces, Verdict, keeps_texture};
 use link::Marks;
 
@@ -181,7 +181,7 @@ impl<M: Reevaluate> Selector<'_, M> {
         }
         buffers.scratch.candidates = candidates;
         best.map(|(cost, to, changes_topology)| LegalCollapse {
-            choice: Choice { cost: scaled(cost), to },
+            choice: Choice { cost: self.pricer.key(from, cost), to },
             changes_topology,
             is_planned,
         })
@@ -233,7 +233,7 @@ impl<M: Reevaluate> Selector<'_, M> {
         };
         list.iter().filter(|p| is_touched(p.to)).all(|p| {
             p.to != known.to
-                && (scaled(p.cost(mesh)) > known.cost
+                && (self.pricer.key(from, p.cost(mesh)) > known.cost
                     || self.rules.check(self.shapes(), from, p.to, marks).is_none())
         })
     }

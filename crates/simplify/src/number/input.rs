@@ -5,7 +5,7 @@ use super::curve::Curve;
 use super::flat::{flat_vertices, normals};
 use super::loose;
 use super::shapes::GroupShapes;
-use crate::SeenShapes;
+use crate::{SeenShapes, importance};
 use glam::{DVec3, Vec3};
 use lodc_mesh::{Attribute, Csr, Mesh, PositionIds, Semantic, WedgeGroups};
 use rayon::prelude::*;
@@ -30,6 +30,8 @@ pub(crate) struct Input<'a> {
     shared: Vec<bool>,
     /// For each group: true if it stays until the terminal phase; empty if none does.
     locked: Vec<bool>,
+    /// By group: by how much costs are multiplied; empty if by nothing.
+    importance: Vec<f64>,
     /// Where groups are in motion.
     pub(crate) shapes: GroupShapes,
     /// Positions at rest, by vertex.
@@ -133,7 +135,7 @@ impl<'a> Input<'a> {
         let one_wedge_each = positions.len() == mesh.vertex_count();
         let lists = (!one_wedge_each).then(|| WedgeLists::new(mesh, &group_of, order.len()));
         let size = diagonal * scale;
-        let (locked, planes) = (Vec::new(), Vec::new());
+        let (locked, importance, planes) = (Vec::new(), Vec::new(), Vec::new());
         let vertices = first_vertex.iter().copied();
         let shapes = GroupShapes::new(seen, at_rest, vertices, scale);
         let card = cards(mesh, &group_of, order.len());
@@ -151,6 +153,7 @@ impl<'a> Input<'a> {
             position_id,
             shared,
             locked,
+            importance,
             planes,
             lists,
             counting: None,
@@ -212,6 +215,22 @@ impl<'a> Input<'a> {
     /// Locks the groups of some vertices: they stay until the terminal phase. No list means none.
     pub(crate) fn lock(&mut self, vertices: &[bool]) {
         self.locked = locked_groups(vertices, &self.group_of, self.groups());
+    }
+
+    /// Multiplies costs by what the importance of vertices, equal at one position, says. No list
+    /// means by nothing.
+    pub(crate) fn weigh(&mut self, painted: &[f32]) {
+        if painted.is_empty() {
+            return;
+        }
+        let factor = |&vertex: &u32| importance::factor(painted[vertex as usize]);
+        self.importance = self.first_vertex.iter().map(factor).collect();
+    }
+
+    /// By how much the cost of moving a group is multiplied.
+    #[inline]
+    pub(crate) fn importance(&self, group: u32) -> f64 {
+        self.importance.get(group as usize).copied().unwrap_or(1.0)
     }
 
     /// Returns whether a group stays until the terminal phase.

@@ -99,7 +99,7 @@ pub(crate) struct Pricer<'a, M> {
 }
 
 /// A cost as a key of the queue: scaled, in single precision, and finite.
-pub(crate) fn scaled(cost: f64) -> f32 {
+fn scaled(cost: f64) -> f32 {
     (cost * f64::from(COST_SCALE)).min(f64::from(f32::MAX)) as f32
 }
 
@@ -120,13 +120,27 @@ impl<M: Reevaluate> Pricer<'_, M> {
         let Region { mesh, quadrics, .. } = self.region;
         let quadric = &quadrics.surface[from as usize];
         let in_motion = self.in_motion();
-        if self.context.attributes.is_empty() {
-            one_ring::cheapest(mesh, quadric, from, in_motion, &NoSurcharge)
+        let Choice { cost, to } = if self.context.attributes.is_empty() {
+            one_ring::cheapest(mesh, quadric, from, in_motion, &NoSurcharge)?
         } else {
             let weight = self.metric.attribute_weight() as f32;
             let attribute_cost = RingAttributes { view: self.attributes(), weight };
-            one_ring::cheapest(mesh, quadric, from, in_motion, &attribute_cost)
-        }
+            one_ring::cheapest(mesh, quadric, from, in_motion, &attribute_cost)?
+        };
+        let cost = f64::from(cost) * self.importance(from);
+        Some(Choice { cost: cost.clamp(0.0, f64::from(f32::MAX)) as f32, to })
+    }
+
+    /// By how much the cost of moving a group is multiplied.
+    #[inline]
+    fn importance(&self, group: u32) -> f64 {
+        self.context.input.importance(self.region.groups[group as usize])
+    }
+
+    /// The cost of moving a group as a key of the queue.
+    #[inline]
+    pub(crate) fn key(&self, from: u32, cost: f64) -> f32 {
+        scaled(cost * self.importance(from))
     }
 
     /// The cheapest collapse of any group.
@@ -138,7 +152,11 @@ impl<M: Reevaluate> Pricer<'_, M> {
                 best = (cost, to);
             }
         }
-        if best.1 == NONE { Choice::NONE } else { Choice { cost: scaled(best.0), to: best.1 } }
+        if best.1 == NONE {
+            Choice::NONE
+        } else {
+            Choice { cost: self.key(from, best.0), to: best.1 }
+        }
     }
 
     /// The region in motion, if the mesh has other shapes.
@@ -400,7 +418,7 @@ impl<M: Reevaluate> Pricer<'_, M> {
         let Region { mesh, wedges, .. } = self.region;
         let mut one = [(priced.iter().find(|p| p.to == known.to)?.cost(mesh), known.to)];
         self.metric.reevaluate(mesh, wedges, from, &mut one, false, reevaluating);
-        let cost = scaled(one[0].0);
+        let cost = self.key(from, one[0].0);
         (cost <= known.cost).then_some(Choice { cost, ..known })
     }
 }
