@@ -40,6 +40,11 @@ impl SimplifyArgs {
         self.metric.metric
     }
 
+    /// The most poses that errors are measured in.
+    pub(crate) fn max_poses(&self) -> usize {
+        self.poses.max_poses()
+    }
+
     /// Simplification by a metric, with nothing weighted or locked.
     pub(crate) fn by(metric: MetricKind) -> Self {
         Self { metric: MetricArgs { metric }, ..Self::default() }
@@ -82,12 +87,13 @@ pub(crate) fn read_showing(
     match read {
         Input::Levels(file) => Ok(Asset::of_file(file, input, import.options().limits)),
         Input::Scene(scene) => {
+            let errors = Some(errors);
             simplified_showing(progress, (input, import), simplify_args, errors, scene, stages)
         }
     }
 }
 
-/// Simplifies the objects of a scene and measures every level.
+/// Simplifies the objects of a scene and measures the levels of `errors`, if any.
 ///
 /// # Errors
 /// If that would take more memory than there is, or a lock names nothing.
@@ -95,18 +101,19 @@ pub(crate) fn simplified(
     input: &Path,
     import: &ImportArgs,
     simplify_args: &SimplifyArgs,
+    errors: Option<Errors>,
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let progress = Progress::new(&input.display().to_string());
-    simplified_showing(&progress, (input, import), simplify_args, Errors::Curve, scene, stages)
+    simplified_showing(&progress, (input, import), simplify_args, errors, scene, stages)
 }
 
 fn simplified_showing(
     progress: &Progress,
     (input, import): (&Path, &ImportArgs),
     simplify_args: &SimplifyArgs,
-    errors: Errors,
+    errors: Option<Errors>,
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
@@ -127,7 +134,10 @@ fn simplified_showing(
     let poses = simplify_args.poses.max_poses();
     let how = Simplify { options: &options, importance: &importance, poses };
     let watch = stages.watched(progress);
-    let mut asset = Asset::simplified(input, scene, &import, &how, errors, &watch)?;
+    let mut asset = match errors {
+        Some(errors) => Asset::simplified(input, scene, &import, &how, errors, &watch),
+        None => Asset::sequences(input, scene, &import, &how, &watch),
+    }?;
     drop(watch);
     asset.warnings.extend(stages.take_notes());
     Ok(asset)

@@ -16,18 +16,22 @@ use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use clap::Args;
+use lodc::level_mesh::reference_meshes;
+use lodc::{Asset, LodObject};
 use lodc_formats::{images, import};
 use lodc_lab::{
     BenchObject, CrowdReport, CrowdSettings, Input, LabError, Prepared, Settings, charts, crowd,
-    crowd_charts, crowd_picture, crowd_table, measure, tables,
+    crowd_charts, crowd_picture, crowd_table, measure, most_triangles, tables,
 };
 use lodc_lod::ModelKind;
 use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::ObjectCounts;
-use lodc_report::text::count;
+use lodc_report::text::{count, grouped};
+use lodc_simplify::{MetricKind, Options, simplify};
 use serde::Serialize;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Options of `bench`.
 #[derive(Args, Debug)]
@@ -150,6 +154,8 @@ struct BenchFile {
 struct ObjectFigures {
     #[serde(flatten)]
     counts: ObjectCounts,
+    /// What of a large mesh is measured instead of all of it; null if all is.
+    level: Option<String>,
     #[serde(flatten)]
     figures: BenchObject,
 }
@@ -223,8 +229,8 @@ fn run_crowd(
     device: Option<&Device>,
     mut report: BenchReport,
 ) -> Outcome<Status> {
-    let inputs: Vec<Input> =
-        args.inputs.iter().map(|input| read(args, input)).collect::<Outcome<_>>()?;
+    let read = |input: &PathBuf| read(args, u64::MAX, input).map(|(input, _)| input);
+    let inputs: Vec<Input> = args.inputs.iter().map(read).collect::<Outcome<_>>()?;
     let CrowdArgs { instances, seconds, seed, .. } = args.crowd;
     let limits = args.import.options().limits;
     let settings = CrowdSettings { instances, seconds, seed, rounds: args.rounds(), limits };
@@ -249,12 +255,16 @@ fn run_crowd(
 fn bench_one(args: &BenchArgs, device: Option<&Device>, input: &Path) -> (BenchFile, Status) {
     let name = input.display().to_string();
     let settings = Settings { steps: args.steps, rounds: args.rounds(), streams: args.streams };
-    let measured = |prepared: &Prepared| {
+    let measured = |(prepared, level): (&Prepared, Option<String>)| {
         let object = prepared.object();
         let counts = counts(&object.info, &object.simplified);
-        Ok(ObjectFigures { counts, figures: measure(prepared, &settings, device)? })
+        Ok(ObjectFigures { counts, level, figures: measure(prepared, &settings, device)? })
     };
-    let work = || read(args, input)?.objects.iter().map(measured).collect::<Outcome<Vec<_>>>();
+    let most = device.filter(|_| !args.no_times).map_or(u64::MAX, most_triangles);
+    let work = || {
+        let (input, levels) = read(args, most, input)?;
+        input.objects.iter().zip(levels).map(measured).collect::<Outcome<Vec<_>>>()
+    };
     let failure = match each::guarded(input, work) {
         Ok(objects) => return (BenchFile { file: name, error: None, objects }, Status::Done),
         Err(failure) => failure,
@@ -263,34 +273,70 @@ fn bench_one(args: &BenchArgs, device: Option<&Device>, input: &Path) -> (BenchF
     (BenchFile { file: name, error: Some(failure.message), objects: vec![] }, failure.status)
 }
 
-/// Reads an input and makes what is measured.
-fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
+/// Reads an input and makes what is measured: of objects with more than `most` triangles a level,
+/// and what it says of them.
+fn read(args: &BenchArgs, most: u64, input: &Path) -> Outcome<(Input, Vec<Option<String>>)> {
     let name = input.display().to_string();
     let mut stages = Stages::new(args.import.clock(input));
-    let (objects, document) = if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
+    let is_file = input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc"));
+    let simplify_args = SimplifyArgs::by(args.metric.metric);
+    let mut asset = if is_file {
         let limits = args.import.options().limits;
         let (file, _) = stages.run("read", || read_lodc(input, limits))?;
-        (file.objects, file.document)
+        Asset::of_file(file, input, limits)
     } else {
-        let scene = import::import(input, &args.import.options())?;
-        let simplify_args = SimplifyArgs::by(args.metric.metric);
-        let asset = asset::simplified(input, &args.import, &simplify_args, scene, &mut stages)?;
-        console::warnings(&name, &asset.warnings);
-        (asset.objects, asset.document)
+        let scene = stages.run("read", || import::import(input, &args.import.options()))?;
+        asset::simplified(input, &args.import, &simplify_args, None, scene, &mut stages)?
     };
+    console::warnings(&name, &asset.warnings);
     let progress = Progress::new(&name);
+    let within = |object| within(object, most, args.metric.metric);
+    let objects = std::mem::take(&mut asset.objects);
+    let within = || objects.into_iter().map(within).collect::<Outcome<Vec<_>>>();
+    let (objects, levels): (_, Vec<_>) = stages.run("level", within)?.into_iter().unzip();
+    asset.objects = objects;
+    // A file holds errors: they count in its bytes, and streams are cut by them.
+    if !args.crowd.crowd && !(is_file && levels.iter().all(Option::is_none)) {
+        asset = asset.measured(simplify_args.max_poses(), &stages.watched(&progress))?;
+    }
+    let Asset { objects, document, .. } = asset;
     progress.stage("models");
     let prepared = |object| Prepared::new(object, &args.models, args.strips.options());
     let prepare = || objects.into_iter().map(prepared).collect::<Result<Vec<_>, _>>();
     let objects = stages.run("models", prepare)?;
-    Ok(Input { name, objects, document })
+    Ok((Input { name, objects, document }, levels))
+}
+
+/// An object with more than `most` triangles as its level with so many, simplified anew, and a
+/// line about that; any other as it is.
+fn within(
+    object: LodObject,
+    most: u64,
+    metric: MetricKind,
+) -> Outcome<(LodObject, Option<String>)> {
+    let collapses = object.simplified.collapses();
+    let all = collapses.parts().triangles;
+    if u64::from(all) <= most {
+        return Ok((object, None));
+    }
+    let lod = collapses.lod_for_triangles(most as u32);
+    let [mesh] = <[_; 1]>::try_from(reference_meshes(std::slice::from_ref(&object), &[lod])?)
+        .expect("one mesh for one object");
+    let line = format!(
+        "the mesh is large: of its {} triangles, the level with {} is measured",
+        grouped(u64::from(all)),
+        grouped(mesh.triangles().len() as u64)
+    );
+    let options = Options { metric, ..Options::DEFAULT };
+    let simplified = Arc::new(simplify(&mesh, &options, &|_, _| ()));
+    Ok((LodObject { info: object.info, simplified, models: vec![] }, Some(line)))
 }
 
 /// Everything measured on one input, for people.
 fn text(file: &BenchFile, share: f64) -> String {
-    let object = |ObjectFigures { counts: c, figures }: &ObjectFigures| {
+    let object = |ObjectFigures { counts: c, level, figures }: &ObjectFigures| {
         format!(
-            "{}: {}\n  {}, {}, {}, {}, {}\n{}\n",
+            "{}: {}\n  {}, {}, {}, {}, {}\n{}{}\n",
             one_line(&file.file),
             one_line(&c.name),
             count(c.referenced_vertices, "vertex"),
@@ -298,6 +344,7 @@ fn text(file: &BenchFile, share: f64) -> String {
             count(c.submeshes, "submesh"),
             count(c.fakes, "fake"),
             count(c.records, "record"),
+            level.as_ref().map(|line| format!("  ({line})\n")).unwrap_or_default(),
             tables(figures, share)
         )
     };
@@ -330,4 +377,33 @@ fn write_plots<N: AsRef<Path>>(folder: &Path, plots: Vec<(N, String)>) -> Outcom
         plots.into_iter().map(|(name, svg)| (Target::File(folder.join(name)), svg)).unzip();
     output::prepare_targets(&targets, true)?;
     targets.iter().zip(texts).try_for_each(|(to, svg)| output::write(to, svg.into_bytes()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_formats::ObjectInfo;
+
+    fn ball() -> LodObject {
+        let simplified = simplify(&lodc_fixtures::icosphere(3), &Options::DEFAULT, &|_, _| ());
+        let info = ObjectInfo {
+            name: "ball".to_owned(),
+            submeshes: vec![],
+            world_scale: 1.0,
+            document_mesh: 0,
+            poses: vec![],
+        };
+        LodObject { info, simplified: Arc::new(simplified), models: vec![] }
+    }
+
+    #[test]
+    fn of_a_mesh_that_is_too_large_a_level_is_measured_and_it_is_said() {
+        let (whole, line) = within(ball(), 1280, MetricKind::Quadric).expect("a mesh");
+        assert!(line.is_none() && whole.simplified.mesh().triangles().len() == 1280);
+        let (level, line) = within(ball(), 500, MetricKind::Quadric).expect("a mesh");
+        assert_eq!(level.simplified.mesh().triangles().len(), 500);
+        assert_eq!(level.simplified.collapses().records(), 251);
+        let said = "the mesh is large: of its 1,280 triangles, the level with 500 is measured";
+        assert_eq!(line.as_deref(), Some(said));
+    }
 }

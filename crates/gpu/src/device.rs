@@ -169,6 +169,13 @@ impl Device {
         !self.adapter.software && self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
     }
 
+    /// Returns the bytes of the largest buffer that a shader may bind as a whole.
+    #[must_use]
+    pub fn largest_binding(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
     /// Returns the device and the queue themselves.
     #[must_use]
     pub fn host(&self) -> (&wgpu::Device, &wgpu::Queue) {

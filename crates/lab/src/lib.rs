@@ -49,7 +49,7 @@ pub use baseline::{
     ProgressiveMesh, ProgressiveMeshCursor, Rebuild,
 };
 pub use crowd::{CrowdReport, CrowdSettings, crowd, crowd_charts, crowd_picture, crowd_table};
-pub use device::Device;
+pub use device::{Device, most_triangles};
 pub use error::LabError;
 pub use object::measure;
 pub use plots::charts;

@@ -107,6 +107,8 @@ pub(crate) struct GpuReport {
     pub(crate) clock: &'static str,
     /// What is not timed because the mesh is large; null if nothing is left out.
     pub(crate) limit: Option<String>,
+    /// By name: why what the device has no room for is not timed.
+    pub(crate) left_out: IndexMap<String, String>,
     /// By model and variant: words on the device for each vertex of LOD 0.
     pub(crate) words_per_vertex: IndexMap<&'static str, IndexMap<String, MemoryReport>>,
     /// By model and case.

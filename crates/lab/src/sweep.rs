@@ -12,8 +12,10 @@ use std::time::Instant;
 /// A measurement of less time than this, in microseconds, is repeated until it has taken more:
 /// clocks and interruptions would blur it. Chosen by hand.
 const MIN_MICROS: f64 = 10_000.0;
-/// Jumps of each round; each is timed by itself. Chosen by hand.
+/// Jumps of each round, of large meshes one; each is timed by itself. Chosen by hand.
 const JUMPS: u32 = 5;
+/// Triangles of a mesh times jumps of a round. Chosen by hand.
+const MAX_TRIANGLES_OF_JUMPS: usize = 2_000_000;
 
 /// The most points of a curve over LODs. Chosen by hand.
 const POINTS: usize = 100;
@@ -116,6 +118,8 @@ pub(crate) fn times(
     let mut all = vec![Times::default(); runners.len()];
     let mut rebuild = Rebuild::new(simplified);
     let mut scratch = Timings::default();
+    let most = MAX_TRIANGLES_OF_JUMPS / simplified.mesh().triangles().len().max(1);
+    let jumps = (most as u32).clamp(1, JUMPS);
     for _ in 0..rounds {
         for (runner, times) in runners.iter_mut().zip(&mut all) {
             let sweeps = sweeps(runner.as_mut(), stops);
@@ -128,12 +132,12 @@ pub(crate) fn times(
     // After the sweeps: a jump leaves work for later moves of some runners.
     for _ in 0..rounds {
         for (runner, times) in runners.iter_mut().zip(&mut all) {
-            for _ in 0..JUMPS {
+            for _ in 0..jumps {
                 times.jump.add(micros(|| runner.seek(far)));
                 runner.seek(Lod(0));
             }
         }
-        for _ in 0..JUMPS {
+        for _ in 0..jumps {
             scratch.add(micros(|| rebuild.indices_at(far).len()));
         }
     }

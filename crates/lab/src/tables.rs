@@ -102,6 +102,9 @@ fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
     if let Some(limit) = &gpu.limit {
         let _ = writeln!(text, "  ({limit})");
     }
+    for (name, why) in &gpu.left_out {
+        let _ = writeln!(text, "  {name} left out: {why}");
+    }
     table(text, "draws of primitives, ms", &gpu.primitives, DRAWS);
     for (model, words) in &gpu.words_per_vertex {
         table(text, &format!("{model}, words per vertex"), words, MEMORY);

@@ -77,6 +77,8 @@ fn objects_of_scene(
         return Ok((Objects::Meshes(scene.objects), scene.document, scene.warnings));
     }
     let simplify_args = SimplifyArgs::default();
-    let asset = asset::simplified(&args.input, &args.import, &simplify_args, scene, stages)?;
+    let errors = Some(lodc::Errors::Curve);
+    let asset =
+        asset::simplified(&args.input, &args.import, &simplify_args, errors, scene, stages)?;
     Ok((Objects::Levels(asset.objects), asset.document, asset.warnings))
 }
