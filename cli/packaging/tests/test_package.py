@@ -225,7 +225,7 @@ class Errors(Fresh):
             ),
         ]
         wrong = [
-            (lambda: lodc.build("part.glb", importance="_FACE"), "no object has the attribute _FACE"),
+            (lambda: lodc.build("part.glb", importance="_FACE"), "no object has the attribute"),
             (lambda: file.level(ratio=1.5), "from 0 to 1"),
             (lambda: file.level(triangles=2.5), "whole number"),
             (lambda: file.level(error="near"), "neither a number"),

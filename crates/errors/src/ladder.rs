@@ -60,6 +60,10 @@ const JUMPS_MAY_TAKE: usize = 2;
 /// rise. Chosen by hand.
 const KNOWN_MEANS: f64 = 1.5;
 
+/// A step after which the pass proposes so many times what it did before: a part has gone, and the
+/// mean may rise with it in a way that the pass does not see. Chosen by hand.
+const SUDDEN: f64 = 1.7;
+
 /// Of meshes of few triangles every level that has no more than so many left is measured, and some
 /// with up to four times as many.
 const LAST_TRIANGLES: u64 = 16;
@@ -305,9 +309,15 @@ impl Ladder<'_> {
         let [low, high] = [ratios[0].min(ratios[1]), ratios[0].max(ratios[1])];
         let ratios_are_alike = low > 0.0 && high <= ALIKE_RATIOS[few] * low;
         let means_are_alike = ratios_are_alike || is_alike(rms, coarser.rms, ALIKE[few]);
+        let means_jump = !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_MEANS);
+        if means_jump
+            && !is_in_scene
+            && let Some(sudden) = self.sudden(steps, coarser, tiny)
+        {
+            return Some((sudden, None));
+        }
         let is_jump = || {
             let means_are_known = ratios_are_alike && high <= KNOWN_MEANS;
-            let means_jump = !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_MEANS);
             let errors_jump = if is_in_scene {
                 let factor = if excess > 1.0 { JUMP_IN_SCENE } else { JUMP };
                 !is_alike(error, coarser.upper, factor)
@@ -325,6 +335,20 @@ impl Ladder<'_> {
         let middle = sequence.steps_at(sequence.lod_for_triangles(middle));
         let known_ratio = (is_in_scene && ratios_are_alike).then_some((low * high).sqrt());
         Some((middle.clamp(steps + 1, coarser.steps - 1), known_ratio))
+    }
+
+    /// Returns after how many steps, more than `from` and fewer than those of a rung, the proposed
+    /// error has risen most in one step, from more than `tiny` to about that of the rung; none if
+    /// it has not risen suddenly.
+    fn sudden(&self, from: usize, rung: &Rung, tiny: f64) -> Option<usize> {
+        let proposed = &self.proposals.largest;
+        let rise = |steps: usize| {
+            let [before, after] = [steps - 2, steps - 1].map(|i| f64::from(proposed[i]));
+            if before > tiny && SUDDEN * after >= rung.upper { after / before } else { 0.0 }
+        };
+        let candidates = (from + 1).max(2)..rung.steps.min(proposed.len() + 1);
+        let steepest = candidates.max_by(|&a, &b| rise(a).total_cmp(&rise(b)).then(b.cmp(&a)))?;
+        (rise(steepest) >= SUDDEN).then_some(steepest)
     }
 
     fn limits(&self) -> &Limits {

@@ -677,3 +677,33 @@ fn what_small_meshes_of_large_scenes_state_holds() {
         .collect();
     assert!(refused.is_empty(), "{} are refused: {refused:#?}", refused.len());
 }
+
+/// A floor with blocks on it, so many along each side, as a height field of n × n vertices.
+fn blocks(n: usize, along: f32) -> Simplified {
+    let is_high = |p: f32| ((p * along).rem_euclid(2.0) - 1.0).abs() < 0.2;
+    let at = |i: usize| i as f32 / (n - 1) as f32 - 0.5;
+    let positions: Vec<[f32; 3]> = (0..n * n)
+        .map(|v| [at(v % n), at(v / n)])
+        .map(|[x, y]| [x, y, if is_high(x) && is_high(y) { 0.3 } else { 0.0 }])
+        .collect();
+    let quads = (0..n * n).filter(|v| v % n + 1 < n && v / n + 1 < n).map(|v| v as u32);
+    let n = n as u32;
+    let triangles: Vec<[u32; 3]> =
+        quads.flat_map(|v| [[v, v + 1, v + n + 1], [v, v + n + 1, v + n]]).collect();
+    let options = lodc_simplify::Options::DEFAULT;
+    lodc_simplify::simplify(&mesh(&positions, &triangles), &options, &|_, _| {})
+}
+
+/// A block goes in one step, and then the mean distance is another one: the pass does not see it
+/// from the side of the floor.
+#[test]
+fn levels_are_measured_where_a_part_goes_at_once() {
+    for (n, along) in [(72, 7.0), (60, 5.0), (50, 4.0), (80, 9.0)] {
+        let simplified = blocks(n, along);
+        let rest = simplified.mesh().positions().to_vec();
+        let StepErrors { error, rms, .. } = measure(&simplified, &rest, 0, &|| ());
+        let stated = simplified.with_distances(error, rms).expect("they never fall");
+        let (_, wrong) = crate::check(&stated, &[rest]);
+        assert!(wrong.is_none(), "{n} × {n}, {along}: {wrong:?}");
+    }
+}

@@ -18,8 +18,8 @@ pub(crate) fn of_positions(painted: &[f32], positions: &PositionIds) -> Vec<f32>
 }
 
 /// By how much a cost is multiplied where the importance is `value`, from 0 to 1. Costs are squares
-/// of distances, so it is a hundredth to a hundred times. By roots, which are the same bits on every
-/// machine.
+/// of distances, so it is a hundredth to a hundred times. By roots, which are the same bits on
+/// every machine.
 pub(crate) fn factor(value: f32) -> f64 {
     const BITS: u32 = 12;
     let steps = (f64::from(value) * f64::from(1 << BITS)).round() as u32;

@@ -143,7 +143,7 @@ fn drop_nodes(root: &mut Object, dropped: &[bool]) -> Result<(), FormatError> {
             return Err(unsupported(
                 format!("skins[{number}]"),
                 format!(
-                    "its joint nodes[{joint}] is part of a coarser level ({NAME}), which is left out"
+                    "its joint nodes[{joint}] is of a coarser level ({NAME}), which is left out"
                 ),
             ));
         }
