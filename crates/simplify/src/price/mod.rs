@@ -29,7 +29,7 @@ use crate::options::Options;
 use glam::Vec4;
 use gradients::{Gradients, WedgeAttributes};
 use lodc_mesh::NONE;
-use one_ring::{COST_SCALE, NoSurcharge};
+use one_ring::{COST_SCALE, NoAttributeCost};
 use ring_attributes::RingAttributes;
 use seam_ring::SeamRing;
 
@@ -121,7 +121,7 @@ impl<M: Reevaluate> Pricer<'_, M> {
         let quadric = &quadrics.surface[from as usize];
         let in_motion = self.in_motion();
         let Choice { cost, to } = if self.context.attributes.is_empty() {
-            one_ring::cheapest(mesh, quadric, from, in_motion, &NoSurcharge)?
+            one_ring::cheapest(mesh, quadric, from, in_motion, &NoAttributeCost)?
         } else {
             let weight = self.metric.attribute_weight() as f32;
             let attribute_cost = RingAttributes { view: self.attributes(), weight };

@@ -47,9 +47,9 @@ pub(super) trait AttributeCost {
 }
 
 /// No attribute cost.
-pub(super) struct NoSurcharge;
+pub(super) struct NoAttributeCost;
 
-impl AttributeCost for NoSurcharge {
+impl AttributeCost for NoAttributeCost {
     const IS_ZERO: bool = true;
 
     fn costs<const N: usize>(&self, _: &OneRing<N>, _: &[Corner]) -> LaneArray<N> {
@@ -390,7 +390,7 @@ fn price<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::NoSurcharge;
+    use super::NoAttributeCost;
     use crate::cut::{Neighborhood, OPEN, Quadrics, Region};
     use crate::number::Input;
 
@@ -403,7 +403,7 @@ mod tests {
             let mut around = Neighborhood::default();
             for g in (0..region.own_groups() as u32).filter(|&g| !mesh.has(g, OPEN)) {
                 let quadric = &quadrics.surface[g as usize];
-                let Some(choice) = super::cheapest(mesh, quadric, g, None, &NoSurcharge) else {
+                let Some(choice) = super::cheapest(mesh, quadric, g, None, &NoAttributeCost) else {
                     continue;
                 };
                 around.gather(mesh, wedges, g);
