@@ -296,7 +296,8 @@ fn read(args: &BenchArgs, most: u64, input: &Path) -> Outcome<(Input, Vec<Option
     let (objects, levels): (_, Vec<_>) = stages.run("level", within)?.into_iter().unzip();
     asset.objects = objects;
     // A file holds errors: they count in its bytes, and streams are cut by them.
-    if !args.crowd.crowd && !(is_file && levels.iter().all(Option::is_none)) {
+    let has_errors = is_file && levels.iter().all(Option::is_none);
+    if !args.crowd.crowd && !has_errors {
         asset = asset.measured(simplify_args.max_poses(), &stages.watched(&progress))?;
     }
     let Asset { objects, document, .. } = asset;

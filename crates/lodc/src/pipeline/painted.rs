@@ -70,10 +70,10 @@ impl Painted {
             }
             Self::Map(path) => {
                 let path = beside(path, input);
-                let map = Map::read(&path, import)?;
+                let (map, files) = Map::read(&path, import)?;
                 let of_vertices = map.of_scene(scene);
                 if of_vertices.iter().any(|list| !list.is_empty()) {
-                    return Ok(PaintedValues { of_vertices, files: RequestedFiles::only(&path) });
+                    return Ok(PaintedValues { of_vertices, files });
                 }
                 Err(Error::Request(format!(
                     "{}: no object has texture coordinates to read importance at ({})",
@@ -148,10 +148,11 @@ struct Map {
 }
 
 impl Map {
-    fn read(path: &Path, import: &ImportOptions) -> Result<Self, FormatError> {
-        let bytes = Assets::new(path, &[], import.limits).read_main()?;
+    fn read(path: &Path, import: &ImportOptions) -> Result<(Self, RequestedFiles), FormatError> {
+        let mut assets = Assets::new(path, &[], import.limits);
+        let bytes = assets.read_main()?;
         let image = images::decode(&bytes).map_err(|e| e.in_file(&path.display().to_string()))?;
-        Ok(Self { image: Pyramid::new(&image) })
+        Ok((Self { image: Pyramid::new(&image) }, assets.files().clone()))
     }
 
     fn of_scene(&self, scene: &Scene) -> Vec<Vec<f32>> {

@@ -157,7 +157,17 @@ fn kind_difference(from: &GeomorphPart, to: &GeomorphPart, may_stay: &mut u64) -
             wanted.len()
         ));
     }
-    arrived.iter().zip(&wanted).find_map(|(triangle, next)| {
+    sides_difference([from, to], [&arrived, &wanted], &stays, width)
+}
+
+/// What differs between triangles that have arrived and those of the next level, both in one order.
+fn sides_difference(
+    [from, to]: [&GeomorphPart; 2],
+    [arrived, wanted]: [&[Corners]; 2],
+    stays: &[bool],
+    width: usize,
+) -> Option<String> {
+    arrived.iter().zip(wanted).find_map(|(triangle, next)| {
         if triangle.positions != next.positions {
             return Some(format!("its triangle {:?} is not in the next level", triangle.vertices));
         }
