@@ -303,7 +303,9 @@ fn levels_that_are_shown_elsewhere_are_refused() {
     elsewhere["nodes"][4]["children"] = json!([2]);
     let mut loops = levels_of_others();
     loops["nodes"][0]["extensions"]["MSFT_lod"]["ids"] = json!([0, 1]);
-    for (file, words) in [(elsewhere, "nodes[2]: is a level of nodes[0]"), (loops, "of itself")] {
+    for (file, words) in
+        [(elsewhere, "nodes[2]: is a coarser level of nodes[0]"), (loops, "of itself")]
+    {
         f.file("s.gltf", file.to_string());
         let run = f.lodc(["chain", "s.gltf", "-o", "c.glb"]).fails(3);
         assert!(run.err.contains(words), "{}", run.err);
