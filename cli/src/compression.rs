@@ -7,7 +7,7 @@ use crate::mesh_output::FormatName;
 use clap::{Args, ValueEnum};
 use lodc::level_mesh::Order;
 use lodc_formats::OutputFile;
-use lodc_formats::export::{ExportOptions, Precision, Provenance};
+use lodc_formats::export::{ExportOptions, Precision};
 use lodc_formats::images::PlacedTextures;
 use lodc_report::text::size;
 
@@ -74,14 +74,10 @@ impl EncodeOptions {
         Self { compress: options.compress, precision: options.precision }
     }
 
-    /// The contents of an export besides its objects.
-    pub(crate) fn options(
-        self,
-        textures: PlacedTextures,
-        provenance: Option<Provenance>,
-    ) -> ExportOptions {
+    /// The contents of an export besides its objects and their provenance.
+    pub(crate) fn options(self, textures: PlacedTextures) -> ExportOptions {
         let Self { compress, precision } = self;
-        ExportOptions { textures, compress, precision, provenance }
+        ExportOptions { textures, compress, precision, provenance: None }
     }
 
     /// The order of triangles where none is asked for.

@@ -109,8 +109,8 @@ impl AssetLoader for LodcLoader {
         let objects =
             file.objects.iter().map(|o| object_without_levels(&o.info, o.simplified.mesh()));
         let mut objects: Vec<LodcObject> = objects.collect();
-        for (number, wish) in settings.levels.iter().enumerate() {
-            add_level(&file, number, *wish, &mut objects, context)?;
+        for (number, target) in settings.levels.iter().enumerate() {
+            add_level(&file, number, *target, &mut objects, context)?;
         }
         let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
         name_materials(&mut objects, &file.document, &infos)?;
@@ -156,11 +156,11 @@ pub(crate) fn name_materials(
 fn add_level(
     file: &LodFile,
     number: usize,
-    wish: LevelTarget,
+    target: LevelTarget,
     objects: &mut [LodcObject],
     context: &mut LoadContext<'_>,
 ) -> Result<(), BevyError> {
-    let select = match wish {
+    let select = match target {
         LevelTarget::Ratio(share) => Select::Ratio(share),
         LevelTarget::Triangles(most) => Select::Triangles(most),
         LevelTarget::Error(error) => Select::Error(error),

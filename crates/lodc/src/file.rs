@@ -242,7 +242,7 @@ impl<'a> Level<'a> {
     /// written.
     #[cfg(feature = "export")]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<Vec<String>, Error> {
-        use crate::LevelOf;
+        use crate::{LevelOf, single};
         use lodc_formats::export::{ExportFormat, ExportOptions};
         use lodc_formats::images::{TextureMode, Textures};
         let path = path.as_ref();
@@ -276,9 +276,9 @@ impl<'a> Level<'a> {
             objects: &content.objects,
             document: &content.document,
             source: content.source.content_hash,
-            lod: <[Lod; 1]>::try_from(&self.lods[..]).ok().map(|[lod]| lod),
+            lod: single(&self.lods),
         };
-        let made = level.files(&mut self.meshes.clone(), path, format, &options)?;
+        let made = level.files(&self.meshes, path, format, &mut options)?;
         warnings.extend(made.left_out);
         lodc_formats::write_all(&made.files)?;
         Ok(warnings)

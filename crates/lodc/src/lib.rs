@@ -81,7 +81,7 @@ pub use scene_levels::scene_levels;
 pub use shapes::{stated_shapes, target_shapes};
 pub use source::Source;
 #[cfg(feature = "export")]
-pub use written::{LevelOf, WrittenLevel};
+pub use written::{LevelOf, WrittenLevel, single};
 
 /// Builds a file from a glTF, GLB, OBJ, PLY or STL file, given by its path, its bytes or a reader,
 /// or from a mesh of arrays: [`Builder::run`] does the work.

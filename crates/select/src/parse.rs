@@ -86,5 +86,5 @@ pub fn rms_bound(text: &str) -> Result<Target, String> {
 }
 
 #[cfg(test)]
-#[path = "wish_tests.rs"]
+#[path = "parse_tests.rs"]
 mod tests;

@@ -8,7 +8,7 @@ use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
 use lodc::level_mesh::{self, LevelMesh};
 use lodc::pipeline::LevelDistance;
-use lodc::{LodObject, SceneLevels};
+use lodc::{LodObject, SceneLevels, single};
 use lodc_formats::export::{GeomorphFacts, ScreenFacts};
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainLevel;
@@ -71,10 +71,7 @@ pub(super) struct ChosenLevel {
 impl ChosenLevel {
     /// Returns the LOD; none if several objects each have their own.
     pub(super) fn lod(&self) -> Option<u32> {
-        match self.lods[..] {
-            [one] => Some(one.0),
-            _ => None,
-        }
+        single(&self.lods).map(|lod| lod.0)
     }
     pub(super) fn report(&self, level: usize, output: &Path) -> ChainLevel {
         ChainLevel {
@@ -129,7 +126,7 @@ impl LevelArgs {
         Ok(levels)
     }
 
-    /// The wishes, finest first.
+    /// The targets, finest first.
     pub(super) fn wanted(&self) -> Vec<Target> {
         self.targets().into_iter().map(|(target, _)| target).collect()
     }
@@ -177,7 +174,7 @@ pub(super) struct Chosen {
     triangles: u64,
     /// Distance that it was chosen for.
     distance: Option<f64>,
-    /// Wishes that were not met.
+    /// Targets that were not met.
     warnings: Vec<String>,
 }
 
@@ -201,7 +198,7 @@ pub(super) enum Measured {
 }
 
 /// Adds to levels how far they are from the input and what they no longer show. Returns also the
-/// warnings, level by level: wishes that were not met, then parts that are gone.
+/// warnings, level by level: targets that were not met, then parts that are gone.
 pub(super) fn described(
     objects: &[LodObject],
     chosen: Vec<Chosen>,

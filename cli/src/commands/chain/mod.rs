@@ -246,7 +246,7 @@ fn chain(
         geomorph::check(&levels)?;
     }
     let files = |encoding: EncodeOptions, levels: &mut [ChosenLevel]| {
-        let options = encoding.options(textures.clone(), None);
+        let options = encoding.options(textures.clone());
         match args.separate {
             true if args.geomorph.moved_streams().is_some() => {
                 separate::morphing_files(args, out, format, &asset, levels, options)

@@ -28,16 +28,16 @@ pub(super) fn files(
     let mut left_out = None;
     let order = EncodeOptions::of(&options).order();
     for (number, level) in levels.iter_mut().enumerate() {
-        let mut meshes = meshes(asset, level, order)?;
+        let meshes = meshes(asset, level, order)?;
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
         let path = numbered(out, number);
         let made = asset.level_of(level.lod().map(Lod)).files(
-            &mut meshes,
+            &meshes,
             &path,
             format.export_format(),
-            &options,
+            &mut options,
         )?;
-        (level.error, level.rms) = made.distances;
+        (level.error, level.rms) = made.largest;
         left_out = left_out.or(made.left_out);
         files.extend(made.files);
         // All levels share the copies.

@@ -11,11 +11,11 @@ use crate::progress::Progress;
 use crate::stages::Stages;
 use crate::views::CriterionName;
 use lodc::{
-    Asset, Errors,
+    Asset, Errors, WrittenLevel,
     level_mesh::{self, LevelMesh, MeshOptions, Order},
     parting_borders, parting_line,
     pipeline::{Growth, measured, refitted_meshes},
-    scene_levels,
+    scene_levels, single,
 };
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
@@ -54,7 +54,7 @@ pub(super) fn extract(
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let encoding = args.export.compress.wanted(format, asset.compressed)?;
     let order = args.order.map_or(encoding.order(), Into::into);
-    let mut level = match criterion {
+    let level = match criterion {
         Some(name) => view(args, name, order, input, &asset, &mut stages)?,
         None => uniform(args, order, errors, input, &asset, &mut stages)?,
     };
@@ -62,18 +62,12 @@ pub(super) fn extract(
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
     });
     let (textures, images) = textures?;
-    // Encoding adds what it rounds to the meshes' distances; it may be done twice, in two ways.
-    let measured: Vec<_> = level.meshes.iter().map(|mesh| (mesh.error, mesh.rms)).collect();
-    let mut encoded = |encoding: EncodeOptions| -> Outcome<_> {
-        let meshes = &mut level.meshes;
-        for (mesh, distance) in meshes.iter_mut().zip(&measured) {
-            (mesh.error, mesh.rms) = *distance;
-        }
-        let options = encoding.options(textures.clone(), None);
+    let encoded = |encoding: EncodeOptions| -> Outcome<_> {
+        let mut options = encoding.options(textures.clone());
         let path = mesh_output::path(target, format);
-        let level_of = asset.level_of(single(&level.lods));
-        let made = level_of.files(meshes, &path, format.export_format(), &options)?;
-        let mut report = report(input, &asset, &level, made.distances, target);
+        let level_of = asset.level_of(single(&level.lods).flatten());
+        let made = level_of.files(&level.meshes, &path, format.export_format(), &mut options)?;
+        let mut report = report(input, &asset, &level, &made, target);
         report.warnings.extend_from_slice(&textures.warnings);
         report.warnings.extend(made.left_out);
         Ok((report, made.files))
@@ -142,11 +136,11 @@ fn uniform(
     let shape = MeshOptions { model: model(args, input, asset)?, order };
     let limits = args.export.import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
-    let wish = args.selector.target().expect("there is a level or a criterion");
+    let wanted = args.selector.target().expect("there is a level or a criterion");
     let per_object = args.selector.per_object();
     let own = |object: &str| args.export.simplify.parts.all().extract_level(object);
     let chosen =
-        stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
+        stages.run("select", || scene.select_capped(wanted, own, args.max_error, per_object))?;
     let lods = &chosen.lods;
     let meshes = if args.refits() {
         stages.checked("extract", |tick| {
@@ -236,34 +230,29 @@ fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<Mode
     )))
 }
 
-/// Returns the LOD of a single object; none of several, which each have their own.
-fn single(lods: &[Option<Lod>]) -> Option<Lod> {
-    match lods {
-        [one] => *one,
-        _ => None,
-    }
-}
-
-/// The report on a level whose files state `error` and `rms`, in world units.
+/// The report on a level and on what its files state.
 fn report(
     input: &Path,
     asset: &Asset,
     level: &ExtractedLevel,
-    (error, rms): (f64, Option<f64>),
+    made: &WrittenLevel,
     target: &Target,
 ) -> ExtractReport {
     let finite = |x: f64| x.is_finite().then_some(x);
+    let (error, rms) = made.largest;
     let mut objects = Vec::with_capacity(asset.objects.len());
-    for ((object, lod), mesh) in asset.objects.iter().zip(&level.lods).zip(&level.meshes) {
+    for (i, object) in asset.objects.iter().enumerate() {
+        let (lod, mesh) = (level.lods[i], &level.meshes[i].mesh);
+        let (error, rms) = made.of_objects[i];
         objects.push(ExtractedObject {
             name: object.info.name.clone(),
             lod: lod.map(|lod| lod.0),
-            triangles: mesh.mesh.triangles().len() as u64,
-            vertices: mesh.mesh.vertex_count() as u64,
-            error: finite(mesh.error),
-            rms: mesh.rms.and_then(finite),
-            world_error: finite(object.info.world_scale * mesh.error),
-            world_rms: mesh.rms.and_then(|rms| finite(object.info.world_scale * rms)),
+            triangles: mesh.triangles().len() as u64,
+            vertices: mesh.vertex_count() as u64,
+            error: finite(error),
+            rms: rms.and_then(finite),
+            world_error: finite(object.info.world_scale * error),
+            world_rms: rms.and_then(|rms| finite(object.info.world_scale * rms)),
         });
     }
     let triangles = objects.iter().map(|o| o.triangles).sum();
@@ -271,7 +260,7 @@ fn report(
     ExtractReport {
         schema_version: SCHEMA_VERSION,
         status: 0,
-        lod: single(&level.lods).map(|lod| lod.0),
+        lod: single(&level.lods).flatten().map(|lod| lod.0),
         criterion: level.criterion.map(CriterionName::name),
         triangles,
         kept_share: if all == 0 { 1.0 } else { triangles as f64 / all as f64 },
