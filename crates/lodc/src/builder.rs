@@ -95,7 +95,7 @@ impl<'a> Builder<'a> {
     ///
     /// let painted = Painted::Attribute("COLOR_0".to_owned());
     /// let file = lodc::build("../../fixtures/coloured_cube.glb").importance(painted).run()?;
-    /// # assert_eq!(file.level(lodc::Select::Ratio(1.0))?.triangles(), 12);
+    /// assert_eq!(file.level(lodc::Select::Ratio(1.0))?.triangles(), 48);
     /// # Ok::<(), lodc::Error>(())
     /// ```
     #[must_use]
