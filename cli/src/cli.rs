@@ -5,6 +5,7 @@ use crate::commands::{
     select, shaders, strips, unpack, verify, view,
 };
 use crate::help::{GENERAL, MORE};
+use crate::numbers::whole;
 use clap::{ArgAction, Args, Parser, Subcommand};
 use std::num::NonZeroUsize;
 
@@ -48,9 +49,10 @@ pub(crate) struct CommonArgs {
     #[arg(short, long, global = true, conflicts_with = "quiet", hide_short_help = true)]
     pub(crate) verbose: bool,
     /// Threads; no result depends on it [default: all cores]
-    #[arg(long, value_name = "N", global = true, hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole::<NonZeroUsize>(1..), global = true,
+          hide_short_help = true)]
     pub(crate) jobs: Option<NonZeroUsize>,
-    /// -h: the options needed most; --help: all of them, and examples
+    /// Show help (-h: common options; --help: all options and examples)
     #[arg(id = "help", short, long, global = true, action = ArgAction::Help)]
     _help: Option<bool>,
     /// Print the version

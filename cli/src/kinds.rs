@@ -3,6 +3,7 @@
 
 use crate::exit::{Failure, Outcome};
 use crate::help::{SIMPLIFIED, STORED};
+use crate::numbers::whole;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use lodc::pipeline::DEFAULT_POSES;
@@ -137,7 +138,7 @@ pub(crate) struct PosesArgs {
     /// animations and single targets, at most 64. 0: errors are those at rest. A .lodc file has its
     /// errors already.
     #[arg(long, value_name = "N", help_heading = SIMPLIFIED, hide_short_help = true,
-          value_parser = clap::value_parser!(u8).range(..=MAX_POSES as i64))]
+          value_parser = whole::<u8>(0..=MAX_POSES as i128))]
     poses: Option<u8>,
 }
 
@@ -158,7 +159,7 @@ pub(crate) struct ModelArgs {
     /// little memory.
     #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = models(),
           help_heading = STORED)]
-    models: Vec<Choice<ModelKind>>,
+    models: Vec<Structures>,
     /// Width of the indices in the file; levels are the same
     #[arg(long, value_parser = parser::<Layout>(), default_value = Layout::default().name(),
           help_heading = STORED, hide_short_help = true)]
@@ -181,27 +182,47 @@ impl ModelArgs {
     /// # Errors
     /// If `none` goes with another name.
     pub(crate) fn kinds(&self) -> Outcome<Vec<ModelKind>> {
-        let named: Vec<ModelKind> = self.models.iter().filter_map(|choice| choice.kind()).collect();
-        let has_none = named.len() < self.models.len();
-        match (has_none, named.is_empty()) {
-            (true, true) => Ok(vec![]),
-            (true, false) => {
-                Err(Failure::usage("--models none cannot be combined with other models"))
-            }
-            (false, _) => Ok(models_or_all(&named)),
+        let named = &self.models;
+        if !named.contains(&Structures::None) {
+            let is_wanted = |kind: ModelKind| named.contains(&Structures::Of(kind));
+            let all = named.is_empty() || named.contains(&Structures::All);
+            return Ok(ModelKind::ALL.into_iter().filter(|&k| all || is_wanted(k)).collect());
+        }
+        match named.iter().all(|name| *name == Structures::None) {
+            true => Ok(vec![]),
+            false => Err(Failure::usage("--models none cannot be combined with other models")),
         }
     }
 }
 
-/// The models that were named, in the order that files have them; all if none was named.
-pub(crate) fn models_or_all(named: &[ModelKind]) -> Vec<ModelKind> {
-    let wanted = |kind: &ModelKind| named.is_empty() || named.contains(kind);
-    ModelKind::ALL.into_iter().filter(wanted).collect()
+/// What a value of `--models` stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Structures {
+    Of(ModelKind),
+    All,
+    None,
 }
 
-/// Reads the name of a model, or `none`.
-fn models() -> impl TypedValueParser<Value = Choice<ModelKind>> {
-    parser_with("none", "The collapse sequence alone: extract, chain, render and pack need no more")
+/// Reads the name of a model, `all` or `none`.
+fn models() -> impl TypedValueParser<Value = Structures> {
+    let all = PossibleValue::new("all").help("Each of them");
+    let none = PossibleValue::new("none")
+        .help("The collapse sequence alone: extract, chain, render and pack need no more");
+    PossibleValuesParser::new(values::<ModelKind>().chain([all, none])).map(|name| {
+        match name.as_str() {
+            "all" => Structures::All,
+            "none" => Structures::None,
+            name => Structures::Of(find(name).expect("a possible value")),
+        }
+    })
+}
+
+/// The models that were named, in the order that files have them; all if none was named, or the
+/// other word.
+pub(crate) fn models_or_all(named: &[Choice<ModelKind>]) -> Vec<ModelKind> {
+    let all = named.is_empty() || named.contains(&Choice::Other);
+    let is_wanted = |kind: &ModelKind| all || named.contains(&Choice::Kind(*kind));
+    ModelKind::ALL.into_iter().filter(is_wanted).collect()
 }
 
 /// Options of commands that make strips.

@@ -273,12 +273,8 @@ impl LimitArgs {
 }
 
 fn weld(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
-    if (0.0..1.0).contains(&value) {
-        Ok(value)
-    } else {
-        Err("a share of the diagonal, from 0 to below 1".to_owned())
-    }
+    let value = text.parse().ok().filter(|value| (0.0..1.0).contains(value));
+    value.ok_or_else(|| "must be a number from 0 to below 1, such as 0.001".to_owned())
 }
 
 /// A count or size with an optional power of 1024: `123`, `64K`, `2G`.

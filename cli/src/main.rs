@@ -21,6 +21,7 @@ mod kinds;
 mod limits;
 mod memory;
 mod mesh_output;
+mod numbers;
 mod output;
 mod parts;
 mod pose;

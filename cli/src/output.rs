@@ -4,15 +4,17 @@
 use crate::exit::{Failure, Outcome};
 use crate::jobs::JobError;
 use crate::{console, interrupt};
-use lodc_formats::{OutputFile, write_all, write_each};
+use lodc_formats::{OutputFile, RequestedFiles, write_all, write_each};
+use std::collections::BTreeSet;
 use std::mem::take;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 pub(crate) use crate::jobs::{
-    DependencyRule, Target, is_folder, is_standard_stream, prepare_targets, single_target,
+    DependencyRule, Target, is_folder, is_standard_stream, of_kind, path_identity, prepare_targets,
+    single_target,
 };
 
 /// Writes files, all or none; an interruption waits until they are in place.
@@ -33,6 +35,26 @@ pub(crate) fn commit(files: &[OutputFile]) -> Outcome<()> {
     write_all(files)?;
     commit_guard.into_iter().for_each(|mut placed| *placed = true);
     Ok(())
+}
+
+/// Refuses to write over a file that an input names and that was read: its buffers, materials,
+/// images. A pipe or device replaces nothing.
+///
+/// # Errors
+/// If one of `outputs` is such a file.
+pub(crate) fn refuse_replacing<'a>(
+    outputs: impl IntoIterator<Item = &'a Path>,
+    read: &RequestedFiles,
+) -> Outcome<()> {
+    let read: BTreeSet<PathBuf> =
+        read.read().iter().filter(|f| f.is_file()).map(|f| path_identity(f)).collect();
+    match outputs.into_iter().find(|output| read.contains(&path_identity(output))) {
+        Some(output) => {
+            let output = output.display();
+            Err(Failure::usage(format!("{output}: the output would replace a file of an input")))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Returns whether a file is a pipe or a device.

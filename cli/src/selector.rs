@@ -3,6 +3,7 @@
 
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{LEVEL, SEEN};
+use crate::numbers::whole;
 use clap::Args;
 use lodc_select::{RecordError, SelectError, Target, View, count, rms_bound};
 
@@ -34,14 +35,14 @@ struct TargetArgs {
     /// At most this share of the triangles: 0.25 or 25%
     ///
     /// As --triangles with R times the input's triangles, rounded down.
-    #[arg(long, value_name = "R", value_parser = share)]
+    #[arg(long, value_name = "R", value_parser = share, allow_negative_numbers = true)]
     ratio: Option<f64>,
     /// At most N triangles: 500, 10k, 2m
     ///
     /// The finest level that has no more. Of several objects, triangles go first where the error is
     /// least. An object never comes back empty: the selection stops at its last level that has
     /// a triangle, with a warning (as with every selector but --lod).
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     triangles: Option<u64>,
     /// Error of at most E, in world units, or E%
     ///
@@ -49,10 +50,11 @@ struct TargetArgs {
     /// surfaces of level and input, measured from both, wherever the scene shows them; a percentage
     /// is of the diagonal of the largest object's bounding box as the scene shows it. Several
     /// objects meet it each.
-    #[arg(long, value_name = "E", value_parser = bound)]
+    #[arg(long, value_name = "E", value_parser = bound, allow_negative_numbers = true)]
     error: Option<Target>,
     /// The same for the root mean square distance
-    #[arg(long, value_name = "E", value_parser = rms_bound, hide_short_help = true)]
+    #[arg(long, value_name = "E", value_parser = rms_bound, allow_negative_numbers = true,
+          hide_short_help = true)]
     rms: Option<Target>,
     /// At most P pixels of error, seen from --distance
     #[arg(long, value_name = "P", value_parser = positive)]
@@ -60,7 +62,7 @@ struct TargetArgs {
     /// The level after N collapse records (0: the input; larger is coarser)
     ///
     /// Rounded down to a whole step; numbers past the last mean the last.
-    #[arg(long, value_name = "N", hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(0..), hide_short_help = true)]
     lod: Option<u32>,
 }
 

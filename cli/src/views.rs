@@ -84,7 +84,7 @@ pub(crate) struct ViewArgs {
     /// Width of the screen by its height, for --criterion frustum [default: 16:9]
     ///
     /// --fovy is its angle upwards, --target its middle.
-    #[arg(long, value_name = "R", value_parser = positive, requires = "criterion",
+    #[arg(long, value_name = "R", value_parser = aspect, requires = "criterion",
           hide_short_help = true)]
     aspect: Option<f64>,
     /// Share of the triangles where detail is wanted
@@ -199,6 +199,15 @@ impl ViewArgs {
     }
 }
 
+/// Reads a width by a height: `16:9`, or the number that it is.
+fn aspect(text: &str) -> Result<f64, String> {
+    let (width, height) = text.split_once(':').unwrap_or((text, "1"));
+    let quotient = positive(width).and_then(|width| Ok(width / positive(height)?));
+    let quotient = quotient.ok().filter(|quotient| quotient.is_finite() && *quotient > 0.0);
+    quotient
+        .ok_or_else(|| "must be two numbers above 0, such as 16:9, or one, such as 1.5".to_owned())
+}
+
 /// Reads a point, `X,Y,Z`.
 pub(crate) fn point(text: &str) -> Result<[f64; 3], String> {
     numbers(text).ok_or_else(|| "three numbers X,Y,Z".to_owned())
@@ -230,6 +239,16 @@ mod tests {
         }
         for wrong in ["1,2,3", "0,0,0,1,1,-1"] {
             assert!(corners(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_screen_is_two_numbers_or_one() {
+        assert_eq!((aspect("16:9"), aspect("1.5")), (Ok(16.0 / 9.0), Ok(1.5)));
+        for wrong in
+            ["", ":", "16:", ":9", "16:0", "-16:9", "16:9:1", "16/9", "inf", "1e300:1e-300"]
+        {
+            assert!(aspect(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -4,6 +4,7 @@
 
 #[cfg(feature = "gltf")]
 use crate::percent::percent_decoded;
+use crate::words::counted;
 use crate::{Fault, FormatError, Limits, RequestedFiles};
 use std::ffi::OsStr;
 use std::fs::{File, Metadata, OpenOptions};
@@ -197,9 +198,10 @@ impl Assets {
     fn too_large(&self) -> FormatError {
         let problem = if self.limits.total_bytes.saturating_sub(self.total) < self.limits.file_bytes
         {
-            format!("the input's files are larger than {} bytes together", self.limits.total_bytes)
+            let bytes = counted(self.limits.total_bytes, "byte", "bytes");
+            format!("the input's files are larger than {bytes} together")
         } else {
-            format!("larger than {} bytes", self.limits.file_bytes)
+            format!("larger than {}", counted(self.limits.file_bytes, "byte", "bytes"))
         };
         FormatError::new(Fault::Limit, "", problem)
     }

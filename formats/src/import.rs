@@ -8,6 +8,7 @@ use crate::lodc::{self, LodFile};
 pub use crate::options::ImportOptions;
 use crate::provenance::Provenance;
 pub use crate::scene::Counted;
+use crate::words::counted;
 use crate::{
     Assets, Document, ExportedLevels, Fault, FormatError, Limits, Scene, faces, gltf, obj, ply, stl,
 };
@@ -60,7 +61,8 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Scene, FormatError
 /// As [`import`]; the error names no file.
 pub fn import_bytes(bytes: Vec<u8>, options: &ImportOptions) -> Result<Scene, FormatError> {
     if bytes.len() as u64 > options.limits.file_bytes {
-        let problem = format!("more than {} bytes", options.limits.file_bytes);
+        let bytes = counted(options.limits.file_bytes, "byte", "bytes");
+        let problem = format!("more than {bytes}");
         return Err(FormatError::new(Fault::Limit, "", problem));
     }
     let path = Path::new("-");

@@ -112,7 +112,6 @@ mod stl;
 mod testing;
 #[cfg(feature = "export")]
 mod textures;
-#[cfg(any(feature = "import", feature = "export"))]
 mod words;
 mod write;
 

@@ -317,9 +317,27 @@ fn a_configuration_gives_defaults_that_flags_beat() {
         (
             "[[override]]\nfiles = [\"*\"]\n[[override]]\nfiles = [\"*\"]\n\
              [override.build]\nmetric = 3",
-            "line 6: [[override]] 2, build: metric: must be one of",
+            "line 6: [[override]] 2, [override.build]: metric: must be one of",
         ),
         ("[default]\n", "line 1"),
+        (
+            "[defaults.extract]\nerror = \"1%\"\nratio = 0.5",
+            "line 3: [defaults.extract]: ratio cannot be given with error",
+        ),
+        (
+            "[[override]]\nobjects = [\"x\"]\nlevels = [\"50%\"]\neffort = \"fast\"",
+            "line 4: [[override]] 1: effort: unknown field `effort`, expected one of `objects`",
+        ),
+        (
+            "[[override]]\nfile = [\"x\"]",
+            "line 2: [[override]] 1: file: unknown option; did you mean `files`?",
+        ),
+        ("[defaults.extrct]\nratio = 1", "extrct: unknown command; did you mean `extract`?"),
+        ("\n[override]\nfiles = [\"x\"]", "line 2: write [[override]] with two brackets"),
+        (
+            "[[override]]\nfiles = \"props/**\"",
+            "line 2: [[override]] 1: files must be a list: [\"props/**\"]",
+        ),
         ("[defaults]\nallow-path = \"/\"", "only the command line"),
         ("[defaults]\nshard = \"1/2\"", "for a whole run"),
         ("[[override]]\nfiles = [\"a[\"]", "glob a["),

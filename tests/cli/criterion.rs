@@ -105,6 +105,22 @@ fn every_criterion_meets_a_number_of_triangles_and_no_view_tears() {
     assert_eq!(open_edges(&faces(&f.read("o.obj"))[1..]), 3);
 }
 
+/// Materials meet in parts that have collapsed on one side only.
+#[test]
+fn views_of_several_materials_are_meshes() {
+    let f = Folder::new();
+    for name in ["machine_part.glb", "coloured_cube.glb", "striped_sphere.glb"] {
+        let input = format!("{}/../fixtures/{name}", env!("CARGO_MANIFEST_DIR"));
+        for criterion in ["silhouette", "pixels", "sphere", "box", "frustum"] {
+            for ratio in ["0.7", "0.4", "0.15"] {
+                let at = ["--eye", "0.1,0.3,5", "--target", "0.2,0,0"];
+                let options = [&["--criterion", criterion, "--ratio", ratio], &at[..]].concat();
+                extract(&f, &input, "v.glb", &options);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_region_keeps_all_inside_and_the_pictured_side_more_than_the_other() {
     let f = Folder::new();

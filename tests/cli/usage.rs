@@ -33,10 +33,28 @@ fn wrong_usage_ends_with_2_and_a_hint() {
 }
 
 #[test]
+fn a_wrong_value_is_told_what_it_must_be() {
+    let f = Folder::new();
+    f.file("a.obj", grid(2));
+    for (command, option, value, why) in [
+        ("extract", "--error", "0.5mm", "must be a number, such as 0.5, or a percentage"),
+        ("extract", "--ratio", "-0.5", "must be a share from 0 to 1"),
+        ("extract", "--triangles", "10G", "must be a count: 500, 10k, 2m"),
+        ("build", "--weld", "5%", "must be a number from 0 to below 1"),
+        ("build", "--jobs", "0", "must be at least 1"),
+        ("build", "--jobs", "1.5", "must be a whole number"),
+        ("build", "--poses", "99", "must be from 0 to 64"),
+    ] {
+        let run = f.lodc([command, "a.obj", "-o", "b", option, value]).fails(2);
+        assert!(run.err.contains(&format!("'{option} <")) && run.err.contains(why), "{}", run.err);
+    }
+}
+
+#[test]
 fn every_model_and_option_of_the_manual_is_taken() {
     let f = Folder::new();
     f.file("a.obj", grid(2));
-    for models in ["speed", "masking", "interactive", "interactive,speed", "none"] {
+    for models in ["speed", "masking", "interactive", "interactive,speed", "none", "all"] {
         f.lodc(["build", "a.obj", "--models", models]).ends(0);
     }
     f.lodc([
@@ -70,7 +88,10 @@ fn help_version_completions_and_manual_pages_go_to_standard_output() {
         assert!(run.err.is_empty() && !run.out.is_empty(), "{args:?}");
     }
     assert_eq!(f.lodc(["--version"]).text().trim(), concat!("lodc ", env!("CARGO_PKG_VERSION")));
-    assert!(f.lodc(["man", "extract"]).text().contains("\\-\\-triangles"));
+    let page = f.lodc(["man", "extract"]).text();
+    for part in ["\\-\\-triangles", "Height of the screen", "[default: 60]", "Print the version"] {
+        assert!(page.contains(part), "{part}");
+    }
     assert!(f.lodc(["completions", "fish"]).text().contains("extract"));
 }
 

@@ -10,8 +10,9 @@ use crate::console;
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::{self, Device, GpuArgs, GpuUse};
 use crate::help::{MEASURED, MORE, OUTPUT};
-use crate::kinds::{MetricArgs, StripArgs, parser};
+use crate::kinds::{Choice, MetricArgs, StripArgs, models_or_all, parser_with};
 use crate::limits::ImportArgs;
+use crate::numbers::whole;
 use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
@@ -45,15 +46,16 @@ pub(crate) struct BenchArgs {
     /// Models to measure, separated by commas [default: all]
     ///
     /// Those that a .lodc file has not are made.
-    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>(),
-          help_heading = MEASURED)]
-    models: Vec<ModelKind>,
+    #[arg(long, value_delimiter = ',', value_name = "MODELS",
+          value_parser = parser_with::<ModelKind>("all", "Each of them"), help_heading = MEASURED)]
+    models: Vec<Choice<ModelKind>>,
     /// Share of the LODs from one update to the next, in percent
     #[arg(long, value_name = "SHARE%", default_value = "0.1%", value_parser = share,
           help_heading = MEASURED, hide_short_help = true)]
     steps: f64,
     /// Rounds of timing, of which the best counts
-    #[arg(long, value_name = "N", default_value = "5", help_heading = MEASURED)]
+    #[arg(long, value_name = "N", default_value = "5", value_parser = whole::<NonZeroU32>(1..),
+          help_heading = MEASURED)]
     rounds: NonZeroU32,
     /// Leave out everything that differs from run to run
     #[arg(long, help_heading = MEASURED)]
@@ -114,14 +116,15 @@ struct CrowdArgs {
     crowd: bool,
     /// Instances of the crowd, up to 100,000
     #[arg(long, value_name = "N", default_value = "250", requires = "crowd",
-          value_parser = clap::value_parser!(u32).range(1..=100_000), hide_short_help = true)]
+          value_parser = whole::<u32>(1..=100_000), hide_short_help = true)]
     instances: u32,
     /// Seconds that it walks, up to 10,000
     #[arg(long, value_name = "S", default_value = "50", requires = "crowd",
-          value_parser = clap::value_parser!(u32).range(1..=10_000), hide_short_help = true)]
+          value_parser = whole::<u32>(1..=10_000), hide_short_help = true)]
     seconds: u32,
     /// Seed of its paths: the same number gives the same paths
-    #[arg(long, value_name = "K", default_value = "1", requires = "crowd", hide_short_help = true)]
+    #[arg(long, value_name = "K", default_value = "1", value_parser = whole::<u64>(0..),
+          requires = "crowd", hide_short_help = true)]
     seed: u64,
     /// Draw the crowd, all levels beside five
     #[arg(long, value_name = "OUT.png", requires = "crowd", help_heading = OUTPUT,
@@ -302,7 +305,8 @@ fn read(args: &BenchArgs, most: u64, input: &Path) -> Outcome<(Input, Vec<Option
     }
     let Asset { objects, document, .. } = asset;
     progress.stage("models");
-    let prepared = |object| Prepared::new(object, &args.models, args.strips.options());
+    let models = models_or_all(&args.models);
+    let prepared = |object| Prepared::new(object, &models, args.strips.options());
     let prepare = || objects.into_iter().map(prepared).collect::<Result<Vec<_>, _>>();
     let objects = stages.run("models", prepare)?;
     Ok((Input { name, objects, document }, levels))

@@ -3,7 +3,7 @@
 use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::help::OUTPUT;
-use crate::output::{self, Target};
+use crate::output::{self, Target, path_identity};
 use clap::{Args, ValueEnum};
 use lodc_report::{Suite, github, junit};
 use std::path::{Path, PathBuf};
@@ -36,10 +36,11 @@ impl CiArgs {
     /// Makes sure that the JUnit file can be written.
     ///
     /// # Errors
-    /// If not, or if it is one of the inputs or standard output.
-    pub(crate) fn check<'a>(&self, mut inputs: impl Iterator<Item = &'a PathBuf>) -> Outcome<()> {
+    /// If not, or if it is standard output or one of `others`, files that are read or written.
+    pub(crate) fn check<'a>(&self, mut others: impl Iterator<Item = &'a Path>) -> Outcome<()> {
         let Some(junit) = &self.junit else { return Ok(()) };
-        if output::is_standard_stream(junit) || inputs.any(|input| input == junit) {
+        let identity = path_identity(junit);
+        if output::is_standard_stream(junit) || others.any(|o| path_identity(o) == identity) {
             return Err(Failure::usage("--junit needs a file of its own"));
         }
         Ok(output::prepare_targets(&[Target::File(junit.clone())], false)?)

@@ -134,12 +134,31 @@ const PANIC_MESSAGE: &str = "internal error";
 /// # Errors
 /// If the work fails.
 pub(crate) fn guarded<T>(input: &Path, work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
+    guarded_pair(input, None, work)
+}
+
+/// As [`guarded`], of an input that is compared with another: a failure that names the other one
+/// does not name the input, too.
+///
+/// # Errors
+/// If the work fails.
+pub(crate) fn guarded_pair<T>(
+    input: &Path,
+    other: Option<&Path>,
+    work: impl FnOnce() -> Outcome<T>,
+) -> Outcome<T> {
     let _at_work = AtWork::new();
     let done = catch_unwind(AssertUnwindSafe(work));
     let panic = || Failure::new(Status::Bug, PANIC_MESSAGE);
     let done = done
         .unwrap_or_else(|payload| Err(clock::time_limit_failure(&*payload).unwrap_or_else(panic)));
-    done.map_err(|failure| with_input_name(input, failure))
+    let is_about_other = |failure: &Failure| {
+        other.is_some_and(|other| failure.message.starts_with(&format!("{}: ", other.display())))
+    };
+    done.map_err(|failure| match is_about_other(&failure) {
+        true => failure,
+        false => with_input_name(input, failure),
+    })
 }
 
 /// Puts the input's name in front of a failure that names only a file that the input refers to.

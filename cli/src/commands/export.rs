@@ -93,7 +93,8 @@ impl ExportArgs {
     ) -> Outcome<Status> {
         let several = self.batch.takes_many(inputs);
         let status = self.run.finish(command, several, jobs, done)?;
-        self.prune.sweep(self.paths(inputs, output, format), Written::Recorded)?;
+        let paths = self.paths(inputs, output, format);
+        self.prune.sweep(paths, (&self.batch, jobs), Written::Recorded)?;
         Ok(status)
     }
 

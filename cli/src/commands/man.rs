@@ -28,6 +28,8 @@ pub(crate) fn run(args: &ManArgs, mut program: Command) -> Outcome<()> {
             None => return Err(Failure::usage(format!("{name}: unknown command"))),
         },
     };
+    // The page leaves out the only text of an option that the short help hides.
+    let page = page.mut_args(|option| option.hide_short_help(false));
     let mut text = Vec::new();
     clap_mangen::Man::new(page)
         .render(&mut text)

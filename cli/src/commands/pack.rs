@@ -98,7 +98,7 @@ pub(crate) fn run(args: &PackArgs, program: &Program) -> Outcome<Status> {
     );
     let several = args.batch.takes_many(&args.inputs);
     let status = args.run.finish("pack", several, &jobs, done)?;
-    args.prune.sweep(paths, Written::Recorded)?;
+    args.prune.sweep(paths, (&args.batch, &jobs), Written::Recorded)?;
     Ok(status)
 }
 

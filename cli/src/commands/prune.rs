@@ -1,11 +1,11 @@
 //! Results in folders whose inputs are gone: named, or removed with `--prune`.
 
 use super::records::Record;
-use crate::batch::{self, CommandPaths};
+use crate::batch::{self, BatchArgs, CommandPaths, Job};
 use crate::console;
 use crate::exit::Outcome;
 use crate::help::OUTPUT;
-use crate::jobs::JobError;
+use crate::jobs::{JobError, is_standard_stream};
 use clap::Args;
 use lodc_formats::lodc;
 use lodc_report::text::count;
@@ -52,12 +52,24 @@ impl Written {
 }
 
 impl PruneArgs {
-    /// Names the results whose inputs are gone, or removes them.
+    /// Names the results whose inputs are gone, or removes them, but none of a run's own `jobs`.
+    /// A shard of a list that can be read once does not know the others', and leaves all alone.
     ///
     /// # Errors
-    /// If one cannot be removed.
-    pub(crate) fn sweep(self, paths: CommandPaths<'_>, written: Written) -> Outcome<()> {
-        let orphans = batch::orphans(paths, written == Written::Recorded).into_iter();
+    /// If one cannot be removed, or the list of jobs cannot be read again.
+    pub(crate) fn sweep(
+        self,
+        paths: CommandPaths<'_>,
+        (batch, jobs): (&BatchArgs, &[Job]),
+        written: Written,
+    ) -> Outcome<()> {
+        let of_all_shards = match (batch.shard, &batch.manifest) {
+            (None, _) => None,
+            (Some(_), Some(list)) if is_standard_stream(list) => return Ok(()),
+            (Some(_), _) => Some(batch::jobs(paths, &BatchArgs { shard: None, ..batch.clone() })?),
+        };
+        let jobs = of_all_shards.as_deref().unwrap_or(jobs);
+        let orphans = batch::orphans(paths, jobs, written == Written::Recorded).into_iter();
         let gone = orphans.map(|target| (written.files(&target), target));
         let gone: Vec<(Vec<PathBuf>, PathBuf)> = gone.filter(|(f, _)| !f.is_empty()).collect();
         if self.prune {
@@ -65,9 +77,22 @@ impl PruneArgs {
                 files.iter().try_for_each(|file| remove(file))?;
                 console::note(&format!("{}: removed, its input is gone", target.display()));
             }
-        } else if let Some((_, first)) = gone.first() {
-            let (results, first) = (count(gone.len() as u64, "result"), first.display());
-            console::note(&format!("{results} without an input ({first}): --prune removes them"));
+            return Ok(());
+        }
+        match gone.as_slice() {
+            [] => {}
+            [(_, only)] => {
+                let only = only.display();
+                console::note(&format!("{only}: has no input any more: --prune removes it"));
+            }
+            [(_, first), ..] => {
+                for (_, target) in &gone {
+                    console::detail(&format!("{}: has no input any more", target.display()));
+                }
+                let (results, first) = (count(gone.len() as u64, "result"), first.display());
+                let what = format!("{results} have no input any more, such as {first}");
+                console::note(&format!("{what}: --prune removes them, --verbose names them"));
+            }
         }
         Ok(())
     }

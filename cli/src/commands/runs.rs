@@ -7,7 +7,7 @@ use crate::batch::{self, Job};
 use crate::console;
 use crate::exit::{Outcome, Status};
 use crate::help::OUTPUT;
-use crate::output::{self, DependencyRule};
+use crate::output::{self, DependencyRule, Target};
 use crate::results::{self, FailureReport, ResultReport};
 use clap::{Args, ValueEnum};
 use lodc_report::documents::{Summary, SummaryReport};
@@ -90,7 +90,12 @@ impl RunArgs {
     /// # Errors
     /// If not.
     pub(crate) fn check(&self, jobs: &[Job]) -> Outcome<()> {
-        self.ci.check(jobs.iter().map(|job| &job.input))?;
+        let inputs = jobs.iter().map(|job| job.input.as_path());
+        let results = jobs.iter().filter_map(|job| match &job.target {
+            Ok(Target::File(path)) => Some(path.as_path()),
+            _ => None,
+        });
+        self.ci.check(inputs.chain(results).chain(self.depfile.as_deref()))?;
         Ok(batch::check_standard_streams(jobs, self.reports(), self.depfile.as_deref())?)
     }
 
@@ -141,7 +146,8 @@ impl RunArgs {
                 ResultReport::UpToDate(_) => summary.up_to_date += 1,
                 ResultReport::Failed(_) => summary.failed += 1,
             }
-            rules.extend(one.result.rules.iter().cloned());
+            let own = one.result.rules.iter().cloned();
+            rules.extend(own.map(|rule| rule.with_options_of(job)));
             suites.push(suite(command, &job.input, &one.result.report));
         }
         if let Some(depfile) = &self.depfile {

@@ -5,6 +5,7 @@ use crate::exit::Outcome;
 use crate::help::{BECOMES, MORE, OUTPUT};
 use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::ImportArgs;
+use crate::numbers::whole;
 use crate::output;
 use crate::stages::Stages;
 use clap::Args;
@@ -32,7 +33,7 @@ pub(crate) struct StripsArgs {
     effort: Effort,
     /// Size of the vertex cache for --strips cache and list, 4 to 64
     #[arg(long, value_name = "N", default_value = "16",
-          value_parser = clap::value_parser!(u32).range(4..=64), help_heading = BECOMES)]
+          value_parser = whole::<u32>(4..=64), help_heading = BECOMES)]
     cache_size: u32,
     /// Text file; - for standard output
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]

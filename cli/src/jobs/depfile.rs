@@ -1,6 +1,7 @@
 //! Dependency files, as Make and Ninja read them: which files a result was made from.
 
 use crate::jobs::error::JobError;
+use crate::jobs::run::Job;
 use crate::jobs::target::is_standard_stream;
 use lodc_formats::RequestedFiles;
 use std::collections::BTreeSet;
@@ -25,6 +26,13 @@ impl DependencyRule {
     pub(crate) fn new(output: &Path, files: &RequestedFiles) -> Self {
         let absent = files.absent().into_iter().filter(|path| make_can_name(path)).collect();
         Self { output: output.to_owned(), inputs: files.read(), absent }
+    }
+
+    /// The rule with the files that gave the result its options.
+    #[must_use]
+    pub(crate) fn with_options_of(mut self, job: &Job) -> Self {
+        self.inputs.extend(job.option_files().cloned());
+        self
     }
 
     /// Checks that Make can read its names.

@@ -4,6 +4,7 @@ use crate::jobs::error::JobError;
 use crate::jobs::options::OptionValues;
 use crate::jobs::target::is_standard_stream;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
 /// One line of a list.
@@ -49,13 +50,23 @@ pub(crate) fn read(path: &Path) -> Result<Vec<(usize, Line)>, JobError> {
     let text = text.map_err(|e| failure(e.to_string()))?;
     let mut lines = Vec::new();
     for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
-        let line = serde_json::from_str(line).map_err(|e| {
-            // The parser's own line number counts within this line: it is always 1.
-            let what = e.to_string();
-            let what = what.split(" at line ").next().unwrap_or_default().to_owned();
-            failure(format!("line {number}, column {}: {what}", e.column()))
-        })?;
-        lines.push((number, line));
+        lines.push((number, json_object(line, number).map_err(failure)?));
     }
     Ok(lines)
+}
+
+/// Reads the JSON object in a line.
+///
+/// # Errors
+/// In words, with the line's number, if it is none or has wrong values.
+pub(crate) fn json_object<T: DeserializeOwned>(line: &str, number: usize) -> Result<T, String> {
+    if !line.trim_start().starts_with('{') {
+        return Err(format!("line {number}: not a JSON object"));
+    }
+    serde_json::from_str(line).map_err(|e| {
+        // The parser's own line number counts within this line: it is always 1.
+        let what = e.to_string();
+        let what = what.split(" at line ").next().unwrap_or_default();
+        format!("line {number}, column {}: {what}", e.column())
+    })
 }

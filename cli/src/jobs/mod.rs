@@ -24,6 +24,7 @@ pub(crate) use config::{ConfigLayer, Configs};
 pub(crate) use depfile::DependencyRule;
 pub(crate) use error::JobError;
 pub(crate) use folder::{LEVEL_EXTENSIONS, MESH_EXTENSIONS, expand_folders, has_extension};
+pub(crate) use list::json_object;
 pub(crate) use options::{CommandOptions, LIMIT_OPTION, OptionValues, ValueCheck, Vocabulary};
 pub(crate) use orphans::{RECORDS, orphans};
 pub(crate) use pairs::{Pair, pairs};
@@ -32,4 +33,6 @@ pub(crate) use queue::{Budget, expected_bytes, run_queue};
 pub(crate) use run::{CommandPaths, Job, JobChoice, jobs};
 pub(crate) use shard::Shard;
 pub(crate) use standard_streams::check_standard_streams;
-pub(crate) use target::{Target, is_folder, is_standard_stream, prepare_targets, single_target};
+pub(crate) use target::{
+    Target, is_folder, is_standard_stream, of_kind, path_identity, prepare_targets, single_target,
+};

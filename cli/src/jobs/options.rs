@@ -129,18 +129,17 @@ impl Vocabulary {
     pub(crate) fn is_command(&self, name: &str) -> bool {
         self.commands.iter().any(|c| c.name == name)
     }
+}
 
-    /// The option of these commands whose name is most like an unknown one, if one is like it.
-    pub(crate) fn suggestion<'a>(
-        unknown: &str,
-        commands: &[&'a CommandOptions],
-    ) -> Option<&'a str> {
-        /// Jaro similarity, 0 to 1, from which a name is suggested. Chosen by hand: less, and
-        /// options that have nothing to do with the unknown one are suggested.
-        const LEAST_SIMILARITY: f64 = 0.7;
-        let names = commands.iter().flat_map(|c| c.options.iter().map(String::as_str));
-        let names = names.map(|name| (strsim::jaro(unknown, name), name));
-        let similar = names.filter(|(similarity, _)| *similarity > LEAST_SIMILARITY);
-        similar.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
-    }
+/// The name that is most like an unknown one, if one is like it.
+pub(super) fn suggestion<'a>(
+    unknown: &str,
+    names: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    /// Jaro similarity, 0 to 1, from which a name is suggested. Chosen by hand: less, and
+    /// options that have nothing to do with the unknown one are suggested.
+    const LEAST_SIMILARITY: f64 = 0.7;
+    let names = names.into_iter().map(|name| (strsim::jaro(unknown, name), name));
+    let similar = names.filter(|(similarity, _)| *similarity > LEAST_SIMILARITY);
+    similar.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
 }

@@ -1,7 +1,8 @@
 //! Results whose inputs are gone.
 
 use crate::jobs::folder::{has_extension, with_slashes};
-use crate::jobs::run::CommandPaths;
+use crate::jobs::run::{CommandPaths, Job};
+use crate::jobs::target::{Target, path_identity};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
@@ -11,10 +12,16 @@ use walkdir::WalkDir;
 pub(crate) const RECORDS: &str = ".lodc";
 
 /// Returns the results of folders, by their names, of which none of the folders has the input any
-/// more, in the order of their names. `recorded` says that only those with a record count. What
-/// cannot be read is left out.
+/// more, in the order of their names, without those of `jobs`, which named files and lists may put
+/// there, too. `recorded` says that only those with a record count. What cannot be read is left
+/// out.
 #[must_use]
-pub(crate) fn orphans(paths: CommandPaths<'_>, recorded: bool) -> Vec<PathBuf> {
+pub(crate) fn orphans(paths: CommandPaths<'_>, jobs: &[Job], recorded: bool) -> Vec<PathBuf> {
+    let file = |job: &Job| match &job.target {
+        Ok(Target::File(path)) => Some(path_identity(path)),
+        _ => None,
+    };
+    let own: BTreeSet<PathBuf> = jobs.iter().filter_map(file).collect();
     let folders: Vec<&PathBuf> = paths.inputs.iter().filter(|input| input.is_dir()).collect();
     let roots: BTreeSet<&Path> =
         folders.iter().map(|folder| paths.output.unwrap_or(folder)).collect();
@@ -32,7 +39,9 @@ pub(crate) fn orphans(paths: CommandPaths<'_>, recorded: bool) -> Vec<PathBuf> {
             let Some(target) = target else { continue };
             let name = with_slashes(target.strip_prefix(root).unwrap_or(&target));
             let Some(input) = input_name(&name, paths) else { continue };
-            if !folders.iter().any(|folder| folder.join(&input).exists()) {
+            if !folders.iter().any(|folder| folder.join(&input).exists())
+                && !own.contains(&path_identity(&target))
+            {
                 found.push(target);
             }
         }

@@ -52,9 +52,10 @@ struct PartDocument {
     no_attributes: Option<bool>,
     ratio: Option<NumberOrText>,
     levels: Vec<NumberOrText>,
-    /// True for parts of a configuration: it is for many assets, and some may lack them.
-    if_there: bool,
 }
+
+/// The key of parts of a configuration: it is for many assets, and some may lack them.
+pub(super) const IF_THERE: &str = "if-there";
 
 /// A number, or a text that is read as one.
 #[derive(Debug, Deserialize)]
@@ -83,7 +84,11 @@ impl Part {
         text: &str,
         weights: impl Fn(&str) -> Result<Weights, String>,
     ) -> Result<Self, String> {
-        let document: PartDocument = serde_json::from_str(text).map_err(|e| e.to_string())?;
+        let mut object: serde_json::Map<String, serde_json::Value> =
+            serde_json::from_str(text).map_err(|e| e.to_string())?;
+        let if_there = object.remove(IF_THERE).is_some();
+        let document = PartDocument::deserialize(serde_json::Value::Object(object));
+        let document = document.map_err(|e| e.to_string())?;
         if document.objects.is_empty() && document.materials.is_empty() {
             return Err("names neither objects nor materials".to_owned());
         }
@@ -103,7 +108,7 @@ impl Part {
             no_attributes: document.no_attributes,
             ratio: document.ratio.map(|r| share(&r.text())).transpose()?,
             levels: document.levels.iter().map(|l| size(&l.text())).collect::<Result<_, _>>()?,
-            required: (!document.if_there)
+            required: (!if_there)
                 .then_some(Globs { objects: document.objects, materials: document.materials }),
         };
         if part.materials.is_some() && (part.has_object_options() || part.has_level()) {

@@ -6,7 +6,7 @@ use crate::jobs::list;
 use crate::jobs::options::OptionValues;
 use crate::jobs::shard::Shard;
 use crate::jobs::target::{
-    Target, is_folder, is_standard_stream, named_target, refuse_clashes, refuse_file_name,
+    Target, is_folder, is_standard_stream, named_target, of_kind, refuse_clashes, refuse_file_name,
     result_name,
 };
 use std::path::{Path, PathBuf};
@@ -26,6 +26,8 @@ pub(crate) struct Job {
     pub(crate) options: OptionValues,
     /// The list that names it and the number of its line, from 1, for messages.
     pub(crate) list_line: Option<(PathBuf, usize)>,
+    /// The configuration that gives it options.
+    pub(crate) configuration: Option<PathBuf>,
     /// Whether missing folders of its result are made.
     pub(crate) makes_folders: bool,
 }
@@ -37,15 +39,20 @@ impl Job {
         folder: Option<PathBuf>,
         target: Result<Target, JobError>,
     ) -> Self {
-        let (options, list_line) = (OptionValues::default(), None);
+        let (options, list_line, configuration) = (OptionValues::default(), None, None);
         let makes_folders = folder.is_some();
-        Self { input, name, folder, target, options, list_line, makes_folders }
+        Self { input, name, folder, target, options, list_line, configuration, makes_folders }
     }
 
     /// Returns whether it came from a folder or a list: one of many.
     #[must_use]
     pub(crate) fn is_listed(&self) -> bool {
         self.folder.is_some() || self.list_line.is_some()
+    }
+
+    /// The files that give it options: its configuration and the list that names it.
+    pub(crate) fn option_files(&self) -> impl Iterator<Item = &PathBuf> {
+        self.configuration.iter().chain(self.list_line.iter().map(|(list, _)| list))
     }
 
     /// A message about its options, with the list's line or the file that it is about.
@@ -130,8 +137,9 @@ pub(crate) fn jobs(paths: CommandPaths<'_>, choice: &JobChoice) -> Result<Vec<Jo
             };
             let options = options.map_err(|what| list::line_error(list, number, &what))?;
             let name = with_slashes(&line.input);
-            let target = Target::File(listed_target(&line, output_folder, paths.output_extension));
-            let job = Job::without_options(line.input, name, None, Ok(target));
+            let target = listed_target(&line, output_folder, paths.output_extension);
+            let target = of_kind(&target, paths.output_extension).map(|()| Target::File(target));
+            let job = Job::without_options(line.input, name, None, target);
             all.push(Job {
                 options,
                 list_line: Some((list.clone(), number)),

@@ -47,11 +47,33 @@ pub(crate) fn single_target(
     target
 }
 
+/// Extensions that say what is in a file.
+const KINDS: [&str; 15] = [
+    "obj", "mtl", "gltf", "glb", "vrm", "bin", "ply", "stl", "lodc", "lods", "html", "png", "jpg",
+    "jpeg", "webp",
+];
+
+/// Refuses a name that says that something else is in a file than what `extension` stands for.
+///
+/// # Errors
+/// If it does.
+pub(crate) fn of_kind(file: &Path, extension: &str) -> Result<(), JobError> {
+    let is = |kind: &str| has_extension(file, &[kind]);
+    // Avatars are GLB files.
+    let is_avatar = extension == "glb" && is("vrm") || extension == "vrm" && is("glb");
+    // Strips are text, whose files have any name.
+    if is(extension) || is_avatar || extension == "strips" || !has_extension(file, &KINDS) {
+        return Ok(());
+    }
+    let what = format!("{}: what is written there is a .{extension} file", file.display());
+    Err(JobError::Usage(what))
+}
+
 /// Returns the target of the result of a file that the command line names: in `folder` under its
 /// own name, else OUT, else beside the input.
 ///
 /// # Errors
-/// If a result would be written beside standard input.
+/// If a result would be written beside standard input, or OUT is the name of another kind of file.
 pub(crate) fn named_target(
     input: &Path,
     folder: Option<&Path>,
@@ -64,7 +86,7 @@ pub(crate) fn named_target(
         (Some(folder), _) if folder == Path::new(".") => Ok(Target::File(file)),
         (Some(folder), _) => Ok(Target::File(folder.join(file))),
         (None, Some(out)) if is_standard_stream(out) => Ok(Target::Stdout),
-        (None, Some(out)) => Ok(Target::File(out.to_owned())),
+        (None, Some(out)) => of_kind(out, extension).map(|()| Target::File(out.to_owned())),
         (None, None) if is_standard_stream(input) => {
             let what = "standard input has no place beside it: name the output with -o";
             Err(JobError::Usage(what.to_owned()))
@@ -89,9 +111,12 @@ pub(crate) fn refuse_clashes<'a>(
     }
     for (identity, numbers) in owners {
         let names: Vec<_> = numbers.iter().map(|&n| results[n].0.display().to_string()).collect();
+        let identities = numbers.iter().map(|&n| path_identity(results[n].0));
+        let is_one_input = identities.collect::<BTreeSet<PathBuf>>().len() == 1;
         let what = match names.as_slice() {
             [_] if inputs.contains(&identity) => "the output would replace an input".to_owned(),
             [_] => continue,
+            [a, _] if is_one_input => format!("{a} is named twice"),
             [a, b] => format!("{a} and {b} would both be written there"),
             [a, b, more @ ..] => {
                 format!("{a}, {b} and {} more would all be written there", more.len())
@@ -161,7 +186,7 @@ fn result_file(input: &Path, extension: &str) -> PathBuf {
 
 /// Equal for paths of one file. Of a file that does not exist: the canonical path of its folder,
 /// and its name; names that differ only in case on a system that ignores case are not recognized.
-fn path_identity(path: &Path) -> PathBuf {
+pub(crate) fn path_identity(path: &Path) -> PathBuf {
     if let Ok(whole) = path.canonicalize() {
         return whole;
     }
@@ -188,6 +213,10 @@ pub(crate) fn prepare_targets<'a>(
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => continue,
         };
+        let above = folder.ancestors().find(|above| above.exists());
+        if let Some(file) = above.filter(|above| !above.is_dir()) {
+            return Err(not_written(path, &format!("{} is a file, not a folder", file.display())));
+        }
         if make_folders && !folder.exists() {
             std::fs::create_dir_all(folder).map_err(|e| not_written(folder, &e.to_string()))?;
         }

@@ -11,11 +11,9 @@ pub fn share(text: &str) -> Result<f64, String> {
     match size(text) {
         Ok(Target::Ratio(share)) => Ok(share),
         Ok(_) if text == "0" => Ok(0.0),
-        Ok(_) => {
-            Err("a share from 0 to 1, for example 0.25 or 25% (--triangles takes counts)"
-                .to_owned())
-        }
-        Err(e) => Err(e),
+        Ok(_) => Err("must be a share from 0 to 1, such as 0.25 or 25% (--triangles takes counts)"
+            .to_owned()),
+        Err(_) => Err("must be a share from 0 to 1, such as 0.25 or 25%".to_owned()),
     }
 }
 
@@ -27,8 +25,7 @@ pub fn count(text: &str) -> Result<u64, String> {
     match size(text) {
         Ok(Target::Triangles(count)) => Ok(count),
         Ok(_) if text == "1" => Ok(1),
-        Ok(_) => Err("a count, for example 500 or 10k (--ratio takes shares)".to_owned()),
-        Err(e) => Err(e),
+        _ => Err("must be a count: 500, 10k, 2m".to_owned()),
     }
 }
 
@@ -66,7 +63,10 @@ pub fn size(text: &str) -> Result<Target, String> {
 /// If it is none.
 pub fn bound(text: &str) -> Result<Target, String> {
     let (number, percent) = text.strip_suffix('%').map_or((text, false), |number| (number, true));
-    let value: f64 = number.trim().parse().map_err(|e| format!("{e}"))?;
+    let value: f64 = number
+        .trim()
+        .parse()
+        .map_err(|_| "must be a number, such as 0.5, or a percentage, such as 0.5%".to_owned())?;
     if !value.is_finite() || value < 0.0 {
         return Err("a distance of at least 0, or a percentage such as 0.5%".to_owned());
     }

@@ -30,7 +30,7 @@ fn sizes_are_shares_or_counts() {
     assert_eq!((share("0"), share("5%"), share("1")), (Ok(0.0), Ok(0.05), Ok(1.0)));
     assert_eq!((count("0"), count("1"), count("2k")), (Ok(0), Ok(1), Ok(2000)));
     assert!(share("10k").is_err_and(|e| e.contains("--triangles")));
-    assert!(count("25%").is_err_and(|e| e.contains("--ratio")));
+    assert!(count("25%").is_err_and(|e| e.contains("a count: 500, 10k")));
 }
 
 #[test]

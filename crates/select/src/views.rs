@@ -5,7 +5,8 @@ use crate::levels::{ObjectLevels, SceneLevels, SelectError};
 use crate::selection::Target;
 use glam::DVec3;
 use lodc_lod::interactive::view::{
-    Family, LodRange, Selector, State, drawn_triangles, finest_within, live_triangles, morphed_mesh,
+    Family, LodRange, Selector, State, drawn_triangles, finest_within, live_triangles,
+    morphed_mesh, view_mesh,
 };
 use lodc_mesh::{Lod, Mesh, OrientedTriangle, PositionIds};
 use lodc_scene::{Arrangement, Placement, centre, placement_scales, posed_positions};
@@ -295,7 +296,7 @@ impl<'a> SceneViews<'a> {
             let mesh = if self.options.morph {
                 morphed_mesh(simplified, states)
             } else {
-                simplified.mesh().extract(&live_triangles(simplified, &self.ids[o], states))
+                view_mesh(simplified, &self.ids[o], states)
             };
             let failed = |what| SelectError::NoMesh { object: name.to_owned(), what };
             mesh.map_err(|e| failed(e.to_string()))

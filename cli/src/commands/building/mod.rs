@@ -133,6 +133,6 @@ pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
     }
     args.run.check(&assets)?;
     let status = work::build_all(args, program, &assets)?;
-    args.prune.sweep(paths, Written::ByBuild)?;
+    args.prune.sweep(paths, (&args.batch, &assets), Written::ByBuild)?;
     Ok(status)
 }

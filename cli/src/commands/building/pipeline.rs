@@ -100,6 +100,9 @@ pub(super) fn make(
         .flatten();
     let files = asset.files.clone();
     let file = asset.into_file(args.models.layout(), made_from);
+    if let Target::File(path) = target {
+        output::refuse_replacing([path.as_path()], &files)?;
+    }
     let (bytes, unwritten) = stages.run("write", || {
         let bytes = write(&file);
         let length = bytes.len();

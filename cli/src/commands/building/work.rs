@@ -144,6 +144,7 @@ fn build_asset(
     };
     report.status = status.code();
     let Built { rule, line, unwritten } = built;
+    let rule = rule.map(|rule| rule.with_options_of(job));
     (JobResult { report, rule, status, line }, unwritten)
 }
 

@@ -4,6 +4,7 @@
 use crate::exit::{Failure, Outcome};
 use crate::help::LEVEL;
 use crate::jobs::Parts;
+use crate::numbers::whole;
 use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
 use lodc::level_mesh::{self, LevelMesh};
@@ -38,7 +39,7 @@ pub(super) struct LevelArgs {
     /// N levels, each with half as many triangles
     ///
     /// As the one before. From 1 to 32; ends early where --max-error allows no coarser one.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32),
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=32),
           group = "which")]
     auto: Option<u32>,
     #[command(flatten)]

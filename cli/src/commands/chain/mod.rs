@@ -266,12 +266,13 @@ fn chain(
         }
     }
     warnings.extend(made.note.clone());
+    let mut files = asset.files;
+    files.extend(&images);
+    output::refuse_replacing(made.files.iter().map(|file| file.path.as_path()), &files)?;
     stages.run("write", || output::commit(&made.files))?;
     progress.clear();
     let name = input.display().to_string();
     console::warnings(&name, &warnings);
-    let mut files = asset.files;
-    files.extend(&images);
     let rules = rules(&made, &files);
     if let Some(wanted) = wanted {
         let outputs: Vec<PathBuf> = made.files.iter().map(|file| file.path.clone()).collect();

@@ -16,6 +16,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::help::{DIFFERENCE, LEVEL, MEASURED, MORE, OUTPUT};
 use crate::jobs::JobError;
 use crate::limits::ImportArgs;
+use crate::numbers::whole;
 use crate::output::{self, Target as Output};
 use crate::pose::PoseArgs;
 use crate::program::Program;
@@ -65,21 +66,21 @@ pub(crate) struct CompareArgs {
     simplify: SimplifyArgs,
     /// Points spread over the area of each mesh, up to 100 million
     #[arg(long, value_name = "N", default_value = "200000",
-          value_parser = clap::value_parser!(u32).range(1..=100_000_000),
+          value_parser = whole::<u32>(1..=100_000_000),
           help_heading = MEASURED, hide_short_help = true)]
     samples: u32,
     /// Seed of the points: the same number gives the same points
-    #[arg(long, value_name = "N", default_value = "1", help_heading = MEASURED,
-          hide_short_help = true)]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<u64>(0..),
+          help_heading = MEASURED, hide_short_help = true)]
     seed: u64,
     /// Pictures, from all sides, up to 1000; 0 for none
     #[arg(long, value_name = "N", default_value = "24",
-          value_parser = clap::value_parser!(u32).range(0..=1000), help_heading = MEASURED,
+          value_parser = whole::<u32>(0..=1000), help_heading = MEASURED,
           hide_short_help = true)]
     views: u32,
     /// Pixels across each picture, 16 to 2048
     #[arg(long, value_name = "N", default_value = "512",
-          value_parser = clap::value_parser!(u32).range(16..=2048), help_heading = MEASURED,
+          value_parser = whole::<u32>(16..=2048), help_heading = MEASURED,
           hide_short_help = true)]
     size: u32,
     /// Look at the shape alone: no normals, textures or texture coordinates
@@ -197,13 +198,16 @@ impl CompareArgs {
 fn length(text: &str) -> Result<Length, String> {
     let (number, of_diagonal) =
         text.strip_suffix('%').map_or((text, false), |number| (number, true));
-    Ok(Length { value: grey(number)?, of_diagonal })
+    match number.trim().parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(Length { value, of_diagonal }),
+        _ => Err("not a number that is zero or more".to_owned()),
+    }
 }
 
 fn grey(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
-        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
-        _ => Err("not a number that is zero or more".to_owned()),
+        Ok(value) if (0.0..=255.0).contains(&value) => Ok(value),
+        _ => Err("not a number from 0 to 255".to_owned()),
     }
 }
 
@@ -218,14 +222,16 @@ fn compare_all(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     let pairs = batch::pairs(args.named(), &args.batch)?;
     let (mut jobs, others): (Vec<Job>, Vec<_>) =
         pairs.into_iter().map(|Pair { job, compared_with }| (job, compared_with)).unzip();
-    args.configuration.apply(program, "compare", &mut jobs)?;
+    configure(args, program, &mut jobs, &others)?;
     let options = JobOptions::new(program, "compare", &jobs, |args: CompareArgs, _| args);
     let (several, bar) = (args.takes_many(), BatchProgress::new(jobs.len()));
     clock::expect_several(jobs.len() > 1);
     // One pair after the other: each uses all threads, and much memory for its pictures.
     let compare_pair = |(job, other): (&Job, Result<PathBuf, JobError>)| {
-        let done = each::guarded(&job.input, || {
+        let original = other.as_ref().ok().cloned();
+        let done = each::guarded_pair(&job.input, original.as_deref(), || {
             let (other, (args, _)) = (other?, options.ready(job)?);
+            check_limits(args)?;
             let progress = bar.of_asset(&job.name);
             let (paths, baseline) = ([&*other, &*job.input], baseline.as_ref());
             let measured = measure::compare(args, paths, &job.name, baseline, &progress)?;
@@ -240,14 +246,47 @@ fn compare_all(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     finish(args, &jobs, baseline, done)
 }
 
+/// Adds the options of configurations: those of the files that are compared with, then those of the
+/// files that are judged.
+fn configure(
+    args: &CompareArgs,
+    program: &Program,
+    jobs: &mut [Job],
+    others: &[Result<PathBuf, JobError>],
+) -> Outcome<()> {
+    let folder = args.a.as_ref().filter(|a| a.is_dir());
+    let original = |(job, other): (&Job, &Result<PathBuf, JobError>)| {
+        let input = other.clone().unwrap_or_else(|_| job.input.clone());
+        Job { input, folder: folder.cloned(), ..job.clone() }
+    };
+    let mut originals: Vec<Job> = jobs.iter().zip(others).map(original).collect();
+    args.configuration.apply(program, "compare", &mut originals)?;
+    for (job, original) in jobs.iter_mut().zip(originals) {
+        job.options = original.options;
+    }
+    args.configuration.apply(program, "compare", jobs)
+}
+
+/// Checks that what is limited is measured.
+fn check_limits(args: &CompareArgs) -> Outcome<()> {
+    match args.max_image_rmse {
+        Some(_) if args.views == 0 => {
+            Err(Failure::usage("--max-image-rmse needs pictures: --views must be at least 1"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Checks that nothing is read or written twice.
 fn check(args: &CompareArgs) -> Outcome<()> {
     args.level_b.check_distance()?;
+    check_limits(args)?;
     let inputs: Vec<&PathBuf> = [&args.a, &args.b].into_iter().flatten().collect();
     if inputs.len() == 2 && inputs.iter().all(|path| output::is_standard_stream(path)) {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    args.ci.check(inputs.iter().copied())?;
+    let read_and_written = inputs.iter().copied().chain(&args.heatmap);
+    args.ci.check(read_and_written.map(PathBuf::as_path))?;
     let Some(path) = &args.heatmap else { return Ok(()) };
     if args.takes_many() || args.levels.len() > 1 {
         return Err(Failure::usage("--heatmap shows two files and one level"));
@@ -255,6 +294,7 @@ fn check(args: &CompareArgs) -> Outcome<()> {
     if output::is_standard_stream(path) || inputs.contains(&path) {
         return Err(Failure::usage("--heatmap needs a file of its own"));
     }
+    output::of_kind(path, "png")?;
     Ok(output::prepare_targets(&[Output::File(path.clone())], false)?)
 }
 
@@ -314,7 +354,7 @@ fn finish(
     if several {
         let ok = |r: &&ResultReport<PairReport>| matches!(r, ResultReport::Done(r) if r.ok);
         let ok = results.iter().filter(ok).count();
-        note(&format!("{ok} ok, {} not", results.len() - ok));
+        note(&format!("{ok} passed, {} failed", results.len() - ok));
     }
     if args.json {
         results::print(several, worst, results)?;

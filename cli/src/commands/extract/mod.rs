@@ -22,7 +22,7 @@ use clap::Args;
 use clap::builder::TypedValueParser;
 use lodc_lod::ModelKind;
 use lodc_report::documents::ExtractReport;
-use lodc_report::text::{count, distance};
+use lodc_report::text::{count, distance, grouped};
 use std::path::{Path, PathBuf};
 
 /// Options of `extract`.
@@ -114,8 +114,13 @@ impl ExtractArgs {
         if criterion.is_some() {
             return Ok(criterion);
         }
-        if self.view.at.eye.or(self.view.at.target).is_some() || self.pose.is_given() {
-            return Err(Failure::usage("--eye, --target and --pose need a --criterion"));
+        let of_views = [
+            ("--eye", self.view.at.eye.is_some()),
+            ("--target", self.view.at.target.is_some()),
+            ("--pose", self.pose.is_given()),
+        ];
+        if let Some((option, _)) = of_views.into_iter().find(|(_, is_given)| *is_given) {
+            return Err(Failure::usage(format!("{option} needs --criterion")));
         }
         if self.selector.target().is_none() {
             return Err(Failure::usage(
@@ -179,9 +184,10 @@ fn sentence(report: &ExtractReport) -> String {
             count(report.vertices, "vertex")
         );
     }
-    let lod = report
-        .lod
-        .map_or_else(|| format!("{} objects", report.objects.len()), |lod| format!("LOD {lod}"));
+    let lod = match report.lod {
+        Some(lod) => format!("LOD {}", grouped(u64::from(lod))),
+        None => format!("{} objects", report.objects.len()),
+    };
     format!(
         "{}: {lod}, {}, {}, error {}{}",
         named(report),

@@ -6,7 +6,7 @@ use crate::commands::records::Wanted;
 use crate::compression::EncodeOptions;
 use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
-use crate::output::{DependencyRule, Target};
+use crate::output::{self, DependencyRule, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use crate::views::CriterionName;
@@ -85,16 +85,17 @@ pub(super) fn extract(
         asset.simplified && errors == Errors::OfResult && simplify.metric() == MetricKind::Quadric;
     let tip = (is_by_quadric && looks_matter).then_some(TIP);
     let outputs: Vec<PathBuf> = files.iter().map(|file| file.path.clone()).collect();
+    let mut read = asset.files;
+    read.extend(&images);
+    output::refuse_replacing(outputs.iter().map(PathBuf::as_path), &read)?;
     stages.run("write", || mesh_output::write(target, files))?;
     progress.clear();
-    let mut files = asset.files;
-    files.extend(&images);
     let rules = match target {
-        Target::File(path) => vec![DependencyRule::new(path, &files)],
+        Target::File(path) => vec![DependencyRule::new(path, &read)],
         Target::Stdout => vec![],
     };
     if let Some(wanted) = wanted {
-        wanted.record(&outputs, &rules, (&files, &images), &report.warnings)?;
+        wanted.record(&outputs, &rules, (&read, &images), &report.warnings)?;
     }
     Ok(Extracted { report, rules, tip })
 }

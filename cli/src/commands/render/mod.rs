@@ -11,6 +11,7 @@ use crate::exit::{Failure, Outcome};
 use crate::help::{BECOMES, LEVEL, MORE, OUTPUT, SEEN};
 use crate::kinds::UpAxis;
 use crate::limits::ImportArgs;
+use crate::numbers::whole;
 use crate::output::{self, Target};
 use crate::pose::PoseArgs;
 use crate::selector::{SelectorArgs, share};
@@ -96,7 +97,7 @@ pub(crate) struct RenderArgs {
     size: Option<[u32; 2]>,
     /// Pictures in a row of a contact sheet, 1 to 64 [default: up to 4]
     #[arg(long, value_name = "N", requires = "contact_sheet",
-          value_parser = clap::value_parser!(u32).range(1..=64), help_heading = BECOMES,
+          value_parser = whole::<u32>(1..=64), help_heading = BECOMES,
           hide_short_help = true)]
     columns: Option<u32>,
     /// Pictures alone: no text below them, no meaning of error colours
@@ -161,7 +162,7 @@ impl RenderArgs {
 fn picture(args: &RenderArgs, target: &Target) -> Outcome<()> {
     let name = args.input.display().to_string();
     let mut stages = Stages::new(args.import.clock(&args.input));
-    let drawable = scene::read(args, &mut stages)?;
+    let drawable = scene::read(args, target, &mut stages)?;
     let cells_to_draw = tiles::choose(args, &drawable)?;
     let mut warnings = [&drawable.appearance.warnings[..], &drawable.warnings].concat();
     warnings.extend(cells_to_draw.iter().flat_map(|c| c.warnings.iter().cloned()));

@@ -72,12 +72,8 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 fn number_between(text: &str, low: f64, high: f64) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
-    if (low..=high).contains(&value) {
-        Ok(value)
-    } else {
-        Err(format!("a number from {low} to {high}"))
-    }
+    let value = text.parse().ok().filter(|value| (low..=high).contains(value));
+    value.ok_or_else(|| format!("must be a number from {low} to {high}"))
 }
 
 pub(super) fn degrees(text: &str) -> Result<f64, String> {

@@ -5,6 +5,7 @@ use super::options::ColorMode;
 use crate::commands::asset::{self, SimplifyArgs};
 use crate::commands::input::Objects;
 use crate::exit::{Failure, Outcome, Status};
+use crate::output::{self, Target};
 use crate::stages::Stages;
 use lodc::{Input, read_input};
 use lodc_formats::{Document, Scene, appearance as read_appearance, scene_graph};
@@ -31,7 +32,11 @@ pub(super) struct DrawableScene {
 ///
 /// # Errors
 /// If the input cannot be read, or there is too much to draw.
-pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<DrawableScene> {
+pub(super) fn read(
+    args: &RenderArgs,
+    target: &Target,
+    stages: &mut Stages,
+) -> Outcome<DrawableScene> {
     let options = args.import.options();
     let read = stages.run("read", || read_input(&args.input, &options))?;
     let (objects, document, warnings) = match read {
@@ -44,6 +49,9 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<DrawableSc
     let appearance = stages
         .run("textures", || read_appearance(&document, &infos, &mut assets))
         .map_err(|e| e.in_file(&name))?;
+    if let Target::File(path) = target {
+        output::refuse_replacing([path.as_path()], assets.files())?;
+    }
     let graph = scene_graph(&document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
     if graph.placement_count() > MAX_PLACEMENTS {
         let message = format!("{name}: shows objects more than {MAX_PLACEMENTS} times");

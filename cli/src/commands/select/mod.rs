@@ -12,7 +12,7 @@ use crate::views::point;
 use clap::Args;
 use lodc_report::text::{distance, grouped};
 use lodc_report::{ErrorsOver, SCHEMA_VERSION};
-use lodc_select::{Goal, Instance, SceneManager, decimal};
+use lodc_select::{Goal, Instance, SceneManager, count, decimal};
 use model::Model;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -37,11 +37,11 @@ pub(crate) struct SelectArgs {
     /// {"file": PATH, "position": [X, Y, Z], "scale": S}; scale may be left out.
     #[arg(long, value_name = "FILE", requires = "eye", help_heading = LEVEL)]
     scene: Option<PathBuf>,
-    /// Triangles that all instances may have together
+    /// Triangles that all instances may have together: 5000, 10k, 2m
     ///
     /// The largest error on the screen is as small as it can be, within 2 %. The last level with
     /// triangles is never left.
-    #[arg(long, value_name = "N", requires = "scene", help_heading = LEVEL)]
+    #[arg(long, value_name = "N", value_parser = count, requires = "scene", help_heading = LEVEL)]
     budget: Option<u64>,
     /// Place of the eye
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,

@@ -14,6 +14,7 @@ use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
 use crate::help::{CHECKED, MANY_ASSETS, MORE};
 use crate::limits::ImportArgs;
+use crate::numbers::whole;
 use crate::output::is_standard_stream;
 use crate::program::Program;
 use clap::Args;
@@ -49,7 +50,8 @@ pub(crate) struct VerifyArgs {
     #[arg(long, value_name = "MESH", help_heading = CHECKED)]
     source: Option<PathBuf>,
     /// Check every N-th step
-    #[arg(long, value_name = "N", default_value = "1", help_heading = CHECKED)]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<NonZeroU32>(1..),
+          help_heading = CHECKED)]
     stride: NonZeroU32,
     #[command(flatten)]
     pub(crate) gpu: GpuArgs,
@@ -85,7 +87,7 @@ pub(crate) fn run(args: &VerifyArgs, program: &Program) -> Outcome<Status> {
     if standard_inputs.count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    args.run.ci.check(args.inputs.iter().chain(&args.source))?;
+    args.run.ci.check(args.inputs.iter().chain(&args.source).map(PathBuf::as_path))?;
     let memory = Memory::new(args, program)?;
     let gpu = gpu::open(args.gpu.gpu, args.gpu.adapter.as_deref())?;
     let mut report = VerifyReport { schema_version: SCHEMA_VERSION, ok: true, files: vec![] };
@@ -127,7 +129,10 @@ pub(crate) fn run(args: &VerifyArgs, program: &Program) -> Outcome<Status> {
     memory.write_depfile(&files)?;
     if args.run.if_changed {
         let left = report.files.iter().filter(|file| file.up_to_date).count();
-        console::note(&format!("{} verified, {left} up to date", report.files.len() - left));
+        let failed = report.files.iter().filter(|file| !file.ok).count();
+        let verified = report.files.len() - left - failed;
+        let failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
+        console::note(&format!("{verified} verified, {left} up to date{failed}"));
     }
     match args.run.format() {
         None => {}

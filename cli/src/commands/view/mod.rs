@@ -154,6 +154,7 @@ fn write_page(
     let Page { text, warnings, before_size, after_size } = page;
     let (length, path) = (text.len() as u64, PathBuf::from(target.name()));
     let file = OutputFile { path: path.clone(), bytes: text.into_bytes() };
+    output::refuse_replacing([path.as_path()], files)?;
     stages.run("write", || mesh_output::write(target, vec![file]))?;
     if let Some(depfile) = &args.depfile {
         output::write_depfile(depfile, &[DependencyRule::new(&path, files)])?;

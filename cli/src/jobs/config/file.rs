@@ -2,7 +2,7 @@
 
 use crate::jobs::error::JobError;
 use crate::jobs::folder::globs;
-use crate::jobs::options::{CommandOptions, OptionValues, Vocabulary};
+use crate::jobs::options::{CommandOptions, OptionValues, Vocabulary, suggestion};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use serde_json::Value;
@@ -26,6 +26,9 @@ struct Document {
     #[serde(default, rename = "override")]
     overrides: Vec<Override>,
 }
+
+/// The keys of an override that are lists of globs.
+const GLOB_KEYS: [&str; 3] = ["files", "objects", "materials"];
 
 /// Options for the files that match, or for parts of them.
 #[derive(Debug, Deserialize)]
@@ -73,10 +76,23 @@ struct Place {
 }
 
 impl Place {
-    /// A key of it, or a table below it.
-    fn below(&self, key: &str) -> Self {
-        let keys = self.keys.iter().cloned().chain([key.to_owned()]).collect();
-        Self { name: format!("{}, {key}", self.name), keys, is_part: self.is_part }
+    /// The keys that lead to a key of it.
+    fn keys_of(&self, key: &str) -> Vec<String> {
+        self.keys.iter().cloned().chain([key.to_owned()]).collect()
+    }
+
+    /// The table of a command in it.
+    fn of_command(&self, command: &str) -> Self {
+        let name = match self.name.strip_suffix(']') {
+            Some(open) => format!("{open}.{command}]"),
+            None => format!("{}, [override.{command}]", self.name),
+        };
+        Self { name, keys: self.keys_of(command), is_part: self.is_part }
+    }
+
+    /// Returns whether it is a whole override, which has globs beside its options.
+    fn has_globs(&self) -> bool {
+        matches!(&self.keys[..], [first, _] if first == "override")
     }
 }
 
@@ -102,8 +118,11 @@ impl ConfigFile {
         let unreadable = |e: std::io::Error| JobError::Input(message(e.to_string()));
         let text = std::fs::read_to_string(path).map_err(unreadable)?;
         let document: Document = toml::from_str(&text).map_err(|e| {
-            let line = e.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
-            JobError::Usage(message(format!("line {line}: {}", e.message())))
+            let (line, what) = malformed_override(&text).unwrap_or_else(|| {
+                let line = e.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
+                (line, e.message().to_owned())
+            });
+            JobError::Usage(message(format!("line {line}: {what}")))
         })?;
         let folder = match path.parent() {
             Some(parent) if parent != Path::new("") => parent,
@@ -151,20 +170,43 @@ impl ConfigFile {
             for (key, value) in options {
                 match value {
                     Value::Object(inner) if vocabulary.is_command(key) => {
-                        let command = [vocabulary.command(key)];
+                        let (table, command) = (table.of_command(key), [vocabulary.command(key)]);
                         for option in inner {
-                            self.check_option(&table.below(key), option, vocabulary, &command)?;
+                            self.check_option(&table, option, vocabulary, &command)?;
                         }
+                        self.check_exclusive(&table, inner, &command)?;
                     }
                     _ => self.check_option(&table, (key, value), vocabulary, &all_commands)?,
                 }
             }
+            self.check_exclusive(&table, options, &all_commands)?;
         }
         for (number, one) in self.document.overrides.iter().enumerate() {
-            one.check(vocabulary).map_err(|what| {
-                let keys = ["override".to_owned(), number.to_string()];
-                self.message(&keys, &format!("[[override]] {}: {what}", number + 1))
+            one.check(vocabulary).map_err(|(keys, what)| {
+                let place = ["override".to_owned(), number.to_string()];
+                let key = keys.last().map(|key| format!("{key}: ")).unwrap_or_default();
+                let keys = [&place[..], &keys].concat();
+                self.message(&keys, &format!("[[override]] {}: {key}{what}", number + 1))
             })?;
+        }
+        Ok(())
+    }
+
+    /// Refuses two options of a table that exclude each other.
+    fn check_exclusive<'a>(
+        &self,
+        table: &Place,
+        options: impl IntoIterator<Item = (&'a String, &'a Value)>,
+        commands: &[&CommandOptions],
+    ) -> Result<(), JobError> {
+        let on = options.into_iter().filter(|(_, value)| **value != Value::Bool(false));
+        let names: Vec<&String> = on.map(|(name, _)| name).collect();
+        for group in commands.iter().flat_map(|command| &command.exclusive_groups) {
+            let mut of_group = names.iter().filter(|name| group.contains(name));
+            if let (Some(first), Some(second)) = (of_group.next(), of_group.next()) {
+                let what = format!("{}: {second} cannot be given with {first}", table.name);
+                return Err(self.message(&table.keys_of(second), &what));
+            }
         }
         Ok(())
     }
@@ -200,12 +242,19 @@ impl ConfigFile {
         } else if vocabulary.run_options.contains(&option.as_str()) {
             "is for a whole run, not for assets: say it on the command line".to_owned()
         } else {
-            match Vocabulary::suggestion(option, commands) {
-                Some(name) => format!("unknown option; did you mean `{name}`?"),
-                None => "unknown option".to_owned(),
+            let (kind, names): (_, Vec<&str>) = if value.is_object() {
+                ("command", vocabulary.commands.iter().map(|c| c.name.as_str()).collect())
+            } else {
+                let globs: &[&str] = if table.has_globs() { &GLOB_KEYS } else { &[] };
+                let options = commands.iter().flat_map(|c| &c.options).map(String::as_str);
+                ("option", options.chain(globs.iter().copied()).collect())
+            };
+            match suggestion(option, names) {
+                Some(name) => format!("unknown {kind}; did you mean `{name}`?"),
+                None => format!("unknown {kind}"),
             }
         };
-        let keys = table.below(option).keys;
+        let keys = table.keys_of(option);
         Err(self.message(&keys, &format!("{}: {option}: {what}", table.name)))
     }
 
@@ -259,52 +308,67 @@ impl ConfigFile {
                 if let Some(number) = override_number {
                     self.has_matched.borrow_mut()[number] = true;
                 }
-                let source = format!("{} {}", self.path.display(), table.name);
-                let options = options_of_command(options, vocabulary, command);
-                let part = one.and_then(|one| one.part(&options));
-                let values = if part.is_some() {
-                    Ok(OptionValues::default())
+                let (mut plain, own) = options_of_command(options, vocabulary, command);
+                let all = plain.iter().chain(&own).map(|(key, value)| (key.clone(), value.clone()));
+                if let Some(part) = one.and_then(|one| one.part(all.collect())) {
+                    let layer = self.layer(&table, &OptionTable::new())?;
+                    layers.push(ConfigLayer { part: Some(part), ..layer });
                 } else {
-                    OptionValues::from_json(&options)
-                };
-                let values = values.map_err(|what| {
-                    self.message(&table.keys, &format!("{}: {what}", table.name))
-                })?;
-                layers.push(ConfigLayer { source, values, part });
+                    // `false` in the command's own table turns a switch off.
+                    plain.retain(|option, _| !own.contains_key(option));
+                    layers.push(self.layer(&table, &plain)?);
+                    layers.push(self.layer(&table.of_command(command), &own)?);
+                }
             }
         }
         Ok(layers)
     }
+
+    /// The layer of a table that is for whole assets.
+    fn layer(&self, table: &Place, options: &OptionTable) -> Result<ConfigLayer, JobError> {
+        let values = OptionValues::from_json(options);
+        let values =
+            values.map_err(|what| self.message(&table.keys, &format!("{}: {what}", table.name)))?;
+        let source = format!("{} {}", self.path.display(), table.name);
+        Ok(ConfigLayer { source, values, part: None })
+    }
 }
 
 impl Override {
-    /// Checks its globs and, if it is for parts, its options.
-    fn check(&self, vocabulary: &Vocabulary) -> Result<(), String> {
-        globs(&self.files).map_err(|e| e.to_string())?;
+    /// Checks its globs and, if it is for parts, each of its options. An error has the keys that
+    /// lead to what is wrong.
+    fn check(&self, vocabulary: &Vocabulary) -> Result<(), (Vec<String>, String)> {
+        globs(&self.files).map_err(|e| (vec!["files".to_owned()], e.to_string()))?;
         if self.files.is_empty() && self.objects.is_empty() && self.materials.is_empty() {
-            return Err("names neither files nor objects nor materials".to_owned());
+            return Err((vec![], "names neither files nor objects nor materials".to_owned()));
         }
-        let tables = self.options.iter().filter(|(_, value)| value.is_object());
-        let tables = tables.map(|(name, _)| options_of_command(&self.options, vocabulary, name));
-        let plain = self.options.iter().filter(|(_, value)| !value.is_object());
-        let plain: OptionTable = plain.map(|(name, value)| (name.clone(), value.clone())).collect();
-        for options in tables.chain([plain]) {
-            if let Some(part) = self.part(&options) {
-                (vocabulary.check_part)(&super::json(&part))?;
+        let check = |options: OptionTable, keys: &[&String]| {
+            let Some(part) = self.part(options) else { return Ok(()) };
+            (vocabulary.check_part)(&super::json(&part))
+                .map_err(|what| (keys.iter().map(|key| (*key).clone()).collect(), what))
+        };
+        check(OptionTable::new(), &[])?;
+        for (key, value) in &self.options {
+            let Value::Object(own) = value else {
+                check([(key.clone(), value.clone())].into(), &[key])?;
+                continue;
+            };
+            for (option, value) in own {
+                check([(option.clone(), value.clone())].into(), &[key, option])?;
             }
         }
         Ok(())
     }
 
     /// The options with the globs of the part that they are for; none if they are for whole files.
-    fn part(&self, options: &OptionTable) -> Option<OptionTable> {
+    fn part(&self, options: OptionTable) -> Option<OptionTable> {
         if self.objects.is_empty() && self.materials.is_empty() {
             return None;
         }
         let names = [("objects", &self.objects), ("materials", &self.materials)];
         let names = names.into_iter().filter(|(_, names)| !names.is_empty());
         let names = names.map(|(key, names)| (key.to_owned(), names.clone().into()));
-        Some(options.clone().into_iter().chain(names).collect())
+        Some(options.into_iter().chain(names).collect())
     }
 }
 
@@ -356,21 +420,40 @@ fn line_of(text: &str, keys: &[String]) -> usize {
     text[..at].matches('\n').count() + 1
 }
 
-/// The options in a table that a command has, those of the command's own table last.
+/// The options in a table that a command has, and those in the command's own table.
 fn options_of_command(
     options: &OptionTable,
     vocabulary: &Vocabulary,
     command: &str,
-) -> OptionTable {
+) -> (OptionTable, OptionTable) {
     let has =
         |option: &str| vocabulary.is_command(command) && vocabulary.command(command).has(option);
-    let mut all: OptionTable = options
+    let plain = options
         .iter()
         .filter(|(key, value)| !(value.is_object() && vocabulary.is_command(key)) && has(key))
         .map(|(key, value)| (key.clone(), value.clone()))
         .collect();
-    if let Some(Value::Object(inner)) = options.get(command) {
-        all.extend(inner.clone());
-    }
-    all
+    let own = match options.get(command) {
+        Some(Value::Object(own)) => own.clone().into_iter().collect(),
+        _ => OptionTable::new(),
+    };
+    (plain, own)
+}
+
+/// The line and what is wrong with the first override that is no list, or has a glob where a list
+/// of them belongs; none if the text is no TOML or has no such override.
+fn malformed_override(text: &str) -> Option<(usize, String)> {
+    let document: toml::Table = text.parse().ok()?;
+    let overrides = document.get("override")?;
+    let Some(overrides) = overrides.as_array() else {
+        let what = "write [[override]] with two brackets".to_owned();
+        return Some((line_of(text, &["override".to_owned()]), what));
+    };
+    overrides.iter().enumerate().find_map(|(number, one)| {
+        let glob = |key: &'static str| Some((key, one.get(key)?.as_str()?));
+        let (key, glob) = GLOB_KEYS.into_iter().find_map(glob)?;
+        let keys = ["override".to_owned(), number.to_string(), key.to_owned()];
+        let what = format!("[[override]] {}: {key} must be a list: [{glob:?}]", number + 1);
+        Some((line_of(text, &keys), what))
+    })
 }

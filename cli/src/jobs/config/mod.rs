@@ -10,6 +10,7 @@ pub(crate) use file::ConfigLayer;
 
 use crate::jobs::error::JobError;
 use crate::jobs::options::{OptionValues, Vocabulary};
+use crate::jobs::parts::IF_THERE;
 use crate::jobs::run::Job;
 use file::{ConfigFile, OptionTable};
 use std::collections::BTreeMap;
@@ -62,16 +63,20 @@ impl<'a> Configs<'a> {
         input: &Path,
         folder: Option<&Path>,
     ) -> Result<Vec<ConfigLayer>, JobError> {
-        let found = match self.path {
-            Some(path) => Some(path.to_owned()),
-            None => find::nearest(FILE_NAME, input, folder),
-        };
-        let Some(path) = found else { return self.layers_without_file() };
+        let Some(path) = self.file_of(input, folder) else { return self.layers_without_file() };
         if !self.files.contains_key(&path) {
             self.files.insert(path.clone(), Rc::new(ConfigFile::read(&path, self.vocabulary)?));
         }
         let file = Rc::clone(&self.files[&path]);
         file.layers(self.vocabulary, self.command, self.profile, input)
+    }
+
+    /// The configuration of an asset: the one that was named, or the nearest.
+    fn file_of(&self, input: &Path, folder: Option<&Path>) -> Option<PathBuf> {
+        match self.path {
+            Some(path) => Some(path.to_owned()),
+            None => find::nearest(FILE_NAME, input, folder),
+        }
     }
 
     /// Adds the options of configurations to those that assets already have, which win. An asset
@@ -88,6 +93,7 @@ impl<'a> Configs<'a> {
     ) -> Result<(), JobError> {
         let (command, mut given_options) = (self.vocabulary.command(self.command), None);
         for job in jobs {
+            job.configuration = self.file_of(&job.input, job.folder.as_deref());
             let layers = self.layers(&job.input, job.folder.as_deref())?;
             let has_sequence =
                 job.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc"));
@@ -109,7 +115,7 @@ impl<'a> Configs<'a> {
             if !parts.is_empty() {
                 // A configuration serves many assets: one that lacks a part is no error.
                 let optional = |mut part: OptionTable| {
-                    part.insert("if-there".to_owned(), true.into());
+                    part.insert(IF_THERE.to_owned(), true.into());
                     json(&part)
                 };
                 let texts = parts.into_iter().map(optional);

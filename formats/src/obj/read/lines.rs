@@ -1,6 +1,7 @@
 //! Statements of a text format: lines that may be continued, with comments, in any convention for
 //! line ends.
 
+use crate::words::counted;
 use crate::{Fault, FormatError};
 
 /// Walks over the statements of a text without copying it.
@@ -129,7 +130,7 @@ impl<'a> Lines<'a> {
             return Err(FormatError::new(
                 Fault::Limit,
                 self.location(),
-                format!("longer than {} bytes", self.limit),
+                format!("longer than {}", counted(self.limit, "byte", "bytes")),
             ));
         }
         Ok(())

@@ -29,7 +29,7 @@ pub use passes::ViewPasses;
 pub use replay::sample;
 pub use select::{Point, State};
 pub use selector::Selector;
-pub use surface::{drawn_triangles, live_triangles, morphed_mesh};
+pub use surface::{drawn_triangles, live_triangles, morphed_mesh, view_mesh};
 
 use lodc_mesh::{Lod, Simplified};
 use lodc_plan::VertexRecords;

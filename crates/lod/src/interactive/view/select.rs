@@ -9,7 +9,7 @@ use lodc_mesh::{CollapseSequence, Lod, NONE};
 
 /// Collapses of one vertex that are followed one by one. The kernel has the same number, which
 /// bounds the time of a thread. Chosen by hand.
-const MAX_WALK: u32 = 64;
+pub(super) const MAX_WALK: u32 = 64;
 
 /// Share of a move below which neither it nor the moves that continue it change an `f32`. Without
 /// it, thousands of moves around a high-valence vertex may be followed one after the other.

@@ -43,6 +43,48 @@ fn views_show_what_the_sequence_says_and_never_tear() {
     });
 }
 
+/// A vertex may be shown as one of another submesh while its triangle is still there.
+#[test]
+fn meshes_of_views_have_their_triangles_in_their_submeshes() {
+    let crossings = std::cell::Cell::new(0);
+    everything(|name, simplified| {
+        let mesh = simplified.mesh();
+        if mesh.vertex_count() == 0 {
+            return;
+        }
+        let (views, ids) = (views_of(simplified), mesh.position_ids());
+        for view in sample(simplified, 8, 5) {
+            let states = views.show(&view).states;
+            let live = live_triangles(simplified, &ids, &states);
+            let own = view_mesh(simplified, &ids, &states).expect("a mesh");
+            let mut expected: Vec<[[u32; 3]; 3]> = Vec::new();
+            let mut counts = vec![0; mesh.submeshes().len()];
+            for t in &live {
+                expected.push(t.corners.map(|v| mesh.positions()[v as usize].map(f32::to_bits)));
+                counts[t.submesh as usize] += 1;
+                let others = |v: &u32| mesh.vertex_submesh()[*v as usize] != t.submesh;
+                crossings.set(crossings.get() + t.corners.iter().filter(|v| others(v)).count());
+            }
+            let bits = |v: u32| own.positions()[v as usize].map(f32::to_bits);
+            let mut shown: Vec<_> = own.triangles().iter().map(|t| t.map(bits)).collect();
+            // Corners begin with any of the three.
+            let least = |t: &mut [[u32; 3]; 3]| {
+                let first = (0..3).min_by_key(|&i| t[i]).expect("three corners");
+                t.rotate_left(first);
+            };
+            shown.iter_mut().chain(&mut expected).for_each(least);
+            shown.sort_unstable();
+            expected.sort_unstable();
+            assert_eq!(shown, expected, "{name}: {view:?}");
+            let found: Vec<u32> = own.submeshes().iter().map(|s| s.triangle_count).collect();
+            assert_eq!(found, counts, "{name}: {view:?}");
+            let states = views.show(&ViewQuery { morph: true, ..view }).states;
+            morphed_mesh(simplified, &states).expect("a mesh");
+        }
+    });
+    assert!(crossings.get() > 100, "{} corners", crossings.get());
+}
+
 /// A vertex that takes its own LOD instead of its group's tears the mesh, and verification sees it.
 #[test]
 fn a_wedge_that_goes_its_own_way_is_a_tear() {
