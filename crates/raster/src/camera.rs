@@ -56,6 +56,12 @@ impl Camera {
         Self { toward, right, up, center, scale, size }
     }
 
+    /// Steps of depth in a unit of length.
+    #[must_use]
+    pub fn depth_steps(&self) -> f64 {
+        self.scale * DEPTH_STEPS
+    }
+
     /// Projects a point and snaps it to the grid.
     #[must_use]
     pub fn project(&self, point: DVec3) -> Point {

@@ -75,12 +75,15 @@ pub(super) struct Appearance<'a> {
     /// Linear colours of the vertices, by which others are multiplied; empty if no submesh has any.
     painted: Vec<Vec3>,
     colours: Option<&'a dyn SurfaceColours>,
+    /// Submeshes differ in colour, or the colour of one varies.
+    is_coloured: bool,
 }
 
 impl<'a> Appearance<'a> {
     /// The look of a shape alone: white, with the normals of its triangles.
     pub(super) fn of_shape() -> Self {
-        Self { normals: Vec::new(), texture: Vec::new(), painted: Vec::new(), colours: None }
+        let (normals, texture, painted) = (Vec::new(), Vec::new(), Vec::new());
+        Self { normals, texture, painted, colours: None, is_coloured: false }
     }
 
     /// Reads normals, if every submesh with triangles has them, for each submesh the texture
@@ -119,15 +122,18 @@ impl<'a> Appearance<'a> {
             if colour.is_finite() { colour.clamp(Vec3::ZERO, Vec3::ONE) } else { Vec3::ONE }
         };
         let is_painted = shown().any(|s| stream(s, &Semantic::Color(0)).is_some());
+        let is_textured = coordinates.iter().any(Option::is_some);
+        let colour_of = |submesh: u32| Colour::new(colours.at(submesh, [0.0; 2], 0.0));
+        let is_coloured = is_textured || is_painted || {
+            let mut all = shown().map(colour_of);
+            all.next().is_some_and(|first| all.any(|other| other != first))
+        };
         Self {
             normals: if has_normals { vertices().map(normal).collect() } else { Vec::new() },
-            texture: if coordinates.iter().any(Option::is_some) {
-                vertices().map(uv).collect()
-            } else {
-                Vec::new()
-            },
+            texture: if is_textured { vertices().map(uv).collect() } else { Vec::new() },
             painted: if is_painted { vertices().map(colour).collect() } else { Vec::new() },
             colours: Some(colours),
+            is_coloured,
         }
     }
 
@@ -151,9 +157,9 @@ impl<'a> Appearance<'a> {
         self.painted.get(vertex as usize).copied().unwrap_or(Vec3::ONE)
     }
 
-    /// Returns whether a submesh's colour varies: with texture coordinates, or between vertices.
+    /// Returns whether colours vary: with texture coordinates, or between vertices or submeshes.
     pub(super) fn is_coloured(&self) -> bool {
-        !self.texture.is_empty() || !self.painted.is_empty()
+        self.is_coloured
     }
 
     /// The colour of a submesh at shares of the second and third of three vertices and at texture

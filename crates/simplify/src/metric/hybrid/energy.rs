@@ -17,6 +17,8 @@ use lodc_mesh::NONE;
 /// Less than that of a white surface that shows the background ([`pixel`](super::pixel)). Chosen by
 /// pictures of wire frames; not tuned since.
 const SPURIOUS: f32 = 2.0;
+/// Error of an area that covers a layer that was seen before it.
+const COVERING: f32 = 2.0;
 /// Error per curvature and distance: a silhouette that is off by d uncovers a strip of width d,
 /// and a surface of mean convex curvature H and area A shows 2 H A d of it, in the unit of its own
 /// projected area. That would make the factor 2. With 6 the image errors of eight textured models,
@@ -64,7 +66,7 @@ impl Patch {
             // No part is negative, so the sum may end early. The quickest parts come first.
             self.nearest.clear();
             for (quad, nearest) in lanes::nearest_points(&self.samples, &self.triangles) {
-                sum += lanes::sum(quad.weight * geometric_error(quad, &nearest, distance_weight));
+                sum += lanes::sum(geometric_error(quad, &nearest, distance_weight));
                 if sum > limit {
                     return sum;
                 }
@@ -101,7 +103,7 @@ impl Patch {
     ) -> f64 {
         let (mut squared_distances, mut weights) = (0.0, 0.0);
         for (quad, nearest) in lanes::nearest_points(&self.samples, &self.triangles) {
-            let geometric = quad.weight * geometric_error(quad, &nearest, distance_weight);
+            let geometric = geometric_error(quad, &nearest, distance_weight);
             let by_normals = self.shading(quad, &nearest, samples, appearance).by_normals;
             for (i, &s) in quad.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
                 squared_distances += f64::from(quad.weight[i]) * f64::from(nearest.squared[i]);
@@ -217,9 +219,10 @@ fn slide_error(sample: &Sample, at: [f32; 2]) -> f32 {
     (SLIDE * squared_pixels).min(1.0) * sample.power
 }
 
-/// The errors of four samples by the distances of their nearest points, times the mean squares of
-/// their colours (`power`), since black differs least from a background. A sample is uncovered as
-/// far as its nearest point lies beside it, not above or below; wholly from its extent on.
+/// The weighted errors of four samples by the distances of their nearest points, times the mean
+/// squares of their colours (`power`), since black differs least from a background. A sample is
+/// uncovered as far as its nearest point lies beside it, not above or below; wholly from its extent
+/// on. To that comes the area that covers another layer, or is covered by it.
 fn geometric_error(quad: &SampleQuad, nearest: &NearestPoints, distance_weight: f32) -> Vec4 {
     let NearestPoints { away, squared, .. } = *nearest;
     let along = away.dot(quad.normal);
@@ -229,5 +232,8 @@ fn geometric_error(quad: &SampleQuad, nearest: &NearestPoints, distance_weight: 
     let uncovered = Vec4::select(is_covered, beside / extent, Vec4::ONE);
     let silhouette = SILHOUETTE * quad.curvature * squared.sqrt();
     let error = distance_weight * squared + silhouette + UNCOVERED * uncovered;
-    error.min(Vec4::splat(MAX_GEOMETRY)) * quad.power
+    let error = quad.weight * error.min(Vec4::splat(MAX_GEOMETRY)) * quad.power;
+    let towards = -along * quad.inverse_rest.signum();
+    let covering = ((towards - quad.free) * quad.inverse_rest.abs()).clamp(Vec4::ZERO, Vec4::ONE);
+    error + COVERING * quad.extent * quad.extent * covering
 }

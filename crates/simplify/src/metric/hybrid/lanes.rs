@@ -29,6 +29,9 @@ pub(super) struct SampleQuad {
     pub(super) weight: Vec4,
     /// Mean squares of the channels of their colours.
     pub(super) power: Vec4,
+    /// The fields of [`Layer`](super::samples::Layer).
+    pub(super) free: Vec4,
+    pub(super) inverse_rest: Vec4,
     /// The error of shading by the normals there, with the colours that are shown now.
     pub(super) shading: ShadingError<Vec4>,
 }
@@ -39,7 +42,7 @@ impl SampleQuad {
         let mut ids = [NONE; 4];
         ids[..four.len()].copy_from_slice(four);
         let (mut position, mut normal) = ([Vec3::ZERO; 4], [Vec3::ZERO; 4]);
-        let mut values = [[0.0; 4]; 4];
+        let mut values = [[0.0; 4]; 6];
         let mut shading = ShadingError::default();
         for i in 0..4 {
             let is_missing = i >= four.len();
@@ -49,9 +52,11 @@ impl SampleQuad {
             values[1][i] = s.curvature;
             values[2][i] = if is_missing { 0.0 } else { s.weight };
             values[3][i] = s.power;
+            values[4][i] = s.layer.free;
+            values[5][i] = if is_missing { 0.0 } else { s.layer.inverse_rest };
             shading.set(i, &s.shading);
         }
-        let [extent, curvature, weight, power] = values.map(Vec4::from);
+        let [extent, curvature, weight, power, free, inverse_rest] = values.map(Vec4::from);
         Self {
             ids,
             position: Vec3x4::new(&position),
@@ -60,6 +65,8 @@ impl SampleQuad {
             curvature,
             weight,
             power,
+            free,
+            inverse_rest,
             shading: shading.lanes(),
         }
     }

@@ -124,7 +124,7 @@ impl<'a> HybridMetric<'a> {
         let pixel_area = (size / PICTURE_PIXELS).powi(2) as f32;
         let mut samples =
             Samples::new(mesh, wedges, &appearance, pixel_area, options.hybrid_samples);
-        visibility::weigh(mesh, &mut samples);
+        visibility::weigh(mesh, &mut samples, size);
         let face_count = |share: f32| f64::from(share) * mesh.faces.len() as f64;
         let hybrid_ranges = guidance.hybrid_ranges.unwrap_or(&[[1.0, 0.0]]);
         let inverse_square = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };

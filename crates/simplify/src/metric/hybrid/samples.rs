@@ -47,8 +47,29 @@ pub(super) struct Sample {
     pub(super) geometric: f32,
     /// The size of its piece of the input: the square root of the area.
     pub(super) extent: f32,
+    /// The layer that it must not pass.
+    pub(super) layer: Layer,
     /// The next sample in the list of its face; `NONE` at the end.
     next: u32,
+}
+
+/// Another layer of the input over or under a sample, as distances along its normal in working units.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Layer {
+    /// The distance that a sample may go to it at no cost.
+    pub(super) free: f32,
+    /// The inverse of what is then left to it, negative if it lies behind; 0 without a layer.
+    pub(super) inverse_rest: f32,
+}
+
+impl Layer {
+    /// A layer in front, or behind. It may have come to meet the sample: half of the way, but no
+    /// farther than `most`.
+    pub(super) fn new(distance: f32, is_behind: bool, most: f32) -> Self {
+        let rest = (0.5 * distance).min(most).max(f32::MIN_POSITIVE);
+        let side = if is_behind { -1.0 } else { 1.0 };
+        Self { free: distance - rest, inverse_rest: side / rest }
+    }
 }
 
 /// All samples, in lists by face.
@@ -145,6 +166,16 @@ impl Samples {
             let face = first.partition_point(|&start| start as usize <= i) - 1;
             s.weight *= factor(s.position, mesh.normal(face as u32));
         });
+    }
+
+    /// All samples of the input.
+    pub(super) fn all(&self) -> &[Sample] {
+        &self.all
+    }
+
+    /// Stores the layer of every sample of the input.
+    pub(super) fn set_layers(&mut self, layers: Vec<Layer>) {
+        self.all.iter_mut().zip(layers).for_each(|(sample, layer)| sample.layer = layer);
     }
 
     /// The sum of all weights, in squared working units.
@@ -277,6 +308,7 @@ impl SampledSurface<'_> {
                     at,
                     geometric: 0.0,
                     extent: (facet.area / count as f32).sqrt(),
+                    layer: Layer::default(),
                     next: NONE,
                 }
             })

@@ -110,7 +110,7 @@ fn a_card_is_seen_from_both_sides() {
     let appearance = Appearance::new(&mesh, &colours);
     let mut samples = Samples::new(&region.mesh, &region.wedges, &appearance, 1e-6, 16_000);
     let before = samples.weight();
-    visibility::weigh(&region.mesh, &mut samples);
+    visibility::weigh(&region.mesh, &mut samples, 1.0);
     let after = samples.weight();
     // A closed surface is seen from one side: half of all directions. A card is seen from all.
     assert!(after > 1.8 * before, "{after} of {before}");
@@ -190,4 +190,106 @@ fn colours_of_vertices_do_not_bleed() {
     };
     let (with, without) = (all(&seen), all(&blind));
     assert!(without > 0.05 && with < 0.6 * without, "{with} with colours, {without} without");
+}
+
+#[test]
+fn water_and_the_bed_below_it_know_of_each_other() {
+    let (mut positions, mut triangles) = grid(20);
+    let bed = positions.len();
+    // Water over the middle, 0.04 above.
+    let (water, faces) = grid(10);
+    positions.extend(water.iter().map(|p| [0.25 + 0.5 * p[0], 0.25 + 0.5 * p[1], 0.04]));
+    triangles.extend(faces.iter().map(|t| t.map(|v| v + bed as u32)));
+    let mesh = mesh(positions, triangles, None);
+    let mut region = Region::whole(&Input::new(&mesh), false);
+    region.mesh.keep_facets();
+    let appearance = Appearance::of_shape();
+    let mut samples = Samples::new(&region.mesh, &region.wedges, &appearance, 1e-6, 16_000);
+    visibility::weigh(&region.mesh, &mut samples, 1.5);
+    let mut counts = [0; 3];
+    for s in samples.all() {
+        let middle = [s.position.x, s.position.y].iter().all(|c| (0.35..0.65).contains(c));
+        let layer = s.layer;
+        match (middle, s.position.z > 0.02) {
+            (true, is_water) => {
+                let side = if is_water { -1.0 } else { 1.0 };
+                assert_eq!(layer.inverse_rest.signum(), side, "{s:?}");
+                assert!((layer.free - 0.02).abs() < 0.008, "{s:?}");
+                assert!((layer.inverse_rest.abs() - 50.0).abs() < 20.0, "{s:?}");
+                counts[usize::from(is_water)] += 1;
+            }
+            (false, false) if s.position.x < 0.1 => {
+                assert_eq!(layer.inverse_rest, 0.0, "{s:?}");
+                counts[2] += 1;
+            }
+            _ => {}
+        }
+    }
+    assert!(counts.iter().all(|&n| n > 100), "{counts:?}");
+}
+
+/// The share of points over a pond at which water is what is seen from above.
+fn water_seen(simplified: &Simplified, triangles: u32, first_of_water: u32) -> f32 {
+    let lod = simplified.collapses().lod_for_triangles(triangles);
+    let level = simplified.triangles_at(lod);
+    let position = |v: u32| Vec3::from(simplified.mesh().positions()[v as usize]);
+    let points = (0..400u32).map(|i| {
+        let (turn, r) = (i as f32 * 2.399_963, (i as f32 / 400.0).sqrt() * 0.22);
+        (0.5 + r * turn.cos(), 0.5 + r * turn.sin())
+    });
+    let height = |[a, b, c]: [Vec3; 3], (x, y): (f32, f32)| {
+        let area = |p: Vec3, q: Vec3| (q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x);
+        let [u, v, w] = [area(b, c), area(c, a), area(a, b)];
+        let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+        let sum = u + v + w;
+        (inside && sum != 0.0).then(|| (u * a.z + v * b.z + w * c.z) / sum)
+    };
+    let is_water = |point: &(f32, f32)| {
+        let mut top = (f32::NEG_INFINITY, false);
+        for t in &level {
+            if let Some(z) = height(t.corners.map(position), *point) {
+                if z > top.0 {
+                    top = (z, t.corners[0] >= first_of_water);
+                }
+            }
+        }
+        top.1
+    };
+    points.filter(is_water).count() as f32 / 400.0
+}
+
+#[test]
+fn the_bed_of_a_pond_stays_below_its_water() {
+    for depth in [0.01, 0.03, 0.1] {
+        // Sand with a hollow, ragged at its rim; water over it, reaching under the sand.
+        let (mut positions, mut triangles) = grid(40);
+        for p in &mut positions {
+            let (x, y) = (p[0] - 0.5, p[1] - 0.5);
+            let rim = 0.3 + 0.03 * (y.atan2(x) * 9.0).sin();
+            p[2] = if x.hypot(y) < rim { -depth } else { 0.004 * (x * 40.0).sin() };
+        }
+        let first = positions.len() as u32;
+        let (water, faces) = grid(6);
+        let wide = water.iter().map(|p| [0.1 + 0.8 * p[0], 0.1 + 0.8 * p[1], -0.5 * depth]);
+        positions.extend(wide);
+        triangles.extend(faces.iter().map(|t| t.map(|v| v + first)));
+        // What takes most triangles.
+        let ball = shapes::icosphere(4);
+        let from = positions.len() as u32;
+        positions.extend(
+            ball.positions().iter().map(|p| [p[0] * 0.2 + 0.5, p[1] * 0.2 + 1.5, p[2] * 0.2]),
+        );
+        triangles.extend(ball.triangles().iter().map(|t| t.map(|v| v + from)));
+        let all = triangles.len() as u32;
+        let up = vec![[0.0, 0.0, 1.0]; positions.len()];
+        let normals = Some(floats(Semantic::Normal, &up));
+        let mesh = mesh(positions, triangles, normals);
+        let colours = Checkerboard::new(&mesh);
+        let simplified = simplify_coloured(&mesh, &HYBRID, &colours, &|_, _| {});
+        for part in [4, 10, 20, 40] {
+            let share = water_seen(&simplified, all / part, first);
+
+            assert!(share > 0.9, "{depth} deep, 1/{part}: {share} of the pond is water");
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! The visible share of each sample, over 20 cameras.
 
-use super::samples::Samples;
+use super::DISTANCE_SHARE;
+use super::samples::{Layer, Sample, Samples};
 use crate::cut::WorkingMesh;
 use crate::metric::reevaluate::cameras;
 use glam::Vec3;
@@ -15,27 +16,102 @@ const PIXELS_PER_FACE: u32 = 20;
 /// A sample is visible if it is at most this far behind the nearest surface around it, in the depth
 /// unit of cameras: half a pixel. So faces that coincide do not hide each other.
 const TOLERANCE: i32 = 512;
+/// Cameras tell of layers above a surface if they look at it from at most 45°.
+const LEAST_COSINE: f32 = 0.7;
 
 /// Multiplies every sample's weight by its visible share: the mean projected area that is seen, 1
 /// for one side of a surface with nothing in front of it. Both sides of a face are seen.
-pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut Samples) {
+pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut Samples, diagonal: f64) {
     let size = PIXELS_PER_FACE.saturating_mul(mesh.live_faces).isqrt();
     let size = size.clamp(*SIZES.start(), *SIZES.end());
     let cameras = cameras(mesh, size);
     let pictures: Vec<Vec<i32>> =
         cameras.par_iter().map(|camera| farthest_around(&depths(mesh, camera), size)).collect();
     let views = cameras.len() as f32;
+    samples.set_layers(layers(&cameras, &pictures, samples, diagonal));
     samples.scale_weights(mesh, |position, normal| {
         let seen = |(camera, picture): (&Camera, &Vec<i32>)| {
-            let p = camera.project(position.as_dvec3());
-            let pixel =
-                (p.y.div_euclid(SUBPIXELS) * size as i32 + p.x.div_euclid(SUBPIXELS)) as usize;
-            let is_seen = p.z <= picture[pixel].saturating_add(TOLERANCE);
+            let (pixel, depth) = pixel(camera, position);
+            let is_seen = depth <= picture[pixel].saturating_add(TOLERANCE);
             if is_seen { projected_share(normal, camera) } else { 0.0 }
         };
         // A plane is seen from half of all directions, on average at a cosine of one half.
         cameras.iter().zip(&pictures).map(seen).sum::<f32>() * 4.0 / views
     });
+}
+
+/// The pixel that a camera sees a point in, and its depth.
+fn pixel(camera: &Camera, position: Vec3) -> (usize, i32) {
+    let p = camera.project(position.as_dvec3());
+    let [column, row] = [p.x, p.y].map(|x| x.div_euclid(SUBPIXELS));
+    ((row * camera.size as i32 + column) as usize, p.z)
+}
+
+/// For every sample the layer that hides it, or else the one that it hides, both facing the same way:
+/// water and the bed of a pond. Sides that face away belong to the same body, or are not seen.
+fn layers(cameras: &[Camera], pictures: &[Vec<i32>], samples: &Samples, size: f64) -> Vec<Layer> {
+    let all = samples.all();
+    let most = (DISTANCE_SHARE * size) as f32;
+    // How a camera sees a sample, unless it looks from aside or behind.
+    let views = |i: usize, s: &Sample| {
+        let cosine = s.normal.dot(cameras[i].toward.as_vec3());
+        let (pixel, depth) = pixel(&cameras[i], s.position);
+        (cosine > LEAST_COSINE).then_some(View { cosine, pixel, depth })
+    };
+    let seen =
+        |i: usize, view: &View| view.depth <= pictures[i][view.pixel].saturating_add(TOLERANCE);
+    // The distance that a number of steps of depth is along the normal.
+    let along = |i: usize, view: &View, from: i32, to: i32| {
+        let steps = f64::from(to) - f64::from(from);
+        steps as f32 / cameras[i].depth_steps() as f32 * view.cosine
+    };
+    // Samples that no camera sees, with the least of these distances.
+    let hidden = |s: &Sample| {
+        let mut nearest = None;
+        for i in 0..cameras.len() {
+            let Some(view) = views(i, s) else { continue };
+            if seen(i, &view) {
+                return None;
+            }
+            let before = along(i, &view, pictures[i][view.pixel], view.depth);
+            nearest = Some(nearest.map_or(before, |n: f32| n.min(before)));
+        }
+        nearest
+    };
+    let hidden: Vec<Option<f32>> = all.par_iter().with_min_len(1024).map(hidden).collect();
+    // What lies next behind the surface that each camera sees.
+    let next = |i: usize| {
+        let mut depths = vec![i32::MAX; pictures[i].len()];
+        for (s, _) in all.iter().zip(&hidden).filter(|(_, hidden)| hidden.is_some()) {
+            if let Some(View { pixel, depth, .. }) = views(i, s) {
+                depths[pixel] = depth.min(depths[pixel]);
+            }
+        }
+        depths
+    };
+    let next: Vec<Vec<i32>> = (0..cameras.len()).into_par_iter().map(next).collect();
+    let layers = |(s, hidden): (&Sample, &Option<f32>)| {
+        if let Some(before) = hidden {
+            return Layer::new(*before, false, most);
+        }
+        let mut nearest = f32::INFINITY;
+        for i in 0..cameras.len() {
+            let Some(view) = views(i, s).filter(|view| seen(i, view)) else { continue };
+            if next[i][view.pixel] > view.depth && next[i][view.pixel] < i32::MAX {
+                nearest = nearest.min(along(i, &view, view.depth, next[i][view.pixel]));
+            }
+        }
+        if nearest.is_finite() { Layer::new(nearest, true, most) } else { Layer::default() }
+    };
+    all.par_iter().zip(&hidden).with_min_len(1024).map(layers).collect()
+}
+
+/// A sample in a camera's picture.
+struct View {
+    /// Between its normal and the direction to the camera.
+    cosine: f32,
+    pixel: usize,
+    depth: i32,
 }
 
 /// The share of a face's area that a camera sees.
