@@ -36,7 +36,7 @@ fn tables_levels_and_the_library_say_the_same() {
         let opened = lodc::open(f.join("m.lodc")).expect("a file");
         let built = lodc::build(&input).models(&[]).run().expect("a mesh");
         let objects = info["objects"].as_array().expect("objects").len();
-        for share in [0.5, 0.25, 0.1, 0.05, 0.01] {
+        for share in [0.5, 0.1, 0.01] {
             let ratio = share.to_string();
             let level = |input: &str| {
                 let how = ["--no-refit", "-o", "l.glb", "--json", "-q"];

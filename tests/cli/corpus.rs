@@ -12,7 +12,7 @@ use std::time::Instant;
 
 /// Above this many triangles a mesh is verified at every thousandth step and extracted once: the
 /// test has to end.
-const LARGE: u64 = 60_000;
+const LARGE: u64 = 20_000;
 
 /// Files of more bytes are left to benchmarks: what is large has models of up to 145,917 triangles.
 const MOST_BYTES: u64 = 4_000_000;

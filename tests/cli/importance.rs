@@ -198,12 +198,12 @@ fn coloured_vertices_stay() {
 }
 
 /// Columns of a ball, and texels of its map.
-const COLUMNS: u32 = 48;
+const COLUMNS: u32 = 32;
 
 /// A ball whose western half is white, and black its eastern; with texture coordinates whose
 /// columns are texels.
 fn painted_ball() -> String {
-    let (mut text, rows) = (String::new(), 24);
+    let (mut text, rows) = (String::new(), 16);
     for row in 0..=rows {
         for column in 0..=COLUMNS {
             let (around, down) = (column as f32 / COLUMNS as f32, row as f32 / rows as f32);
@@ -281,24 +281,6 @@ fn what_is_painted_keeps_its_triangles() {
     f.file("map.png", png(&Image::filled(1, 1, [9; 4])));
     let other = f.lodc(build.iter().chain(&["--importance", "map.png"])).ends(0).err;
     assert!(other.contains("KiB in"), "the map belongs to the input: {other}");
-}
-
-#[test]
-fn paint_is_the_same_with_any_number_of_threads() {
-    let f = Folder::new();
-    let mut text = String::new();
-    for line in grid(330).lines() {
-        let end =
-            if line.starts_with("v ") { format!(" {} 0 0", text.len() % 3) } else { "".into() };
-        writeln!(text, "{line}{end}").expect("text");
-    }
-    f.file("g.obj", text);
-    let built = |jobs: &str| {
-        let args = ["build", "g.obj", "-o", "g.lodc", "--models", "none", "--jobs", jobs, "-q"];
-        f.lodc(args.iter().chain(&["--importance", "COLOR_0"])).ends(0);
-        f.read("g.lodc")
-    };
-    assert!(built("1") == built("3"));
 }
 
 #[test]

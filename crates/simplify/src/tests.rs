@@ -254,15 +254,20 @@ fn a_thin_blade_keeps_its_length() {
 #[test]
 fn threads_do_not_change_the_result() {
     let mesh = shapes::machine_part();
-    let with = |threads, region| {
+    let painted: Vec<f32> = (0..mesh.vertex_count()).map(|v| (v % 3) as f32 / 2.0).collect();
+    let with = |threads, region, importance| {
         let pool =
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
-        pool.install(|| simplify_in(&mesh, &Options::DEFAULT, region, &|_, _| {}))
+        let guidance = Guidance { importance, ..Guidance::default() };
+        pool.install(|| simplify_with(&mesh, &Options::DEFAULT, guidance, region, &|_, _| {}).0)
     };
-    for region in [TINY_REGION, 64, usize::MAX / 8] {
-        let one = with(1, region);
+    for (region, importance) in
+        [(TINY_REGION, &[][..]), (TINY_REGION, &painted), (64, &painted), (usize::MAX / 8, &[])]
+    {
+        let one = with(1, region, importance);
         for threads in [2, 3, 8] {
-            assert_eq!(with(threads, region), one, "{threads} threads, regions of {region}");
+            let many = with(threads, region, importance);
+            assert_eq!(many, one, "{threads} threads, regions of {region}");
         }
     }
 }

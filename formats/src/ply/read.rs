@@ -47,7 +47,7 @@ pub(crate) fn import(
     let mut exact = std::mem::take(&mut content.exact_positions);
     if exact.is_empty()
         && header.format == PlyFormat::Ascii
-        && faces::may_be_far(&content.faces.positions)
+        && faces::may_be_far(&content.faces.positions, &content.faces.corner_v)
     {
         exact = exact_positions(bytes, assets.limits())?;
     }
@@ -56,7 +56,7 @@ pub(crate) fn import(
     let mut warnings = content.warnings;
     let mut faces = content.faces;
     let mut offset = [0.0; 3];
-    if let Some(local) = faces::local(&exact) {
+    if let Some(local) = faces::local(&exact, &faces.corner_v) {
         (offset, faces.positions) = local;
     }
     finish(&mut faces, &content.texture_numbers, &materials, &mut warnings)?;

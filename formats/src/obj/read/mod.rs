@@ -40,9 +40,9 @@ pub(crate) fn import(
     parse::check_faces(&parsed)?;
     let painted = if parsed.faces.colors.is_empty() { polypaint(&bytes) } else { Vec::new() };
     let (mut offset, mut exact) = ([0.0; 3], Vec::new());
-    if faces::may_be_far(&parsed.faces.positions) {
+    if faces::may_be_far(&parsed.faces.positions, &parsed.faces.corner_v) {
         exact = chunk::exact_positions(&bytes, assets.limits())?;
-        if let Some(local) = faces::local(&exact) {
+        if let Some(local) = faces::local(&exact, &parsed.faces.corner_v) {
             (offset, parsed.faces.positions) = local;
         }
     }
