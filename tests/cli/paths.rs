@@ -117,7 +117,8 @@ fn textures_are_named_and_never_opened() {
             }
             for out in ["x.glb", "x.gltf", "x.obj"] {
                 let run = f.lodc(["extract", "x.lodc", "--ratio", "0.5", "-o", out, "-q"]);
-                assert!(matches!(run.status, Some(0 | 3 | 4)), "{way}: {run:?}");
+                // 2: the last part of a name is that of a file that would be written.
+                assert!(matches!(run.status, Some(0 | 2 | 3 | 4)), "{way}: {run:?}");
             }
             for name in f.names().iter().filter(|n| n.starts_with("x.") || *n == "deps.d") {
                 let bytes = f.read(name);

@@ -84,7 +84,7 @@ mod tests {
                 assert!(off < 1e-6, "{off}");
             }
         }
-        let single = exact.map(|p| p.map(super::single));
+        let single = exact.map(|p| p.map(single));
         assert!(may_be_far(&single, &[1, 2, 4]) && !may_be_far(&single, &[]));
     }
 }

@@ -6,7 +6,7 @@ use lodc_mesh::{
     Mesh, MeshError, MeshParts, OrientedTriangle, PositionIds, Simplified, Submesh, is_degenerate,
 };
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Returns the number of triangles that are drawn.
 #[must_use]
@@ -57,7 +57,7 @@ pub fn view_mesh(
     let own = OwnSubmesh::new(simplified);
     // Vertices besides those of the mesh: where each stands, and whose attributes it has.
     let mut added: Vec<(u32, u32)> = Vec::new();
-    let mut number_of = HashMap::new();
+    let mut number_of = BTreeMap::new();
     let mut corner = |submesh: u32, v: u32| {
         let entry = states[v as usize].entry;
         if submesh_of[entry as usize] == submesh {

@@ -53,7 +53,8 @@ pub(super) struct Sample {
     next: u32,
 }
 
-/// Another layer of the input over or under a sample, as distances along its normal in working units.
+/// Another layer of the input over or under a sample, as distances along its normal in working
+/// units.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Layer {
     /// The distance that a sample may go to it at no cost.

@@ -26,7 +26,7 @@ pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut Samples, diagonal: f64) {
     let size = size.clamp(*SIZES.start(), *SIZES.end());
     let cameras = cameras(mesh, size);
     let pictures: Vec<Vec<i32>> =
-        cameras.par_iter().map(|camera| farthest_around(&depths(mesh, camera), size)).collect();
+        cameras.par_iter().map(|camera| around(&depths(mesh, camera), size, i32::max)).collect();
     let views = cameras.len() as f32;
     samples.set_layers(layers(&cameras, &pictures, samples, diagonal));
     samples.scale_weights(mesh, |position, normal| {
@@ -47,8 +47,8 @@ fn pixel(camera: &Camera, position: Vec3) -> (usize, i32) {
     ((row * camera.size as i32 + column) as usize, p.z)
 }
 
-/// For every sample the layer that hides it, or else the one that it hides, both facing the same way:
-/// water and the bed of a pond. Sides that face away belong to the same body, or are not seen.
+/// For every sample the layer that hides it, or else the one that it hides, both facing the same
+/// way: water and the bed of a pond. Sides that face away belong to the same body, or are not seen.
 fn layers(cameras: &[Camera], pictures: &[Vec<i32>], samples: &Samples, size: f64) -> Vec<Layer> {
     let all = samples.all();
     let most = (DISTANCE_SHARE * size) as f32;
@@ -87,7 +87,7 @@ fn layers(cameras: &[Camera], pictures: &[Vec<i32>], samples: &Samples, size: f6
                 depths[pixel] = depth.min(depths[pixel]);
             }
         }
-        depths
+        around(&depths, cameras[i].size, i32::min)
     };
     let next: Vec<Vec<i32>> = (0..cameras.len()).into_par_iter().map(next).collect();
     let layers = |(s, hidden): (&Sample, &Option<f32>)| {
@@ -133,19 +133,20 @@ fn depths(mesh: &WorkingMesh, camera: &Camera) -> Vec<i32> {
     depths
 }
 
-/// The greatest depth at every pixel and the eight around it, so that a sloping surface is not
-/// taken for hidden by its own neighbourhood.
-fn farthest_around(depths: &[i32], size: u32) -> Vec<i32> {
+/// For every pixel the depth at it and the eight around it that `pick` chooses of two: the greatest,
+/// so that a sloping surface is not taken for hidden by its own neighbourhood, or the least, where
+/// few pixels have one.
+fn around(depths: &[i32], size: u32, pick: fn(i32, i32) -> i32) -> Vec<i32> {
     let size = size as usize;
     let around = |pixel: usize, step: usize, at: usize, source: &[i32]| {
-        let mut farthest = source[pixel];
+        let mut picked = source[pixel];
         if at > 0 {
-            farthest = farthest.max(source[pixel - step]);
+            picked = pick(picked, source[pixel - step]);
         }
         if at + 1 < size {
-            farthest = farthest.max(source[pixel + step]);
+            picked = pick(picked, source[pixel + step]);
         }
-        farthest
+        picked
     };
     let rows: Vec<i32> = (0..depths.len()).map(|i| around(i, 1, i % size, depths)).collect();
     (0..depths.len()).map(|i| around(i, size, i / size, &rows)).collect()
