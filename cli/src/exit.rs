@@ -43,9 +43,20 @@ pub(crate) struct Failure {
     pub(crate) message: String,
 }
 
+/// What to do about a bug.
+pub(crate) const REPORT_IT: &str = concat!(
+    "this is a bug of lodc ",
+    env!("CARGO_PKG_VERSION"),
+    ": please report it with the input"
+);
+
 impl Failure {
     pub(crate) fn new(status: Status, message: impl Into<String>) -> Self {
-        Self { status, message: one_line(&message.into()) }
+        let mut message = one_line(&message.into());
+        if status == Status::Bug {
+            message = format!("internal error: {message}; {REPORT_IT}");
+        }
+        Self { status, message }
     }
     pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self::new(Status::Usage, message)

@@ -49,6 +49,7 @@ use mimalloc::MiMalloc;
 use program::Program;
 use std::panic;
 use std::process::ExitCode;
+use std::time::Instant;
 
 /// Returns freed memory to the system. A region of the simplifier allocates a dozen lists for one
 /// round; the allocators of systems keep much of that, glibc's a third of the peak.
@@ -104,6 +105,7 @@ fn run() -> Status {
         (_, true) => Loudness::Verbose,
         _ => Loudness::Normal,
     });
+    let start = Instant::now();
     let without_status = |outcome: Outcome<()>| outcome.map(|()| Status::Done);
     let outcome = interrupt::install().and_then(|()| threads::start(cli.common.jobs)).and_then(
         |()| match &cli.command {
@@ -127,6 +129,7 @@ fn run() -> Status {
             Command::Man(args) => without_status(man::run(args, Cli::command())),
         },
     );
+    stages::print("all", start.elapsed().as_secs_f64());
     outcome.unwrap_or_else(|failure| {
         console::error(&failure);
         failure.status
@@ -144,8 +147,5 @@ fn report_panic(info: &panic::PanicHookInfo<'_>) {
         .copied()
         .or(payload.downcast_ref::<String>().map(String::as_str));
     let what = exit::one_line(text.unwrap_or("no reason given"));
-    console::error(&format_args!(
-        "internal error{site}: {what}; this is a bug of lodc {}: please report it with the input",
-        env!("CARGO_PKG_VERSION")
-    ));
+    console::error(&format_args!("internal error{site}: {what}; {}", exit::REPORT_IT));
 }

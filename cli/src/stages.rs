@@ -48,7 +48,7 @@ impl Stages {
     }
     fn add(&mut self, name: &'static str, start: Instant) {
         let seconds = start.elapsed().as_secs_f64();
-        detail(&format!("{name:>9} {seconds:9.3} s {:7} MiB peak", memory::peak_bytes() >> 20));
+        print(name, seconds);
         self.done.push(StageReport { name, seconds });
     }
     /// Takes what the stages told of their result, for its warnings.
@@ -62,6 +62,11 @@ impl Stages {
     pub(crate) fn into_reports(self) -> Vec<StageReport> {
         self.done
     }
+}
+
+/// With `--verbose`, prints the time of a stage, and the largest memory so far.
+pub(crate) fn print(name: &str, seconds: f64) {
+    detail(&format!("{name:>9} {seconds:9.3} s {:7} MiB peak", memory::peak_bytes() >> 20));
 }
 
 /// Takes down durations and progress of the library's work, and leaves it when the time is over.

@@ -166,6 +166,9 @@ fn streams_go_in_and_out() {
     let piped = f.lodc_with(["build", "-", "-o", "-", "-q"], grid(5).as_bytes()).ends(0);
     let info = f.lodc_with(["info", "-", "--json"], &piped.out).ends(0).json();
     assert_eq!(info["objects"][0]["triangles"], 50);
+    assert_eq!(info["levels_table"][0]["triangles"], 50);
+    assert!(info["levels_table"][3]["triangles"].as_u64() <= Some(5), "{info}");
+    assert_eq!(info["bounds"][1][0].as_f64(), Some(5.0), "{info}");
     let lists = &info["objects"][0]["collapse_lists"];
     let [mean, longest] = ["mean", "longest"].map(|key| lists[key].as_f64().expect("a number"));
     assert!(1.0 < mean && mean < longest, "{lists}");

@@ -92,6 +92,24 @@ fn the_heatmap_is_a_png_and_the_rest_is_refused_in_one_line() {
     f.lodc(["compare", "-", "-"]).fails(2);
 }
 
+#[test]
+fn limits_are_those_of_either_folder_and_need_what_they_judge() {
+    let f = Folder::new();
+    f.file("models/a.obj", grid(12));
+    f.lodc(["build", "models", "-o", "levels", "-q"]).ends(0);
+    let compare = ["compare", "models", "levels", "--levels", "10%", "--views", "0"];
+    f.lodc(compare).ends(0);
+    for folder in ["models", "levels"] {
+        let config = format!("{folder}/lodc.toml");
+        f.file(&config, "[defaults.compare]\nmax-rms = \"0.0001%\"\n");
+        f.lodc(compare).ends(1);
+        std::fs::remove_file(f.join(&config)).expect("it is there");
+    }
+    let judged = ["--max-image-rmse", "1"];
+    f.lodc(compare.iter().chain(&judged)).fails(2);
+    f.lodc(["compare", "models", "levels", "--max-image-rmse", "300"]).fails(2);
+}
+
 /// A square of two triangles, each with a colour of its own by its vertices or by its material.
 fn two_colours(vertices: [&str; 2], materials: [&str; 2]) -> String {
     let corners = |colour: &str| format!("v 0 0 0 {colour}\nv 4 4 0 {colour}\n");

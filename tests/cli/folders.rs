@@ -393,6 +393,27 @@ fn results_without_an_input_are_named_and_pruned() {
 }
 
 #[test]
+fn results_of_named_files_and_lists_are_no_orphans() {
+    let f = Folder::new();
+    f.file("in/a.obj", grid(4));
+    f.file("b.obj", grid(5));
+    f.file("elsewhere/c.obj", grid(3));
+    f.file("list.jsonl", r#"{"input": "elsewhere/c.obj"}"#);
+    let more = ["--manifest", "list.jsonl", "-o", "out", "--prune"];
+    let made = |name: &str, extension: &str| {
+        assert!(f.has(&format!("out/{name}.{extension}")), "{name}.{extension}");
+    };
+    for shard in [&[][..], &["--shard", "1/2"], &["--shard", "2/2"]] {
+        let run = f.lodc(["build", "in", "b.obj"].iter().chain(&more).chain(shard)).ends(0);
+        assert!(!run.err.contains("removed"), "{}", run.err);
+        ["a.obj", "b.obj", "elsewhere/c.obj"].map(|name| made(name, "lodc"));
+    }
+    let level = ["--lod", "0", "--format", "obj", "--if-changed"];
+    f.lodc(["extract", "in", "b.obj"].iter().chain(&more).chain(&level)).ends(0);
+    ["a.obj", "b.obj", "elsewhere/c.obj"].map(|name| made(name, "obj"));
+}
+
+#[test]
 fn a_record_removes_nothing_but_results_beside_it() {
     let f = Folder::new();
     f.file("in/a.obj", grid(3));

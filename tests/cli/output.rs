@@ -18,6 +18,47 @@ fn a_failed_run_leaves_what_stood_there() {
     assert_ne!(f.read("bad.lodc"), b"precious");
 }
 
+/// The buffer of an input has a name that outputs may have, too.
+#[test]
+fn no_output_replaces_a_file_of_an_input() {
+    let f = Folder::new();
+    let fixtures = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/");
+    let read = |name: &str| std::fs::read(format!("{fixtures}{name}")).expect("a fixture");
+    let text = String::from_utf8(read("cube.gltf")).expect("text");
+    f.file("cube.gltf", text.replace("cube.bin", "model.bin"));
+    f.file("model.bin", read("cube.bin"));
+    let replacing: [&[&str]; 4] = [
+        &["extract", "cube.gltf", "--ratio", "1", "-o", "model.gltf"],
+        &["chain", "cube.gltf", "-o", "model.gltf"],
+        &["build", "cube.gltf", "-o", "model.bin"],
+        &["render", "cube.gltf", "-o", "model.bin"],
+    ];
+    for args in replacing {
+        f.lodc(args).fails(2);
+        assert_eq!(f.read("model.bin"), read("cube.bin"), "{args:?}");
+    }
+    // Names that say what is not in the file, and files that are written twice.
+    let refused: [&[&str]; 6] = [
+        &["build", "cube.gltf", "-o", "x.glb"],
+        &["render", "cube.gltf", "-o", "x.jpg"],
+        &["view", "cube.gltf", "-o", "x.png"],
+        &["build", "cube.gltf", "-o", "x.lodc", "--junit", "x.lodc"],
+        &["build", "cube.gltf", "-o", "x.lodc", "--junit", "r.txt", "--depfile", "r.txt"],
+        &["compare", "cube.gltf", "cube.gltf", "--heatmap", "z.png", "--junit", "z.png"],
+    ];
+    for args in refused {
+        f.lodc(args).fails(2);
+    }
+    // What gives options is among the dependencies.
+    f.file("lodc.toml", "[defaults]\nweld = 0.001\n");
+    f.lodc(["build", "cube.gltf", "-o", "x.lodc", "--depfile", "x.d"]).ends(0);
+    let rule = String::from_utf8(f.read("x.d")).expect("text");
+    assert!(rule.contains("lodc.toml") && rule.contains("model.bin"), "{rule}");
+    f.lodc(["extract", "x.lodc", "--ratio", "0.5", "-o", "y.glb", "--metric", "hybrid"]).fails(2);
+    f.lodc(["extract", "cube.gltf", "--ratio", "1", "-o", "other.gltf"]).ends(0);
+    f.lodc(["extract", "cube.gltf", "--ratio", "1", "-o", "x.vrm", "--format", "glb"]).ends(0);
+}
+
 #[test]
 fn output_that_cannot_be_written_is_4() {
     let f = Folder::new();

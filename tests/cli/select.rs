@@ -56,6 +56,8 @@ fn instances_share_a_budget() {
         let args = ["select", "--scene", "scene.jsonl", "--eye", eye, "--budget", "1", "--json"];
         assert!(f.lodc(args).ends(0).json()["pixels"].is_null());
     }
+    let args = ["select", "--scene", "-", "--eye", "0,0,40", "--budget", "1500", "--json"];
+    assert_eq!(f.lodc_with(args, lines.join("\n").as_bytes()).ends(0).json(), chosen);
     let behind = select(&["--budget", "1500", "--target", "0,0,100"]);
     assert!(behind["triangles"].as_u64() < chosen["triangles"].as_u64());
     f.file("wrong.jsonl", "{\"file\": \"a.lodc\"}");

@@ -149,7 +149,7 @@ pub(crate) fn guarded_pair<T>(
 ) -> Outcome<T> {
     let _at_work = AtWork::new();
     let done = catch_unwind(AssertUnwindSafe(work));
-    let panic = || Failure::new(Status::Bug, PANIC_MESSAGE);
+    let panic = || Failure { status: Status::Bug, message: PANIC_MESSAGE.to_owned() };
     let done = done
         .unwrap_or_else(|payload| Err(clock::time_limit_failure(&*payload).unwrap_or_else(panic)));
     let is_about_other = |failure: &Failure| {

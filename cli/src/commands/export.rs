@@ -9,6 +9,7 @@ use crate::batch::{self, BatchArgs, CommandPaths, Job, LEVEL_EXTENSIONS};
 use crate::compression::CompressArgs;
 use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
+use crate::jobs::{JobError, has_extension};
 use crate::limits::ImportArgs;
 use crate::mesh_output::FormatName;
 use crate::output::Target;
@@ -59,6 +60,7 @@ impl ExportArgs {
     ) -> Outcome<Vec<Job>> {
         let mut jobs = batch::jobs(self.paths(inputs, output, format), &self.batch)?;
         self.configuration.apply(program, command, &mut jobs)?;
+        refuse_for_sequences(&program.given(command), &mut jobs);
         self.run.check(&jobs)?;
         let mut targets = jobs.iter().filter_map(|job| job.target.as_ref().ok());
         targets.try_for_each(|target| self.check(format, target))?;
@@ -111,5 +113,21 @@ impl ExportArgs {
     pub(crate) fn need(&self, input: &Path) -> Option<u64> {
         let needs = |size| self.simplify.needs(size);
         each::estimate(input, &self.import, needs).ok().map(|(_, bytes)| bytes)
+    }
+}
+
+/// Options that decide a sequence, or how errors are measured with it, beside those of
+/// [`ImportanceArgs`](crate::importance::ImportanceArgs).
+const OF_SEQUENCES: [&str; 3] = ["metric", "weld", "poses"];
+
+/// Refuses options of a sequence, if they are on the command line, for files that have one.
+fn refuse_for_sequences(given: &[String], jobs: &mut [Job]) {
+    let Some(option) = OF_SEQUENCES.iter().find(|option| given.iter().any(|g| g == *option)) else {
+        return;
+    };
+    for job in jobs.iter_mut().filter(|job| has_extension(&job.input, &["lodc"])) {
+        let input = job.input.display();
+        let what = format!("{input}: its levels are stored: --{option} belongs to `lodc build`");
+        job.target = Err(JobError::Usage(what));
     }
 }

@@ -35,6 +35,8 @@ pub struct InputEstimate {
     pub bytes: Option<u64>,
     /// Bytes of memory at the peak, with one thread.
     pub memory: Option<u64>,
+    /// Processor seconds, roughly: a third to three times as long. Animated models take longer.
+    pub seconds: Option<f64>,
     pub error: Option<String>,
 }
 
@@ -127,7 +129,18 @@ pub struct ChainReport {
     pub errors_over: ErrorsOver,
     /// The finest first.
     pub levels: Vec<ChainLevel>,
+    /// Null unless levels move to the next.
+    pub geomorph: Option<GeomorphReport>,
     pub warnings: Vec<String>,
+}
+
+/// How the levels of a chain move to the next.
+#[derive(Debug, Serialize)]
+pub struct GeomorphReport {
+    /// Pairs of neighbouring levels of which the finer moves to the coarser.
+    pub pairs: u64,
+    /// The largest `geomorph_pose_error` of a level; null if none bends.
+    pub max_pose_error: Option<f64>,
 }
 
 /// A file that was written.
@@ -182,7 +195,22 @@ pub struct InfoReport {
     /// `packed` or `gpu`.
     pub layout: &'static str,
     pub source: SourceReport,
+    /// The lowest and the highest corner of what the scene shows at rest, in world units; null if
+    /// it shows nothing.
+    pub bounds: Option<[[f64; 3]; 2]>,
+    /// Levels of the whole scene, the finest first.
+    pub levels_table: Vec<SceneLevelReport>,
     pub objects: Vec<ObjectReport>,
+}
+
+/// A level of a whole scene.
+#[derive(Debug, Serialize)]
+pub struct SceneLevelReport {
+    /// The share of triangles that was asked for.
+    pub ratio: f64,
+    pub triangles: u64,
+    /// In world units; null if infinite.
+    pub error: Option<f64>,
 }
 
 /// Origin of a file; never a path.

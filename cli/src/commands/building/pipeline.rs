@@ -72,6 +72,12 @@ pub(super) fn make(
     report.warnings.clone_from(&asset.warnings);
     let (textures, images) = images(args, input, &asset.document)?;
     asset.files.extend(&images);
+    for line in textures.warnings.iter().filter(|_| !args.embed) {
+        // A metric that looks at colours has told it.
+        if !report.warnings.contains(line) {
+            report.warnings.push(line.clone());
+        }
+    }
     if args.embed {
         let placed = textures.placed(TextureMode::Embed, input);
         if !embed_images(&mut asset.document, &placed)? && asset.document.has_textures() {

@@ -30,12 +30,14 @@ pub(super) fn line(made: &BuildOutput, output: &Output, seconds: f64) -> String 
 }
 
 /// Image files that the document names and that are not where the file looks for them: those of a
-/// mesh in another folder.
+/// mesh in another folder. Of those that are not there either a warning tells.
 fn images_to_copy(made: &BuildOutput, output: &Output) -> Vec<String> {
     let Output::File(path) = output else { return Vec::new() };
     let folder = path.parent().unwrap_or(Path::new(""));
     let names = Textures::names(&made.file.document).unwrap_or_default();
-    names.into_iter().filter(|name| !folder.join(name).exists()).collect()
+    let absent = made.files.absent();
+    let is_there = |name: &String| !absent.iter().any(|path| path.ends_with(name));
+    names.into_iter().filter(|name| !folder.join(name).exists()).filter(is_there).collect()
 }
 
 fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {

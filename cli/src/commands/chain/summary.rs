@@ -4,7 +4,7 @@ use super::Files;
 use super::levels::ChosenLevel;
 use crate::console::{Loudness, note, result, wants};
 use crate::exit::Outcome;
-use lodc_report::documents::ChainReport;
+use lodc_report::documents::{ChainLevel, ChainReport, GeomorphReport};
 use lodc_report::text::{count, distance, grouped, size};
 use lodc_report::{ErrorsOver, SCHEMA_VERSION};
 
@@ -17,12 +17,20 @@ pub(super) fn report(
     errors_over: ErrorsOver,
 ) -> ChainReport {
     let numbered = levels.iter().zip(&made.of_level).enumerate();
+    let levels: Vec<ChainLevel> =
+        numbered.map(|(level, (l, path))| l.report(level, path)).collect();
+    let moving = || levels.iter().filter(|l| l.morph_from.is_some());
+    let geomorph = moving().next().is_some().then(|| GeomorphReport {
+        pairs: moving().count() as u64,
+        max_pose_error: moving().filter_map(|l| l.geomorph_pose_error).max_by(f64::total_cmp),
+    });
     ChainReport {
         schema_version: SCHEMA_VERSION,
         input,
         outputs: made.files.iter().map(Into::into).collect(),
         errors_over,
-        levels: numbered.map(|(level, (l, path))| l.report(level, path)).collect(),
+        levels,
+        geomorph,
         warnings,
     }
 }

@@ -4,20 +4,21 @@ use crate::commands::building::counts;
 use crate::commands::read::parse_lodc;
 use crate::exit::Outcome;
 use indexmap::IndexMap;
-use lodc::{LodObject, levels};
-use lodc_formats::SourceFormat;
+use lodc::{LodFile, LodObject, levels, scene_levels};
 use lodc_formats::lodc::{self as container, Layout};
+use lodc_formats::{Limits, ObjectInfo, SourceFormat, scene_graph};
 use lodc_lod::AnyModel;
 use lodc_lod::interactive::CollapseLists;
 use lodc_mesh::{CollapseSequence, Lod};
 use lodc_model::{Model, StorageCost};
 use lodc_report::documents::{
     BitsPerVertex, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport, ObjectCounts,
-    ObjectReport, SourceReport, StripsReport,
+    ObjectReport, SceneLevelReport, SourceReport, StripsReport,
 };
 use lodc_report::text::{count, distance, grouped, size};
 use lodc_report::{ErrorsOver, SCHEMA_VERSION};
-use lodc_select::decimal;
+use lodc_scene::{Arrangement, posed_positions};
+use lodc_select::{Target, decimal};
 use lodc_strip::Effort;
 use lodc_strip::{StripKind, Strips};
 use std::fmt::Write;
@@ -26,12 +27,16 @@ use std::sync::Arc;
 /// Shares of the LODs, in percent, to which the lengths of collapse lists are reported.
 const LIST_SHARES: [u32; 5] = [50, 75, 90, 95, 100];
 
+/// Shares of the triangles in the table of a scene's levels.
+const TABLE_SHARES: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.01];
+
 /// Returns what is inside a file. `name` is the file's, for messages.
 ///
 /// # Errors
 /// If it is damaged, or a baseline cannot be made.
 pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoReport> {
     let file = parse_lodc(bytes, name)?;
+    let (bounds, levels_table) = scene_report(&file)?;
     Ok(InfoReport {
         schema_version: SCHEMA_VERSION,
         format: "lodc",
@@ -49,12 +54,53 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
             content_hash: format!("{:032x}", file.source.content_hash),
         },
         layout: file.layout.name(),
+        bounds,
+        levels_table,
         objects: file
             .objects
             .iter()
             .map(|o| object_report(o, file.layout, baselines))
             .collect::<Outcome<_>>()?,
     })
+}
+
+/// Where the scene stands, and levels of all of it.
+fn scene_report(file: &LodFile) -> Outcome<(Option<[[f64; 3]; 2]>, Vec<SceneLevelReport>)> {
+    let limits = Limits::DEFAULT;
+    let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(&file.document, &infos, &limits)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
+    let mut bounds: Option<[[f64; 3]; 2]> = None;
+    for placement in scene.placements() {
+        for p in posed_positions(file.objects[placement.object].simplified.mesh(), placement) {
+            let p = p.to_array();
+            let [low, high] = bounds.unwrap_or([p, p]);
+            let each = |pick: fn(f64, f64) -> f64, end: [f64; 3]| {
+                std::array::from_fn(|k| pick(end[k], p[k]))
+            };
+            bounds = Some([each(f64::min, low), each(f64::max, high)]);
+        }
+    }
+    let levels = scene_levels(&file.objects, &file.document, &limits)?;
+    let all: u64 =
+        levels.objects().iter().map(|o| o.simplified.mesh().triangles().len() as u64).sum();
+    let level = |ratio: f64| -> Outcome<SceneLevelReport> {
+        let chosen = levels.select(Target::Ratio(ratio), false)?;
+        let objects = || levels.objects().iter().zip(&chosen.lods);
+        let triangles =
+            objects().map(|(o, &lod)| u64::from(o.simplified.collapses().triangles_at(lod)));
+        let error =
+            objects().map(|(o, &lod)| o.scale * f64::from(o.simplified.collapses().error_at(lod)));
+        let error = error.fold(0.0, f64::max);
+        Ok(SceneLevelReport {
+            ratio,
+            triangles: triangles.sum(),
+            error: error.is_finite().then_some(error),
+        })
+    };
+    let shares: &[f64] = if all == 0 { &[] } else { &TABLE_SHARES };
+    let table = shares.iter().map(|&share| level(share)).collect::<Outcome<_>>()?;
+    Ok((bounds, table))
 }
 
 fn object_report(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectReport> {

@@ -260,7 +260,7 @@ fn print(file: &FileReport) -> Outcome<()> {
         return console::result(&one_line(&format!("{}: up to date", file.file)));
     }
     for check in &file.checks {
-        if check.ok == Some(true) && !wants(Loudness::Normal) {
+        if check.ok != Some(false) && !wants(Loudness::Normal) {
             continue;
         }
         let verdict = match check.ok {
