@@ -25,7 +25,8 @@ pub fn count(text: &str) -> Result<u64, String> {
     match size(text) {
         Ok(Target::Triangles(count)) => Ok(count),
         Ok(_) if text == "1" => Ok(1),
-        _ => Err("must be a count: 500, 10k, 2m".to_owned()),
+        Ok(_) => Err("must be a count: 500, 10k, 2m (a share is for --ratio)".to_owned()),
+        Err(_) => Err("must be a count: 500, 10k, 2m".to_owned()),
     }
 }
 

@@ -11,11 +11,14 @@ fn shown<'a, T: Copy>(positions: &'a [T], corners: &'a [u32]) -> impl Iterator<I
     of_corners.chain(unused).copied()
 }
 
-/// Returns whether single precision may round the positions of these corners by more than a mesh
-/// should be off.
+/// Returns whether single precision may round positions by more than a mesh should be off: those of
+/// these corners, or all, of which loose points and lines have some.
 pub(crate) fn may_be_far(positions: &[[f32; 3]], corners: &[u32]) -> bool {
-    let shown = shown(positions, corners).map(|p| p.map(f64::from));
-    Extent::of(shown).is_some_and(|e| e.is_far())
+    let is_far = |corners| {
+        let shown = shown(positions, corners).map(|p| p.map(f64::from));
+        Extent::of(shown).is_some_and(|e| e.is_far())
+    };
+    is_far(corners) || is_far(&[])
 }
 
 /// Returns an offset and the positions without it in single precision; none if those of the corners

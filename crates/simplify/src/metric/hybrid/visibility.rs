@@ -133,9 +133,9 @@ fn depths(mesh: &WorkingMesh, camera: &Camera) -> Vec<i32> {
     depths
 }
 
-/// For every pixel the depth at it and the eight around it that `pick` chooses of two: the greatest,
-/// so that a sloping surface is not taken for hidden by its own neighbourhood, or the least, where
-/// few pixels have one.
+/// For every pixel the depth at it and the eight around it that `pick` chooses of two: the
+/// greatest, so that a sloping surface is not taken for hidden by its own neighbourhood, or the
+/// least, where few pixels have one.
 fn around(depths: &[i32], size: u32, pick: fn(i32, i32) -> i32) -> Vec<i32> {
     let size = size as usize;
     let around = |pixel: usize, step: usize, at: usize, source: &[i32]| {
