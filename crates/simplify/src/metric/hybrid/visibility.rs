@@ -52,58 +52,48 @@ fn pixel(camera: &Camera, position: Vec3) -> (usize, i32) {
 fn layers(cameras: &[Camera], pictures: &[Vec<i32>], samples: &Samples, size: f64) -> Vec<Layer> {
     let all = samples.all();
     let most = (DISTANCE_SHARE * size) as f32;
-    // How a camera sees a sample, unless it looks from aside or behind.
-    let views = |i: usize, s: &Sample| {
-        let cosine = s.normal.dot(cameras[i].toward.as_vec3());
-        let (pixel, depth) = pixel(&cameras[i], s.position);
-        (cosine > LEAST_COSINE).then_some(View { cosine, pixel, depth })
-    };
-    let seen =
-        |i: usize, view: &View| view.depth <= pictures[i][view.pixel].saturating_add(TOLERANCE);
-    // The distance that a number of steps of depth is along the normal.
-    let along = |i: usize, view: &View, from: i32, to: i32| {
-        let steps = f64::from(to) - f64::from(from);
-        steps as f32 / cameras[i].depth_steps() as f32 * view.cosine
-    };
-    // Samples that no camera sees, with the least of these distances.
+    // Samples that no camera sees, with the least distance to what hides them.
     let hidden = |s: &Sample| {
         let mut nearest = None;
-        for i in 0..cameras.len() {
-            let Some(view) = views(i, s) else { continue };
-            if seen(i, &view) {
+        for (camera, depths) in cameras.iter().zip(pictures) {
+            let Some(view) = View::new(camera, s) else { continue };
+            if view.is_seen(depths) {
                 return None;
             }
-            let before = along(i, &view, pictures[i][view.pixel], view.depth);
+            let before = view.along(camera, depths[view.pixel], view.depth);
             nearest = Some(nearest.map_or(before, |n: f32| n.min(before)));
         }
         nearest
     };
     let hidden: Vec<Option<f32>> = all.par_iter().with_min_len(1024).map(hidden).collect();
     // What lies next behind the surface that each camera sees.
-    let next = |i: usize| {
-        let mut depths = vec![i32::MAX; pictures[i].len()];
+    let next = |camera: &Camera| {
+        let mut depths = vec![i32::MAX; (camera.size * camera.size) as usize];
         for (s, _) in all.iter().zip(&hidden).filter(|(_, hidden)| hidden.is_some()) {
-            if let Some(View { pixel, depth, .. }) = views(i, s) {
+            if let Some(View { pixel, depth, .. }) = View::new(camera, s) {
                 depths[pixel] = depth.min(depths[pixel]);
             }
         }
-        around(&depths, cameras[i].size, i32::min)
+        around(&depths, camera.size, i32::min)
     };
-    let next: Vec<Vec<i32>> = (0..cameras.len()).into_par_iter().map(next).collect();
-    let layers = |(s, hidden): (&Sample, &Option<f32>)| {
+    let next: Vec<Vec<i32>> = cameras.par_iter().map(next).collect();
+    let layer = |(s, hidden): (&Sample, &Option<f32>)| {
         if let Some(before) = hidden {
             return Layer::new(*before, false, most);
         }
         let mut nearest = f32::INFINITY;
-        for i in 0..cameras.len() {
-            let Some(view) = views(i, s).filter(|view| seen(i, view)) else { continue };
-            if next[i][view.pixel] > view.depth && next[i][view.pixel] < i32::MAX {
-                nearest = nearest.min(along(i, &view, view.depth, next[i][view.pixel]));
+        for ((camera, depths), next) in cameras.iter().zip(pictures).zip(&next) {
+            let Some(view) = View::new(camera, s).filter(|view| view.is_seen(depths)) else {
+                continue;
+            };
+            let behind = next[view.pixel];
+            if behind > view.depth && behind < i32::MAX {
+                nearest = nearest.min(view.along(camera, view.depth, behind));
             }
         }
         if nearest.is_finite() { Layer::new(nearest, true, most) } else { Layer::default() }
     };
-    all.par_iter().zip(&hidden).with_min_len(1024).map(layers).collect()
+    all.par_iter().zip(&hidden).with_min_len(1024).map(layer).collect()
 }
 
 /// A sample in a camera's picture.
@@ -112,6 +102,26 @@ struct View {
     cosine: f32,
     pixel: usize,
     depth: i32,
+}
+
+impl View {
+    /// None if the camera looks at the sample from aside or behind.
+    fn new(camera: &Camera, s: &Sample) -> Option<Self> {
+        let cosine = s.normal.dot(camera.toward.as_vec3());
+        let (pixel, depth) = pixel(camera, s.position);
+        (cosine > LEAST_COSINE).then_some(Self { cosine, pixel, depth })
+    }
+
+    /// Whether nothing is before it, by the depths that the camera sees.
+    fn is_seen(&self, depths: &[i32]) -> bool {
+        self.depth <= depths[self.pixel].saturating_add(TOLERANCE)
+    }
+
+    /// The distance along the normal between two depths.
+    fn along(&self, camera: &Camera, from: i32, to: i32) -> f32 {
+        let steps = f64::from(to) - f64::from(from);
+        (steps / camera.depth_steps()) as f32 * self.cosine
+    }
 }
 
 /// The share of a face's area that a camera sees.
