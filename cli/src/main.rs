@@ -28,6 +28,7 @@ mod pose;
 mod program;
 mod progress;
 mod results;
+mod rounding;
 mod selector;
 mod stages;
 mod textures;

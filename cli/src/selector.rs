@@ -4,6 +4,7 @@
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{LEVEL, SEEN};
 use crate::numbers::whole;
+use crate::rounding::Asked;
 use clap::Args;
 use lodc_select::{RecordError, SelectError, Target, View, count, rms_bound};
 
@@ -135,6 +136,17 @@ impl SelectorArgs {
             (Some(_), None) => Err(Failure::usage("--pixels needs --distance D, or a --criterion")),
             _ => Ok(()),
         }
+    }
+    /// Returns the largest distance asked for, if any.
+    pub(crate) fn largest_distance(&self) -> Option<Asked> {
+        let option = match self.target()? {
+            Target::Error(_) if self.target.pixels.is_some() => "--pixels",
+            Target::Error(_) | Target::ErrorShare(_) => "--error",
+            Target::Rms(_) | Target::RmsShare(_) => "--rms",
+            Target::Lod(_) | Target::Ratio(_) | Target::Triangles(_) => return None,
+        };
+        let per_object = self.per_object;
+        self.target().map(|target| Asked { option, target, per_object })
     }
     /// Returns the level asked for, if any.
     pub(crate) fn target(&self) -> Option<Target> {

@@ -280,6 +280,7 @@ impl<'a> Level<'a> {
         };
         let made = level.files(&self.meshes, path, format, &mut options)?;
         warnings.extend(made.left_out);
+        warnings.extend(made.warnings);
         lodc_formats::write_all(&made.files)?;
         Ok(warnings)
     }

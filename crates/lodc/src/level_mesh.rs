@@ -1,14 +1,7 @@
 //! Levels of detail as meshes of their own, with triangles and vertices in a chosen order; their
 //! distances from the input.
 
-#[cfg(feature = "export")]
-use crate::shapes::{bends, farthest_vertex, stated_shapes};
 use crate::{Error, LodObject, levels};
-#[cfg(feature = "export")]
-use lodc_formats::{
-    Document, FormatError, Limits,
-    export::{ExportFormat, ExportObject, Precision, flattening, reading, rounded},
-};
 use lodc_lod::ModelKind;
 use lodc_mesh::{Lod, Mesh};
 use lodc_select::decimal;
@@ -127,88 +120,4 @@ pub fn largest_distance(
         (error.max(unit * e), rms.zip(r).map(|(rms, r)| rms.max(unit * r)))
     };
     objects.iter().zip(distances).fold((0.0, Some(0.0)), larger)
-}
-
-/// Returns how far rounding moves vertices of exported meshes at most: of coordinates as the input
-/// was read and as the format stores them, and by quantising. This counts in the placements and
-/// poses that errors are the largest over: where targets add to each other or joints move vertices,
-/// farther than at rest. A level's error grows by no more than that.
-///
-/// # Errors
-/// If the document is damaged.
-#[cfg(feature = "export")]
-pub fn rounding<'a>(
-    objects: &'a [LodObject],
-    document: &Document,
-    meshes: impl Iterator<Item = &'a Mesh>,
-    format: ExportFormat,
-    precision: Precision,
-) -> Result<Rounding, FormatError> {
-    let one = |(o, mesh): (&'a LodObject, &'a Mesh)| ExportObject { info: &o.info, mesh };
-    let exported: Vec<ExportObject<'_>> = objects.iter().zip(meshes).map(one).collect();
-    let mut by_object = flattening(format, document, &exported)?;
-    for (moved, object) in by_object.iter_mut().zip(objects) {
-        *moved += reading(document, object.simplified.mesh());
-    }
-    if let Some(rounded) = rounded(document, &exported, precision)? {
-        let bending = exported.iter().any(|object| bends(object.mesh));
-        let shapes = match bending {
-            true => stated_shapes(objects, document, &Limits::DEFAULT)?,
-            false => Vec::new(),
-        };
-        let quantised = |o: usize| -> f64 {
-            let (mesh, rounded) = (exported[o].mesh, &rounded[o]);
-            if !bends(mesh) {
-                return rounded.moved;
-            }
-            let all = 0..mesh.vertex_count() as u32;
-            farthest_vertex(shapes[o].all(), mesh, &rounded.mesh, &all).max(rounded.moved)
-        };
-        by_object.iter_mut().enumerate().for_each(|(o, moved)| *moved += quantised(o));
-    }
-    let scaled = |(o, moved): (&LodObject, &f64)| o.info.world_scale * moved;
-    let largest = objects.iter().zip(&by_object).map(scaled).fold(0.0, f64::max);
-    Ok(Rounding { by_object, largest })
-}
-
-/// The farthest that rounding moves vertices.
-#[cfg(feature = "export")]
-#[derive(Clone, Debug)]
-pub struct Rounding {
-    /// By object, in mesh units.
-    pub by_object: Vec<f64>,
-    /// Of all objects, in world units.
-    pub largest: f64,
-}
-
-/// The error and the root mean square distance of each mesh as a file has it: with what writing
-/// rounds, see [`rounding`].
-///
-/// # Errors
-/// If the document is damaged.
-#[cfg(feature = "export")]
-pub(crate) fn written_distances(
-    objects: &[LodObject],
-    document: &Document,
-    meshes: &[LevelMesh],
-    format: ExportFormat,
-    precision: Precision,
-) -> Result<Vec<(f64, Option<f64>)>, FormatError> {
-    let only_meshes = meshes.iter().map(|m| &m.mesh);
-    let rounding = rounding(objects, document, only_meshes, format, precision)?;
-    let with_rounding = |(mesh, moved): (&LevelMesh, f64)| {
-        let (mut error, mut rms) = (mesh.error, mesh.rms);
-        add_rounding(&mut error, &mut rms, moved);
-        (error, rms)
-    };
-    Ok(meshes.iter().zip(rounding.by_object).map(with_rounding).collect())
-}
-
-/// Adds how far rounding moves vertices to the error and the root mean square distance of a
-/// level.
-pub fn add_rounding(error: &mut f64, rms: &mut Option<f64>, moved: f64) {
-    *error += moved;
-    // `moved` is half the diagonal of a cell of the grid, √3/2 steps. Three coordinates, each off
-    // by a uniformly distributed part of a step, have a mean square of a quarter of a step squared.
-    *rms = rms.map(|rms| rms.hypot(moved / 3f64.sqrt()));
 }

@@ -52,6 +52,8 @@ pub mod levels;
 mod meeting;
 #[cfg(feature = "build")]
 pub mod pipeline;
+#[cfg(feature = "export")]
+mod rounding;
 mod scene_levels;
 mod shapes;
 mod source;
@@ -77,6 +79,8 @@ pub use lodc_select::Target as Select;
 #[cfg(feature = "build")]
 pub use lodc_simplify::MetricKind as Metric;
 pub use meeting::{parting_borders, parting_line};
+#[cfg(feature = "export")]
+pub use rounding::Rounding;
 pub use scene_levels::scene_levels;
 pub use shapes::{stated_shapes, target_shapes};
 pub use source::Source;

@@ -22,6 +22,7 @@ pub fn scene_levels<'a>(
         simplified: &o.simplified,
         scale: o.info.world_scale,
         unevenness: motion.measured_placements(o.simplified.mesh(), number).unevenness,
+        rounding: 0.0,
     };
     let levels = objects.iter().enumerate().map(object).collect();
     Ok(SceneLevels::new(levels, motion.largest()))

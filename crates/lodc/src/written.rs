@@ -1,12 +1,13 @@
 //! One level of all objects as the files of a mesh format.
 
-use crate::LodObject;
-use crate::level_mesh::{LevelMesh, largest_distance, written_distances};
+use crate::level_mesh::{LevelMesh, largest_distance};
+use crate::{LodObject, Rounding};
 use lodc_formats::export::{
     ExportFormat, ExportObject, ExportOptions, LevelFacts, Provenance, export_with, left_out,
 };
 use lodc_formats::{Document, FormatError, OutputFile};
 use lodc_mesh::Lod;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// One level of all objects of an asset.
@@ -34,6 +35,8 @@ pub struct WrittenLevel {
     pub largest: (f64, Option<f64>),
     /// A line on what of the asset the format cannot hold.
     pub left_out: Option<String>,
+    /// One line for each thing that quantising could not do, or did to triangles.
+    pub warnings: Vec<String>,
 }
 
 impl LevelOf<'_> {
@@ -50,7 +53,13 @@ impl LevelOf<'_> {
         options: &mut ExportOptions,
     ) -> Result<WrittenLevel, FormatError> {
         let Self { objects, document, source, lod } = *self;
-        let of_objects = written_distances(objects, document, meshes, format, options.precision)?;
+        let only_meshes = meshes.iter().map(|level| &level.mesh);
+        let rounding = Rounding::new(objects, document, only_meshes, format, options.precision)?;
+        let distances = |(o, level): (usize, &LevelMesh)| {
+            rounding.distances(o, level.mesh.triangles(), (level.error, level.rms))
+        };
+        let of_objects: Vec<_> = meshes.par_iter().enumerate().map(distances).collect();
+        let triangles: Vec<&[[u32; 3]]> = meshes.iter().map(|m| m.mesh.triangles()).collect();
         let (error, rms) = largest_distance(objects, of_objects.iter().copied());
         let lod = lod.map(|lod| lod.0);
         let stated_rms = rms.filter(|rms| rms.is_finite());
@@ -68,6 +77,7 @@ impl LevelOf<'_> {
             .map(|(object, level)| ExportObject { info: &object.info, mesh: &level.mesh })
             .collect();
         Ok(WrittenLevel {
+            warnings: [rounding.kept(), rounding.flattened(&triangles)].concat(),
             left_out: left_out(format, document, &exported),
             files: export_with(path, format, document, &exported, options)?,
             of_objects,

@@ -56,7 +56,7 @@ pub use motion::{
 pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement, evenly_spread, share_in_pictures};
 pub use pose::Pose;
-pub use posed::{PosedVertices, centre, posed, posed_positions, stream};
+pub use posed::{PosedVertices, centre, follows_joints, posed, posed_positions, stream};
 pub use scale::placement_scales;
 pub use shape::Shape;
 pub use srgb::{srgb_value, to_linear, to_srgb};

@@ -41,6 +41,22 @@ pub fn posed_positions(mesh: &Mesh, placement: &Placement) -> Vec<DVec3> {
     (0..vertices).into_par_iter().map(|v| posed_vertex(&streams, mesh, placement, v).0).collect()
 }
 
+/// Returns whether every vertex of a mesh follows one of a skin's `joints`: those that have weights
+/// for none of them are placed by their node.
+#[must_use]
+pub fn follows_joints(mesh: &Mesh, joints: usize) -> bool {
+    let streams = Streams::of(mesh, &Placement::as_modelled(0));
+    (0..mesh.vertex_count() as u32).into_par_iter().all(|v| {
+        let mut total = 0.0;
+        streams.each_joint(mesh, v, |joint, weight| {
+            if joint < joints {
+                total += weight;
+            }
+        });
+        total > 0.0
+    })
+}
+
 /// Returns about which point a scene is to be looked at in single precision: its middle, where
 /// coordinates are so large that single precision would round them by more than a ten-millionth of
 /// its extent, else the origin. `mesh` returns that of an object.

@@ -16,6 +16,9 @@ pub struct Candidate<'a> {
     /// The coarsest level that keeps what is locked
     /// ([`Simplified::coarsest`](lodc_mesh::Simplified::coarsest)).
     pub coarsest: Lod,
+    /// How far the file that levels are chosen for moves vertices at most by quantising them, in
+    /// mesh units: what a level may err, it may err with that.
+    pub rounding: f64,
 }
 
 impl Candidate<'_> {

@@ -3,7 +3,7 @@
 
 use crate::candidate::Candidate;
 use crate::loss::Visibility;
-use crate::selection::{RecordError, Selection, Target, select};
+use crate::selection::{Limit, RecordError, Selection, Target, limits, select};
 use lodc_mesh::Simplified;
 use lodc_scene::Arrangement;
 use std::sync::OnceLock;
@@ -49,6 +49,8 @@ pub struct ObjectLevels<'a> {
     /// what that placement errs
     /// ([`MeasuredPlacements::unevenness`](lodc_scene::MeasuredPlacements::unevenness)).
     pub unevenness: f64,
+    /// As [`Candidate::rounding`].
+    pub rounding: f64,
 }
 
 impl<'a> ObjectLevels<'a> {
@@ -61,6 +63,7 @@ impl<'a> ObjectLevels<'a> {
             scale: self.scale,
             diagonal: self.simplified.mesh().diagonal(),
             coarsest: self.simplified.coarsest(),
+            rounding: self.rounding,
         }
     }
 }
@@ -97,6 +100,35 @@ impl<'a> SceneLevels<'a> {
     #[must_use]
     pub fn candidates(&self) -> Vec<Candidate<'a>> {
         self.objects.iter().map(ObjectLevels::candidate).collect()
+    }
+
+    /// Chooses from now on for a file that moves vertices, by quantising them: for each object by
+    /// so many mesh units at most. What is chosen by errors meets them with that.
+    pub fn set_rounding(&mut self, by_object: &[f64]) {
+        self.objects.iter_mut().zip(by_object).for_each(|(o, &rounding)| o.rounding = rounding);
+    }
+
+    /// Returns the objects whose error or root mean square distance, given in mesh units for each,
+    /// is larger than a target allows; none if it limits neither. `per_object` as for
+    /// [`Self::select`].
+    #[must_use]
+    pub fn beyond(
+        &self,
+        target: Target,
+        per_object: bool,
+        distances: &[(f64, Option<f64>)],
+    ) -> Vec<usize> {
+        let candidates = self.candidates();
+        let limits = limits(&candidates, target, per_object);
+        let is_beyond = |&o: &usize| {
+            let (error, rms) = distances[o];
+            match limits[o] {
+                Some(Limit::Error(most)) => is_above(error, most),
+                Some(Limit::Rms(most)) => rms.is_some_and(|rms| is_above(rms, most)),
+                None => false,
+            }
+        };
+        (0..candidates.len().min(distances.len())).filter(is_beyond).collect()
     }
 
     /// For each object the visible area of each triangle, by pictures of the whole scene from all
@@ -188,4 +220,10 @@ impl<'a> SceneLevels<'a> {
             None => Ok(()),
         }
     }
+}
+
+/// Returns whether a distance is above a limit, and not by what converting between units rounds.
+fn is_above(distance: f64, limit: f64) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    distance > limit * (1.0 + ROUNDING)
 }

@@ -29,6 +29,7 @@
 //!         scale: 1.0,
 //!         diagonal: s.mesh().diagonal(),
 //!         coarsest: s.coarsest(),
+//!         rounding: 0.0,
 //!     })
 //!     .collect();
 //! let objects: Vec<_> = simplified.iter().collect();
@@ -52,7 +53,7 @@ pub use budget::{CurveLevel, Goal, Instance, LevelCurve, SceneManager, View};
 pub use candidate::Candidate;
 pub use levels::{ObjectLevels, SceneLevels, SelectError};
 pub use loss::losses;
-pub use number::decimal;
+pub use number::{decimal, rounded_error, rounded_rms};
 pub use order::{RankedLod, ranks};
 pub use parse::{bound, count, rms_bound, share, size};
 pub use quadric::accumulated_error;

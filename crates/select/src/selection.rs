@@ -1,9 +1,9 @@
 //! Chooses one level of detail per object for a target: a record, a share, a count, an error.
 
 use crate::candidate::Candidate;
-use crate::number::{decimal, threshold};
+use crate::number::{decimal, rms_threshold, threshold};
 use crate::order::within_triangles;
-use lodc_mesh::{CollapseSequence, Lod};
+use lodc_mesh::Lod;
 
 /// What the levels of an object or a scene are to meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,10 +158,10 @@ fn level_of_object(object: &Candidate<'_>, target: Target, warnings: &mut Vec<St
         }
         Target::Ratio(r) => c.lod_for_triangles(share(r, u64::from(c.parts().triangles))),
         Target::Triangles(n) => c.lod_for_triangles(u32::try_from(n).unwrap_or(u32::MAX)),
-        Target::Error(e) => by_error(c, e),
-        Target::ErrorShare(s) => by_error(c, s * object.diagonal),
-        Target::Rms(e) => by_rms(c, e),
-        Target::RmsShare(s) => by_rms(c, s * object.diagonal),
+        Target::Error(e) => by_error(object, e),
+        Target::ErrorShare(s) => by_error(object, s * object.diagonal),
+        Target::Rms(e) => by_rms(object, e),
+        Target::RmsShare(s) => by_rms(object, s * object.diagonal),
     };
     let last = object.last();
     if lod > last {
@@ -227,6 +227,39 @@ fn levels_of_scene<L: AsRef<[Vec<f64>]>>(
     Ok(())
 }
 
+/// The largest distance that a target allows an object, in mesh units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Limit {
+    /// Error.
+    Error(f64),
+    /// Root mean square distance.
+    Rms(f64),
+}
+
+/// The limit of each object; none if the target is no distance. `per_object` as for [`select`].
+pub(crate) fn limits(
+    objects: &[Candidate<'_>],
+    target: Target,
+    per_object: bool,
+) -> Vec<Option<Limit>> {
+    let is_scene = objects.len() > 1 && !per_object;
+    let limit = |o: &Candidate<'_>| {
+        let unit = if per_object { 1.0 } else { o.world_scale() };
+        let share = |s: f64| match is_scene {
+            true => s * scene_diagonal(objects) / o.world_scale(),
+            false => s * o.diagonal,
+        };
+        match target {
+            Target::Error(e) => Some(Limit::Error(e / unit)),
+            Target::ErrorShare(s) => Some(Limit::Error(share(s))),
+            Target::Rms(e) => Some(Limit::Rms(e / unit)),
+            Target::RmsShare(s) => Some(Limit::Rms(share(s))),
+            Target::Lod(_) | Target::Ratio(_) | Target::Triangles(_) => None,
+        }
+    };
+    objects.iter().map(limit).collect()
+}
+
 /// The diagonal that percentages refer to: that of the largest object as the scene shows it, in
 /// world units.
 #[must_use]
@@ -234,15 +267,15 @@ pub fn scene_diagonal(objects: &[Candidate<'_>]) -> f64 {
     objects.iter().map(|o| o.diagonal * o.world_scale()).fold(0.0, f64::max)
 }
 
-/// Finds the coarsest level within a distance in mesh units.
-type ByDistance = fn(&CollapseSequence, f64) -> Lod;
+/// Finds an object's coarsest level within a distance in mesh units, as it is written.
+type ByDistance = fn(&Candidate<'_>, f64) -> Lod;
 
-fn by_error(collapses: &CollapseSequence, error: f64) -> Lod {
-    collapses.lod_for_error(threshold(error))
+fn by_error(object: &Candidate<'_>, error: f64) -> Lod {
+    object.collapses.lod_for_error(threshold(error, object.rounding))
 }
 
-fn by_rms(collapses: &CollapseSequence, rms: f64) -> Lod {
-    collapses.lod_for_rms(threshold(rms)).unwrap_or_default()
+fn by_rms(object: &Candidate<'_>, rms: f64) -> Lod {
+    object.collapses.lod_for_rms(rms_threshold(rms, object.rounding)).unwrap_or_default()
 }
 
 /// Chooses each object's coarsest level within a distance in world units.
@@ -254,7 +287,7 @@ fn choose_within(
 ) {
     let mut stopped = Vec::new();
     for o in objects {
-        let lod = find(o.collapses, distance / o.world_scale());
+        let lod = find(o, distance / o.world_scale());
         let last = o.last();
         if lod > last {
             stopped.push(o);

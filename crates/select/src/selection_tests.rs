@@ -1,7 +1,7 @@
 //! Selectors on sequences small enough to check by hand.
 
 use super::*;
-use lodc_mesh::SequenceParts;
+use lodc_mesh::{CollapseSequence, SequenceParts};
 
 /// Single-record steps with these errors and live triangles.
 fn sequence(triangles: u32, steps: &[(f32, u32)]) -> CollapseSequence {
@@ -18,7 +18,14 @@ fn sequence(triangles: u32, steps: &[(f32, u32)]) -> CollapseSequence {
 }
 
 fn object(collapses: &CollapseSequence, scale: f64) -> Candidate<'_> {
-    Candidate { name: "object", collapses, scale, diagonal: 10.0, coarsest: collapses.last() }
+    Candidate {
+        name: "object",
+        collapses,
+        scale,
+        diagonal: 10.0,
+        coarsest: collapses.last(),
+        rounding: 0.0,
+    }
 }
 
 /// Losses that are stored errors in world units.

@@ -55,6 +55,7 @@ fn ranks_of_objects<'a, M>(
         simplified: &o.simplified,
         scale: o.info.world_scale,
         unevenness: 1.0,
+        rounding: 0.0,
     };
     let levels: Vec<ObjectLevels<'_>> = objects.iter().map(levels).collect();
     let as_pairs = |ranks: Vec<lodc_select::RankedLod>| {

@@ -5,6 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::help::LEVEL;
 use crate::jobs::Parts;
 use crate::numbers::whole;
+use crate::rounding::Asked;
 use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
 use lodc::level_mesh::{self, LevelMesh};
@@ -57,8 +58,10 @@ pub(super) struct ChosenLevel {
     /// The largest of all objects, in world units, as `rms`.
     pub(super) error: f64,
     pub(super) rms: Option<f64>,
-    /// The distances of each object by itself, in its mesh units.
+    /// The distances of each object by itself, in its mesh units, before rounding.
     pub(super) distances: Vec<LevelDistance>,
+    /// What is asked of them.
+    pub(super) asked: Vec<Asked>,
     /// The meshes of the objects, until they are written; none of levels that are not refitted.
     pub(super) refitted: Option<Vec<LevelMesh>>,
     /// Distance from the eye that the level was chosen for, in world units; none without --pixels.
@@ -111,7 +114,8 @@ impl LevelArgs {
             let chosen = scene.select_capped(target, own, cap, false)?;
             let Selection { lods, warnings, .. } = chosen;
             let triangles = triangles(objects, &lods);
-            let level = Chosen { lods, triangles, distance, warnings };
+            let asked = self.asked(target, cap);
+            let level = Chosen { lods, triangles, distance, asked, warnings };
             let before = levels.last().map(|l| (l.triangles, &l.lods));
             if before.is_some_and(|(triangles, _)| triangles < level.triangles) {
                 return Err(Failure::usage(format!(
@@ -130,6 +134,20 @@ impl LevelArgs {
     /// The targets, finest first.
     pub(super) fn wanted(&self) -> Vec<Target> {
         self.targets().into_iter().map(|(target, _)| target).collect()
+    }
+
+    /// The largest distances that are asked of all levels.
+    pub(super) fn all_asked(&self, cap: Option<Target>) -> Vec<Asked> {
+        self.wanted().into_iter().flat_map(|target| self.asked(target, cap)).collect()
+    }
+
+    /// The largest distances that are asked of a level.
+    fn asked(&self, target: Target, cap: Option<Target>) -> Vec<Asked> {
+        let by_distance = !self.errors.is_empty() || self.pixels.is_some();
+        let option = if self.pixels.is_some() { "--pixels" } else { "--errors" };
+        let asked = |option, target| Asked { option, target, per_object: false };
+        let own = by_distance.then(|| asked(option, target));
+        own.into_iter().chain(cap.map(|cap| asked("--max-error", cap))).collect()
     }
 
     /// The distance from which a level with this error suits; none of what is gone.
@@ -175,6 +193,8 @@ pub(super) struct Chosen {
     triangles: u64,
     /// Distance that it was chosen for.
     distance: Option<f64>,
+    /// The largest distances that were asked for.
+    pub(super) asked: Vec<Asked>,
     /// Targets that were not met.
     warnings: Vec<String>,
 }
@@ -208,7 +228,7 @@ pub(super) fn described(
 ) -> (Vec<ChosenLevel>, Vec<String>) {
     let (mut levels, mut warnings): (Vec<ChosenLevel>, Vec<String>) = Default::default();
     for (number, (chosen, measured)) in chosen.into_iter().zip(measured).enumerate() {
-        let Chosen { lods, triangles, distance, warnings: unmet } = chosen;
+        let Chosen { lods, triangles, distance, asked, warnings: unmet } = chosen;
         let (distances, refitted) = match measured {
             Measured::Plain(distances) => (distances, None),
             Measured::Refitted(meshes) => {
@@ -229,6 +249,7 @@ pub(super) fn described(
             error,
             rms,
             distances,
+            asked,
             refitted,
             distance,
             geomorph: None,

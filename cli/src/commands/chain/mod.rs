@@ -6,6 +6,7 @@ mod levels;
 mod separate;
 mod shared;
 mod summary;
+mod written;
 
 use super::asset;
 use super::each::{self, JobOptions};
@@ -22,13 +23,14 @@ use crate::output::{self, DependencyRule, Target};
 use crate::program::Program;
 use crate::progress::Progress;
 use crate::results::reported;
+use crate::rounding::Room;
 use crate::selector::bound;
 use crate::stages::Stages;
 use clap::Args;
 use levels::{ChosenLevel, LevelArgs, Measured};
 use lodc::level_mesh::Order;
 use lodc::pipeline::{Growth, refitted_meshes};
-use lodc::{Errors, parting_borders, parting_line, scene_levels};
+use lodc::{Errors, SceneLevels, parting_borders, parting_line, scene_levels};
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{Limits, ObjectInfo, OutputFile, RequestedFiles, scene_graph};
 use lodc_mesh::Lod;
@@ -106,8 +108,18 @@ struct Files {
     files: Vec<OutputFile>,
     /// The main file of each level.
     of_level: Vec<PathBuf>,
-    /// What of the input the format cannot hold, or holds at a price.
-    note: Option<String>,
+    /// One line for each thing of the input that the format cannot hold, or holds at a price, and
+    /// for each distance that quantising does not keep.
+    warnings: Vec<String>,
+}
+
+/// What levels are of.
+#[derive(Clone, Copy)]
+struct Chained<'a> {
+    asset: &'a lodc::Asset,
+    scene: &'a SceneLevels<'a>,
+    /// What was left for quantising when levels were chosen.
+    room: &'a Room<'a>,
 }
 
 pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
@@ -188,47 +200,54 @@ fn chain(
     let errors = Errors::to_choose(args.levels.wanted().into_iter().chain(args.max_error));
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let limits = import.limits().limits();
-    let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
-    let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
-    let mut chosen = stages.run("select", || {
-        args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)
-    })?;
-    if !args.separate && !args.index_ranges {
-        let is_shown: Vec<bool> =
-            showing_nodes(&asset, &limits)?.iter().map(|&nodes| nodes > 0).collect();
-        if !is_shown.is_empty() && !is_shown.contains(&true) {
-            return Err(Failure::new(
-                Status::Input,
-                "no node shows a mesh, and MSFT_lod ties levels together by nodes: --index-ranges \
-                 and --separate need none",
-            ));
-        }
-        levels::keep_whole(&mut chosen, &asset.objects, &is_shown);
-    }
-    let lods: Vec<&[Lod]> = chosen.iter().map(|level| &*level.lods).collect();
+    let mut scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let encoding = args.export.compress.wanted(format, asset.compressed)?;
-    let measured: Vec<Measured> = match args.refit {
-        // Refitted levels are measured as they are made.
-        true => {
-            let order = if args.geomorph.moved_streams().is_some() {
-                Order::File
-            } else {
-                encoding.order()
-            };
-            let how = (order, Growth::from(errors));
-            let refitted = stages.checked("refit", |tick| {
-                let refitted = |lods: &&[Lod]| {
-                    refitted_meshes(&asset.objects, &asset.document, lods, how, &limits, tick)
-                };
-                lods.iter().map(refitted).collect::<Result<Vec<_>, _>>()
-            });
-            refitted?.into_iter().map(Measured::Refitted).collect()
+    let is_shown: Option<Vec<bool>> = match args.separate || args.index_ranges {
+        true => None,
+        false => Some(showing_nodes(&asset, &limits)?.iter().map(|&nodes| nodes > 0).collect()),
+    };
+    if is_shown.as_ref().is_some_and(|is_shown| !is_shown.is_empty() && !is_shown.contains(&true)) {
+        return Err(Failure::new(
+            Status::Input,
+            "no node shows a mesh, and MSFT_lod ties levels together by nodes: --index-ranges and \
+             --separate need none",
+        ));
+    }
+    let asked = args.levels.all_asked(args.max_error);
+    let mut room = Room::new(&asset, format.export_format(), encoding.precision, &asked)?;
+    let (chosen, measured) = loop {
+        room.leave(&mut scene);
+        let mut chosen = stages.run("select", || {
+            args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)
+        })?;
+        if let Some(is_shown) = &is_shown {
+            levels::keep_whole(&mut chosen, &asset.objects, is_shown);
         }
-        false => {
+        let lods: Vec<&[Lod]> = chosen.iter().map(|level| &*level.lods).collect();
+        if !args.refit {
             let distances = stages.checked("errors", |tick| asset.distances(&lods, tick))?;
-            distances.into_iter().map(Measured::Plain).collect()
+            break (chosen, distances.into_iter().map(Measured::Plain).collect());
+        }
+        // Refitted levels are measured as they are made.
+        let morphs = args.geomorph.moved_streams().is_some();
+        let order = if morphs { Order::File } else { encoding.order() };
+        let how = (order, Growth::from(errors));
+        let refitted = stages.checked("refit", |tick| {
+            let refitted = |lods: &&[Lod]| {
+                refitted_meshes(&asset.objects, &asset.document, lods, how, &limits, tick)
+            };
+            lods.iter().map(refitted).collect::<Result<Vec<_>, _>>()
+        })?;
+        let mut is_short = false;
+        for (level, meshes) in chosen.iter().zip(&refitted) {
+            is_short |= room.is_short(&scene, &level.asked, meshes)?;
+        }
+        if !is_short {
+            let measured: Vec<Measured> = refitted.into_iter().map(Measured::Refitted).collect();
+            break (chosen, measured);
         }
     };
+    let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
     let (mut levels, mut warnings) =
         stages.run("gone", || levels::described(&asset.objects, chosen, measured, &inventory));
     if let Some(last) = levels.last() {
@@ -247,12 +266,13 @@ fn chain(
     }
     let files = |encoding: EncodeOptions, levels: &mut [ChosenLevel]| {
         let options = encoding.options(textures.clone());
+        let input = Chained { asset: &asset, scene: &scene, room: &room };
         match args.separate {
             true if args.geomorph.moved_streams().is_some() => {
-                separate::morphing_files(args, out, format, &asset, levels, options)
+                separate::morphing_files(args, out, format, input, levels, options)
             }
-            true => separate::files(out, format, &asset, levels, options),
-            false => shared::files(args, out, format, &asset, levels, options),
+            true => separate::files(out, format, input, levels, options),
+            false => shared::files(args, out, format, input, levels, options),
         }
     };
     let mut alternative = encoding.alternative().map(|plain| (plain, levels.clone()));
@@ -265,7 +285,7 @@ fn chain(
             made = plain;
         }
     }
-    warnings.extend(made.note.clone());
+    warnings.extend(made.warnings.iter().cloned());
     let mut files = asset.files;
     files.extend(&images);
     output::refuse_replacing(made.files.iter().map(|file| file.path.as_path()), &files)?;

@@ -2,11 +2,13 @@
 
 use super::geomorph::{self, GeomorphShapes, MovingMesh};
 use super::levels::ChosenLevel;
-use super::{ChainArgs, Files, provenance};
+use super::written::Stated;
+use super::{ChainArgs, Chained, Files, provenance};
 use crate::compression::EncodeOptions;
 use crate::exit::Outcome;
 use crate::mesh_output::FormatName;
 use lodc::Asset;
+use lodc::Rounding;
 use lodc::geomorph::{MorphingLevel, morphing_levels, with_staying};
 use lodc::level_mesh::{self, LevelMesh, MeshOptions, Order};
 use lodc::pipeline::Way;
@@ -20,12 +22,13 @@ use std::path::{Path, PathBuf};
 pub(super) fn files(
     out: &Path,
     format: FormatName,
-    asset: &Asset,
+    chained: Chained<'_>,
     levels: &mut [ChosenLevel],
     mut options: ExportOptions,
 ) -> Outcome<Files> {
+    let Chained { asset, .. } = chained;
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
-    let mut left_out = None;
+    let (mut left_out, mut warnings) = (None, Vec::new());
     let order = EncodeOptions::of(&options).order();
     for (number, level) in levels.iter_mut().enumerate() {
         let meshes = meshes(asset, level, order)?;
@@ -37,14 +40,16 @@ pub(super) fn files(
             format.export_format(),
             &mut options,
         )?;
-        (level.error, level.rms) = made.largest;
+        warnings.extend(made.warnings.iter().map(|line| format!("level {number}: {line}")));
+        warnings.extend(chained.state(number, level, &made.of_objects));
         left_out = left_out.or(made.left_out);
         files.extend(made.files);
         // All levels share the copies.
         options.textures.copies.clear();
         of_level.push(path);
     }
-    Ok(Files { files, of_level, note: left_out })
+    warnings.splice(0..0, left_out);
+    Ok(Files { files, of_level, warnings })
 }
 
 /// The meshes of the objects at a level, with its distances.
@@ -66,21 +71,23 @@ pub(super) fn morphing_files(
     args: &ChainArgs,
     out: &Path,
     format: FormatName,
-    asset: &Asset,
+    chained: Chained<'_>,
     levels: &mut [ChosenLevel],
     mut options: ExportOptions,
 ) -> Outcome<Files> {
+    let Chained { asset, .. } = chained;
     let limits = args.export.import.limits().limits();
     let (objects, document) = (&asset.objects, &asset.document);
     let order = Order::File;
     let mut all: Vec<Vec<LevelMesh>> = Vec::new();
-    for level in levels.iter_mut() {
+    let mut stated = Stated::default();
+    for (number, level) in levels.iter_mut().enumerate() {
         let meshes = meshes(asset, level, order)?;
         let meshes_only = meshes.iter().map(|m| &m.mesh);
         let (stored, precision) = (format.export_format(), options.precision);
-        let moved =
-            level_mesh::rounding(objects, document, meshes_only, stored, precision)?.largest;
-        level_mesh::add_rounding(&mut level.error, &mut level.rms, moved);
+        let rounding = Rounding::new(objects, document, meshes_only, stored, precision)?;
+        let triangles: Vec<&[[u32; 3]]> = meshes.iter().map(|m| m.mesh.triangles()).collect();
+        stated.add(chained, &rounding, (number, level), &triangles);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
         all.push(meshes);
     }
@@ -153,7 +160,7 @@ pub(super) fn morphing_files(
         options.textures.copies.clear();
         of_level.push(path);
     }
-    Ok(Files { files, of_level, note: None })
+    Ok(Files { files, of_level, warnings: stated.warnings })
 }
 
 /// The triangles of a level by submesh, in an order for vertex caches or for compression.

@@ -2,15 +2,14 @@
 
 use super::geomorph::{self, GeomorphShapes, MovingMesh};
 use super::levels::ChosenLevel;
-use super::{ChainArgs, Files, provenance, showing_nodes};
+use super::written::Stated;
+use super::{ChainArgs, Chained, Files, provenance, showing_nodes};
 use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::FormatName;
 use lodc::geomorph::with_staying;
+use lodc::level_mesh::CACHE_VERTICES;
 use lodc::pipeline::{GeomorphJudge, Way};
-use lodc::{
-    Asset, LodObject,
-    level_mesh::{self, CACHE_VERTICES},
-};
+use lodc::{Asset, LodObject, Rounding};
 use lodc_formats::OutputFile;
 use lodc_formats::export::ExportOptions;
 use lodc_formats::gltf::{ChainObject, ChainShape, Geomorph, MovedStreams, export_chain};
@@ -28,10 +27,11 @@ pub(super) fn files(
     args: &ChainArgs,
     out: &Path,
     format: FormatName,
-    asset: &Asset,
+    chained: Chained<'_>,
     levels: &mut [ChosenLevel],
     mut options: ExportOptions,
 ) -> Outcome<Files> {
+    let Chained { asset, .. } = chained;
     let moved_streams = args.geomorph.moved_streams();
     let made: Vec<MorphingChain> = (0..asset.objects.len())
         .into_par_iter()
@@ -50,10 +50,12 @@ pub(super) fn files(
         asset.objects.iter().enumerate().map(|(o, object)| coverage(object, o, levels)).collect();
     let (meshes, precision) = (chains.iter().map(|c| &c.mesh), options.precision);
     let stored = format.export_format();
-    let rounding =
-        level_mesh::rounding(&asset.objects, &asset.document, meshes, stored, precision)?.largest;
+    let rounding = Rounding::new(&asset.objects, &asset.document, meshes, stored, precision)?;
+    let mut stated = Stated::default();
     for (k, level) in levels.iter_mut().enumerate() {
-        level_mesh::add_rounding(&mut level.error, &mut level.rms, rounding);
+        let triangles: Vec<_> = chains.iter().map(|chain| chain.levels[k].concat()).collect();
+        let triangles: Vec<&[[u32; 3]]> = triangles.iter().map(Vec::as_slice).collect();
+        stated.add(chained, &rounding, (k, level), &triangles);
         level.vertices = chains.iter().map(|c| u64::from(c.prefixes[k])).sum();
     }
     if let Some(moved_streams) = moved_streams {
@@ -103,7 +105,9 @@ pub(super) fn files(
         ChainShape::Nodes => repeated_nodes(args, asset, &files)?,
         ChainShape::IndexRanges => None,
     };
-    Ok(Files { files, of_level: vec![out.to_owned(); levels.len()], note })
+    let mut warnings = stated.warnings;
+    warnings.extend(note);
+    Ok(Files { files, of_level: vec![out.to_owned(); levels.len()], warnings })
 }
 
 /// The vertices of an object where they go, of which those stay that would spoil a shape; with the

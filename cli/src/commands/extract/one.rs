@@ -8,10 +8,11 @@ use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{self, DependencyRule, Target};
 use crate::progress::Progress;
+use crate::rounding::{Asked, Room, distances};
 use crate::stages::Stages;
 use crate::views::CriterionName;
 use lodc::{
-    Asset, Errors, WrittenLevel,
+    Asset, Errors, SceneLevels, WrittenLevel,
     level_mesh::{self, LevelMesh, MeshOptions, Order},
     parting_borders, parting_line,
     pipeline::{Growth, measured, refitted_meshes},
@@ -54,9 +55,16 @@ pub(super) fn extract(
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let encoding = args.export.compress.wanted(format, asset.compressed)?;
     let order = args.order.map_or(encoding.order(), Into::into);
+    let limits = args.export.import.limits().limits();
+    let mut scene = scene_levels(&asset.objects, &asset.document, &limits)?;
+    let asked = if criterion.is_some() { Vec::new() } else { asked(args) };
+    let mut room = Room::new(&asset, format.export_format(), encoding.precision, &asked)?;
     let level = match criterion {
-        Some(name) => view(args, name, order, input, &asset, &mut stages)?,
-        None => uniform(args, order, errors, input, &asset, &mut stages)?,
+        Some(name) => view(args, name, order, input, &asset, &scene, &mut stages)?,
+        None => {
+            let to_choose = (&mut scene, &mut room, &asked[..]);
+            uniform(args, order, errors, input, &asset, to_choose, &mut stages)?
+        }
     };
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
@@ -70,6 +78,9 @@ pub(super) fn extract(
         let mut report = report(input, &asset, &level, &made, target);
         report.warnings.extend_from_slice(&textures.warnings);
         report.warnings.extend(made.left_out);
+        report.warnings.extend(made.warnings);
+        let before = distances(&level.meshes);
+        report.warnings.extend(room.unmet(&scene, &asked, &before, &made.of_objects));
         Ok((report, made.files))
     };
     let (mut report, mut files) = stages.run("export", || encoded(encoding))?;
@@ -113,6 +124,13 @@ fn errors(args: &ExtractArgs, criterion: Option<CriterionName>) -> Errors {
     }
 }
 
+/// The largest distances that are asked for.
+fn asked(args: &ExtractArgs) -> Vec<Asked> {
+    let per_object = args.selector.per_object();
+    let max_error = |target| Asked { option: "--max-error", target, per_object };
+    args.selector.largest_distance().into_iter().chain(args.max_error.map(max_error)).collect()
+}
+
 /// A level that was taken out.
 struct ExtractedLevel {
     meshes: Vec<LevelMesh>,
@@ -125,41 +143,48 @@ struct ExtractedLevel {
     warnings: Vec<String>,
 }
 
-/// One level of detail for each object.
+/// One level of detail for each object, chosen anew until what is written leaves `room`.
 fn uniform(
     args: &ExtractArgs,
     order: Order,
     errors: Errors,
     input: &Path,
     asset: &Asset,
+    (scene, room, asked): (&mut SceneLevels<'_>, &mut Room<'_>, &[Asked]),
     stages: &mut Stages,
 ) -> Outcome<ExtractedLevel> {
     let shape = MeshOptions { model: model(args, input, asset)?, order };
     let limits = args.export.import.limits().limits();
-    let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let wanted = args.selector.target().expect("there is a level or a criterion");
     let per_object = args.selector.per_object();
     let own = |object: &str| args.export.simplify.parts.all().extract_level(object);
-    let chosen =
-        stages.run("select", || scene.select_capped(wanted, own, args.max_error, per_object))?;
-    let lods = &chosen.lods;
-    let meshes = if args.refits() {
-        stages.checked("extract", |tick| {
-            let how = (order, Growth::from(errors));
-            refitted_meshes(&asset.objects, &asset.document, lods, how, &limits, tick)
-        })?
-    } else {
-        let distances =
-            stages.checked("errors", |tick| asset.distances(&[lods], tick))?.swap_remove(0);
-        let meshes = stages.run("extract", || level_mesh::meshes(&asset.objects, lods, shape));
-        let mut meshes = meshes?;
-        for (mesh, distance) in meshes.iter_mut().zip(distances) {
-            (mesh.error, mesh.rms) = (distance.error, distance.rms);
+    let (chosen, meshes) = loop {
+        room.leave(scene);
+        let chosen = stages
+            .run("select", || scene.select_capped(wanted, own, args.max_error, per_object))?;
+        let lods = &chosen.lods;
+        let meshes = if args.refits() {
+            stages.checked("extract", |tick| {
+                let how = (order, Growth::from(errors));
+                refitted_meshes(&asset.objects, &asset.document, lods, how, &limits, tick)
+            })?
+        } else {
+            let distances =
+                stages.checked("errors", |tick| asset.distances(&[lods], tick))?.swap_remove(0);
+            let meshes = stages.run("extract", || level_mesh::meshes(&asset.objects, lods, shape));
+            let mut meshes = meshes?;
+            for (mesh, distance) in meshes.iter_mut().zip(distances) {
+                (mesh.error, mesh.rms) = (distance.error, distance.rms);
+            }
+            meshes
+        };
+        if !room.is_short(scene, asked, &meshes)? {
+            break (chosen, meshes);
         }
-        meshes
     };
+    let lods = &chosen.lods;
     let parting = parting_borders(&asset.objects, lods, &asset.document, &limits)?;
-    let inventory = PartInventory::new(&asset.objects, &scene, &asset.document)?;
+    let inventory = PartInventory::new(&asset.objects, scene, &asset.document)?;
     let gone = stages.run("gone", || inventory.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
     Ok(ExtractedLevel {
         meshes,
@@ -183,17 +208,17 @@ fn view(
     order: Order,
     input: &Path,
     asset: &Asset,
+    levels: &SceneLevels<'_>,
     stages: &mut Stages,
 ) -> Outcome<ExtractedLevel> {
     args.view.check_models(input, &asset.objects)?;
     let limits = args.export.import.limits().limits();
-    let levels = scene_levels(&asset.objects, &asset.document, &limits)?;
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
     let graph = scene_graph(&asset.document, &infos, &limits)?;
     let pose = args.pose.of(input, &asset.document, &graph, &limits)?;
     let scene = Arrangement::new(&graph, &pose, infos.len());
     let views = stages
-        .run("select", || args.view.of_scene(name, &args.selector, &levels, &scene))
+        .run("select", || args.view.of_scene(name, &args.selector, levels, &scene))
         .map_err(|f| Failure { message: format!("{}: {f}", input.display()), ..f })?;
     let shown =
         stages.run("extract", || views.show(views.max_triangles(args.selector.target())))?;

@@ -158,6 +158,9 @@ pub struct RoundedObject {
     /// The object without triangles, its positions, its targets' and the weights of its joints
     /// rounded, in mesh units.
     pub mesh: Mesh,
+    /// Whether positions were to be rounded but stay as they are, since some vertices, of it or of
+    /// what shares its skin, follow no joint.
+    pub lacks_joints: bool,
 }
 
 /// What rounding does to each object.
@@ -171,6 +174,10 @@ pub(super) fn rounded(
     written_objects: &[WrittenObject<'_>],
 ) -> Result<Vec<RoundedObject>, FormatError> {
     let positions = position_grids(precision, document, root, written_objects)?;
+    let lacks_joints = match precision.position {
+        Some(_) => positions::lacking_joints(root, written_objects),
+        None => vec![false; written_objects.len()],
+    };
     let textures = TextureGrids::default();
     let quantizer = Quantizer { precision, positions, textures, keeps_srgb: false };
     let rounded = |(object, written): (usize, &WrittenObject<'_>)| {
@@ -197,6 +204,7 @@ pub(super) fn rounded(
         RoundedObject {
             moved: grid.map_or(0.0, |grid| 0.5 * 3f64.sqrt() * grid.step),
             mesh: Mesh::try_from(parts).expect("positions of no triangle"),
+            lacks_joints: lacks_joints[object],
         }
     };
     Ok(written_objects.iter().enumerate().map(rounded).collect())

@@ -7,7 +7,7 @@ use crate::gltf::graph::scene_graph;
 use crate::gltf::json::Object;
 use crate::{Document, FormatError, Limits, ObjectInfo};
 use lodc_mesh::{Attribute, Component, DisjointSets, Mesh, Semantic};
-use lodc_scene::Arrangement;
+use lodc_scene::{Arrangement, follows_joints};
 use std::collections::BTreeMap;
 
 /// Largest number of steps by which a morph target moves a position: they are stored as `i16`.
@@ -37,7 +37,9 @@ pub(super) fn grids(
     let world_step = scene_size(document, written_objects, &boxes)? / (last_number(bits) - 1.0);
     let groups = groups(root, written_objects);
     let mut grids = vec![None; written_objects.len()];
-    for group in groups.iter().filter(|g| g.iter().all(|&o| is_movable(root, written_objects, o))) {
+    let lacks_joints = lacking_joints(root, written_objects);
+    let is_movable = |&o: &usize| !lacks_joints[o] && is_movable(root, written_objects, o);
+    for group in groups.iter().filter(|group| group.iter().all(is_movable)) {
         let mut all = Bounds::EMPTY;
         group.iter().for_each(|&o| all.join(&boxes[o]));
         // In mesh units.
@@ -93,6 +95,24 @@ fn groups(root: &Object, written_objects: &[WrittenObject<'_>]) -> Vec<Vec<usize
         groups.entry(joined.find(o as u32)).or_default().push(o);
     }
     groups.into_values().collect()
+}
+
+/// Objects that no matrices of a skin can place: some of their vertices have no weight for any of
+/// its joints, so that these follow the node. With them all that share the matrices.
+pub(super) fn lacking_joints(root: &Object, written_objects: &[WrittenObject<'_>]) -> Vec<bool> {
+    let lacks = |o: &usize| {
+        let written = &written_objects[*o];
+        let skins = nodes_showing(root, written.mesh).filter_map(|n| n["skin"].as_index());
+        let joints = skins.map(|skin| root["skins"][skin]["joints"].list().len()).min();
+        joints.is_some_and(|joints| !follows_joints(&written.geometry, joints))
+    };
+    let mut lacking = vec![false; written_objects.len()];
+    for group in groups(root, written_objects) {
+        if group.iter().any(lacks) {
+            group.iter().for_each(|&o| lacking[o] = true);
+        }
+    }
+    lacking
 }
 
 /// Returns whether there is something that shows an object, and all of that can be given a

@@ -1,0 +1,243 @@
+//! What writing rounds, and how far that takes levels from the input.
+
+use crate::LodObject;
+use crate::shapes::{bends, farthest_vertex, stated_shapes};
+use lodc_formats::export::{
+    ExportFormat, ExportObject, Precision, RoundedObject, flattening, reading, rounded,
+};
+use lodc_formats::{Document, FormatError, Limits};
+use lodc_mesh::{Mesh, PositionIds, is_degenerate};
+use lodc_scene::ObjectShapes;
+use lodc_select::{rounded_error, rounded_rms};
+use std::collections::BTreeSet;
+
+/// What writing rounds in the meshes of one level, or in those that several levels share: how far
+/// coordinates stand from where the input has them, as it was read and as the format stores them,
+/// and what quantising does.
+#[derive(Debug)]
+pub struct Rounding<'a> {
+    by_object: Vec<ObjectRounding<'a>>,
+}
+
+#[derive(Debug)]
+struct ObjectRounding<'a> {
+    object: &'a LodObject,
+    /// How far reading and the format move vertices at most, in mesh units.
+    stored: f64,
+    /// None if no vertex is quantised.
+    quantised: Option<Quantised>,
+    /// Whether positions were to be quantised, but are not because some vertices have no joint.
+    is_kept: bool,
+}
+
+impl<'a> Rounding<'a> {
+    /// What writing rounds in `meshes`, one for each object.
+    ///
+    /// # Errors
+    /// If the document is damaged.
+    pub fn new(
+        objects: &'a [LodObject],
+        document: &Document,
+        meshes: impl Iterator<Item = &'a Mesh>,
+        format: ExportFormat,
+        precision: Precision,
+    ) -> Result<Self, FormatError> {
+        let one = |(o, mesh): (&'a LodObject, &'a Mesh)| ExportObject { info: &o.info, mesh };
+        let exported: Vec<ExportObject<'a>> = objects.iter().zip(meshes).map(one).collect();
+        let stored = flattening(format, document, &exported)?;
+        let rounded = rounded(document, &exported, precision)?;
+        let mut shapes = match rounded {
+            Some(_) => stated_shapes(objects, document, &Limits::DEFAULT)?.into_iter(),
+            None => Vec::new().into_iter(),
+        };
+        let mut rounded = rounded.into_iter().flatten();
+        let mut by_object = Vec::with_capacity(objects.len());
+        for ((object, stored), exported) in objects.iter().zip(stored).zip(&exported) {
+            let rounded = rounded.next().zip(shapes.next());
+            let is_kept = rounded.as_ref().is_some_and(|(rounded, _)| rounded.lacks_joints);
+            let stored = stored + reading(document, object.simplified.mesh());
+            let quantised = |(rounded, shapes)| Quantised::new(exported.mesh, rounded, shapes);
+            let quantised = rounded.map(quantised).filter(|q| q.moved > 0.0);
+            by_object.push(ObjectRounding { object, stored, quantised, is_kept });
+        }
+        Ok(Self { by_object })
+    }
+
+    /// How far quantising moves the vertices of each object at most, in mesh units.
+    #[must_use]
+    pub fn quantising(&self) -> Vec<f64> {
+        self.by_object.iter().map(|o| o.quantised.as_ref().map_or(0.0, |q| q.moved)).collect()
+    }
+
+    /// The error and the root mean square distance of an object's level as a file has it, in mesh
+    /// units, given those before rounding. `triangles` are those of the level, over the mesh that
+    /// this was made for.
+    #[must_use]
+    pub fn distances(
+        &self,
+        object: usize,
+        triangles: &[[u32; 3]],
+        before: (f64, Option<f64>),
+    ) -> (f64, Option<f64>) {
+        let ObjectRounding { object, stored, quantised, .. } = &self.by_object[object];
+        let (error, rms) = match quantised {
+            Some(quantised) => quantised.distances(object.simplified.mesh(), triangles, before),
+            None => before,
+        };
+        added((error, rms), *stored)
+    }
+
+    /// One line for each object whose positions are not quantised although they were to be.
+    #[must_use]
+    pub fn kept(&self) -> Vec<String> {
+        let kept = self.by_object.iter().filter(|o| o.is_kept).map(|o| &o.object.info.name);
+        let line = |name| {
+            format!(
+                "{name}: positions are not quantised: vertices without weights do not follow the \
+                 joints that would undo it"
+            )
+        };
+        kept.map(line).collect()
+    }
+
+    /// One line for each object with triangles that quantising leaves without area; `triangles` are
+    /// those of each.
+    #[must_use]
+    pub fn flattened(&self, triangles: &[&[[u32; 3]]]) -> Vec<String> {
+        let line = |(o, triangles): (&ObjectRounding<'_>, &&[[u32; 3]])| {
+            let quantised = o.quantised.as_ref()?;
+            let lost = triangles.iter().filter(|t| quantised.flattens(t)).count();
+            let triangles = if lost == 1 { "triangle has" } else { "triangles have" };
+            let name = &o.object.info.name;
+            (lost > 0).then(|| format!("{name}: {lost} {triangles} no area after quantising"))
+        };
+        self.by_object.iter().zip(triangles).filter_map(line).collect()
+    }
+}
+
+/// Distances with what moving vertices by at most `moved` adds.
+fn added((error, rms): (f64, Option<f64>), moved: f64) -> (f64, Option<f64>) {
+    (rounded_error(error, moved), rms.map(|rms| rounded_rms(rms, moved)))
+}
+
+/// A mesh as quantising leaves it.
+#[derive(Debug)]
+struct Quantised {
+    /// The farthest that a vertex moves in the placements and poses that errors are the largest
+    /// over: where targets add to each other or joints move vertices, farther than at rest.
+    moved: f64,
+    /// Its vertices, without triangles.
+    mesh: Mesh,
+    /// Vertices that have come together have one number.
+    ids: PositionIds,
+    shapes: ObjectShapes,
+    #[cfg(feature = "build")]
+    originals: std::sync::OnceLock<Vec<lodc_errors::Measurable>>,
+}
+
+impl Quantised {
+    fn new(mesh: &Mesh, rounded: RoundedObject, shapes: ObjectShapes) -> Self {
+        let mut moved = rounded.moved;
+        if bends(mesh) {
+            let all = 0..mesh.vertex_count() as u32;
+            moved = moved.max(farthest_vertex(shapes.all(), mesh, &rounded.mesh, &all));
+        }
+        Self {
+            moved,
+            ids: rounded.mesh.position_ids(),
+            mesh: rounded.mesh,
+            shapes,
+            #[cfg(feature = "build")]
+            originals: std::sync::OnceLock::new(),
+        }
+    }
+
+    /// Returns whether a triangle has two corners at one place.
+    fn flattens(&self, triangle: &[u32; 3]) -> bool {
+        is_degenerate(self.numbers(triangle))
+    }
+
+    fn numbers(&self, triangle: &[u32; 3]) -> [u32; 3] {
+        triangle.map(|v| self.ids.of_vertex[v as usize])
+    }
+
+    /// The distances of a level of `input` once it is quantised.
+    fn distances(
+        &self,
+        input: &Mesh,
+        triangles: &[[u32; 3]],
+        before: (f64, Option<f64>),
+    ) -> (f64, Option<f64>) {
+        let bound = added(before, self.moved);
+        if triangles.is_empty() || !before.0.is_finite() {
+            return bound;
+        }
+        // No point of a face moves farther than its corners. But what is left without area is not
+        // drawn: the bound holds if other faces are where it was.
+        let holds = self.covers(triangles);
+        let is_near = holds && before.0 + self.moved <= NEAR_ENOUGH * before.0;
+        let is_large = input.triangles().len() + triangles.len() > MAX_MEASURED;
+        if holds && (is_near || is_large) {
+            return bound;
+        }
+        let (error, rms) = self.measured(input, triangles);
+        (if holds { error.min(bound.0) } else { error }, bound.1.and(rms))
+    }
+
+    /// Returns whether each triangle that is left without area, a line or a point by now, is an
+    /// edge or a corner of one with area.
+    fn covers(&self, triangles: &[[u32; 3]]) -> bool {
+        let lost: Vec<[u32; 3]> =
+            triangles.iter().filter(|t| self.flattens(t)).map(|t| self.numbers(t)).collect();
+        if lost.is_empty() {
+            return true;
+        }
+        let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
+        let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+        let (mut kept_edges, mut kept_corners) = (BTreeSet::new(), BTreeSet::new());
+        for t in triangles.iter().filter(|t| !self.flattens(t)).map(|t| self.numbers(t)) {
+            kept_edges.extend(edges(t).map(sorted));
+            kept_corners.extend(t);
+        }
+        let is_kept = |edge: [u32; 2]| match edge {
+            [a, b] if a == b => kept_corners.contains(&a),
+            _ => kept_edges.contains(&sorted(edge)),
+        };
+        lost.into_iter().all(|t| edges(t).into_iter().all(is_kept))
+    }
+
+    /// Measures the triangles that have an area: upper bound and root mean square distance, the
+    /// largest over all shapes.
+    #[cfg(feature = "build")]
+    fn measured(&self, input: &Mesh, triangles: &[[u32; 3]]) -> (f64, Option<f64>) {
+        use lodc_errors::{Distances, Measurable};
+        let shapes = self.shapes.all();
+        let surface = |triangles: &[[u32; 3]], at: &[[f32; 3]]| {
+            Measurable::new(triangles.iter().map(|t| t.map(|v| at[v as usize])))
+        };
+        let originals = self.originals.get_or_init(|| {
+            shapes.iter().map(|shape| surface(input.triangles(), &shape.of(input))).collect()
+        });
+        let kept: Vec<[u32; 3]> = triangles.iter().filter(|t| !self.flattens(t)).copied().collect();
+        let mut largest = Distances::default();
+        for (shape, original) in shapes.iter().zip(originals) {
+            largest = largest.max(original.distances(&surface(&kept, &shape.of(&self.mesh))));
+        }
+        (largest.upper, Some(largest.rms))
+    }
+
+    /// Nothing is known without what measures.
+    #[cfg(not(feature = "build"))]
+    fn measured(&self, _: &Mesh, _: &[[u32; 3]]) -> (f64, Option<f64>) {
+        let farthest = f64::INFINITY;
+        (farthest, Some(farthest))
+    }
+}
+
+/// A bound that is at most this many times the error before rounding is near enough, and nothing
+/// is measured. Chosen by hand.
+const NEAR_ENOUGH: f64 = 1.05;
+
+/// Triangles of an input and a level together from which on a bound is stated, not what is
+/// measured, where the bound holds. Chosen by hand.
+const MAX_MEASURED: usize = 50_000;
