@@ -230,3 +230,36 @@ fn an_object_without_triangles_stays_as_it_is() {
     let c = sequence(0, &[(0.0, 0)]);
     assert_eq!(lods(&[object(&c, 1.0)], Target::Ratio(0.5)), [0]);
 }
+
+#[test]
+fn what_quantising_adds_is_within_what_is_asked() {
+    let c = sequence(10, &[(0.1, 8), (0.2, 6), (0.3, 4), (0.4, 2), (0.8, 0)]);
+    let rounded = |rounding| [Candidate { rounding, ..object(&c, 2.0) }];
+    assert_eq!(lods(&rounded(0.0), Target::Error(0.6)), [3]);
+    assert_eq!(lods(&rounded(0.1), Target::Error(0.61)), [2], "0.2 and 0.1, twice as large");
+    assert_eq!(lods(&rounded(0.15), Target::ErrorShare(0.03)), [1]);
+    assert_eq!(
+        lods(&rounded(0.5), Target::Error(0.6)),
+        [0],
+        "the finest, where the grid is coarse"
+    );
+    let both = [rounded(0.0)[0], rounded(0.15)[0]];
+    assert_eq!(lods(&both, Target::Error(0.6)), [3, 1], "each leaves its own room");
+    assert_eq!(lods(&both, Target::Triangles(20)), [0, 0], "triangles need none");
+}
+
+#[test]
+fn root_mean_squares_leave_room_for_those_of_a_grid() {
+    let c = CollapseSequence::try_from(SequenceParts {
+        step_rms: vec![0.03, 0.04],
+        ..sequence(10, &[(0.1, 8), (0.2, 6)]).parts().clone()
+    })
+    .expect("steps in order make a sequence");
+    let rounded = |rounding| [Candidate { rounding, ..object(&c, 1.0) }];
+    // Half the diagonal of a cell of 0.06: a root mean square of 0.03 for each vertex.
+    let half_diagonal = 0.03 * 3f64.sqrt();
+    assert_eq!(lods(&rounded(half_diagonal), Target::Rms(0.0501)), [2]);
+    assert_eq!(lods(&rounded(half_diagonal), Target::Rms(0.0499)), [1]);
+    assert_eq!(lods(&rounded(half_diagonal), Target::Rms(0.0301)), [0]);
+    assert_eq!(lods(&rounded(half_diagonal), Target::Rms(0.01)), [0]);
+}

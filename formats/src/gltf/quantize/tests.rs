@@ -282,3 +282,63 @@ fn animations_and_skins_are_compressed_and_come_back_exactly() {
     let plain = file(&scene, Precision::default(), false);
     assert!(bytes.len() < plain.len(), "{} {}", bytes.len(), plain.len());
 }
+
+#[test]
+fn skinned_positions_stay_where_a_vertex_follows_no_joint() {
+    let shows = |weightless: &[usize]| {
+        let mut b = Builder::default();
+        let (indices, plain) = sheet(&mut b);
+        let count = SIDE * SIDE;
+        let joints: Vec<u8> = (0..count).flat_map(|i| [(i % 2) as u8, 7, 0, 0]).collect();
+        let skinned = |b: &mut Builder, without: &[usize]| {
+            // Joint 7 does not exist: its weight moves nothing.
+            let weights = (0..count).map(|v| match without.contains(&v) {
+                true => [0.0, 1.0, 0.0, 0.0],
+                false => [1.0, 0.0, 0.0, 0.0],
+            });
+            let weights = weights.collect::<Vec<_>>().concat();
+            let mut attributes = plain.clone();
+            attributes["JOINTS_0"] = b.data(5121, "VEC4", count, &joints).into();
+            attributes["WEIGHTS_0"] = b.floats("VEC4", 4, &weights).into();
+            json!({ "primitives": [{ "attributes": attributes, "indices": indices }] })
+        };
+        let meshes = [skinned(&mut b, weightless), skinned(&mut b, &[]), skinned(&mut b, &[])];
+        let identity =
+            [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.].map(|v: f32| v);
+        let matrices = [0, 1].map(|_| b.floats("MAT4", 16, &[identity; 2].concat()));
+        let mut root = b.with_meshes(&json!(meshes));
+        root["nodes"] = json!([
+            { "mesh": 0, "skin": 0, "translation": [3.0, 0.0, 0.0] },
+            { "mesh": 1, "skin": 0 },
+            { "mesh": 2, "skin": 1 },
+            { "mesh": 2, "translation": [0.0, 9.0, 0.0] },
+            { "mesh": 0, "translation": [0.0, 0.0, 9.0] },
+            { "translation": [1.0, 0.0, 0.0] },
+            {},
+        ]);
+        let skin = |matrices: usize| json!({ "joints": [5, 6], "inverseBindMatrices": matrices });
+        root["skins"] = json!([skin(matrices[0]), skin(matrices[1])]);
+        root["scenes"] = json!([{ "nodes": [0, 1, 2, 3, 4, 5, 6] }]);
+        sound(&root)
+    };
+    let precision = Precision { position: Some(12), ..Precision::default() };
+    // With one such vertex, the mesh and the one that has its matrices.
+    for (weightless, stays) in [(&[][..], [false; 3]), (&[9], [true, true, false])] {
+        let plain = shows(weightless);
+        let quantised = written(&plain, precision, false);
+        let is_on_a_grid = |o: &crate::SceneObject| {
+            o.mesh.attributes().iter().any(|a| a.semantic == Semantic::Position)
+        };
+        let on_grids: Vec<bool> = quantised.objects.iter().map(is_on_a_grid).collect();
+        assert_eq!(on_grids, stays.map(|stays| !stays));
+        let [before, after] = [&plain, &quantised].map(positions_in_scene);
+        for (a, b) in before.iter().flatten().zip(after.iter().flatten()) {
+            assert_close(a, b, 0.01);
+        }
+        let objects: Vec<_> =
+            plain.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
+        let rounded = crate::export::rounded(&plain.document, &objects, precision);
+        let rounded = rounded.expect("a sound document").expect("positions are rounded");
+        assert_eq!(rounded.iter().map(|r| r.lacks_joints).collect::<Vec<_>>(), stays);
+    }
+}
