@@ -182,10 +182,12 @@ impl Quantised {
         // drawn: the bound holds if other faces are where it was.
         let holds = self.covers(triangles);
         let is_near = holds && before.0 + self.moved <= NEAR_ENOUGH * before.0;
-        if holds && (is_near || !self.is_small) {
+        let unseen = self.unseen();
+        let is_blurred = unseen > MAX_UNSEEN * self.moved;
+        if holds && (is_near || !self.is_small || is_blurred) {
             return bound;
         }
-        let (error, rms) = added(self.measured(input, triangles), self.unseen());
+        let (error, rms) = added(self.measured(input, triangles), unseen);
         (if holds { error.min(bound.0) } else { error }, bound.1.and(rms))
     }
 
@@ -250,6 +252,9 @@ impl Quantised {
 /// A bound that is at most this many times the error before rounding is near enough, and nothing
 /// is measured. Chosen by hand.
 const NEAR_ENOUGH: f64 = 1.05;
+
+/// The largest share of what quantising moves vertices by that measuring may miss. Chosen by hand.
+const MAX_UNSEEN: f64 = 0.1;
 
 /// Triangles of a scene above which bounds are stated where they hold: measuring takes up to as
 /// long as extracting the finest level does, some 40 ms for so many. Chosen by hand.
