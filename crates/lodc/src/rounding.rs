@@ -133,6 +133,7 @@ struct Quantised {
     mesh: Mesh,
     /// Vertices that have come together have one number.
     ids: PositionIds,
+    #[cfg(feature = "build")]
     shapes: ObjectShapes,
     /// Whether the scene is so small that levels are measured where a bound is loose.
     is_small: bool,
@@ -151,6 +152,7 @@ impl Quantised {
             moved,
             ids: rounded.mesh.position_ids(),
             mesh: rounded.mesh,
+            #[cfg(feature = "build")]
             shapes,
             is_small,
             #[cfg(feature = "build")]

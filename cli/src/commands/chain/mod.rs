@@ -182,6 +182,26 @@ fn showing_nodes(asset: &lodc::Asset, limits: &Limits) -> Outcome<Vec<usize>> {
     Ok(numbers)
 }
 
+/// By object whether a node shows it, where nodes tie levels together.
+///
+/// # Errors
+/// If none does.
+fn shown(args: &ChainArgs, asset: &lodc::Asset, limits: &Limits) -> Outcome<Option<Vec<bool>>> {
+    if args.separate || args.index_ranges {
+        return Ok(None);
+    }
+    let is_shown: Vec<bool> =
+        showing_nodes(asset, limits)?.iter().map(|&nodes| nodes > 0).collect();
+    if !is_shown.is_empty() && !is_shown.contains(&true) {
+        return Err(Failure::new(
+            Status::Input,
+            "no node shows a mesh, and MSFT_lod ties levels together by nodes: --index-ranges and \
+             --separate need none",
+        ));
+    }
+    Ok(Some(is_shown))
+}
+
 /// Makes the chain of one input.
 ///
 /// # Errors
@@ -202,17 +222,7 @@ fn chain(
     let limits = import.limits().limits();
     let mut scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let encoding = args.export.compress.wanted(format, asset.compressed)?;
-    let is_shown: Option<Vec<bool>> = match args.separate || args.index_ranges {
-        true => None,
-        false => Some(showing_nodes(&asset, &limits)?.iter().map(|&nodes| nodes > 0).collect()),
-    };
-    if is_shown.as_ref().is_some_and(|is_shown| !is_shown.is_empty() && !is_shown.contains(&true)) {
-        return Err(Failure::new(
-            Status::Input,
-            "no node shows a mesh, and MSFT_lod ties levels together by nodes: --index-ranges and \
-             --separate need none",
-        ));
-    }
+    let is_shown = shown(args, &asset, &limits)?;
     let asked = args.levels.all_asked(args.max_error);
     let mut room = Room::new(&asset, format.export_format(), encoding.precision, &asked)?;
     let (chosen, measured) = loop {
