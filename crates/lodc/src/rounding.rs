@@ -259,8 +259,8 @@ const NEAR_ENOUGH: f64 = 1.05;
 const MAX_UNSEEN: f64 = 0.1;
 
 /// Triangles of a scene above which bounds are stated where they hold: measuring takes up to as
-/// long as extracting the finest level does, some 40 ms for so many. Chosen by hand.
-const MAX_MEASURED: usize = 10_000;
+/// long as extracting the finest level does, some 20 ms for so many. Chosen by hand.
+const MAX_MEASURED: usize = 4_000;
 
 #[cfg(all(test, feature = "build"))]
 mod tests {
