@@ -394,6 +394,7 @@ fn results_without_an_input_are_named_and_pruned() {
 
 #[test]
 fn results_of_named_files_and_lists_are_no_orphans() {
+    const NAMES: [&str; 3] = ["a.obj", "b.obj", "elsewhere/c.obj"];
     let f = Folder::new();
     f.file("in/a.obj", grid(4));
     f.file("b.obj", grid(5));
@@ -406,11 +407,11 @@ fn results_of_named_files_and_lists_are_no_orphans() {
     for shard in [&[][..], &["--shard", "1/2"], &["--shard", "2/2"]] {
         let run = f.lodc(["build", "in", "b.obj"].iter().chain(&more).chain(shard)).ends(0);
         assert!(!run.err.contains("removed"), "{}", run.err);
-        ["a.obj", "b.obj", "elsewhere/c.obj"].map(|name| made(name, "lodc"));
+        NAMES.iter().for_each(|name| made(name, "lodc"));
     }
     let level = ["--lod", "0", "--format", "obj", "--if-changed"];
     f.lodc(["extract", "in", "b.obj"].iter().chain(&more).chain(&level)).ends(0);
-    ["a.obj", "b.obj", "elsewhere/c.obj"].map(|name| made(name, "obj"));
+    NAMES.iter().for_each(|name| made(name, "obj"));
 }
 
 #[test]

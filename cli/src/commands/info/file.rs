@@ -36,7 +36,7 @@ const TABLE_SHARES: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.01];
 /// If it is damaged, or a baseline cannot be made.
 pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoReport> {
     let file = parse_lodc(bytes, name)?;
-    let (bounds, levels_table) = scene_report(&file)?;
+    let (bounds, levels_table) = (bounds(&file)?, levels_table(&file)?);
     Ok(InfoReport {
         schema_version: SCHEMA_VERSION,
         format: "lodc",
@@ -64,11 +64,10 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
     })
 }
 
-/// Where the scene stands, and levels of all of it.
-fn scene_report(file: &LodFile) -> Outcome<(Option<[[f64; 3]; 2]>, Vec<SceneLevelReport>)> {
-    let limits = Limits::DEFAULT;
+/// The lowest and the highest corner of what the scene shows at rest.
+fn bounds(file: &LodFile) -> Outcome<Option<[[f64; 3]; 2]>> {
     let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(&file.document, &infos, &limits)?;
+    let graph = scene_graph(&file.document, &infos, &Limits::DEFAULT)?;
     let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let mut bounds: Option<[[f64; 3]; 2]> = None;
     for placement in scene.placements() {
@@ -81,26 +80,26 @@ fn scene_report(file: &LodFile) -> Outcome<(Option<[[f64; 3]; 2]>, Vec<SceneLeve
             bounds = Some([each(f64::min, low), each(f64::max, high)]);
         }
     }
-    let levels = scene_levels(&file.objects, &file.document, &limits)?;
-    let all: u64 =
-        levels.objects().iter().map(|o| o.simplified.mesh().triangles().len() as u64).sum();
-    let level = |ratio: f64| -> Outcome<SceneLevelReport> {
+    Ok(bounds)
+}
+
+/// Levels of the whole scene; none if it has no triangles.
+fn levels_table(file: &LodFile) -> Outcome<Vec<SceneLevelReport>> {
+    let levels = scene_levels(&file.objects, &file.document, &Limits::DEFAULT)?;
+    let is_empty = levels.objects().iter().all(|o| o.simplified.mesh().triangles().is_empty());
+    let level = |&ratio: &f64| {
         let chosen = levels.select(Target::Ratio(ratio), false)?;
-        let objects = || levels.objects().iter().zip(&chosen.lods);
-        let triangles =
-            objects().map(|(o, &lod)| u64::from(o.simplified.collapses().triangles_at(lod)));
-        let error =
-            objects().map(|(o, &lod)| o.scale * f64::from(o.simplified.collapses().error_at(lod)));
-        let error = error.fold(0.0, f64::max);
-        Ok(SceneLevelReport {
-            ratio,
-            triangles: triangles.sum(),
-            error: error.is_finite().then_some(error),
-        })
+        let (mut triangles, mut error) = (0, 0.0f64);
+        for (o, &lod) in levels.objects().iter().zip(&chosen.lods) {
+            let collapses = o.simplified.collapses();
+            triangles += u64::from(collapses.triangles_at(lod));
+            error = error.max(o.scale * decimal(collapses.error_at(lod)));
+        }
+        let error = error.is_finite().then_some(error);
+        Ok(SceneLevelReport { ratio, triangles, error })
     };
-    let shares: &[f64] = if all == 0 { &[] } else { &TABLE_SHARES };
-    let table = shares.iter().map(|&share| level(share)).collect::<Outcome<_>>()?;
-    Ok((bounds, table))
+    let shares: &[f64] = if is_empty { &[] } else { &TABLE_SHARES };
+    shares.iter().map(level).collect()
 }
 
 fn object_report(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectReport> {
