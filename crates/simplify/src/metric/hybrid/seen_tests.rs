@@ -247,10 +247,10 @@ fn water_seen(simplified: &Simplified, triangles: u32, first_of_water: u32) -> f
     let is_water = |point: &(f32, f32)| {
         let mut top = (f32::NEG_INFINITY, false);
         for t in &level {
-            if let Some(z) = height(t.corners.map(position), *point) {
-                if z > top.0 {
-                    top = (z, t.corners[0] >= first_of_water);
-                }
+            if let Some(z) = height(t.corners.map(position), *point)
+                && z > top.0
+            {
+                top = (z, t.corners[0] >= first_of_water);
             }
         }
         top.1
