@@ -229,6 +229,34 @@ fn an_object_that_grows_counts_as_large_as_it_becomes() {
 }
 
 #[test]
+fn an_object_that_turns_below_an_uneven_scale_is_bounded_between_keys() {
+    let half_turn = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+    let mut scene = Scene::of_rocks(&[12]);
+    let times = scene.floats(&[0.0, 2.0], "SCALAR");
+    scene.accessors[times]["min"] = json!([0.0]);
+    scene.accessors[times]["max"] = json!([2.0]);
+    let values = scene.floats(&half_turn, "VEC4");
+    let animations = json!([{"name": "turn", "samplers": [{"input": times, "output": values}],
+        "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}]}]);
+    let nodes = json!([{"scale": [3.0, 1.0, 1.0], "children": [1]}, {"mesh": 0}]);
+    let scene = scene.file(&[0], &json!({"nodes": nodes, "animations": animations}));
+    let f = built(&scene);
+    f.lodc(["verify", "m.lodc", "--source", "s.gltf"]).ends(0);
+    for args in [&["--ratio", "0.1"][..], &["--error", "0.5", "--no-refit"]] {
+        let level = extract(&f, "s.gltf", "level.glb", args);
+        let at = |i: u32| format!("turn@{}", f64::from(i) / 8.0);
+        let measured = |i: u32| compared(&f, "level.glb", &["--pose", &at(i)])[0];
+        let (largest, stated) =
+            ((0..=16).map(measured).fold(0.0, f64::max), number(&level["error"]));
+        assert!(largest <= 1.02 * stated, "{args:?}: {stated} stated, {largest} measured");
+        assert!(stated <= 1.2 * largest, "{args:?}: {stated} stated, {largest} measured");
+        f.lodc(["verify", "level.glb", "--source", "s.gltf"]).ends(0);
+    }
+    extract(&f, "s.gltf", "grid.glb", &["--ratio", "0.3", "--quantize", "pos=12"]);
+    f.lodc(["verify", "grid.glb", "--source", "s.gltf"]).ends(0);
+}
+
+#[test]
 fn one_object_states_the_units_of_its_scene_as_two_do() {
     let mut one = Scene::of_rocks(&[12]);
     let rock = json!({"mesh": 0, "scale": [100, 100, 100]});

@@ -51,7 +51,7 @@ pub use image::Image;
 pub use material::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 pub use motion::{
     MAX_TARGET_SHAPES, MeasuredPlacement, MeasuredPlacements, Motion, ObjectShapes, SeenPositions,
-    TargetShape,
+    Stretch, TargetShape,
 };
 pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement, evenly_spread, share_in_pictures};

@@ -2,12 +2,15 @@
 //! it, and in its pose keys, the moments of animations and the morph targets that change it.
 
 mod choice;
+mod course;
+mod envelope;
 mod measured;
 mod movers;
 mod seen;
 mod stretching;
+mod unlike;
 
-pub use measured::{MeasuredPlacement, MeasuredPlacements};
+pub use measured::{MeasuredPlacement, MeasuredPlacements, Stretch};
 pub use seen::{MAX_TARGET_SHAPES, SeenPositions, TargetShape};
 
 use crate::animation::{Animation, Property};
@@ -114,14 +117,14 @@ impl Motion {
     #[must_use]
     pub fn largest(&self) -> Arrangement {
         let largest = |placement: &Placement| {
-            let moments = placement.node.and_then(|node| self.stretching.nodes.get(&node))?;
+            let stretches = placement.node.and_then(|node| self.stretching.nodes.get(&node))?;
             if !placement.joints.is_empty() {
                 return None;
             }
             let instance = self.instance(placement).matrix3;
             let at_rest = largest_stretch(&placement.transform.matrix3);
             let scale = |linear: DMat3| largest_stretch(&(linear * instance));
-            let of_moments = moments.iter().map(|m| (scale(m.linear), m.moment));
+            let of_moments = stretches.kept.iter().map(|m| (scale(m.linear), m.moment));
             let most = of_moments.reduce(|a, b| if b.0 > a.0 { b } else { a });
             let (_, moment) = most.filter(|(scale, _)| *scale > at_rest)?;
             self.shown_at(placement, moment?)
@@ -206,6 +209,31 @@ impl Motion {
         }
         let at = self.moment(animation, seconds).placed(&self.graph, rest);
         Some(Placement { transform, weights: rest.weights.clone(), ..at })
+    }
+
+    /// Returns a rest placement stretched as a measured one of the same object, maybe of another
+    /// scene with the same nodes, is. None if the scene has no such moment.
+    #[must_use]
+    pub fn stretched_as(
+        &self,
+        measured: &MeasuredPlacement,
+        rest: &Placement,
+    ) -> Option<Placement> {
+        let linear = match measured.stretch {
+            Stretch::AtRest => return Some(rest.clone()),
+            Stretch::At(moment) => return self.shown_at(rest, moment),
+            Stretch::Envelope(linear) => linear,
+        };
+        // What is below the node is stretched with it.
+        let (node, mut at) = (measured.placement.node, rest.node);
+        let mut below = self.instance(rest);
+        while let Some(number) = at.filter(|_| at != node) {
+            below = self.graph.nodes[number as usize].local.matrix() * below;
+            at = self.parents[number as usize].map(|parent| parent as u32);
+        }
+        let below = if rest.node.is_some() { below } else { rest.transform };
+        let transform = Transform { matrix3: linear, ..Transform::IDENTITY } * below;
+        Some(Placement { transform, ..rest.clone() })
     }
 
     /// The world transform of one node at a moment of an animation.

@@ -13,8 +13,8 @@ use lodc_formats::{
 };
 use lodc_mesh::{Attribute, Component, Mesh, PoseKey, Semantic};
 use lodc_scene::{
-    Arrangement, Graph, MeasuredPlacement, Motion, Node, Placement, Transform, largest_stretch,
-    posed_positions,
+    Arrangement, Graph, MeasuredPlacement, Motion, Node, Placement, Stretch, Transform,
+    largest_stretch, posed_positions,
 };
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -163,7 +163,7 @@ impl<'a> Measure<'a> {
         let (mut stretches, mut looseness) = (false, 1.0f64);
         for (number, object) in source.objects.iter().enumerate() {
             let measured = motion.measured_placements(&object.mesh, number);
-            stretches |= measured.placements.iter().any(|at| at.moment.is_some());
+            stretches |= measured.placements.iter().any(|at| at.stretch != Stretch::AtRest);
             // Morph targets of what has unlike placements are measured in the largest scale.
             if bends(&object.mesh) && measured.placements.len() > 1 {
                 looseness = looseness.max(measured.unevenness);
@@ -329,10 +329,7 @@ impl<'a> Measure<'a> {
                 })
             };
             let in_placement = |at: &MeasuredPlacement| {
-                let level_at = match at.moment {
-                    Some(moment) => shown.shown_at(&level_rest(at.rest), moment)?,
-                    None => level_rest(at.rest),
-                };
+                let level_at = shown.stretched_as(at, &level_rest(at.rest))?;
                 Some(pair([&at.placement, &level_at], at.growth))
             };
             let poses =
@@ -340,9 +337,9 @@ impl<'a> Measure<'a> {
             let in_pose = |(at, &pose): (&MeasuredPlacement, &PoseKey)| {
                 let rest = [source_rest(at.rest)?, level_rest(at.rest)];
                 // What has no joints is moved and stretched as in the placement.
-                let moved = |motion: &Motion, rest: &Placement| match at.moment {
-                    Some(moment) if rest.joints.is_empty() => motion.shown_at(rest, moment),
-                    _ => Some(rest.clone()),
+                let moved = |motion: &Motion, rest: &Placement| match rest.joints.is_empty() {
+                    true => motion.stretched_as(at, rest),
+                    false => Some(rest.clone()),
                 };
                 let at_pose = |motion: &Motion, rest| motion.placed(&moved(motion, rest)?, pose);
                 let placements = [at_pose(&self.motion, &rest[0])?, at_pose(shown, &rest[1])?];

@@ -8,7 +8,6 @@
 //! stretch nothing. Joints are compared in the same way: one map must take each to the other's.
 
 use super::Motion;
-use super::stretching::Stretched;
 use crate::placement::Placement;
 use crate::scale::PlacementScales;
 use crate::shape::Shape;
@@ -45,6 +44,9 @@ pub struct MeasuredPlacements {
     /// How many times too large an error may be because a placement stands for others: at least 1,
     /// and at most 1.05 unless there are too many unlike ones for each to be measured.
     pub looseness: f64,
+    /// False if animations stretch it at more moments than are looked at, so that it may err more
+    /// at others.
+    pub is_whole: bool,
 }
 
 /// A placement that an object's errors are measured in.
@@ -54,10 +56,22 @@ pub struct MeasuredPlacement {
     pub placement: Placement,
     /// The number of its placement at rest, among those of the object.
     pub rest: usize,
-    /// The moment of an animation, if it is not at rest.
-    pub moment: Option<PoseKey>,
+    /// How its node is stretched in it.
+    pub stretch: Stretch,
     /// Distances in it are multiplied by this, at least 1, to hold for all that it stands for.
     pub growth: f64,
+}
+
+/// How a node is stretched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stretch {
+    /// As at rest.
+    AtRest,
+    /// As at a moment of an animation.
+    At(PoseKey),
+    /// By this linear part instead of its world transform's, which makes no vector shorter than
+    /// that does at rest or at any moment.
+    Envelope(DMat3),
 }
 
 impl MeasuredPlacement {
@@ -77,20 +91,22 @@ impl Motion {
         let (chosen, factors) = stand_ins(&candidates);
         let rest: Vec<&Placement> = self.rest.of(object).collect();
         let measured = |&(number, growth): &(usize, f64)| {
-            let Candidate { rest: at, moment, .. } = &candidates[number];
-            let placement = match moment {
-                Some(pose_key) => self.shown_at(rest[*at], *pose_key)?,
-                None => rest[*at].clone(),
-            };
-            Some(MeasuredPlacement { placement, rest: *at, moment: *moment, growth })
+            let Candidate { rest: at, stretch, .. } = candidates[number];
+            let own = MeasuredPlacement { placement: rest[at].clone(), rest: at, stretch, growth };
+            Some(MeasuredPlacement { placement: self.stretched_as(&own, rest[at])?, ..own })
+        };
+        let is_whole = |placement: &Placement| {
+            let stretches = placement.node.and_then(|node| self.stretching.nodes.get(&node));
+            stretches.is_none_or(|stretches| stretches.is_whole)
         };
         let scale = chosen.first().map_or(1.0, |&(first, _)| candidates[first].scale);
-        let of_own = factors.iter().zip(&candidates).map(|(factor, c)| factor * scale / c.scale);
+        let of_own = factors.iter().zip(&candidates).map(|(factor, c)| factor * scale / c.shown);
         MeasuredPlacements {
             placements: chosen.iter().filter_map(measured).collect(),
             scale,
             unevenness: of_own.fold(1.0, f64::max).min(MAX_UNEVENNESS),
             looseness: chosen.iter().fold(1.0, |most, &(_, growth)| most.max(growth)),
+            is_whole: self.rest.of(object).all(is_whole),
         }
     }
 
@@ -105,15 +121,17 @@ impl Motion {
             }
         };
         for (number, placement) in self.rest.of(object).enumerate() {
+            let scale = scales.of(placement);
             let rest = Candidate {
                 rest: number,
-                moment: None,
+                stretch: Stretch::AtRest,
                 linear: placement.transform.matrix3,
                 // Of a moment's placement that stands for others.
                 growth: 1.0,
                 joints: Arc::clone(&placement.joints),
                 weights: Arc::clone(&placement.weights),
-                scale: scales.of(placement),
+                scale,
+                shown: scale,
             };
             if !placement.joints.is_empty() {
                 let skin = placement.node.and_then(|n| self.graph.nodes[n as usize].skin);
@@ -124,7 +142,8 @@ impl Motion {
                 let at_moment = moment.and_then(|moment| {
                     let at = self.shown_at(placement, moment)?;
                     let (scale, joints) = (scales.of(&at), at.joints);
-                    Some(Candidate { moment: Some(moment), joints, scale, ..rest.clone() })
+                    let stretch = Stretch::At(moment);
+                    Some(Candidate { stretch, joints, scale, shown: scale, ..rest.clone() })
                 });
                 at_moment.into_iter().for_each(&mut add);
                 add(rest);
@@ -132,13 +151,22 @@ impl Motion {
             }
             match placement.node.and_then(|node| self.stretching.nodes.get(&node)) {
                 None => add(rest),
-                Some(moments) => {
+                Some(stretches) => {
                     let instance = self.instance(placement).matrix3;
-                    for Stretched { moment, linear, growth } in moments {
-                        let linear = *linear * instance;
-                        let scale = growth * largest_stretch(&linear);
-                        let (moment, growth) = (*moment, *growth);
-                        add(Candidate { moment, linear, growth, scale, ..rest.clone() });
+                    for one in &stretches.kept {
+                        let linear = one.measured() * instance;
+                        let stretch = match (one.envelope, one.moment) {
+                            (Some(all), _) => Stretch::Envelope(all),
+                            (None, Some(moment)) => Stretch::At(moment),
+                            (None, None) => Stretch::AtRest,
+                        };
+                        let scale = one.growth * largest_stretch(&linear);
+                        let shown = match one.envelope {
+                            Some(_) => largest_stretch(&(one.linear * instance)),
+                            None => scale,
+                        };
+                        let growth = one.growth;
+                        add(Candidate { stretch, linear, growth, scale, shown, ..rest.clone() });
                     }
                 }
             }
@@ -151,7 +179,7 @@ impl Motion {
 #[derive(Clone)]
 struct Candidate {
     rest: usize,
-    moment: Option<PoseKey>,
+    stretch: Stretch,
     linear: DMat3,
     /// Distances in it are multiplied by this.
     growth: f64,
@@ -159,6 +187,8 @@ struct Candidate {
     weights: Arc<[f64]>,
     /// World units per mesh unit, with `growth`.
     scale: f64,
+    /// World units per mesh unit where it is shown largest.
+    shown: f64,
 }
 
 /// The limit of [`MeasuredPlacements::unevenness`], met where a placement is a sheet beside others

@@ -113,7 +113,7 @@ fn an_object_is_measured_at_the_moment_when_it_is_largest() {
         let all = motion.measured_placements(&cube(), 0);
         let [one] = &all.placements[..] else { panic!("{all:?}") };
         let moment = PoseKey::Moment { animation: 0, seconds: 0.47 };
-        assert_eq!((one.moment, all.scale), (Some(moment), 3.0));
+        assert_eq!((one.stretch, all.scale), (Stretch::At(moment), 3.0));
         let shapes = motion.shapes(&cube(), 0, &[]);
         assert_eq!(shapes.all().len(), 1);
         assert_eq!(*shapes.all()[0].of(&cube()), *cube().positions(), "as modelled");
@@ -159,7 +159,7 @@ fn instances_are_stretched_with_their_node() {
     let all = measured(graph, animation(vec![scaled(0, Interpolation::Linear, squash)]));
     assert!((all.scale - 6.0).abs() < 1e-9, "{all:?}");
     let [one] = &all.placements[..] else { panic!("{all:?}") };
-    assert_eq!((one.placement.instance, one.moment.is_some()), (1, true));
+    assert_eq!((one.placement.instance, one.stretch != Stretch::AtRest), (1, true));
 }
 
 /// A tube at two nodes with skins of their own, the joints of the second changed.
@@ -195,4 +195,114 @@ fn rigs_are_alike_if_one_map_takes_each_joint_to_the_others() {
         );
     assert_eq!(bent.placements.len(), 2, "{bent:?}");
     assert!((bent.unevenness - 100.0).abs() < 1e-6);
+}
+
+fn turned(node: u32, interpolation: Interpolation, keys: &[[f64; 4]]) -> Channel {
+    let per_key = interpolation.values_per_key();
+    let times = (0..keys.len() / per_key).map(|key| key as f64).collect();
+    let values = keys.as_flattened().to_vec();
+    Channel { node, property: Property::Rotation, interpolation, times, values }
+}
+
+/// A chain of nodes, the last of which shows object 0.
+fn chain(scales: &[[f64; 3]]) -> Graph {
+    let mut graph = showing(scales.iter().map(|&scale| trs(UPRIGHT, scale)));
+    let last = graph.nodes.len() - 1;
+    for (n, node) in graph.nodes[..last].iter_mut().enumerate() {
+        (node.objects, node.children) = (vec![], vec![n as u32 + 1]);
+    }
+    graph.roots = vec![0];
+    graph
+}
+
+/// The largest factor by which any vector is longer at some moment than what is measured.
+fn excess(motion: &Motion, animations: u32) -> f64 {
+    let all = motion.measured_placements(&cube(), 0);
+    assert!(all.is_whole && all.placements.len() <= MAX_PLACEMENTS, "{all:?}");
+    let rest = motion.rest().of(0).next().expect("a placement");
+    let mut most = 0.0f64;
+    for animation in 0..animations {
+        for seconds in (0..=1500).map(|i| f64::from(i) / 499.0) {
+            let moment = PoseKey::Moment { animation, seconds };
+            let shown = motion.shown_at(rest, moment).expect("a moment").transform.matrix3;
+            let of = |at: &MeasuredPlacement| {
+                largest_stretch(&(shown * at.placement.transform.matrix3.inverse())) / at.growth
+            };
+            most = most.max(all.placements.iter().map(of).fold(f64::INFINITY, f64::min));
+        }
+    }
+    most
+}
+
+#[test]
+fn what_turns_below_an_uneven_scale_is_bounded_at_every_moment() {
+    const HALF_TURN: [f64; 4] = [0.0, 0.0, 1.0, 0.0];
+    for (scale, shapes) in [([10.0, 0.1, 1.0], 1), ([3.0, 1.0, 1.0], 1), ([1.02, 1.0, 1.0], 1)] {
+        let turn = turned(1, Interpolation::Linear, &[UPRIGHT, HALF_TURN]);
+        let motion = Motion::new(chain(&[scale, [1.0; 3]]), animation(vec![turn]), 1);
+        let all = motion.measured_placements(&cube(), 0);
+        assert!(excess(&motion, 1) <= 1.0 + 1e-6, "{all:?}");
+        // A disc as large as the longest stretch is all that it ever fills.
+        assert_eq!(all.placements.len(), shapes, "{all:?}");
+        assert!(all.scale <= 1.03 * scale[0], "{all:?}");
+        let linear = all.placements[0].placement.transform.matrix3;
+        assert!((linear * DVec3::Z).length() <= 1.05, "{all:?}");
+    }
+}
+
+#[test]
+fn every_moment_of_a_chain_is_bounded_whatever_moves_in_it() {
+    let mut random = SplitMix64::new(3);
+    let mut number = |low: f64, high: f64| low + (high - low) * f64::from(random.unit());
+    let kinds = [Interpolation::Linear, Interpolation::Step, Interpolation::CubicSpline];
+    for round in 0..24 {
+        let scales = [0; 4].map(|_| [0; 3].map(|_| number(0.3, 2.0)));
+        let mut animations = Vec::new();
+        for which in 0..1 + round % 2 {
+            let mut channels = Vec::new();
+            for node in 0..4 {
+                let interpolation = kinds[(round + node + which) % 3];
+                let values = 4 * interpolation.values_per_key();
+                if number(0.0, 1.0) < 0.6 {
+                    let keys: Vec<[f64; 4]> =
+                        (0..values).map(|_| [0; 4].map(|_| number(-1.0, 1.0))).collect();
+                    channels.push(turned(node as u32, interpolation, &keys));
+                }
+                if number(0.0, 1.0) < 0.3 {
+                    let keys = (0..values).flat_map(|_| [0; 3].map(|_| number(0.2, 2.0)));
+                    channels.push(Channel {
+                        node: node as u32,
+                        property: Property::Scale,
+                        interpolation,
+                        times: (0..4).map(f64::from).collect(),
+                        values: keys.collect(),
+                    });
+                }
+            }
+            animations.push(Animation { channels, ..Animation::default() });
+        }
+        let count = animations.len() as u32;
+        let motion = Motion::new(chain(&scales), animations, 1);
+        let excess = excess(&motion, count);
+        assert!(excess <= 1.0 + 2e-3, "round {round}: {excess}");
+    }
+}
+
+#[test]
+fn a_scale_that_goes_from_one_axis_to_another_counts_between() {
+    // Both keys hide what is halfway.
+    let keys: [(f64, &[[f64; 3]]); 2] = [(0.0, &[[1.0, 0.01, 1.0]]), (1.0, &[[0.01, 1.0, 1.0]])];
+    let swap = scaled(0, Interpolation::Linear, &keys);
+    let motion = Motion::new(showing([trs(UPRIGHT, keys[0].1[0])]), animation(vec![swap]), 1);
+    assert!(excess(&motion, 1) <= 1.0 + 1e-3);
+    assert!(motion.measured_placements(&cube(), 0).scale < 1.1);
+}
+
+#[test]
+fn too_many_moments_are_said() {
+    let keys: Vec<[f64; 4]> =
+        (0..40_000).map(|i| if i % 2 == 0 { UPRIGHT } else { [0.0, 0.0, 1.0, 0.0] }).collect();
+    let turn = turned(1, Interpolation::Linear, &keys);
+    let all = measured(chain(&[[2.0, 1.0, 1.0], [1.0; 3]]), animation(vec![turn]));
+    assert!(!all.is_whole);
 }

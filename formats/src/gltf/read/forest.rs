@@ -59,7 +59,7 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
 
 /// Sets the world scale of every object: how much larger the default scene shows it than it was
 /// modelled, at rest or at any moment of the animations. Warns of those that it shows in more
-/// unlike placements than errors are measured in.
+/// unlike placements than errors are measured in, or at more moments than are looked at.
 pub(super) fn set_world_scales(
     root: &Object,
     objects: &mut [SceneObject],
@@ -77,6 +77,13 @@ pub(super) fn set_world_scales(
                 "{}: it is shown in so many unlike placements that errors may be stated up to \
                  {:.2} times too large",
                 object.info.name, measured.looseness
+            ));
+        }
+        if !measured.is_whole {
+            warnings.push(format!(
+                "{}: animations stretch it at more moments than are looked at: it may err more at \
+                 others",
+                object.info.name
             ));
         }
     }
