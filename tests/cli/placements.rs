@@ -256,6 +256,58 @@ fn an_object_that_turns_below_an_uneven_scale_is_bounded_between_keys() {
     f.lodc(["verify", "grid.glb", "--source", "s.gltf"]).ends(0);
 }
 
+/// An animation of one second by a pointer (KHR_animation_pointer).
+fn pointing(scene: &mut Scene, pointer: &str, values: &[f32], kind: &str) -> Value {
+    let times = scene.floats(&[0.0, 1.0], "SCALAR");
+    scene.accessors[times]["min"] = json!([0.0]);
+    scene.accessors[times]["max"] = json!([1.0]);
+    let values = scene.floats(values, kind);
+    let extensions = json!({"KHR_animation_pointer": {"pointer": pointer}});
+    json!([{"name": "go", "samplers": [{"input": times, "output": values}],
+        "channels": [{"sampler": 0, "target": {"path": "pointer", "extensions": extensions}}]}])
+}
+
+#[test]
+fn a_pointer_that_scales_a_node_counts_as_a_channel_does() {
+    let mut scene = Scene::of_rocks(&[12]);
+    let values = [1.0, 1.0, 1.0, 20.0, 20.0, 20.0];
+    let animations = pointing(&mut scene, "/nodes/0/scale", &values, "VEC3");
+    let more = json!({"nodes": [{"mesh": 0}], "animations": animations,
+        "extensionsUsed": ["KHR_animation_pointer"]});
+    states_what_is_measured(&scene.file(&[0], &more), &[&[], &["--pose", "go@1"]]);
+}
+
+#[test]
+fn pointers_to_morph_weights_are_repeated_for_coarser_levels() {
+    for pointer in ["/meshes/0/weights", "/nodes/0/weights", "/meshes/0/weights/0"] {
+        let mut scene = Scene::of_rocks(&[12]);
+        let (points, _) = rock(12, 0.0);
+        let moved: Vec<f32> = points.iter().flat_map(|p| [0.0, p[0] as f32, 0.0]).collect();
+        let target = scene.floats(&moved, "VEC3");
+        scene.accessors[target]["min"] = json!([-2, -2, -2]);
+        scene.accessors[target]["max"] = json!([2, 2, 2]);
+        scene.meshes[0]["primitives"][0]["targets"] = json!([{"POSITION": target}]);
+        let animations = pointing(&mut scene, pointer, &[0.0, 1.0], "SCALAR");
+        let more = json!({"nodes": [{"mesh": 0}], "animations": animations,
+            "extensionsUsed": ["KHR_animation_pointer"]});
+        let f = Folder::new();
+        f.file("s.gltf", scene.file(&[0], &more));
+        for args in [&[][..], &["--geomorph"]] {
+            let chain = ["chain", "s.gltf", "-o", "chain.gltf"];
+            f.lodc(chain.iter().chain(args)).ends(0);
+            f.lodc(["verify", "chain.gltf", "--source", "s.gltf"]).ends(0);
+            let mut chain: Value = serde_json::from_slice(&f.read("chain.gltf")).expect("JSON");
+            let levels = chain["nodes"].as_array().expect("nodes").len();
+            let channels = chain["animations"][0]["channels"].as_array_mut().expect("channels");
+            assert_eq!(channels.len(), levels, "{pointer}");
+            // One that is missing is found.
+            channels.pop();
+            f.file("chain.gltf", chain.to_string());
+            f.lodc(["verify", "chain.gltf", "--source", "s.gltf"]).ends(1);
+        }
+    }
+}
+
 #[test]
 fn one_object_states_the_units_of_its_scene_as_two_do() {
     let mut one = Scene::of_rocks(&[12]);

@@ -41,6 +41,16 @@ pub enum Property {
     Scale,
     /// A number for each morph target.
     Weights,
+    /// The number of one morph target.
+    Weight(u32),
+}
+
+impl Property {
+    /// Returns whether it concerns morph targets.
+    #[must_use]
+    pub fn is_of_targets(self) -> bool {
+        matches!(self, Self::Weights | Self::Weight(_))
+    }
 }
 
 /// The interpolation between two keys.
@@ -86,9 +96,17 @@ impl Animation {
 impl Channel {
     fn apply(&self, pose: &mut Pose, seconds: f64) {
         let node = self.node as usize;
-        if self.property == Property::Weights {
-            if let Some((weights, value)) = pose.weights.get_mut(node).zip(self.at(seconds)) {
-                *weights = value;
+        if self.property.is_of_targets() {
+            let Some((weights, value)) = pose.weights.get_mut(node).zip(self.at(seconds)) else {
+                return;
+            };
+            match self.property {
+                Property::Weight(target) => {
+                    let target = target as usize;
+                    weights.resize(weights.len().max(target + 1), 0.0);
+                    weights[target..].iter_mut().zip(value).for_each(|(weight, v)| *weight = v);
+                }
+                _ => *weights = value,
             }
         } else if let Some(local) = pose.locals.get_mut(node) {
             self.apply_to(local, seconds);
@@ -103,7 +121,7 @@ impl Channel {
             Property::Translation => translation,
             Property::Rotation => rotation,
             Property::Scale => scale,
-            Property::Weights => return,
+            Property::Weights | Property::Weight(_) => return,
         };
         part.iter_mut().zip(value).for_each(|(component, v)| *component = v);
     }

@@ -100,3 +100,18 @@ fn a_pose_is_the_rest_pose_with_what_moves_replaced() {
     assert_eq!(pose.weights[0], [0.5, 0.5]);
     assert_eq!(pose.locals[1], graph.rest_pose().locals[1]);
 }
+
+#[test]
+fn one_weight_leaves_the_others_as_they_are() {
+    let node = Node { weights: vec![0.25], ..Node::default() };
+    let graph = Graph { nodes: vec![node], roots: vec![0], skins: Vec::new() };
+    let channel = Channel {
+        node: 0,
+        property: Property::Weight(2),
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: vec![0.0, 1.0],
+    };
+    let animation = Animation { channels: vec![channel], ..Animation::default() };
+    assert_eq!(animation.pose(&graph, 0.5).weights, [[0.25, 0.0, 0.5]]);
+}

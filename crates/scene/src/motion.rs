@@ -13,7 +13,7 @@ mod unlike;
 pub use measured::{MeasuredPlacement, MeasuredPlacements, Stretch};
 pub use seen::{MAX_TARGET_SHAPES, SeenPositions, TargetShape};
 
-use crate::animation::{Animation, Property};
+use crate::animation::Animation;
 use crate::graph::Graph;
 use crate::placement::{Arrangement, Placement};
 use crate::shape::Shape;
@@ -89,7 +89,7 @@ impl Motion {
             parents[visit.node] = visit.parent;
         }
         let all_channels = animations.iter().flat_map(|animation| &animation.channels);
-        let morphs = all_channels.filter(|channel| channel.property == Property::Weights);
+        let morphs = all_channels.filter(|channel| channel.property.is_of_targets());
         let morphed = morphs.map(|channel| channel.node).collect();
         let mut channels: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
         for (animation, number) in animations.iter().zip(0..) {

@@ -1,6 +1,7 @@
 //! The animations of a glTF document as keyframes: channels, samplers, times and values, checked.
 
 use super::document::Stored;
+use super::extensions::{of_mesh, of_node, pointer_of, whole};
 use super::graph::{Numbers, scene_graph};
 use super::json::{Object, malformed};
 use crate::{Document, FormatError, Limits, ObjectInfo};
@@ -34,7 +35,7 @@ pub fn animation(
     Stored::read(gltf, limits, |stored, root| {
         let missing = || malformed(&*location, "is not there");
         let animation = root.entries("animations").nth(number).ok_or_else(missing)?;
-        read_animation(&|accessor| stored.numbers(accessor), animation, &location)
+        read_animation(root, &|accessor| stored.numbers(accessor), animation, &location)
     })
 }
 
@@ -52,7 +53,7 @@ fn animations(document: &Document, limits: &Limits) -> Result<Vec<Animation>, Fo
 /// Reads all animations of a glTF document, in order; damaged ones move nothing.
 pub(super) fn sound_animations(root: &Object, read: &Numbers<'_>) -> Vec<Animation> {
     let animation = |(i, animation): (usize, _)| {
-        read_animation(read, animation, &format!("animations[{i}]")).unwrap_or_default()
+        read_animation(root, read, animation, &format!("animations[{i}]")).unwrap_or_default()
     };
     (0..).zip(root.entries("animations")).map(animation).collect()
 }
@@ -72,6 +73,7 @@ pub fn scene_motion(
 }
 
 fn read_animation(
+    root: &Object,
     read: &Numbers<'_>,
     animation: &Object,
     location: &str,
@@ -83,26 +85,53 @@ fn read_animation(
         let target = source["target"].as_object();
         let (Some(sampler), Some(target)) = (sampler, target) else { continue };
         let location = format!("{location}.channels[{i}]");
-        channels.extend(read_channel(read, sampler, target, &location)?);
+        for (node, property) in moved(root, target) {
+            channels.push(read_channel(read, sampler, (node, property), &location)?);
+        }
     }
     Ok(Animation { name: name(animation), channels })
 }
 
-/// Reads a channel; none if it changes neither a node nor its morph weights.
+/// What a channel moves: properties of nodes, also of those whose mesh it gives other weights; none
+/// if it changes something else.
+fn moved(root: &Object, target: &Object) -> Vec<(u32, Property)> {
+    let path = target["path"].as_str().unwrap_or_default();
+    if path != "pointer" {
+        let node = target["node"].as_index();
+        return node.zip(property(path)).map(|(n, p)| (n as u32, p)).into_iter().collect();
+    }
+    let Some(pointer) = pointer_of(target) else { return Vec::new() };
+    if let Some((node, path)) = of_node(pointer) {
+        return property(path).map(|p| (node as u32, p)).into_iter().collect();
+    }
+    let Some((mesh, path)) = of_mesh(pointer) else { return Vec::new() };
+    let Some(property) = property(path).filter(|p| p.is_of_targets()) else { return Vec::new() };
+    // Weights of a node count instead of those of its mesh.
+    let shows =
+        |node: &Object| node["mesh"].as_index() == Some(mesh) && !node.contains_key("weights");
+    let nodes = (0..).zip(root.entries("nodes")).filter(|(_, node)| shows(node));
+    nodes.map(|(number, _)| (number, property)).collect()
+}
+
+fn property(path: &str) -> Option<Property> {
+    Some(match path {
+        "translation" => Property::Translation,
+        "rotation" => Property::Rotation,
+        "scale" => Property::Scale,
+        "weights" => Property::Weights,
+        _ => {
+            let target = u16::try_from(whole(path.strip_prefix("weights/")?)?).ok()?;
+            Property::Weight(target.into())
+        }
+    })
+}
+
 fn read_channel(
     read: &Numbers<'_>,
     sampler: &Object,
-    target: &Object,
+    (node, property): (u32, Property),
     location: &str,
-) -> Result<Option<Channel>, FormatError> {
-    let property = match target["path"].as_str() {
-        Some("translation") => Property::Translation,
-        Some("rotation") => Property::Rotation,
-        Some("scale") => Property::Scale,
-        Some("weights") => Property::Weights,
-        _ => return Ok(None),
-    };
-    let Some(node) = target["node"].as_index() else { return Ok(None) };
+) -> Result<Channel, FormatError> {
     let interpolation = match sampler["interpolation"].as_str() {
         Some("STEP") => Interpolation::Step,
         Some("CUBICSPLINE") => Interpolation::CubicSpline,
@@ -124,6 +153,7 @@ fn read_channel(
     let width = match property {
         Property::Translation | Property::Scale => Some(3),
         Property::Rotation => Some(4),
+        Property::Weight(_) => Some(1),
         Property::Weights => None,
     };
     let fits = match width {
@@ -134,7 +164,7 @@ fn read_channel(
         let problem = format!("has {} values for {} keys", values.len(), times.len());
         return Err(malformed(location, problem));
     }
-    Ok(Some(Channel { node: node as u32, property, interpolation, times, values }))
+    Ok(Channel { node, property, interpolation, times, values })
 }
 
 #[cfg(test)]

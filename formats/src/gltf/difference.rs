@@ -2,7 +2,9 @@
 //! to be equal. Returns the first difference as a JSON path.
 
 use super::document::Stored;
-use super::extensions::{MESHOPT, QUANTIZATION, forget_extra, is_requantized, uses};
+use super::extensions::{
+    MESHOPT, QUANTIZATION, animation_pointer, forget_extra, is_requantized, of_node, uses,
+};
 use super::json::{Json, Object};
 use super::schema::{self, Pool, references};
 use super::texture_transform::TRANSFORM;
@@ -122,6 +124,12 @@ impl CommonParts {
                 for channel in animation.objects_mut("channels") {
                     if channel["target"]["path"].as_str() == Some("weights") {
                         channel["target"]["node"] = Json::Null;
+                    }
+                    if let Some(pointer) = animation_pointer(&mut channel["target"])
+                        && let Some((_, property)) = of_node(pointer)
+                        && property.starts_with("weights")
+                    {
+                        *pointer = property.to_owned();
                     }
                 }
             }

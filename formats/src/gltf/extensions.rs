@@ -177,12 +177,29 @@ pub(crate) fn animation_pointer(target: &mut Json) -> Option<&mut String> {
     }
 }
 
+/// The same, to read.
+pub(super) fn pointer_of(target: &Object) -> Option<&str> {
+    target.extension("KHR_animation_pointer")?["pointer"].as_str()
+}
+
 /// The node of a pointer such as `/nodes/7/weights`, and what follows it.
 pub(super) fn of_node(pointer: &str) -> Option<(usize, &str)> {
-    let (number, rest) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
-    let node: usize = number.parse().ok()?;
-    // Numbers have no sign and no zeros before them (RFC 6901, section 4).
-    (node.to_string() == number).then_some((node, rest))
+    entry(pointer, "/nodes/")
+}
+
+/// The mesh of a pointer such as `/meshes/7/weights`, and what follows it.
+pub(super) fn of_mesh(pointer: &str) -> Option<(usize, &str)> {
+    entry(pointer, "/meshes/")
+}
+
+fn entry<'a>(pointer: &'a str, pool: &str) -> Option<(usize, &'a str)> {
+    let (number, rest) = pointer.strip_prefix(pool)?.split_once('/')?;
+    Some((whole(number)?, rest))
+}
+
+/// A number in a pointer: it has no sign and no zeros before it (RFC 6901, section 4).
+pub(super) fn whole(number: &str) -> Option<usize> {
+    number.parse().ok().filter(|n: &usize| n.to_string() == number)
 }
 
 /// The compression of a buffer view, by whichever name.

@@ -253,7 +253,7 @@ impl Course<'_> {
             for a in animated.iter().filter(|a| a.animation == animation) {
                 a.channel.apply_to(&mut local, seconds);
             }
-            world = world * local.matrix().matrix3;
+            world *= local.matrix().matrix3;
         }
         world
     }

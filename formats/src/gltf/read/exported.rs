@@ -6,7 +6,7 @@ use super::{Opened, geomorph, open};
 use crate::exported::{ExportedLevels, NOT_EXPORTED};
 use crate::gltf::accessor::{Accessor, numbered_component};
 use crate::gltf::budget::Budget;
-use crate::gltf::extensions::{animation_pointer, forget_extra};
+use crate::gltf::extensions::{animation_pointer, forget_extra, of_mesh, pointer_of};
 use crate::gltf::glb;
 use crate::gltf::json::{self, Json, Object, malformed};
 use crate::gltf::prune;
@@ -191,7 +191,11 @@ impl Chain {
         for animation in level_root.objects_mut("animations") {
             if let Some(Json::Array(channels)) = animation.get_mut("channels") {
                 channels.retain_mut(|channel| {
-                    target(channel).is_none_or(|node| nodes_kept.get(node) != Some(&false))
+                    let is_gone = |number: Option<usize>, kept: &[bool]| {
+                        number.is_some_and(|number| kept.get(number) == Some(&false))
+                    };
+                    !is_gone(target(channel), &nodes_kept)
+                        && !is_gone(morphed(channel), &meshes_kept)
                 });
             }
         }
@@ -325,18 +329,26 @@ fn wrong_nodes(root: &Object, node: usize, ids: &[usize]) -> Option<String> {
         ));
     }
     let channels = |wanted: usize| -> Vec<(usize, Json)> {
+        let mesh = root["nodes"][wanted]["mesh"].as_index();
         let animations = root.entries("animations").enumerate();
         let all = animations.flat_map(|(a, animation)| {
             animation.list("channels").iter().map(move |channel| (a, channel.clone()))
         });
         let channels_of_node = all.filter_map(|(a, mut channel)| {
-            (target(&mut channel) == Some(wanted)).then_some((a, channel))
+            (target(&mut channel) == Some(wanted) || mesh.is_some() && mesh == morphed(&channel))
+                .then_some((a, channel))
         });
-        channels_of_node
+        let mut channels: Vec<(usize, Json)> = channels_of_node.collect();
+        // Those of meshes are repeated after those of nodes.
+        channels.sort_by_key(|(a, channel)| (*a, morphed(channel).is_some()));
+        channels
+            .into_iter()
             .map(|(a, mut channel)| {
                 // The node differs; what moves there has to be the same.
                 let pointer = animation_pointer(&mut channel["target"]).map(|pointer| {
-                    *pointer = pointer.splitn(4, '/').last().unwrap_or_default().to_owned();
+                    let pool = pointer.split('/').nth(1).unwrap_or_default();
+                    let property = pointer.splitn(4, '/').last().unwrap_or_default();
+                    *pointer = format!("{pool}/{property}");
                 });
                 if pointer.is_none() {
                     channel["target"]["node"] = Json::Null;
@@ -371,6 +383,12 @@ fn target(channel: &mut Json) -> Option<usize> {
         let pointer = animation_pointer(target)?;
         pointer.strip_prefix("/nodes/")?.split('/').next()?.parse().ok()
     })
+}
+
+/// The mesh whose weights an animation channel changes.
+fn morphed(channel: &Json) -> Option<usize> {
+    let (mesh, property) = of_mesh(pointer_of(channel["target"].as_object()?)?)?;
+    property.starts_with("weights").then_some(mesh)
 }
 
 /// Gives a primitive an index accessor of one level alone; false if it has no triangle there.

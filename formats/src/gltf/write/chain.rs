@@ -165,7 +165,7 @@ fn put_levels(
             }
         }
     }
-    copy_channels(root, &copies);
+    copy_channels(root, &copies, &of_avatars.meshes);
     for [node, copy] in copies {
         of_avatars.nodes.entry(node).or_default().push(copy);
     }
@@ -409,8 +409,9 @@ fn level_node(node: &Json, mesh: usize, level: usize) -> Json {
     Json::Object(copy)
 }
 
-/// Repeats the animation channels of nodes for their copies; `copies` has pairs of node and copy.
-fn copy_channels(root: &mut Object, copies: &[[usize; 2]]) {
+/// Repeats the animation channels of nodes for their copies, and those of the weights of meshes for
+/// those of coarser levels; `copies` has pairs of node and copy, `coarser` these meshes.
+fn copy_channels(root: &mut Object, copies: &[[usize; 2]], coarser: &BTreeMap<usize, Vec<usize>>) {
     let mut copies_of: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (number, [node, _]) in copies.iter().enumerate() {
         copies_of.entry(*node).or_default().push(number);
@@ -418,6 +419,7 @@ fn copy_channels(root: &mut Object, copies: &[[usize; 2]]) {
     let copy_numbers = |node: usize| copies_of.get(&node).into_iter().flatten();
     for animation in root.objects_mut("animations") {
         let mut channels: Vec<(usize, Json)> = Vec::new();
+        let mut of_meshes = Vec::new();
         for channel in animation.list("channels") {
             let node = channel["target"]["node"].as_index();
             channels.extend(node.into_iter().flat_map(copy_numbers).map(|&number| {
@@ -425,22 +427,33 @@ fn copy_channels(root: &mut Object, copies: &[[usize; 2]]) {
                 copy["target"]["node"] = copies[number][1].into();
                 (number, copy)
             }));
-            let mut copy = channel.clone();
-            let Some(pointer) = extensions::animation_pointer(&mut copy["target"]) else {
+            let Some(pointer) = channel["target"].as_object().and_then(extensions::pointer_of)
+            else {
                 continue;
             };
-            let Some((target, property)) = extensions::of_node(pointer) else { continue };
-            let property = property.to_owned();
-            for &number in copy_numbers(target).filter(|_| node != Some(target)) {
-                let mut copy = copy.clone();
-                if let Some(pointer) = extensions::animation_pointer(&mut copy["target"]) {
-                    *pointer = format!("/nodes/{}/{property}", copies[number][1]);
+            let pointing = |pointer: String| {
+                let mut copy = channel.clone();
+                if let Some(own) = extensions::animation_pointer(&mut copy["target"]) {
+                    *own = pointer;
                 }
-                channels.push((number, copy));
+                copy
+            };
+            if let Some((target, property)) = extensions::of_node(pointer) {
+                for &number in copy_numbers(target).filter(|_| node != Some(target)) {
+                    let copy = pointing(format!("/nodes/{}/{property}", copies[number][1]));
+                    channels.push((number, copy));
+                }
+            }
+            if let Some((target, property)) = extensions::of_mesh(pointer)
+                && property.starts_with("weights")
+            {
+                let meshes = coarser.get(&target).into_iter().flatten();
+                of_meshes.extend(meshes.map(|m| pointing(format!("/meshes/{m}/{property}"))));
             }
         }
         // All channels of a copy, then those of the next.
         channels.sort_by_key(|(number, _)| *number);
-        animation.append("channels", channels.into_iter().map(|(_, channel)| channel).collect());
+        let channels = channels.into_iter().map(|(_, channel)| channel).chain(of_meshes);
+        animation.append("channels", channels.collect());
     }
 }
