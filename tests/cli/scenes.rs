@@ -337,3 +337,30 @@ fn what_nothing_names_leaves_with_the_first_level() {
         f.lodc(["verify", "half.glb", "--source", "s.gltf"]).ends(0);
     }
 }
+
+#[test]
+fn extras_that_are_no_object_are_kept_in_it_and_come_back() {
+    for value in [json!("text"), json!([1, 2]), json!(0), json!(null)] {
+        let mut scene = Scene::of_rocks(&[12]);
+        scene.meshes[0]["extras"] = value.clone();
+        scene.meshes[0]["primitives"][0]["extras"] = value.clone();
+        let nodes = json!([{"mesh": 0, "extras": value}]);
+        let more = json!({"nodes": nodes, "extras": value});
+        let f = Folder::new();
+        f.file("s.gltf", scene.file(&[0], &more));
+        for args in [&[][..], &["--geomorph"], &["--index-ranges"]] {
+            let chain = ["chain", "s.gltf", "-o", "chain.gltf"];
+            let run = f.lodc(chain.iter().chain(args)).ends(0);
+            assert!(run.stderr.contains("extras and 2 more: no object"), "{}", run.stderr);
+            let chain: Value = serde_json::from_slice(&f.read("chain.gltf")).expect("JSON");
+            assert_eq!(chain["extras"]["lodc"]["extras"], value);
+            f.lodc(["verify", "chain.gltf", "--source", "s.gltf"]).ends(0);
+            f.lodc(["extract", "chain.gltf", "--ratio", "0.5", "-o", "level.gltf"]).ends(0);
+            let level: Value = serde_json::from_slice(&f.read("level.gltf")).expect("JSON");
+            let mesh = &level["meshes"][0];
+            for extras in [&level["nodes"][0], mesh, &mesh["primitives"][0]].map(|e| &e["extras"]) {
+                assert_eq!(*extras, value, "{args:?}");
+            }
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Extensions that this package reads, passes through, or must refuse.
 
 use super::extension_table::{EXTENSIONS, PREFIXES};
-use super::json::{Json, Object, malformed};
+use super::json::{Json, Object, malformed, object};
 use crate::{Fault, FormatError};
 use std::collections::BTreeSet;
 
@@ -151,14 +151,71 @@ pub(super) fn forget(root: &mut Object, name: &str) {
     }
 }
 
-/// Takes a member out of an object's extras, and the extras with the last one.
+/// The member of `extras.lodc` that has extras which are no object.
+const KEPT: &str = "extras";
+
+/// Puts a member into an object's extras. Extras that are no object, which glTF allows, are kept as
+/// `extras.lodc.extras`.
+pub(super) fn put_extra(entry: &mut Object, key: &str, mut value: Json) {
+    match entry.get_mut("extras") {
+        Some(extras) if !extras.is_object() => {
+            let kept = object! { KEPT => std::mem::replace(extras, Json::Null) };
+            *extras = object! { "lodc" => kept };
+        }
+        _ => {}
+    }
+    let extras = &mut entry["extras"];
+    if key == "lodc"
+        && let Some(kept) = extras["lodc"].get(KEPT)
+    {
+        value[KEPT] = kept.clone();
+    }
+    extras[key] = value;
+}
+
+/// Takes a member out of an object's extras, and the extras with the last one. What
+/// [`put_extra`] kept takes their place.
 pub(super) fn forget_extra(entry: &mut Object, key: &str) {
-    if let Some(extras) = entry.get_mut("extras").and_then(Json::as_object_mut) {
-        extras.shift_remove(key);
-        if extras.is_empty() {
+    let Some(extras) = entry.get_mut("extras").and_then(Json::as_object_mut) else { return };
+    let kept = extras.get("lodc").and_then(|lodc| lodc.get(KEPT)).cloned();
+    extras.shift_remove(key);
+    match kept {
+        Some(kept) => {
+            let own = object! { KEPT => kept.clone() };
+            if key == "lodc" && !extras.is_empty() {
+                extras["lodc"] = own;
+            } else if extras.is_empty() || extras.len() == 1 && extras["lodc"] == own {
+                entry["extras"] = kept;
+            }
+        }
+        None if extras.is_empty() => {
             entry.shift_remove("extras");
         }
+        None => {}
     }
+}
+
+/// What to say of extras that are no objects where levels may add to them; none if there are none.
+pub(super) fn kept_extras(root: &Object) -> Option<String> {
+    let is_kept = |entry: &Object| entry.get("extras").is_some_and(|extras| !extras.is_object());
+    let of = |pool: &str| {
+        let entries = root.entries(pool).enumerate();
+        let may_be_added_to = |entry: &Object| pool == "meshes" || entry.contains_key("mesh");
+        let kept = entries.filter(|(_, entry)| may_be_added_to(entry) && is_kept(entry));
+        kept.map(|(number, _)| format!("{pool}[{number}].extras")).collect::<Vec<_>>()
+    };
+    let of_root = is_kept(root).then(|| "extras".to_owned());
+    let all: Vec<String> =
+        of_root.into_iter().chain(of("meshes")).chain(of("nodes")).collect();
+    let more = match all.len() {
+        0 => return None,
+        1 => String::new(),
+        count => format!(" and {} more", count - 1),
+    };
+    let first = &all[0];
+    Some(format!(
+        "{first}{more}: no object; where levels add to it, its value is at `lodc.extras` in it"
+    ))
 }
 
 /// Names an extension in one of the lists of the document.

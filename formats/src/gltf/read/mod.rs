@@ -125,6 +125,7 @@ impl Opened<'_> {
         let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
         let numbers = |accessor| document::numbers(&accessors, &views, accessor);
         forest::set_world_scales(&root, &mut objects, &numbers, &mut warnings)?;
+        warnings.extend(extensions::kept_extras(&root));
         let primitives = |o: &SceneObject| -> Vec<(usize, usize)> {
             let mesh = o.info.document_mesh as usize;
             o.info.submeshes.iter().map(|s| (mesh, s.document_primitive as usize)).collect()

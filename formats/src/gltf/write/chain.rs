@@ -364,7 +364,8 @@ impl<'a> ChainedObject<'a> {
         let copies = ids.iter().map(|&id| [node, id]).collect();
         let entry = root.object_mut("nodes", node).expect("the node that was copied");
         entry["extensions"]["MSFT_lod"] = object! { "ids" => ids };
-        entry["extras"]["MSFT_screencoverage"] = self.object.coverage.iter().map(share).collect();
+        let shares = self.object.coverage.iter().map(share).collect();
+        extensions::put_extra(entry, "MSFT_screencoverage", shares);
         extensions::add(root, "extensionsUsed", "MSFT_lod");
         copies
     }
@@ -385,7 +386,7 @@ fn put_ranges(primitive: &mut Object, levels: &[Vec<u32>]) {
         object! { "first" => first - count, "count" => count, "vertices" => vertices }
     };
     let ranges: Vec<Json> = levels.iter().map(range).collect();
-    primitive["extras"]["lodc"] = object! { "levels" => ranges };
+    extensions::put_extra(primitive, "lodc", object! { "levels" => ranges });
 }
 
 /// A node for a coarser level: what places, deforms and otherwise concerns the mesh (visibility,

@@ -5,7 +5,7 @@
 use super::differences::MovedStreams;
 use super::writer::Writer;
 use crate::gltf::document::Stored;
-use crate::gltf::extensions::animation_pointer;
+use crate::gltf::extensions::{animation_pointer, put_extra};
 use crate::gltf::json::{Json, Object, object};
 use crate::{Document, FormatError, GEOMORPH_TARGET, Limits};
 use lodc_mesh::Mesh;
@@ -28,20 +28,18 @@ pub(super) fn name_target(mesh: &mut Object, targets: usize) {
     if mesh.get("weights").is_some() || targets == 0 {
         mesh.append("weights", vec![0u32.into()]);
     }
-    if mesh.get("extras").is_some_and(|extras| !extras.is_object()) {
-        return;
-    }
     let mut names = mesh["extras"]["targetNames"].list().to_vec();
     let unnamed = names.len() != targets;
     if unnamed {
         names = (0..targets).map(|t| format!("target_{t}").into()).collect();
     }
     names.push(GEOMORPH_TARGET.into());
-    mesh["extras"]["targetNames"] = names.into();
-    mesh["extras"]["lodc"] = object! { "next" => targets };
+    put_extra(mesh, "targetNames", names.into());
+    let mut own = object! { "next" => targets };
     if unnamed && targets > 0 {
-        mesh["extras"]["lodc"]["unnamed"] = true.into();
+        own["unnamed"] = true.into();
     }
+    put_extra(mesh, "lodc", own);
 }
 
 /// Adds an entry for the target that these meshes got to the weights of nodes and to animations of

@@ -7,6 +7,7 @@
 use super::buffers::{Drawn, VertexBuffers};
 use super::writer::Writer;
 use super::{adapted, document_mesh, document_primitive, glb, source_document, submesh_primitive};
+use crate::gltf::extensions::put_extra;
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::prune;
 use crate::images::{TextureMode, Textures};
@@ -77,7 +78,7 @@ pub fn export_levels(
         }
         let extras = levels.sequence(&mut writer)?;
         if let Some(mesh) = root.object_mut("meshes", mesh) {
-            mesh["extras"]["lodc"] = extras;
+            put_extra(mesh, "lodc", extras);
         }
     }
     prune::without(&mut root, &empty);
@@ -142,8 +143,7 @@ impl<'a> WrittenLevels<'a> {
         let range = submesh.triangles();
         let vertices = &self.vertices[s];
         let targets: Vec<u32> = vertices.iter().map(|&v| self.target(v, s)).collect();
-        let extras = &mut primitive["extras"]["lodc"];
-        *extras = object! {
+        let mut extras = object! {
             "numbers" => words(writer, vertices)?,
             "targets" => words(writer, &targets)?,
             "removals" => words(writer, &self.removals[range.clone()])?,
@@ -151,6 +151,7 @@ impl<'a> WrittenLevels<'a> {
         if let Some(strips) = self.object.strips {
             extras["strips"] = words(writer, &strips[range])?;
         }
+        put_extra(primitive, "lodc", extras);
         Ok(())
     }
 

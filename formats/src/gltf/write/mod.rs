@@ -13,6 +13,7 @@ mod levels;
 mod samples;
 mod writer;
 
+use super::extensions;
 use super::json::{self, Json, Object, object};
 use super::quantize::{self, Quantizer, WrittenObject};
 use super::{glb, prune, schema};
@@ -122,8 +123,7 @@ fn source_document(
     Ok((root, blob))
 }
 
-/// Puts `asset.generator` and `extras.lodc` into a document. Extras that are not an object stay as
-/// they are.
+/// Puts `asset.generator` and `extras.lodc` into a document.
 fn put_provenance(root: &mut Object, provenance: &Provenance, requantizes: bool) {
     if let Some(asset) = root.get_mut("asset") {
         asset["generator"] = GENERATOR.into();
@@ -168,9 +168,7 @@ fn put_provenance(root: &mut Object, provenance: &Provenance, requantizes: bool)
             all["poses"] = poses.iter().map(object_poses).collect::<Json>();
         }
     }
-    if root.get("extras").is_none_or(Json::is_object) {
-        root["extras"]["lodc"] = all;
-    }
+    extensions::put_extra(root, "lodc", all);
 }
 
 fn pose_key(pose: &PoseKey) -> Json {
