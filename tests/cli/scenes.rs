@@ -351,7 +351,7 @@ fn extras_that_are_no_object_are_kept_in_it_and_come_back() {
         for args in [&[][..], &["--geomorph"], &["--index-ranges"]] {
             let chain = ["chain", "s.gltf", "-o", "chain.gltf"];
             let run = f.lodc(chain.iter().chain(args)).ends(0);
-            assert!(run.stderr.contains("extras and 2 more: no object"), "{}", run.stderr);
+            assert!(run.err.contains("extras and 2 more: no object"), "{}", run.err);
             let chain: Value = serde_json::from_slice(&f.read("chain.gltf")).expect("JSON");
             assert_eq!(chain["extras"]["lodc"]["extras"], value);
             f.lodc(["verify", "chain.gltf", "--source", "s.gltf"]).ends(0);

@@ -205,8 +205,7 @@ pub(super) fn kept_extras(root: &Object) -> Option<String> {
         kept.map(|(number, _)| format!("{pool}[{number}].extras")).collect::<Vec<_>>()
     };
     let of_root = is_kept(root).then(|| "extras".to_owned());
-    let all: Vec<String> =
-        of_root.into_iter().chain(of("meshes")).chain(of("nodes")).collect();
+    let all: Vec<String> = of_root.into_iter().chain(of("meshes")).chain(of("nodes")).collect();
     let more = match all.len() {
         0 => return None,
         1 => String::new(),
