@@ -166,8 +166,8 @@ impl Facing {
             && face.normal.dot(normal(self.tree.corners_of(nearest.triangle))) < 0.0
     }
 
-    /// Returns whether a sheet of the source that faces as a triangle of a level is within `reach` of
-    /// its middle: of a thin plate one side may collapse onto the other.
+    /// Returns whether a sheet of the source that faces as a triangle of a level is within `reach`
+    /// of its middle: of a thin plate one side may collapse onto the other.
     fn has_sheet_near(&self, face: &Face, reach: f64) -> bool {
         (0..self.triangle_count).any(|t| {
             let corners = self.tree.corners_of(t);
@@ -249,8 +249,8 @@ fn distinct_edges(mesh: &Mesh, ids: &PositionIds) -> Vec<Edge> {
     all
 }
 
-/// The triangles of a mesh as in [`Facing::triangles`], rising. At rest one may be a point or a line,
-/// which faces nowhere.
+/// The triangles of a mesh as in [`Facing::triangles`], rising. At rest one may be a point or a
+/// line, which faces nowhere.
 fn sorted_triangles(mesh: &Mesh) -> Vec<([Key; 3], bool)> {
     let corners = mesh.triangles().iter().map(|t| t.map(|v| key(mesh, v)));
     let mut triangles: Vec<_> = corners.filter(|keys| !is_degenerate(*keys)).map(sorted).collect();

@@ -2,11 +2,11 @@
 //! envelope of all.
 //!
 //! Any vector v of the object is as long as |L(t) v| at the moment t, L(t) being the linear part of
-//! the node's world transform. While nodes turn evenly, by θ in all from one moment to the next, the
-//! square of that length is a sum of sines whose phases advance by at most 2 θ, so that where it is
-//! largest it is at most 1 / cos²(θ / 2) times what it is at the nearer of both (Duffin and Schaeffer
-//! 1938), however uneven the scales between these nodes are. So moments that are close by angle bound
-//! all others, and what else changes lengths is looked for halfway between them.
+//! the node's world transform. While nodes turn evenly, by θ in all from one moment to the next,
+//! the square of that length is a sum of sines whose phases advance by at most 2 θ, so that where
+//! it is largest it is at most 1 / cos²(θ / 2) times what it is at the nearer of both (Duffin and
+//! Schaeffer 1938), however uneven the scales between these nodes are. So moments that are close by
+//! angle bound all others, and what else changes lengths is looked for halfway between them.
 
 use super::envelope::envelope;
 use super::unlike::{MAX_ROUNDING, Stretched, Unlike, factor};

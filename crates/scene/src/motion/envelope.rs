@@ -1,8 +1,8 @@
 //! The envelope of linear maps: one that makes no vector shorter than any of them does.
 //!
-//! The ellipsoid of least volume around the images of the unit ball under all transposed maps, which
-//! are ellipsoids about the origin. Found by moving weight to the point that is farthest outside
-//! (Khachiyan 1996); of any vector it is at most √3 times as long as the longest image.
+//! The ellipsoid of least volume around the images of the unit ball under all transposed maps,
+//! which are ellipsoids about the origin. Found by moving weight to the point that is farthest
+//! outside (Khachiyan 1996); of any vector it is at most √3 times as long as the longest image.
 
 use crate::transform::largest_stretch;
 use glam::{DMat3, DVec3};
