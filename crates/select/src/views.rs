@@ -243,14 +243,16 @@ impl<'a> SceneViews<'a> {
     /// The states of all vertices; where an object is shown several times, each vertex as the
     /// finest of them needs it.
     fn states(&self, setting: u32, ranges: &[LodRange]) -> Vec<Vec<State>> {
-        let object = |(surfaces, range): (&Vec<Surface<'_>>, &LodRange)| {
+        let object = |((surfaces, range), ids): ((&Vec<Surface<'_>>, &LodRange), &PositionIds)| {
             let lods = surfaces
                 .par_iter()
                 .map(|s| s.selector.lods_at(&s.family, setting, range))
                 .reduce_with(|a, b| a.iter().zip(&b).map(|(a, b)| *a.min(b)).collect());
-            surfaces[0].selector.states(&lods.unwrap_or_default(), self.options.morph)
+            let mut lods: Vec<u32> = lods.unwrap_or_default();
+            surfaces[0].selector.unfold(&mut lods, ids);
+            surfaces[0].selector.states(&lods, self.options.morph)
         };
-        self.surfaces.par_iter().zip(ranges).map(object).collect()
+        self.surfaces.par_iter().zip(ranges).zip(&self.ids).map(object).collect()
     }
 
     /// The LODs of `--fine` and `--coarse`, and the coarsest with triangles, of each object.

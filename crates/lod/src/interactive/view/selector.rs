@@ -2,10 +2,14 @@
 //! one vertex).
 
 use super::select::{self, ByError, Parameters};
-use super::{Cones, Criterion, Family, LodRange, Point, State, ViewQuery};
-use lodc_mesh::{Lod, Shortcuts, Simplified};
+use super::{Cones, Criterion, Family, LodRange, Point, State, ViewQuery, cones};
+use lodc_mesh::{Lod, PositionIds, Shortcuts, Simplified, is_degenerate};
 use rayon::prelude::*;
 use std::sync::OnceLock;
+
+/// Times, at most, that LODs are refined where triangles are turned over: what is refined may turn
+/// others. Chosen by hand.
+const MAX_UNFOLDING: u32 = 32;
 
 /// Selects a LOD for every vertex, the same for all vertices of a wedge group.
 #[derive(Clone, Debug)]
@@ -79,14 +83,60 @@ impl<'a> Selector<'a> {
     /// Returns the state of each vertex at its LOD.
     #[must_use]
     pub fn states(&self, lods: &[u32], morph: bool) -> Vec<State> {
-        let (links, targets) = (&self.links, self.simplified.collapses().targets());
         let state = |(v, &lod): (usize, &u32)| {
-            let entry = select::entry(v as u32, lod, links, |from| {
-                let shortcuts = self.shortcuts.get_or_init(|| Shortcuts::new(targets));
-                shortcuts.first(targets, from, |v| links[v as usize][1] > lod)
-            });
-            select::state(entry, lod, links, morph)
+            select::state(self.entry(v as u32, lod), lod, &self.links, morph)
         };
         lods.par_iter().enumerate().map(state).collect()
+    }
+
+    /// Returns the vertex that is shown for one at a LOD.
+    fn entry(&self, vertex: u32, lod: u32) -> u32 {
+        let (links, targets) = (&self.links, self.simplified.collapses().targets());
+        select::entry(vertex, lod, links, |from| {
+            let shortcuts = self.shortcuts.get_or_init(|| Shortcuts::new(targets));
+            shortcuts.first(targets, from, |v| links[v as usize][1] > lod)
+        })
+    }
+
+    /// Refines LODs where a triangle between finer and coarser parts would be turned over: where it
+    /// faces away from the input's, or from what it is at the finest LOD of its corners, all three
+    /// take that LOD.
+    pub fn unfold(&self, lods: &mut [u32], positions: &PositionIds) {
+        let mesh = self.simplified.mesh();
+        let id = |v: u32| positions.of_vertex[v as usize];
+        let faces_away = |a: [u32; 3], b: [u32; 3]| {
+            let normals = [a, b].map(|corners| cones::normal(mesh.positions(), corners));
+            let [Some(a), Some(b)] = normals else { return false };
+            a[0] * b[0] + a[1] * b[1] + a[2] * b[2] < 0.0
+        };
+        for _ in 0..MAX_UNFOLDING {
+            let chosen = &*lods;
+            let turned = |&corners: &[u32; 3]| {
+                let own = corners.map(|v| chosen[v as usize]);
+                let finest = own.into_iter().min().unwrap_or(0);
+                if own == [finest; 3] {
+                    return None;
+                }
+                let shown = std::array::from_fn(|i| self.entry(corners[i], own[i]));
+                let level = corners.map(|v| self.entry(v, finest));
+                let is_turned = faces_away(shown, corners)
+                    || !is_degenerate(level.map(id)) && faces_away(shown, level);
+                (is_turned && !is_degenerate(shown.map(id))).then_some((corners, finest))
+            };
+            let turned: Vec<_> = mesh.triangles().par_iter().filter_map(turned).collect();
+            if turned.is_empty() {
+                break;
+            }
+            let mut finest_at = vec![u32::MAX; positions.len()];
+            for (corners, finest) in turned {
+                for v in corners {
+                    let at = &mut finest_at[id(v) as usize];
+                    *at = finest.min(*at);
+                }
+            }
+            for (lod, &position) in lods.iter_mut().zip(&positions.of_vertex) {
+                *lod = finest_at[position as usize].min(*lod);
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::interactive::replay::lists;
 use lodc_fixtures as fixtures;
-use lodc_mesh::Lod;
+use lodc_mesh::{Lod, OrientedTriangle};
 use std::sync::Arc;
 
 fn views_of(simplified: &Simplified) -> Views<'_> {
@@ -83,6 +83,42 @@ fn meshes_of_views_have_their_triangles_in_their_submeshes() {
         }
     });
     assert!(crossings.get() > 100, "{} corners", crossings.get());
+}
+
+#[test]
+fn hardly_a_triangle_of_an_unfolded_view_is_turned_over() {
+    let options = lodc_simplify::Options::DEFAULT;
+    let simplified = lodc_simplify::simplify(&fixtures::icosphere(4), &options, &|_, _| ());
+    let mesh = simplified.mesh();
+    let (selector, ids) = (Selector::new(&simplified), mesh.position_ids());
+    let range = LodRange {
+        fine: Lod(0),
+        coarse: simplified.collapses().lod_for_triangles(30),
+        last: simplified.collapses().lod_for_triangles(8),
+    };
+    let (mut before, mut after) = (0, 0);
+    for family in [
+        Family::Silhouette { eye: [3.0, 2.0, 5.0] },
+        Family::Sphere { centre: [1.0, 0.0, 0.0], radius: 0.7 },
+        Family::Region { low: [-2.0; 3], high: [0.1, 2.0, 2.0] },
+    ] {
+        let mut lods = selector.lods_at(&family, family.given_setting(), &range);
+        let inward = |lods: &[u32]| {
+            let states = selector.states(lods, false);
+            let faces_inward = |t: &OrientedTriangle| {
+                let [a, b, c] = t.corners.map(|v| mesh.positions()[v as usize]);
+                let middle: [f32; 3] = std::array::from_fn(|k| a[k] + b[k] + c[k]);
+                let normal = cones::normal(mesh.positions(), t.corners).unwrap_or_default();
+                (0..3).map(|k| normal[k] * f64::from(middle[k])).sum::<f64>() < -0.1
+            };
+            live_triangles(&simplified, &ids, &states).iter().filter(|t| faces_inward(t)).count()
+        };
+        before += inward(&lods);
+        selector.unfold(&mut lods, &ids);
+        after += inward(&lods);
+    }
+    // Corners that have come far around the ball tilt some that face as their references do.
+    assert!(before > 50 && after * 10 < before, "{before} before, {after} after");
 }
 
 /// A vertex that takes its own LOD instead of its group's tears the mesh, and verification sees it.
