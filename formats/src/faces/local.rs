@@ -21,7 +21,8 @@ pub(crate) fn may_be_far(positions: &[[f32; 3]], corners: &[u32]) -> bool {
     is_far(corners) || is_far(&[])
 }
 
-/// Returns an offset and the positions without it in single precision; none if those of the corners,
+/// Returns an offset and the positions without it in single precision; none if those of the
+/// corners,
 /// and all of them, are as exact without an offset.
 pub(crate) fn local(positions: &[[f64; 3]], corners: &[u32]) -> Option<([f64; 3], Vec<[f32; 3]>)> {
     let extent = Extent::of(shown(positions, corners))?;
