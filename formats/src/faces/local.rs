@@ -22,8 +22,7 @@ pub(crate) fn may_be_far(positions: &[[f32; 3]], corners: &[u32]) -> bool {
 }
 
 /// Returns an offset and the positions without it in single precision; none if those of the
-/// corners,
-/// and all of them, are as exact without an offset.
+/// corners, and all of them, are as exact without an offset.
 pub(crate) fn local(positions: &[[f64; 3]], corners: &[u32]) -> Option<([f64; 3], Vec<[f32; 3]>)> {
     let extent = Extent::of(shown(positions, corners))?;
     let (Extent { low, high }, diagonal) = (extent, extent.diagonal());
