@@ -142,6 +142,13 @@ struct Quantised {
 }
 
 impl Quantised {
+    #[cfg_attr(
+        not(feature = "build"),
+        expect(
+            clippy::needless_pass_by_value,
+            reason = "shapes are kept where errors are measured"
+        )
+    )]
     fn new(mesh: &Mesh, rounded: RoundedObject, shapes: ObjectShapes, is_small: bool) -> Self {
         let mut moved = rounded.moved;
         if bends(mesh) {
