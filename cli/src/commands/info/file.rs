@@ -30,13 +30,22 @@ const LIST_SHARES: [u32; 5] = [50, 75, 90, 95, 100];
 /// Shares of the triangles in the table of a scene's levels.
 const TABLE_SHARES: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.01];
 
-/// Returns what is inside a file. `name` is the file's, for messages.
+/// Returns what is inside a file. `name` is the file's, for messages. Text has nothing of the whole
+/// scene, which is looked at within `scene_limits`, if there are any.
 ///
 /// # Errors
-/// If it is damaged, or a baseline cannot be made.
-pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoReport> {
+/// If it is damaged, a baseline cannot be made, or the scene is beyond the limits.
+pub(super) fn report(
+    name: &str,
+    bytes: &[u8],
+    baselines: bool,
+    scene_limits: Option<&Limits>,
+) -> Outcome<InfoReport> {
     let file = parse_lodc(bytes, name)?;
-    let (bounds, levels_table) = (bounds(&file)?, levels_table(&file)?);
+    let (bounds, levels_table) = match scene_limits {
+        Some(limits) => (bounds(&file, limits)?, levels_table(&file, limits)?),
+        None => (None, Vec::new()),
+    };
     Ok(InfoReport {
         schema_version: SCHEMA_VERSION,
         format: "lodc",
@@ -65,9 +74,9 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
 }
 
 /// The lowest and the highest corner of what the scene shows at rest.
-fn bounds(file: &LodFile) -> Outcome<Option<[[f64; 3]; 2]>> {
+fn bounds(file: &LodFile, limits: &Limits) -> Outcome<Option<[[f64; 3]; 2]>> {
     let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(&file.document, &infos, &Limits::DEFAULT)?;
+    let graph = scene_graph(&file.document, &infos, limits)?;
     let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let mut bounds: Option<[[f64; 3]; 2]> = None;
     for placement in scene.placements() {
@@ -84,8 +93,8 @@ fn bounds(file: &LodFile) -> Outcome<Option<[[f64; 3]; 2]>> {
 }
 
 /// Levels of the whole scene; none if it has no triangles.
-fn levels_table(file: &LodFile) -> Outcome<Vec<SceneLevelReport>> {
-    let levels = scene_levels(&file.objects, &file.document, &Limits::DEFAULT)?;
+fn levels_table(file: &LodFile, limits: &Limits) -> Outcome<Vec<SceneLevelReport>> {
+    let levels = scene_levels(&file.objects, &file.document, limits)?;
     let is_empty = levels.objects().iter().all(|o| o.simplified.mesh().triangles().is_empty());
     let level = |&ratio: &f64| {
         let chosen = levels.select(Target::Ratio(ratio), false)?;

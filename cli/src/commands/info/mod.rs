@@ -117,7 +117,7 @@ fn content(args: &InfoArgs, input: &Path) -> Outcome<(Content, Option<Failure>)>
         clock.check();
         return Ok((Content::Stream(report), failure));
     }
-    let report = file::report(&name, &bytes, args.baselines)?;
+    let report = file::report(&name, &bytes, args.baselines, args.json.then_some(&limits))?;
     clock.check();
     Ok((Content::File(report), None))
 }
