@@ -18,7 +18,7 @@ use lodc_mesh::NONE;
 /// pictures of wire frames; not tuned since.
 const SPURIOUS: f32 = 2.0;
 /// Error of an area that covers a layer that was seen before it.
-const COVERING: f32 = 2.0;
+pub(super) const COVERING: f32 = 2.0;
 /// Error per curvature and distance: a silhouette that is off by d uncovers a strip of width d,
 /// and a surface of mean convex curvature H and area A shows 2 H A d of it, in the unit of its own
 /// projected area. That would make the factor 2. With 6 the image errors of eight textured models,
@@ -223,7 +223,11 @@ fn slide_error(sample: &Sample, at: [f32; 2]) -> f32 {
 /// squares of their colours (`power`), since black differs least from a background. A sample is
 /// uncovered as far as its nearest point lies beside it, not above or below; wholly from its extent
 /// on. To that comes the area that covers another layer, or is covered by it.
-fn geometric_error(quad: &SampleQuad, nearest: &NearestPoints, distance_weight: f32) -> Vec4 {
+pub(super) fn geometric_error(
+    quad: &SampleQuad,
+    nearest: &NearestPoints,
+    distance_weight: f32,
+) -> Vec4 {
     let NearestPoints { away, squared, .. } = *nearest;
     let along = away.dot(quad.normal);
     let beside = (squared - along * along).max(Vec4::ZERO).sqrt();

@@ -1,11 +1,14 @@
 //! Properties of what is seen: loose pieces, doubled faces, cards, texture coordinates.
 
+use super::energy::{COVERING, geometric_error};
+use super::lanes::SampleQuad;
 use super::samples::Samples;
+use super::vectors::{NearestPoints, Vec3x4};
 use super::{Appearance, Checkerboard, SurfaceColours, visibility};
 use crate::cut::Region;
 use crate::number::Input;
 use crate::{MetricKind, Options, simplify, simplify_coloured};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Simplified, Submesh};
 
@@ -206,8 +209,16 @@ fn water_and_the_bed_below_it_know_of_each_other() {
     let appearance = Appearance::of_shape();
     let mut samples = Samples::new(&region.mesh, &region.wedges, &appearance, 1e-6, 16_000);
     visibility::weigh(&region.mesh, &mut samples, 1.5);
+    // The error of a sample whose surface has moved along its normal.
+    let moved = |sample: usize, by: f32| {
+        let quad = SampleQuad::new(&[sample as u32], &samples);
+        let away = Vec3x4::new(&[Vec3::Z * -by; 4]);
+        let squared = Vec4::splat(by * by);
+        let nearest = NearestPoints { face: [0; 4], at: [Vec4::ZERO; 2], away, squared };
+        geometric_error(&quad, &nearest, 0.0).x
+    };
     let mut counts = [0; 3];
-    for s in samples.all() {
+    for (number, s) in samples.all().iter().enumerate() {
         let middle = [s.position.x, s.position.y].iter().all(|c| (0.35..0.65).contains(c));
         let layer = s.layer;
         match (middle, s.position.z > 0.02) {
@@ -216,6 +227,10 @@ fn water_and_the_bed_below_it_know_of_each_other() {
                 assert_eq!(layer.inverse_rest.signum(), side, "{s:?}");
                 assert!((layer.free - 0.02).abs() < 0.012, "{s:?}");
                 assert!((30.0..140.0).contains(&layer.inverse_rest.abs()), "{s:?}");
+                // What passes the other layer costs its area; nothing else costs anything.
+                let covered = COVERING * s.extent * s.extent;
+                assert!((moved(number, side * 0.06) - covered).abs() < 1e-3 * covered, "{s:?}");
+                assert_eq!([moved(number, side * 0.005), moved(number, side * -0.06)], [0.0; 2]);
                 counts[usize::from(is_water)] += 1;
             }
             (false, false) if s.position.x < 0.1 => {
@@ -288,7 +303,6 @@ fn the_bed_of_a_pond_stays_below_its_water() {
         let simplified = simplify_coloured(&mesh, &HYBRID, &colours, &|_, _| {});
         for part in [4, 10, 20, 40] {
             let share = water_seen(&simplified, all / part, first);
-
             assert!(share > 0.9, "{depth} deep, 1/{part}: {share} of the pond is water");
         }
     }

@@ -31,8 +31,7 @@ pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut Samples, diagonal: f64) {
     samples.set_layers(layers(&cameras, &pictures, samples, diagonal));
     samples.scale_weights(mesh, |position, normal| {
         let seen = |(camera, picture): (&Camera, &Vec<i32>)| {
-            let (pixel, depth) = pixel(camera, position);
-            let is_seen = depth <= picture[pixel].saturating_add(TOLERANCE);
+            let is_seen = is_seen(pixel(camera, position), picture);
             if is_seen { projected_share(normal, camera) } else { 0.0 }
         };
         // A plane is seen from half of all directions, on average at a cosine of one half.
@@ -45,6 +44,11 @@ fn pixel(camera: &Camera, position: Vec3) -> (usize, i32) {
     let p = camera.project(position.as_dvec3());
     let [column, row] = [p.x, p.y].map(|x| x.div_euclid(SUBPIXELS));
     ((row * camera.size as i32 + column) as usize, p.z)
+}
+
+/// Whether nothing is before what is in a pixel at a depth, by the depths that the camera sees.
+fn is_seen((pixel, depth): (usize, i32), depths: &[i32]) -> bool {
+    depth <= depths[pixel].saturating_add(TOLERANCE)
 }
 
 /// For every sample the layer that hides it, or else the one that it hides, both facing the same
@@ -112,9 +116,8 @@ impl View {
         (cosine > LEAST_COSINE).then_some(Self { cosine, pixel, depth })
     }
 
-    /// Whether nothing is before it, by the depths that the camera sees.
     fn is_seen(&self, depths: &[i32]) -> bool {
-        self.depth <= depths[self.pixel].saturating_add(TOLERANCE)
+        is_seen((self.pixel, self.depth), depths)
     }
 
     /// The distance along the normal between two depths.
