@@ -24,15 +24,14 @@ pub(crate) fn may_be_far(positions: &[[f32; 3]], corners: &[u32]) -> bool {
 /// Returns an offset and the positions without it in single precision; none if those of the
 /// corners, and all of them, are as exact without an offset.
 pub(crate) fn local(positions: &[[f64; 3]], corners: &[u32]) -> Option<([f64; 3], Vec<[f32; 3]>)> {
-    let extent = Extent::of(shown(positions, corners))?;
-    let (Extent { low, high }, diagonal) = (extent, extent.diagonal());
     let rounding = |c: f64| (c - f64::from(single(c))).abs();
-    let is_exact = |corners: &[u32]| {
+    let is_exact = |corners: &[u32], diagonal: f64| {
         let largest = shown(positions, corners).flatten().map(rounding).fold(0.0, f64::max);
-        let diagonal = Extent::of(shown(positions, corners)).map_or(0.0, |e| e.diagonal());
         largest <= MAX_ROUNDING * diagonal
     };
-    if is_exact(corners) && is_exact(&[]) {
+    let extent = Extent::of(shown(positions, corners))?;
+    let (Extent { low, high }, diagonal) = (extent, extent.diagonal());
+    if is_exact(corners, diagonal) && is_exact(&[], Extent::of(shown(positions, &[]))?.diagonal()) {
         return None;
     }
     // A multiple of a power of two about an eighth of the size: few digits, and the same for most
