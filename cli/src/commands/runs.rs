@@ -7,7 +7,7 @@ use crate::batch::{self, Job};
 use crate::console;
 use crate::exit::{Outcome, Status};
 use crate::help::OUTPUT;
-use crate::output::{self, DependencyRule, Target};
+use crate::output::{self, DependencyRule};
 use crate::results::{self, FailureReport, ResultReport};
 use clap::{Args, ValueEnum};
 use lodc_report::documents::{Summary, SummaryReport};
@@ -91,10 +91,7 @@ impl RunArgs {
     /// If not.
     pub(crate) fn check(&self, jobs: &[Job]) -> Outcome<()> {
         let inputs = jobs.iter().map(|job| job.input.as_path());
-        let results = jobs.iter().filter_map(|job| match &job.target {
-            Ok(Target::File(path)) => Some(path.as_path()),
-            _ => None,
-        });
+        let results = jobs.iter().filter_map(Job::file);
         self.ci.check(inputs.chain(results).chain(self.depfile.as_deref()))?;
         Ok(batch::check_standard_streams(jobs, self.reports(), self.depfile.as_deref())?)
     }

@@ -2,7 +2,7 @@
 
 use crate::jobs::folder::{has_extension, with_slashes};
 use crate::jobs::run::{CommandPaths, Job};
-use crate::jobs::target::{Target, path_identity};
+use crate::jobs::target::path_identity;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
@@ -17,11 +17,7 @@ pub(crate) const RECORDS: &str = ".lodc";
 /// out.
 #[must_use]
 pub(crate) fn orphans(paths: CommandPaths<'_>, jobs: &[Job], recorded: bool) -> Vec<PathBuf> {
-    let file = |job: &Job| match &job.target {
-        Ok(Target::File(path)) => Some(path_identity(path)),
-        _ => None,
-    };
-    let own: BTreeSet<PathBuf> = jobs.iter().filter_map(file).collect();
+    let own: BTreeSet<PathBuf> = jobs.iter().filter_map(Job::file).map(path_identity).collect();
     let folders: Vec<&PathBuf> = paths.inputs.iter().filter(|input| input.is_dir()).collect();
     let roots: BTreeSet<&Path> =
         folders.iter().map(|folder| paths.output.unwrap_or(folder)).collect();

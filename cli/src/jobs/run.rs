@@ -50,6 +50,11 @@ impl Job {
         self.folder.is_some() || self.list_line.is_some()
     }
 
+    /// The file that its result is written to, if it is.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.target.as_ref().ok()?.file()
+    }
+
     /// The files that give it options: its configuration and the list that names it.
     pub(crate) fn option_files(&self) -> impl Iterator<Item = &PathBuf> {
         self.configuration.iter().chain(self.list_line.iter().map(|(list, _)| list))

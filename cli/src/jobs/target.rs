@@ -15,6 +15,14 @@ pub(crate) enum Target {
 }
 
 impl Target {
+    /// The file, unless it is standard output.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Stdout => None,
+            Self::File(path) => Some(path),
+        }
+    }
+
     /// As the user would write it.
     #[must_use]
     pub(crate) fn name(&self) -> String {

@@ -72,18 +72,17 @@ pub(super) fn make(
     report.warnings.clone_from(&asset.warnings);
     let (textures, images) = images(args, input, &asset.document)?;
     asset.files.extend(&images);
-    for line in textures.warnings.iter().filter(|_| !args.embed) {
-        // A metric that looks at colours has told it.
-        if !report.warnings.contains(line) {
-            report.warnings.push(line.clone());
-        }
-    }
     if args.embed {
         let placed = textures.placed(TextureMode::Embed, input);
         if !embed_images(&mut asset.document, &placed)? && asset.document.has_textures() {
             report.warnings.push(NOT_EMBEDDED.to_owned());
         }
         report.warnings.extend(placed.warnings);
+    } else {
+        // A metric that looks at colours has told some.
+        let told = report.warnings.clone();
+        let missing = textures.warnings.into_iter();
+        report.warnings.extend(missing.filter(|line| !told.contains(line)));
     }
     let asset = asset.measured(poses, &watch)?;
 
@@ -106,9 +105,7 @@ pub(super) fn make(
         .flatten();
     let files = asset.files.clone();
     let file = asset.into_file(args.models.layout(), made_from);
-    if let Target::File(path) = target {
-        output::refuse_replacing([path.as_path()], &files)?;
-    }
+    output::refuse_replacing(target.file(), &files)?;
     let (bytes, unwritten) = stages.run("write", || {
         let bytes = write(&file);
         let length = bytes.len();

@@ -49,9 +49,7 @@ pub(super) fn read(
     let appearance = stages
         .run("textures", || read_appearance(&document, &infos, &mut assets))
         .map_err(|e| e.in_file(&name))?;
-    if let Target::File(path) = target {
-        output::refuse_replacing([path.as_path()], assets.files())?;
-    }
+    output::refuse_replacing(target.file(), assets.files())?;
     let graph = scene_graph(&document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
     if graph.placement_count() > MAX_PLACEMENTS {
         let message = format!("{name}: shows objects more than {MAX_PLACEMENTS} times");
