@@ -99,19 +99,19 @@ impl<F: Fn(usize) -> ([DVec3; 3], u32) + Sync> Difference<F> {
         if self.len() <= CHOSEN {
             return None;
         }
-        // Those beyond the distance of which half as many as wanted are, in powers of two.
-        let exponent = |estimate: &Estimate| (estimate.squared.to_bits() >> 23) as usize;
-        let mut counts = [0usize; 256];
+        // Those beyond the distance of which half as many as wanted are, in steps of 1.5 %.
+        let exponent = |estimate: &Estimate| (estimate.squared.to_bits() >> 18) as usize;
+        let mut counts = vec![0usize; 256 << 5];
         estimates.iter().for_each(|estimate| counts[exponent(estimate)] += 1);
         let mut far = 0;
-        let first_far = (1..256)
+        let first_far = (1..256 << 5)
             .rev()
             .take_while(|&e| {
                 far += counts[e];
                 far <= CHOSEN / 2
             })
             .last()
-            .unwrap_or(256);
+            .unwrap_or(256 << 5);
         // The others by slices of area and of numbers.
         let total: f64 = self.areas.iter().copied().map(f64::from).sum();
         let [by_area, by_number] =

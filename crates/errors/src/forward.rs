@@ -237,23 +237,36 @@ impl<'a> Forward<'a> {
             self.samples.unlink_all(&mut self.faces.all, t, &mut moved);
         }
         self.work.0 += moved.len() as u64;
-        for &SampleOnFace { sample, face } in &moved {
-            let p = self.samples.all[sample as usize].position();
-            let (hit, is_finished) =
-                self.find_face(p, face, self.max_squared * (TAKEN_WITHIN * TAKEN_WITHIN));
-            let searched_at = f64::from(self.samples.all[sample as usize].searched_at_squared);
-            if hit.squared > self.searched_beyond_squared()
-                && hit.squared > SEARCHED_AGAIN_RATIO * searched_at
-            {
-                self.far_samples.push(SampleOnFace { sample, face: hit.triangle });
+        for &moved in &moved {
+            self.place(moved);
+        }
+        // A point that is no vertex any more may be far now. While it was one it was near, so that
+        // its sample may have been dropped.
+        for i in 0..self.changes.sources.len() {
+            let point = self.changes.sources[i];
+            if self.samples.is_dropped(point) {
+                self.place(SampleOnFace { sample: point, face: self.changes.touched[0] });
             }
-            if is_finished {
-                self.max_squared = self.max_squared.max(hit.squared);
-            }
-            self.samples.set_squared_distance(sample, hit.squared);
-            self.samples.link(&mut self.faces.all, hit.triangle, sample);
         }
         self.moved_samples = moved;
+    }
+
+    /// Puts a sample into the list of a face that is near; `face` is where it was, or may be.
+    fn place(&mut self, SampleOnFace { sample, face }: SampleOnFace) {
+        let p = self.samples.all[sample as usize].position();
+        let taken_within = self.max_squared * (TAKEN_WITHIN * TAKEN_WITHIN);
+        let (hit, is_finished) = self.find_face(p, face, taken_within);
+        let searched_at = f64::from(self.samples.all[sample as usize].searched_at_squared);
+        if hit.squared > self.searched_beyond_squared()
+            && hit.squared > SEARCHED_AGAIN_RATIO * searched_at
+        {
+            self.far_samples.push(SampleOnFace { sample, face: hit.triangle });
+        }
+        if is_finished {
+            self.max_squared = self.max_squared.max(hit.squared);
+        }
+        self.samples.set_squared_distance(sample, hit.squared);
+        self.samples.link(&mut self.faces.all, hit.triangle, sample);
     }
 
     /// Tries the centroids and the edge midpoints of triangles that change for the first time, and

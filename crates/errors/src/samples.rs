@@ -13,6 +13,10 @@ use lodc_nearest::{Triangles, area, centroid, longest_edge_squared};
 /// searched as a whole. Chosen by hand: more take time in every step.
 const MAX_EXTRA_SAMPLES: f64 = 24.0;
 
+/// And in the mean over all triangles: where most of them are long, each lies beside others. Chosen
+/// by hand.
+const MAX_MEAN_EXTRA_SAMPLES: f64 = 4.0;
+
 /// Triangles above this many times the mean area have samples inside, one for each
 /// [`AREA_PER_SAMPLE`] mean areas. Chosen by hand.
 const LARGE_AREA_RATIO: f64 = 3.0;
@@ -26,12 +30,15 @@ const LONG_EDGE_RATIO: f64 = 6.0;
 /// Chosen by hand; a `u8` holds the number.
 const MAX_SHARE_OF_SAMPLES: f64 = 1.0 / 187.5;
 
+/// In the list of no face.
+const DROPPED: u32 = NONE - 1;
+
 /// A position on the surface of the input, in units of [`Input::coordinates`]; half a cache line.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
 pub(crate) struct Sample {
     position: [f32; 3],
-    /// The next sample of the same face; [`NONE`] at the end.
+    /// The next sample of the same face; [`NONE`] at the end, [`DROPPED`] in the list of none.
     next: u32,
     pub(crate) origin: Origin,
     /// Squared distance to its face.
@@ -59,7 +66,7 @@ impl Sample {
     }
 }
 
-/// All samples, in a linked list for each face.
+/// All samples, in a linked list for each face: first one for every point of the input, in order.
 pub(crate) struct Samples {
     pub(crate) all: Vec<Sample>,
     /// The sum of area times squared distance.
@@ -86,9 +93,11 @@ impl Samples {
         let shares: Vec<f32> = areas.iter().zip(&extra_counts).map(share).collect();
         for (point, &position) in (0..).zip(&input.coordinates) {
             let around = input.triangles_around.row(point);
-            if let Some(&t) = around.first() {
-                let area = around.iter().map(|&t| shares[t as usize]).sum();
-                samples.add(faces, t, Sample::new(position, Origin::point(point), area));
+            let area = around.iter().map(|&t| shares[t as usize]).sum();
+            samples.all.push(Sample::new(position, Origin::point(point), area));
+            match around.first() {
+                Some(&t) => samples.link(faces, t, point),
+                None => samples.all[point as usize].next = DROPPED,
             }
         }
         let mut random = SplitMix64::new(7);
@@ -122,6 +131,23 @@ impl Samples {
         self.all[sample as usize].next = face.first_sample;
         face.first_sample = sample;
         face.sample_count = face.sample_count.saturating_add(1);
+    }
+
+    /// Marks a sample that was taken out of the list of its face; `kept`, which is in it, takes over
+    /// its area.
+    pub(crate) fn drop(&mut self, sample: u32, kept: u32) {
+        let dropped = &mut self.all[sample as usize];
+        let (area, squared) = (std::mem::take(&mut dropped.area), dropped.squared_distance);
+        dropped.next = DROPPED;
+        let kept = &mut self.all[kept as usize];
+        kept.area += area;
+        let change = f64::from(kept.squared_distance) - f64::from(squared);
+        self.area_times_squared += f64::from(area) * change;
+    }
+
+    /// Whether the sample at a point of the input was dropped.
+    pub(crate) fn is_dropped(&self, point: u32) -> bool {
+        self.all[point as usize].next == DROPPED
     }
 
     /// Empties the list of a face: appends its samples to `unlinked`, each with the face.
@@ -197,7 +223,8 @@ fn extra_counts(
     let total_length: f64 =
         if has_few_triangles { faces.iter().map(longest_edge).sum() } else { 0.0 };
     let mean_area = total_area / faces.len().max(1) as f64;
-    let count = |(f, &area): (&Face, &f32)| {
+    // Samples for a triangle that is large or long, and for one of a mesh of few.
+    let counts = |(f, &area): (&Face, &f32)| {
         let (area, length) = (f64::from(area), longest_edge(f));
         let for_area = if area > LARGE_AREA_RATIO * mean_area {
             area / (AREA_PER_SAMPLE * mean_area)
@@ -216,7 +243,10 @@ fn extra_counts(
         } else {
             0.0
         };
-        for_area.max(for_length).min(MAX_EXTRA_SAMPLES).max(for_few) as u8
+        [for_area.max(for_length).min(MAX_EXTRA_SAMPLES), for_few]
     };
-    faces.iter().zip(areas).map(count).collect()
+    let all = || faces.iter().zip(areas).map(counts);
+    let extra: f64 = all().map(|[extra, _]| extra).sum();
+    let share = (MAX_MEAN_EXTRA_SAMPLES * faces.len() as f64 / extra.max(1.0)).min(1.0);
+    all().map(|[extra, for_few]| (extra * share).max(for_few) as u8).collect()
 }

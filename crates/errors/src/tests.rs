@@ -3,11 +3,13 @@
 
 use crate::floor::MARGIN;
 use crate::settings::{Limits, Settings};
-use crate::{StepErrors, measure, measure_above, raise};
+use crate::{StepErrors, at_levels, measure, measure_above, raise};
 use glam::DVec3;
 use lodc_fixtures as fixtures;
 use lodc_measure::{Sampling, Surface, distances};
-use lodc_mesh::{CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh};
+use lodc_mesh::{
+    CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, SplitMix64, Submesh,
+};
 use lodc_nearest::{FarthestSearch, TriangleTree};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -288,6 +290,28 @@ fn a_face_that_takes_over_a_round_border_keeps_its_farthest_point() {
     let triangles: Vec<[u32; 3]> = (0..n).map(|i| [i, (i + 1) % n, n]).collect();
     let targets: Vec<u32> = (1..=n).collect();
     check("cone", &sequence(&positions, &triangles, &targets), 290);
+}
+
+#[test]
+fn corners_that_become_points_of_faces_count_from_then_on() {
+    // A cone of needles with a rough rim: a corner of a level is not off before it goes, and faces
+    // have many points that are.
+    let n = 24_000;
+    let (mut positions, triangles) = fan(n);
+    let mut random = SplitMix64::new(5);
+    for p in &mut positions[..=n as usize] {
+        let inward = 0.03 * random.unit();
+        [p[0], p[1]] = [p[0], p[1]].map(|x| x + (0.5 - x) * inward);
+    }
+    let options = lodc_simplify::Options::DEFAULT;
+    let simplified = lodc_simplify::simplify(&mesh(&positions, &triangles), &options, &|_, _| {});
+    let (collapses, errors) = (simplified.collapses(), measured(&simplified));
+    let lods: Vec<Lod> = (1..20).map(|i| collapses.lod_for_triangles(n * i / 20)).collect();
+    let found = at_levels(&simplified, [simplified.mesh().positions()], &lods, &|| ());
+    for (&lod, found) in lods.iter().zip(found) {
+        let stated = errors.error[collapses.steps_at(lod) - 1];
+        assert!(found.error <= 1.05 * stated, "{lod:?}: {stated} for {}", found.error);
+    }
 }
 
 #[test]

@@ -17,6 +17,9 @@ const MIN_KEPT: usize = 16;
 /// 128, 8 %.
 const MAX_KEPT: usize = 128;
 
+/// One in so many of those is the farthest from the face of those not kept yet. Chosen by hand.
+const FARTHEST_DIVISOR: usize = 4;
+
 /// A face keeps the outermost samples, too, if a squared distance is beyond this share of E² (half
 /// of E), and the area of its samples is more than this many times a mean face's; unless it keeps
 /// as many anyway. Chosen by hand.
@@ -37,7 +40,8 @@ pub(crate) struct Thinning {
     directions: Vec<DVec3>,
     /// The samples of the face.
     all: Vec<u32>,
-    /// Indices in `all` of samples that are outermost.
+    /// Indices in `all` of samples that are farthest from the face, and of those that are outermost.
+    farthest: Vec<usize>,
     outermost: Vec<usize>,
     /// The samples that the face keeps.
     kept: Vec<u32>,
@@ -62,6 +66,7 @@ impl Thinning {
             few_faces_samples,
             directions: (0..DIRECTIONS).map(point).collect(),
             all: vec![],
+            farthest: vec![],
             outermost: vec![],
             kept: vec![],
             nearest_kept: vec![],
@@ -95,11 +100,7 @@ impl Thinning {
         for (&sample, &(apart, nearest)) in self.all.iter().zip(&self.nearest_kept) {
             let is_dropped = apart >= 0.0;
             if is_dropped {
-                let dropped = samples.all[sample as usize].clone();
-                let kept = &mut samples.all[self.kept[nearest as usize] as usize];
-                kept.area += dropped.area;
-                let change = f64::from(kept.squared_distance) - f64::from(dropped.squared_distance);
-                samples.area_times_squared += f64::from(dropped.area) * change;
+                samples.drop(sample, self.kept[nearest as usize]);
             }
         }
         faces[face as usize].first_sample = NONE;
@@ -109,8 +110,8 @@ impl Thinning {
         }
     }
 
-    /// Fills `kept` with `keep` of the samples in `all`: the one farthest from the face, then each
-    /// as far as possible from all before it; besides those the outermost ones, if asked for. Fills
+    /// Fills `kept` with `keep` of the samples in `all`: the farthest from the face, then each as far
+    /// as possible from all before it; besides those the outermost ones, if asked for. Fills
     /// `nearest_kept`, too.
     fn choose(&mut self, samples: &[Sample], keep: usize, keep_outermost: bool) {
         let Self { all, kept, nearest_kept, .. } = self;
@@ -118,16 +119,25 @@ impl Thinning {
             let squared = |i: usize| samples[all[i] as usize].squared_distance;
             squared(a).total_cmp(&squared(b)).then(all[b].cmp(&all[a]))
         };
-        let mut choice = (0..all.len()).max_by(by_distance).expect("there are many");
+        // The farthest ones, the very farthest last.
+        let farthest = &mut self.farthest;
+        farthest.clear();
+        farthest.extend(0..all.len());
+        let few = (keep / FARTHEST_DIVISOR).max(1);
+        let (from, ..) = farthest.select_nth_unstable_by(all.len() - few, by_distance);
+        let from = from.len();
+        farthest.drain(..from);
+        farthest.sort_unstable_by(by_distance);
+        let mut choice = farthest.pop().expect("there are many");
         kept.clear();
         nearest_kept.clear();
         nearest_kept.resize(all.len(), (f64::INFINITY, 0));
         self.outermost.clear();
         if keep_outermost {
             self.find_outermost(samples);
-            self.outermost.retain(|&i| i != choice);
+            self.outermost.retain(|i| *i != choice && !self.farthest.contains(i));
         }
-        let Self { all, kept, nearest_kept, outermost, .. } = self;
+        let Self { all, kept, nearest_kept, outermost, farthest, .. } = self;
         let keep = keep + outermost.len();
         while kept.len() < keep {
             let kept_index = kept.len() as u32;
@@ -135,17 +145,17 @@ impl Thinning {
             let position = samples[all[choice] as usize].position();
             nearest_kept[choice].0 = -1.0;
             // The squared distance and index of the sample farthest from all kept.
-            let mut farthest = (-1.0, choice);
+            let mut most_apart = (-1.0, choice);
             for (i, nearest) in nearest_kept.iter_mut().enumerate() {
                 let apart = (samples[all[i] as usize].position() - position).length_squared();
                 if apart < nearest.0 {
                     *nearest = (apart, kept_index);
                 }
-                if nearest.0 > farthest.0 {
-                    farthest = (nearest.0, i);
+                if nearest.0 > most_apart.0 {
+                    most_apart = (nearest.0, i);
                 }
             }
-            choice = outermost.pop().unwrap_or(farthest.1);
+            choice = farthest.pop().or_else(|| outermost.pop()).unwrap_or(most_apart.1);
         }
     }
 
