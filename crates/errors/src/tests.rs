@@ -353,7 +353,7 @@ fn many_triangles_on_one_edge_take_no_quadratic_time() {
 #[test]
 fn soups_are_followed_to_the_last_triangle() {
     let n = 20_000;
-    let mut random = lodc_mesh::SplitMix64::new(4);
+    let mut random = SplitMix64::new(4);
     let mut positions = Vec::new();
     for _ in 0..n {
         let middle = [0; 3].map(|_| random.unit() * 30.0);
