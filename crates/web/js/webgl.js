@@ -14,10 +14,6 @@ const WIDTH = {
 };
 
 export class WebglRenderer {
-  static backend = 'webgl2';
-  /** `finish` waits. */
-  static waits = true;
-
   /** Makes a renderer; waits for the textures. Null without WebGL 2. */
   static async create(canvas, scene) {
     // Kept, the picture can be saved and printed after its frame.
@@ -33,7 +29,6 @@ export class WebglRenderer {
   constructor(gl, scene) {
     this.gl = gl;
     this.scene = scene;
-    this.surface = gl.canvas;
     this.program = program(gl);
     this.uniforms = uniforms(gl, this.program);
     this.blank = this.texture(null, {});
@@ -365,11 +360,6 @@ export class WebglRenderer {
     gl.bindBuffer(gl.ARRAY_BUFFER, own.buffers.normals);
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, normals);
     own.weights = weights.join();
-  }
-
-  /** Whether another frame has to wait. The browser lets WebGL's wait by itself. */
-  isBusy() {
-    return false;
   }
 
   /** Frees everything. */

@@ -22,9 +22,4 @@ pub const MODULES: &[(&str, &str)] = &[
     ("glsl.js", include_str!("../js/glsl.js")),
     ("glprogram.js", include_str!("../js/glprogram.js")),
     ("webgl.js", include_str!("../js/webgl.js")),
-    ("wgsl.js", include_str!("../js/wgsl.js")),
-    ("presenter.js", include_str!("../js/presenter.js")),
-    ("gputextures.js", include_str!("../js/gputextures.js")),
-    ("gpupipelines.js", include_str!("../js/gpupipelines.js")),
-    ("webgpu.js", include_str!("../js/webgpu.js")),
 ];

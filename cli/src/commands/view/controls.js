@@ -235,7 +235,7 @@ export class Controls {
       lods: lods.join(' '),
       triangles,
       drawn,
-      backend: viewer.renderer.constructor.backend,
+      backend: 'webgl2',
       milliseconds: viewer.frameTime.toFixed(1),
     });
   }

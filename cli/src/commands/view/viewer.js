@@ -15,7 +15,6 @@ export const FIRST = 8;
 export class Viewer {
   constructor(canvas, scene, renderer) {
     Object.assign(this, { canvas, scene, renderer });
-    this.surface = renderer.surface;
     this.viewDependent = null;
     this.selection = new Selection(scene.objects.filter(Boolean).map((o) => o.levels));
     this.by = 'triangles';
@@ -50,20 +49,10 @@ export class Viewer {
     const width = Math.max(1, Math.round(this.canvas.clientWidth * scale));
     const height = Math.max(1, Math.round(this.canvas.clientHeight * scale));
     // Setting a size, even the same, clears the canvas.
-    if (this.surface.width !== width) this.surface.width = width;
-    if (this.surface.height !== height) this.surface.height = height;
+    if (this.canvas.width !== width) this.canvas.width = width;
+    if (this.canvas.height !== height) this.canvas.height = height;
     this.orbit.resize(width / height, this.covered(), this.beside());
     this.invalidate();
-  }
-
-  /** Goes on with another renderer, on a canvas of its own. Returns the one before. */
-  use(renderer) {
-    const before = this.renderer;
-    before.release(this.viewDependent?.shown);
-    Object.assign(this, { renderer, surface: renderer.surface, frames: 0 });
-    this.resize();
-    this.frame(performance.now());
-    return before;
   }
 
   /** Share of the canvas that is covered below: by the footer, on a narrow page by the options. */
@@ -149,10 +138,6 @@ export class Viewer {
 
   frame(now) {
     this.due = false;
-    if (this.renderer.isBusy()) {
-      this.invalidate(false);
-      return;
-    }
     this.frames += 1;
     if (!this.changed) {
       this.renderer.again();
@@ -201,9 +186,7 @@ export class Viewer {
       crowd,
       views: views && this.viewDependent.triangles,
     });
-    // Of WebGPU the time is not known yet.
-    const known = this.frames < FIRST && this.renderer.constructor.waits;
-    if (known) this.motion.learn(performance.now() - started, this.drawn);
+    if (this.frames < FIRST) this.motion.learn(performance.now() - started, this.drawn);
     if (this.turntable || this.animation || more) this.invalidate();
     else this.last = undefined;
     if (this.frames < FIRST) this.invalidate(false);
