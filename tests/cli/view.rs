@@ -112,7 +112,8 @@ async function still(viewer) {
 
 function pixels(canvas) {
   const { width, height } = canvas;
-  const context = Object.assign(document.createElement('canvas'), { width, height }).getContext('2d');
+  const copy = Object.assign(document.createElement('canvas'), { width, height });
+  const context = copy.getContext('2d');
   context.drawImage(canvas, 0, 0);
   return context.getImageData(0, 0, width, height).data;
 }

@@ -133,8 +133,8 @@ impl Samples {
         face.sample_count = face.sample_count.saturating_add(1);
     }
 
-    /// Marks a sample that was taken out of the list of its face; `kept`, which is in it, takes over
-    /// its area.
+    /// Marks a sample that was taken out of the list of its face; `kept`, which is in it, takes
+    /// over its area.
     pub(crate) fn drop(&mut self, sample: u32, kept: u32) {
         let dropped = &mut self.all[sample as usize];
         let (area, squared) = (std::mem::take(&mut dropped.area), dropped.squared_distance);

@@ -40,8 +40,9 @@ pub(crate) struct Thinning {
     directions: Vec<DVec3>,
     /// The samples of the face.
     all: Vec<u32>,
-    /// Indices in `all` of samples that are farthest from the face, and of those that are outermost.
+    /// Indices in `all` of samples that are farthest from the face.
     farthest: Vec<usize>,
+    /// And of samples that are outermost.
     outermost: Vec<usize>,
     /// The samples that the face keeps.
     kept: Vec<u32>,
@@ -110,8 +111,8 @@ impl Thinning {
         }
     }
 
-    /// Fills `kept` with `keep` of the samples in `all`: the farthest from the face, then each as far
-    /// as possible from all before it; besides those the outermost ones, if asked for. Fills
+    /// Fills `kept` with `keep` of the samples in `all`: the farthest from the face, then each as
+    /// far as possible from all before it; besides those the outermost ones, if asked for. Fills
     /// `nearest_kept`, too.
     fn choose(&mut self, samples: &[Sample], keep: usize, keep_outermost: bool) {
         let Self { all, kept, nearest_kept, .. } = self;
