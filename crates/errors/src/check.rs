@@ -22,9 +22,9 @@ const MAX_MEASURED: f64 = 1.05;
 /// level, or at the finer one where the error rose to that.
 const MAX_STATED: f64 = 2.0;
 
-/// Distances are searched for from this share of the one that decides: a margin for the bounds that
-/// a search returns, which are up to about 2 % off.
-const SEARCHED_SHARE: f64 = 0.95;
+/// Distances below this share of the one that decides are not searched closely: a margin for bounds,
+/// which are up to about 2 % off.
+const UNSEARCHED_SHARE: f64 = 0.95;
 
 /// Of two root mean square distances, stated and measured, the larger may be at most this many
 /// times the smaller; both are from samples.
@@ -148,7 +148,7 @@ impl Checked {
         let scale = original.input.mesh_scale;
         // An infinite error is that of a level without triangles.
         let known = if self.stated.is_finite() {
-            SEARCHED_SHARE * share * self.stated / scale
+            UNSEARCHED_SHARE * share * self.stated / scale
         } else {
             0.0
         };
