@@ -178,7 +178,7 @@ fn library(document: &Document, options: &ExportOptions) -> Result<Library, Form
 }
 
 /// The objects where the document shows them. With `keeps_texture_options` the materials of an OBJ
-/// keep the options that move their textures; without, texture coordinates are moved in their place.
+/// keep the options that move their textures; else texture coordinates move in their place.
 fn all_placed<'a>(
     document: &Document,
     objects: &[ExportObject<'a>],

@@ -22,8 +22,8 @@ const MAX_MEASURED: f64 = 1.05;
 /// level, or at the finer one where the error rose to that.
 const MAX_STATED: f64 = 2.0;
 
-/// Distances below this share of the one that decides are not searched closely: a margin for bounds,
-/// which are up to about 2 % off.
+/// Distances below this share of the one that decides are not searched closely: a margin for
+/// bounds, which are up to about 2 % off.
 const UNSEARCHED_SHARE: f64 = 0.95;
 
 /// Of two root mean square distances, stated and measured, the larger may be at most this many
@@ -34,7 +34,7 @@ const MAX_RMS_RATIO: f64 = 1.3;
 /// a small part of the surface decides them, and they are interpolated between measured levels.
 const RMS_SLACK: f64 = 0.02;
 
-/// Samples on either surface for each triangle of the input, which tell a root mean square distance.
+/// Samples on either surface for each triangle of the input, for a root mean square distance.
 const SAMPLES_PER_TRIANGLE: usize = 1;
 
 /// The fewest and the most of them.

@@ -37,8 +37,8 @@
 //!
 //! // Once: each object, an instance for each place that shows it, and the images of materials.
 //! let objects = file.objects();
-//! let uploaded: Vec<ResidentObject> =
-//!     objects.iter().map(|object| ResidentObject::new(&device, object)).collect::<Result<_, _>>()?;
+//! let upload = |object| ResidentObject::new(&device, object);
+//! let uploaded = objects.iter().map(upload).collect::<Result<Vec<_>, _>>()?;
 //! let mut instances = Vec::new();
 //! for place in file.placements()? {
 //!     instances.push((uploaded[place.object].another()?, place));
@@ -71,9 +71,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Files without models will do: a device needs the collapse sequence alone.
-//! [`ResidentObject`] and [`ViewLevels`] own what they need: they can be components of an engine and
-//! cross threads.
+//! Files without models will do: a device needs the collapse sequence alone. [`ResidentObject`]
+//! and [`ViewLevels`] own what they need: they can be components of an engine and cross threads.
 
 use crate::{Error, LodObject};
 use lodc_lod::interactive::{Move, Resident, ResidentMany, ResidentView};

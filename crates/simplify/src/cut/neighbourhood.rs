@@ -217,8 +217,8 @@ pub(crate) fn is_seam(wedges: &Wedges, wedge: [u32; 2], neighbour_wedge: [u32; 2
 
 /// Returns whether any edge at a group with a closed fan is a seam.
 pub(super) fn has_seams(mesh: &WorkingMesh, wedges: &Wedges, group: u32) -> bool {
-    // Each face's wedges at the group and at its two other corners. The last corner of a face is the
-    // second one of the face that follows.
+    // Each face's wedges at the group and at its two other corners. The last corner of a face is
+    // the second one of the face that follows.
     let mut star = mesh.star(group).iter().map(|&corner| mesh.wedges_from(corner));
     let Some([mut wedge, _, mut behind]) = star.clone().next_back() else { return false };
     star.any(|[next_here, ahead, next_behind]| {

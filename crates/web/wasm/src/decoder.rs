@@ -1,6 +1,6 @@
-//! The one decoder of an instance of this module: a host makes an instance for each file, and gives
-//! its memory back with it. A `Status` is 0 if the output is the result, 1 if it is a line that says
-//! what is wrong.
+//! The one decoder of an instance of this module: a host makes an instance for each file, and
+//! gives its memory back with it. A `Status` is 0 if the output is the result, 1 if it is a line
+//! that says what is wrong.
 
 use lodc_web::Decoder;
 use std::cell::RefCell;

@@ -69,7 +69,7 @@ impl Coding {
             Self::Deltas(bits) => values.iter().map(|&v| signed(v.into(), bits)).collect(),
             Self::Directions(bits) => {
                 let w = values.get(3).copied().unwrap_or(0.0);
-                // The file has the values that meshopt's filter gives back, so that it loses nothing.
+                // What meshopt's filter gives back, so that it loses nothing.
                 let packed = packed_direction(bits, three(values), w);
                 unpacked_direction(bits, packed)[..values.len()].to_vec()
             }
