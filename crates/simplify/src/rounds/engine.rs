@@ -268,7 +268,7 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
                 }
             }
             let Some(legal) = self.select_legal_collapse(from) else {
-                // It stays out of the queue until something near it changes.
+                // It stays out until something near it changes or the queue is filled anew.
                 self.region.choices[from as usize] = Choice::NONE;
                 continue;
             };
