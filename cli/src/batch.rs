@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use crate::jobs::{
     Budget, CommandPaths, Job, LEVEL_EXTENSIONS, MESH_EXTENSIONS, OptionValues, Pair, RECORDS,
-    check_standard_streams, expand_folders, has_extension, orphans, run_queue,
+    check_standard_streams, expand_folders, has_extension, orphans,
 };
 
 /// Options of commands that take many assets.

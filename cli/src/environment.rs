@@ -8,8 +8,9 @@ use std::path::Path;
 #[derive(Clone, Copy)]
 pub(crate) struct Variable {
     name: &'static str,
-    /// The value that it gets, unless it has an acceptable one.
+    /// The value that it gets, unless it has one that will do.
     value: &'static str,
+    /// Whether a value that it has will do.
     accepts: fn(&Path) -> bool,
 }
 

@@ -60,6 +60,7 @@ impl PoseArgs {
         };
         let input = input.display().to_string();
         let names = animation_names(document, limits).map_err(|e| e.in_file(&input))?;
+        // A name that is a number comes before the number.
         let by_number = || wanted.parse().ok().filter(|&number: &usize| number < names.len());
         let Some(number) = names.iter().position(|name| name == wanted).or_else(by_number) else {
             let numbered: Vec<String> =

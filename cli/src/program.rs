@@ -36,8 +36,8 @@ const RUN_OPTIONS: &[&str] = &[
     "verbose",
 ];
 
-/// The definition of the command line, and the options in it that assets can have of their own.
-/// Most runs need neither, so both are made on demand.
+/// The definition of the command line, and the options in it that assets can have of their own;
+/// these are found on demand, as most runs have none.
 pub(crate) struct Program {
     root: fn() -> Command,
     vocabulary: OnceCell<Vocabulary>,
@@ -90,7 +90,8 @@ impl Program {
         asset_options: &OptionValues,
     ) -> Result<(A, String), String> {
         let mut raw: Vec<OsString> = std::env::args_os().collect();
-        let given = self.given(name);
+        let has_options = !asset_options.0.is_empty();
+        let given = if has_options { self.given(name) } else { Vec::new() };
         let mut inserted = Vec::new();
         for (option, values) in &asset_options.0 {
             if RUN_OPTIONS.contains(&option.as_str()) {

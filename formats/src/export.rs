@@ -78,13 +78,13 @@ pub fn export_with(
     Ok(files)
 }
 
-/// Returns for each object how far vertices come to stand at most from where the scene has them, in
-/// mesh units, since a format without nodes has coordinates of single precision, or the fewest
-/// digits that say where a vertex of single precision is.
+/// Returns for each object how far a vertex comes to stand at most from where the scene has it, in
+/// mesh units: a format without nodes has coordinates of the scene, rounded to single precision or
+/// to the fewest digits that tell vertices of single precision apart.
 ///
 /// # Errors
 /// As [`export`].
-pub fn flattening(
+pub fn flattening_error(
     format: ExportFormat,
     document: &Document,
     objects: &[ExportObject<'_>],
@@ -100,7 +100,7 @@ pub fn flattening(
             ExportFormat::Ply if vertices.far.is_some() => 0.0,
             _ => vertices.rounding(),
         };
-        let in_mesh = 3f64.sqrt() * rounding / placed.object.info.world_scale;
+        let in_mesh = largest_move(rounding) / placed.object.info.world_scale;
         if in_mesh.is_finite() {
             moved[placed.number] = in_mesh.max(moved[placed.number]);
         }
@@ -111,13 +111,18 @@ pub fn flattening(
 /// Returns by how much reading has moved vertices of a mesh at most: those of a file with an
 /// offset were rounded to single precision about it. What doubles round does not count.
 #[must_use]
-pub fn reading(document: &Document, mesh: &Mesh) -> f64 {
+pub fn reading_error(document: &Document, mesh: &Mesh) -> f64 {
     let Document::Obj(ObjDocument { offset, .. }) = document else { return 0.0 };
     if *offset == [0.0; 3] {
         return 0.0;
     }
     let local = Extent::of(mesh.positions().iter().map(|p| p.map(f64::from)));
-    3f64.sqrt() * local.map_or(0.0, |extent| extent.rounding())
+    largest_move(local.map_or(0.0, |extent| extent.rounding()))
+}
+
+/// How far a point moves at most if each of its three coordinates is rounded by up to `rounding`.
+fn largest_move(rounding: f64) -> f64 {
+    3f64.sqrt() * rounding
 }
 
 /// Says what of an asset a format without it cannot hold; none if it holds all, or might.
@@ -172,20 +177,21 @@ fn library(document: &Document, options: &ExportOptions) -> Result<Library, Form
     }
 }
 
-/// The objects where the document shows them. `has_options` says that materials of an OBJ keep
-/// the options that move their textures.
+/// The objects where the document shows them. With `keeps_texture_options` the materials of an OBJ
+/// keep the options that move their textures; else texture coordinates move in their place.
 fn all_placed<'a>(
     document: &Document,
     objects: &[ExportObject<'a>],
-    has_options: bool,
+    keeps_texture_options: bool,
 ) -> Result<Vec<Placed<'a>>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let read = match document {
-        Document::Obj(_) if has_options => Vec::new(),
+        Document::Obj(_) if keeps_texture_options => Vec::new(),
         Document::Obj(obj) => obj::coordinates(obj, &infos),
         Document::Gltf(gltf) => gltf::coordinates(gltf, &infos, &Limits::DEFAULT)?,
     };
     let of_file = |read: &Coordinates| match document {
+        // What no option moves stays bit for bit.
         Document::Obj(_) if *read == obj::coordinates::PLAIN => FileCoordinates::default(),
         _ => FileCoordinates::of_image(*read),
     };

@@ -24,9 +24,9 @@ pub struct ExportedLevels {
 /// How one level of a mesh moves to the next, as its morph target says it.
 #[derive(Clone, Debug)]
 pub struct Geomorph {
-    /// The number of the level that moves.
+    /// The level that moves: its index in [`ExportedLevels::levels`].
     pub level: usize,
-    /// The location of its mesh in the document.
+    /// The location of its mesh in the document, as messages name it: `meshes[3]`.
     pub location: String,
     /// The primitives of its mesh.
     pub from: Vec<GeomorphPart>,
@@ -40,9 +40,9 @@ pub struct GeomorphPart {
     /// Its material and the names of the attributes that move: parts of one kind can morph into
     /// each other.
     pub kind: String,
-    /// Values of a vertex, of which the first three are its position.
+    /// How many values each vertex has; the first three are its position.
     pub width: usize,
-    /// The values of all vertices.
+    /// The values of all vertices, vertex by vertex.
     pub values: Vec<f32>,
     /// The values of all vertices when they have moved.
     pub moved: Vec<f32>,

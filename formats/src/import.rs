@@ -22,7 +22,7 @@ pub enum Either<M> {
     /// OBJ, glTF, GLB, PLY or STL.
     Scene(Scene),
     /// `.lodc`.
-    Levels(LodFile<M>),
+    Lodc(LodFile<M>),
 }
 
 /// Reads a mesh file, or a `.lodc` file by `levels`; `-` from standard input.
@@ -37,7 +37,7 @@ pub fn either<M>(
     let mut assets = Assets::new(path, &options.allowed, options.limits);
     let bytes = assets.read_main()?;
     if lodc::is_lodc(&bytes) {
-        return levels(&bytes).map(Either::Levels).map_err(|e| e.in_file(&assets.main_name()));
+        return levels(&bytes).map(Either::Lodc).map_err(|e| e.in_file(&assets.main_name()));
     }
     read(bytes, path, &mut assets, options).map(Either::Scene)
 }

@@ -92,7 +92,7 @@ fn the_library_examples_are_those_that_are_tested() {
     let read = |path: &str| fs::read_to_string(root().join(path)).expect("a file of the project");
     let examples = [
         ("crates/lodc/src/lib.rs", "use lodc::{Metric, Select};"),
-        ("crates/lodc/src/gpu.rs", "use lodc::gpu::{Device, Levels};"),
+        ("crates/lodc/src/gpu.rs", "use lodc::gpu::{Device, ResidentObject};"),
     ];
     for (file, first) in examples {
         let block = |text: &str| {

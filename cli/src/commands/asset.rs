@@ -79,13 +79,13 @@ pub(crate) fn read_showing(
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let read = stages.run("read", || read_input(input, &import.options()))?;
-    if matches!(read, Input::Levels(_)) {
+    if matches!(read, Input::Lodc(_)) {
         let name = input.display().to_string();
         simplify_args.importance.refuse_for_sequence(&name)?;
         simplify_args.parts.all().refuse_sequence_options(&name)?;
     }
     match read {
-        Input::Levels(file) => Ok(Asset::of_file(file, input, import.options().limits)),
+        Input::Lodc(file) => Ok(Asset::of_file(file, input, import.options().limits)),
         Input::Scene(scene) => {
             let errors = Some(errors);
             simplified_showing(progress, (input, import), simplify_args, errors, scene, stages)

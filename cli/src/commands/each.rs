@@ -1,11 +1,11 @@
 //! Runs a command on each of several inputs: one that fails is reported, and the others go on.
 
-use crate::batch::{self, Budget, Job, OptionValues};
+use crate::batch::{Budget, Job, OptionValues};
 use crate::clock::{self, AtWork};
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::huge_pages;
-use crate::jobs::expected_bytes;
+use crate::jobs::{Queue, expected_bytes, locked};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::program::Program;
@@ -17,6 +17,8 @@ use lodc_formats::import::Counted;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 /// Work that is expected to need no more bytes of memory than this, those of a file of half a
 /// megabyte, need not give freed memory back before it ends. Chosen by hand.
@@ -87,13 +89,27 @@ pub(crate) fn all<R: Send>(
     }
     clock::expect_several(jobs.len() > 1);
     let bar = BatchProgress::new(jobs.len());
-    batch::run_queue(&needs, budget, |number| {
-        let job = &jobs[number];
-        // Inside the pool: else each parallel step waits until another thread wakes.
-        let result = rayon::scope(|_| work(number, job, &bar));
-        bar.done(&job.name);
-        result
-    })
+    let queue = Queue::new(&needs, budget.bytes);
+    let results: Vec<Mutex<Option<R>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
+    let worker = || {
+        while let Some(number) = queue.take() {
+            let job = &jobs[number];
+            // Inside the pool: else each parallel step waits until another thread wakes.
+            let result = rayon::scope(|_| work(number, job, &bar));
+            bar.done(&job.name);
+            *locked(&results[number]) = Some(result);
+            queue.release(number);
+        }
+    };
+    thread::scope(|scope| {
+        // The calling thread is a worker too.
+        for _ in 1..budget.workers.clamp(1, jobs.len().max(1)) {
+            scope.spawn(worker);
+        }
+        worker();
+    });
+    let all = results.into_iter().map(|r| r.into_inner().unwrap_or_else(PoisonError::into_inner));
+    all.map(|result| result.expect("every asset has had its turn")).collect()
 }
 
 /// Bytes of memory for each byte of an input, besides the stages': the byte itself, what it decodes
@@ -134,31 +150,12 @@ const PANIC_MESSAGE: &str = "internal error";
 /// # Errors
 /// If the work fails.
 pub(crate) fn guarded<T>(input: &Path, work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
-    guarded_pair(input, None, work)
-}
-
-/// As [`guarded`], of an input that is compared with another: a failure that names the other one
-/// does not name the input, too.
-///
-/// # Errors
-/// If the work fails.
-pub(crate) fn guarded_pair<T>(
-    input: &Path,
-    other: Option<&Path>,
-    work: impl FnOnce() -> Outcome<T>,
-) -> Outcome<T> {
     let _at_work = AtWork::new();
     let done = catch_unwind(AssertUnwindSafe(work));
     let panic = || Failure { status: Status::Bug, message: PANIC_MESSAGE.to_owned() };
     let done = done
         .unwrap_or_else(|payload| Err(clock::time_limit_failure(&*payload).unwrap_or_else(panic)));
-    let is_about_other = |failure: &Failure| {
-        other.is_some_and(|other| failure.message.starts_with(&format!("{}: ", other.display())))
-    };
-    done.map_err(|failure| match is_about_other(&failure) {
-        true => failure,
-        false => with_input_name(input, failure),
-    })
+    done.map_err(|failure| with_input_name(input, failure))
 }
 
 /// Puts the input's name in front of a failure that names only a file that the input refers to.

@@ -6,14 +6,14 @@ use lodc_mesh::Mesh;
 
 /// Objects with levels of detail or without.
 pub(super) enum Objects {
-    Levels(Vec<LodObject>),
+    Simplified(Vec<LodObject>),
     Meshes(Vec<SceneObject>),
 }
 
 impl Objects {
     pub(super) fn len(&self) -> usize {
         match self {
-            Self::Levels(objects) => objects.len(),
+            Self::Simplified(objects) => objects.len(),
             Self::Meshes(objects) => objects.len(),
         }
     }
@@ -21,14 +21,14 @@ impl Objects {
     /// The mesh of an object; with levels, LOD 0.
     pub(super) fn mesh(&self, object: usize) -> &Mesh {
         match self {
-            Self::Levels(objects) => objects[object].simplified.mesh(),
+            Self::Simplified(objects) => objects[object].simplified.mesh(),
             Self::Meshes(objects) => &objects[object].mesh,
         }
     }
 
     pub(super) fn info(&self, object: usize) -> &ObjectInfo {
         match self {
-            Self::Levels(objects) => &objects[object].info,
+            Self::Simplified(objects) => &objects[object].info,
             Self::Meshes(objects) => &objects[object].info,
         }
     }

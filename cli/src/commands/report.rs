@@ -1,7 +1,7 @@
 //! `lodc report`: an offline HTML page with pictures, distances and checks of an asset, for people
 //! who approve assets.
 
-use super::view::{self, Page, PageArgs, PageInput};
+use super::view::{Page, PageArgs, PageInput};
 use crate::exit::{Failure, Outcome, Status};
 use lodc::scene_levels;
 use lodc_formats::appearance;
@@ -19,23 +19,25 @@ Examples:
 /// Writes the page. A failed check is on the page, and makes the exit status 1.
 ///
 /// # Errors
-/// As [`view::write`].
+/// If the input cannot be read or shown, or the page not be written.
 pub(crate) fn run(args: &PageArgs) -> Outcome<Status> {
-    view::write(args, |input| {
-        let (content, warnings) = content(args, input)?;
-        let text = page(&content);
-        let (status, after_size) =
-            match content.checks.iter().filter(|c| c.ok == Some(false)).count() {
-                0 => (Status::Done, String::new()),
-                failed => (Status::Difference, format!(", {failed} checks failed")),
-            };
-        Ok((Page { text, warnings, before_size: String::new(), after_size }, status))
-    })
+    let mut input = PageInput::read(args)?;
+    let (content, warnings) = content(args, &mut input)?;
+    let text = page(&content);
+    let (status, after_size) = match content.checks.iter().filter(|c| c.ok == Some(false)).count() {
+        0 => (Status::Done, String::new()),
+        failed => (Status::Difference, format!(", {failed} checks failed")),
+    };
+    input.finish(args, Page { text, warnings, before_size: String::new(), after_size })?;
+    Ok(status)
 }
 
 /// The content of the page, and warnings about textures.
-fn content<'a>(args: &PageArgs, input: PageInput<'a>) -> Outcome<(PageContent<'a>, Vec<String>)> {
-    let PageInput { asset, assets, title, stages } = input;
+fn content<'a>(
+    args: &PageArgs,
+    input: &'a mut PageInput,
+) -> Outcome<(PageContent<'a>, Vec<String>)> {
+    let PageInput { asset, assets, title, stages, .. } = input;
     let name = args.input.display().to_string();
     let options = args.import.options();
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
@@ -55,7 +57,7 @@ fn content<'a>(args: &PageArgs, input: PageInput<'a>) -> Outcome<(PageContent<'a
     let check = || check_models(&asset.objects, &asset.document, 1, &options.limits);
     let checks = stages.run("check", check)?;
     let content = PageContent {
-        title,
+        title: title.clone(),
         objects: &asset.objects,
         curve: error_curve(&scene, levels[0].triangles)?,
         diagonal: scene_diagonal(&scene.candidates()),

@@ -29,7 +29,7 @@ pub(crate) use options::{CommandOptions, LIMIT_OPTION, OptionValues, ValueCheck,
 pub(crate) use orphans::{RECORDS, orphans};
 pub(crate) use pairs::{Pair, pairs};
 pub(crate) use parts::{Part, Parts, name_list};
-pub(crate) use queue::{Budget, expected_bytes, run_queue};
+pub(crate) use queue::{Budget, Queue, expected_bytes, locked};
 pub(crate) use run::{CommandPaths, Job, JobChoice, jobs};
 pub(crate) use shard::Shard;
 pub(crate) use standard_streams::check_standard_streams;

@@ -1,4 +1,4 @@
-//! A queue of assets: several at a time, the largest first, within one budget of memory.
+//! A queue of assets for several workers: the largest first, within one budget of memory.
 
 use std::path::Path;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -30,38 +30,13 @@ pub(crate) struct Budget {
     pub(crate) bytes: u64,
 }
 
-/// Does `work` for each of `needs.len()` assets. `needs` are the bytes of memory that each is
-/// expected to take; those that need most come first. The results are in the order of `needs`.
-pub(crate) fn run_queue<R: Send>(
-    needs: &[u64],
-    budget: Budget,
-    work: impl Fn(usize) -> R + Sync,
-) -> Vec<R> {
-    let queue = Queue::new(needs, budget);
-    let results: Vec<Mutex<Option<R>>> = needs.iter().map(|_| Mutex::new(None)).collect();
-    let worker = || {
-        while let Some(asset) = queue.take() {
-            let result = work(asset);
-            *locked(&results[asset]) = Some(result);
-            queue.release(asset);
-        }
-    };
-    std::thread::scope(|scope| {
-        // The calling thread is a worker too.
-        for _ in 1..budget.workers.clamp(1, needs.len().max(1)) {
-            scope.spawn(worker);
-        }
-        worker();
-    });
-    let all = results.into_iter().map(|r| r.into_inner().unwrap_or_else(PoisonError::into_inner));
-    all.map(|result| result.expect("every asset has had its turn")).collect()
-}
-
-struct Queue<'a> {
-    /// Numbers of assets, those that need most memory first.
+/// Assets that wait for a worker, those that need most memory first.
+pub(crate) struct Queue<'a> {
+    /// Numbers of assets in the order in which they are taken.
     order: Vec<usize>,
     needs: &'a [u64],
-    budget: Budget,
+    /// Bytes of memory that all assets at work may need together.
+    budget_bytes: u64,
     progress: Mutex<Progress>,
     /// Notified when an asset is done and its memory is free.
     memory_freed: Condvar,
@@ -78,20 +53,22 @@ struct Progress {
 }
 
 impl<'a> Queue<'a> {
-    fn new(needs: &'a [u64], budget: Budget) -> Self {
+    /// A queue of `needs.len()` assets. `needs` are the bytes of memory that each is expected to
+    /// take; one that needs more than `budget_bytes` is worked on alone.
+    pub(crate) fn new(needs: &'a [u64], budget_bytes: u64) -> Self {
         let mut order: Vec<usize> = (0..needs.len()).collect();
         order.sort_by_key(|&asset| (std::cmp::Reverse(needs[asset]), asset));
         let (progress, memory_freed) = (Mutex::new(Progress::default()), Condvar::new());
-        Self { order, needs, budget, progress, memory_freed }
+        Self { order, needs, budget_bytes, progress, memory_freed }
     }
 
     /// Waits until there is memory for the next asset and takes it; none when all are taken.
-    fn take(&self) -> Option<usize> {
+    pub(crate) fn take(&self) -> Option<usize> {
         let mut now = locked(&self.progress);
         loop {
             let &asset = self.order.get(now.taken)?;
             let bytes = now.reserved_bytes.saturating_add(self.needs[asset]);
-            if now.running == 0 || bytes <= self.budget.bytes {
+            if now.running == 0 || bytes <= self.budget_bytes {
                 now.taken += 1;
                 now.running += 1;
                 now.reserved_bytes += self.needs[asset];
@@ -102,7 +79,7 @@ impl<'a> Queue<'a> {
     }
 
     /// Gives back the memory of an asset that is done.
-    fn release(&self, asset: usize) {
+    pub(crate) fn release(&self, asset: usize) {
         let mut now = locked(&self.progress);
         now.running -= 1;
         now.reserved_bytes -= self.needs[asset];
@@ -110,7 +87,8 @@ impl<'a> Queue<'a> {
     }
 }
 
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+/// What a mutex protects, even if a worker has panicked.
+pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -120,19 +98,30 @@ mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
     #[test]
-    fn results_are_in_order_and_memory_stays_within_the_budget() {
+    fn each_asset_is_taken_once_and_memory_stays_within_the_budget() {
         let needs: Vec<u64> = (0..40).map(|i| i * 7 % 13 + 1).collect();
-        let budget = Budget { workers: 5, bytes: 20 };
+        let queue = Queue::new(&needs, 20);
         let (used, peak) = (AtomicU64::new(0), AtomicU64::new(0));
-        let results = run_queue(&needs, budget, |i| {
-            let now = used.fetch_add(needs[i], Ordering::SeqCst) + needs[i];
-            peak.fetch_max(now, Ordering::SeqCst);
-            std::thread::yield_now();
-            used.fetch_sub(needs[i], Ordering::SeqCst);
-            i
+        let taken = Mutex::new(vec![]);
+        let worker = || {
+            while let Some(asset) = queue.take() {
+                let now = used.fetch_add(needs[asset], Ordering::SeqCst) + needs[asset];
+                peak.fetch_max(now, Ordering::SeqCst);
+                std::thread::yield_now();
+                used.fetch_sub(needs[asset], Ordering::SeqCst);
+                locked(&taken).push(asset);
+                queue.release(asset);
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..5 {
+                scope.spawn(worker);
+            }
         });
-        assert_eq!(results, (0..40).collect::<Vec<_>>());
-        assert!(peak.load(Ordering::SeqCst) <= budget.bytes);
+        let mut taken = locked(&taken);
+        taken.sort_unstable();
+        assert_eq!(*taken, (0..40).collect::<Vec<_>>());
+        assert!(peak.load(Ordering::SeqCst) <= 20);
     }
 
     #[test]
@@ -144,11 +133,12 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_is_first_and_one_beyond_the_budget_still_runs() {
-        let order = Mutex::new(vec![]);
-        let budget = Budget { workers: 1, bytes: 3 };
-        run_queue(&[1, 100, 2], budget, |i| locked(&order).push(i));
-        assert_eq!(*locked(&order), [1, 2, 0]);
-        assert!(run_queue(&[], budget, |i| i).is_empty());
+    fn the_largest_is_first_and_one_beyond_the_budget_still_has_its_turn() {
+        let taken = |needs: &[u64]| -> Vec<usize> {
+            let queue = Queue::new(needs, 3);
+            std::iter::from_fn(|| queue.take().inspect(|&asset| queue.release(asset))).collect()
+        };
+        assert_eq!(taken(&[1, 100, 2]), [1, 2, 0]);
+        assert!(taken(&[]).is_empty());
     }
 }

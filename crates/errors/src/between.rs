@@ -1,7 +1,7 @@
 //! The distance between two surfaces that need not have a point in common: of levels that are not
 //! of the collapse sequence, since their vertices were moved, rounded or chosen otherwise.
 
-use crate::check::samples;
+use crate::check::{CLOSE_SAMPLES, samples};
 use crate::difference::{Difference, Sampled};
 use crate::input::to_dvec3;
 use crate::settings::Limits;
@@ -98,7 +98,7 @@ impl Measurable {
     #[must_use]
     pub fn check_distances(&self, known: f64, other: &Self, closely: bool) -> Distances {
         let triangles = self.areas.len().max(other.areas.len());
-        self.measure(known, other, samples(triangles, closely))
+        self.measure(known, other, if closely { CLOSE_SAMPLES } else { samples(triangles) })
     }
 
     fn measure(&self, known: f64, other: &Self, samples: usize) -> Distances {

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Levels that are measured: one in each of as many ranges of triangle counts.
 const LEVELS: u32 = 16;
 
-/// In one of so many ranges it is the level at which the error rises most; in the others any.
+/// In every third range it is the level at which the error rises most; in the others any.
 const RISING: u32 = 3;
 
 // The following factors are chosen by hand.
@@ -22,22 +22,35 @@ const MAX_MEASURED: f64 = 1.05;
 /// level, or at the finer one where the error rose to that.
 const MAX_STATED: f64 = 2.0;
 
-/// The same for root mean square distances, either way; both are from samples.
+/// Distances below this share of the one that decides are not searched closely: a margin for
+/// bounds, which are up to about 2 % off.
+const UNSEARCHED_SHARE: f64 = 0.95;
+
+/// Of two root mean square distances, stated and measured, the larger may be at most this many
+/// times the smaller; both are from samples.
 const MAX_RMS_RATIO: f64 = 1.3;
 
 /// Root mean square distances that differ by no more than this share of the error are not refused:
 /// a small part of the surface decides them, and they are interpolated between measured levels.
 const RMS_SLACK: f64 = 0.02;
 
-/// Samples on either surface that tell a root mean square distance: for each triangle of the input,
-/// at least and at most, and before one is refused, in steps.
+/// Samples on either surface for each triangle of the input, for a root mean square distance.
 const SAMPLES_PER_TRIANGLE: usize = 1;
-const SAMPLES: [usize; 2] = [64, 2_048];
-const SAMPLES_BEFORE_REFUSAL: [usize; 2] = [4_096, 32_768];
 
-/// Distances below these shares of the diagonal are not refused for being too small, as single
-/// precision rounds numbers as large as the diagonal by about as much; and for being too large.
+/// The fewest and the most of them.
+const SAMPLES: [usize; 2] = [64, 2_048];
+
+/// Samples with which a root mean square distance is known closely.
+pub(crate) const CLOSE_SAMPLES: usize = 32_768;
+
+/// The samples that are taken instead, one number after the other, before one is refused.
+const SAMPLES_BEFORE_REFUSAL: [usize; 2] = [4_096, CLOSE_SAMPLES];
+
+/// What is measured may exceed what is stated by this share of the diagonal, too: single precision
+/// rounds numbers as large as the diagonal by about as much.
 const ROUNDING_SHARE: f64 = 1e-7;
+
+/// What is stated is not refused for being too large below this share of the diagonal.
 const NEGLIGIBLE_SHARE: f64 = 1e-6;
 
 /// Compares the errors and root mean square distances of a sequence with measured ones. Returns the
@@ -52,7 +65,7 @@ pub fn check<S: AsRef<[[f32; 3]]>>(
     simplified: &Simplified,
     shapes: &[S],
 ) -> (usize, Option<String>) {
-    let lods = levels(simplified.collapses());
+    let lods = chosen_lods(simplified.collapses());
     let mut levels: Vec<Checked> = lods.iter().map(|&lod| Checked::new(simplified, lod)).collect();
     let (mut rounding, mut negligible) = (0.0f64, 0.0f64);
     for (number, shape) in shapes.iter().enumerate() {
@@ -72,8 +85,8 @@ pub fn check<S: AsRef<[[f32; 3]]>>(
     (lods.len(), problem)
 }
 
-/// Returns levels with triangles, one from each of [`LEVELS`] ranges of triangle counts.
-fn levels(collapses: &CollapseSequence) -> Vec<Lod> {
+/// Chooses levels with triangles, one from each of [`LEVELS`] ranges of triangle counts.
+fn chosen_lods(collapses: &CollapseSequence) -> Vec<Lod> {
     // Whoever changes an error changes what is looked at.
     let parts = collapses.parts();
     let bits = parts.step_errors.iter().map(|error| u64::from(error.to_bits()));
@@ -117,7 +130,7 @@ struct Checked {
     upper: f64,
     rms: f64,
     /// The shape in which it is farthest.
-    pose: usize,
+    shape: usize,
 }
 
 impl Checked {
@@ -125,21 +138,25 @@ impl Checked {
         let collapses = simplified.collapses();
         let stated = f64::from(collapses.error_at(lod));
         let stated_rms = collapses.rms_at(lod).map(f64::from);
-        Self { lod, stated, stated_rms, lower: 0.0, upper: 0.0, rms: 0.0, pose: 0 }
+        Self { lod, stated, stated_rms, lower: 0.0, upper: 0.0, rms: 0.0, shape: 0 }
     }
 
     /// Measures the level in a shape. Where it is far enough in another one, only larger distances
     /// than are stated are searched for.
-    fn measure(&mut self, original: &Original<'_>, pose: usize) {
+    fn measure(&mut self, original: &Original<'_>, shape: usize) {
         let share = if self.lower >= self.stated / MAX_STATED { 1.0 } else { 1.0 / MAX_STATED };
         let scale = original.input.mesh_scale;
         // An infinite error is that of a level without triangles.
-        let known = if self.stated.is_finite() { 0.95 * share * self.stated / scale } else { 0.0 };
+        let known = if self.stated.is_finite() {
+            UNSEARCHED_SHARE * share * self.stated / scale
+        } else {
+            0.0
+        };
         let LevelDistances { lower, upper, rms, .. } =
-            original.measure(self.lod, known, samples(original.input.triangles.len(), false), None);
+            original.measure(self.lod, known, samples(original.input.triangles.len()), None);
         // What was known is not what was found.
         if lower > known && lower * scale > self.lower {
-            (self.lower, self.pose) = (lower * scale, pose);
+            (self.lower, self.shape) = (lower * scale, shape);
         }
         self.upper = self.upper.max(upper * scale);
         self.rms = self.rms.max(rms * scale);
@@ -156,7 +173,7 @@ impl Checked {
         let &Self { lod, stated, lower, .. } = self;
         if lower > MAX_MEASURED * stated + rounding {
             let pose =
-                if self.pose > 0 { format!(" in pose {}", self.pose) } else { String::new() };
+                if self.shape > 0 { format!(" in pose {}", self.shape) } else { String::new() };
             return Some(format!("the error is {stated}, but {lower} was measured{pose}"));
         }
         let collapses = simplified.collapses();
@@ -164,8 +181,8 @@ impl Checked {
             // Errors never fall: a finer level may be the one with that distance.
             let errors = &collapses.parts().step_errors;
             let first = errors.partition_point(|&e| f64::from(e) < stated);
-            let few = samples(simplified.mesh().triangles().len(), false);
-            let bound = measured(simplified, shapes, collapses.step(first).lod, few).0;
+            let few = samples(simplified.mesh().triangles().len());
+            let bound = measured(simplified, shapes, collapses.step(first).lod, few).upper;
             let bound = bound.max(self.upper.min(stated / MAX_STATED));
             if stated > MAX_STATED * bound {
                 return Some(format!("the error is {stated}, no point is farther than {bound}"));
@@ -182,11 +199,11 @@ impl Checked {
         }
         let mut rms = 0.0;
         for samples in SAMPLES_BEFORE_REFUSAL {
-            rms = measured(simplified, shapes, lod, samples).1;
+            rms = measured(simplified, shapes, lod, samples).rms;
             if stated_rms > MAX_RMS_RATIO * rms {
                 let means = &collapses.parts().step_rms;
                 let first = means.partition_point(|&r| f64::from(r) < stated_rms);
-                let finer = measured(simplified, shapes, collapses.step(first).lod, samples).1;
+                let finer = measured(simplified, shapes, collapses.step(first).lod, samples).rms;
                 rms = rms.max(finer);
             }
             if is_near(rms) {
@@ -197,28 +214,34 @@ impl Checked {
     }
 }
 
-/// Samples on either of two surfaces of some triangles that tell a root mean square distance, for a
-/// check: before one is refused it is known closely.
-pub(crate) fn samples(triangles: usize, closely: bool) -> usize {
-    let few = (SAMPLES_PER_TRIANGLE * triangles).clamp(SAMPLES[0], SAMPLES[1]);
-    if closely { SAMPLES_BEFORE_REFUSAL[1] } else { few }
+/// Samples on either of two surfaces of some triangles that tell a root mean square distance, as
+/// long as it is not refused.
+pub(crate) fn samples(triangles: usize) -> usize {
+    (SAMPLES_PER_TRIANGLE * triangles).clamp(SAMPLES[0], SAMPLES[1])
 }
 
-/// Measures a level: an upper bound of its distance, and the root mean square, the largest over all
-/// shapes.
+/// The largest distances over all shapes, in the mesh's units.
+#[derive(Default)]
+struct LargestDistances {
+    /// An upper bound of the largest distance of a point.
+    upper: f64,
+    rms: f64,
+}
+
+/// Measures a level.
 fn measured<S: AsRef<[[f32; 3]]>>(
     simplified: &Simplified,
     shapes: &[S],
     lod: Lod,
     samples: usize,
-) -> (f64, f64) {
-    let mut largest = (0.0f64, 0.0f64);
+) -> LargestDistances {
+    let mut largest = LargestDistances::default();
     for shape in shapes {
         let (input, corner_vertices) = Input::new(simplified, shape.as_ref());
         let original = Original::new(&input, simplified, &corner_vertices, Limits::DEFAULT);
         let found = original.measure(lod, 0.0, samples, None);
-        let [upper, rms] = [found.upper, found.rms].map(|d| d * input.mesh_scale);
-        largest = (largest.0.max(upper), largest.1.max(rms));
+        largest.upper = largest.upper.max(found.upper * input.mesh_scale);
+        largest.rms = largest.rms.max(found.rms * input.mesh_scale);
     }
     largest
 }

@@ -7,6 +7,8 @@ use std::num::NonZeroU64;
 
 /// Pixels across and down. Chosen by hand.
 pub(crate) const SIZE: u32 = 512;
+/// Bytes of `Scene` in `draw.wgsl`: a centre and a scale.
+const SCENE_BYTES: u64 = 16;
 const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -42,17 +44,17 @@ impl Canvas {
         let pipeline = pipeline(gpu, shader, &[Some(position)], drawn.strips);
         let scene = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: None,
-            size: 32,
+            size: SCENE_BYTES,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         let (low, high) = drawn.bounds;
         let centre: [f32; 3] = std::array::from_fn(|i| f32::midpoint(low[i], high[i]));
         let radius = (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f32>().sqrt() / 2.0;
-        // `Scene` in draw.wgsl.
         let words = [centre[0], centre[1], centre[2], 1.0 / radius.max(1e-20)];
         session.device.queue.write_buffer(&scene, 0, bytemuck::cast_slice(&words));
-        let resource = wgpu::BufferBinding { buffer: &scene, offset: 0, size: NonZeroU64::new(16) };
+        let resource =
+            wgpu::BufferBinding { buffer: &scene, offset: 0, size: NonZeroU64::new(SCENE_BYTES) };
         let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &pipeline.get_bind_group_layout(0),

@@ -32,7 +32,7 @@ mod timer;
 pub use device::{Adapter, Device, LimitOverrides};
 pub use error::GpuError;
 pub use instanced::{Instance, Instanced, InstancedDraw, InstancedFrame};
-/// What is timed of a sweep over all LODs: less of large meshes.
+/// Which updates and draws of a sweep over all LODs are timed: fewer of a large mesh.
 pub use lodc_plan::{DRAWN_UPDATES, SWEEP_UPDATES, drawn_stops, timed_updates};
 pub use measure::{Figure, measure};
 pub use replay::{Difference, Replayed, Replays, replay};

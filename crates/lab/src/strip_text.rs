@@ -49,6 +49,7 @@ impl StripText {
         self.vertices += mesh.vertex_count() as u64;
     }
 
+    /// Counts indices that are drawn, and the misses of a cache of `size` vertices.
     fn count(&mut self, mesh: &Mesh, size: u32, indices: &[u32]) {
         let cache = CacheModel { size, ..CacheModel::default() };
         self.indices += indices.len() as u64;

@@ -1,11 +1,12 @@
 //! Times frames in which many instances of some objects move to levels of their own on a graphics
-//! device: all by `Crowd`, by `Levels` in one submission, and by `Levels` with a submission each.
+//! device: all by `Crowd`, by `ResidentObject` in one submission, and by `ResidentObject` with a
+//! submission each.
 //!
 //! `cargo run --release -p lodc --features gpu,build --example crowd -- 1000 A.lodc B.lodc …`
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints its figures")]
 
-use lodc::gpu::{Crowd, Device, Levels, wgpu};
+use lodc::gpu::{Crowd, Device, ResidentObject, wgpu};
 use lodc::mesh::Lod;
 use std::error::Error;
 use std::time::Instant;
@@ -20,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let device = Device::open(None)?;
     println!("{}, {instances} instances of {} objects", device.adapter(), files.len());
     for (name, milliseconds) in measure(&device, &files, instances)? {
-        println!("{name:<28} {milliseconds:9.3} ms a frame");
+        println!("{name:<34} {milliseconds:9.3} ms a frame");
     }
     Ok(())
 }
@@ -44,13 +45,13 @@ fn measure(
     // Instance i is of object i modulo their number.
     let count = |number: usize| (instances + files.len() - 1 - number) / files.len();
     let mut crowds = Vec::new();
-    let mut levels: Vec<Levels> = Vec::new();
+    let mut objects: Vec<ResidentObject> = Vec::new();
     for number in 0..files.len() {
         crowds.push(Crowd::new(device, object(number), count(number) as u32)?);
-        levels.push(Levels::new(device, object(number))?);
+        objects.push(ResidentObject::new(device, object(number))?);
     }
     for i in files.len()..instances {
-        levels.push(levels[i % files.len()].another()?);
+        objects.push(objects[i % files.len()].another()?);
     }
     let wait = || device.host().0.poll(wgpu::PollType::wait_indefinitely());
 
@@ -67,17 +68,17 @@ fn measure(
     })?;
     let at_once = timed(|frame| {
         let mut encoder = device.encoder();
-        for (i, levels) in levels.iter_mut().enumerate() {
-            levels.show(&mut encoder, lod(records(i), i, frame))?;
+        for (i, object) in objects.iter_mut().enumerate() {
+            object.show(&mut encoder, lod(records(i), i, frame))?;
         }
         device.submit(encoder)?;
         wait()?;
         Ok(())
     })?;
     let each = timed(|frame| {
-        for (i, levels) in levels.iter_mut().enumerate() {
+        for (i, object) in objects.iter_mut().enumerate() {
             let mut encoder = device.encoder();
-            levels.show(&mut encoder, lod(records(i), i, frame))?;
+            object.show(&mut encoder, lod(records(i), i, frame))?;
             device.submit(encoder)?;
         }
         wait()?;
@@ -85,8 +86,8 @@ fn measure(
     })?;
     Ok(vec![
         ("Crowd, one submission", by_crowd),
-        ("Levels, one submission", at_once),
-        ("Levels, a submission each", each),
+        ("ResidentObject, one submission", at_once),
+        ("ResidentObject, a submission each", each),
     ])
 }
 

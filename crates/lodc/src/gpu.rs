@@ -7,15 +7,15 @@
 //! # std::env::set_current_dir(&folder)?;
 //! # use lodc::gpu::GpuError;
 //! # if matches!(lodc::gpu::Device::open(None), Err(GpuError::NoAdapter { .. })) { return Ok(()) }
-//! use lodc::gpu::{Device, Levels};
+//! use lodc::gpu::{Device, ResidentObject};
 //!
 //! let file = lodc::open("part.lodc")?;
 //! let device = Device::open(None)?; // an engine has one already: Device::of_host
-//! let mut levels = Levels::new(&device, &file.objects()[0])?; // levels.another() for instances
+//! let mut part = ResidentObject::new(&device, &file.objects()[0])?; // instances: part.another()
 //! let mut encoder = device.encoder();
-//! levels.show(&mut encoder, levels.within(0.01))?; // near or far, coarser or finer, by one shader
-//! device.submit(encoder)?; // and in a render pass: levels.draw(&mut pass)
-//! # assert!(!levels.triangles()?.is_empty());
+//! part.show(&mut encoder, part.within(0.01))?; // near or far, coarser or finer, by one shader
+//! device.submit(encoder)?; // and in a render pass: part.draw(&mut pass)
+//! # assert!(!part.triangles()?.is_empty());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -28,7 +28,7 @@
 //! # std::env::set_current_dir(&folder)?;
 //! # use lodc::gpu::GpuError;
 //! # if matches!(lodc::gpu::Device::open(None), Err(GpuError::NoAdapter { .. })) { return Ok(()) }
-//! use lodc::gpu::{Device, Levels};
+//! use lodc::gpu::{Device, ResidentObject};
 //!
 //! let file = lodc::open("part.lodc")?;
 //! let device = Device::open(None)?;
@@ -37,8 +37,8 @@
 //!
 //! // Once: each object, an instance for each place that shows it, and the images of materials.
 //! let objects = file.objects();
-//! let uploaded: Vec<Levels> =
-//!     objects.iter().map(|object| Levels::new(&device, object)).collect::<Result<_, _>>()?;
+//! let upload = |object| ResidentObject::new(&device, object);
+//! let uploaded = objects.iter().map(upload).collect::<Result<Vec<_>, _>>()?;
 //! let mut instances = Vec::new();
 //! for place in file.placements()? {
 //!     instances.push((uploaded[place.object].another()?, place));
@@ -50,7 +50,7 @@
 //!
 //! // In every frame: levels by distance, in one submission.
 //! let mut encoder = device.encoder();
-//! for (levels, place) in &mut instances {
+//! for (instance, place) in &mut instances {
 //!     let object = &objects[place.object];
 //!     let (mesh, scale) = (object.simplified.mesh(), object.info.world_scale);
 //!     let (low, high) = mesh.bounds();
@@ -58,21 +58,21 @@
 //!     let middle = place.transform.transform_point3(middle.into());
 //!     let distance = middle.distance(eye.into()) - scale * mesh.diagonal() / 2.0;
 //!     let error = pixels * 2.0 * (fovy / 2.0).tan() / height * distance.max(0.01); // in the world
-//!     levels.show(&mut encoder, levels.within((error / scale) as f32))?;
+//!     instance.show(&mut encoder, instance.within((error / scale) as f32))?;
 //! }
 //! device.submit(encoder)?;
 //!
 //! // In a render pass, with pipeline and textures of each material.
 //! for (_, place) in &instances {
 //!     for (submesh, material) in materials.of_submesh[place.object].iter().enumerate() {
-//!         println!("{material:?}: levels.draw_submesh(&mut pass, {submesh})");
+//!         println!("{material:?}: instance.draw_submesh(&mut pass, {submesh})");
 //!     }
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Files without models will do: a device needs the collapse sequence alone. [`Levels`] and
-//! [`ViewLevels`] own what they need: they can be components of an engine and cross threads.
+//! Files without models will do: a device needs the collapse sequence alone. [`ResidentObject`]
+//! and [`ViewLevels`] own what they need: they can be components of an engine and cross threads.
 
 use crate::{Error, LodObject};
 use lodc_lod::interactive::{Move, Resident, ResidentMany, ResidentView};
@@ -83,14 +83,14 @@ pub use lodc_gpu::{Adapter, CommandEncoder, Device, GpuError, LimitOverrides, Re
 pub use lodc_lod::interactive::view::{Criterion, ViewQuery};
 
 /// An object on a device, shown at one level.
-pub struct Levels {
+pub struct ResidentObject {
     resident: Arc<Resident>,
     simplified: Arc<Simplified>,
     session: lodc_gpu::Session,
     lod: Lod,
 }
 
-impl Levels {
+impl ResidentObject {
     /// Uploads an object with all its attributes, and shows LOD 0.
     ///
     /// # Errors
@@ -179,7 +179,7 @@ impl Levels {
 }
 
 /// Many instances of an object on a device, each shown at a level of its own: two passes move all
-/// that move in a frame. [`Levels`] takes two for each.
+/// that move in a frame. [`ResidentObject`] takes two for each.
 ///
 /// ```no_run
 /// use lodc::gpu::{Crowd, Device};
@@ -254,8 +254,8 @@ impl Crowd {
         &self.lods
     }
 
-    /// Draws an instance, as [`Levels::draw`] does; draws of one crowd after the other share their
-    /// buffers.
+    /// Draws an instance, as [`ResidentObject::draw`] does; draws of one crowd after the other
+    /// share their buffers.
     pub fn draw(&self, pass: &mut RenderPass<'_>, instance: usize) {
         self.session.draw(pass, &self.resident.drawn(instance));
     }
@@ -317,7 +317,7 @@ impl ViewLevels {
         Ok(Self { resident: Arc::new(resident), session })
     }
 
-    /// Another instance of the object, as [`Levels::another`].
+    /// Another instance of the object, as [`ResidentObject::another`].
     ///
     /// # Errors
     /// If the device has no room.
@@ -335,7 +335,7 @@ impl ViewLevels {
         Ok(self.session.encode_passes(encoder, &self.resident.show(view))?)
     }
 
-    /// Draws it, as [`Levels::draw`] does.
+    /// Draws it, as [`ResidentObject::draw`] does.
     pub fn draw(&self, pass: &mut RenderPass<'_>) {
         self.session.draw(pass, &self.resident.drawn);
     }
@@ -388,7 +388,7 @@ mod tests {
     #[test]
     fn levels_can_be_components_of_an_engine() {
         const fn component<T: Send + Sync + 'static>() {}
-        component::<Levels>();
+        component::<ResidentObject>();
         component::<ViewLevels>();
         component::<crate::File>();
         component::<Error>();

@@ -18,7 +18,7 @@ pub type Input = import::Either<AnyModel>;
 ///     let path = Path::new("../../fixtures").join(name);
 ///     match lodc::read_input(&path, &ImportOptions::default())? {
 ///         lodc::Input::Scene(scene) => println!("{name}: {} meshes", scene.objects.len()),
-///         lodc::Input::Levels(file) => println!("{name}: {} objects", file.objects.len()),
+///         lodc::Input::Lodc(file) => println!("{name}: {} objects", file.objects.len()),
 ///     }
 /// }
 /// # Ok::<(), lodc::formats::FormatError>(())

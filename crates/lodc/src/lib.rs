@@ -33,7 +33,7 @@
 //! | `import` | glTF, GLB, OBJ, PLY and STL as scenes |
 //! | `build` | files from meshes; takes `import` |
 //! | `export` | levels as glTF, GLB, OBJ and PLY |
-//! | `gpu` | levels on a graphics device: `gpu::Levels` |
+//! | `gpu` | levels on a graphics device: `gpu::ResidentObject` |
 
 #[cfg(feature = "build")]
 mod asset;

@@ -3,7 +3,7 @@
 use crate::LodObject;
 use crate::shapes::{bends, farthest_vertex, stated_shapes};
 use lodc_formats::export::{
-    ExportFormat, ExportObject, Precision, RoundedObject, flattening, reading, rounded,
+    ExportFormat, ExportObject, Precision, RoundedObject, flattening_error, reading_error, rounded,
 };
 use lodc_formats::{Document, FormatError, Limits};
 use lodc_mesh::{Mesh, PositionIds, is_degenerate};
@@ -44,7 +44,7 @@ impl<'a> Rounding<'a> {
     ) -> Result<Self, FormatError> {
         let one = |(o, mesh): (&'a LodObject, &'a Mesh)| ExportObject { info: &o.info, mesh };
         let exported: Vec<ExportObject<'a>> = objects.iter().zip(meshes).map(one).collect();
-        let stored = flattening(format, document, &exported)?;
+        let stored = flattening_error(format, document, &exported)?;
         let rounded = rounded(document, &exported, precision)?;
         let mut shapes = match rounded {
             Some(_) => stated_shapes(objects, document, &Limits::DEFAULT)?.into_iter(),
@@ -57,7 +57,7 @@ impl<'a> Rounding<'a> {
         for ((object, stored), exported) in objects.iter().zip(stored).zip(&exported) {
             let rounded = rounded.next().zip(shapes.next());
             let is_kept = rounded.as_ref().is_some_and(|(rounded, _)| rounded.lacks_joints);
-            let stored = stored + reading(document, object.simplified.mesh());
+            let stored = stored + reading_error(document, object.simplified.mesh());
             let quantised =
                 |(rounded, shapes)| Quantised::new(exported.mesh, rounded, shapes, is_small);
             let quantised = rounded.map(quantised).filter(|q| q.moved > 0.0);

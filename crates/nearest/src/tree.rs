@@ -144,9 +144,9 @@ impl TriangleTree {
         (best.triangle != NONE).then_some(best)
     }
 
-    /// Returns the nearest point to `p` of the triangles that count, if one is within a squared
-    /// distance; of equally near ones the first that the search meets. Where 1,000 boxes were
-    /// opened, since very many others are as near, the nearest until then.
+    /// Returns the nearest point to `p` of the triangles that count, if its squared distance is at
+    /// most `squared`; of equally near ones the first that the search meets. The search ends after
+    /// 1,000 boxes, where very many triangles are about as near, with the nearest so far.
     #[must_use]
     pub fn nearest_of(
         &self,
@@ -216,7 +216,7 @@ impl TriangleTree {
         if self.order.is_empty() {
             return true;
         }
-        // One entry for each level that was passed: halves of 2^32 triangles.
+        // On each level of the tree at most one box waits; 2³² triangles are halved 32 times.
         let mut stack = [(0.0, self.root); 32];
         let (mut depth, mut child) = (0, self.root);
         loop {
@@ -300,7 +300,7 @@ impl Item {
 
 /// Number of inner nodes of the tree of `n` triangles: its shape depends on their number alone.
 fn inner_nodes(n: usize) -> usize {
-    /// Those of `n` and of `n + 1` triangles.
+    /// Those of `n` and of `n + 1` triangles: the halves of both have `n / 2` or one more.
     fn pair(n: usize) -> (usize, usize) {
         if n < MAX_LEAF_TRIANGLES {
             return (0, 0);
@@ -330,7 +330,7 @@ struct SubtreeStart {
 const MIN_PARALLEL: usize = 4096;
 
 /// Builds the subtree of some triangles into `nodes`, which has room for exactly that, and puts the
-/// triangles into the order of slots. Returns its box.
+/// triangles into the order of slots. Returns its box and what is in it.
 fn build(items: &mut [Item], start: SubtreeStart, nodes: &mut [Node]) -> (Bounds, Child) {
     let all = items.iter().fold(Bounds::EMPTY, |all, item| Bounds::union(&all, &item.bounds));
     if items.len() <= MAX_LEAF_TRIANGLES {

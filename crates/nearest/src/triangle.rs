@@ -3,8 +3,7 @@
 
 use glam::DVec3;
 
-/// The feature of a triangle that its closest point to a given point is on (by regions, Ericson
-/// 2005, section 5.1.5).
+/// The feature of a triangle that its closest point to a given point is on.
 enum ClosestFeature {
     Corner(usize),
     /// The edge from a corner to another, with the share of the way.

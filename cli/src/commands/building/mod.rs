@@ -10,19 +10,18 @@ mod work;
 pub(crate) use counts::counts;
 pub(crate) use importance::importance;
 pub(crate) use pipeline::object_options;
+pub(crate) use work::run;
 
-use crate::batch::{self, BatchArgs, CommandPaths, MESH_EXTENSIONS};
+use crate::batch::BatchArgs;
 use crate::commands::each;
-use crate::commands::prune::{PruneArgs, Written};
+use crate::commands::prune::PruneArgs;
 use crate::commands::runs::RunArgs;
 use crate::config::ConfigArgs;
-use crate::exit::{Outcome, Status};
 use crate::help::{MORE, OUTPUT, SIMPLIFIED, STORED};
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, ModelArgs, PosesArgs, StepOrderArgs, StripArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
-use crate::program::Program;
 use clap::Args;
 use lodc_simplify::Options;
 use std::path::PathBuf;
@@ -114,25 +113,4 @@ impl BuildArgs {
             ..Options::DEFAULT
         }
     }
-}
-
-pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
-    // A wrong `--models` is refused before anything is read.
-    args.models.kinds()?;
-    let paths = CommandPaths {
-        inputs: &args.inputs,
-        output: args.output.as_deref(),
-        input_extensions: &MESH_EXTENSIONS,
-        output_extension: "lodc",
-        allowed_folders: args.import.allowed(),
-    };
-    let mut assets = batch::jobs(paths, &args.batch)?;
-    args.configuration.apply(program, "build", &mut assets)?;
-    if args.estimate {
-        return estimate::estimate_all(args, program, &assets);
-    }
-    args.run.check(&assets)?;
-    let status = work::build_all(args, program, &assets)?;
-    args.prune.sweep(paths, (&args.batch, &assets), Written::ByBuild)?;
-    Ok(status)
 }

@@ -3,14 +3,15 @@
 
 use super::pipeline::{self, OneBuild};
 use super::{BuildArgs, estimate, summary};
-use crate::batch::Job;
+use crate::batch::{self, CommandPaths, Job, MESH_EXTENSIONS};
 use crate::commands::each::{self, JobOptions};
+use crate::commands::prune::Written;
 use crate::commands::runs::ReportFormat;
 use crate::console::{self, error};
 use crate::exit::{Outcome, Status};
 use crate::output::{self, DependencyRule, Results, Target};
 use crate::program::Program;
-use crate::progress::{BatchProgress, Progress};
+use crate::progress::BatchProgress;
 use crate::stages::Stages;
 use lodc_formats::{OutputFile, lodc};
 use lodc_report::documents::{BuildReport, InputReport, Summary, SummaryReport};
@@ -20,7 +21,7 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 /// The result of one asset.
-struct JobResult {
+struct FinishedBuild {
     report: InputReport,
     /// Its rule in the dependency file.
     rule: Option<DependencyRule>,
@@ -32,34 +33,55 @@ struct JobResult {
 /// Builds all assets and reports on them.
 ///
 /// # Errors
-/// If a report or the dependency file cannot be written.
-pub(super) fn build_all(args: &BuildArgs, program: &Program, jobs: &[Job]) -> Outcome<Status> {
+/// If an argument is wrong, or a report or the dependency file cannot be written.
+pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
+    // A wrong `--models` is refused before anything is read.
+    args.models.kinds()?;
+    let paths = CommandPaths {
+        inputs: &args.inputs,
+        output: args.output.as_deref(),
+        input_extensions: &MESH_EXTENSIONS,
+        output_extension: "lodc",
+        allowed_folders: args.import.allowed(),
+    };
+    let mut jobs = batch::jobs(paths, &args.batch)?;
+    args.configuration.apply(program, "build", &mut jobs)?;
+    if args.estimate {
+        return estimate::estimate_all(args, program, &jobs);
+    }
+    args.run.check(&jobs)?;
+
     let with_text = |args, options_text| BuildArgs { options_text, ..args };
-    let options = JobOptions::new(program, "build", jobs, with_text);
+    let options = JobOptions::new(program, "build", &jobs, with_text);
     let budget = args.import.limits().budget();
-    let results: Vec<OnceLock<Outcome<JobResult>>> = jobs.iter().map(|_| OnceLock::new()).collect();
-    let on_written = |(number, done): (usize, JobResult), written| {
+    let need = |job: &Job| estimate::memory(job, &options).ok().map(|(_, bytes)| bytes);
+    let results: Vec<OnceLock<Outcome<FinishedBuild>>> =
+        jobs.iter().map(|_| OnceLock::new()).collect();
+    let on_written = |(number, done): (usize, FinishedBuild), written| {
         // Each asset has one result.
         let _ = results[number].set(report_written(args, done, written));
     };
+    // Workers build and hand files to the writer, which puts many of them into place at a time and
+    // then calls `on_written` for each.
     Results::gather(on_written, |writer| {
-        let need = |job: &Job| estimate::memory(job, &options).ok().map(|(_, bytes)| bytes);
-        each::all(jobs, budget, need, |number, job, bar| {
+        each::all(&jobs, budget, need, |number, job, bar| {
             let (done, file) = build_asset(job, &options, bar);
             writer.add(file, (number, done));
         });
     });
     let done =
         results.into_iter().map(|done| done.into_inner().expect("each asset has had its turn"));
-    report(args, done.collect::<Outcome<_>>()?)
+    let status = finish(args, done.collect::<Outcome<_>>()?)?;
+    args.prune.sweep(paths, (&args.batch, &jobs), Written::ByBuild)?;
+    Ok(status)
 }
 
 /// Takes down and prints whether an asset's file was written.
 fn report_written(
     args: &BuildArgs,
-    mut done: JobResult,
+    mut done: FinishedBuild,
     written: Outcome<()>,
-) -> Outcome<JobResult> {
+) -> Outcome<FinishedBuild> {
     match written {
         Ok(()) => done.line.iter().for_each(|line| console::note(line)),
         Err(failure) => {
@@ -76,7 +98,8 @@ fn report_written(
     Ok(done)
 }
 
-fn report(args: &BuildArgs, done: Vec<JobResult>) -> Outcome<Status> {
+/// Writes the dependency file and all reports. Returns the highest status.
+fn finish(args: &BuildArgs, done: Vec<FinishedBuild>) -> Outcome<Status> {
     let mut summary = Summary::default();
     for one in &done {
         match (one.status, one.report.up_to_date) {
@@ -117,7 +140,7 @@ fn build_asset(
     job: &Job,
     options: &JobOptions<BuildArgs>,
     bar: &BatchProgress,
-) -> (JobResult, Option<OutputFile>) {
+) -> (FinishedBuild, Option<OutputFile>) {
     let start = Instant::now();
     let input = job.input.as_path();
     let mut report = InputReport { input: input.display().to_string(), ..InputReport::default() };
@@ -130,8 +153,22 @@ fn build_asset(
             return Ok(Built { rule: Some(rule), ..Built::default() });
         }
         let progress = bar.of_asset(&report.input);
+        let mut stages = Stages::new(args.import.clock(input));
+        crate::memory::reset_peak();
         let one = OneBuild { args, input, target, is_listed: job.is_listed() };
-        build(one, &progress, &mut report)
+        let made = pipeline::make(one, &mut stages, &progress, &mut report);
+        report.peak_bytes = crate::memory::peak_bytes();
+        warn(&report);
+        let seconds = stages.seconds();
+        report.stages = stages.into_reports();
+        let made = made?;
+        progress.clear();
+        let line = job.is_listed().then(|| summary::line(&made, target, seconds));
+        if line.is_none() {
+            summary::print(&made, target, seconds);
+        }
+        let rule = target.file().map(|path| DependencyRule::new(path, &made.files));
+        Ok(Built { rule, line, unwritten: made.unwritten })
     });
     report.seconds = start.elapsed().as_secs_f64();
     let (status, built) = match result {
@@ -145,7 +182,7 @@ fn build_asset(
     report.status = status.code();
     let Built { rule, line, unwritten } = built;
     let rule = rule.map(|rule| rule.with_options_of(job));
-    (JobResult { report, rule, status, line }, unwritten)
+    (FinishedBuild { report, rule, status, line }, unwritten)
 }
 
 /// What is still to be done for an asset that was built or is up to date.
@@ -171,28 +208,6 @@ fn up_to_date(
     let made = lodc::made_from(&std::fs::read(path).ok()?).ok()??;
     let files = made.unchanged(input, &args.import.assets(input, None), &args.options_text)?;
     Some((DependencyRule::new(path, &files), made.warnings))
-}
-
-fn build(one: OneBuild<'_>, progress: &Progress, report: &mut InputReport) -> Outcome<Built> {
-    let OneBuild { args, input, target, is_listed } = one;
-    let mut stages = Stages::new(args.import.clock(input));
-    crate::memory::reset_peak();
-    let made = pipeline::make(one, &mut stages, progress, report);
-    report.peak_bytes = crate::memory::peak_bytes();
-    warn(report);
-    let seconds = stages.seconds();
-    report.stages = stages.into_reports();
-    let made = made?;
-    progress.clear();
-    let line = is_listed.then(|| summary::line(&made, target, seconds));
-    if !is_listed {
-        summary::print(&made, target, seconds);
-    }
-    let rule = match target {
-        Target::File(path) => Some(DependencyRule::new(path, &made.files)),
-        Target::Stdout => None,
-    };
-    Ok(Built { rule, line, unwritten: made.unwritten })
 }
 
 fn warn(report: &InputReport) {

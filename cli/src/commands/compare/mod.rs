@@ -228,8 +228,8 @@ fn compare_all(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     clock::expect_several(jobs.len() > 1);
     // One pair after the other: each uses all threads, and much memory for its pictures.
     let compare_pair = |(job, other): (&Job, Result<PathBuf, JobError>)| {
-        let original = other.as_ref().ok().cloned();
-        let done = each::guarded_pair(&job.input, original.as_deref(), || {
+        let original_prefix = other.as_ref().ok().map(|path| format!("{}: ", path.display()));
+        let work = || -> Outcome<_> {
             let (other, (args, _)) = (other?, options.ready(job)?);
             check_limits(args)?;
             let progress = bar.of_asset(&job.name);
@@ -237,9 +237,16 @@ fn compare_all(args: &CompareArgs, program: &Program) -> Outcome<Status> {
             let measured = measure::compare(args, paths, &job.name, baseline, &progress)?;
             print_measured(args, &measured, several)?;
             Ok(measured)
+        };
+        let done = each::guarded(&job.input, || match (work(), original_prefix) {
+            // What names the original is not to name the input, too.
+            (Err(failure), Some(prefix)) if failure.message.starts_with(&prefix) => {
+                Ok(Err(failure))
+            }
+            (measured, _) => measured.map(Ok),
         });
         bar.done(&job.name);
-        done.inspect_err(each::print)
+        done.flatten().inspect_err(each::print)
     };
     let done = jobs.iter().zip(others).map(compare_pair).collect();
     drop(bar);

@@ -60,14 +60,14 @@ impl ComparedScene {
             let (import, simplify) = (&args.import, &args.simplify);
             let asset = asset::read_showing(progress, path, import, simplify, errors, stages)?;
             colours = needs_colours.then(|| asset.colours(path, &options)).transpose()?;
-            (asset.document, Objects::Levels(asset.objects), asset.warnings)
+            (asset.document, Objects::Simplified(asset.objects), asset.warnings)
         } else {
             match stages.run("import", || read_input(path, &options))? {
                 Input::Scene(scene) => {
                     (scene.document, Objects::Meshes(scene.objects), scene.warnings)
                 }
-                Input::Levels(file) => {
-                    (file.document, Objects::Levels(file.objects), file.left_out)
+                Input::Lodc(file) => {
+                    (file.document, Objects::Simplified(file.objects), file.left_out)
                 }
             }
         };
@@ -136,7 +136,7 @@ impl ComparedScene {
             Objects::Meshes(objects) => {
                 return Ok(objects.iter().map(|o| Cow::Borrowed(&o.mesh)).collect());
             }
-            Objects::Levels(objects) => objects,
+            Objects::Simplified(objects) => objects,
         };
         let lods = match choice.target {
             Some(target) => {

@@ -40,7 +40,7 @@ pub(super) fn read(
     let options = args.import.options();
     let read = stages.run("read", || read_input(&args.input, &options))?;
     let (objects, document, warnings) = match read {
-        Input::Levels(file) => (Objects::Levels(file.objects), file.document, file.left_out),
+        Input::Lodc(file) => (Objects::Simplified(file.objects), file.document, file.left_out),
         Input::Scene(scene) => objects_of_scene(args, scene, stages)?,
     };
     let infos = objects.infos();
@@ -86,5 +86,5 @@ fn objects_of_scene(
     let errors = Some(lodc::Errors::Curve);
     let asset =
         asset::simplified(&args.input, &args.import, &simplify_args, errors, scene, stages)?;
-    Ok((Objects::Levels(asset.objects), asset.document, asset.warnings))
+    Ok((Objects::Simplified(asset.objects), asset.document, asset.warnings))
 }

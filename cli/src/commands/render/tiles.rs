@@ -67,7 +67,7 @@ fn percent(share: f64) -> String {
 /// If there is no such level or view.
 pub(super) fn choose(args: &RenderArgs, drawable: &DrawableScene) -> Outcome<Vec<Tile>> {
     let objects = match &drawable.objects {
-        Objects::Levels(objects) => objects,
+        Objects::Simplified(objects) => objects,
         Objects::Meshes(meshes) => {
             let objects: Vec<_> = meshes.iter().map(|object| all_triangles(&object.mesh)).collect();
             let triangles = objects.iter().map(|o| o.len() as u64).sum();

@@ -55,6 +55,7 @@ Examples:
   lodc unpack chair.lods -o chair.lodc --models none";
 
 pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
+    // A file with all levels; else the mesh that has come.
     if rebuilt::is_wanted(args) {
         return rebuilt::run(args);
     }

@@ -80,64 +80,71 @@ pub(super) struct Page {
     pub(super) after_size: String,
 }
 
-/// An asset for a page, and the files that it refers to.
-pub(super) struct PageInput<'a> {
-    pub(super) asset: &'a Asset,
-    pub(super) assets: &'a mut Assets,
+/// What a page is made of, once it has been read.
+pub(super) struct PageInput {
+    /// Where the page is written.
+    target: Target,
+    pub(super) asset: Asset,
+    /// The files that the asset refers to.
+    pub(super) assets: Assets,
     pub(super) title: String,
-    pub(super) stages: &'a mut Stages,
+    pub(super) stages: Stages,
+}
+
+impl PageInput {
+    /// Reads the input, after a look at whether its page can be written.
+    ///
+    /// # Errors
+    /// If the input cannot be read, or the page not be written.
+    pub(super) fn read(args: &PageArgs) -> Outcome<Self> {
+        let target = target(args)?;
+        let mut stages = Stages::new(args.import.clock(&args.input));
+        let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
+        let assets = args.import.assets(&args.input, args.textures.as_ref());
+        Ok(Self { target, asset, assets, title: title(args), stages })
+    }
+
+    /// Writes the page and prints a message.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(super) fn finish(self, args: &PageArgs, mut page: Page) -> Outcome<()> {
+        let Self { target, asset, assets, mut stages, .. } = self;
+        page.warnings.splice(0..0, asset.warnings);
+        let mut files = asset.files;
+        files.extend(assets.files());
+        write_page(args, &target, page, &files, &mut stages)
+    }
 }
 
 pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
     let ViewArgs { page: args, up } = args;
     let options = args.import.options();
+    // The input is read for each of these two questions, and again for its page.
     if !output::is_standard_stream(&args.input) && states_levels(&args.input, &options) {
         let ExportedLevels { levels, morphs, .. } = import_levels(&args.input, &options)?;
         // A single level is shown like any mesh.
         if levels.len() > 1 || !morphs.is_empty() {
-            return run_shipped(args, *up, levels.len());
+            return run_exported(args, *up, levels.len());
         }
     }
-    write(args, |PageInput { asset, assets, title, stages }| {
-        let (glb, warnings) = stages.run("export", || glb_with_levels(args, asset, assets))?;
-        let text = stages.run("page", || page::page(&title, *up, &glb));
-        let triangles = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
-        let before_size = format!("{}, ", count(triangles.sum(), "triangle"));
-        Ok((Page { text, warnings, before_size, after_size: String::new() }, ()))
-    })
-}
-
-/// Reads the input, makes its page, writes it and prints a message. `make` also returns a result.
-///
-/// # Errors
-/// If the input cannot be read or shown, or the page not be written.
-pub(super) fn write<R>(
-    args: &PageArgs,
-    make: impl FnOnce(PageInput<'_>) -> Outcome<(Page, R)>,
-) -> Outcome<R> {
-    let target = target(args)?;
-    let mut stages = Stages::new(args.import.clock(&args.input));
-    let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
-    let mut assets = args.import.assets(&args.input, args.textures.as_ref());
-    let title = args.title.clone().unwrap_or_else(|| title(&args.input));
-    let page_input = PageInput { asset: &asset, assets: &mut assets, title, stages: &mut stages };
-    let (mut page, result) = make(page_input)?;
-    page.warnings.splice(0..0, asset.warnings);
-    let mut files = asset.files;
-    files.extend(assets.files());
-    write_page(args, &target, page, &files, &mut stages)?;
-    Ok(result)
+    let mut input = PageInput::read(args)?;
+    let PageInput { asset, assets, title, stages, .. } = &mut input;
+    let (glb, warnings) = stages.run("export", || glb_with_levels(args, asset, assets))?;
+    let text = stages.run("page", || page::page(title, *up, &glb));
+    let triangles = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
+    let before_size = format!("{}, ", count(triangles.sum(), "triangle"));
+    input.finish(args, Page { text, warnings, before_size, after_size: String::new() })
 }
 
 /// Makes the page of levels that `chain` or `extract` wrote into a glTF.
-fn run_shipped(args: &PageArgs, up: UpAxis, levels: usize) -> Outcome<()> {
+fn run_exported(args: &PageArgs, up: UpAxis, levels: usize) -> Outcome<()> {
     let target = target(args)?;
     let mut stages = Stages::new(args.import.clock(&args.input));
     let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let options = args.import.options();
     let (glb, warnings) = stages.run("export", || as_plain_glb(&mut assets, &options))?;
-    let title = args.title.clone().unwrap_or_else(|| title(&args.input));
-    let text = stages.run("page", || page::page(&title, up, &glb));
+    let text = stages.run("page", || page::page(&title(args), up, &glb));
     let before_size = format!("{} as exported, ", count(levels as u64, "level"));
     let page = Page { text, warnings, before_size, after_size: String::new() };
     write_page(args, &target, page, assets.files(), &mut stages)
@@ -206,10 +213,12 @@ fn target(args: &PageArgs) -> Outcome<Target> {
     Ok(target)
 }
 
-/// The file name of the input.
-fn title(input: &Path) -> String {
+/// The name that was asked for, or the file name of the input.
+fn title(args: &PageArgs) -> String {
+    let PageArgs { input, title, .. } = args;
     let name = if output::is_standard_stream(input) { None } else { input.file_name() };
-    name.map_or_else(|| "standard input".to_owned(), |n| n.to_string_lossy().into_owned())
+    let name = || name.map_or("standard input".into(), |name| name.to_string_lossy().into_owned());
+    title.clone().unwrap_or_else(name)
 }
 
 /// The asset as a GLB with all levels, and warnings about its textures.

@@ -19,7 +19,7 @@ const MODULES: [(&str, &str); 4] = [
 /// The page of a model, a GLB with all levels.
 pub(super) fn page(title: &str, up: UpAxis, glb: &[u8]) -> String {
     let modules = lodc_web::MODULES.iter().chain(&MODULES);
-    let script: String = modules.map(|(name, text)| without_modules(name, text)).collect();
+    let script: String = modules.map(|(name, text)| without_module_syntax(name, text)).collect();
     let model = base64(glb);
     let mut page = String::with_capacity(model.len() + script.len() + TEMPLATE.len() + STYLE.len());
     let mut rest = TEMPLATE;
@@ -50,7 +50,7 @@ fn view_shader() -> String {
 }
 
 /// A module's text for a script of all modules: without its imports and the word `export`.
-fn without_modules(name: &str, text: &str) -> String {
+fn without_module_syntax(name: &str, text: &str) -> String {
     let mut out = format!("// ---- {name}\n");
     let mut in_import = false;
     for line in text.lines() {

@@ -7,7 +7,7 @@ mod picture;
 #[cfg(test)]
 mod tests;
 
-use lodc::gpu::{Criterion, Device, Levels, ViewLevels, ViewQuery};
+use lodc::gpu::{Criterion, Device, ResidentObject, ViewLevels, ViewQuery};
 use picture::{Camera, Picture};
 use std::error::Error;
 
@@ -24,7 +24,7 @@ fn draw(device: &Device, file: &lodc::File, name: &str) -> Result<[usize; 2], Bo
     let picture = Picture::new(device, mesh, &camera);
 
     // Once: upload, and make what the shaders need.
-    let mut near = Levels::new(device, object)?;
+    let mut near = ResidentObject::new(device, object)?;
     let mut far = near.another()?; // a second instance shares all but what it shows
     let mut by_view = ViewLevels::new(device, object)?;
 

@@ -53,18 +53,18 @@ fn levels_are_those_of_the_reference_for_every_instance() {
         let object = &file.objects()[0];
         let simplified = &object.simplified;
         let last = simplified.collapses().records();
-        let mut one = Levels::new(&device, object).expect("a small mesh");
+        let mut one = ResidentObject::new(&device, object).expect("a small mesh");
         let mut other = one.another().expect("a small mesh");
         for [a, b] in [[0, 2], [5, 1], [10, 9], [3, 10], [0, 0], [7, 7]] {
             let mut encoder = device.encoder();
-            for (levels, part) in [(&mut one, a), (&mut other, b)] {
-                levels.show(&mut encoder, Lod(last * part / 10)).expect("a LOD");
+            for (instance, part) in [(&mut one, a), (&mut other, b)] {
+                instance.show(&mut encoder, Lod(last * part / 10)).expect("a LOD");
             }
             device.submit(encoder).expect("it runs");
-            for levels in [&mut one, &mut other] {
-                let truth = reference_corners(simplified, &simplified.triangles_at(levels.lod()));
-                let drawn = sorted(levels.triangles().expect("it is read").into_iter());
-                assert!(drawn == truth, "{name}: LOD {}", levels.lod().0);
+            for instance in [&mut one, &mut other] {
+                let truth = reference_corners(simplified, &simplified.triangles_at(instance.lod()));
+                let drawn = sorted(instance.triangles().expect("it is read").into_iter());
+                assert!(drawn == truth, "{name}: LOD {}", instance.lod().0);
             }
         }
         // An instance of an instance begins where that one is.

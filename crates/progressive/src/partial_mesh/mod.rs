@@ -28,7 +28,7 @@
 //!
 //! A vertex split inserts a vertex beside its *parent*. Some triangles of the parent's star are
 //! transferred to the new vertex: their corner at the parent moves there. New triangles fill the
-//! gap between the two. See the front page of this package for the figure.
+//! gap between the two. The figure is at the top of `lib.rs`.
 
 pub(crate) mod corner_lists;
 mod long_lists;

@@ -7,7 +7,7 @@
 use crate::vertex_data::number_system::{NumberSystem, round_half_up};
 use crate::vertex_data::octahedral::Octahedral;
 use crate::vertex_data::vertex_layout::{Prediction, Stream};
-use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
+use crate::vertex_data::vertex_values::{Neighbourhood, VertexValues};
 
 // All constants here are part of the format: decoders must use the same.
 
@@ -103,10 +103,10 @@ impl Position {
     #[inline]
     pub(crate) fn predict(
         systems: &[NumberSystem],
-        neighborhood: &Neighborhood<'_>,
+        neighbourhood: &Neighbourhood<'_>,
         indices: impl Fn(u32) -> [i32; 3],
     ) -> Self {
-        let Neighborhood { parent, apexes: [left, right], link, .. } = *neighborhood;
+        let Neighbourhood { parent, apexes: [left, right], link, .. } = *neighbourhood;
         let [parent, left, right] = [parent, left, right].map(&indices);
         let mut position = Self {
             mean: parent,
@@ -194,7 +194,7 @@ impl TangentPlane {
 /// Predicts the values of a vertex from those around it, once its position is known.
 pub(crate) struct ValuePredictor<'a> {
     pub(crate) values: &'a VertexValues,
-    pub(crate) neighborhood: &'a Neighborhood<'a>,
+    pub(crate) neighbourhood: &'a Neighbourhood<'a>,
     /// The new vertex's position, as indices; what else of it is coded may follow.
     pub(crate) position: &'a [i32],
 }
@@ -206,10 +206,11 @@ impl ValuePredictor<'_> {
 
     /// Predicts the channels of a stream: a guess for each.
     pub(crate) fn predict(&self, stream: &Stream) -> Vec<Guess> {
-        let link = self.neighborhood.link;
+        let link = self.neighbourhood.link;
         let channels = stream.first_channel..stream.first_channel + stream.channels;
         if stream.prediction == Prediction::Parent || link.is_empty() {
-            let parent = |c| Guess { index: self.index(self.neighborhood.parent, c), spread: None };
+            let parent =
+                |c| Guess { index: self.index(self.neighbourhood.parent, c), spread: None };
             return channels.map(parent).collect();
         }
         match stream.prediction {
@@ -230,18 +231,18 @@ impl ValuePredictor<'_> {
         let number = |c: usize, index: i32| scale.number(systems[c], index);
         let center = [0, 1, 2].map(|c| number(c, self.position[c]));
         let offset = |&v: &u32| [0, 1, 2].map(|c| number(c, self.index(v, c)) - center[c]);
-        self.neighborhood.link.iter().map(offset).collect()
+        self.neighbourhood.link.iter().map(offset).collect()
     }
 
     /// Predicts a channel from its values at the link.
     fn fitted(&self, channel: usize, fit: &Fit) -> Guess {
-        let (link, system) = (self.neighborhood.link, self.values.layout.systems[channel]);
+        let (link, system) = (self.neighbourhood.link, self.values.layout.systems[channel]);
         let indices = || link.iter().map(|&v| self.index(v, channel));
         let lowest = indices().min().unwrap_or_default();
         let highest = indices().max().unwrap_or_default();
         let scale = Scale::for_range(system, lowest, highest);
         let numbers: Vec<f64> = indices().map(|index| scale.number(system, index)).collect();
-        let parent = self.index(self.neighborhood.parent, channel);
+        let parent = self.index(self.neighbourhood.parent, channel);
         let index = scale.nearest_index(system, fit.at_vertex(&numbers), parent);
         Guess { index, spread: (link.len() > 1).then(|| highest.abs_diff(lowest)) }
     }
@@ -251,7 +252,7 @@ impl ValuePredictor<'_> {
     fn direction(&self, stream: &Stream, octahedral: Octahedral) -> Vec<Guess> {
         let weights = distance_weights(&self.offsets());
         let mut sum = [0.0; 3];
-        for (i, &v) in self.neighborhood.link.iter().enumerate() {
+        for (i, &v) in self.neighbourhood.link.iter().enumerate() {
             let at = [self.index(v, stream.first_channel), self.index(v, stream.first_channel + 1)];
             let direction = octahedral.direction(at);
             let weight = weights.get(i).copied().unwrap_or_default();

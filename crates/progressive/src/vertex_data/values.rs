@@ -9,7 +9,7 @@ use crate::entropy::integer_codes::{ResidualCode, bit_length};
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::prediction::{Guess, Position, Scale, ValuePredictor};
 use crate::vertex_data::vertex_layout::{Prediction, Stream};
-use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
+use crate::vertex_data::vertex_values::{Neighbourhood, VertexValues};
 
 /// Streams with contexts of their own; all further ones share those of stream 0. Nearly all meshes
 /// have fewer.
@@ -129,19 +129,19 @@ impl VertexValues {
         &self,
         coder: &mut C,
         contexts: &mut ValueContexts,
-        neighborhood: &Neighborhood<'_>,
+        neighbourhood: &Neighbourhood<'_>,
         wanted: &[i32],
         coded: &mut Vec<i32>,
     ) {
         coded.clear();
         let mut vertex = VertexCode {
             values: self,
-            neighborhood,
+            neighbourhood,
             sibling: None,
             previous_source: NO_PREVIOUS_SOURCE,
             candidates: Vec::new(),
         };
-        if let Some(wedge) = neighborhood.siblings.clone().next_back() {
+        if let Some(wedge) = neighbourhood.siblings.clone().next_back() {
             coded.extend(self.stream_indices(wedge, &self.layout.streams[0]));
         } else {
             let position = vertex.code_position(coder, contexts, wanted);
@@ -156,7 +156,7 @@ impl VertexValues {
 /// The values of one vertex while they are coded.
 struct VertexCode<'a> {
     values: &'a VertexValues,
-    neighborhood: &'a Neighborhood<'a>,
+    neighbourhood: &'a Neighbourhood<'a>,
     /// The sibling whose value the stream before had.
     sibling: Option<u32>,
     /// The source of the stream before, or [`NO_PREVIOUS_SOURCE`].
@@ -175,7 +175,7 @@ impl VertexCode<'_> {
     ) -> [i32; 3] {
         let values = self.values;
         let wanted = |axis: usize| wanted.get(axis).copied().unwrap_or_default();
-        let position = Position::predict(&values.layout.systems, self.neighborhood, |v| {
+        let position = Position::predict(&values.layout.systems, self.neighbourhood, |v| {
             let start = v as usize * values.channels();
             values.indices[start..].first_chunk().copied().unwrap_or_default()
         });
@@ -246,7 +246,7 @@ impl VertexCode<'_> {
         if range.is_empty() {
             // The source is `Coded`, or one without candidates, as only a crafted stream names it.
             let predictor =
-                ValuePredictor { values, neighborhood: self.neighborhood, position: coded };
+                ValuePredictor { values, neighbourhood: self.neighbourhood, position: coded };
             let guesses = predictor.predict(stream);
             self.code_residuals(coder, contexts, s, &guesses, wanted, coded);
             return;
@@ -268,16 +268,16 @@ impl VertexCode<'_> {
     /// Collects `candidates`. Returns where the siblings and the parent end in it.
     fn find_candidates(&mut self, stream: &Stream) -> [usize; 2] {
         self.candidates.clear();
-        let latest = self.neighborhood.siblings.clone().rev().take(MAX_CANDIDATES);
+        let latest = self.neighbourhood.siblings.clone().rev().take(MAX_CANDIDATES);
         for v in self.sibling.into_iter().chain(latest) {
             if self.candidates.len() < MAX_CANDIDATES {
                 self.add_candidate(v, stream);
             }
         }
         let siblings_end = self.candidates.len();
-        self.add_candidate(self.neighborhood.parent, stream);
+        self.add_candidate(self.neighbourhood.parent, stream);
         let parent_end = self.candidates.len();
-        for &v in self.neighborhood.link.iter().take(MAX_CANDIDATES) {
+        for &v in self.neighbourhood.link.iter().take(MAX_CANDIDATES) {
             self.add_candidate(v, stream);
         }
         [siblings_end, parent_end]
@@ -304,7 +304,7 @@ impl VertexCode<'_> {
         let stream = &self.values.layout.streams[s];
         let systems = &self.values.layout.systems[stream.first_channel..];
         let is_direction =
-            stream.prediction == Prediction::Direction && !self.neighborhood.link.is_empty();
+            stream.prediction == Prediction::Direction && !self.neighbourhood.link.is_empty();
         let mut accuracy = 0;
         for (channel, &guess) in guesses.iter().enumerate() {
             let slot = stream_slot(s) * CHANNEL_SLOTS + channel.min(CHANNEL_SLOTS - 1);

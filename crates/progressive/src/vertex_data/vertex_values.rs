@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// The vertices from which the values of a new one are predicted.
 #[derive(Clone, Debug)]
-pub(crate) struct Neighborhood<'a> {
+pub(crate) struct Neighbourhood<'a> {
     pub(crate) parent: u32,
     /// The other wedges so far: earlier vertices of the same step at the same position.
     pub(crate) siblings: Range<u32>,

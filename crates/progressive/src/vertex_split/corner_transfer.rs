@@ -23,7 +23,7 @@ use crate::partial_mesh::new_triangle::{NewTriangle, Side};
 use crate::partial_mesh::split::Arcs;
 use crate::partial_mesh::star::StarFace;
 use crate::source::split_source::SplitSource;
-use crate::vertex_split::neighborhood::SplitNeighborhood;
+use crate::vertex_split::neighbourhood::SplitNeighbourhood;
 
 /// Contexts of the transfer of triangles.
 #[derive(Clone, Debug)]
@@ -52,7 +52,7 @@ pub(crate) enum TransferRule {
     Coded,
 }
 
-impl SplitNeighborhood {
+impl SplitNeighbourhood {
     /// Codes the transfer into `self.transfer`.
     pub(crate) fn code_transfer<C: Coder, S: SplitSource>(
         &mut self,

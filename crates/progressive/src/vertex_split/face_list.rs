@@ -21,7 +21,7 @@ use crate::invalid::InvalidStream;
 use crate::partial_mesh::mesh::PartialMesh;
 use crate::partial_mesh::star::{StarFace, arrange_in_fans};
 use crate::source::split_source::SplitSource;
-use crate::vertex_split::neighborhood::SplitNeighborhood;
+use crate::vertex_split::neighbourhood::SplitNeighbourhood;
 
 /// Contexts of explicit face lists.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl FaceListContexts {
     pub(crate) const NEW: Self = Self { is_named: AdaptiveBit::NEW, size: GammaCode::NEW };
 }
 
-impl SplitNeighborhood {
+impl SplitNeighbourhood {
     /// Collects the star of the parent. One of more than `large_star` triangles may be named: then
     /// only its named triangles are coded and collected.
     #[inline]

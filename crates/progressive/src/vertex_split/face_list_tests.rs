@@ -13,7 +13,7 @@ use crate::source::split_source::{DecoderSource, SplitSource};
 use crate::vertex_data::vertex_layout::VertexLayout;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::face_list::FaceListContexts;
-use crate::vertex_split::neighborhood::SplitNeighborhood;
+use crate::vertex_split::neighbourhood::SplitNeighbourhood;
 use lodc_fixtures as fixtures;
 use lodc_mesh::{
     CollapseSequence, Lod, Mesh, MeshParts, OrientedTriangle, SequenceParts, Simplified, Submesh,
@@ -127,8 +127,8 @@ fn hubs_that_are_named_are_not_walked_around() {
 }
 
 /// A split of 10 off vertex 0, amid vertices 1 to 6; there is a triangle apart.
-fn hexagon() -> (PartialMesh, SplitNeighborhood) {
-    let (mut mesh, mut split) = (PartialMesh::default(), SplitNeighborhood::default());
+fn hexagon() -> (PartialMesh, SplitNeighbourhood) {
+    let (mut mesh, mut split) = (PartialMesh::default(), SplitNeighbourhood::default());
     for _ in 0..11 {
         mesh.add_vertex(0);
     }

@@ -19,7 +19,7 @@ pub(crate) mod face_list;
 #[cfg(test)]
 mod face_list_tests;
 pub(crate) mod group_list;
-pub(crate) mod neighborhood;
+pub(crate) mod neighbourhood;
 pub(crate) mod new_triangles;
 pub(crate) mod object_codec;
 mod parent_distance;

@@ -8,7 +8,7 @@ use crate::invalid::InvalidStream;
 use crate::partial_mesh::new_triangle::{NewTriangle, Side};
 use crate::source::split_source::{SourceTriangle, SplitSource};
 use crate::vertex_split::corner_transfer::TransferRule;
-use crate::vertex_split::neighborhood::{Apex, SplitNeighborhood};
+use crate::vertex_split::neighbourhood::{Apex, SplitNeighbourhood};
 
 /// Links of up to this many vertices, which a symbol can name, have contexts of their own; in
 /// longer ones, of high-valence vertices, indices are coded as equally likely.
@@ -91,7 +91,7 @@ impl TriangleContexts {
 pub(crate) struct TriangleCode<'a, C> {
     pub(crate) coder: &'a mut C,
     pub(crate) contexts: &'a mut TriangleContexts,
-    pub(crate) split: &'a mut SplitNeighborhood,
+    pub(crate) split: &'a mut SplitNeighbourhood,
     /// Bytes that the coded corners take in the thesis's packages.
     pub(crate) package_bytes: u64,
 }

@@ -12,12 +12,12 @@ use crate::partial_mesh::split::{ParentStar, SplitBuffers, SplitEdge};
 use crate::partial_mesh::star::{LARGE_STAR, LinkVertex, StarFace, collect_link};
 use crate::source::split_source::SplitSource;
 use crate::vertex_data::vertex_layout::VertexLayout;
-use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
+use crate::vertex_data::vertex_values::{Neighbourhood, VertexValues};
 use crate::vertex_split::budget::Cost;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::corner_transfer::TransferRule;
 use crate::vertex_split::group_list::GroupList;
-use crate::vertex_split::neighborhood::SplitNeighborhood;
+use crate::vertex_split::neighbourhood::SplitNeighbourhood;
 use crate::vertex_split::new_triangles::{SplitPattern, TriangleCode};
 use crate::vertex_split::parent_distance::ParentDistance;
 use crate::vertex_split::points::Points;
@@ -76,7 +76,7 @@ pub(crate) struct ObjectCodec {
     pub(super) next_parent: u32,
     /// The list that batches are walked through; none if the order of steps is exact.
     pub(super) groups: Option<GroupList>,
-    pub(super) split: SplitNeighborhood,
+    pub(super) split: SplitNeighbourhood,
     pub(super) buffers: Buffers,
 }
 
@@ -110,7 +110,7 @@ impl ObjectCodec {
             first_sibling: 0,
             next_parent: 0,
             groups: (!exact).then(|| GroupList::new(0)),
-            split: SplitNeighborhood::default(),
+            split: SplitNeighbourhood::default(),
             buffers: Buffers::default(),
         }
     }
@@ -430,7 +430,7 @@ impl ObjectCodec {
         source: &S,
         contexts: &mut Contexts,
     ) {
-        let SplitNeighborhood { new, parent, continued, .. } = self.split;
+        let SplitNeighbourhood { new, parent, continued, .. } = self.split;
         let position = |v: u32| source.indices(v).get(..3);
         let wedge = continued.then(|| new - 1).filter(|&previous| {
             coder.bit(&mut contexts.same_position, position(previous) == position(new))
@@ -451,7 +451,7 @@ impl ObjectCodec {
         let apex = |side: Side, apex_of: fn(&NewTriangle) -> u32| {
             self.split.triangles.iter().find(|t| t.side == side).map_or(parent, apex_of)
         };
-        let neighborhood = Neighborhood {
+        let neighbourhood = Neighbourhood {
             parent,
             siblings: self.first_sibling..new,
             link: &self.buffers.new_link,
@@ -459,7 +459,7 @@ impl ObjectCodec {
         };
         let wanted = if C::ENCODES { source.indices(new) } else { &[] };
         let coded = &mut self.buffers.indices;
-        self.values.code(coder, &mut contexts.values, &neighborhood, wanted, coded);
+        self.values.code(coder, &mut contexts.values, &neighbourhood, wanted, coded);
         if !C::ENCODES {
             self.check_position();
         }

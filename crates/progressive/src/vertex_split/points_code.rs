@@ -5,7 +5,7 @@ use crate::entropy::coder::Coder;
 use crate::error_code::ErrorCodes;
 use crate::invalid::InvalidStream;
 use crate::source::split_source::SplitSource;
-use crate::vertex_data::vertex_values::Neighborhood;
+use crate::vertex_data::vertex_values::Neighbourhood;
 use crate::vertex_split::budget::Cost;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::group_list::GroupList;
@@ -131,10 +131,10 @@ impl ObjectCodec {
             None => self.code_absolute(coder, wanted, contexts),
             Some(parent) => {
                 let siblings = wedge.map_or(0..0, |wedge| wedge..wedge + 1);
-                let neighborhood =
-                    Neighborhood { parent, siblings, link: &[], apexes: [parent; 2] };
+                let neighbourhood =
+                    Neighbourhood { parent, siblings, link: &[], apexes: [parent; 2] };
                 let (values, coded) = (&mut contexts.points.values, &mut self.buffers.indices);
-                self.values.code(coder, values, &neighborhood, wanted, coded);
+                self.values.code(coder, values, &neighbourhood, wanted, coded);
             }
         }
         if !C::ENCODES {

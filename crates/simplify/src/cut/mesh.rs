@@ -115,7 +115,7 @@ pub(crate) const SEAM: u8 = 4;
 pub(super) const SHARED_POSITION: u8 = 8;
 /// A neighbour belongs to another region: the group stays where it is in this round.
 pub(crate) const LOCKED: u8 = 16;
-/// The group's cost may have risen since it was computed.
+/// What the group's choice was ranked by has changed since.
 pub(crate) const STALE: u8 = 32;
 /// The group is a high-valence group: its star is large, and `star_slots` has the slots of its
 /// faces in it.

@@ -10,7 +10,7 @@
 mod gather;
 mod in_motion;
 mod mesh;
-mod neighborhood;
+mod neighbourhood;
 mod quadrics;
 mod region;
 mod table;
@@ -22,8 +22,8 @@ pub(crate) use mesh::{
     Corner, DEAD, Facet, HIGH_VALENCE, IS_HIGH_VALENCE, LOCKED, OPEN, RESTRICTED, SEAM, STALE,
     Star, WorkingMesh, next, previous,
 };
-pub(crate) use neighborhood::{
-    EdgeKind, Entry, FeaturePlane, Neighborhood, PosedSurroundings, fold_plane, is_seam,
+pub(crate) use neighbourhood::{
+    EdgeKind, Entry, FeaturePlane, Neighbourhood, PosedSurroundings, fold_plane, is_seam,
     plane_along, seam_weight, target,
 };
 pub(crate) use quadrics::{Quadric, Quadrics, Symmetric, add_outer, times};

@@ -7,7 +7,7 @@
 //! large number to subtract from another.
 
 use super::mesh::{Facet, WorkingMesh};
-use super::neighborhood::Neighborhood;
+use super::neighbourhood::Neighbourhood;
 use glam::DVec3;
 use lodc_mesh::NONE;
 
@@ -125,7 +125,7 @@ impl Quadrics {
     }
 
     /// Gives a group of the input its border quadric, if it is at a border.
-    pub(super) fn add_border(&mut self, group: u32, around: &Neighborhood) {
+    pub(super) fn add_border(&mut self, group: u32, around: &Neighbourhood) {
         if around.borders == 0 {
             return;
         }

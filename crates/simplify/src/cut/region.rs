@@ -9,7 +9,7 @@ use super::mesh::{
     Corner, Face, GroupPosition, HIGH_VALENCE, LOCKED, OPEN, SEAM, SHARED_POSITION, Star,
     WorkingMesh, next, previous,
 };
-use super::neighborhood::{Neighborhood, PosedSurroundings, has_seams};
+use super::neighbourhood::{Neighbourhood, PosedSurroundings, has_seams};
 use super::quadrics::Quadrics;
 use super::table::Table;
 use super::wedges::Wedges;
@@ -159,7 +159,7 @@ impl Region {
             return;
         }
         let (mut moving, none) = (MovingQuadrics::default(), MovingQuadrics::default());
-        let (mut around, mut posed) = (Neighborhood::default(), PosedSurroundings::default());
+        let (mut around, mut posed) = (Neighbourhood::default(), PosedSurroundings::default());
         let Self { mesh, wedges, quadrics, groups, .. } = &*self;
         let view = InMotion { shapes, mesh, quadrics, moving: &none, groups };
         for group in 0..own {
@@ -265,7 +265,7 @@ impl Region {
     /// Puts closed fans in order, flags groups with another star as open and groups on seams, and
     /// gives groups at borders their quadrics.
     fn classify(&mut self, input: &Input<'_>, own: usize) {
-        let mut around = Neighborhood::default();
+        let mut around = Neighbourhood::default();
         let mut fan = Vec::new();
         for g in 0..own as u32 {
             let star = self.mesh.stars[g as usize];

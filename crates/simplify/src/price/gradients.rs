@@ -65,7 +65,7 @@ impl WedgeAttributes<'_> {
             wedges.submesh(e.wedge) != wedges.submesh(wedge) && row(e.wedge) == row(wedge)
         };
         // Bounded as in `target`.
-        faces.iter().take(64).find(is_alike).map(|e| e.neighbor_wedge)
+        faces.iter().take(64).find(is_alike).map(|e| e.neighbour_wedge)
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) use one_ring::{MAX_LEN, OneRing};
 pub(crate) use price_lists::{PriceLists, Priced};
 
 use crate::cut::{
-    Choice, EdgeKind, Entry, InMotion, Neighborhood, OPEN, PosedSurroundings, Quadrics, Region,
+    Choice, EdgeKind, Entry, InMotion, Neighbourhood, OPEN, PosedSurroundings, Quadrics, Region,
     SEAM,
 };
 use crate::metric::Reevaluate;
@@ -55,7 +55,7 @@ impl Context<'_> {
 /// Buffers of one thread; `S` are those of the metric.
 #[derive(Default)]
 pub(crate) struct Scratch<S> {
-    around: Neighborhood,
+    around: Neighbourhood,
     /// The same in another shape.
     posed: PosedSurroundings,
     /// The costs of collapses at rest.

@@ -391,7 +391,7 @@ fn price<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::NoAttributeCost;
-    use crate::cut::{Neighborhood, OPEN, Quadrics, Region};
+    use crate::cut::{Neighbourhood, OPEN, Quadrics, Region};
     use crate::number::Input;
 
     #[test]
@@ -400,7 +400,7 @@ mod tests {
         for mesh in [lodc_fixtures::icosphere(3), lodc_fixtures::machine_part()] {
             let region = Region::whole(&Input::new(&mesh), false);
             let Region { mesh, wedges, quadrics, .. } = &region;
-            let mut around = Neighborhood::default();
+            let mut around = Neighbourhood::default();
             for g in (0..region.own_groups() as u32).filter(|&g| !mesh.has(g, OPEN)) {
                 let quadric = &quadrics.surface[g as usize];
                 let Some(choice) = super::cheapest(mesh, quadric, g, None, &NoAttributeCost) else {

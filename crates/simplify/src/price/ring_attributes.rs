@@ -118,8 +118,8 @@ impl RingAttributes<'_> {
         let source = |wedge: u32| self.view.wedges.attribute_source[wedge as usize];
         let own = source(self.view.mesh.wedges(star[0].face())[star[0].at()]);
         let mut sources = [own; MAX_LEN];
-        for (neighbor, corner) in sources.iter_mut().zip(star) {
-            *neighbor = source(self.view.mesh.wedges(corner.face())[next(corner.at())]);
+        for (neighbour, corner) in sources.iter_mut().zip(star) {
+            *neighbour = source(self.view.mesh.wedges(corner.face())[next(corner.at())]);
         }
         (own, sources)
     }

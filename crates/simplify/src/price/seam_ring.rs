@@ -30,20 +30,20 @@ impl<const N: usize> SeamRing<N> {
         let mut kinds = [EdgeKind::Smooth; MAX_LEN];
         let (mut seams, mut before) = (0, star.len() - 1);
         for (i, corner) in star.iter().enumerate() {
-            let ([wedge, neighbor_wedge, _], [other_wedge, _, other_neighbor]) =
+            let ([wedge, neighbour_wedge, _], [other_wedge, _, other_neighbour]) =
                 (corners[i], corners[before]);
             let group = corner.ahead;
             let mut faces = [
-                Entry { group, wedge, neighbor_wedge, slot: i as u32 },
+                Entry { group, wedge, neighbour_wedge, slot: i as u32 },
                 Entry {
                     group,
                     wedge: other_wedge,
-                    neighbor_wedge: other_neighbor,
+                    neighbour_wedge: other_neighbour,
                     slot: before as u32,
                 },
             ];
             faces.sort_unstable_by_key(Entry::key);
-            if is_seam(wedges, [wedge, other_wedge], [neighbor_wedge, other_neighbor]) {
+            if is_seam(wedges, [wedge, other_wedge], [neighbour_wedge, other_neighbour]) {
                 kinds[i] = EdgeKind::Seam;
                 seams += 1;
             }

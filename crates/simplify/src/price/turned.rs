@@ -1,4 +1,6 @@
-//! Normals that morph targets turn: what each shape adds to the numbers of a vertex.
+//! Normals that turn in motion. The attributes of a vertex are a row of numbers (`attributes`), of
+//! which a normal is three columns; here is what each shape adds to them, where that is not zero.
+//! The number of a shape is its index in [`SeenShapes::others`].
 
 use crate::SeenShapes;
 use crate::number::{MAX_SHAPES, ShapeSet, index_in};
@@ -11,13 +13,14 @@ pub(super) struct TurnedNormals {
     sets: Vec<ShapeSet>,
     /// The start of each vertex's differences.
     starts: Vec<u32>,
-    /// In working units, by vertex and shape, each with the number of its first column.
+    /// Vertex by vertex, for each shape of its set in order: the first of the three columns, and
+    /// what is added to them, in working units.
     differences: Vec<(u32, Vec3)>,
 }
 
 impl TurnedNormals {
-    /// The normals of all vertices. `difference` returns what one adds to the numbers of a vertex,
-    /// from which column on.
+    /// The normals of all vertices. `difference` is given a vertex and its normal in a shape;
+    /// returns the first of the normal's columns and what is added to them, if anything counts.
     pub(super) fn new(
         seen: &SeenShapes,
         vertices: u32,
@@ -56,7 +59,7 @@ impl TurnedNormals {
         self.sets.get(vertex as usize).copied().unwrap_or(0)
     }
 
-    /// What a shape adds to four numbers of a vertex, from the number `first` on.
+    /// What a shape adds to four columns of a vertex, from the column `first` on.
     pub(super) fn four(&self, vertex: u32, first: usize, shape: u32) -> Vec4 {
         let set = self.set(vertex);
         if set >> shape & 1 == 0 {
@@ -66,6 +69,7 @@ impl TurnedNormals {
         let (column, delta) = self.differences[row];
         let mut four = [0.0; 4];
         for (k, part) in delta.to_array().into_iter().enumerate() {
+            // A column before the four wraps to an index far behind them.
             let at = (column as usize + k).wrapping_sub(first);
             if let Some(number) = four.get_mut(at) {
                 *number = part;

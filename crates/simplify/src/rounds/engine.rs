@@ -1,6 +1,7 @@
 //! The collapse loop of one region: always commit the cheapest legal collapse, and rank again what
-//! it has changed. To *rank* a group is to find its cheapest collapse, legality left aside; a group
-//! is *restricted* while some of its collapses are refused by the rules.
+//! it has changed. To *rank* a group is to find its cheapest collapse, legality left aside. A group
+//! is *restricted* while some of its collapses are refused by the rules, and *stale* while what it
+//! was ranked by has changed: it is ranked again before it collapses.
 
 use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stage};
 use crate::commit::{CollapseLog, Commit, Touched, join_points};
@@ -31,13 +32,15 @@ const MAX_WAITING_COLLAPSES: usize = 32;
 /// At most one collapse for this many faces waits: 32 would be a good part of a small mesh, and the
 /// order would no longer be that of costs. Chosen by hand.
 const FACES_PER_WAITING_COLLAPSE: usize = 512;
-/// Collapses between two reports of progress: by the quadric, and by a metric that takes longer.
+/// Collapses between two reports of progress, by [`Reevaluate::REPRICES`]: a metric that prices
+/// anew takes longer.
 const REPORT_INTERVALS: [usize; 2] = [4096, 64];
-/// Groups that a thread ranks at a time, likewise. Chosen by hand.
+/// Groups that a thread ranks at a time, by [`Reevaluate::REPRICES`]. Chosen by hand.
 const RANKED_TOGETHER: [usize; 2] = [4096, 64];
 
 /// Reports of progress from all threads.
 pub(crate) struct Progress<'a> {
+    /// Gets the number of collapses so far, and that of groups.
     report: &'a (dyn Fn(u64, u64) + Sync),
     /// Collapses of the rounds that are over.
     done: AtomicU64,
@@ -105,11 +108,12 @@ struct LoopState<S> {
     /// Buffers of the threads that rank groups together.
     pool: ScratchPool<Scratch<S>>,
     touched: Touched,
-    /// Groups to be ranked again.
+    /// Groups to be ranked again. Between two collapses it holds those that wait for more to be
+    /// ranked together with, if the metric prices anew; else none.
     due: Vec<u32>,
-    /// Collapses whose neighbours are among those and wait for others.
+    /// Collapses that made these due.
     waiting_collapses: usize,
-    /// Number of groups that are flagged as restricted.
+    /// Number of groups that this engine has flagged as restricted.
     restricted: u32,
 }
 
@@ -125,6 +129,8 @@ enum Queue {
 impl<'a, M: Reevaluate> Engine<'a, M> {
     pub(super) fn new(context: &'a Context<'a>, region: &'a mut Region, metric: &'a mut M) -> Self {
         let preserve_topology = context.options.preserve_topology;
+        // A price is kept until the group's own faces change; one that was repriced may change
+        // earlier.
         let lists = if M::REPRICES { 0 } else { region.groups.len() };
         let state = LoopState {
             selection: SelectionBuffers::new(lists),
@@ -148,7 +154,7 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
             if M::REPRICES {
                 self.metric.update_activity(&self.region.mesh, stage == Stage::Legal);
                 if stage == Stage::Legal {
-                    // These may end where reevaluating begins or ends.
+                    // The metric may have to start or stop reevaluating where these end.
                     self.collapse_as_given();
                     self.metric.update_activity(&self.region.mesh, true);
                 }
@@ -224,8 +230,8 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
         self.state.restricted = 0;
     }
 
-    /// Collapses groups until none is left in the queue (returns true), or until the metric starts
-    /// or ends reevaluating, so that all prices change (returns false).
+    /// Collapses groups, the cheapest first, until none is left in the queue (returns true), or
+    /// until the metric starts or ends reevaluating, so that all prices change (returns false).
     fn run_queue(&mut self, queue: Queue, progress: &Progress<'_>) -> bool {
         let mesh = &self.region.mesh;
         let limit = match queue {
@@ -255,12 +261,14 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
                 if cost.is_nan() || cost > limit {
                     continue;
                 }
+                // Another group may be cheaper now that this one's cost has risen.
                 if cost > key && cost > heap.least() {
                     heap.set(from, cost);
                     continue;
                 }
             }
             let Some(legal) = self.select_legal_collapse(from) else {
+                // It stays out until something near it changes or the queue is filled anew.
                 self.region.choices[from as usize] = Choice::NONE;
                 continue;
             };
@@ -268,6 +276,7 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
             if legal.choice.cost > limit {
                 continue;
             }
+            // The same if only a dearer collapse is legal.
             if legal.choice.cost > key && legal.choice.cost > heap.least() {
                 heap.set(from, legal.choice.cost);
                 continue;
@@ -323,6 +332,8 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
 
     /// Ranks again what a commit onto `to` may have changed.
     fn refresh(&mut self, to: u32, queue: Queue, limit: f32, heap: &mut Heap) {
+        // Those that wait from earlier collapses, then (up to `changed`) those whose faces this one
+        // changed, then restricted ones beside these.
         let mut due = std::mem::take(&mut self.state.due);
         let before = due.len();
         due.extend(self.state.touched.groups.iter().copied().filter(|&g| self.is_due(g)));
@@ -335,6 +346,7 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
             self.defer_ranking(before, heap);
             return;
         }
+        debug_assert_eq!(before, 0, "groups wait only while the metric prices anew");
         for &g in &due[..changed] {
             self.rerank(g);
             self.requeue(g, limit, heap);
@@ -403,6 +415,7 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
         }
         let Region { mesh, choices, .. } = &mut *self.region;
         let LoopState { touched, due, .. } = &mut self.state;
+        // Marked groups have just had their turn. Groups of other regions have no choice.
         let is_bound =
             |g: u32| choices.get(g as usize).is_some_and(|c| c.to == to) && !touched.is_marked(g);
         mesh.each_neighbour(to, |g| due.extend(is_bound(g).then_some(g)));
@@ -411,8 +424,8 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
         }
     }
 
-    /// Ranks all due groups at once. A group elsewhere that the collapses hid or uncovered is
-    /// ranked when it comes to the head of the queue.
+    /// Ranks all due groups at once. Others elsewhere, which the collapses may have hidden or
+    /// uncovered, are priced anew when they come to the head of the queue ([`Selector::select`]).
     fn rerank_waiting(&mut self, heap: &mut Heap) {
         let mut due = std::mem::take(&mut self.state.due);
         due.retain(|&g| !self.region.mesh.has(g, DEAD));
@@ -491,6 +504,7 @@ impl<'a, M: Reevaluate> Engine<'a, M> {
         if self.region.mesh.has(group, RESTRICTED) != restricted {
             self.region.mesh.flags[group as usize] ^= RESTRICTED;
             let count = &mut self.state.restricted;
+            // A flag of an earlier round was not counted.
             *count = if restricted { *count + 1 } else { count.saturating_sub(1) };
         }
     }

@@ -1,10 +1,14 @@
 //! The first strips for a vertex cache, by a greedy search: after each strip, candidates that begin
 //! at cached vertices are simulated, and the best prefix of any becomes the next strip.
 //!
-//! Candidates run straight (without swaps), up to a length. Each prefix is scored by the vertices
-//! it fetches, its indices, the vertices it finishes, and those it evicts from the cache although
-//! triangles still need them. All is kept in counters that can be undone, so a step of a candidate
-//! costs a few nanoseconds whatever the size of the mesh.
+//! Candidates run straight, up to a length. Each prefix is scored by the vertices it fetches, its
+//! indices, the vertices it finishes, and those it evicts from the cache although triangles still
+//! need them. All is kept in counters that can be undone, so a step of a candidate costs a few
+//! nanoseconds whatever the size of the mesh.
+//!
+//! A slot is one of a triangle's three edges: slot `e` runs from corner `e` to corner `e + 1`. A
+//! code is a triangle with a slot (`adjacency`). A strip is straight if it turns left and right by
+//! turns; two turns to the same side would need a swap, one repeated index (`cover`).
 
 use super::parts::Part;
 use crate::adjacency::{code, decode};
@@ -41,6 +45,16 @@ struct Candidate {
     length: usize,
 }
 
+/// A triangle of a straight strip.
+#[derive(Clone, Copy)]
+struct StripTriangle {
+    triangle: u32,
+    /// The slot through which the strip leaves it.
+    exit: u32,
+    /// The corner that the triangle before it does not have.
+    new: u32,
+}
+
 struct Greedy<'a> {
     state: DrawState<'a>,
     cover: &'a Cover,
@@ -49,7 +63,8 @@ struct Greedy<'a> {
     tried_by: Vec<u32>,
 }
 
-/// Makes strips of a part; returns their paths in drawing order, as codes of the mesh.
+/// Makes strips of a part; returns their paths in drawing order: for each triangle a code of its
+/// number in the mesh and the slot through which the path leaves it, 3 for the last.
 pub(super) fn paths(part: &Part, size: u32, weights: Weights) -> Vec<Vec<u32>> {
     let state = DrawState::new(&part.triangles, part.vertex_count, size);
     let tried_by = vec![0; part.triangles.len()];
@@ -104,6 +119,7 @@ impl Greedy<'_> {
         }
         best
     }
+
     /// The best candidate that starts at a vertex.
     fn best_near_vertex(&mut self, v: u32) -> Option<Candidate> {
         let mut best = None;
@@ -115,6 +131,7 @@ impl Greedy<'_> {
         }
         best
     }
+
     /// Tries the three candidates that start with a triangle; returns the best so far.
     fn try_start(&mut self, t: u32, mut best: Option<Candidate>) -> Option<Candidate> {
         for exit in 0..3 {
@@ -122,40 +139,66 @@ impl Greedy<'_> {
         }
         best
     }
+
     /// Runs along a candidate, keeps its best prefix if it is better than the best so far, and
     /// takes everything back.
     fn simulate(&mut self, start: u32, exit: u32, best: &mut Option<Candidate>) {
         let weights = self.weights;
-        let t = self.state.triangles[start as usize];
-        let corner = |slot: u32| t[slot as usize % 3];
-        let mut cost =
-            2.0 * weights.index + self.reference(corner(exit + 2)) + self.reference(corner(exit));
-        let mut new = corner(exit + 1);
-        let (mut current, mut slot) = (start, exit);
+        let (mut cost, mut last) = self.begin(start, exit);
         for length in 1.. {
-            cost += weights.index - weights.triangle + self.reference(new);
-            cost -= weights.finished * self.state.draw(current) as f32;
+            cost += weights.index - weights.triangle + self.reference(last.new);
+            cost -= weights.finished * self.state.draw(last.triangle) as f32;
             if best.as_ref().is_none_or(|b| cost < b.score) {
                 *best = Some(Candidate { score: cost, start, exit, length });
             }
-            let next = self.cover.neighbour(current, slot);
+            let next = self.cover.neighbour(last.triangle, last.exit);
             if length >= weights.max_length
                 || is_none(next)
                 || self.state.done[decode(next).0 as usize]
             {
                 break;
             }
-            (current, slot, new) = self.next_triangle(next, length);
+            last = self.next_triangle(next, length);
         }
         self.state.undo();
     }
-    /// The triangle behind a code as the `n`-th of a straight strip, counted from 0; the slot
-    /// through which the strip leaves it, and its new corner.
-    fn next_triangle(&self, next: u32, n: usize) -> (u32, u32, u32) {
-        let (u, entered) = decode(next);
-        let leave = (entered + if n % 2 == 1 { 2 } else { 1 }) % 3;
-        (u, leave, self.state.triangles[u as usize][(entered as usize + 2) % 3])
+
+    /// Draws a candidate: `visit` gets its triangles and the slot through which each is left, 3 for
+    /// the last.
+    fn draw_candidate(&mut self, best: &Candidate, mut visit: impl FnMut(u32, u32)) {
+        let (_, mut last) = self.begin(best.start, best.exit);
+        for n in 1..=best.length {
+            let StripTriangle { triangle, exit, new } = last;
+            self.reference(new);
+            self.state.draw(triangle);
+            visit(triangle, if n < best.length { exit } else { 3 });
+            if n < best.length {
+                last = self.next_triangle(self.cover.neighbour(triangle, exit), n);
+            }
+        }
+        self.state.commit();
     }
+
+    /// References the first two vertices of a strip. Returns their cost and the first triangle. The
+    /// strip leaves it through the edge from corner `exit` to the next one, so these two come last.
+    fn begin(&mut self, start: u32, exit: u32) -> (f32, StripTriangle) {
+        let corners = self.state.triangles[start as usize];
+        let corner = |number: u32| corners[number as usize % 3];
+        let cost = 2.0 * self.weights.index
+            + self.reference(corner(exit + 2))
+            + self.reference(corner(exit));
+        (cost, StripTriangle { triangle: start, exit, new: corner(exit + 1) })
+    }
+
+    /// The triangle of a code as the `n`-th of a straight strip, counted from 0. The strip enters
+    /// it through the code's slot.
+    fn next_triangle(&self, entered: u32, n: usize) -> StripTriangle {
+        let (triangle, slot) = decode(entered);
+        let exit = (slot + if n % 2 == 1 { 2 } else { 1 }) % 3;
+        let new = self.state.triangles[triangle as usize][(slot as usize + 2) % 3];
+        StripTriangle { triangle, exit, new }
+    }
+
     /// References a vertex. Returns the cost.
     fn reference(&mut self, v: u32) -> f32 {
         match self.state.reference(v) {
@@ -163,24 +206,5 @@ impl Greedy<'_> {
             Reference::Miss => 1.0,
             Reference::MissEvicting => 1.0 + self.weights.evicted,
         }
-    }
-    /// Draws a candidate: `visit` gets its triangles and the slot through which each is left, 3 for
-    /// the last.
-    fn draw_candidate(&mut self, best: &Candidate, mut visit: impl FnMut(u32, u32)) {
-        let t = self.state.triangles[best.start as usize];
-        let corner = |slot: u32| t[slot as usize % 3];
-        self.reference(corner(best.exit + 2));
-        self.reference(corner(best.exit));
-        let mut new = corner(best.exit + 1);
-        let (mut current, mut slot) = (best.start, best.exit);
-        for n in 1..=best.length {
-            self.reference(new);
-            self.state.draw(current);
-            visit(current, if n < best.length { slot } else { 3 });
-            if n < best.length {
-                (current, slot, new) = self.next_triangle(self.cover.neighbour(current, slot), n);
-            }
-        }
-        self.state.commit();
     }
 }

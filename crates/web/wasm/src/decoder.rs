@@ -1,4 +1,6 @@
-//! One decoder: a host has an instance for each file, and gives its memory back with it.
+//! The one decoder of an instance of this module: a host makes an instance for each file, and
+//! gives its memory back with it. A `Status` is 0 if the output is the result, 1 if it is a line
+//! that says what is wrong.
 
 use lodc_web::Decoder;
 use std::cell::RefCell;
@@ -11,7 +13,8 @@ fn with<T>(act: impl FnOnce(&mut Decoder) -> T) -> T {
     DECODER.with_borrow_mut(|decoder| act(decoder.get_or_insert_default()))
 }
 
-/// Returns the address where the host writes the next `length` bytes of input.
+/// Returns the address where the host writes the next `length` bytes of input. It holds until the
+/// next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn lodc_input(length: usize) -> usize {
     with(|d| d.input(length).as_mut_ptr() as usize)
@@ -38,7 +41,7 @@ pub extern "C" fn lodc_grown() -> u32 {
     with(Decoder::grown) as u32
 }
 
-/// Returns the address of the output.
+/// Returns the address of the output of the last call, which holds until the next one.
 #[unsafe(no_mangle)]
 pub extern "C" fn lodc_output() -> usize {
     with(|d| d.output().as_ptr() as usize)

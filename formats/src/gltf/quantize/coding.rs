@@ -13,11 +13,11 @@ pub(super) enum Coding {
     Exact,
     /// Positions on a grid.
     Positions(Grid<3>),
-    /// Differences of positions, in steps of this length.
+    /// Differences of positions, as morph targets have them, in steps of this length in mesh units.
     Offsets(f64),
     /// Texture coordinates on a grid.
     TextureCoordinates(Grid<2>),
-    /// Floats that are multiples of a power of two.
+    /// Floats, rounded to multiples of this number; in files it is a power of two.
     Multiples(f64),
     /// Numbers from 0 to 1 with this number of bits.
     Fractions(u8),
@@ -69,6 +69,7 @@ impl Coding {
             Self::Deltas(bits) => values.iter().map(|&v| signed(v.into(), bits)).collect(),
             Self::Directions(bits) => {
                 let w = values.get(3).copied().unwrap_or(0.0);
+                // What meshopt's filter gives back, so that it loses nothing.
                 let packed = packed_direction(bits, three(values), w);
                 unpacked_direction(bits, packed)[..values.len()].to_vec()
             }
@@ -114,8 +115,8 @@ fn shares(values: &[f32], bits: u8) -> Vec<i32> {
     out
 }
 
-/// A mesh whose streams are coded as `coding` says by submesh and stream, and whose positions have
-/// a stream of their own if `positions` says how.
+/// A mesh whose streams are coded as `coding` says, given the number of a submesh and a stream that
+/// it uses. With `positions`, its positions are one more stream, coded on that grid.
 pub(super) fn coded(
     mesh: &Mesh,
     positions: Option<Grid<3>>,
@@ -139,14 +140,16 @@ pub(super) fn coded(
     Mesh::try_from(parts).expect("only values of attributes have changed")
 }
 
-/// Adds a stream that some submeshes use, once for each format that it is stored in.
+/// Adds a stream that some submeshes use, given the number of each and how it codes the stream:
+/// once for each format that it is stored in.
 fn put(parts: &mut MeshParts, stream: &Attribute, codings: &[(usize, Coding)]) {
-    let mut formats: Vec<_> = codings.iter().map(|(_, c)| c.format()).collect();
-    formats.dedup();
-    for (i, &format) in formats.iter().enumerate() {
-        if formats[..i].contains(&format) {
-            continue;
+    let mut formats = Vec::new();
+    for (_, coding) in codings {
+        if !formats.contains(&coding.format()) {
+            formats.push(coding.format());
         }
+    }
+    for format in formats {
         let same_format: Vec<_> = codings.iter().filter(|(_, c)| c.format() == format).collect();
         for (submesh, _) in &same_format {
             parts.submeshes[*submesh].attributes.push(parts.attributes.len() as u32);
@@ -165,7 +168,7 @@ fn put(parts: &mut MeshParts, stream: &Attribute, codings: &[(usize, Coding)]) {
 
 /// Writes the values of a stream, coded, for the vertices of some submeshes.
 fn fill(to: &mut Attribute, from: &Attribute, submesh: &[u32], codings: &[&(usize, Coding)]) {
-    let (size, stride) = (to.component.size(), to.stride());
+    let (width, stride) = (to.component.size(), to.stride());
     let mut by_submesh: Vec<Option<Coding>> = Vec::new();
     for (s, coding) in codings {
         by_submesh.resize(by_submesh.len().max(s + 1), None);
@@ -177,8 +180,8 @@ fn fill(to: &mut Attribute, from: &Attribute, submesh: &[u32], codings: &[&(usiz
         for (c, value) in values.iter_mut().enumerate() {
             *value = from.value(v as u32, c);
         }
-        for (bytes, integer) in bytes.chunks_exact_mut(size).zip(coding.integers(&values)) {
-            bytes.copy_from_slice(&integer.to_le_bytes()[..size]);
+        for (bytes, integer) in bytes.chunks_exact_mut(width).zip(coding.integers(&values)) {
+            bytes.copy_from_slice(&integer.to_le_bytes()[..width]);
         }
     }
 }

@@ -42,31 +42,31 @@ impl SampleQuad {
         let mut ids = [NONE; 4];
         ids[..four.len()].copy_from_slice(four);
         let (mut position, mut normal) = ([Vec3::ZERO; 4], [Vec3::ZERO; 4]);
-        let mut values = [[0.0; 4]; 6];
+        let [mut extent, mut curvature, mut weight, mut power, mut free, mut inverse_rest] =
+            [[0.0; 4]; 6];
         let mut shading = ShadingError::default();
         for i in 0..4 {
             let is_missing = i >= four.len();
             let s = samples.get(four[if is_missing { 0 } else { i }]);
             (position[i], normal[i]) = (s.position, s.normal);
-            values[0][i] = s.extent;
-            values[1][i] = s.curvature;
-            values[2][i] = if is_missing { 0.0 } else { s.weight };
-            values[3][i] = s.power;
-            values[4][i] = s.layer.free;
-            values[5][i] = if is_missing { 0.0 } else { s.layer.inverse_rest };
+            extent[i] = s.extent;
+            curvature[i] = s.curvature;
+            weight[i] = if is_missing { 0.0 } else { s.weight };
+            power[i] = s.power;
+            free[i] = s.layer.free;
+            inverse_rest[i] = if is_missing { 0.0 } else { s.layer.inverse_rest };
             shading.set(i, &s.shading);
         }
-        let [extent, curvature, weight, power, free, inverse_rest] = values.map(Vec4::from);
         Self {
             ids,
             position: Vec3x4::new(&position),
             normal: Vec3x4::new(&normal),
-            extent,
-            curvature,
-            weight,
-            power,
-            free,
-            inverse_rest,
+            extent: extent.into(),
+            curvature: curvature.into(),
+            weight: weight.into(),
+            power: power.into(),
+            free: free.into(),
+            inverse_rest: inverse_rest.into(),
             shading: shading.lanes(),
         }
     }
@@ -91,12 +91,14 @@ impl SampleQuad {
         away.dot(away) / self.squared_cover_radius()
     }
 
-    /// The nearest points of the moved faces. A face that turns its back to a sample yields to one
-    /// that does not and is nearly as near, so that faces that coincide keep their samples. The
-    /// search begins with the face `likely`: the nearer it is, the sooner others are ruled out.
+    /// The nearest points of the moved faces, of which there is at least one. A face that turns its
+    /// back to a sample yields to one that does not and is nearly as near, so that faces that
+    /// coincide keep their samples. The search begins with `moved[likely]`: the nearer it is, the
+    /// sooner others are ruled out.
     fn nearest(&self, moved: &[PreparedTriangle], likely: u32) -> NearestPoints {
         let penalty = TURNED_PENALTY * self.extent * self.extent;
         let mut best = Vec4::INFINITY;
+        // Which face, as a float: exact up to 2²⁴.
         let (mut face, mut at) = (Vec4::ZERO, [Vec4::ZERO; 2]);
         let likely = likely as usize;
         for i in std::iter::once(likely).chain((0..moved.len()).filter(|&i| i != likely)) {
@@ -126,8 +128,9 @@ pub(super) fn nearest_points<'a>(
     samples: &'a [SampleQuad],
     moved: &'a [PreparedTriangle],
 ) -> impl Iterator<Item = (&'a SampleQuad, NearestPoints)> {
+    let samples = if moved.is_empty() { &[] } else { samples };
     let mut likely = 0;
-    samples.iter().filter(|_| !moved.is_empty()).map(move |quad| {
+    samples.iter().map(move |quad| {
         let nearest = quad.nearest(moved, likely);
         likely = nearest.face[3];
         (quad, nearest)
@@ -152,24 +155,28 @@ impl ShadedQuad {
         let mut list = samples.of(face).peekable();
         while list.peek().is_some() {
             let mut normal = [Vec3::ZERO; 4];
-            let mut values = [[0.0; 4]; 4];
+            let (mut at, mut weight, mut geometric) = ([[0.0; 4]; 2], [0.0; 4], [0.0; 4]);
             let mut shading = ShadingError::default();
             for (i, s) in list.by_ref().take(4).enumerate() {
                 let s = samples.get(s);
                 normal[i] = s.normal;
-                values[0][i] = s.at[0];
-                values[1][i] = s.at[1];
-                values[2][i] = s.weight;
-                values[3][i] = s.geometric;
+                [at[0][i], at[1][i]] = s.at;
+                weight[i] = s.weight;
+                geometric[i] = s.geometric;
                 shading.set(i, &s.shading);
             }
-            let [u, v, weight, geometric] = values.map(Vec4::from);
-            let normal = Vec3x4::new(&normal);
-            into.push(Self { at: [u, v], normal, weight, shading: shading.lanes(), geometric });
+            into.push(Self {
+                at: at.map(Vec4::from),
+                normal: Vec3x4::new(&normal),
+                weight: weight.into(),
+                shading: shading.lanes(),
+                geometric: geometric.into(),
+            });
         }
     }
 
-    /// The energy of the four samples on a face whose corners are shaded with these normals.
+    /// The energy of the four samples on a face whose corners are shaded with these normals, in
+    /// squared working units, as their weights are.
     #[inline]
     pub(super) fn energy(&self, normals: &[Vec3; 3]) -> f64 {
         let [u, v] = self.at;

@@ -16,7 +16,7 @@ pub(crate) struct Apex {
 
 /// The surroundings of the present split.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct SplitNeighborhood {
+pub(crate) struct SplitNeighbourhood {
     pub(crate) new: u32,
     pub(crate) parent: u32,
     /// True if the step began with an earlier vertex.
@@ -39,7 +39,7 @@ pub(crate) struct SplitNeighborhood {
     pub(crate) transfer: Vec<bool>,
 }
 
-impl SplitNeighborhood {
+impl SplitNeighbourhood {
     /// Starts a split; its star is collected or coded next.
     pub(crate) fn start(&mut self, new: u32, parent: u32, continued: bool) {
         let earlier = if continued { self.sides } else { 0 };

@@ -1,4 +1,4 @@
-//! The surroundings of a group: its edges to other groups, and which of them are borders or
+//! The surroundings of a wedge group: its edges to other groups, and which of them are borders or
 //! seams.
 
 use super::mesh::{Corner, Facet, WorkingMesh, next, previous};
@@ -25,9 +25,10 @@ const FOLD_WEIGHT: f64 = 1.0;
 /// An edge from the group to another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct IncidentEdge {
+    /// The group at its other end.
     pub(crate) group: u32,
     pub(crate) kind: EdgeKind,
-    /// Start and end of its range in [`Neighborhood::entries`].
+    /// Start and end of its range in [`Neighbourhood::entries`].
     entries: (u32, u32),
 }
 
@@ -45,9 +46,12 @@ pub(crate) enum EdgeKind {
 /// One face at an edge: the wedges at both ends.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Entry {
+    /// The group at the other end.
     pub(crate) group: u32,
+    /// The face's wedge at the group itself.
     pub(crate) wedge: u32,
-    pub(crate) neighbor_wedge: u32,
+    /// The face's wedge at the other end.
+    pub(crate) neighbour_wedge: u32,
     /// The face's index in the star.
     pub(crate) slot: u32,
 }
@@ -57,7 +61,7 @@ impl Entry {
     #[inline]
     pub(crate) fn key(&self) -> u128 {
         u128::from(self.wedge) << 64
-            | u128::from(u64::from(self.neighbor_wedge) << 32 | u64::from(self.slot))
+            | u128::from(u64::from(self.neighbour_wedge) << 32 | u64::from(self.slot))
     }
 }
 
@@ -77,12 +81,14 @@ pub(crate) struct PosedSurroundings {
 
 /// The surroundings of one group; its buffers are used again for the next.
 #[derive(Default)]
-pub(crate) struct Neighborhood {
+pub(crate) struct Neighbourhood {
     pub(crate) edges: Vec<IncidentEdge>,
+    /// Sorted by group, then by [`Entry::key`].
     entries: Vec<Entry>,
     /// The entries in the order of faces.
     unsorted: Vec<Entry>,
-    /// The group of each and its index in `unsorted`: sorted in place of the entries.
+    /// For each of those its group in the upper half and its index in the lower: sorting these
+    /// moves less than sorting entries.
     keys: Vec<u64>,
     pub(crate) planes: Vec<FeaturePlane>,
     /// The faces of the star.
@@ -93,7 +99,7 @@ pub(crate) struct Neighborhood {
     pub(crate) seams: u32,
 }
 
-impl Neighborhood {
+impl Neighbourhood {
     /// Gathers the surroundings of `group`.
     pub(crate) fn gather(&mut self, mesh: &WorkingMesh, wedges: &Wedges, group: u32) {
         self.edges.clear();
@@ -127,7 +133,7 @@ impl Neighborhood {
                 unsorted.push(Entry {
                     group: groups[end],
                     wedge: corners[at],
-                    neighbor_wedge: corners[end],
+                    neighbour_wedge: corners[end],
                     slot,
                 });
             }
@@ -147,7 +153,7 @@ impl Neighborhood {
         entries: Range<usize>,
     ) -> EdgeKind {
         let faces = &self.entries[entries];
-        let class = |e: &Entry| (wedges.seam_class(e.wedge), wedges.seam_class(e.neighbor_wedge));
+        let class = |e: &Entry| (wedges.seam_class(e.wedge), wedges.seam_class(e.neighbour_wedge));
         let kind = match faces.len() {
             1 => EdgeKind::Border,
             2 if class(&faces[0]) == class(&faces[1]) => EdgeKind::Smooth,
@@ -198,19 +204,21 @@ pub(crate) fn target(wedges: &Wedges, faces: &[Entry], wedge: u32) -> Option<u32
     let class = wedges.class(wedge);
     // Bounded, as edges may have any number of faces; chosen by hand, real ones have two.
     same.or_else(|| faces.iter().take(64).find(|e| wedges.class(e.wedge) == class))
-        .map(|e| e.neighbor_wedge)
+        .map(|e| e.neighbour_wedge)
 }
 
 /// Returns whether an edge between two faces of a closed fan is a seam, given the wedges at the
 /// group and at its other end in both.
 #[inline]
-pub(crate) fn is_seam(wedges: &Wedges, wedge: [u32; 2], neighbor_wedge: [u32; 2]) -> bool {
+pub(crate) fn is_seam(wedges: &Wedges, wedge: [u32; 2], neighbour_wedge: [u32; 2]) -> bool {
     let alike = |[a, b]: [u32; 2]| a == b || wedges.seam_class(a) == wedges.seam_class(b);
-    !alike(wedge) || !alike(neighbor_wedge)
+    !alike(wedge) || !alike(neighbour_wedge)
 }
 
-/// Returns whether an edge at a group with a closed fan is a seam.
+/// Returns whether any edge at a group with a closed fan is a seam.
 pub(super) fn has_seams(mesh: &WorkingMesh, wedges: &Wedges, group: u32) -> bool {
+    // Each face's wedges at the group and at its two other corners. The last corner of a face is
+    // the second one of the face that follows.
     let mut star = mesh.star(group).iter().map(|&corner| mesh.wedges_from(corner));
     let Some([mut wedge, _, mut behind]) = star.clone().next_back() else { return false };
     star.any(|[next_here, ahead, next_behind]| {
