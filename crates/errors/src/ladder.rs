@@ -52,6 +52,9 @@ const MEANS_SHARE: f64 = 0.02;
 /// many times as far as the other, and between them the larger error is stated; at most [`JUMP`]
 /// times where the pass proposed what was found at both. Chosen by hand.
 const JUMP_IN_SCENE: f64 = 1.3;
+/// In meshes of few triangles nor does it know where means rise so many times: what a part that goes
+/// leaves of them is in few samples. Chosen by hand.
+const JUMP_OF_FEW: f64 = 2.0;
 /// Such levels may be this many times as many as [`Limits::max_levels`](crate::settings::Limits).
 const JUMPS_MAY_TAKE: usize = 2;
 
@@ -85,6 +88,11 @@ const SAMPLES_IN_SCENE: [usize; 2] = [128, 1];
 const SAMPLES_OF_KNOWN: usize = 96;
 const AS_EXPECTED: f64 = 1.2;
 
+/// Where the largest distance is so many times the mean one, a part of a hundredth of the area or
+/// less decides the mean, and in meshes of few triangles so many samples tell it. Chosen by hand.
+const SPARSE: f64 = 12.0;
+const SAMPLES_OF_SPARSE: usize = 8_192;
+
 /// Where the search for the farthest point of a rung met its limit with an upper bound of more than
 /// so many times the lower one, it is made again so many times, without what is nearer than their
 /// geometric mean; that is not far below the upper one. Chosen by hand.
@@ -92,8 +100,9 @@ const UNFINISHED: f64 = 1.7;
 const TRIES: usize = 2;
 const NEARLY_ALL: f64 = 0.25;
 
-/// Distances below this share of the diagonal are alike whatever they are. Chosen by hand.
-const TINY_SHARE: f64 = 1e-6;
+/// Distances below this share of the diagonal are alike whatever they are: a check takes no more
+/// for rounding.
+const TINY_SHARE: f64 = 1e-7;
 
 /// Distances that the pass proposes, in units of the input's coordinates: of each step that it has
 /// followed the largest that it found so far, and the root mean square distance of its samples.
@@ -310,7 +319,9 @@ impl Ladder<'_> {
         let ratios_are_alike = low > 0.0 && high <= ALIKE_RATIOS[few] * low;
         let means_are_alike = ratios_are_alike || is_alike(rms, coarser.rms, ALIKE[few]);
         let means_jump = !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_MEANS);
-        if means_jump
+        // A part that goes may leave a mean that falls again: of few triangles that is seen.
+        let errors_jump = few_triangles && !is_alike(error, coarser.upper, JUMP);
+        if (means_jump || errors_jump)
             && !is_in_scene
             && let Some(sudden) = self.sudden(steps, coarser, tiny)
         {
@@ -324,7 +335,10 @@ impl Ladder<'_> {
             } else {
                 !errors_are_alike && !is_alike(error, coarser.upper, JUMP)
             };
-            errors_jump || (!means_are_known && means_jump)
+            let means_jump_far = few_triangles
+                && !is_in_scene
+                && !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_FEW);
+            errors_jump || (!means_are_known && means_jump) || means_jump_far
         };
         let are_alike = (is_in_scene || errors_are_alike) && means_are_alike;
         if (are_alike || are_neighbours || !any) && !is_jump() {
@@ -338,13 +352,13 @@ impl Ladder<'_> {
     }
 
     /// Returns after how many steps, more than `from` and fewer than those of a rung, the proposed
-    /// error has risen most in one step, from more than `tiny` to about that of the rung; none if
-    /// it has not risen suddenly.
+    /// error has risen most in one step, to about that of the rung; none if it has not risen
+    /// suddenly.
     fn sudden(&self, from: usize, rung: &Rung, tiny: f64) -> Option<usize> {
         let proposed = &self.proposals.largest;
         let rise = |steps: usize| {
             let [before, after] = [steps - 2, steps - 1].map(|i| f64::from(proposed[i]));
-            if before > tiny && SUDDEN * after >= rung.upper { after / before } else { 0.0 }
+            if SUDDEN * after >= rung.upper { after / before.max(tiny) } else { 0.0 }
         };
         let candidates = (from + 1).max(2)..rung.steps.min(proposed.len() + 1);
         let steepest = candidates.max_by(|&a, &b| rise(a).total_cmp(&rise(b)).then(b.cmp(&a)))?;
@@ -392,6 +406,14 @@ impl Ladder<'_> {
                 work.boxes += closely.boxes;
                 found.rms = closely.rms;
             }
+        }
+        if self.settings.few_triangles
+            && !self.settings.is_in_scene
+            && found.lower > SPARSE * found.rms
+        {
+            let closely = self.original.measure(step.lod, found.lower, SAMPLES_OF_SPARSE, None);
+            work.boxes += closely.boxes;
+            found.rms = closely.rms;
         }
         for _ in 0..TRIES {
             if found.upper <= UNFINISHED * found.lower || !found.upper.is_finite() {

@@ -20,6 +20,10 @@ use rayon::prelude::*;
 /// input has triangles, divided by this. Chosen by hand.
 const REFITTED_DIVISOR: usize = 4;
 
+/// Distances up to this share of the diagonal count as 0: single precision rounds coordinates by
+/// more.
+const FLOOR_SHARE: f64 = 2e-8;
+
 /// How far a level is from LOD 0, in the mesh's units; infinite where a mesh that had triangles has
 /// none left.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -105,7 +109,8 @@ impl<'a> Original<'a> {
         let [per_triangle, per_input, besides] = limits.boxes_per_level;
         let triangles = u32::try_from(input.triangles.len()).unwrap_or(u32::MAX);
         let boxes = [per_triangle, per_input.saturating_mul(triangles).saturating_add(besides)];
-        let search = FarthestSearch { boxes, ..FarthestSearch::for_size(input.diagonal) };
+        let floor = FLOOR_SHARE * input.diagonal;
+        let search = FarthestSearch { boxes, floor, ..FarthestSearch::for_size(input.diagonal) };
         let areas: Vec<f32> =
             (0..input.triangles.len() as u32).map(|t| area(input.corners(t)) as f32).collect();
         let area = areas.iter().copied().map(f64::from).sum();

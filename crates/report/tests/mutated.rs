@@ -20,8 +20,10 @@ const MAX_TRIANGLES: usize = 700;
 /// a face all of whose samples were near (229), and for means between two levels where no sample
 /// was far (198, 228, 1880); and for those of parts that were gone, in which degenerate faces
 /// counted (the others).
-const ONCE_REFUSED: [u64; 14] =
-    [198, 228, 229, 648, 1368, 1880, 3444, 4643, 6158, 6535, 6651, 8768, 9474, 9551];
+const ONCE_REFUSED: [u64; 22] = [
+    198, 228, 229, 648, 1368, 1620, 1880, 2431, 3286, 3444, 4643, 5419, 6158, 6535, 6651, 8293,
+    8511, 8697, 8768, 8812, 9474, 9551,
+];
 
 /// The objects that a build makes of a mesh.
 fn built(mesh: &Mesh) -> Vec<LodObject> {
