@@ -89,8 +89,10 @@ const SAMPLES_OF_KNOWN: usize = 96;
 const AS_EXPECTED: f64 = 1.2;
 
 /// Where the largest distance is so many times the mean one, a part of a hundredth of the area or
-/// less decides the mean, and in meshes of few triangles so many samples tell it. Chosen by hand.
+/// less decides the mean, and in meshes of up to so many triangles so many samples tell it. Chosen
+/// by hand.
 const SPARSE: f64 = 12.0;
+const SPARSE_TRIANGLES: usize = 1_024;
 const SAMPLES_OF_SPARSE: usize = 8_192;
 
 /// Where the search for the farthest point of a rung met its limit with an upper bound of more than
@@ -407,7 +409,7 @@ impl Ladder<'_> {
                 found.rms = closely.rms;
             }
         }
-        if self.settings.few_triangles
+        if triangles <= SPARSE_TRIANGLES
             && !self.settings.is_in_scene
             && found.lower > SPARSE * found.rms
         {
