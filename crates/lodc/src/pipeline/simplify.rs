@@ -18,10 +18,11 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer faces (those that lie on each other count once) get more samples, this many:
-/// they take little time there, and most models look better (design-notes/metrics.md).
-const SMALL_SCENE_FACES: u64 = 16_000;
-const SMALL_SCENE_SAMPLES: u32 = 64_000;
+/// Samples for each face of a scene, those that lie on each other counted once, within limits. With
+/// the upper limit for all scenes they take a third longer, and most look the same
+/// (design-notes/metrics.md).
+const SAMPLES_PER_FACE: u64 = 2;
+const MAX_SAMPLES: u64 = 64_000;
 
 /// What a caller is told if `hybrid` decides nowhere in the end.
 const ALL_BY_QUADRIC: &str =
@@ -240,11 +241,10 @@ impl ObjectWork<'_> {
 fn with_samples(options: &[Options], objects: &[SceneObject], areas: &[f64]) -> Vec<Options> {
     let faces: u64 = objects.par_iter().map(|o| distinct_faces(&o.mesh)).sum();
     let largest = options.iter().map(|o| o.hybrid_samples).max().unwrap_or(0);
-    let samples =
-        if faces < SMALL_SCENE_FACES { largest.max(SMALL_SCENE_SAMPLES) } else { largest };
+    let samples = (SAMPLES_PER_FACE * faces).min(MAX_SAMPLES).max(u64::from(largest));
     let all: f64 = areas.iter().sum();
     let share = |(o, area): (&Options, &f64)| {
-        let share = if all > 0.0 { f64::from(samples) * area / all } else { 0.0 };
+        let share = if all > 0.0 { samples as f64 * area / all } else { 0.0 };
         Options { hybrid_samples: share as u32, ..*o }
     };
     options.iter().zip(areas).map(share).collect()
