@@ -96,7 +96,7 @@ fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
 pub(crate) struct MetricArgs {
     /// Metric; hybrid looks best, slowly
     ///
-    /// It takes 10 to 30 times as long, and is worth it where a textured mesh keeps 10 % of its
+    /// It takes 5 to 20 times as long, and is worth it where a textured mesh keeps 10 % of its
     /// triangles or less and is looked at from near. A .lodc file has its order of collapses
     /// already.
     #[arg(

@@ -207,6 +207,43 @@ fn several_objects_are_counted_one_by_one_and_together() {
     assert_eq!(one["objects"][1]["name"], "grid1");
 }
 
+/// Bars side by side, each longer than the one before, as OBJ.
+fn bars(count: u32) -> String {
+    let mut obj = String::new();
+    for i in 0..count {
+        let (length, y) = (0.1 + 0.05 * f64::from(i), f64::from(i));
+        for corner in 0..8 {
+            let end = |bit: u32, size: f64| if corner & bit == 0 { 0.0 } else { size };
+            obj += &format!("v {} {} {}\n", end(4, length), y + end(2, 0.7), end(1, 0.4));
+        }
+        for side in
+            [[1, 2, 4, 3], [5, 7, 8, 6], [1, 5, 6, 2], [3, 4, 8, 7], [1, 3, 7, 5], [2, 6, 8, 4]]
+        {
+            let [a, b, c, d] = side.map(|corner| 8 * i + corner);
+            obj += &format!("f {a} {b} {c} {d}\n");
+        }
+    }
+    obj
+}
+
+#[test]
+fn what_hybrid_gains_nothing_on_is_left_to_quadric_and_that_is_said() {
+    let f = Folder::new();
+    f.file("bars.obj", bars(30));
+    let says_so = |metric: &str, output: &str| {
+        let run = f.lodc(["build", "bars.obj", "-o", output, "--metric", metric]).ends(0);
+        run.err.contains("hybrid looks no better than quadric here")
+    };
+    assert!(says_so("hybrid", "hybrid.lodc"));
+    assert!(!says_so("quadric", "quadric.lodc"));
+    let level = |metric: &str| {
+        let (file, level) = (format!("{metric}.lodc"), format!("{metric}.obj"));
+        f.lodc(["extract", &file, "--ratio", "0.5", "-o", &level]).ends(0);
+        f.read(&level)
+    };
+    assert_eq!(level("hybrid"), level("quadric"));
+}
+
 #[test]
 fn what_has_no_triangles_passes_through_with_a_warning() {
     let f = Folder::new();

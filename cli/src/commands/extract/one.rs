@@ -114,7 +114,7 @@ pub(super) fn extract(
 /// Share of the triangles up to which textured meshes look better by `hybrid`.
 const FEW: f64 = 0.1;
 const TIP: &str = "tip: with so few triangles textures look better by --metric hybrid, which takes \
-                   10 to 30 times as long";
+                   5 to 20 times as long";
 
 /// The errors that choosing a level takes.
 fn errors(args: &ExtractArgs, criterion: Option<CriterionName>) -> Errors {

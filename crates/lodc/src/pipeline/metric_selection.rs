@@ -6,19 +6,27 @@ use crate::level_mesh;
 use crate::{Error, LodObject, scene_levels};
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
 use lodc_measure::{ReferencePictures, SceneSurface, ShadingOptions, Surface, Viewing};
-use lodc_mesh::Mesh;
+use lodc_mesh::{Lod, Mesh};
 use lodc_scene::{Appearance, Arrangement, centre, share_in_pictures};
 use lodc_select::Target;
 use std::sync::Arc;
 
 /// The levels that are compared, as shares of the scene's triangles. Chosen by hand.
 const LEVELS: [f64; LEVEL_COUNT] = [0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
-const LEVEL_COUNT: usize = 6;
+pub(super) const LEVEL_COUNT: usize = 6;
 /// The image error at each of them: root mean square difference of pixels, 0 to 255.
-pub(super) type ImageErrors = [f64; LEVEL_COUNT];
+type ImageErrors = [f64; LEVEL_COUNT];
+/// The image errors of a run over those of the quadric's; 1 at levels that are not compared.
+type ImageErrorRatios = [f64; LEVEL_COUNT];
 /// An image error up to this many times another's counts as equal: fewer pixels than that differ by
 /// chance of where edges fall. Chosen by hand.
 const TOLERANCE: f64 = 1.01;
+/// From this on a level is so much worse that a repeated run does not try it once more. Chosen by
+/// hand.
+const CLEARLY_WORSE: f64 = 1.05;
+/// A run none of whose levels is below this is given up: what it would still gain takes runs, and
+/// is less than two nearly equal runs differ by. Chosen by hand.
+const GAIN: f64 = 0.97;
 /// Triangles of a scene's level below which it resembles nothing and is not compared: on one model
 /// a level of six triangles gave all finer levels to the quadric. Chosen by hand.
 const MIN_TRIANGLES: f64 = 16.0;
@@ -38,18 +46,31 @@ impl HybridLevels {
     /// `hybrid` chooses everywhere.
     pub(super) const ALL: Self = Self([true; LEVEL_COUNT]);
 
-    /// Gives the way to a level that looks worse to the quadric, or, if the quadric has it already,
-    /// the way to the nearest finer level that `hybrid` still has: the quadric cannot repair what
-    /// `hybrid` did before. Returns the level whose way was given; none if the quadric has all.
-    pub(super) fn leave_to_quadric(&mut self, level: usize) -> Option<usize> {
-        let last = (0..=level).rev().find(|&i| self.0[i])?;
-        self.0[last] = false;
-        Some(last)
+    /// What is to be done after a run in which `hybrid` had these levels, of which the first
+    /// `compared` have pictures. The way to the first level that looks worse is given to the
+    /// quadric, and that to those after it that look clearly worse.
+    pub(super) fn after_run(&mut self, ratios: &ImageErrorRatios, compared: usize) -> NextRun {
+        let is_worse = |i: &usize| ratios[*i] > TOLERANCE;
+        let Some(worse) = (0..compared).find(is_worse) else { return NextRun::None };
+        if !ratios[..compared].iter().any(|&ratio| ratio < GAIN) {
+            return NextRun::ByQuadric;
+        }
+        let Some(first) = self.leave_to_quadric(worse) else { return NextRun::ByQuadric };
+        for level in (worse + 1..compared).take_while(|&i| ratios[i] > CLEARLY_WORSE) {
+            self.0[level] = false;
+        }
+        if self.0[..compared].contains(&true) { NextRun::From(first) } else { NextRun::ByQuadric }
     }
 
-    /// Returns whether the quadric chooses everywhere.
-    pub(super) fn is_empty(self) -> bool {
-        !self.0.contains(&true)
+    /// Gives the way to a level that looks worse to the quadric, or, if the quadric has it already,
+    /// the way to the nearest finer level that `hybrid` still has: the quadric cannot repair what
+    /// `hybrid` did before. Without one, the nearest coarser level: some of several objects are
+    /// there at a finer level of the scene. Returns the level whose way was given; none if the
+    /// quadric has all.
+    fn leave_to_quadric(&mut self, level: usize) -> Option<usize> {
+        let given = (0..=level).rev().chain(level + 1..LEVEL_COUNT).find(|&i| self.0[i])?;
+        self.0[given] = false;
+        Some(given)
     }
 
     /// The shares of the triangles between which `hybrid` chooses, the larger of each pair first.
@@ -64,6 +85,17 @@ impl HybridLevels {
         }
         ranges
     }
+}
+
+/// The run to be made after one that was judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum NextRun {
+    /// None: no level looks worse than by the quadric.
+    None,
+    /// Another one by the changed levels, of which this is the first.
+    From(usize),
+    /// None: all levels are the quadric's.
+    ByQuadric,
 }
 
 /// The share of the triangles at which the way to a level begins: the geometric mean of its own and
@@ -127,67 +159,83 @@ impl<'a> MetricSelection<'a> {
         &self.areas
     }
 
-    /// The image errors at [`LEVELS`]; 0 at those of fewer than [`MIN_TRIANGLES`] triangles.
+    /// The levels that the quadric makes.
     ///
     /// # Errors
     /// If a level is no mesh: a bug.
-    pub(super) fn image_errors(&self, objects: &SimplifiedObjects) -> Result<ImageErrors, Error> {
-        let mut errors = ImageErrors::default();
-        self.compare_levels(objects, 0, |level, error| {
-            errors[level] = error;
-            true
-        })?;
-        Ok(errors)
-    }
-
-    /// The first of [`LEVELS`], from index `first` on, that looks worse than by the quadric, whose
-    /// errors are given; none if none does.
-    ///
-    /// # Errors
-    /// If a level is no mesh: a bug.
-    pub(super) fn first_worse(
+    pub(super) fn levels_by_quadric(
         &self,
         objects: &SimplifiedObjects,
-        first: usize,
-        quadric: &ImageErrors,
-    ) -> Result<Option<usize>, Error> {
-        let mut worse = None;
-        self.compare_levels(objects, first, |level, error| {
-            worse = (error > TOLERANCE * quadric[level]).then_some(level);
-            worse.is_none()
-        })?;
-        Ok(worse)
-    }
-
-    /// Calls `visit` with the index and the image error of one of [`LEVELS`] after the other, from
-    /// `first` on, while it returns true.
-    fn compare_levels(
-        &self,
-        objects: &SimplifiedObjects,
-        first: usize,
-        mut visit: impl FnMut(usize, f64) -> bool,
-    ) -> Result<(), Error> {
-        let object = |(info, simplified): &(ObjectInfo, _)| LodObject {
-            info: info.clone(),
-            simplified: Arc::clone(simplified),
-            models: Vec::new(),
-        };
-        let objects: Vec<LodObject> = objects.iter().map(object).collect();
+    ) -> Result<LevelsByQuadric, Error> {
+        let objects = lod_objects(objects);
         let levels = scene_levels(&objects, self.context.document, &self.context.limits)?;
-        for (level, share) in LEVELS.into_iter().enumerate().skip(first) {
-            if (self.triangles as f64 * share) < MIN_TRIANGLES {
-                break;
-            }
+        let is_compared = |share: &f64| self.triangles as f64 * share >= MIN_TRIANGLES;
+        let (mut triangles, mut errors) = (Vec::new(), ImageErrors::default());
+        for (share, error) in LEVELS.into_iter().take_while(is_compared).zip(&mut errors) {
             let lods = levels.select(Target::Ratio(share), false)?.lods;
-            let meshes = level_mesh::reference_meshes(&objects, &lods)?;
-            let scene_surface =
-                surface(&meshes.iter().collect::<Vec<_>>(), &self.shown, self.context);
-            if !visit(level, self.reference.compare(&scene_surface.surface).rmse) {
-                break;
-            }
+            *error = self.image_error(&objects, &lods)?;
+            let of_object = |(o, &lod): (&LodObject, _)| o.simplified.collapses().triangles_at(lod);
+            triangles.push(objects.iter().zip(&lods).map(of_object).collect());
+        }
+        Ok(LevelsByQuadric { triangles, errors })
+    }
+
+    /// How much worse the levels of a run look than the quadric's, from index `first` on; those
+    /// before keep their `ratios`. Each object has as many triangles as by the quadric: a file
+    /// shares them out by distances, which are measured later, and what a metric takes for them
+    /// makes ground that has become flat vanish.
+    ///
+    /// # Errors
+    /// If a level is no mesh: a bug.
+    pub(super) fn compare(
+        &self,
+        objects: &SimplifiedObjects,
+        first: usize,
+        quadric: &LevelsByQuadric,
+        ratios: &mut ImageErrorRatios,
+    ) -> Result<(), Error> {
+        let objects = lod_objects(objects);
+        for (level, triangles) in quadric.triangles.iter().enumerate().skip(first) {
+            let lod = |(o, &count): (&LodObject, &u32)| {
+                let collapses = o.simplified.collapses();
+                collapses.lod_for_triangles(count).min(collapses.last_visible())
+            };
+            let lods: Vec<Lod> = objects.iter().zip(triangles).map(lod).collect();
+            let error = self.image_error(&objects, &lods)?;
+            let by_quadric = quadric.errors[level];
+            ratios[level] = if error > 0.0 { error / by_quadric } else { 1.0 };
         }
         Ok(())
     }
+
+    fn image_error(&self, objects: &[LodObject], lods: &[Lod]) -> Result<f64, Error> {
+        let meshes = level_mesh::reference_meshes(objects, lods)?;
+        let scene_surface = surface(&meshes.iter().collect::<Vec<_>>(), &self.shown, self.context);
+        Ok(self.reference.compare(&scene_surface.surface).rmse)
+    }
+}
+
+/// The levels at [`LEVELS`] by the quadric, without those of fewer than [`MIN_TRIANGLES`].
+pub(super) struct LevelsByQuadric {
+    /// By level and object.
+    triangles: Vec<Vec<u32>>,
+    errors: ImageErrors,
+}
+
+impl LevelsByQuadric {
+    /// The number of levels that are compared.
+    pub(super) fn compared(&self) -> usize {
+        self.triangles.len()
+    }
+}
+
+fn lod_objects(objects: &SimplifiedObjects) -> Vec<LodObject> {
+    let object = |(info, simplified): &(ObjectInfo, _)| LodObject {
+        info: info.clone(),
+        simplified: Arc::clone(simplified),
+        models: Vec::new(),
+    };
+    objects.iter().map(object).collect()
 }
 
 /// The area of each object on the surface of the placements that pictures show.
@@ -218,21 +266,64 @@ fn surface(meshes: &[&Mesh], scene: &Arrangement, context: SceneContext<'_>) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::{HybridLevels, LEVELS, share_at_start};
+    use super::{HybridLevels, ImageErrorRatios, LEVELS, NextRun, share_at_start};
+
+    /// The ranges after a run with these image errors over the quadric's.
+    fn ranges_after(
+        levels: &mut HybridLevels,
+        ratios: ImageErrorRatios,
+    ) -> (NextRun, Vec<[f32; 2]>) {
+        let next = levels.after_run(&ratios, LEVELS.len());
+        (next, levels.ranges())
+    }
 
     #[test]
     fn the_quadric_gets_the_level_that_looks_worse_and_then_finer_ones() {
         let mut levels = HybridLevels::ALL;
         assert_eq!(levels.ranges(), [[1.0, 0.0]]);
-        assert_eq!(levels.leave_to_quadric(3), Some(3));
-        assert_eq!(levels.ranges(), [[1.0, share_at_start(3)], [share_at_start(4), 0.0]]);
+        let worse = [0.9, 0.9, 0.9, 1.02, 0.9, 1.02];
+        let without_3 = vec![[1.0, share_at_start(3)], [share_at_start(4), 0.0]];
+        assert_eq!(ranges_after(&mut levels, worse), (NextRun::From(3), without_3));
         // It cannot repair what came before.
-        assert_eq!(levels.leave_to_quadric(3), Some(2));
-        assert_eq!(levels.leave_to_quadric(0), Some(0));
-        assert_eq!(levels.leave_to_quadric(0), None);
-        assert_eq!(levels.ranges().len(), 2);
-        while levels.leave_to_quadric(LEVELS.len() - 1).is_some() {}
-        assert!(levels.is_empty() && levels.ranges().is_empty());
+        let without_2 = vec![[1.0, share_at_start(2)], [share_at_start(4), 0.0]];
+        assert_eq!(ranges_after(&mut levels, worse), (NextRun::From(2), without_2.clone()));
+        let as_good = [0.9, 0.9, 1.01, 1.0, 1.0, 1.0];
+        assert_eq!(ranges_after(&mut levels, as_good), (NextRun::None, without_2));
+    }
+
+    #[test]
+    fn the_quadric_gets_all_that_is_clearly_worse_at_once() {
+        let mut levels = HybridLevels::ALL;
+        let worse = [1.02, 1.2, 1.06, 1.02, 0.9, 0.9];
+        let rest = vec![[share_at_start(3), 0.0]];
+        assert_eq!(ranges_after(&mut levels, worse), (NextRun::From(0), rest));
+    }
+
+    #[test]
+    fn several_objects_may_need_a_coarser_level_by_the_quadric() {
+        let mut levels = HybridLevels::ALL;
+        let worse = [1.2, 0.9, 0.9, 0.9, 0.9, 0.9];
+        assert_eq!(levels.after_run(&worse, 6), NextRun::From(0));
+        assert_eq!(levels.after_run(&worse, 6), NextRun::From(1));
+        assert_eq!(levels.ranges(), [[share_at_start(2), 0.0]]);
+    }
+
+    #[test]
+    fn the_quadric_has_all_levels_if_none_gains() {
+        let after = |ratios, compared| {
+            let mut levels = HybridLevels::ALL;
+            levels.after_run(&ratios, compared)
+        };
+        assert_eq!(after([1.6, 1.8, 1.3, 1.1, 0.98, 1.0], 6), NextRun::ByQuadric);
+        assert_eq!(after([1.6, 1.8, 1.3, 1.1, 0.9, 1.0], 6), NextRun::From(0));
+        // Nothing is known of levels that are not compared.
+        assert_eq!(after([1.6, 0.9, 1.02, 1.0, 1.0, 1.0], 3), NextRun::From(0));
+        assert_eq!(after([1.6, 1.1, 0.9, 1.0, 1.0, 1.0], 2), NextRun::ByQuadric);
+        let mut levels = HybridLevels::ALL;
+        assert_eq!(levels.after_run(&[1.02, 0.9, 1.0, 1.0, 1.0, 1.0], 2), NextRun::From(0));
+        assert_eq!(levels.after_run(&[1.0, 1.02, 1.0, 1.0, 1.0, 1.0], 2), NextRun::ByQuadric);
+        // As good as the quadric is good enough once it is there.
+        assert_eq!(after([1.0; 6], 6), NextRun::None);
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! The stage that simplifies. With `hybrid`, pictures decide which levels it makes, and which the
 //! quadric.
 
-use super::metric_selection::{HybridLevels, MetricSelection, share_at_start};
+use super::metric_selection::{
+    HybridLevels, LEVEL_COUNT, MetricSelection, NextRun, share_at_start,
+};
 use super::watch::run_stage;
 use super::{SceneContext, SimplifiedObjects, Watch};
 use crate::Error;
@@ -16,10 +18,15 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer faces (those that lie on each other count once) get more samples, this many:
-/// they take little time there, and most models look better (design-notes/metrics.md).
-const SMALL_SCENE_FACES: u64 = 16_000;
-const SMALL_SCENE_SAMPLES: u32 = 64_000;
+/// Samples for each face of a scene, those that lie on each other counted once, within limits. With
+/// the upper limit for all scenes they take a third longer, and most look the same
+/// (design-notes/metrics.md).
+const SAMPLES_PER_FACE: u64 = 2;
+const MAX_SAMPLES: u64 = 64_000;
+
+/// What a caller is told if `hybrid` decides nowhere in the end.
+const ALL_BY_QUADRIC: &str =
+    "hybrid looks no better than quadric here: all levels are those of quadric";
 
 /// Simplifies every object by its options. Of those with `hybrid`, the quadric chooses the
 /// collapses on the way to levels at which the scene would look worse otherwise, by pictures of
@@ -128,16 +135,21 @@ impl SceneWork<'_> {
         };
         let by_quadric: Vec<Options> = options.iter().map(by_quadric).collect();
         let quadric = self.run(&by_quadric, None, None);
-        let quadric_errors = selection.image_errors(&quadric.objects)?;
+        let levels_by_quadric = selection.levels_by_quadric(&quadric.objects)?;
         let options = with_samples(options, self.objects, selection.areas());
         let mut hybrid_levels = HybridLevels::ALL;
         let plan = Plan { hybrid_ranges: &hybrid_levels.ranges(), prefix: None };
         let mut run = self.run(&options, Some(&plan), Some(&quadric));
-        let mut first = 0;
-        while let Some(worse) = selection.first_worse(&run.objects, first, &quadric_errors)? {
-            let changed = hybrid_levels.leave_to_quadric(worse);
-            let Some(from) = changed.filter(|_| !hybrid_levels.is_empty()) else {
-                return Ok(Some(quadric.objects));
+        let (mut first, mut ratios) = (0, [1.0; LEVEL_COUNT]);
+        loop {
+            selection.compare(&run.objects, first, &levels_by_quadric, &mut ratios)?;
+            let from = match hybrid_levels.after_run(&ratios, levels_by_quadric.compared()) {
+                NextRun::None => return Ok(Some(run.objects)),
+                NextRun::From(level) => level,
+                NextRun::ByQuadric => {
+                    self.watch.note(ALL_BY_QUADRIC.to_owned());
+                    return Ok(Some(quadric.objects));
+                }
             };
             let prefix = Some((&run, share_at_start(from)));
             let plan = Plan { hybrid_ranges: &hybrid_levels.ranges(), prefix };
@@ -145,7 +157,6 @@ impl SceneWork<'_> {
             // Several objects reach the share at different levels: all levels may have changed.
             first = if self.objects.len() == 1 { from } else { 0 };
         }
-        Ok(Some(run.objects))
     }
 
     /// Tells `watch` how many triangles there are.
@@ -230,11 +241,10 @@ impl ObjectWork<'_> {
 fn with_samples(options: &[Options], objects: &[SceneObject], areas: &[f64]) -> Vec<Options> {
     let faces: u64 = objects.par_iter().map(|o| distinct_faces(&o.mesh)).sum();
     let largest = options.iter().map(|o| o.hybrid_samples).max().unwrap_or(0);
-    let samples =
-        if faces < SMALL_SCENE_FACES { largest.max(SMALL_SCENE_SAMPLES) } else { largest };
+    let samples = (SAMPLES_PER_FACE * faces).min(MAX_SAMPLES).max(u64::from(largest));
     let all: f64 = areas.iter().sum();
     let share = |(o, area): (&Options, &f64)| {
-        let share = if all > 0.0 { f64::from(samples) * area / all } else { 0.0 };
+        let share = if all > 0.0 { samples as f64 * area / all } else { 0.0 };
         Options { hybrid_samples: share as u32, ..*o }
     };
     options.iter().zip(areas).map(share).collect()

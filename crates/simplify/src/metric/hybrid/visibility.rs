@@ -112,8 +112,11 @@ impl View {
     /// None if the camera looks at the sample from aside or behind.
     fn new(camera: &Camera, s: &Sample) -> Option<Self> {
         let cosine = s.normal.dot(camera.toward.as_vec3());
-        let (pixel, depth) = pixel(camera, s.position);
-        (cosine > LEAST_COSINE).then_some(Self { cosine, pixel, depth })
+        // Most samples end here, before they are projected.
+        (cosine > LEAST_COSINE).then(|| {
+            let (pixel, depth) = pixel(camera, s.position);
+            Self { cosine, pixel, depth }
+        })
     }
 
     fn is_seen(&self, depths: &[i32]) -> bool {
