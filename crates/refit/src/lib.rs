@@ -155,7 +155,8 @@ fn keep_locked(level: &CoarseMesh, parts: &mut MeshParts) {
     if level.locked.is_empty() {
         return;
     }
-    for (attribute, before) in parts.attributes.iter_mut().zip(level.mesh.attributes()) {
+    let befores = level.mesh.attributes().iter().filter(|a| attributes::stays(a));
+    for (attribute, before) in parts.attributes.iter_mut().zip(befores) {
         let stride = attribute.stride();
         for (v, &point) in level.point_of_vertex.iter().enumerate() {
             if level.is_locked(point) {

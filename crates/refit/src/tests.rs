@@ -4,7 +4,7 @@ use super::*;
 use lodc_fixtures::{named, random};
 use lodc_measure::{Sampling, Surface, distances};
 use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
-use lodc_simplify::simplify;
+use lodc_simplify::{Guidance, simplify, simplify_guided};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 fn simplified(mesh: &Mesh) -> Simplified {
@@ -95,6 +95,23 @@ fn normals_are_nearer_than_those_that_are_looked_up() {
                 [looked_up, found.mesh(1.0)].map(|level| mean_angle(s.mesh(), &level));
             assert!(after < before, "{name} {share}: {after} {before}");
         }
+    }
+}
+
+#[test]
+fn locked_vertices_keep_what_they_have_beside_quantised_positions() {
+    let mesh = named("quantised_torus").expect("a fixture");
+    let locked: Vec<bool> = mesh.positions().iter().map(|p| p[0] > 30_000.0).collect();
+    let guidance = Guidance { locked: &locked, ..Guidance::default() };
+    let s = simplify_guided(&mesh, &lodc_simplify::Options::DEFAULT, guidance, &|_, _| {});
+    let lod = level(&s, 0.7);
+    let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
+    let coordinates = |m: &Mesh| m.attributes().last().expect("texture coordinates").clone();
+    let (was, is) = (coordinates(&before), coordinates(&after));
+    let kept = (0..).zip(before.positions()).filter(|(_, p)| p[0] > 30_000.0);
+    assert!(kept.clone().count() > 10 && is.semantic == Semantic::TexCoord(0));
+    for (v, _) in kept {
+        assert_eq!(was.at(v), is.at(v), "vertex {v}");
     }
 }
 
