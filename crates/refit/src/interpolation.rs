@@ -56,8 +56,8 @@ impl<'a> Interpolation<'a> {
         }
     }
 
-    /// Returns the values with the least sum of squares, pulled towards `first` (conjugate gradients
-    /// from `current`, preconditioned by the diagonal).
+    /// Returns the values with the least sum of squares, pulled towards `first` (conjugate
+    /// gradients from `current`, preconditioned by the diagonal).
     pub(crate) fn solve(mut self, current: &[DVec3], first: &[DVec3]) -> Vec<DVec3> {
         let mut diagonal = vec![0.0; self.right_side.len()];
         for (f, block) in self.known_blocks() {

@@ -24,9 +24,9 @@ fn is_fitted(stream: &Attribute) -> bool {
     matches!(stream.semantic, Semantic::TexCoord(_)) && stream.morph_target.is_none()
 }
 
-/// Replaces the texture coordinates in `parts`, a level of `mesh`, by those that fit the mesh's best
-/// at `ties`. Starts from those that are there. Vertices that shared position and coordinates still
-/// do, so no seam opens.
+/// Replaces the texture coordinates in `parts`, a level of `mesh`, by those that fit the mesh's
+/// best at `ties`. Starts from those that are there. Vertices that shared position and coordinates
+/// still do, so no seam opens.
 pub(crate) fn fit(mesh: &Mesh, level: &CoarseMesh, ties: &[SurfaceTie], parts: &mut MeshParts) {
     let befores = level.mesh.attributes().iter();
     let streams = mesh.attributes().iter().zip(befores).filter(|(from, _)| stays(from));

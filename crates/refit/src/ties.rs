@@ -1,4 +1,5 @@
-//! Points of a level tied to points of the input, both ways, to carry over what the input has there.
+//! Points of a level tied to points of the input, both ways, to carry over what the input has
+//! there.
 
 use crate::fit::Fitted;
 use crate::guard::cross;
