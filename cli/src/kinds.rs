@@ -94,7 +94,7 @@ fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
 /// The option of commands that simplify meshes.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct MetricArgs {
-    /// Metric; hybrid may look better, slowly
+    /// Metric; hybrid may look better
     ///
     /// It takes 10 to 30 times as long. Once refitted, levels of single smooth or textured objects
     /// have a tenth less image error in the mean; those of scenes of several objects or layers have
