@@ -94,11 +94,12 @@ fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
 /// The option of commands that simplify meshes.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct MetricArgs {
-    /// Metric; hybrid looks best, slowly
+    /// Metric; hybrid may look better
     ///
-    /// It takes 5 to 20 times as long, and is worth it where a textured mesh keeps 10 % of its
-    /// triangles or less and is looked at from near. A .lodc file has its order of collapses
-    /// already.
+    /// It takes 5 to 20 times as long. Once refitted, levels of single smooth or textured objects
+    /// have a tenth less image error in the mean; those of scenes of several objects or layers have
+    /// as much or more where half or a quarter of the triangles stay, and a little less from 10 %
+    /// down. A .lodc file has its order of collapses already.
     #[arg(
         long,
         value_parser = parser::<MetricKind>(),

@@ -21,11 +21,12 @@ import scene
 import tools
 from compiled import compiled
 
+# The metric of each, and what `extract` is told.
 WAYS = {
-    "default": [],
-    "`--no-refit`": ["--no-refit"],
-    "hybrid": ["--metric", "hybrid"],
-    "hybrid, `--no-refit`": ["--metric", "hybrid", "--no-refit"],
+    "default": ("quadric", []),
+    "`--no-refit`": ("quadric", ["--no-refit"]),
+    "hybrid": ("hybrid", []),
+    "hybrid `--no-refit`": ("hybrid", ["--no-refit"]),
 }
 KINDS = [".glb", ".gltf", ".obj", ".ply", ".stl", ".vrm"]
 TIE, NEAR = 0.02, 0.02
@@ -41,11 +42,21 @@ class Lodc:
     def level(self, way, count):
         """The differences of a level with as many triangles."""
         if (way, count) not in self.made:
-            out = self.folder / "lodc.glb"
-            words = ["extract", self.source, "--triangles", count, "-q", "-o", out, *WAYS[way]]
+            metric, words = WAYS[way]
+            stored, out = self.stored(metric), self.folder / "lodc.glb"
+            words = ["extract", stored, "--triangles", count, "-q", "-o", out, *words]
             tools.run([self.program, *words])
             self.made[way, count] = self.ruler.measure(scene.read(out), True)
         return self.made[way, count]
+
+    def stored(self, metric):
+        """A file of all levels: `extract` writes of it what it would of the model, and the model is
+        simplified once."""
+        path = self.folder / f"{metric}.lodc"
+        if not path.exists():
+            words = ["build", self.source, "--metric", metric, "--models", "none", "-q", "-o", path]
+            tools.run([self.program, *words])
+        return path
 
 
 def cells(arguments, model, folder):

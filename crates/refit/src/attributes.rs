@@ -105,8 +105,13 @@ fn vertex_normals(level: &CoarseMesh, positions: &[DVec3]) -> Vec<DVec3> {
     normals
 }
 
+/// Returns whether a stream of the input is one of a refitted level, too: positions that it held
+/// quantised are not.
+pub(crate) fn stays(stream: &Attribute) -> bool {
+    stream.semantic != Semantic::Position || stream.morph_target.is_some()
+}
+
 fn drop_quantised_positions(parts: &mut MeshParts) {
-    let stays = |a: &Attribute| a.semantic != Semantic::Position || a.morph_target.is_some();
     let mut kept = 0..;
     let new_index: Vec<Option<u32>> =
         parts.attributes.iter().map(|a| if stays(a) { kept.next() } else { None }).collect();

@@ -6,8 +6,9 @@
 //! was. Each iteration ties samples of either surface to the nearest point of the other, solves the
 //! normal equations of point-to-plane distances for one move per position, and holds back what
 //! would turn a face over. Vertices at one position move together, so seams stay closed; borders,
-//! borders of materials and seams of charts are tied to each other as curves. Attributes are taken
-//! from the input at the new position, within their chart.
+//! borders of materials and seams of charts are tied to each other as curves. Normals and texture
+//! coordinates are fitted by least squares, too; other attributes are taken from the input at the
+//! new position, within their chart.
 //!
 //! ```
 //! use lodc_mesh::{Lod, Mesh};
@@ -25,6 +26,7 @@ mod face_distances;
 mod fit;
 mod guard;
 mod input;
+mod interpolation;
 mod level;
 mod neighbours;
 mod normals;
@@ -36,6 +38,8 @@ mod skin;
 mod system;
 #[cfg(test)]
 mod tests;
+mod texture;
+mod ties;
 
 use fit::Fitted;
 use glam::DVec3;
@@ -123,8 +127,9 @@ impl<'a> Refit<'a> {
     }
 
     /// Returns the level with its vertices a share of the way to the positions that fit best, from
-    /// 0 to 1, with normals that fit LOD 0's best and with other attributes as LOD 0 has them
-    /// there. The triangles are those of the level, in the order of [`Mesh::extract`].
+    /// 0 to 1, with normals and texture coordinates that fit LOD 0's best and with other attributes
+    /// as LOD 0 has them there. The triangles are those of the level, in the order of
+    /// [`Mesh::extract`].
     #[must_use]
     pub fn mesh(&self, share: f64) -> Mesh {
         let level = &self.level;
@@ -134,7 +139,14 @@ impl<'a> Refit<'a> {
         let mut rounds_left = MAX_REFUSALS;
         loop {
             let mut parts = attributes::resample(self.original, &fitted.input, level, &positions);
-            let refused = normals::fit(normals, level, fitted, &positions, &mut parts);
+            let ties = if normals.is_empty() && !texture::is_there(self.original) {
+                Vec::new()
+            } else {
+                ties::ties(level, fitted, &positions)
+            };
+            texture::fit(self.original, level, &ties, &mut parts);
+            let input = &fitted.input;
+            let refused = normals::fit(normals, input, level, &positions, &ties, &mut parts);
             let around = around(level, &refused);
             if rounds_left > 0 && move_back(level, around.into_iter(), &mut positions) {
                 rounds_left -= 1;
@@ -155,7 +167,8 @@ fn keep_locked(level: &CoarseMesh, parts: &mut MeshParts) {
     if level.locked.is_empty() {
         return;
     }
-    for (attribute, before) in parts.attributes.iter_mut().zip(level.mesh.attributes()) {
+    let befores = level.mesh.attributes().iter().filter(|a| attributes::stays(a));
+    for (attribute, before) in parts.attributes.iter_mut().zip(befores) {
         let stride = attribute.stride();
         for (v, &point) in level.point_of_vertex.iter().enumerate() {
             if level.is_locked(point) {

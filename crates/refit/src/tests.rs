@@ -4,7 +4,7 @@ use super::*;
 use lodc_fixtures::{named, random};
 use lodc_measure::{Sampling, Surface, distances};
 use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
-use lodc_simplify::simplify;
+use lodc_simplify::{Guidance, simplify, simplify_guided};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 fn simplified(mesh: &Mesh) -> Simplified {
@@ -95,6 +95,60 @@ fn normals_are_nearer_than_those_that_are_looked_up() {
                 [looked_up, found.mesh(1.0)].map(|level| mean_angle(s.mesh(), &level));
             assert!(after < before, "{name} {share}: {after} {before}");
         }
+    }
+}
+
+/// The root mean square distance between texture coordinates at points of a level's triangles and
+/// those of a mesh where it is nearest, seams left out.
+fn slide(level: &Mesh, mesh: &Mesh) -> f64 {
+    let at = |m: &Mesh, t: [u32; 3], barycentric| {
+        let is_set = |a: &&Attribute| a.semantic == Semantic::TexCoord(0);
+        let set = m.attributes().iter().find(is_set).expect("texture coordinates");
+        let value = |v| DVec3::new(set.value(v, 0).into(), set.value(v, 1).into(), 0.0);
+        lodc_nearest::point_at(t.map(value), barycentric)
+    };
+    let (surface, tree) = (surface(level), surface(mesh).tree());
+    let inside = [[0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6], [1.0 / 3.0; 3]];
+    let mut squared = Vec::new();
+    for (number, &t) in level.triangles().iter().enumerate() {
+        for barycentric in inside {
+            let point = lodc_nearest::point_at(surface.corners(number), barycentric);
+            let near = tree.nearest(point, lodc_mesh::NONE).expect("triangles");
+            let corners = mesh.triangles()[near.triangle as usize];
+            let far = at(level, t, barycentric).distance(at(mesh, corners, near.barycentric));
+            squared.extend((far < 0.25).then_some(far * far));
+        }
+    }
+    (squared.iter().sum::<f64>() / squared.len() as f64).sqrt()
+}
+
+#[test]
+fn textures_slide_less_than_those_that_are_looked_up() {
+    let s = simplified(&named("uv_sphere").expect("a fixture"));
+    for share in [0.5, 0.25, 0.1] {
+        let found = Refit::new(&s, level(&s, share), &Options::DEFAULT, &|| ());
+        let (Fitted { input, positions, .. }, _) = found.fitted.as_ref().expect("positions");
+        let looked_up = attributes::resample(s.mesh(), input, &found.level, positions);
+        let looked_up = Mesh::try_from(looked_up).expect("a mesh");
+        let [before, after] = [looked_up, found.mesh(1.0)].map(|level| slide(&level, s.mesh()));
+        assert!(after < 0.95 * before, "{share}: {after} {before}");
+    }
+}
+
+#[test]
+fn locked_vertices_keep_what_they_have_beside_quantised_positions() {
+    let mesh = named("quantised_torus").expect("a fixture");
+    let locked: Vec<bool> = mesh.positions().iter().map(|p| p[0] > 30_000.0).collect();
+    let guidance = Guidance { locked: &locked, ..Guidance::default() };
+    let s = simplify_guided(&mesh, &lodc_simplify::Options::DEFAULT, guidance, &|_, _| {});
+    let lod = level(&s, 0.7);
+    let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
+    let coordinates = |m: &Mesh| m.attributes().last().expect("texture coordinates").clone();
+    let (was, is) = (coordinates(&before), coordinates(&after));
+    let kept = (0..).zip(before.positions()).filter(|(_, p)| p[0] > 30_000.0);
+    assert!(kept.clone().count() > 10 && is.semantic == Semantic::TexCoord(0));
+    for (v, _) in kept {
+        assert_eq!(was.at(v), is.at(v), "vertex {v}");
     }
 }
 

@@ -41,7 +41,7 @@ impl MetricKind {
             Self::Divergence => {
                 "Kullback-Leibler divergence between visible and actual areas over 20 pictures"
             }
-            Self::Hybrid => "Error of the shaded surface where it is seen: looks best",
+            Self::Hybrid => "Error of the shaded surface where it is seen: for single objects",
         }
     }
 }

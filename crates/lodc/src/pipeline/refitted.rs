@@ -17,7 +17,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Shares of the way to the best fit that are tried in order: the first that looks clearly better
-/// counts, else the one that looks best. 0 fits normals alone. Chosen by hand.
+/// counts, else the one that looks best. 0 fits normals and texture coordinates alone. Chosen by
+/// hand.
 const FIT_SHARES: [f64; 3] = [1.0, 0.5, 0.0];
 /// Factor by which refitting may raise the bound of a level at most. Chosen by hand.
 const MAX_BOUND_GROWTH: f64 = 1.05;
@@ -26,8 +27,8 @@ const MAX_BOUND_GROWTH: f64 = 1.05;
 const CLEARLY_BETTER: f64 = 0.95;
 /// It looks better if it keeps less than this share; else it stays as it was.
 const BETTER: f64 = 0.97;
-/// Where a level keeps at least this share, no position on the way there is tried, but normals
-/// alone. Chosen by hand.
+/// Where a level keeps at least this share, no position on the way there is tried, but normals and
+/// texture coordinates alone. Chosen by hand.
 const HOPELESS: f64 = 1.05;
 /// Shares that more pictures are taken for. Chosen by hand.
 const UNCLEAR: Range<f64> = 0.92..1.0;
