@@ -52,8 +52,8 @@ const MEANS_SHARE: f64 = 0.02;
 /// many times as far as the other, and between them the larger error is stated; at most [`JUMP`]
 /// times where the pass proposed what was found at both. Chosen by hand.
 const JUMP_IN_SCENE: f64 = 1.3;
-/// In meshes of few triangles nor does it know where means rise so many times: what a part that goes
-/// leaves of them is in few samples. Chosen by hand.
+/// Nor does it know, in meshes of few triangles, where means rise so many times: what a part that
+/// goes leaves of them is in few samples. Chosen by hand.
 const JUMP_OF_FEW: f64 = 2.0;
 /// Such levels may be this many times as many as [`Limits::max_levels`](crate::settings::Limits).
 const JUMPS_MAY_TAKE: usize = 2;

@@ -27,7 +27,7 @@ impl Settings {
         few_triangles: true,
         is_in_scene: false,
         few_triangles_samples: 20_000.0,
-        few_faces_samples: 20_000,
+        few_faces_samples: 40_000,
         limits: Limits::DEFAULT,
     };
 
