@@ -23,7 +23,11 @@ pub(crate) struct Target {
     pub(crate) weight: f64,
 }
 
+/// Pull towards the values at the start where they are held, as a multiple of the other one.
+const HELD: f64 = 1e6;
+
 /// The normal equations: a block for each face, so that no edges are needed.
+#[derive(Clone)]
 pub(crate) struct Interpolation<'a> {
     /// The unknowns at the corners of each face.
     faces: &'a [[u32; 3]],
@@ -56,16 +60,26 @@ impl<'a> Interpolation<'a> {
         }
     }
 
-    /// Returns the values with the least sum of squares, pulled towards `first` (conjugate
-    /// gradients from `current`, preconditioned by the diagonal).
-    pub(crate) fn solve(mut self, current: &[DVec3], first: &[DVec3]) -> Vec<DVec3> {
+    /// Returns the values with the least sum of squares, pulled towards `first` and held there
+    /// where `is_held` says so (conjugate gradients from `current`, preconditioned by the
+    /// diagonal).
+    pub(crate) fn solve(
+        mut self,
+        current: &[DVec3],
+        first: &[DVec3],
+        is_held: impl Fn(usize) -> bool,
+    ) -> Vec<DVec3> {
         let mut diagonal = vec![0.0; self.right_side.len()];
         for (f, block) in self.known_blocks() {
             (0..3).for_each(|k| diagonal[f[k] as usize] += block[k]);
         }
         let mean = diagonal.iter().sum::<f64>() / diagonal.len().max(1) as f64;
         let min_diagonal = f64::max(MIN_WEIGHT_SHARE * mean, f64::MIN_POSITIVE);
-        let damping: Vec<f64> = diagonal.iter().map(|d| DAMPING * d.max(min_diagonal)).collect();
+        let damping = |(v, d): (usize, &f64)| {
+            let held = if is_held(v) { HELD } else { 1.0 };
+            DAMPING * d.max(min_diagonal) * held
+        };
+        let damping: Vec<f64> = diagonal.iter().enumerate().map(damping).collect();
         for v in 0..diagonal.len() {
             self.right_side[v] += first[v] * damping[v];
             diagonal[v] += damping[v];

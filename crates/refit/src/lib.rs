@@ -144,8 +144,8 @@ impl<'a> Refit<'a> {
             } else {
                 ties::ties(level, fitted, &positions)
             };
-            texture::fit(self.original, level, &ties, &mut parts);
             let input = &fitted.input;
+            texture::fit(self.original, &input.charts, level, &ties, &mut parts);
             let refused = normals::fit(normals, input, level, &positions, &ties, &mut parts);
             let around = around(level, &refused);
             if rounds_left > 0 && move_back(level, around.into_iter(), &mut positions) {

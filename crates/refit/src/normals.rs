@@ -49,7 +49,7 @@ pub(crate) fn fit(
             let length = system.interpolated(target, &fitted).length();
             system.add(&Target { value: target.value * length, ..*target });
         }
-        let solved = system.solve(&fitted, &unknowns.first);
+        let solved = system.solve(&fitted, &unknowns.first, |_| false);
         for ((normal, solved), first) in fitted.iter_mut().zip(solved).zip(&unknowns.first) {
             if solved.length() > MIN_LENGTH && solved.dot(*first) > 0.0 {
                 *normal = solved.normalize();
