@@ -11,19 +11,19 @@ pub(crate) fn reset_peak() {
 
 /// Peak resident bytes of this process; 0 where the system does not say.
 pub(crate) fn peak_bytes() -> u64 {
-    kibibytes("/proc/self/status", "VmHWM:").unwrap_or(0)
+    bytes_of("/proc/self/status", "VmHWM:").unwrap_or(0)
 }
 
 /// Bytes of memory that this process may use: the machine's, or less if its control group says so.
 pub(crate) fn available_bytes() -> Option<u64> {
-    let machine = kibibytes("/proc/meminfo", "MemTotal:");
+    let machine = bytes_of("/proc/meminfo", "MemTotal:");
     let group =
         fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|t| t.trim().parse().ok());
     machine.into_iter().chain(group).min()
 }
 
 /// The bytes that a line such as `VmHWM:     1234 kB` says.
-fn kibibytes(file: &str, key: &str) -> Option<u64> {
+fn bytes_of(file: &str, key: &str) -> Option<u64> {
     let text = fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(key))?;
     Some(line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()? * 1024)

@@ -1,4 +1,5 @@
-//! Blocks of steps that the forward pass has followed: all that the backward pass needs to know.
+//! Blocks of steps that the forward pass (from the input to the level) has followed: all that the
+//! backward pass (from the level to the input) needs to know of them. `pass` runs both.
 
 use crate::origin::Origin;
 use crate::work::Work;

@@ -1,5 +1,5 @@
-//! Samples of the input's surface, which the forward pass follows: each belongs to a face of the
-//! current level, the nearest as far as it matters.
+//! Samples of the input's surface, which the forward pass (from the input to the level) follows:
+//! each belongs to a face of the current level, the nearest as far as it matters.
 
 use crate::block::TouchedFace;
 use crate::faces::Face;
@@ -30,7 +30,7 @@ const LONG_EDGE_RATIO: f64 = 6.0;
 /// Chosen by hand; a `u8` holds the number.
 const MAX_SHARE_OF_SAMPLES: f64 = 1.0 / 187.5;
 
-/// In the list of no face.
+/// The `next` of a sample in the list of no face: thinned out, or at a point of no triangle.
 const DROPPED: u32 = NONE - 1;
 
 /// A position on the surface of the input, in units of [`Input::coordinates`]; half a cache line.
@@ -43,7 +43,8 @@ pub(crate) struct Sample {
     pub(crate) origin: Origin,
     /// Squared distance to its face.
     pub(crate) squared_distance: f32,
-    /// The squared distance at which the triangles of its origin were searched last; 0 before.
+    /// Its squared distance when the triangles of its origin were last searched for a farther
+    /// point; 0 if they were not.
     pub(crate) searched_at_squared: f32,
     /// The area of the input that belongs to it.
     pub(crate) area: f32,

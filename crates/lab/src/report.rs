@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// The way in which objects are measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Share of the LODs from one update of a sweep to the next.
+    /// Share of the LODs from one update to the next. A sweep leads to the last LOD and back.
     pub steps: f64,
     /// Rounds of timing, of which the best counts; with none everything that differs from run to
     /// run is left out.
@@ -58,8 +58,8 @@ pub(crate) struct StreamReport {
     pub(crate) lossless_exact: f64,
     /// Positions in 16 bits, normals in 10, texture coordinates in 12.
     pub(crate) quantized: f64,
-    /// The same packages as plain words and bytes (thesis, table 4.3), with positions only and with
-    /// normals.
+    /// Of the same splits without entropy coding, in the thesis's packages of words and bytes
+    /// (table 4.3), with positions only and with normals.
     pub(crate) packages: f64,
     pub(crate) packages_normals: f64,
     /// A Progressive Mesh sent as vertex splits of Hoppe's words, from its last vertex on, with

@@ -76,7 +76,7 @@ pub(crate) struct Tie {
 }
 
 impl Tie {
-    /// A tie somewhere to a face, whose place there is not looked up.
+    /// A tie to a face that counts towards its distances, but pulls no vertex.
     pub(crate) fn of_face(face: u32, weight: f64) -> Self {
         let (barycentric, residual, direction) = ([0.0; 3], DVec3::ZERO, DVec3::ZERO);
         Self { face, barycentric, residual, direction, weight }

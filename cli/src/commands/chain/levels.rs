@@ -136,21 +136,21 @@ impl LevelArgs {
         self.targets().into_iter().map(|(target, _)| target).collect()
     }
 
-    /// The largest distances that are asked of all levels.
+    /// The largest distances from the input that are asked of all levels.
     pub(super) fn all_asked(&self, cap: Option<Target>) -> Vec<Asked> {
         self.wanted().into_iter().flat_map(|target| self.asked(target, cap)).collect()
     }
 
-    /// The largest distances that are asked of a level.
+    /// The largest distances from the input that are asked of a level.
     fn asked(&self, target: Target, cap: Option<Target>) -> Vec<Asked> {
-        let by_distance = !self.errors.is_empty() || self.pixels.is_some();
+        let by_error = !self.errors.is_empty() || self.pixels.is_some();
         let option = if self.pixels.is_some() { "--pixels" } else { "--errors" };
         let asked = |option, target| Asked { option, target, per_object: false };
-        let own = by_distance.then(|| asked(option, target));
+        let own = by_error.then(|| asked(option, target));
         own.into_iter().chain(cap.map(|cap| asked("--max-error", cap))).collect()
     }
 
-    /// The distance from which a level with this error suits; none of what is gone.
+    /// The distance of the eye from which a level with this error suits; none if it is infinite.
     pub(super) fn distance(&self, error: f64) -> Option<f64> {
         let distance = error / self.screen.slope(self.pixels.unwrap_or(1.0));
         distance.is_finite().then_some(distance)
@@ -168,7 +168,7 @@ impl LevelArgs {
         if height > 0.0 { (length / height).powi(2).min(1.0) } else { 1.0 }
     }
 
-    /// What each level is chosen by, finest first, and the distance that it is for, if it is.
+    /// What each level is chosen by, finest first, and the eye's distance that it is for, if any.
     fn targets(&self) -> Vec<(Target, Option<f64>)> {
         let plain = |targets: &[Target]| targets.iter().map(|&t| (t, None)).collect();
         if let Some(pixels) = self.pixels {
@@ -186,12 +186,12 @@ impl LevelArgs {
     }
 }
 
-/// A level before anything is known of it but its triangles.
+/// A level as it was chosen, not measured yet; [`described`] makes a [`ChosenLevel`] of it.
 pub(super) struct Chosen {
     /// One LOD per object.
     pub(super) lods: Vec<Lod>,
     triangles: u64,
-    /// Distance that it was chosen for.
+    /// Distance of the eye that it was chosen for.
     distance: Option<f64>,
     /// The largest distances that were asked for.
     pub(super) asked: Vec<Asked>,

@@ -1,4 +1,5 @@
-//! What the levels of a chain state once it is known how they are written.
+//! The error and rms that each level of a chain states: those before writing, and what rounding and
+//! quantising add to them.
 
 use super::Chained;
 use super::levels::ChosenLevel;
@@ -9,18 +10,19 @@ use rayon::prelude::*;
 /// Error and root mean square distance, in mesh units.
 type Distances = (f64, Option<f64>);
 
-/// States levels one by one, finest first, none nearer to the input than a finer one.
+/// States the distances of levels one by one, finest first, none smaller than a finer level's.
 #[derive(Debug, Default)]
 pub(super) struct Stated {
-    /// Of each object at the level before.
+    /// Of each object at the level before, as stated.
     before: Vec<Distances>,
-    /// One line for each thing that quantising could not do, or did to what was asked.
+    /// A line for each object that quantising left alone or whose triangles it flattened, and for
+    /// each distance that was asked and is no longer kept.
     pub(super) warnings: Vec<String>,
 }
 
 impl Stated {
-    /// States a level with its number. `triangles` are those of each object, over the meshes that
-    /// the rounding is of.
+    /// Sets a level's error and rms to those that its file will have. `triangles` are the level's,
+    /// for each object, over the mesh that `rounding` was made for.
     pub(super) fn add(
         &mut self,
         chained: Chained<'_>,
@@ -48,8 +50,8 @@ impl Stated {
 }
 
 impl Chained<'_> {
-    /// States how far a level is from the input as a file has it. Returns a line for each distance
-    /// that was asked and is not kept.
+    /// Sets a level's error and rms to the largest of `written`, those of each object as a file has
+    /// it. Returns a line for each distance that was asked and is not kept.
     pub(super) fn state(
         self,
         number: usize,
@@ -58,8 +60,8 @@ impl Chained<'_> {
     ) -> Vec<String> {
         let distances = written.iter().copied();
         (level.error, level.rms) = level_mesh::largest_distance(&self.asset.objects, distances);
-        let before: Vec<Distances> = level.distances.iter().map(|d| (d.error, d.rms)).collect();
-        let unmet = self.room.unmet(self.scene, &level.asked, &before, written).into_iter();
+        let unrounded: Vec<Distances> = level.distances.iter().map(|d| (d.error, d.rms)).collect();
+        let unmet = self.room.unmet(self.scene, &level.asked, &unrounded, written).into_iter();
         unmet.map(|line| format!("level {number}: {line}")).collect()
     }
 }

@@ -132,6 +132,8 @@ impl ExtractArgs {
     }
 }
 
+/// Extracts a level of each input, several at a time within the memory that is allowed; with
+/// `--if-changed` leaves a result that is up to date. Prints a line for each, then the report.
 pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
     let (jobs, format) = reported(args.export.run.reports(), jobs(args, program))?;
     let with_text = |args, options_text| ExtractArgs { options_text, ..args };
@@ -142,8 +144,8 @@ pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
             let (args, target) = options.ready(job)?;
             args.export.check(format, target)?;
             let beside = args.export.import.assets(&job.input, None);
-            let (run, options) = (&args.export.run, &args.options_text);
-            let wanted = Wanted::new(run, &job.input, target, &beside, options);
+            let (run, text) = (&args.export.run, &args.options_text);
+            let wanted = Wanted::new(run, &job.input, target, &beside, text);
             if let Some(left) = wanted.and_then(Wanted::if_up_to_date) {
                 return Ok(left);
             }

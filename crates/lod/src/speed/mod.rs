@@ -1,8 +1,10 @@
 //! Speed Strips (thesis chapter 3): static strips and one list of changes.
 //!
-//! Every record changes indices of some strips and removes repetitions from them, so that strips
-//! get shorter as the mesh gets coarser. The list is walked in both directions. See [`RunTime`] for
-//! the arrays and [`Cursor`] for the extraction.
+//! Every record changes indices of some strips. What then draws only degenerate triangles (indices
+//! that repeat the one or the second one before them, dead ends) is taken out by *removals*, so
+//! that strips get shorter as the mesh gets coarser. The list is walked in both directions; files
+//! store strips and removals, the rest follows. See [`RunTime`] for the arrays and [`Cursor`] for
+//! the extraction.
 
 mod apply;
 mod cursor;
@@ -132,19 +134,19 @@ impl Speed {
         let shown = |removal_lod: u32| u64::from(removal_lod.min(lods));
         let live: u64 =
             removal_lods(&self.simplified, &self.positions).into_iter().map(shown).sum();
-        let (mut all_degenerate, mut drawn_degenerate) = (0, 0);
+        // Triangles over all LODs, live ones too: of whole strips, and of what they still draw.
+        let (mut in_full, mut drawn) = (0, 0);
         for (strip, &removal_lod) in self.edits.removal_lods.iter().enumerate() {
             let room = self.strips.range(strip);
-            all_degenerate += (room.len() as u64 - 2) * shown(removal_lod);
-            drawn_degenerate += self.edits.index_removal_lods[room]
+            in_full += (room.len() as u64 - 2) * shown(removal_lod);
+            drawn += self.edits.index_removal_lods[room]
                 .iter()
                 .map(|&at| shown(at.min(removal_lod)))
                 .sum::<u64>();
-            drawn_degenerate -= 2 * shown(removal_lod);
+            drawn -= 2 * shown(removal_lod);
         }
-        let (all_degenerate, remaining) =
-            (all_degenerate.saturating_sub(live), drawn_degenerate.saturating_sub(live));
-        if all_degenerate == 0 { 0.0 } else { 1.0 - remaining as f64 / all_degenerate as f64 }
+        let (in_full, remaining) = (in_full.saturating_sub(live), drawn.saturating_sub(live));
+        if in_full == 0 { 0.0 } else { 1.0 - remaining as f64 / in_full as f64 }
     }
 
     /// Returns the share of the records that change the length of a strip, to none included; the

@@ -1,5 +1,6 @@
-//! Runs the local search of `window` along the whole drawing order: cut into chunks that do not
-//! depend on each other, and within a chunk over stretches that overlap by half.
+//! Improves strips for a vertex cache: runs the local search of `window` along the whole drawing
+//! order, cut into chunks that do not depend on each other, and within a chunk over stretches that
+//! overlap by half.
 
 use super::paths::{Strip, Surface};
 use super::window::{Schedule, Stretch, Workspace};
@@ -22,7 +23,8 @@ const MIN_HEAD: usize = 160;
 /// Indices after a stretch whose misses count for it: three caches' worth at the default size.
 const TAIL_INDICES: usize = 48;
 
-/// The drawing order that is improved: strips as paths.
+/// The drawing order that is improved: strips as paths of codes, each a triangle with the slot
+/// through which the path leaves it, 3 at the end.
 pub(crate) struct Drawing<'a> {
     pub(crate) paths: &'a [Vec<u32>],
     pub(crate) triangles: &'a [[u32; 3]],

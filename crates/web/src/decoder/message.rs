@@ -86,18 +86,18 @@ impl Message {
     }
 
     /// Appends an object: its number, that of its mesh in the document, vertices, triangles, scale
-    /// (f32), name; number of streams, for each its meaning, set, morph target + 1 (0: none),
-    /// component, components, whether it is normalised, name; number of submeshes, for each its
-    /// primitive in the document, whether it has a material by name, that name, number of streams,
-    /// the streams' numbers. `counts` are vertices and triangles; `streams` gives for a submesh the
-    /// numbers of the `attributes` that it has.
+    /// (f32), name; number of attributes, for each its meaning, set, morph target + 1 (0: none),
+    /// type of a component, number of components, whether it is normalised, name; number of
+    /// submeshes, for each its primitive in the document, whether it has a material by name, that
+    /// name, number of attributes, their numbers. `counts` are vertices and triangles;
+    /// `attributes_of` gives for a submesh the numbers of the `attributes` that it has.
     pub(super) fn object<'a>(
         &mut self,
         number: u32,
         info: &ObjectInfo,
         counts: [u32; 2],
         attributes: &[Attribute],
-        streams: impl Fn(usize) -> &'a [u32],
+        attributes_of: impl Fn(usize) -> &'a [u32],
     ) {
         self.chunk(Tag::Object, |m| {
             m.words([number, info.document_mesh, counts[0], counts[1]]);
@@ -112,13 +112,13 @@ impl Message {
                 m.word(submesh.document_primitive);
                 m.word(submesh.material.is_some().into());
                 m.text(submesh.material.as_deref().unwrap_or_default());
-                m.word(streams(i).len() as u32);
-                m.words(streams(i).iter().copied());
+                m.word(attributes_of(i).len() as u32);
+                m.words(attributes_of(i).iter().copied());
             }
         });
     }
 
-    /// Appends what [`Message::object`] says of a stream.
+    /// Appends what [`Message::object`] says of an attribute.
     fn attribute(&mut self, attribute: &Attribute) {
         let (meaning, set, name) = match &attribute.semantic {
             Semantic::Position => (0, 0, ""),
