@@ -65,6 +65,31 @@ pub fn check<S: AsRef<[[f32; 3]]>>(
     simplified: &Simplified,
     shapes: &[S],
 ) -> (usize, Option<String>) {
+    let mut first = None;
+    let count = examine(simplified, shapes, |lod, problem| {
+        first = Some(format!("LOD {}: {problem}", lod.0));
+        false
+    });
+    (count, first)
+}
+
+/// Returns the levels that [`check`] looks at whose errors do not hold.
+pub(crate) fn refused(simplified: &Simplified, shape: &[[f32; 3]]) -> Vec<Lod> {
+    let mut refused = Vec::new();
+    examine(simplified, &[shape], |lod, _| {
+        refused.push(lod);
+        true
+    });
+    refused
+}
+
+/// Calls `found` with each level whose errors do not hold and its problem, while it returns true.
+/// Returns the number of levels that were measured.
+fn examine<S: AsRef<[[f32; 3]]>>(
+    simplified: &Simplified,
+    shapes: &[S],
+    mut found: impl FnMut(Lod, String) -> bool,
+) -> usize {
     let lods = chosen_lods(simplified.collapses());
     let mut levels: Vec<Checked> = lods.iter().map(|&lod| Checked::new(simplified, lod)).collect();
     let (mut rounding, mut negligible) = (0.0f64, 0.0f64);
@@ -78,11 +103,14 @@ pub fn check<S: AsRef<[[f32; 3]]>>(
         negligible = negligible.max(NEGLIGIBLE_SHARE * diagonal);
         levels.par_iter_mut().with_max_len(1).for_each(|level| level.measure(&original, number));
     }
-    let problem = levels.iter().find_map(|level| {
-        let problem = level.problem(simplified, shapes, rounding, negligible)?;
-        Some(format!("LOD {}: {problem}", level.lod.0))
-    });
-    (lods.len(), problem)
+    for level in &levels {
+        if let Some(problem) = level.problem(simplified, shapes, rounding, negligible)
+            && !found(level.lod, problem)
+        {
+            break;
+        }
+    }
+    lods.len()
 }
 
 /// Chooses levels with triangles, one from each of [`LEVELS`] ranges of triangle counts.

@@ -96,10 +96,11 @@ const SPARSE_TRIANGLES: usize = 1_024;
 const SAMPLES_OF_SPARSE: usize = 8_192;
 
 /// Where the search for the farthest point of a rung met its limit with an upper bound of more than
-/// so many times the lower one, it is made again so many times, without what is nearer than their
-/// geometric mean; that is not far below the upper one. Chosen by hand.
+/// so many times the lower one, it is made again so many times, in meshes of few triangles the
+/// second, without what is nearer than their geometric mean; that is not far below the upper one.
+/// Chosen by hand.
 const UNFINISHED: f64 = 1.7;
-const TRIES: usize = 2;
+const TRIES: [usize; 2] = [2, 6];
 const NEARLY_ALL: f64 = 0.25;
 
 /// Distances below this share of the diagonal are alike whatever they are: a check takes no more
@@ -417,7 +418,7 @@ impl Ladder<'_> {
             work.boxes += closely.boxes;
             found.rms = closely.rms;
         }
-        for _ in 0..TRIES {
+        for _ in 0..TRIES[usize::from(self.settings.few_triangles)] {
             if found.upper <= UNFINISHED * found.lower || !found.upper.is_finite() {
                 break;
             }

@@ -66,6 +66,10 @@ const COARSEST_DIVISOR: u32 = 100;
 /// triangle. Chosen by hand.
 const MAX_TRIANGLES_IN_PAIRS: usize = 1 << 20;
 
+/// Of very small meshes each step may change much: their curves are checked, and what would be
+/// refused is measured, at most so many times. Chosen by hand.
+const MAX_CHECKS: usize = 4;
+
 /// Called now and then while a stage works, by any thread. Where it unwinds, so does the stage, as
 /// after a panic.
 pub type Tick<'a> = dyn Fn() + Sync + 'a;
@@ -156,11 +160,35 @@ fn measure_above(
     rayon::scope(|_| {
         let pass = Pass { input: &input, simplified, floor, settings, tick };
         let sequence = simplified.collapses();
-        let planned = planned(sequence, settings);
+        let mut planned = planned(sequence, settings);
         let proposals = &pass.run(&corner_vertices, &planned);
         let original = Original::new(&input, simplified, &corner_vertices, settings.limits);
-        Ladder { original, sequence, proposals, floor, settings, tick }.complete(&planned)
+        let ladder = Ladder { original, sequence, proposals, floor, settings, tick };
+        let mut errors = ladder.complete(&planned);
+        if before.error.is_empty() && settings.is_checked(input.triangles.len()) {
+            for _ in 0..MAX_CHECKS {
+                let mut refused = refused(simplified, &errors, posed);
+                refused.retain(|steps| planned.binary_search(steps).is_err());
+                if refused.is_empty() {
+                    break;
+                }
+                planned.extend(refused);
+                planned.sort_unstable();
+                planned.dedup();
+                errors = ladder.complete(&planned);
+            }
+        }
+        errors
     })
+}
+
+/// Returns after how many steps levels are not as far as a curve states: those that a check of it
+/// would refuse.
+fn refused(simplified: &Simplified, errors: &StepErrors, posed: &[[f32; 3]]) -> Vec<usize> {
+    let StepErrors { error, rms, .. } = errors.clone();
+    let stated = simplified.clone().with_distances(error, rms).expect("errors never fall");
+    let steps = |lod| simplified.collapses().steps_at(lod);
+    check::refused(&stated, posed).into_iter().map(steps).collect()
 }
 
 #[cfg(test)]

@@ -4,6 +4,10 @@
 /// levels are looked at more closely. Chosen by hand.
 pub(crate) const FEW_TRIANGLES: u32 = 16_384;
 
+/// Meshes of no more triangles than this have their curves checked. Chosen by hand: it takes some
+/// milliseconds.
+const CHECKED_TRIANGLES: usize = 1_024;
+
 /// Samples of a mesh of a large scene, for each triangle, if it has few triangles. Chosen by hand.
 const SAMPLES_IN_SCENE: f64 = 4.0;
 
@@ -45,6 +49,11 @@ impl Settings {
         let few_triangles_samples = if few_triangles { samples } else { in_scene };
         let is_in_scene = !few_triangles && triangles <= FEW_TRIANGLES as usize;
         Self { few_triangles, is_in_scene, few_triangles_samples, ..self }
+    }
+
+    /// Whether the curve of a mesh of some triangles is checked once it is there.
+    pub(crate) fn is_checked(&self, triangles: usize) -> bool {
+        !self.is_in_scene && triangles <= CHECKED_TRIANGLES
     }
 }
 
