@@ -181,9 +181,9 @@ impl<'a> MetricSelection<'a> {
     }
 
     /// How much worse the levels of a run look than the quadric's, from index `first` on; those
-    /// before keep their `ratios`. Each object has as many triangles as by the quadric: a file
-    /// shares them out by distances, which are measured later, and what a metric takes for them
-    /// makes ground that has become flat vanish.
+    /// before keep their `ratios`. A file shares triangles out over objects by distances, which are
+    /// measured later: a level counts as it looks with as many for each object as by the quadric,
+    /// or by what the run's metric takes for distances, whichever looks worse.
     ///
     /// # Errors
     /// If a level is no mesh: a bug.
@@ -195,13 +195,18 @@ impl<'a> MetricSelection<'a> {
         ratios: &mut ImageErrorRatios,
     ) -> Result<(), Error> {
         let objects = lod_objects(objects);
+        let levels = scene_levels(&objects, self.context.document, &self.context.limits)?;
         for (level, triangles) in quadric.triangles.iter().enumerate().skip(first) {
             let lod = |(o, &count): (&LodObject, &u32)| {
                 let collapses = o.simplified.collapses();
                 collapses.lod_for_triangles(count).min(collapses.last_visible())
             };
             let lods: Vec<Lod> = objects.iter().zip(triangles).map(lod).collect();
-            let error = self.image_error(&objects, &lods)?;
+            let mut error = self.image_error(&objects, &lods)?;
+            let own = levels.select(Target::Ratio(LEVELS[level]), false)?.lods;
+            if objects.len() > 1 && own != lods {
+                error = error.max(self.image_error(&objects, &own)?);
+            }
             let by_quadric = quadric.errors[level];
             ratios[level] = if error > 0.0 { error / by_quadric } else { 1.0 };
         }
