@@ -183,7 +183,7 @@ impl<'a> MetricSelection<'a> {
     /// How much worse the levels of a run look than the quadric's, from index `first` on; those
     /// before keep their `ratios`. A file shares triangles out over objects by distances, which are
     /// measured later: a level counts as it looks with as many for each object as by the quadric,
-    /// or by what the run's metric takes for distances, whichever looks worse.
+    /// or, where that is clearly worse, as by what the run's metric takes for distances.
     ///
     /// # Errors
     /// If a level is no mesh: a bug.
@@ -205,7 +205,7 @@ impl<'a> MetricSelection<'a> {
             let mut error = self.image_error(&objects, &lods)?;
             let own = levels.select(Target::Ratio(LEVELS[level]), false)?.lods;
             if objects.len() > 1 && own != lods {
-                error = error.max(self.image_error(&objects, &own)?);
+                error = error.max(self.image_error(&objects, &own)? / CLEARLY_WORSE);
             }
             let by_quadric = quadric.errors[level];
             ratios[level] = if error > 0.0 { error / by_quadric } else { 1.0 };
