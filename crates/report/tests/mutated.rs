@@ -18,9 +18,9 @@ const MAX_TRIANGLES: usize = 700;
 /// Seeds of meshes that `verify` once refused: for errors that were too small by 6 %, because a
 /// triangle was farthest between its corners (3444, 4643); for a root mean square distance of 0 of
 /// a face all of whose samples were near (229), and for means between two levels where no sample
-/// was far (198, 228, 1880), or that a small part decides (3286, 5419, 8293, 8697, 8812); for errors
-/// whose bounds stayed apart (1591, 2431, 9105); and for those of parts that were gone, in which
-/// degenerate faces counted (the others).
+/// was far (198, 228, 1880), or that a small part decides (3286, 5419, 8293, 8697, 8812); for
+/// errors whose bounds stayed apart (1591, 2431, 9105); and for those of parts that were gone, in
+/// which degenerate faces counted (the others).
 const ONCE_REFUSED: [u64; 22] = [
     198, 228, 229, 648, 1368, 1591, 1880, 2431, 3286, 3444, 4643, 5419, 6158, 6535, 6651, 8293,
     8697, 8768, 8812, 9105, 9474, 9551,
