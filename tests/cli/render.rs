@@ -90,7 +90,7 @@ fn an_eye_draws_what_it_sees_and_a_side_what_the_eye_chose() {
     let view = ["--criterion", "pixels", "--contact-sheet", "0.5,0.25", "--view", "front"];
     for morph in [&[][..], &["--morph"]] {
         let run = f.lodc(eye.iter().filter(|a| **a != "-q").chain(&view).chain(morph)).ends(0);
-        assert!(run.err.contains(", 26") || !morph.is_empty(), "{}", run.err);
+        assert!(run.err.contains(", 25") || !morph.is_empty(), "{}", run.err);
         let p = picture(&f, "e.png");
         assert_eq!(p.width, 400);
         assert!(covered(&p) > 0.3, "{}", covered(&p));

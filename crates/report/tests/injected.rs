@@ -366,7 +366,7 @@ const DEFECTS: &[Defect] = &[
             p.sequence.step_errors.copy_within(0..i, 1);
             p.scale_rms(1.0);
         },
-        "LOD 21: the error is 0, measured again",
+        "LOD 122: the error is 0, measured again",
     ),
     (
         "root mean squares that are 0",
