@@ -432,7 +432,7 @@ impl Ladder<'_> {
         }
         let accepted = self.original.accepted(known);
         // Rounding errors of a level without any distance tell nothing of those beside it.
-        let rms = if found.rms > self.original.rounding() { found.rms } else { 0.0 };
+        let rms = if found.upper > self.original.rounding() { found.rms } else { 0.0 };
         let mut rung = Rung {
             steps,
             triangles: step.triangles,
