@@ -25,6 +25,8 @@ const BOXES_PER_SAMPLE: u32 = 16_384;
 
 /// Triangles that are chosen of very many. Chosen by hand.
 const CHOSEN: usize = 4_096;
+/// Classes of squared distances: the exponent of an `f32` and five bits of its mantissa.
+const DISTANCE_CLASSES: usize = 1 << 13;
 
 /// About how far a triangle is from the other surface.
 #[derive(Clone, Copy, Debug)]
@@ -100,18 +102,18 @@ impl<F: Fn(usize) -> ([DVec3; 3], u32) + Sync> Difference<F> {
             return None;
         }
         // Those beyond the distance of which half as many as wanted are, in steps of 1.5 %.
-        let exponent = |estimate: &Estimate| (estimate.squared.to_bits() >> 18) as usize;
-        let mut counts = vec![0usize; 256 << 5];
-        estimates.iter().for_each(|estimate| counts[exponent(estimate)] += 1);
+        let class = |estimate: &Estimate| (estimate.squared.to_bits() >> 18) as usize;
+        let mut counts = vec![0usize; DISTANCE_CLASSES];
+        estimates.iter().for_each(|estimate| counts[class(estimate)] += 1);
         let mut far = 0;
-        let first_far = (1..256 << 5)
+        let first_far = (1..DISTANCE_CLASSES)
             .rev()
             .take_while(|&e| {
                 far += counts[e];
                 far <= CHOSEN / 2
             })
             .last()
-            .unwrap_or(256 << 5);
+            .unwrap_or(DISTANCE_CLASSES);
         // The others by slices of area and of numbers.
         let total: f64 = self.areas.iter().copied().map(f64::from).sum();
         let [by_area, by_number] =
@@ -121,7 +123,7 @@ impl<F: Fn(usize) -> ([DVec3; 3], u32) + Sync> Difference<F> {
         for ((&area, estimate), i) in self.areas.iter().zip(estimates).zip(0..) {
             let before = sum;
             sum += f64::from(area) * by_area + by_number;
-            if exponent(estimate) >= first_far || before.floor() < sum.floor() {
+            if class(estimate) >= first_far || before.floor() < sum.floor() {
                 chosen.push(i);
             }
         }

@@ -89,10 +89,8 @@ const SAMPLES_OF_KNOWN: usize = 96;
 const AS_EXPECTED: f64 = 1.2;
 
 /// Where the largest distance is so many times the mean one, a part of a hundredth of the area or
-/// less decides the mean, and in meshes of up to so many triangles so many samples tell it. Chosen
-/// by hand.
+/// less decides the mean, and in very small meshes so many samples tell it. Chosen by hand.
 const SPARSE: f64 = 12.0;
-const SPARSE_TRIANGLES: usize = 1_024;
 const SAMPLES_OF_SPARSE: usize = 8_192;
 
 /// Where the search for the farthest point of a rung met its limit with an upper bound of more than
@@ -338,9 +336,8 @@ impl Ladder<'_> {
             } else {
                 !errors_are_alike && !is_alike(error, coarser.upper, JUMP)
             };
-            let means_jump_far = few_triangles
-                && !is_in_scene
-                && !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_FEW);
+            let means_jump_far =
+                few_triangles && !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_FEW);
             errors_jump || (!means_are_known && means_jump) || means_jump_far
         };
         let are_alike = (is_in_scene || errors_are_alike) && means_are_alike;
@@ -410,10 +407,7 @@ impl Ladder<'_> {
                 found.rms = closely.rms;
             }
         }
-        if triangles <= SPARSE_TRIANGLES
-            && !self.settings.is_in_scene
-            && found.lower > SPARSE * found.rms
-        {
+        if self.settings.is_very_small(triangles) && found.lower > SPARSE * found.rms {
             let closely = self.original.measure(step.lod, found.lower, SAMPLES_OF_SPARSE, None);
             work.boxes += closely.boxes;
             found.rms = closely.rms;

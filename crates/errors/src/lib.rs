@@ -165,7 +165,7 @@ fn measure_above(
         let original = Original::new(&input, simplified, &corner_vertices, settings.limits);
         let ladder = Ladder { original, sequence, proposals, floor, settings, tick };
         let mut errors = ladder.complete(&planned);
-        if before.error.is_empty() && settings.is_checked(input.triangles.len()) {
+        if before.error.is_empty() && settings.is_very_small(input.triangles.len()) {
             for _ in 0..MAX_CHECKS {
                 let mut refused = refused(simplified, &errors, posed);
                 refused.retain(|steps| planned.binary_search(steps).is_err());

@@ -4,9 +4,9 @@
 /// levels are looked at more closely. Chosen by hand.
 pub(crate) const FEW_TRIANGLES: u32 = 16_384;
 
-/// Meshes of no more triangles than this have their curves checked. Chosen by hand: it takes some
-/// milliseconds.
-const CHECKED_TRIANGLES: usize = 1_024;
+/// Meshes of no more triangles than this are very small: their curves are checked, and means of
+/// small parts have more samples. Chosen by hand: it takes some milliseconds.
+const VERY_SMALL_TRIANGLES: usize = 1_024;
 
 /// Samples of a mesh of a large scene, for each triangle, if it has few triangles. Chosen by hand.
 const SAMPLES_IN_SCENE: f64 = 4.0;
@@ -51,9 +51,9 @@ impl Settings {
         Self { few_triangles, is_in_scene, few_triangles_samples, ..self }
     }
 
-    /// Whether the curve of a mesh of some triangles is checked once it is there.
-    pub(crate) fn is_checked(&self, triangles: usize) -> bool {
-        !self.is_in_scene && triangles <= CHECKED_TRIANGLES
+    /// Whether a mesh of some triangles is very small, and none of a large scene.
+    pub(crate) fn is_very_small(&self, triangles: usize) -> bool {
+        !self.is_in_scene && triangles <= VERY_SMALL_TRIANGLES
     }
 }
 

@@ -7,6 +7,8 @@ use lodc_nearest::point_at;
 
 /// Pull towards the values at the start, as a share of a value's own weight. Chosen by hand.
 const DAMPING: f64 = 0.02;
+/// Pull towards the values at the start where they are held, as a multiple of the other one.
+const HELD: f64 = 1e6;
 /// The least weight that this counts with, as a share of the mean one. Chosen by hand.
 const MIN_WEIGHT_SHARE: f64 = 0.1;
 /// The most steps of conjugate gradients, and the share of the first residual at which they end.
@@ -22,9 +24,6 @@ pub(crate) struct Target {
     pub(crate) value: DVec3,
     pub(crate) weight: f64,
 }
-
-/// Pull towards the values at the start where they are held, as a multiple of the other one.
-const HELD: f64 = 1e6;
 
 /// The normal equations: a block for each face, so that no edges are needed.
 #[derive(Clone)]

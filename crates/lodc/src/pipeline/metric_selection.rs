@@ -195,7 +195,12 @@ impl<'a> MetricSelection<'a> {
         ratios: &mut ImageErrorRatios,
     ) -> Result<(), Error> {
         let objects = lod_objects(objects);
-        let levels = scene_levels(&objects, self.context.document, &self.context.limits)?;
+        // One object has as many triangles either way.
+        let levels = if objects.len() > 1 {
+            Some(scene_levels(&objects, self.context.document, &self.context.limits)?)
+        } else {
+            None
+        };
         for (level, triangles) in quadric.triangles.iter().enumerate().skip(first) {
             let lod = |(o, &count): (&LodObject, &u32)| {
                 let collapses = o.simplified.collapses();
@@ -203,9 +208,11 @@ impl<'a> MetricSelection<'a> {
             };
             let lods: Vec<Lod> = objects.iter().zip(triangles).map(lod).collect();
             let mut error = self.image_error(&objects, &lods)?;
-            let own = levels.select(Target::Ratio(LEVELS[level]), false)?.lods;
-            if objects.len() > 1 && own != lods {
-                error = error.max(self.image_error(&objects, &own)? / CLEARLY_WORSE);
+            if let Some(levels) = &levels {
+                let own = levels.select(Target::Ratio(LEVELS[level]), false)?.lods;
+                if own != lods {
+                    error = error.max(self.image_error(&objects, &own)? / CLEARLY_WORSE);
+                }
             }
             let by_quadric = quadric.errors[level];
             ratios[level] = if error > 0.0 { error / by_quadric } else { 1.0 };
