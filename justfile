@@ -119,6 +119,10 @@ campaign *words: build numpy
     LODC_PYTHON=target/numpy/bin/python python3 tests/campaign.py target/release/lodc {{words}}
     LODC_MUTATIONS=5000 cargo test --release -p lodc-report --test mutated
 
+# Builds, verifies, extracts and streams the largest meshes of the corpus (folder: LODC_CORPUS)
+corpus:
+    cargo test --release -p lodc-cli --test cli -- --ignored every_large_mesh
+
 # What levels state beside a second evaluator, for some kinds and sizes of meshes: [--kinds A,B] [--sizes N,N] [--ways W,W] [--seed N] [--csv FILE]
 kinds *words: build numpy
     target/numpy/bin/python tests/kinds target/release/lodc {{words}}

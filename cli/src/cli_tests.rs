@@ -49,9 +49,7 @@ fn every_option_is_in_a_group_of_the_long_help_with_a_short_first_line() {
             assert!(!help.is_empty(), "{name} --{option_name} has no help");
             let words = help.split(" [default").next().unwrap_or_default();
             let length = words.chars().count();
-            // What structures are for and cost takes two lines.
-            let lines = if option_name == "models" { 2 } else { 1 };
-            assert!(length <= 76 * lines, "{name} --{option_name}: {length} characters: {words}");
+            assert!(length <= 76, "{name} --{option_name}: {length} characters: {words}");
             assert!(option.get_help_heading().is_some(), "{name} --{option_name} has no heading");
             let shown = long.contains(&format!("--{option_name}"));
             assert!(shown && !option.is_hide_set(), "{name}: {long}");

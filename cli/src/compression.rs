@@ -48,8 +48,8 @@ pub(crate) struct EncodeOptions {
 }
 
 impl EncodeOptions {
-    /// What to write instead if files become larger by this: neither compressed nor quantised. They
-    /// are to be small where they are both.
+    /// What to write instead if files become larger by this: neither compressed nor quantised. None
+    /// unless both are on: only then are files meant to be small.
     pub(crate) fn alternative(self) -> Option<Self> {
         let precision = Precision::default();
         (self.compress && self.precision != precision)

@@ -1,5 +1,6 @@
 //! Options whose values are names from a library's list (models, metrics, strip generators): `clap`
-//! takes values, help and default from the list itself.
+//! takes values, help and default from the list itself. Also options beside them that several
+//! commands have: the upward axis, the order of steps, poses.
 
 use crate::exit::{Failure, Outcome};
 use crate::help::{SIMPLIFIED, STORED};
@@ -32,7 +33,7 @@ pub(crate) enum UpAxis {
 }
 
 /// Implements [`Kind`] by the list, the names and the help that a library's type has.
-macro_rules! families {
+macro_rules! impl_kind {
     ($($kind:ty),*) => {$(
         impl Kind for $kind {
             const ALL: &'static [Self] = &Self::ALL;
@@ -48,7 +49,7 @@ macro_rules! families {
     )*};
 }
 
-families!(ModelKind, MetricKind, StripKind, Effort, Layout);
+impl_kind!(ModelKind, MetricKind, StripKind, Effort, Layout);
 
 /// A value from a [`Kind`]'s list, or the one other word that an option also takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +98,7 @@ pub(crate) struct MetricArgs {
     /// Metric; hybrid may look better
     ///
     /// It takes 5 to 20 times as long. Once refitted, levels of single smooth or textured objects
-    /// have a tenth less image error in the mean; those of scenes of several objects or layers have
+    /// have a tenth less image error on average; those of scenes of several objects or layers have
     /// as much or more where half or a quarter of the triangles stay, and a little less from 10 %
     /// down. A .lodc file has its order of collapses already.
     #[arg(
@@ -153,9 +154,9 @@ impl PosesArgs {
 /// Options of commands that write .lodc files.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ModelArgs {
-    /// Structures to store, separated by commas: for programs that change levels while they run,
-    /// 15 to 45 % of a file; to take levels out of it, none is enough [default: all]
+    /// Models to store, separated by commas, for programs that change levels [default: all]
     ///
+    /// Only programs that change levels while they run need any; they are 15 to 45 % of a file.
     /// interactive is for graphics devices, speed for processors, masking for processors with
     /// little memory.
     #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = models(),
@@ -168,7 +169,7 @@ pub(crate) struct ModelArgs {
 }
 
 impl ModelArgs {
-    /// Returns whether an option was given.
+    /// Returns whether an option differs from its default.
     pub(crate) fn is_given(&self) -> bool {
         !self.models.is_empty() || self.layout != Layout::default()
     }
@@ -283,6 +284,7 @@ mod tests {
         check::<MetricKind>();
         check::<StripKind>();
         check::<Effort>();
+        check::<Layout>();
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Options of imports: limits on size, further folders that may be read, welding.
+//! Options of imports: limits on size, memory and processor time, further folders that may be read,
+//! welding.
 
 use crate::clock::Clock;
 use crate::exit::{Failure, Outcome, Status};
@@ -63,8 +64,9 @@ impl ImportArgs {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LimitArgs {
     limits: Limits,
+    /// Bytes; none for what the machine has.
     memory: Option<u64>,
-    /// Processor time.
+    /// Processor time; none for no limit.
     time: Option<Duration>,
 }
 

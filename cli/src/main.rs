@@ -1,5 +1,5 @@
-//! The `lodc` program: commands to functions, results to exit statuses. Everything else is in the
-//! libraries.
+//! The `lodc` program: commands to functions, results to exit statuses. The other modules read
+//! options and files and print; levels are made in the libraries.
 
 mod batch;
 mod bits;

@@ -47,7 +47,7 @@ pub(crate) fn refuse_replacing<'a>(
     read: &RequestedFiles,
 ) -> Outcome<()> {
     let read: BTreeSet<PathBuf> =
-        read.read().iter().filter(|f| f.is_file()).map(|f| path_identity(f)).collect();
+        read.read_files().iter().filter(|f| f.is_file()).map(|f| path_identity(f)).collect();
     match outputs.into_iter().find(|output| read.contains(&path_identity(output))) {
         Some(output) => {
             let output = output.display();

@@ -67,15 +67,15 @@ impl Program {
     /// are excluded by those.
     pub(crate) fn given(&self, name: &str) -> Vec<String> {
         let root = (self.root)();
-        let typed = root.clone().get_matches_from(std::env::args_os());
-        let typed = typed.subcommand_matches(name).expect("the command that runs");
-        let typed = |id: &Id| typed.value_source(id.as_str()) == Some(ValueSource::CommandLine);
-        let arguments = command(&root, name).get_arguments().filter(|a| typed(a.get_id()));
-        let given: Vec<String> =
-            arguments.filter_map(|a| a.get_long().map(str::to_owned)).collect();
-        let excluded = self.vocabulary().command(name).excluded(&given).map(str::to_owned);
+        let matches = root.clone().get_matches_from(std::env::args_os());
+        let matches = matches.subcommand_matches(name).expect("the command that runs");
+        let is_typed =
+            |id: &Id| matches.value_source(id.as_str()) == Some(ValueSource::CommandLine);
+        let typed = command(&root, name).get_arguments().filter(|a| is_typed(a.get_id()));
+        let typed: Vec<String> = typed.filter_map(|a| a.get_long().map(str::to_owned)).collect();
+        let excluded = self.vocabulary().command(name).excluded(&typed).map(str::to_owned);
         let excluded: Vec<String> = excluded.collect();
-        [given, excluded].concat()
+        [typed, excluded].concat()
     }
 
     /// Reads the arguments of a command anew, with an asset's own options where the command line
@@ -106,9 +106,9 @@ impl Program {
                 values => inserted.extend(values.iter().map(|v| format!("--{option}={v}").into())),
             }
         }
-        let typed = raw.iter().position(|arg| arg == name);
-        let index = typed.expect("the command's name is there") + 1;
-        raw.splice(index..index, inserted);
+        let command_index = raw.iter().position(|arg| arg == name);
+        let after_command = command_index.expect("the command's name is there") + 1;
+        raw.splice(after_command..after_command, inserted);
         let root = (self.root)();
         let matches = root.clone().try_get_matches_from(raw).map_err(|e| first_line(&e))?;
         let matches = matches.subcommand_matches(name).expect("the same command");

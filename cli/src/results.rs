@@ -62,8 +62,7 @@ struct ResultsReport<R> {
     results: Vec<ResultReport<R>>,
 }
 
-/// Prints the only result as the document that it is, or several, or what may be several, as a
-/// list.
+/// Prints a single result by itself; a list if there are, or might have been (`several`), more.
 ///
 /// # Errors
 /// If standard output cannot be written.
@@ -86,7 +85,7 @@ pub(crate) fn print<R: Serialize>(
 ///
 /// # Errors
 /// That of the outcome, or if standard output cannot be written.
-pub(crate) fn reported<T>(json: bool, outcome: Outcome<T>) -> Outcome<T> {
+pub(crate) fn print_failure<T>(json: bool, outcome: Outcome<T>) -> Outcome<T> {
     if let (true, Err(failure)) = (json, &outcome) {
         console::json(&FailureReport::new(failure))?;
     }

@@ -62,9 +62,9 @@ impl<'a> Room<'a> {
         scene.set_rounding(&self.by_object);
     }
 
-    /// Whether levels need more room than was left, and are beyond what was asked: then they are to
-    /// be chosen again, with the room that there is from now on.
-    pub(crate) fn is_short(
+    /// Makes more room where levels need more than was left, and are beyond what was asked. Returns
+    /// whether it did: then they are to be chosen again.
+    pub(crate) fn make_more(
         &mut self,
         scene: &SceneLevels<'_>,
         asked: &[Asked],
@@ -79,14 +79,14 @@ impl<'a> Room<'a> {
             (rounded_error(error, moved), rms.map(|rms| rounded_rms(rms, moved)))
         };
         let written: Vec<_> = before.iter().zip(&needed).map(rounded).collect();
-        let mut is_short = false;
+        let mut has_grown = false;
         for object in asked.iter().flat_map(|asked| beyond(scene, asked, &before, &written)) {
             if needed[object] > self.by_object[object] {
                 self.by_object[object] = needed[object];
-                is_short = true;
+                has_grown = true;
             }
         }
-        Ok(is_short)
+        Ok(has_grown)
     }
 
     /// A line for each distance that was asked and that quantising does not keep, given those

@@ -6,9 +6,10 @@ use crate::help::{LEVEL, SEEN};
 use crate::numbers::whole;
 use crate::rounding::Asked;
 use clap::Args;
-use lodc_select::{RecordError, SelectError, Target, View, count, rms_bound};
+use lodc_select::parse::{count, rms_bound};
+use lodc_select::{RecordError, SelectError, Target, View};
 
-pub(crate) use lodc_select::{bound, share, size};
+pub(crate) use lodc_select::parse::{bound, share, size};
 
 /// At most one of these says which level of detail is wanted.
 #[derive(Args, Clone, Debug)]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 /// The lines for some warnings: as they are, or of several of one kind the first and their number.
 pub(crate) fn merged(warnings: &[String]) -> Vec<String> {
     let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
+    // The first warning of each kind, and the number of all of it.
     let mut groups: Vec<(&str, usize)> = Vec::new();
     for warning in warnings {
         let next = groups.len();
@@ -23,6 +24,7 @@ pub(crate) fn merged(warnings: &[String]) -> Vec<String> {
 
 /// What warnings of one kind have in common: the words before a colon, numbers and names left out.
 fn kind(warning: &str) -> String {
+    // A name is not in quotes in `the object NAME is gone`, and may be any text.
     for what in ["object", "material"] {
         let rest = warning.rsplit_once(": ").map_or(warning, |(_, rest)| rest);
         let of_part = rest.strip_prefix("the ").and_then(|rest| rest.strip_prefix(what));

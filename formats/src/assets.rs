@@ -97,9 +97,9 @@ impl Assets {
         bytes.map_err(|e| e.in_file(reference))
     }
 
-    /// Reads the file that a name as people have them leads to: as it is, with its backslashes as
-    /// slashes, if it names a folder of another machine, by its last part beside the asset, or
-    /// percent-decoded.
+    /// Reads the file that a name in a document means. Tries in turn the name as it is, with
+    /// slashes for backslashes, its last part beside the asset if it leads out of the folder or to
+    /// another machine, and the name percent-decoded.
     ///
     /// # Errors
     /// As [`Self::read_reference`] for the name as it is.

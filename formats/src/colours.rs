@@ -42,6 +42,7 @@ impl SrgbValues {
     }
 }
 
+/// See [`SrgbValues::of`].
 #[cfg(feature = "export")]
 fn shortest(light: f32, component: Component) -> f32 {
     let steps = match component {
@@ -59,11 +60,12 @@ fn shortest(light: f32, component: Component) -> f32 {
         let power = 10f64.powi(digits);
         ((v * power).round() / power) as f32
     };
-    // What is on a grid was a byte before, perhaps of six digits, or is at least as near to one as
-    // to its neighbours. In 16 bits bytes are 20 steps apart.
-    let off = if component == Component::U16 { 1.0 } else { 0.0 };
+    // Light in whole steps was a byte before if that byte rounds to the same step. In 16 bits,
+    // where bytes are at least 20 steps apart, the next step counts as well: the byte may have been
+    // written with six digits.
+    let max_steps = if component == Component::U16 { 1.0 } else { 0.0 };
     let byte = f64::from((value * 255.0).round()) / 255.0;
-    let was_byte = (stored(to_linear(byte as f32)) - stored(light)).abs() <= off;
+    let was_byte = (stored(to_linear(byte as f32)) - stored(light)).abs() <= max_steps;
     if steps.is_some() && was_byte {
         return rounded(byte, 6);
     }

@@ -1,4 +1,5 @@
-//! Writing one level of detail, in any format.
+//! Writes one level of detail in any format; says by how much reading and writing move vertices,
+//! and what a format leaves out.
 
 pub use crate::gltf::write::{RoundedObject, rounded};
 pub use crate::options::{ExportObject, ExportOptions, Precision};
@@ -29,6 +30,19 @@ pub enum ExportFormat {
     Ply,
     /// STL, binary.
     Stl,
+}
+
+impl ExportFormat {
+    /// The extensions of files that can be written, in alphabetical order, with their formats. A
+    /// `.vrm` is a GLB under the name of avatars.
+    pub const EXTENSIONS: [(&str, Self); 6] = [
+        ("glb", Self::Glb),
+        ("gltf", Self::Gltf),
+        ("obj", Self::Obj),
+        ("ply", Self::Ply),
+        ("stl", Self::Stl),
+        ("vrm", Self::Glb),
+    ];
 }
 
 /// Makes the files of an export in memory; nothing is written. Image files keep their names.
@@ -62,17 +76,17 @@ pub fn export_with(
         }
         ExportFormat::Obj => {
             let library = library(document, options)?;
-            let placed = all_placed(document, objects, true)?;
+            let placed = all_placed(document, objects, format)?;
             let loose = loose(document)?;
             obj::write::export(path, &placed, &library, &loose, options.provenance.as_ref())
         }
         ExportFormat::Ply => {
             let library = library(document, options)?;
-            let placed = all_placed(document, objects, false)?;
+            let placed = all_placed(document, objects, format)?;
             let loose = loose(document)?;
             ply::write::export(path, &placed, &library, &loose, options.provenance.as_ref())?
         }
-        ExportFormat::Stl => stl::write::export(path, &all_placed(document, objects, false)?)?,
+        ExportFormat::Stl => stl::write::export(path, &all_placed(document, objects, format)?)?,
     };
     files.extend(options.textures.copies.iter().cloned());
     Ok(files)
@@ -93,7 +107,7 @@ pub fn flattening_error(
     if matches!(format, ExportFormat::Glb | ExportFormat::Gltf) {
         return Ok(moved);
     }
-    for placed in all_placed(document, objects, false)? {
+    for placed in all_placed(document, objects, format)? {
         let vertices = placed.vertices();
         let rounding = match format {
             ExportFormat::Obj => obj::write::rounding(&vertices, placed.object.mesh),
@@ -125,7 +139,8 @@ fn largest_move(rounding: f64) -> f64 {
     3f64.sqrt() * rounding
 }
 
-/// Says what of an asset a format without it cannot hold; none if it holds all, or might.
+/// Says what of an asset an STL, which has triangles alone, leaves out; none if that is nothing,
+/// and for all other formats.
 #[must_use]
 pub fn left_out(
     format: ExportFormat,
@@ -177,16 +192,16 @@ fn library(document: &Document, options: &ExportOptions) -> Result<Library, Form
     }
 }
 
-/// The objects where the document shows them. With `keeps_texture_options` the materials of an OBJ
-/// keep the options that move their textures; else texture coordinates move in their place.
+/// The objects where the document shows them. From OBJ to OBJ materials keep the options that move
+/// their textures; else texture coordinates move in their place.
 fn all_placed<'a>(
     document: &Document,
     objects: &[ExportObject<'a>],
-    keeps_texture_options: bool,
+    format: ExportFormat,
 ) -> Result<Vec<Placed<'a>>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let read = match document {
-        Document::Obj(_) if keeps_texture_options => Vec::new(),
+        Document::Obj(_) if format == ExportFormat::Obj => Vec::new(),
         Document::Obj(obj) => obj::coordinates(obj, &infos),
         Document::Gltf(gltf) => gltf::coordinates(gltf, &infos, &Limits::DEFAULT)?,
     };

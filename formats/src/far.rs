@@ -1,7 +1,8 @@
-//! Whether coordinates stand too far from the origin for single precision, and by how much it
-//! rounds them.
+//! Bounding boxes: whether coordinates stand too far from the origin for single precision, and by
+//! how much it rounds them.
 
-/// Share of an object's diagonal by which a coordinate may be rounded.
+/// Share of an object's diagonal by which a coordinate may be rounded. Chosen by hand: a little
+/// more than single precision rounds where an object stands at the origin.
 pub(crate) const MAX_ROUNDING: f64 = 1e-7;
 /// By how much single precision rounds a number at most, as a share of it: half a unit in the last
 /// place.
@@ -25,7 +26,7 @@ impl Extent {
         Some(positions.fold(Self { low: first, high: first }, wider))
     }
 
-    /// Its diagonal.
+    /// The length of its diagonal.
     pub(crate) fn diagonal(&self) -> f64 {
         (0..3).map(|k| (self.high[k] - self.low[k]).powi(2)).sum::<f64>().sqrt()
     }
@@ -41,4 +42,16 @@ impl Extent {
         let rounding = self.rounding();
         rounding.is_finite() && rounding > MAX_ROUNDING * self.diagonal()
     }
+}
+
+/// The diagonal of the box around some positions; 0 without any.
+#[cfg(feature = "import")]
+pub(crate) fn diagonal(positions: &[[f32; 3]]) -> f64 {
+    let positions = positions.iter().map(|p| p.map(f64::from));
+    Extent::of(positions).map_or(0.0, |extent| extent.diagonal())
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "meshes and colours are in single precision")]
+pub(crate) const fn single(c: f64) -> f32 {
+    c as f32
 }

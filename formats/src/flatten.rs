@@ -1,5 +1,5 @@
-//! A scene of nodes as plain meshes in world space, for formats without nodes (OBJ, PLY): each node
-//! that shows a mesh gives a transformed copy of it.
+//! A scene of nodes as plain meshes in world space, for formats without nodes (OBJ, PLY, STL): each
+//! node that shows a mesh gives a transformed copy of it.
 
 use crate::far::{Extent, HALF_ULP};
 use crate::options::ExportObject;
@@ -16,7 +16,7 @@ const MAX_TRIANGLES: usize = 1 << 28;
 pub(crate) struct Placed<'a> {
     /// The object.
     pub(crate) object: ExportObject<'a>,
-    /// Its number.
+    /// Its index among the objects.
     pub(crate) number: usize,
     /// The node's name or, lacking that, the object's.
     pub(crate) name: String,
@@ -156,7 +156,7 @@ pub(crate) fn placed<'a>(
     objects: &[ExportObject<'a>],
     coordinates: &[Vec<FileCoordinates>],
 ) -> Result<Vec<Placed<'a>>, FormatError> {
-    let coordinates = |object: usize| coordinates.get(object).cloned().unwrap_or_default();
+    let coordinates_of = |object: usize| coordinates.get(object).cloned().unwrap_or_default();
     let scene = Arrangement::new(graph, &graph.rest_pose(), objects.len());
     let mut out = Vec::new();
     let mut triangles = 0;
@@ -177,7 +177,7 @@ pub(crate) fn placed<'a>(
             number: placement.object,
             name: name.unwrap_or_else(|| object.info.name.clone()),
             placement: (!is_identity(placement)).then(|| placement.clone()),
-            coordinates: coordinates(placement.object),
+            coordinates: coordinates_of(placement.object),
         });
     }
     let hidden = (0..objects.len()).filter(|&o| scene.of(o).next().is_none());
@@ -186,7 +186,7 @@ pub(crate) fn placed<'a>(
         number: o,
         name: objects[o].info.name.clone(),
         placement: None,
-        coordinates: coordinates(o),
+        coordinates: coordinates_of(o),
     }));
     Ok(out)
 }

@@ -1,4 +1,5 @@
-//! What is known of a value once somebody has worked it out, without naming who.
+//! A value that is made when it is first asked for and then kept, of a type that its owner need not
+//! know.
 
 use std::any::Any;
 use std::fmt;

@@ -3,8 +3,8 @@
 //! Nothing outside this package parses or writes files. It knows no model: a file has their arrays
 //! under the names of their kinds ([`lodc::StoredModel`]). Each format has a room: `gltf`, `obj`,
 //! `ply`, `stl`, `images`, [`lodc`] and `lods`; what they share is beside them, and `import`,
-//! `export`, `appearance` and `images::Textures` choose among them. No format uses what chooses,
-//! and its reader and writer do not use each other.
+//! `export`, `appearance`, `materials` and `images::Textures` choose among them. No format uses
+//! what chooses, and its reader and writer do not use each other.
 //!
 #![cfg_attr(all(feature = "import", feature = "export"), doc = "```")]
 #![cfg_attr(not(all(feature = "import", feature = "export")), doc = "```ignore")]
@@ -22,7 +22,7 @@
 //! # Ok::<(), lodc_formats::FormatError>(())
 //! ```
 //!
-//! Features: `import` (OBJ, glTF, PLY and STL in), `export` (glTF, OBJ and PLY out), `stream`
+//! Features: `import` (OBJ, glTF, PLY and STL in), `export` (the same out), `stream`
 //! (`.lods`); all of them by default, and without any the container alone.
 
 #![cfg_attr(

@@ -1,6 +1,7 @@
-//! Points and lines of a scene, which are not simplified and pass through. Besides an OBJ, PLY or
-//! STL they are kept as statements of an OBJ; a glTF has them in its document.
+//! Points and lines of a scene, which are not simplified and pass through. Those of an OBJ, PLY or
+//! STL are kept as statements of an OBJ; a glTF has them in its document.
 
+use crate::far::single;
 #[cfg(feature = "import")]
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -39,6 +40,7 @@ impl Loose {
             vertices.iter().for_each(|&v| put(&mut line, &(i64::from(v) - count)));
             line
         };
+        // Chosen by hand: readers limit the length of a line.
         statements.extend(self.points.chunks(64).map(|points| element("p", points)));
         statements.extend(self.lines.iter().map(|line| element("l", line)));
         statements
@@ -121,11 +123,6 @@ fn coordinate(line: &mut String, c: f64) {
         short if f64::from(short) == c => put(line, &short),
         _ => put(line, &c),
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "meshes and colours are in single precision")]
-pub(crate) const fn single(c: f64) -> f32 {
-    c as f32
 }
 
 fn put(line: &mut String, value: &dyn std::fmt::Display) {

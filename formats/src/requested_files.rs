@@ -25,17 +25,18 @@ struct File {
 }
 
 impl RequestedFiles {
-    /// A file whose content does not matter.
+    /// A list of one file that was read, without its hash.
     #[must_use]
-    pub fn only(path: &Path) -> Self {
+    pub fn from_path(path: &Path) -> Self {
         let mut files = Self::default();
+        // Any number: whoever records a hash reads the file once more.
         files.add(path, Some(0));
         files
     }
 
     /// Every file that was read.
     #[must_use]
-    pub fn read(&self) -> Vec<PathBuf> {
+    pub fn read_files(&self) -> Vec<PathBuf> {
         let read = self.files.iter().filter(|f| f.content.is_some());
         read.map(|f| f.path.clone()).collect()
     }

@@ -22,6 +22,18 @@ pub enum SourceFormat {
 }
 
 impl SourceFormat {
+    /// The name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
+            Self::Ply => "ply",
+            Self::Stl => "stl",
+        }
+    }
+
     /// Returns whether the document of such a scene is a glTF's.
     #[must_use]
     pub const fn is_gltf(self) -> bool {

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 /// OBJ.
 fn scenes() -> Vec<(String, String)> {
     let all = (0..9).map(|number: usize| {
-        let sizes: Vec<usize> = (0..=number % 5).map(|i| 6 + (5 * i + 3 * number) % 17).collect();
+        let sizes: Vec<usize> = (0..=number % 5).map(|i| 4 + (5 * i + 3 * number) % 11).collect();
         let node = |i: usize| {
             let scale = [1.0, 0.25, 4.0][(i + number) % 3];
             let (mesh, scale) = (i % sizes.len(), [scale, scale, 1.0]);

@@ -6,8 +6,8 @@ use std::process::Command;
 #[test]
 fn the_bytes_depend_on_neither_threads_nor_surroundings() {
     let f = Folder::new();
-    f.file("in/g.obj", grid(30));
-    f.file("in/s.gltf", scene(&[1.0, 0.25, 4.0, 2.0, 0.5], 12));
+    f.file("in/g.obj", grid(20));
+    f.file("in/s.gltf", scene(&[1.0, 0.25, 4.0, 2.0, 0.5], 9));
     for name in ["g.obj", "s.gltf"] {
         let input = f.join("in").join(name);
         let mut seen: Option<Vec<u8>> = None;

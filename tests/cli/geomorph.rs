@@ -264,13 +264,11 @@ fn real_meshes_morph() {
     let Some(corpus) = corpus() else { return };
     let models = [
         "paper/cow.obj",
-        "paper/bunny.obj",
         "paper/fandisk.obj",
         "paper/ogrehead.obj",
         "gltf/khronos/Duck.glb",
         "gltf/khronos/CesiumMan.glb",
         "gltf/khronos/CesiumMilkTruck.glb",
-        "gltf/khronos/BrainStem.glb",
         "gltf/khronos/AnimatedMorphCube.glb",
     ];
     let mut ratios = Vec::new();

@@ -156,7 +156,7 @@ fn a_killed_build_leaves_the_old_file_or_the_new_one() {
     child.kill().expect("it waits");
     child.wait().expect("it ends");
     assert!(f.read("g.lodc") == old, "it had no input yet");
-    let moments = lodc_fixtures::seeds(12, 48);
+    let moments = lodc_fixtures::seeds(6, 12);
     for moment in moments.clone() {
         f.file("g.lodc", &old);
         let mut command = Command::new(LODC);

@@ -41,7 +41,7 @@ fn exports_of_valid_gltf_files_are_valid_at_every_level() {
         if !valid
             || refused
             || path.contains("/invalid/")
-            || facts["triangles"].as_u64() > Some(20_000)
+            || facts["triangles"].as_u64() > Some(10_000)
         {
             continue;
         }
@@ -106,7 +106,7 @@ fn textured_models_are_as_valid_in_another_folder() {
             json["images"].as_array().is_some_and(|all| all.iter().any(|i| i["uri"].is_string()))
         };
         let refused = REFUSED.iter().any(|(name, _)| *name == path);
-        let large = facts["triangles"].as_u64() > Some(20_000);
+        let large = facts["triangles"].as_u64() > Some(10_000);
         if !path.ends_with(".gltf") || refused || large || path.contains("/invalid/") {
             continue;
         }

@@ -179,10 +179,11 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     if args.inputs.iter().filter(|input| output::is_standard_stream(input)).count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    let outputs = args.plots.iter().map(|folder| folder.join("-")).map(|file| (file, true));
-    for (file, make_folder) in outputs.chain(args.crowd.picture.iter().map(|f| (f.clone(), false)))
-    {
-        output::prepare_targets([&Target::File(file)], make_folder)?;
+    if let Some(folder) = &args.plots {
+        output::prepare_targets([&Target::File(folder.join("-"))], true)?;
+    }
+    if let Some(picture) = &args.crowd.picture {
+        output::prepare_targets([&Target::File(picture.clone())], false)?;
     }
     let device = open(&args.gpu)?;
     let mut report = BenchReport {
@@ -232,8 +233,8 @@ fn run_crowd(
     device: Option<&Device>,
     mut report: BenchReport,
 ) -> Outcome<Status> {
-    let read = |input: &PathBuf| read(args, u64::MAX, input).map(|(input, _)| input);
-    let inputs: Vec<Input> = args.inputs.iter().map(read).collect::<Outcome<_>>()?;
+    let whole = |input: &PathBuf| read(args, u64::MAX, input).map(|(input, _)| input);
+    let inputs: Vec<Input> = args.inputs.iter().map(whole).collect::<Outcome<_>>()?;
     let CrowdArgs { instances, seconds, seed, .. } = args.crowd;
     let limits = args.import.options().limits;
     let settings = CrowdSettings { instances, seconds, seed, rounds: args.rounds(), limits };
@@ -293,11 +294,12 @@ fn read(args: &BenchArgs, most: u64, input: &Path) -> Outcome<(Input, Vec<Option
     };
     console::warnings(&name, &asset.warnings);
     let progress = Progress::new(&name);
-    let within = |object| within(object, most, args.metric.metric);
-    let objects = std::mem::take(&mut asset.objects);
-    let within = || objects.into_iter().map(within).collect::<Outcome<Vec<_>>>();
-    let (objects, levels): (_, Vec<_>) = stages.run("level", within)?.into_iter().unzip();
-    asset.objects = objects;
+    let objects = std::mem::take(&mut asset.objects).into_iter();
+    let reduced = stages.run("level", || {
+        objects.map(|o| within(o, most, args.metric.metric)).collect::<Outcome<Vec<_>>>()
+    })?;
+    let levels: Vec<Option<String>>;
+    (asset.objects, levels) = reduced.into_iter().unzip();
     // A file holds errors: they count in its bytes, and streams are cut by them.
     let has_errors = is_file && levels.iter().all(Option::is_none);
     if !args.crowd.crowd && !has_errors {
@@ -337,8 +339,8 @@ fn within(
     Ok((LodObject { info: object.info, simplified, models: vec![] }, Some(line)))
 }
 
-/// Everything measured on one input, for people.
-fn text(file: &BenchFile, share: f64) -> String {
+/// Everything measured on one input, for people; `steps` as in [`BenchReport`].
+fn text(file: &BenchFile, steps: f64) -> String {
     let object = |ObjectFigures { counts: c, level, figures }: &ObjectFigures| {
         format!(
             "{}: {}\n  {}, {}, {}, {}, {}\n{}{}\n",
@@ -350,7 +352,7 @@ fn text(file: &BenchFile, share: f64) -> String {
             count(c.fakes, "fake"),
             count(c.records, "record"),
             level.as_ref().map(|line| format!("  ({line})\n")).unwrap_or_default(),
-            tables(figures, share)
+            tables(figures, steps)
         )
     };
     file.objects.iter().map(object).collect()

@@ -6,31 +6,23 @@ use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::huge_pages;
 use crate::jobs::{Queue, expected_bytes, locked};
-use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::program::Program;
 use crate::progress::BatchProgress;
 use clap::FromArgMatches;
-use lodc::pipeline::{Need, Size};
-use lodc_formats::import;
-use lodc_formats::import::Counted;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Work that is expected to need no more bytes of memory than this, those of a file of half a
-/// megabyte, need not give freed memory back before it ends. Chosen by hand.
-const MAX_SMALL_BYTES: u64 = 8_000_000;
-
-/// The arguments of a command for each asset, parsed once for every set of options.
+/// The arguments of a command for each job, parsed once for every set of options.
 #[derive(Debug)]
 pub(crate) struct JobOptions<A>(BTreeMap<OptionValues, Result<A, String>>);
 
 impl<A: FromArgMatches> JobOptions<A> {
-    /// Reads the command line anew for every set of options that assets have. `with_text` gets the
-    /// arguments and all options as text.
+    /// Reads the command line anew for every set of options that jobs have. `with_text` stores the
+    /// options' text in the arguments, for the result's record.
     pub(crate) fn new(
         program: &Program,
         command: &str,
@@ -47,7 +39,7 @@ impl<A: FromArgMatches> JobOptions<A> {
         Self(parsed)
     }
 
-    /// Returns the arguments for an asset.
+    /// Returns the arguments for a job.
     ///
     /// # Errors
     /// If one is wrong.
@@ -56,11 +48,11 @@ impl<A: FromArgMatches> JobOptions<A> {
         args.map_err(|what| Failure::usage(job.with_line(what)))
     }
 
-    /// Returns the arguments for an asset and its target, and makes sure that its result can be
+    /// Returns the arguments for a job and its target, and makes sure that its result can be
     /// written.
     ///
     /// # Errors
-    /// If an option is wrong, the asset has no target, or its result cannot be written.
+    /// If an option is wrong, the job has no target, or its result cannot be written.
     pub(crate) fn ready<'a>(&'a self, job: &'a Job) -> Outcome<(&'a A, &'a Target)> {
         let target = job.target.as_ref().map_err(|e| Failure::from(e.clone()))?;
         let args = self.of(job)?;
@@ -69,9 +61,9 @@ impl<A: FromArgMatches> JobOptions<A> {
     }
 }
 
-/// Does the work on every asset, several at a time within a budget, first those that need most
-/// memory. `need` says how many bytes an asset needs, if that is known. `work` also gets the
-/// asset's number. The results are in the order of the assets.
+/// Does the work of every job, several at a time within a budget, first those that need most
+/// memory. `need` says how many bytes a job needs, if that is known. `work` also gets the job's
+/// number. The results are in the order of the jobs.
 pub(crate) fn all<R: Send>(
     jobs: &[Job],
     budget: Budget,
@@ -80,9 +72,9 @@ pub(crate) fn all<R: Send>(
 ) -> Vec<R> {
     let expected = |job: &Job| expected_bytes(&job.input);
     let needs: Vec<u64> = match jobs {
-        // A single asset shares memory with no other, so a rough number will do.
+        // A single job shares memory with no other, so a rough number will do.
         [job] => vec![expected(job)],
-        _ => jobs.iter().map(|a| need(a).unwrap_or_else(|| expected(a))).collect(),
+        _ => jobs.iter().map(|job| need(job).unwrap_or_else(|| expected(job))).collect(),
     };
     if let [bytes] = needs[..] {
         huge_pages::allow_for(bytes);
@@ -109,36 +101,7 @@ pub(crate) fn all<R: Send>(
         worker();
     });
     let all = results.into_iter().map(|r| r.into_inner().unwrap_or_else(PoisonError::into_inner));
-    all.map(|result| result.expect("every asset has had its turn")).collect()
-}
-
-/// Bytes of memory for each byte of an input, besides the stages': the byte itself, what it decodes
-/// to, the document that the result holds, and the result.
-const MEMORY_PER_INPUT_BYTE: u64 = 4;
-
-/// Counts what a mesh holds, and estimates the bytes of memory that work on it needs beside the
-/// program's own. `needs` says what the stages need.
-///
-/// # Errors
-/// If it cannot be read, or cannot be read twice.
-pub(crate) fn estimate<const N: usize>(
-    input: &Path,
-    import: &ImportArgs,
-    needs: impl FnOnce(Size) -> [Need; N],
-) -> Outcome<(Counted, u64)> {
-    if output::is_standard_stream(input) {
-        let what = "standard input cannot be estimated: it can be read once only";
-        return Err(Failure::usage(what));
-    }
-    let counted = import::count(input, &import.options())?;
-    let size = Size { triangles: counted.triangles, vertices: counted.vertices, moving: 0 };
-    let largest = needs(size).iter().map(|need| need.bytes).max().unwrap_or(0);
-    Ok((counted, largest.saturating_add(counted.bytes.saturating_mul(MEMORY_PER_INPUT_BYTE))))
-}
-
-/// Returns whether an input is a file so small that its work need not give freed memory back.
-pub(crate) fn is_small(input: &Path) -> bool {
-    (1..=MAX_SMALL_BYTES).contains(&expected_bytes(input))
+    all.map(|result| result.expect("every job has had its turn")).collect()
 }
 
 /// The message of a panic's failure. The panic hook has already printed what happened and where.
@@ -151,11 +114,15 @@ const PANIC_MESSAGE: &str = "internal error";
 /// If the work fails.
 pub(crate) fn guarded<T>(input: &Path, work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
     let _at_work = AtWork::new();
-    let done = catch_unwind(AssertUnwindSafe(work));
-    let panic = || Failure { status: Status::Bug, message: PANIC_MESSAGE.to_owned() };
-    let done = done
-        .unwrap_or_else(|payload| Err(clock::time_limit_failure(&*payload).unwrap_or_else(panic)));
+    let done = match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(done) => done,
+        Err(payload) => Err(clock::time_limit_failure(&*payload).unwrap_or_else(internal_error)),
+    };
     done.map_err(|failure| with_input_name(input, failure))
+}
+
+fn internal_error() -> Failure {
+    Failure { status: Status::Bug, message: PANIC_MESSAGE.to_owned() }
 }
 
 /// Puts the input's name in front of a failure that names only a file that the input refers to.

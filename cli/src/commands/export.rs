@@ -2,7 +2,7 @@
 //! (extract, chain).
 
 use super::asset::SimplifyArgs;
-use super::each;
+use super::estimate::{estimate, is_small};
 use super::prune::{PruneArgs, Written};
 use super::runs::{Finished, RunArgs};
 use crate::batch::{self, BatchArgs, CommandPaths, Job, LEVEL_EXTENSIONS};
@@ -43,14 +43,14 @@ pub(crate) struct ExportArgs {
 impl ExportArgs {
     /// Returns whether there is one input, in a small file.
     pub(crate) fn is_small(&self, inputs: &[PathBuf]) -> bool {
-        !self.batch.takes_many(inputs) && inputs.iter().all(|input| each::is_small(input))
+        !self.batch.takes_many(inputs) && inputs.iter().all(|input| is_small(input))
     }
 
     /// Checks that the options fit together. Returns the assets of a run, with their targets at
     /// `output` and their own options.
     ///
     /// # Errors
-    /// If options do not fit together, or as [`batch::assets`] and [`ConfigArgs::apply`].
+    /// If options do not fit together, or as [`batch::jobs`] and [`ConfigArgs::apply`].
     pub(crate) fn jobs(
         &self,
         (program, command): (&Program, &str),
@@ -105,14 +105,15 @@ impl ExportArgs {
     /// # Errors
     /// If it cannot.
     pub(crate) fn check(&self, format: FormatName, target: &Target) -> Outcome<()> {
-        self.compress.wanted(format, false)?;
+        let input_is_compressed = false; // no matter for the check
+        self.compress.wanted(format, input_is_compressed)?;
         self.textures.check(format, *target == Target::Stdout)
     }
 
     /// Bytes of memory that an asset may need, if it is a mesh.
     pub(crate) fn need(&self, input: &Path) -> Option<u64> {
         let needs = |size| self.simplify.needs(size);
-        each::estimate(input, &self.import, needs).ok().map(|(_, bytes)| bytes)
+        estimate(input, &self.import, needs).ok().map(|(_, bytes)| bytes)
     }
 }
 

@@ -1,4 +1,4 @@
-//! One module per command: its options and what it does.
+//! One module per command, its options and what it does; private ones are shared by commands.
 
 mod asset;
 pub(crate) mod bench;
@@ -9,6 +9,7 @@ pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod config;
 mod each;
+mod estimate;
 mod export;
 pub(crate) mod extract;
 pub(crate) mod info;

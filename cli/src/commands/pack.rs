@@ -112,7 +112,7 @@ fn pack_asset(job: &Job, options: &JobOptions<PackArgs>) -> Outcome<JobResult<Pa
         return Ok(left);
     }
     let report = pack_one(args, input, target)?;
-    let files = RequestedFiles::only(input);
+    let files = RequestedFiles::from_path(input);
     let (outputs, rules) = match target {
         Target::File(path) => (vec![path.clone()], vec![DependencyRule::new(path, &files)]),
         Target::Stdout => (vec![], vec![]),

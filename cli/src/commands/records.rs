@@ -39,8 +39,8 @@ pub(crate) struct Wanted<'a> {
 }
 
 impl<'a> Wanted<'a> {
-    /// What is wanted of an input, of which nothing has been read, if a run leaves results alone
-    /// that are up to date: a file can be.
+    /// What is wanted of an input, of which nothing has been read. None unless the run leaves
+    /// results alone that are up to date, and the result is a file: only that can be.
     pub(crate) fn new(
         run: &RunArgs,
         input: &'a Path,
@@ -93,7 +93,7 @@ impl<'a> Wanted<'a> {
         (read, images): (&RequestedFiles, &RequestedFiles),
         warnings: &[String],
     ) -> Outcome<()> {
-        // Files with levels have been read by their names alone.
+        // A file with levels is listed as read, but without its hash: read it once more.
         let mut files = match has_extension(self.input, &["lodc"]) {
             true => {
                 let mut assets = self.assets.clone();

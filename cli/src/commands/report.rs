@@ -54,7 +54,8 @@ fn content<'a>(
         let message = format!("{name}: has no triangles: there is nothing to report");
         return Err(Failure::new(Status::Input, message));
     }
-    let check = || check_models(&asset.objects, &asset.document, 1, &options.limits);
+    let stride = 1;
+    let check = || check_models(&asset.objects, &asset.document, stride, &options.limits);
     let checks = stages.run("check", check)?;
     let content = PageContent {
         title: title.clone(),

@@ -61,14 +61,16 @@ pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     output::prepare_targets([&target], output::is_folder(&args.output))?;
     let mut stages = Stages::new(args.import.clock(&args.input));
     let scene = stages.run("import", || import::import(&args.input, &args.import.options()))?;
-    console::warnings(&args.input.display().to_string(), &scene.warnings);
-    let size = Size::of_objects(&scene.objects);
     let name = args.input.display().to_string();
+    console::warnings(&name, &scene.warnings);
+    let size = Size::of_objects(&scene.objects);
     args.import.limits().check_memory(&name, size, &[size.strips()])?;
     let options = CacheOptions { cache_size: args.cache_size, effort: args.effort };
     let mut made = StripText::default();
+    // `None`: a triangle list.
+    let kind = args.strips.kind();
     for object in &scene.objects {
-        stages.run("strips", || made.add(object, args.strips.kind(), &options));
+        stages.run("strips", || made.add(object, kind, &options));
     }
     let per_triangle = |n: u64| n as f64 / size.triangles.max(1) as f64;
     let summary = format!(

@@ -25,7 +25,7 @@ impl DependencyRule {
     #[must_use]
     pub(crate) fn new(output: &Path, files: &RequestedFiles) -> Self {
         let absent = files.absent().into_iter().filter(|path| make_can_name(path)).collect();
-        Self { output: output.to_owned(), inputs: files.read(), absent }
+        Self { output: output.to_owned(), inputs: files.read_files(), absent }
     }
 
     /// The rule with the files that gave the result its options.

@@ -11,10 +11,9 @@ use walkdir::WalkDir;
 /// `OUT/.lodc/NAME.json`.
 pub(crate) const RECORDS: &str = ".lodc";
 
-/// Returns the results of folders, by their names, of which none of the folders has the input any
-/// more, in the order of their names, without those of `jobs`, which named files and lists may put
-/// there, too. `recorded` says that only those with a record count. What cannot be read is left
-/// out.
+/// Returns, by folder and name, the results in folders that are named after inputs which no input
+/// folder has any more. Those of `jobs` are left out: named files and lists may have results there,
+/// too. With `recorded` only results with a record count. What cannot be read is left out.
 #[must_use]
 pub(crate) fn orphans(paths: CommandPaths<'_>, jobs: &[Job], recorded: bool) -> Vec<PathBuf> {
     let own: BTreeSet<PathBuf> = jobs.iter().filter_map(Job::file).map(path_identity).collect();

@@ -4,7 +4,8 @@ use crate::jobs::error::JobError;
 use crate::jobs::folder::globs;
 use globset::GlobSet;
 use lodc_formats::{ObjectInfo, PartNames, Scene};
-use lodc_select::{Target as LevelTarget, share, size};
+use lodc_select::Target as LevelTarget;
+use lodc_select::parse::{share, size};
 use lodc_simplify::{MetricKind, Options, Weights};
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -54,7 +55,8 @@ struct PartDocument {
     levels: Vec<NumberOrText>,
 }
 
-/// The key of parts of a configuration: it is for many assets, and some may lack them.
+/// The key that marks a part of a configuration: this is for many assets, and some may lack the
+/// part.
 pub(super) const IF_THERE: &str = "if-there";
 
 /// A number, or a text that is read as one.

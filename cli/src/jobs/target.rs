@@ -2,6 +2,7 @@
 
 use crate::jobs::error::JobError;
 use crate::jobs::folder::{LEVEL_EXTENSIONS, has_extension};
+use lodc_formats::export::ExportFormat;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -55,11 +56,8 @@ pub(crate) fn single_target(
     target
 }
 
-/// Extensions that say what is in a file.
-const KINDS: [&str; 15] = [
-    "obj", "mtl", "gltf", "glb", "vrm", "bin", "ply", "stl", "lodc", "lods", "html", "png", "jpg",
-    "jpeg", "webp",
-];
+/// Extensions that say what is in a file, besides [`ExportFormat::EXTENSIONS`].
+const OTHER_KINDS: [&str; 9] = ["mtl", "bin", "lodc", "lods", "html", "png", "jpg", "jpeg", "webp"];
 
 /// Refuses a name that says that something else is in a file than what `extension` stands for.
 ///
@@ -69,8 +67,10 @@ pub(crate) fn of_kind(file: &Path, extension: &str) -> Result<(), JobError> {
     let is = |kind: &str| has_extension(file, &[kind]);
     // Avatars are GLB files.
     let is_avatar = extension == "glb" && is("vrm") || extension == "vrm" && is("glb");
+    let says_kind = has_extension(file, &OTHER_KINDS)
+        || ExportFormat::EXTENSIONS.iter().any(|(kind, _)| is(kind));
     // Strips are text, whose files have any name.
-    if is(extension) || is_avatar || extension == "strips" || !has_extension(file, &KINDS) {
+    if is(extension) || is_avatar || extension == "strips" || !says_kind {
         return Ok(());
     }
     let what = format!("{}: what is written there is a .{extension} file", file.display());

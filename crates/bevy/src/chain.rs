@@ -43,12 +43,10 @@ impl AssetLoader for ChainLoader {
         let unevenness =
             |at: usize| motion.measured_placements(&finest.objects[at].mesh, at).unevenness;
         let unevenness: Vec<f64> = (0..infos.len()).map(unevenness).collect();
+        // The number of each submesh's material, by which submeshes of levels are found again.
         let keys = |object: &SceneObject, document: &Document| {
-            let materials = materials(document);
-            let mesh = object.info.document_mesh as usize;
-            let of = |primitive: u32| {
-                materials[mesh]["primitives"][primitive as usize]["material"].clone()
-            };
+            let primitives = &meshes(document)[object.info.document_mesh as usize]["primitives"];
+            let of = |primitive: u32| primitives[primitive as usize]["material"].clone();
             object.info.submeshes.iter().map(|s| of(s.document_primitive)).collect::<Vec<Value>>()
         };
         for (number, (scene, stated)) in chain.levels.iter().zip(&chain.stated.levels).enumerate() {
@@ -81,7 +79,7 @@ impl AssetLoader for ChainLoader {
 }
 
 /// The meshes of a document, whose primitives name their materials.
-fn materials(document: &Document) -> Value {
+fn meshes(document: &Document) -> Value {
     let Document::Gltf(gltf) = document else { return Value::Null };
     let root: Value = serde_json::from_str(gltf.json()).unwrap_or_default();
     root["meshes"].clone()

@@ -194,12 +194,13 @@ impl Component<'_> {
         let old_bounds = touched().map(|(_, face)| f64::from(self.faces[face].max_distance));
         let old_bound = old_bounds.fold(0.0, f64::max);
         let fan_bound = self.fan_gap(view).map(|gap| (gap + old_bound) * ROUND_UP);
-        let few_faces = few_faces(self.input.triangles.len() as u32);
+        let triangles = self.input.triangles.len() as u32;
+        let searches_all = view.step.live_faces <= max_searched_faces(triangles);
         for (touched, face) in touched().filter(|(touched, _)| touched.is_live) {
             match fan_bound {
                 // Where a fan became a smaller one, no hole opens and nothing spans one: the new
                 // faces are hardly farther than the samples of the old ones.
-                Some(bound) if view.step.live_faces > few_faces => {
+                Some(bound) if !searches_all => {
                     let max_distance = self.max_squared.max(ROUNDING_SQUARED).sqrt();
                     self.faces[face].max_distance = bound.min(max_distance) as f32;
                 }
@@ -240,7 +241,7 @@ impl Component<'_> {
     }
 }
 
-/// Of a mesh of some triangles, the number of faces from which on every new one is searched.
-fn few_faces(triangles: u32) -> u32 {
+/// Of a mesh of some triangles, the most faces with which every new one is searched.
+fn max_searched_faces(triangles: u32) -> u32 {
     if triangles <= FEW_TRIANGLES { triangles } else { FEW_FACES.max(triangles / FEW_DIVISOR) }
 }

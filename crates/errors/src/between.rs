@@ -1,8 +1,8 @@
 //! The distance between two surfaces that need not have a point in common: of levels that are not
 //! of the collapse sequence, since their vertices were moved, rounded or chosen otherwise.
 
-use crate::check::{CLOSE_SAMPLES, samples};
-use crate::difference::{Difference, Sampled};
+use crate::check::{CLOSE_SAMPLES, usual_samples};
+use crate::difference::Difference;
 use crate::input::to_dvec3;
 use crate::settings::Limits;
 use glam::DVec3;
@@ -93,22 +93,19 @@ impl Measurable {
     }
 
     /// As [`Self::distances`], for a check: up to a distance that is known nothing is searched
-    /// closely, and it is the least that is returned as a lower bound. The mean is known closely
-    /// before something is refused, roughly at first.
+    /// closely, and it is the least that is returned as a lower bound. `closely` asks for a mean of
+    /// many samples, before something is refused; few do at first.
     #[must_use]
     pub fn check_distances(&self, known: f64, other: &Self, closely: bool) -> Distances {
         let triangles = self.areas.len().max(other.areas.len());
-        self.measure(known, other, if closely { CLOSE_SAMPLES } else { samples(triangles) })
+        self.measure(known, other, if closely { CLOSE_SAMPLES } else { usual_samples(triangles) })
     }
 
     fn measure(&self, known: f64, other: &Self, samples: usize) -> Distances {
         let is_lost = |from: &Self, to: &Self| !from.areas.is_empty() && to.corners.is_empty();
-        if self.areas.is_empty() && other.areas.is_empty()
-            || is_lost(self, other)
-            || is_lost(other, self)
-        {
-            let is_same = self.areas.is_empty() && other.areas.is_empty();
-            let distance = if is_same { 0.0 } else { f64::INFINITY };
+        let are_empty = self.areas.is_empty() && other.areas.is_empty();
+        if are_empty || is_lost(self, other) || is_lost(other, self) {
+            let distance = if are_empty { 0.0 } else { f64::INFINITY };
             return Distances { lower: distance.max(known), upper: distance, rms: distance };
         }
         let [per_triangle, per_input, besides] = Limits::DEFAULT.boxes_per_level;
@@ -129,8 +126,8 @@ impl Measurable {
         let upper = there.upper.max(back.upper);
         // Rounding errors of coordinates are no distances.
         let upper = if upper <= 2.0 * search.floor { 0.0 } else { upper };
-        let mean_square = |sampled: Sampled| sampled.mean_square;
-        let rms = mean_square(there_sampled).max(mean_square(back_sampled)).sqrt().min(upper);
+        let mean_square = there_sampled.mean_square.max(back_sampled.mean_square);
+        let rms = mean_square.sqrt().min(upper);
         Distances { lower: there.lower.max(back.lower), upper, rms }
     }
 }

@@ -181,7 +181,7 @@ impl Checked {
             0.0
         };
         let LevelDistances { lower, upper, rms, .. } =
-            original.measure(self.lod, known, samples(original.input.triangles.len()), None);
+            original.measure(self.lod, known, usual_samples(original.input.triangles.len()), None);
         // What was known is not what was found.
         if lower > known && lower * scale > self.lower {
             (self.lower, self.shape) = (lower * scale, shape);
@@ -209,7 +209,7 @@ impl Checked {
             // Errors never fall: a finer level may be the one with that distance.
             let errors = &collapses.parts().step_errors;
             let first = errors.partition_point(|&e| f64::from(e) < stated);
-            let few = samples(simplified.mesh().triangles().len());
+            let few = usual_samples(simplified.mesh().triangles().len());
             let bound = measured(simplified, shapes, collapses.step(first).lod, few).upper;
             let bound = bound.max(self.upper.min(stated / MAX_STATED));
             if stated > MAX_STATED * bound {
@@ -244,7 +244,7 @@ impl Checked {
 
 /// Samples on either of two surfaces of some triangles that tell a root mean square distance, as
 /// long as it is not refused.
-pub(crate) fn samples(triangles: usize) -> usize {
+pub(crate) fn usual_samples(triangles: usize) -> usize {
     (SAMPLES_PER_TRIANGLE * triangles).clamp(SAMPLES[0], SAMPLES[1])
 }
 
@@ -256,7 +256,7 @@ struct LargestDistances {
     rms: f64,
 }
 
-/// Measures a level.
+/// Measures a level in all shapes, with `samples` on either surface.
 fn measured<S: AsRef<[[f32; 3]]>>(
     simplified: &Simplified,
     shapes: &[S],

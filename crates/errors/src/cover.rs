@@ -57,8 +57,8 @@ struct Base {
 }
 
 impl Base {
-    /// `None` for a face of nearly no area, or one that is too large for the margin that a bound
-    /// of `limit` allows.
+    /// `None` for a face of nearly no area, a thousandth as wide as long, or one that is too large
+    /// for the margin that a bound of `limit` allows.
     fn new([a, b, c]: [DVec3; 3], limit: f64) -> Option<Self> {
         let (ab, ac) = (b - a, c - a);
         let normal = ab.cross(ac);

@@ -101,7 +101,8 @@ impl<F: Fn(usize) -> ([DVec3; 3], u32) + Sync> Difference<F> {
         if self.len() <= CHOSEN {
             return None;
         }
-        // Those beyond the distance of which half as many as wanted are, in steps of 1.5 %.
+        // The farthest classes that have at most half of those wanted; a class spans 1.5 % of
+        // distance.
         let class = |estimate: &Estimate| (estimate.squared.to_bits() >> 18) as usize;
         let mut counts = vec![0usize; DISTANCE_CLASSES];
         estimates.iter().for_each(|estimate| counts[class(estimate)] += 1);
@@ -150,7 +151,7 @@ impl<F: Fn(usize) -> ([DVec3; 3], u32) + Sync> Difference<F> {
         let by_distance = if total_moment > 0.0 { all * BY_DISTANCE / total_moment } else { 0.0 };
         let by_area = all * BY_AREA / total_area;
         let by_number = all * (1.0 - BY_DISTANCE - BY_AREA) / self.len() as f64;
-        // How many samples each triangle has, in the mean, added up: fewer in all without moments.
+        // The expected number of samples of each triangle, added up: fewer in all without moments.
         let mut sum = 0.0;
         let add = |pair: (&f32, &Estimate)| {
             sum += moment(pair) * by_distance + f64::from(*pair.0) * by_area + by_number;

@@ -34,11 +34,11 @@ const SEARCHED_BEYOND: f64 = 0.75;
 const LARGE_TRIANGLE_SHARE: f64 = 2.5e-3;
 /// Most triangles of a mesh in which large ones are searched: meshes of more have enough points.
 /// Chosen by hand.
-const MAX_TRIANGLES_COVERED: usize = 1 << 16;
+const MAX_TRIANGLES_WITH_LARGE: usize = 1 << 16;
 
 /// Most samples for each triangle of a mesh of few: objects of a hundred triangles come by the
 /// thousand. Chosen by hand.
-const SAMPLES_PER_TRIANGLE: f64 = 32.0;
+const MAX_SAMPLES_PER_TRIANGLE: f64 = 32.0;
 
 /// A triangle is a sliver if its longest edge, squared, is more than this many times its area; and
 /// a long one while that is more than this many times E². In its middle it may be far where its
@@ -103,7 +103,7 @@ impl<'a> Forward<'a> {
         settings: Settings,
     ) -> Self {
         let mut faces = Faces::new(input, corner_vertices);
-        let most = SAMPLES_PER_TRIANGLE * input.triangles.len() as f64;
+        let most = MAX_SAMPLES_PER_TRIANGLE * input.triangles.len() as f64;
         let in_all = settings.few_triangles_samples.min(most);
         let samples = Samples::new(input, &mut faces.all, in_all);
         Self {
@@ -372,7 +372,7 @@ impl<'a> Forward<'a> {
     /// Searches those triangles of the input whose samples the step has moved and which are large:
     /// the step may leave a hole in which no sample is.
     fn search_large_triangles(&mut self) {
-        if self.input.triangles.len() > MAX_TRIANGLES_COVERED {
+        if self.input.triangles.len() > MAX_TRIANGLES_WITH_LARGE {
             return;
         }
         let mut large = std::mem::take(&mut self.large_triangles);

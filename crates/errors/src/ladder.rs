@@ -42,7 +42,7 @@ const ALIKE_RATIOS: [f64; 2] = [1.35, 1.12];
 const NEIGHBOURS: [f64; 2] = [1.15, 1.02];
 const NEIGHBOURS_TRIANGLES: u32 = 64;
 
-/// Unless one of these neighbours is so many times as far as the other, or as far in the mean, and
+/// Unless one of these neighbours is so many times as far as the other, or as far on average, and
 /// the pass does not know where between them: less than what a check of what is stated allows.
 /// Means that differ by no more than this share of the error are alike, too. Chosen by hand.
 const JUMP: f64 = 1.7;
@@ -77,12 +77,12 @@ const TRIANGLES_PER_SAMPLE: usize = 4;
 /// Most samples of a rung of a very small mesh: so many, and more for each triangle. Chosen by
 /// hand.
 const FEWEST_SAMPLES: usize = 256;
-const SAMPLES_PER_TRIANGLE: usize = 4;
+const RUNG_SAMPLES_PER_TRIANGLE: usize = 4;
 /// The same of those of up to so many triangles, whose rungs are few. Chosen by hand.
 const SAMPLES_OF_VERY_FEW: usize = 1280;
 const VERY_FEW_TRIANGLES: usize = 64;
 /// The same of those of large scenes.
-const SAMPLES_IN_SCENE: [usize; 2] = [128, 1];
+const RUNG_SAMPLES_IN_SCENE: [usize; 2] = [128, 1];
 /// The same of a rung whose mean distance is known from its neighbours, and the factor by which
 /// they may differ from that. Chosen by hand.
 const SAMPLES_OF_KNOWN: usize = 96;
@@ -147,7 +147,7 @@ struct Rung {
 
 /// Returns after how many steps levels are measured in any case, in rising order: the last is the
 /// coarsest level that has triangles. Of meshes of few triangles they are more.
-pub(crate) fn planned(sequence: &CollapseSequence, settings: Settings) -> Vec<usize> {
+pub(crate) fn planned_steps(sequence: &CollapseSequence, settings: Settings) -> Vec<usize> {
     let all = u64::from(sequence.parts().triangles);
     let last = sequence.steps_at(sequence.last_visible());
     let percentages =
@@ -321,8 +321,8 @@ impl Ladder<'_> {
         let means_are_alike = ratios_are_alike || is_alike(rms, coarser.rms, ALIKE[few]);
         let means_jump = !is_alike(rms + MEANS_SHARE * error, coarser.rms, JUMP_OF_MEANS);
         // A part that goes may leave a mean that falls again: of few triangles that is seen.
-        let errors_jump = few_triangles && !is_alike(error, coarser.upper, JUMP);
-        if (means_jump || errors_jump)
+        let errors_of_few_jump = few_triangles && !is_alike(error, coarser.upper, JUMP);
+        if (means_jump || errors_of_few_jump)
             && !is_in_scene
             && let Some(sudden) = self.sudden(steps, coarser, tiny)
         {
@@ -386,16 +386,16 @@ impl Ladder<'_> {
         let triangles = self.original.input.triangles.len();
         let [fewest, most] = self.limits().rung_samples;
         let samples = (triangles / TRIANGLES_PER_SAMPLE).clamp(fewest, most);
-        let [besides, per_triangle] = SAMPLES_IN_SCENE;
+        let [besides, per_triangle] = RUNG_SAMPLES_IN_SCENE;
         let samples = samples.min(match triangles {
             _ if self.settings.is_in_scene => besides + per_triangle * triangles,
             0..=VERY_FEW_TRIANGLES => SAMPLES_OF_VERY_FEW,
-            _ => FEWEST_SAMPLES + SAMPLES_PER_TRIANGLE * triangles,
+            _ => FEWEST_SAMPLES + RUNG_SAMPLES_PER_TRIANGLE * triangles,
         });
         let proposed_rms = Proposals::after(&self.proposals.rms, steps);
         let expected = known_ratio.map(|ratio| proposed_rms * ratio);
-        let few = if expected.is_some() { SAMPLES_OF_KNOWN } else { samples };
-        let mut found = self.original.measure(step.lod, known, few, rough);
+        let first_samples = if expected.is_some() { SAMPLES_OF_KNOWN } else { samples };
+        let mut found = self.original.measure(step.lod, known, first_samples, rough);
         work.boxes += found.boxes;
         if let Some(expected) = expected {
             let [low, high] = [expected.min(found.rms), expected.max(found.rms)];

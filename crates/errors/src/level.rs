@@ -186,7 +186,7 @@ impl<'a> Original<'a> {
             };
             (only_level.sample(&estimates, &to_input, samples), estimates)
         };
-        let ((forward_sampled, forward), (backward_sampled, backward)) =
+        let ((forward_sampled, triangle_estimates), (backward_sampled, face_estimates)) =
             rayon::join(forward, backward);
         // The distance of a sample is a lower bound.
         let sampled = forward_sampled.max_distance.max(backward_sampled.max_distance);
@@ -197,24 +197,25 @@ impl<'a> Original<'a> {
             let [triangles, faces] = &chosen;
             rayon::join(
                 || {
-                    let of = |i: usize| (only_input.corners(i), forward[i].near);
+                    let of = |i: usize| (only_input.corners(i), triangle_estimates[i].near);
                     farthest_of(search, known_distance, triangles, only_input.len(), of, &to_level)
                 },
                 || {
-                    let faces = level.not_covered(faces, limit, &backward, &to_input);
-                    let of = |i: usize| (only_level.corners(i), backward[i].near);
+                    let faces = level.not_covered(faces, limit, &face_estimates, &to_input);
+                    let of = |i: usize| (only_level.corners(i), face_estimates[i].near);
                     farthest_of(search, known_distance, &Some(faces), 0, of, &to_input)
                 },
             )
         };
         let (mut there, mut back) = find(if is_known {
-            [only_input.choose(&forward), only_level.choose(&backward)]
+            [only_input.choose(&triangle_estimates), only_level.choose(&face_estimates)]
         } else {
             [None, None]
         });
         if is_known && there.upper.max(back.upper) > search.accepted(limit) {
             (there, back) = find([None, None]);
         }
+        // Faces that need no search are within the limit.
         let covered = if back.upper > 0.0 || !level.changed_faces.is_empty() { limit } else { 0.0 };
         let mean_square = forward_sampled.mean_square.max(backward_sampled.mean_square);
         let upper = there.upper.max(back.upper).max(covered).min(input.diagonal);
@@ -318,7 +319,7 @@ impl<'a> LevelSurface<'a> {
     }
 }
 
-/// Looks for the point of some triangles, those of `chosen` or `count`, that is farthest from a
+/// Looks for the point of some triangles, those of `chosen` or all `count`, that is farthest from a
 /// surface. `of` returns the corners of each, and a triangle that is probably near.
 fn farthest_of(
     search: &FarthestSearch,

@@ -47,7 +47,7 @@ pub use step_errors::StepErrors;
 
 use floor::Floor;
 use input::Input;
-use ladder::{Ladder, planned};
+use ladder::{Ladder, planned_steps};
 use level::Original;
 use lodc_mesh::Simplified;
 use pass::Pass;
@@ -160,14 +160,14 @@ fn measure_above(
     rayon::scope(|_| {
         let pass = Pass { input: &input, simplified, floor, settings, tick };
         let sequence = simplified.collapses();
-        let mut planned = planned(sequence, settings);
+        let mut planned = planned_steps(sequence, settings);
         let proposals = &pass.run(&corner_vertices, &planned);
         let original = Original::new(&input, simplified, &corner_vertices, settings.limits);
         let ladder = Ladder { original, sequence, proposals, floor, settings, tick };
         let mut errors = ladder.complete(&planned);
         if before.error.is_empty() && settings.is_very_small(input.triangles.len()) {
             for _ in 0..MAX_CHECKS {
-                let mut refused = refused(simplified, &errors, posed);
+                let mut refused = refused_steps(simplified, &errors, posed);
                 refused.retain(|steps| planned.binary_search(steps).is_err());
                 if refused.is_empty() {
                     break;
@@ -184,7 +184,7 @@ fn measure_above(
 
 /// Returns after how many steps levels are not as far as a curve states: those that a check of it
 /// would refuse.
-fn refused(simplified: &Simplified, errors: &StepErrors, posed: &[[f32; 3]]) -> Vec<usize> {
+fn refused_steps(simplified: &Simplified, errors: &StepErrors, posed: &[[f32; 3]]) -> Vec<usize> {
     let StepErrors { error, rms, .. } = errors.clone();
     let stated = simplified.clone().with_distances(error, rms).expect("errors never fall");
     let steps = |lod| simplified.collapses().steps_at(lod);

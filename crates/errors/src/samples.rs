@@ -13,7 +13,7 @@ use lodc_nearest::{Triangles, area, centroid, longest_edge_squared};
 /// searched as a whole. Chosen by hand: more take time in every step.
 const MAX_EXTRA_SAMPLES: f64 = 24.0;
 
-/// And in the mean over all triangles: where most of them are long, each lies beside others. Chosen
+/// And on average over all triangles: where most of them are long, each lies beside others. Chosen
 /// by hand.
 const MAX_MEAN_EXTRA_SAMPLES: f64 = 4.0;
 
@@ -26,7 +26,7 @@ const AREA_PER_SAMPLE: f64 = 2.0;
 /// one for each half of that length. Chosen by hand.
 const LONG_EDGE_RATIO: f64 = 6.0;
 
-/// Most samples that one triangle of a mesh of few gets, as a share of the mesh's: 160 of 30,000.
+/// Most samples that one triangle of a mesh of few gets, as a share of the mesh's: 106 of 20,000.
 /// Chosen by hand; a `u8` holds the number.
 const MAX_SHARE_OF_SAMPLES: f64 = 1.0 / 187.5;
 

@@ -9,7 +9,7 @@ pub(crate) const FEW_TRIANGLES: u32 = 16_384;
 const VERY_SMALL_TRIANGLES: usize = 1_024;
 
 /// Samples of a mesh of a large scene, for each triangle, if it has few triangles. Chosen by hand.
-const SAMPLES_IN_SCENE: f64 = 4.0;
+const SAMPLES_PER_TRIANGLE_IN_SCENE: f64 = 4.0;
 
 /// How closely a pass searches.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,8 @@ impl Settings {
         let scene_triangles = scene_triangles.max(triangles).max(1);
         let share = triangles as f64 / scene_triangles as f64;
         let samples = self.few_triangles_samples;
-        let in_scene = (samples * share).max(SAMPLES_IN_SCENE * triangles as f64).min(samples);
+        let in_scene =
+            (samples * share).max(SAMPLES_PER_TRIANGLE_IN_SCENE * triangles as f64).min(samples);
         let few_triangles = scene_triangles <= FEW_TRIANGLES as usize;
         let few_triangles_samples = if few_triangles { samples } else { in_scene };
         let is_in_scene = !few_triangles && triangles <= FEW_TRIANGLES as usize;

@@ -103,7 +103,8 @@ impl Session {
         encoder: &mut wgpu::CommandEncoder,
         passes: &[Pass],
     ) -> Result<(), GpuError> {
-        self.encode(encoder, passes)
+        self.send_parameters(encoder, passes);
+        self.dispatch(encoder, passes, 0, None)
     }
 
     /// Adds a write of words to the start of a buffer to what is submitted next: passes that were
@@ -144,7 +145,8 @@ impl Session {
         pass.set_vertex_buffer(0, self.buffers[drawn.vertices.0].slice(..));
         pass.set_index_buffer(self.buffers[drawn.indices.0].slice(..), wgpu::IndexFormat::Uint32);
         for draw in drawn.first..drawn.first + drawn.count {
-            pass.draw_indexed_indirect(&self.buffers[drawn.draws.0], 20 * draw as u64);
+            // The arguments of a draw are five words.
+            pass.draw_indexed_indirect(&self.buffers[drawn.draws.0], 4 * 5 * draw as u64);
         }
     }
 
@@ -174,18 +176,8 @@ impl Session {
 
     fn submit(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
         let mut encoder = self.device.encoder();
-        self.encode(&mut encoder, passes)?;
+        self.encode_passes(&mut encoder, passes)?;
         self.device.submit(encoder)
-    }
-
-    /// Adds passes to what is submitted next.
-    pub(crate) fn encode(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        passes: &[Pass],
-    ) -> Result<(), GpuError> {
-        self.send_parameters(encoder, passes);
-        self.dispatch(encoder, passes, 0, None)
     }
 
     /// Adds passes to what is submitted next, whose parameters [`Self::send_parameters`] has sent:

@@ -53,10 +53,10 @@ impl Session {
         let all = || leads.clone().zip(runs);
         self.send_parameters(&mut encoder, all().flat_map(|(lead, run)| lead.iter().chain(run)));
         let mut slot = 0;
-        for (ticks, (lead, passes)) in (0..).step_by(2).zip(all()) {
+        for (first_stamp, (lead, passes)) in (0..).step_by(2).zip(all()) {
             self.dispatch(&mut encoder, lead, slot, None)?;
             slot += lead.len();
-            let stamps = Some((&clock.queries, ticks));
+            let stamps = Some((&clock.queries, first_stamp));
             self.dispatch(&mut encoder, passes, slot, stamps.filter(|_| canvas.is_none()))?;
             slot += passes.len();
             if let Some(canvas) = canvas {
@@ -92,7 +92,7 @@ impl Session {
         for (lead, passes) in before.iter().zip(runs) {
             self.run(lead)?;
             let mut encoder = self.device.encoder();
-            self.encode(&mut encoder, passes)?;
+            self.encode_passes(&mut encoder, passes)?;
             nanoseconds += self.device.submitted(encoder, now)?;
         }
         Ok(nanoseconds)

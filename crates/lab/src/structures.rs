@@ -85,13 +85,13 @@ fn lod_at_95_percent(model: &impl Model) -> Lod {
 }
 
 /// What is measured of every model and baseline; the rest is left out.
-fn measured<'a, M: Model>(model: &'a M, baseline: bool) -> Measured<'a>
+fn measured<'a, M: Model>(model: &'a M) -> Measured<'a>
 where
     M::Cursor: 'a,
 {
     Measured {
         name: model.name(),
-        baseline,
+        baseline: false,
         continuous: true,
         storage: [model.storage(), model.storage_to(lod_at_95_percent(model))],
         file_bytes: None,
@@ -117,12 +117,13 @@ pub(crate) fn all_measured<'a>(
             AnyModel::Speed(speed) => Some(speed.length_changes()),
             _ => None,
         },
-        ..measured(m, false)
+        ..measured(m)
     });
     let baselines = baselines.iter().map(|b| Measured {
+        baseline: true,
         continuous: b.continuous(),
         tight_bytes: b.tight_bytes(),
-        ..measured(b, true)
+        ..measured(b)
     });
     models.chain(baselines).collect()
 }

@@ -117,7 +117,7 @@ pub(crate) fn times(
 ) -> (Vec<Times>, Timings) {
     let mut all = vec![Times::default(); runners.len()];
     let mut rebuild = Rebuild::new(simplified);
-    let mut scratch = Timings::default();
+    let mut rebuild_micros = Timings::default();
     let most = MAX_TRIANGLES_OF_JUMPS / simplified.mesh().triangles().len().max(1);
     let jumps = (most as u32).clamp(1, JUMPS);
     for _ in 0..rounds {
@@ -138,10 +138,10 @@ pub(crate) fn times(
             }
         }
         for _ in 0..jumps {
-            scratch.add(micros(|| rebuild.indices_at(far).len()));
+            rebuild_micros.add(micros(|| rebuild.indices_at(far).len()));
         }
     }
-    (all, scratch)
+    (all, rebuild_micros)
 }
 
 /// Mean microseconds of a move.

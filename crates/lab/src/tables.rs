@@ -8,9 +8,11 @@ use serde::Serialize;
 use serde_json::Value;
 use std::fmt::{Display, Write};
 
-/// A column: its heading, where its number is, and how many digits it gets after the point.
+/// A column: its heading, the JSON pointer of its number in a row, and the digits after the point.
 type Column = (&'static str, &'static str, usize);
 
+/// As the thesis counts, with positions and with normals; the same down to 95 % of the LODs; in a
+/// file; and what the structure really holds (`tight`).
 const STORAGE: &[Column] = &[
     ("thesis", "/bits_per_vertex/thesis", 1),
     ("normals", "/bits_per_vertex/thesis_normals", 1),
@@ -19,6 +21,8 @@ const STORAGE: &[Column] = &[
     ("file", "/bits_per_vertex/file", 1),
     ("tight", "/bits_per_vertex/tight", 1),
 ];
+/// Also as multiples of the mean of Progressive Meshes (PM) and LodStrips, and a jump as one of a
+/// rebuild from scratch.
 const EXTRACTION: &[Column] = &[
     ("coarser", "/extraction/coarser_us", 3),
     ("finer", "/extraction/finer_us", 3),
@@ -28,6 +32,7 @@ const EXTRACTION: &[Column] = &[
     ("jump", "/extraction/jump_us", 1),
     ("× rebuild", "/extraction/jump_per_rebuild", 2),
 ];
+/// Means of all rounds, each with its deviation.
 const SPREAD: &[Column] = &[
     ("coarser", "/extraction/spread/coarser/mean", 3),
     ("±", "/extraction/spread/coarser/deviation", 3),
@@ -36,6 +41,7 @@ const SPREAD: &[Column] = &[
     ("jump", "/extraction/spread/jump/mean", 1),
     ("±", "/extraction/spread/jump/deviation", 1),
 ];
+/// The first three are for each update, the others for each LOD.
 const TRAFFIC: &[Column] = &[
     ("bytes", "/traffic/bytes_per_update", 0),
     ("upload", "/traffic/upload_bytes_per_update", 0),
@@ -44,6 +50,7 @@ const TRAFFIC: &[Column] = &[
     ("per triangle", "/drawn/indices_per_triangle", 3),
     ("less degen.", "/drawn/degenerates_removed", 2),
 ];
+/// Updates on a device.
 const GPU: &[Column] = &[
     ("runs", "/runs", 0),
     ("ms", "/milliseconds", 3),
@@ -52,6 +59,7 @@ const GPU: &[Column] = &[
     ("bytes sent", "/bytes", 0),
     ("M vertices/s", "/million_vertices_per_second", 1),
 ];
+/// Meshes of a stream's prefixes.
 const PREFIXES: &[Column] = &[
     ("bytes", "/bytes", 0),
     ("triangles", "/triangles", 0),
@@ -59,44 +67,42 @@ const PREFIXES: &[Column] = &[
     ("Hausdorff %", "/hausdorff", 3),
     ("image", "/image", 2),
 ];
+/// Words for each vertex on a device.
 const MEMORY: &[Column] = &[("positions", "/positions", 1), ("and normals", "/normals", 1)];
+/// Strips and lists of one LOD.
 const PRIMITIVES: &[Column] = &[
     ("strips", "/strips", 0),
     ("indices", "/indices", 0),
     ("per triangle", "/indices_per_triangle", 3),
     ("ACMR", "/acmr_fifo16", 3),
 ];
-
+/// Milliseconds for each draw.
 const DRAWS: &[Column] = &[("LOD 0", "/draw_ms", 3), ("20 %", "/draw_ms_20", 3)];
 
 /// All tables of an object; `share` is that of the LODs from one update to the next.
 #[must_use]
 pub fn tables(object: &BenchObject, share: f64) -> String {
     let mut text = String::new();
-    put_tables(&mut text, object, share);
-    text
-}
-
-fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
-    let percent = share * 100.0;
-    table(text, "storage, bits per vertex", &object.models, STORAGE);
-    table(text, &format!("µs per update of {percent} %"), &object.models, EXTRACTION);
-    if let Some(scratch) = object.rebuild_us {
+    // As `f32` the product has none of the digits that rounding added.
+    let percent = (share * 100.0) as f32;
+    table(&mut text, "storage, bits per vertex", &object.models, STORAGE);
+    table(&mut text, &format!("µs per update of {percent} %"), &object.models, EXTRACTION);
+    if let Some(rebuild_us) = object.rebuild_us {
         let lod = grouped(u64::from(object.jump_lod));
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "  (jump: LOD 0 to {lod}, 1 % of the triangles; from scratch {scratch:.1} µs)"
+            "  (jump: LOD 0 to {lod}, 1 % of the triangles; from scratch {rebuild_us:.1} µs)"
         );
     }
-    table(text, "the same, mean ± deviation", &object.models, SPREAD);
-    table(text, "per update, and per LOD", &object.models, TRAFFIC);
-    table(text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
-    table(text, "where 20 % is left", &object.primitives_20, PRIMITIVES);
+    table(&mut text, "the same, mean ± deviation", &object.models, SPREAD);
+    table(&mut text, "per update, and per LOD", &object.models, TRAFFIC);
+    table(&mut text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
+    table(&mut text, "where 20 % is left", &object.primitives_20, PRIMITIVES);
     if let Some(stream) = &object.stream {
-        streams(text, stream);
+        put_stream(&mut text, stream);
     }
-    let Some(gpu) = &object.gpu else { return };
+    let Some(gpu) = &object.gpu else { return text };
     let adapter = gpu.adapter.replace(char::is_control, "");
     let _ = writeln!(text, "\n  on {adapter}, by the clock of the {}", gpu.clock);
     if let Some(limit) = &gpu.limit {
@@ -105,17 +111,18 @@ fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
     for (name, why) in &gpu.left_out {
         let _ = writeln!(text, "  {name} left out: {why}");
     }
-    table(text, "draws of primitives, ms", &gpu.primitives, DRAWS);
+    table(&mut text, "draws of primitives, ms", &gpu.primitives, DRAWS);
     for (model, words) in &gpu.words_per_vertex {
-        table(text, &format!("{model}, words per vertex"), words, MEMORY);
+        table(&mut text, &format!("{model}, words per vertex"), words, MEMORY);
     }
     for (model, cases) in &gpu.models {
-        table(text, &format!("{model}, per update"), cases, GPU);
+        table(&mut text, &format!("{model}, per update"), cases, GPU);
     }
+    text
 }
 
-/// Appends the figures of streams.
-fn streams(text: &mut String, stream: &StreamReport) {
+/// Appends the figures of a stream.
+fn put_stream(text: &mut String, stream: &StreamReport) {
     let StreamReport {
         lossless,
         lossless_exact,
@@ -162,10 +169,11 @@ fn table<N: Display>(
     rows: &IndexMap<N, impl Serialize>,
     columns: &[Column],
 ) {
-    let number = |row: &Value, path: &str| row.pointer(path).and_then(Value::as_f64);
+    let number = |row: &Value, pointer: &str| row.pointer(pointer).and_then(Value::as_f64);
     let rows = rows.iter().map(|(name, row)| (name, value(row)));
-    let rows: Vec<_> =
-        rows.filter(|(_, row)| columns.iter().any(|c| number(row, c.1).is_some())).collect();
+    let rows: Vec<_> = rows
+        .filter(|(_, row)| columns.iter().any(|&(_, pointer, _)| number(row, pointer).is_some()))
+        .collect();
     if rows.is_empty() {
         return;
     }
@@ -176,8 +184,8 @@ fn table<N: Display>(
     text.push('\n');
     for (name, row) in rows {
         let _ = write!(text, "    {name:<24}");
-        for &(_, path, decimals) in columns {
-            let cell = match number(&row, path) {
+        for &(_, pointer, decimals) in columns {
+            let cell = match number(&row, pointer) {
                 None => "-".to_owned(),
                 Some(n) if decimals == 0 => grouped(n.round() as u64),
                 Some(n) => format!("{n:.decimals$}"),

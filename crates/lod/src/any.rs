@@ -39,9 +39,9 @@ impl ModelKind {
     #[must_use]
     pub const fn shaders(self) -> &'static [Shader] {
         match self {
-            Self::Interactive => &crate::interactive::shaders::ALL,
-            Self::Masking => &crate::masking::SHADERS,
             Self::Speed => &crate::speed::SHADERS,
+            Self::Masking => &crate::masking::SHADERS,
+            Self::Interactive => &crate::interactive::shaders::ALL,
         }
     }
 
@@ -114,9 +114,9 @@ impl AnyModel {
             strips.get(default)
         };
         match kind {
-            ModelKind::Interactive => Interactive::build(simplified).map(Self::Interactive),
-            ModelKind::Masking => Masking::build(simplified, own_strips()).map(Self::Masking),
             ModelKind::Speed => Speed::build(simplified, own_strips()).map(Self::Speed),
+            ModelKind::Masking => Masking::build(simplified, own_strips()).map(Self::Masking),
+            ModelKind::Interactive => Interactive::build(simplified).map(Self::Interactive),
         }
     }
 
@@ -130,9 +130,9 @@ impl AnyModel {
         arrays: &[Array],
     ) -> Result<Self, BuildError> {
         match kind {
-            ModelKind::Interactive => Interactive::load(simplified, arrays).map(Self::Interactive),
-            ModelKind::Masking => Masking::load(simplified, arrays).map(Self::Masking),
             ModelKind::Speed => Speed::load(simplified, arrays).map(Self::Speed),
+            ModelKind::Masking => Masking::load(simplified, arrays).map(Self::Masking),
+            ModelKind::Interactive => Interactive::load(simplified, arrays).map(Self::Interactive),
         }
     }
 
@@ -161,8 +161,8 @@ impl AnyModel {
     #[must_use]
     pub fn verify_views(&self) -> Option<Check> {
         match self {
-            Self::Interactive(model) => Some(model.verify_views()),
             Self::Speed(_) | Self::Masking(_) => None,
+            Self::Interactive(model) => Some(model.verify_views()),
         }
     }
 

@@ -1,10 +1,12 @@
 //! An asset whose levels can be taken out: the one way from a scene to levels.
 //!
 //! ```text
-//! scene ── simplified ──► sequences ── measured ──► every level's error ── with_models ──► a file
-//!                             │
-//!                             └─ with_poses ──► errors of the levels that are taken out
+//! scene ── sequences ──► an asset ── measured ──► every level's error ── with_models ──► a file
+//!                            │
+//!                            └─ with_poses ──► errors of the levels that are taken out
 //! ```
+//!
+//! `simplified` is `sequences`, then one of `measured` and `with_poses`.
 
 #[cfg(feature = "export")]
 use crate::LevelOf;
@@ -180,7 +182,7 @@ impl Asset {
             document: file.document,
             compressed: false,
             simplified: false,
-            files: RequestedFiles::only(path),
+            files: RequestedFiles::from_path(path),
             warnings: file.left_out,
             errors: Errors::Curve,
             colours: None,

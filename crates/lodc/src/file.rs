@@ -142,7 +142,8 @@ impl File {
     pub fn level(&self, select: Select) -> Result<Level<'_>, Error> {
         self.materials()?;
         let scene = scene_levels(self.objects(), &self.content.document, &Limits::DEFAULT)?;
-        let chosen = scene.select(select, false)?;
+        let per_object = false;
+        let chosen = scene.select(select, per_object)?;
         let shape = MeshOptions { model: None, order: Order::Cache };
         let meshes = level_mesh::meshes(self.objects(), &chosen.lods, shape)?;
         let (error, rms) = level_mesh::largest_of_meshes(self.objects(), &meshes);
@@ -247,17 +248,16 @@ impl<'a> Level<'a> {
         use lodc_formats::images::{TextureMode, Textures};
         let path = path.as_ref();
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let (format, mode) = match &*extension {
-            "glb" | "vrm" => (ExportFormat::Glb, Some(TextureMode::Embed)),
-            "gltf" => (ExportFormat::Gltf, Some(TextureMode::Copy)),
-            "obj" => (ExportFormat::Obj, Some(TextureMode::Copy)),
-            "ply" => (ExportFormat::Ply, Some(TextureMode::Copy)),
-            "stl" => (ExportFormat::Stl, None),
-            _ => {
-                let what =
-                    "the extension names no known format: .glb, .gltf, .obj, .ply, .stl, .vrm";
-                return Err(Error::Request(format!("{}: {what}", path.display())));
-            }
+        let mut known = ExportFormat::EXTENSIONS.into_iter();
+        let Some((_, format)) = known.find(|(known, _)| *known == extension) else {
+            let known = ExportFormat::EXTENSIONS.map(|(known, _)| format!(".{known}")).join(", ");
+            let what = format!("the extension names no known format: {known}");
+            return Err(Error::Request(format!("{}: {what}", path.display())));
+        };
+        let mode = match format {
+            ExportFormat::Glb => Some(TextureMode::Embed),
+            ExportFormat::Gltf | ExportFormat::Obj | ExportFormat::Ply => Some(TextureMode::Copy),
+            ExportFormat::Stl => None,
         };
         let content = &self.file.content;
         let mut options = ExportOptions::default();

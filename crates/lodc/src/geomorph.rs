@@ -48,8 +48,8 @@ impl MorphingLevel {
             Err(_) => (input, becomes[v as usize]),
         };
         let goals: Vec<(&Mesh, u32)> = vertices.iter().rev().map(goal).collect();
-        let last = now.vertex_count() as u32;
-        let order: Vec<u32> = (0..last).rev().collect();
+        let count = now.vertex_count() as u32;
+        let order: Vec<u32> = (0..count).rev().collect();
         let reversed = |triangles: Vec<[u32; 3]>, submeshes: Vec<Submesh>| MeshParts {
             positions: order.iter().map(|&v| now.positions()[v as usize]).collect(),
             vertex_submesh: order.iter().map(|&v| now.vertex_submesh()[v as usize]).collect(),
@@ -61,7 +61,7 @@ impl MorphingLevel {
             triangles,
             submeshes,
         };
-        let renumbered = now.triangles().iter().map(|t| t.map(|v| last - 1 - v)).collect();
+        let renumbered = now.triangles().iter().map(|t| t.map(|v| count - 1 - v)).collect();
         let mesh = reversed(renumbered, now.submeshes().to_vec());
         let empty = |s: &Submesh| Submesh {
             first_triangle: 0,
@@ -105,8 +105,8 @@ impl MorphingLevel {
             }
         }
         let first_remaining = simplified.collapses().floor(next_lod).0;
-        let first = vertices.len() - vertices.partition_point(|&v| v < first_remaining);
-        let moving = if moves_all { 0 } else { first as u32 }..last;
+        let staying = vertices.len() - vertices.partition_point(|&v| v < first_remaining);
+        let moving = if moves_all { 0 } else { staying as u32 }..count;
         let mesh_of = |parts| {
             Mesh::try_from(parts).map_err(|e| Error::Bug(format!("a level on its way: {e}")))
         };
@@ -141,8 +141,8 @@ pub fn pose_error(
     farthest_vertex(shapes, &arrived(now, next, takes_joints), next, moving)
 }
 
-/// The vertices of `now` where a morph target has moved them to `next`: with the morph targets, and
-/// unless they take those of the next level the joints, of their own.
+/// The vertices of `now` once a morph target has moved them to `next`. They keep their own deltas
+/// of other morph targets and, unless they take those of what they become, their own joints.
 pub(crate) fn arrived(now: &Mesh, next: &Mesh, takes_joints: bool) -> Mesh {
     let is_kept = |a: &Attribute| match a.semantic {
         Semantic::Joints(_) | Semantic::Weights(_) => !takes_joints,

@@ -32,7 +32,7 @@
 //! | `stream` | `.lods` streams: `formats::lods` |
 //! | `import` | glTF, GLB, OBJ, PLY and STL as scenes |
 //! | `build` | files from meshes; takes `import` |
-//! | `export` | levels as glTF, GLB, OBJ and PLY |
+//! | `export` | levels as glTF, GLB, OBJ, PLY and STL |
 //! | `gpu` | levels on a graphics device: `gpu::ResidentObject` |
 
 #[cfg(feature = "build")]

@@ -13,9 +13,17 @@ const MAX_EDGES: usize = 1 << 22;
 /// Triangles of all objects above which no borders are searched for, likewise.
 const MAX_TRIANGLES: usize = 1 << 24;
 
-/// A border edge in the world: its ends in single precision, the smaller first; the number of its
-/// placement; its object; whether the object's level lacks one of its ends.
-type Edge = ([[u32; 3]; 2], usize, usize, bool);
+/// A border edge in the world.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Edge {
+    /// The bits of its ends in single precision, the smaller first.
+    ends: [[u32; 3]; 2],
+    /// The number of its placement, over all objects.
+    placement: usize,
+    object: usize,
+    /// Whether the object's level lacks one of its ends.
+    is_gone: bool,
+}
 
 /// Returns the names of objects whose borders meet those of others (or their own, in another place)
 /// in the scene at rest, and come apart at `lods`, as at least one side loses vertices there.
@@ -44,10 +52,10 @@ pub fn parting_borders<'a>(
         return Ok(Vec::new());
     }
     let mut edges: Vec<Edge> = Vec::new();
-    let mut placements = 0;
+    let mut placement_number = 0;
     for (o, border) in borders.iter().enumerate().filter(|(_, border)| !border.is_empty()) {
         let simplified = &objects[o].simplified;
-        let is_gone = gone(simplified, lods[o]);
+        let gone_vertices = gone(simplified, lods[o]);
         for placement in scene.of(o) {
             let positions = posed_positions(simplified.mesh(), placement);
             // −0 and +0 are one position.
@@ -57,21 +65,22 @@ pub fn parting_borders<'a>(
             };
             edges.extend(border.iter().map(|&ends| {
                 let [a, b] = ends.map(end);
-                let is_gone = ends.iter().any(|&v| is_gone[v as usize]);
-                ([a.min(b), a.max(b)], placements, o, is_gone)
+                let is_gone = ends.iter().any(|&v| gone_vertices[v as usize]);
+                let ends = [a.min(b), a.max(b)];
+                Edge { ends, placement: placement_number, object: o, is_gone }
             }));
-            placements += 1;
+            placement_number += 1;
         }
     }
     edges.par_sort_unstable();
-    let mut parts = vec![false; objects.len()];
-    for same in edges.chunk_by(|a, b| a.0 == b.0) {
-        let meet = same.iter().any(|edge| edge.1 != same[0].1);
-        if meet && same.iter().any(|edge| edge.3) {
-            same.iter().for_each(|edge| parts[edge.2] = true);
+    let mut comes_apart = vec![false; objects.len()];
+    for same in edges.chunk_by(|a, b| a.ends == b.ends) {
+        let meet = same.iter().any(|edge| edge.placement != same[0].placement);
+        if meet && same.iter().any(|edge| edge.is_gone) {
+            same.iter().for_each(|edge| comes_apart[edge.object] = true);
         }
     }
-    let names = objects.iter().zip(parts).filter(|(_, parts)| *parts);
+    let names = objects.iter().zip(comes_apart).filter(|(_, comes_apart)| *comes_apart);
     Ok(names.map(|(o, _)| o.info.name.as_str()).collect())
 }
 

@@ -52,7 +52,7 @@ impl<'a> Rounding<'a> {
         };
         let mut rounded = rounded.into_iter().flatten();
         let triangles: usize = objects.iter().map(|o| o.simplified.mesh().triangles().len()).sum();
-        let is_small = triangles <= MAX_MEASURED;
+        let is_small = triangles <= MAX_MEASURED_TRIANGLES;
         let mut by_object = Vec::with_capacity(objects.len());
         for ((object, stored), exported) in objects.iter().zip(stored).zip(&exported) {
             let rounded = rounded.next().zip(shapes.next());
@@ -267,7 +267,7 @@ const MAX_UNSEEN: f64 = 0.1;
 
 /// Triangles of a scene above which bounds are stated where they hold: measuring takes up to as
 /// long as extracting the finest level does, some 20 ms for so many. Chosen by hand.
-const MAX_MEASURED: usize = 4_000;
+const MAX_MEASURED_TRIANGLES: usize = 4_000;
 
 #[cfg(all(test, feature = "build"))]
 mod tests {

@@ -72,10 +72,11 @@ impl Original {
     /// Measures both ways, as [`distances`] does.
     #[must_use]
     pub fn distances(&self, other: &Surface) -> Distances {
-        let forward = self.samples.farthest_and_mean(&other.tree(), |t| self.tree.corners_of(t));
-        let backward = Samples::new(other, &self.sampling);
-        let backward = backward.farthest_and_mean(&self.tree, |t| other.corners(t as usize));
-        Distances { hausdorff: [forward.0, backward.0], rms: [forward.1, backward.1] }
+        let (largest_there, rms_there) =
+            self.samples.largest_and_rms(&other.tree(), |t| self.tree.corners_of(t));
+        let (largest_back, rms_back) = Samples::new(other, &self.sampling)
+            .largest_and_rms(&self.tree, |t| other.corners(t as usize));
+        Distances { hausdorff: [largest_there, largest_back], rms: [rms_there, rms_back] }
     }
 }
 
@@ -117,7 +118,7 @@ impl Samples {
     /// The largest and the root mean square distance to another surface. The triangles of the
     /// farthest samples, whose corners `corners` gives, are searched for points that are farther
     /// still.
-    fn farthest_and_mean(
+    fn largest_and_rms(
         &self,
         to: &TriangleTree,
         corners: impl Fn(u32) -> [DVec3; 3],

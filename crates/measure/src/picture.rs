@@ -81,7 +81,7 @@ pub struct ImageError {
 #[must_use]
 pub fn pictures(surface: &Surface, cameras: &[Camera], shading: ShadingOptions) -> Vec<Picture> {
     let shaded = ShadedSurface::new(surface, &[shading]);
-    cameras.par_iter().map(|camera| shaded.picture(camera, true)).collect()
+    cameras.par_iter().map(|camera| shaded.picture_with_points(camera)).collect()
 }
 
 /// A surface with the normals that it is shaded by.
@@ -110,14 +110,19 @@ impl<'a> ShadedSurface<'a> {
         Self { surface, normals, kinds: kinds.iter().map(possible).collect() }
     }
 
-    /// Takes a picture of the first kind, with the points that it shows if they are asked for.
-    pub(crate) fn picture(&self, camera: &Camera, with_points: bool) -> Picture {
-        picture(self, &self.kinds[..1], camera, with_points).swap_remove(0)
+    /// Takes a picture of the first kind, without points.
+    pub(crate) fn picture(&self, camera: &Camera) -> Picture {
+        take_pictures(self, &self.kinds[..1], camera, false).swap_remove(0)
+    }
+
+    /// Takes a picture of the first kind, with the points that it shows.
+    fn picture_with_points(&self, camera: &Camera) -> Picture {
+        take_pictures(self, &self.kinds[..1], camera, true).swap_remove(0)
     }
 
     /// Takes a picture of each kind, without points.
     pub(crate) fn kinds(&self, camera: &Camera) -> Vec<Picture> {
-        picture(self, &self.kinds, camera, false)
+        take_pictures(self, &self.kinds, camera, false)
     }
 }
 
@@ -191,7 +196,7 @@ pub(crate) fn image_error(pictures: impl Iterator<Item = Difference>) -> ImageEr
 }
 
 /// Takes pictures of some kinds by one camera: what each pixel shows is found once for all.
-fn picture(
+fn take_pictures(
     ShadedSurface { surface, normals, .. }: &ShadedSurface<'_>,
     kinds: &[ShadingOptions],
     camera: &Camera,

@@ -23,7 +23,7 @@ impl ReferencePictures {
     pub fn new(surface: &Surface, viewing: Viewing, shading: ShadingOptions) -> Self {
         let cameras = viewing.cameras(surface);
         let shaded = ShadedSurface::new(surface, &[shading]);
-        let pictures = cameras.par_iter().map(|camera| shaded.picture(camera, false)).collect();
+        let pictures = cameras.par_iter().map(|camera| shaded.picture(camera)).collect();
         Self { cameras, shading, pictures }
     }
 
@@ -44,8 +44,7 @@ impl ReferencePictures {
     pub fn compare(&self, other: &Surface) -> ImageError {
         let shaded = ShadedSurface::new(other, &[self.shading]);
         let references = self.cameras.par_iter().zip(&self.pictures);
-        let difference =
-            |(camera, picture)| Difference::new(picture, &shaded.picture(camera, false));
+        let difference = |(camera, picture)| Difference::new(picture, &shaded.picture(camera));
         image_error(references.map(difference).collect::<Vec<_>>().into_iter())
     }
 

@@ -33,7 +33,7 @@ impl SceneSurface {
         Self::with_images(meshes, scene, shading, || images.collect())
     }
 
-    /// As [`Self::new`], with the prepared images of `looks`; `images` is called only if they are
+    /// As [`Self::new`], with the images of `shading` prepared: `images` is called only if they are
     /// needed.
     #[must_use]
     pub fn with_images(
@@ -150,6 +150,7 @@ fn colour(stream: &Attribute, v: u32) -> Vec3 {
     Vec3::from([0, 1, 2].map(component))
 }
 
+/// The texture coordinates of a vertex; zeros in place of components that are not there.
 fn pair(stream: &Attribute, v: u32) -> [f32; 2] {
     let component = |i: usize| {
         if i < usize::from(stream.components) { stream.value(v, i) } else { 0.0 }

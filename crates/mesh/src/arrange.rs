@@ -37,8 +37,8 @@ impl Mesh {
         let bits = |v: u32| self.positions()[v as usize].map(f32::to_bits);
         let submesh = |v: u32| self.vertex_submesh()[v as usize];
         let compare = |&a: &u32, &b: &u32| {
-            let streams = &self.submeshes()[submesh(a) as usize].attributes;
-            let streams = || streams.iter().map(|&s| &self.attributes()[s as usize]);
+            let stored = &self.submeshes()[submesh(a) as usize].attributes;
+            let streams = || stored.iter().map(|&s| &self.attributes()[s as usize]);
             let key_order = (submesh(a), bits(a)).cmp(&(submesh(b), bits(b)));
             key_order.then_with(|| streams().map(|s| s.at(a)).cmp(streams().map(|s| s.at(b))))
         };

@@ -105,7 +105,7 @@ impl Simplified {
                 becomes[v] = if removed.contains(&to) { becomes[to] } else { to as u32 };
             }
         }
-        // One that has lost its triangles before stays until the level after its last one.
+        // One that the next level has, but without triangles, stays where it is.
         for &LastUse { level, vertex } in &used {
             let is_there = |floor: &Lod| vertex >= floor.0;
             if floors.get(level + 1).is_some_and(is_there) {
@@ -123,6 +123,7 @@ impl Simplified {
             let slot = &mut number[to as usize];
             if *slot == NONE {
                 *slot = used.len() as u32;
+                // No level uses it: its level is not read.
                 used.push(LastUse { level: 0, vertex: to });
             }
         }
@@ -196,16 +197,6 @@ impl Simplified {
             submesh
         };
         let submeshes = mesh.submeshes().iter().zip(level).map(submesh).collect();
-        Mesh::try_from(MeshParts {
-            positions: sources.iter().map(|&v| mesh.positions()[v as usize]).collect(),
-            vertex_submesh: sources.iter().map(|&v| mesh.vertex_submesh()[v as usize]).collect(),
-            attributes: mesh
-                .attributes()
-                .iter()
-                .map(|a| a.gathered(sources.iter().copied()))
-                .collect(),
-            triangles: level.concat(),
-            submeshes,
-        })
+        Mesh::try_from(mesh.with_vertices(sources, level.concat(), submeshes))
     }
 }

@@ -126,7 +126,8 @@ impl MeshParts {
     /// # Errors
     /// The first thing that is wrong.
     pub fn check(&self) -> Result<(), MeshError> {
-        check(self, false)
+        let without_degenerate = false;
+        check(self, without_degenerate)
     }
 }
 
@@ -134,7 +135,8 @@ impl TryFrom<MeshParts> for Mesh {
     type Error = MeshError;
 
     fn try_from(parts: MeshParts) -> Result<Self, MeshError> {
-        check(&parts, true)?;
+        let without_degenerate = true;
+        check(&parts, without_degenerate)?;
         Ok(Self(parts))
     }
 }

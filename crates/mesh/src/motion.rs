@@ -12,7 +12,7 @@ const MAX_WEIGHT_DIFFERENCE: f32 = 0.01;
 pub(crate) struct MotionStreams<'a> {
     /// The deltas of positions, by morph target. A vertex has zeros in those of other submeshes.
     deltas: BTreeMap<u32, Vec<&'a Attribute>>,
-    /// Joints and weights, by set.
+    /// The streams of joints' indices and those of their weights, by set.
     joints: BTreeMap<u32, [Vec<&'a Attribute>; 2]>,
     /// The submesh of each vertex.
     vertex_submesh: &'a [u32],
@@ -130,7 +130,7 @@ impl<'a> MotionStreams<'a> {
     }
 }
 
-/// A component of a vertex. It has zeros in all streams but those of its submesh.
+/// A component of a vertex: the sum over all streams, as it has zeros in those of other submeshes.
 fn sum_of(streams: &[&Attribute], vertex: u32, component: usize) -> f32 {
     let has = |a: &&&Attribute| component < usize::from(a.components);
     streams.iter().filter(has).map(|a| a.value(vertex, component)).sum()

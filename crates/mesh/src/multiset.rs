@@ -1,5 +1,7 @@
 //! Comparing meshes as multisets of oriented triangles: exactly, and by an order-independent hash.
 
+use crate::SplitMix64;
+
 /// A triangle of a submesh whose corners are rotated so that the smallest comes first. Two are
 /// equal exactly if they are the same triangle with the same orientation. (The corners must be
 /// different vertices; those of live triangles are.)
@@ -54,24 +56,15 @@ impl FromIterator<OrientedTriangle> for TriangleHash {
     }
 }
 
-/// Three rounds of a Feistel network (Luby and Rackoff 1988) around [`mix`]: a bijection, so that
-/// two triangles never have one hash.
+/// Three rounds of a Feistel network (Luby and Rackoff 1988) around [`SplitMix64::mix`]: a
+/// bijection, so that two triangles never have one hash.
 #[inline]
 fn hash(t: OrientedTriangle) -> u128 {
     let mut a = u64::from(t.submesh) << 32 | u64::from(t.corners[0]);
     let mut b = u64::from(t.corners[1]) << 32 | u64::from(t.corners[2]);
     // The keys are the first 192 bits of the fraction of π, as good as any.
-    b ^= mix(a ^ 0x243f_6a88_85a3_08d3);
-    a ^= mix(b ^ 0x1319_8a2e_0370_7344);
-    b ^= mix(a ^ 0xa409_3822_299f_31d0);
+    b ^= SplitMix64::mix(a ^ 0x243f_6a88_85a3_08d3);
+    a ^= SplitMix64::mix(b ^ 0x1319_8a2e_0370_7344);
+    b ^= SplitMix64::mix(a ^ 0xa409_3822_299f_31d0);
     u128::from(a) << 64 | u128::from(b)
-}
-
-/// A bijection of 64 bits in which every input bit changes about half of the output (the finaliser
-/// of SplitMix64).
-#[inline]
-fn mix(mut x: u64) -> u64 {
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
 }

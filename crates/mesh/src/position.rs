@@ -36,7 +36,8 @@ impl PositionIds {
     fn parted(&self, streams: &MotionStreams<'_>) -> Self {
         let mut counts = vec![0u32; self.len()];
         self.of_vertex.iter().for_each(|&p| counts[p as usize] += 1);
-        // Only where a position has several vertices are their keys compared, in one arena.
+        // Only where a position has several vertices are their keys compared: for each of these the
+        // position, the range of its key in `keys`, and the vertex.
         let (mut keys, mut shared) = (Vec::new(), Vec::new());
         for (&position, vertex) in self.of_vertex.iter().zip(0u32..) {
             if counts[position as usize] > 1 {

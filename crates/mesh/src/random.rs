@@ -39,6 +39,7 @@ impl SplitMix64 {
     /// The finaliser: a bijection of 64 bits in which every input bit changes about half of the
     /// output.
     #[must_use]
+    #[inline]
     pub fn mix(bits: u64) -> u64 {
         let z = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

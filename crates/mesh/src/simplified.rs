@@ -3,6 +3,7 @@
 
 use crate::{
     CollapseSequence, Lod, Mesh, OrientedTriangle, PositionIds, SequenceError, is_degenerate,
+    position_key,
 };
 
 /// Result of a simplifier: the mesh, with its vertices in the order in which they disappear, and
@@ -52,28 +53,28 @@ impl Simplified {
             return Self { locked: Vec::new(), coarsest, ..self };
         }
         assert_eq!(locked.len(), self.mesh.vertex_count(), "an entry for each vertex");
-        // A position is kept while one of its vertices is.
+        // A position is kept while one of its vertices is: up to the LOD of the last one's number.
         let ids = self.mesh.position_ids();
-        let mut last_record = vec![0; ids.len()];
+        let mut last_vertex = vec![0; ids.len()];
         for (v, &id) in (0..).zip(&ids.of_vertex) {
-            last_record[id as usize] = v;
+            last_vertex[id as usize] = v;
         }
-        let at = |(&id, _): (&u32, &bool)| last_record[id as usize];
-        let kept = ids.of_vertex.iter().zip(&locked).filter(|(_, locked)| **locked).map(at).min();
-        let coarsest = self.collapses.floor(Lod(kept.unwrap_or_default()));
+        let mut first_loss = self.collapses.last();
+        for (&id, _) in ids.of_vertex.iter().zip(&locked).filter(|(_, locked)| **locked) {
+            first_loss = first_loss.min(Lod(last_vertex[id as usize]));
+        }
+        let coarsest = self.collapses.floor(first_loss);
         Self { locked, coarsest, ..self }
     }
     /// Locks all vertices at some positions, as [`Self::with_locked`] does.
     #[must_use]
     pub fn with_locked_positions(self, positions: impl Iterator<Item = [f32; 3]>) -> Self {
-        // −0 and +0 are one position.
-        let bits = |p: [f32; 3]| p.map(|c| (c + 0.0).to_bits());
-        let mut at: Vec<[u32; 3]> = positions.map(bits).collect();
-        if at.is_empty() {
+        let mut keys: Vec<[u32; 3]> = positions.map(position_key).collect();
+        if keys.is_empty() {
             return self.with_locked(Vec::new());
         }
-        at.sort_unstable();
-        let is_locked = |&p: &[f32; 3]| at.binary_search(&bits(p)).is_ok();
+        keys.sort_unstable();
+        let is_locked = |&p: &[f32; 3]| keys.binary_search(&position_key(p)).is_ok();
         let locked = self.mesh.positions().iter().map(is_locked).collect();
         self.with_locked(locked)
     }

@@ -67,10 +67,10 @@ pub fn report_difference(
     changes: &mut impl Changes,
 ) {
     // Most of what a strip draws stays, in its order.
-    let first = before.iter().zip(after.iter()).take_while(|(b, a)| b == a).count();
-    let (before, after) = (&mut before[first..], &mut after[first..]);
-    let last = before.iter().rev().zip(after.iter().rev()).take_while(|(b, a)| b == a).count();
-    let (before_end, after_end) = (before.len() - last, after.len() - last);
+    let same = before.iter().zip(after.iter()).take_while(|(b, a)| b == a).count();
+    let (before, after) = (&mut before[same..], &mut after[same..]);
+    let same = before.iter().rev().zip(after.iter().rev()).take_while(|(b, a)| b == a).count();
+    let (before_end, after_end) = (before.len() - same, after.len() - same);
     let (before, after) = (&mut before[..before_end], &mut after[..after_end]);
     before.sort_unstable();
     after.sort_unstable();

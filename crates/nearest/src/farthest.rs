@@ -19,7 +19,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Rows of triangles in a batch that is searched in parallel, and triangles in a row, searched one
-/// after the other. Results depend on these, not on the number of threads. Chosen by hand.
+/// after the other; later as many parts as rows are divided in parallel. Results depend on these,
+/// not on the number of threads. Chosen by hand.
 const ROWS_PER_BATCH: usize = 512;
 const TRIANGLES_PER_ROW: usize = 32;
 

@@ -1,8 +1,9 @@
 //! The nearest triangle to a point.
 //!
-//! [`TriangleTree`] is for triangles that stay, [`MovingTree`] for those of a mesh under
-//! simplification, which move and die. Both are trees of boxes; a search may begin at a triangle
-//! that is probably near. [`FarthestSearch`] bounds the distance between two surfaces with them.
+//! [`TriangleTree`] keeps its triangles; [`MovingTree`] asks for them ([`Triangles`]), so that
+//! those of a mesh under simplification may move and die. Both are trees of boxes; a search may
+//! begin at a triangle that is probably near. [`FarthestSearch`] bounds the distance between two
+//! surfaces with them.
 //!
 //! ```
 //! use glam::DVec3;

@@ -116,8 +116,8 @@ impl Polygon {
     }
 
     /// Returns a part that is within a distance of a triangle, nearly all there is, and fills
-    /// `pieces` with the other parts. The first is what is inside the triangle's prism, as high as
-    /// the distance allows, and widened as far as that then allows.
+    /// `pieces` with the other parts. That part is inside the triangle's prism, as high as the
+    /// distance allows, and widened as far as that then allows.
     pub(crate) fn split_near(
         &self,
         [a, b, c]: [DVec3; 3],
@@ -220,9 +220,9 @@ impl Polygon {
         let mut longest = (0.0, DVec3::ZERO, DVec3::ZERO);
         for (i, &a) in self.corners().iter().enumerate() {
             for &b in &self.corners()[i + 1..] {
-                let length = (b - a).length_squared();
-                if length > longest.0 {
-                    longest = (length, a, b);
+                let squared = (b - a).length_squared();
+                if squared > longest.0 {
+                    longest = (squared, a, b);
                 }
             }
         }

@@ -39,7 +39,8 @@ const ASKEW_RATIO: f64 = 8.0;
 /// A part of a triangle is divided if the area of its box exceeds that of the part by more than
 /// this many times the mean triangle's area. Chosen by hand.
 const EXCESS_RATIO: f64 = 16.0;
-/// At most this many references are made for each triangle, in the mean, and this many more.
+/// At most this many references are made for each triangle, on average, and this many more. Chosen
+/// by hand.
 const MAX_REFERENCES: [usize; 2] = [2, 64];
 /// Most times that a triangle is halved. Chosen by hand.
 const MAX_HALVINGS: u32 = 12;
@@ -237,6 +238,7 @@ fn capsules(
     corners: impl Fn(u32) -> [[f32; 3]; 3],
 ) -> Vec<[Capsule; WIDTH]> {
     let mut capsules = Vec::new();
+    // How many references before each slot, and before the end, are askew.
     let askew: Vec<u32> = std::iter::once(0)
         .chain(references.iter().scan(0, |sum, r| {
             *sum += u32::from(r.is_askew);
@@ -289,9 +291,10 @@ fn references(
         .collect();
     let count = references.len();
     let allowed = EXCESS_RATIO * total_area / count.max(1) as f64;
-    let max_count = MAX_REFERENCES[0] * count + MAX_REFERENCES[1];
-    // What a triangle is halved for, the largest excess first, as far as references allow: boxes of
-    // halves exceed by half as much or less.
+    let [per_triangle, more] = MAX_REFERENCES;
+    let max_count = per_triangle * count + more;
+    // Parts are halved while their boxes exceed them by more than a limit, which rises until the
+    // references allowed suffice, by estimate: halves exceed by half as much or less.
     let excess = |r: &Reference| {
         f64::from(r.extent.half_area())
             - projected_area(&corners(r.triangle).map(|p| DVec3::from(p.map(f64::from))))

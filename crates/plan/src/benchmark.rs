@@ -40,8 +40,8 @@ impl Case {
         Self { name, runs, before: vec![], vertices, drawn: None }
     }
 
-    /// Updates of a sweep that are timed, from LOD 0 on, as the LODs before and after each; from
-    /// the end of one to the begin of the next nothing is. `passes` lead from a LOD to another.
+    /// Updates that are timed, each as the LODs before and after it. Moves from LOD 0 to the first
+    /// and from each to the next are not timed. `passes` lead from a LOD to another.
     #[must_use]
     pub fn updates(
         name: &'static str,

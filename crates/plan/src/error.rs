@@ -12,11 +12,15 @@ pub enum PlanError {
         /// Number of words.
         words: u64,
     },
-    /// A vertex collapses more times in a row than a kernel may loop on every device.
-    #[error("a vertex collapses {length} times, more than the {LONGEST_LOOP} a kernel may loop")]
+    /// A kernel would loop more often than it may on every device.
+    #[error("{what} takes {rounds} rounds of a kernel's loop, more than {most}")]
     TooDeep {
-        /// Its length.
-        length: u32,
+        /// What the loop follows.
+        what: &'static str,
+        /// Number of rounds.
+        rounds: u32,
+        /// The most that there may be.
+        most: u32,
     },
 }
 

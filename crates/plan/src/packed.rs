@@ -28,7 +28,7 @@ pub struct PackedStrips {
     pub draws: BufferId,
     /// [`STRIP_DRAWS`].
     arguments: KernelId,
-    /// Prefix sums of `places`.
+    /// Prefix sums of `offsets`.
     scan: Scan,
     /// Number of submeshes.
     count: u32,

@@ -60,7 +60,7 @@ impl VertexRecords {
     }
 }
 
-/// The positions of a mesh of which several lie together at rest.
+/// The positions of a mesh if several of them lie together at rest; else none.
 fn parted(mesh: &Mesh) -> Option<PositionIds> {
     let moves = mesh.attributes().iter().any(Attribute::moves);
     let positions = moves.then(|| mesh.position_ids())?;

@@ -1,8 +1,8 @@
 //! Progressive streams: a simplified mesh as entropy-coded vertex splits, coarse to fine.
 //!
-//! The idea is Hoppe's progressive mesh (1996); the packages are those of Ripollés' thesis (2009,
-//! 4.3.3), which comments here call "the thesis". The container is `lodc_formats::lods`, and
-//! `docs/STREAM.md` specifies every bit.
+//! The idea is Hoppe's progressive mesh (1996). A split sends what a *package* of Ripollés' thesis
+//! (2009, 4.3.3; "the thesis" in comments) holds for it, entropy-coded. The container is
+//! `lodc_formats::lods`, and `docs/STREAM.md` specifies every bit.
 //!
 //! # The stream in nine sentences
 //!
@@ -19,7 +19,8 @@
 //! 5. It gives the new vertex its *values*: those of a vertex nearby, or residuals to a prediction
 //!    from the vertices around.
 //! 6. Consecutive splits of one collapse, one for each wedge, are a *step*; a batch ends with the
-//!    errors of the level after it. In a block objects may take *turns*, each of some batches.
+//!    errors of the level after it. A *block*, the part of a stream that is decoded at once, has
+//!    steps of one object, or of several that take *turns*, each of some batches.
 //! 7. A bit is coded with an *adaptive probability*, chosen by context and updated after each use;
 //!    or plainly, where both values are equally likely.
 //! 8. The same generic code encodes and decodes, so that the two sides cannot differ; what only an
@@ -52,6 +53,7 @@
 //! | `vertex_data` | number systems, layouts, quantisation, prediction of values |
 //! | `source` | what an encoder knows: the splits of a collapse sequence |
 //! | `vertex_split` | coding of splits: parent, triangles, corners, points, turns, contexts |
+//! | this one | headers; encoders and decoders of blocks of one object and of several (`turns_*`) |
 //!
 //! # Example
 //!
@@ -114,5 +116,5 @@ pub use turns_encoder::TurnsEncoder;
 pub use vertex_data::number_system::NumberSystem;
 pub use vertex_data::octahedral::Octahedral;
 pub use vertex_data::quantize::{ErrorBound, Quantize};
-pub use vertex_data::vertex_layout::{Prediction, Stream, VertexLayout};
+pub use vertex_data::vertex_layout::{AttributeStream, Prediction, VertexLayout};
 pub use vertex_split::contexts::Contexts;

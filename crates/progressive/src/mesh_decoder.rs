@@ -5,7 +5,7 @@ use crate::error_code::{error_value, rms_value};
 use crate::header::MeshHeader;
 use crate::invalid::InvalidStream;
 use crate::source::split_source::DecoderSource;
-use crate::vertex_data::vertex_layout::Stream;
+use crate::vertex_data::vertex_layout::AttributeStream;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
 use lodc_mesh::{Attribute, MeshParts, Submesh};
@@ -263,7 +263,7 @@ impl MeshDecoder {
         std::array::from_fn(|c| systems[c].value(indices[c]))
     }
 
-    fn attribute(&self, attribute: &Attribute, stream: &Stream) -> Attribute {
+    fn attribute(&self, attribute: &Attribute, stream: &AttributeStream) -> Attribute {
         let mut bytes = Vec::with_capacity(self.vertex_count() as usize * attribute.stride());
         self.put_attribute(attribute, stream, self.vertices(), &mut bytes);
         Attribute { bytes, ..attribute.described() }
@@ -272,7 +272,7 @@ impl MeshDecoder {
     fn put_attribute(
         &self,
         attribute: &Attribute,
-        stream: &Stream,
+        stream: &AttributeStream,
         vertices: impl Iterator<Item = u32>,
         out: &mut Vec<u8>,
     ) {

@@ -79,20 +79,26 @@ const MAX_32_BIT_EXTENT: i64 = 1 << 13;
 /// Added to depths before they are truncated, so that they are positive: 2^30.
 const DEPTH_OFFSET: f64 = 1_073_741_824.0;
 
-/// One edge of a triangle as a function of the pixel: positive on the inner side.
-#[derive(Clone, Copy)]
-struct Edge {
-    /// At the first pixel of the present row.
-    value: i64,
-    /// Change to the next pixel on the right.
-    right: i64,
-    /// Change to the next row.
-    down: i64,
-    /// Added before the test for `>= 0`: centres on edges that are not top or left are outside.
-    bias: i64,
+/// Rounds a depth by truncating, which is one instruction, while rounding may be a call.
+#[inline]
+fn rounded(depth: f64) -> i32 {
+    ((depth + (DEPTH_OFFSET + 0.5)) as i64 - DEPTH_OFFSET as i64) as i32
 }
 
-impl Edge {
+/// One edge of a triangle as a function of the pixel: positive on the inner side.
+#[derive(Clone, Copy)]
+struct Edge<T> {
+    /// At the first pixel of the present row.
+    value: T,
+    /// Change to the next pixel on the right.
+    right: T,
+    /// Change to the next row.
+    down: T,
+    /// Added before the test for `>= 0`: centres on edges that are not top or left are outside.
+    bias: T,
+}
+
+impl Edge<i64> {
     /// The edge from `a` to `b`, at a pixel centre.
     fn new(a: Point, b: Point, x: i64, y: i64) -> Self {
         let (dx, dy) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));
@@ -170,8 +176,8 @@ fn scan_rows(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32
     let (x, y) = (center(window.left), center(window.top));
     // Barycentric coordinates: the value of each edge is the weight of the corner opposite.
     let mut edges = [Edge::new(b, c, x, y), Edge::new(c, a, x, y), Edge::new(a, b, x, y)];
-    // Everything below is a whole number less than 2^53 in pictures of up to 512 pixels, so no
-    // order of sums matters.
+    // All sums are whole numbers less than 2^53 in pictures of up to 512 pixels, so no order of
+    // terms matters.
     let share = 1.0 / area as f64;
     let depths = [a, b, c].map(|p| f64::from(p.z));
     let weighed =
@@ -184,12 +190,7 @@ fn scan_rows(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32
         }
         let mut sum = weighed(edges.map(|e| e.value + first * e.right));
         for column in window.left + first as i32..=window.left + last as i32 {
-            // Rounded by truncating, which is one instruction, while rounding may be a call.
-            visit(
-                column,
-                row,
-                ((sum * share + (DEPTH_OFFSET + 0.5)) as i64 - DEPTH_OFFSET as i64) as i32,
-            );
+            visit(column, row, rounded(sum * share));
             sum += step;
         }
         for e in &mut edges {
@@ -213,32 +214,30 @@ fn scan_small(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i3
     }
     let center = |pixel: i32| pixel * SUBPIXELS + SUBPIXELS / 2;
     let (x, y) = (center(window.left), center(window.top));
-    // As in [`Edge`]: the value at the first centre, steps right and down, and the bias.
+    // As [`Edge::new`] does, in 32 bits.
     let edge = |p: Point, q: Point| {
         let (dx, dy) = (q.x - p.x, q.y - p.y);
         let bias = if dy < 0 || dy == 0 && dx > 0 { 0 } else { -1 };
         let value = dx * (y - p.y) - dy * (x - p.x);
-        (value, -dy * SUBPIXELS, dx * SUBPIXELS, bias)
+        Edge { value, right: -dy * SUBPIXELS, down: dx * SUBPIXELS, bias }
     };
-    let (e, f, g) = (edge(b, c), edge(c, a), edge(a, b));
+    let mut edges = [edge(b, c), edge(c, a), edge(a, b)];
     let share = 1.0 / f64::from(area);
     let depths = (f64::from(a.z), f64::from(b.z), f64::from(c.z));
-    let mut first = (e.0, f.0, g.0);
     for row in window.top..window.bottom {
-        let (mut u, mut v, mut w) = first;
+        let [e, f, g] = edges;
+        let (mut u, mut v, mut w) = (e.value, f.value, g.value);
         for column in window.left..window.right {
-            if (u + e.3) | (v + f.3) | (w + g.3) >= 0 {
+            if (u + e.bias) | (v + f.bias) | (w + g.bias) >= 0 {
                 let sum =
                     f64::from(u) * depths.0 + f64::from(v) * depths.1 + f64::from(w) * depths.2;
-                visit(
-                    column,
-                    row,
-                    ((sum * share + (DEPTH_OFFSET + 0.5)) as i64 - DEPTH_OFFSET as i64) as i32,
-                );
+                visit(column, row, rounded(sum * share));
             }
-            (u, v, w) = (u + e.1, v + f.1, w + g.1);
+            (u, v, w) = (u + e.right, v + f.right, w + g.right);
         }
-        first = (first.0 + e.2, first.1 + f.2, first.2 + g.2);
+        for e in &mut edges {
+            e.value += e.down;
+        }
     }
 }
 

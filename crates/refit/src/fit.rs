@@ -30,9 +30,9 @@ const SAMPLES_PER_BLOCK: usize = 1 << 12;
 /// Samples that one thread looks up one after the other, each with the last one's triangle as a
 /// hint. Chosen by hand.
 const SAMPLES_PER_THREAD: usize = 1 << 8;
-/// The most that any sample's squared distance may become, over the farthest sample's at the start:
-/// 5 % more in distance. Chosen by hand.
-const MAX_SQUARED_RATIO: f64 = 1.05 * 1.05;
+/// The most that any sample's distance may become, over the farthest sample's at the start. Chosen
+/// by hand.
+const MAX_RATIO: f64 = 1.05;
 /// Most rounds in which points with samples beyond that are held back. Chosen by hand.
 const MAX_HOLD_ROUNDS: usize = 3;
 /// The share of the energy at the start by which points that get worse may raise it in all. Chosen
@@ -238,9 +238,9 @@ impl<'a> Fit<'a> {
 
     fn best(&mut self, start: Ties<'a>, iterations: u32, tick: &(dyn Fn() + Sync)) -> Vec<DVec3> {
         let (points, faces) = (&self.level.points, &self.level.faces);
-        let reach = self.reach.min(MAX_SQUARED_RATIO * start.max_squared.sqrt());
+        let reach = self.reach.min(MAX_RATIO * start.max_squared.sqrt());
         let neighbours = Neighbours::new(self.input, self.level, &self.tree, reach);
-        let max_squared = MAX_SQUARED_RATIO * start.face_distances.max_squared();
+        let max_squared = MAX_RATIO * MAX_RATIO * start.face_distances.max_squared();
         let first = UnmovedDistances {
             energy: start.energy,
             energies_around: self.energies_around(&start.face_distances),

@@ -19,10 +19,10 @@ pub(crate) struct Input {
     pub(crate) curve_lengths: Vec<f64>,
     /// The chart of each triangle, as far as texture coordinates and colours go.
     pub(crate) charts: Vec<u32>,
-    /// The component of each triangle: what hangs together by positions.
-    pub(crate) components: Vec<u32>,
     /// The same as far as normals go, too.
     pub(crate) shading_charts: Vec<u32>,
+    /// The component of each triangle: what hangs together by positions.
+    pub(crate) components: Vec<u32>,
     pub(crate) area: f64,
     /// Length of the bounding box's diagonal.
     pub(crate) diagonal: f64,

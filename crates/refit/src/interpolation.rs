@@ -7,9 +7,11 @@ use lodc_nearest::point_at;
 
 /// Pull towards the values at the start, as a share of a value's own weight. Chosen by hand.
 const DAMPING: f64 = 0.02;
-/// Pull towards the values at the start where they are held, as a multiple of the other one.
+/// Pull towards the values at the start where they are held, as a multiple of the other one: they
+/// hardly move.
 const HELD: f64 = 1e6;
-/// The least weight that this counts with, as a share of the mean one. Chosen by hand.
+/// The least weight of a value that its pull counts with, as a share of the mean one. Chosen by
+/// hand.
 const MIN_WEIGHT_SHARE: f64 = 0.1;
 /// The most steps of conjugate gradients, and the share of the first residual at which they end.
 /// Chosen by hand.

@@ -147,8 +147,8 @@ impl<'a> Refit<'a> {
             let input = &fitted.input;
             texture::fit(self.original, &input.charts, level, &ties, &mut parts);
             let refused = normals::fit(normals, input, level, &positions, &ties, &mut parts);
-            let around = around(level, &refused);
-            if rounds_left > 0 && move_back(level, around.into_iter(), &mut positions) {
+            let refused = with_faces_around(level, &refused);
+            if rounds_left > 0 && move_back(level, refused.into_iter(), &mut positions) {
                 rounds_left -= 1;
                 continue;
             }
@@ -205,7 +205,7 @@ fn reset_degenerate(level: &CoarseMesh, positions: &mut [DVec3]) {
 }
 
 /// Returns some faces and those around them.
-fn around(level: &CoarseMesh, faces: &[usize]) -> Vec<usize> {
+fn with_faces_around(level: &CoarseMesh, faces: &[usize]) -> Vec<usize> {
     if faces.is_empty() {
         return Vec::new();
     }

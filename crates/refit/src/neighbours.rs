@@ -17,6 +17,7 @@ const MIN_FACES: usize = 1 << 8;
 struct Neighbour {
     face: u32,
     barycentric: [f64; 3],
+    /// The other component.
     other: u32,
     /// From the other component to the point.
     away: DVec3,
@@ -25,6 +26,7 @@ struct Neighbour {
 /// Points of a level near its other components.
 pub(crate) struct Neighbours {
     all: Vec<Neighbour>,
+    /// The component of each face.
     components: Vec<u32>,
     reach: f64,
 }

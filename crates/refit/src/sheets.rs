@@ -10,6 +10,7 @@ use lodc_nearest::{Nearest, TriangleTree};
 /// Cosine of the angle between normals from which on faces are not of one sheet: 107°, so that the
 /// faces beside a sharp crease are. Chosen by hand.
 const MIN_COSINE: f64 = -0.3;
+
 /// A triangle, or a face of a level, by what may be tied to it.
 #[derive(Clone, Copy)]
 pub(crate) struct Sheet {

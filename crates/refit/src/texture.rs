@@ -6,6 +6,7 @@ use crate::attributes::stays;
 use crate::blend::store;
 use crate::interpolation::{Interpolation, Target};
 use crate::level::CoarseMesh;
+use crate::sides::sides;
 use crate::ties::SurfaceTie;
 use glam::DVec3;
 use lodc_mesh::{Attribute, Mesh, MeshParts, NONE, Semantic};
@@ -123,14 +124,12 @@ impl Border {
 /// For each unknown of `faces` with its coordinates, whether it is on a border: at an edge of one
 /// face.
 fn borders(faces: &[[u32; 3]], coordinates: &[DVec3]) -> Vec<Option<Border>> {
-    let sides = faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-    let mut edges: Vec<([u32; 2], [u32; 2])> =
-        sides.map(|[a, b]| ([a.min(b), a.max(b)], [a, b])).collect();
-    edges.sort_unstable();
     // The points before and behind each on its border, and how many there are.
     let mut neighbours = vec![([NONE; 2], [0; 2]); coordinates.len()];
-    for equal in edges.chunk_by(|a, b| a.0 == b.0) {
-        let &[(_, [from, to])] = equal else { continue };
+    for of_edge in sides(faces).chunk_by(|a, b| a.edge == b.edge) {
+        let &[side] = of_edge else { continue };
+        let (face, k) = (faces[side.face()], side.corner());
+        let (from, to) = (face[k], face[(k + 1) % 3]);
         for (at, other, end) in [(from, to, 1), (to, from, 0)] {
             let (found, counts) = &mut neighbours[at as usize];
             found[end] = other;

@@ -227,8 +227,7 @@ pub struct ObjectReport {
     pub counts: ObjectCounts,
     pub world_scale: f64,
     pub diagonal: f64,
-    /// `measured` or `estimate`.
-    pub errors: &'static str,
+    pub errors: ErrorOrigin,
     /// The poses that they hold in.
     pub errors_over: ErrorsOver,
     pub collapse_lists: ListsReport,
@@ -237,6 +236,14 @@ pub struct ObjectReport {
     pub strips: IndexMap<&'static str, StripsReport>,
     /// Models by name.
     pub models: IndexMap<&'static str, ModelReport>,
+}
+
+/// Where the errors of an object's levels come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ErrorOrigin {
+    Measured,
+    Estimate,
 }
 
 /// Entries of the collapse lists of an object, over the whole sequence.

@@ -7,7 +7,8 @@ use crate::image::Image;
 pub struct Appearance {
     /// All materials; the first one is for submeshes without a material.
     pub materials: Vec<Material>,
-    /// The one that stands for the first where vertices have colours: these alone are seen.
+    /// Index of the material that takes the first one's place where vertices have colours, so that
+    /// these alone are seen.
     pub painted: Option<usize>,
     /// For every object and submesh the index of its material.
     pub of_submesh: Vec<Vec<usize>>,

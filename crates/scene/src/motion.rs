@@ -116,7 +116,7 @@ impl Motion {
     /// is there at the moment when it is largest.
     #[must_use]
     pub fn largest(&self) -> Arrangement {
-        let largest = |placement: &Placement| {
+        let enlarged = |placement: &Placement| {
             let stretches = placement.node.and_then(|node| self.stretching.nodes.get(&node))?;
             if !placement.joints.is_empty() {
                 return None;
@@ -132,12 +132,11 @@ impl Motion {
         if self.stretching.nodes.is_empty() {
             return self.rest.clone();
         }
-        let at = |placement: &Placement| largest(placement).unwrap_or_else(|| placement.clone());
-        self.rest.mapped(at)
+        self.rest.mapped(|placement| enlarged(placement).unwrap_or_else(|| placement.clone()))
     }
 
     /// The shapes of an object: in its [measured placements](Self::measured_placements), and in
-    /// each pose key, in the same units, where moments move several placements in each of them.
+    /// each pose key, in the same units: in a moment that moves several placements a shape of each.
     /// Pose keys that do not apply, such as one of an animation that does not exist, are skipped.
     /// `mesh` is the object at full detail.
     #[must_use]

@@ -16,8 +16,8 @@ pub struct Candidate<'a> {
     /// The coarsest level that keeps what is locked
     /// ([`Simplified::coarsest`](lodc_mesh::Simplified::coarsest)).
     pub coarsest: Lod,
-    /// How far the file that levels are chosen for moves vertices at most by quantising them, in
-    /// mesh units: what a level may err, it may err with that.
+    /// The farthest that quantising moves a vertex in the file that levels are chosen for, in mesh
+    /// units: it counts as part of a level's error.
     pub rounding: f64,
 }
 

@@ -1,12 +1,12 @@
 //! Chooses levels of detail for all objects of a scene by a target: an error, a share of the
 //! triangles, a number of them.
 //!
-//! [`select`] does it. Each object keeps an error by itself. A number of triangles is shared out
-//! among the objects: triangles are removed where the error is least, so that a number never costs
-//! more error than a smaller one could have had. Among steps that err nearly alike those go first
-//! with which the scene loses least for each triangle ([`losses`]). [`SceneLevels`] does both for
-//! the objects of a scene, [`SceneViews`] chooses a level for every part of their surfaces, and
-//! [`SceneManager`] levels for many instances, frame by frame.
+//! [`select`] does it. Under an error target each object meets the bound by itself. A triangle
+//! target is shared: the removals with the least error go first, so asking for more triangles never
+//! gives a larger error. Among nearly equal errors the one that costs the scene least for each
+//! triangle ([`losses`]) goes first. [`SceneLevels`] applies this to the objects of a scene,
+//! [`SceneViews`] chooses a level for every part of their surfaces, and [`SceneManager`] levels for
+//! many instances, frame by frame.
 //!
 //! ```
 //! use lodc_scene::{Arrangement, Graph};
@@ -33,8 +33,9 @@
 //!     })
 //!     .collect();
 //! let objects: Vec<_> = simplified.iter().collect();
-//! let chosen = select(&candidates, Target::Ratio(0.25), false, || losses(&objects, &scene));
-//! assert_eq!(chosen.expect("no record was asked for").lods.len(), 2);
+//! let (target, per_object) = (Target::Ratio(0.25), false);
+//! let chosen = select(&candidates, target, per_object, || losses(&objects, &scene));
+//! assert_eq!(chosen.expect("only Target::Lod can fail").lods.len(), 2);
 //! ```
 
 mod budget;
@@ -43,7 +44,7 @@ mod levels;
 mod loss;
 mod number;
 mod order;
-mod parse;
+pub mod parse;
 mod quadric;
 mod selection;
 mod views;
@@ -55,7 +56,6 @@ pub use levels::{ObjectLevels, SceneLevels, SelectError};
 pub use loss::losses;
 pub use number::{decimal, rounded_error, rounded_rms};
 pub use order::{RankedLod, ranks};
-pub use parse::{bound, count, rms_bound, share, size};
 pub use quadric::accumulated_error;
 pub use selection::{RecordError, Selection, Target, scene_diagonal, select};
 pub use views::{Criterion, SceneViews, ShownScene, ViewOptions};

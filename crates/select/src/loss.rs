@@ -137,7 +137,7 @@ impl PlacedObject {
         let share = share.filter(|_| is_in_scene);
         let mut shown: Vec<usize> =
             share.map_or(vec![], |share| evenly_spread(placed.len(), share).collect());
-        let largest = shown.binary_search(&largest).unwrap_or_else(|place| {
+        let largest_shown = shown.binary_search(&largest).unwrap_or_else(|place| {
             shown.insert(place, largest);
             place
         });
@@ -148,7 +148,7 @@ impl PlacedObject {
         Self {
             scales: placed.iter().map(|p| p.1).collect(),
             shown: shown.iter().map(show).collect(),
-            largest,
+            largest: largest_shown,
             is_pictured: share.is_some(),
         }
     }

@@ -111,7 +111,7 @@ fn put_segments(number: usize, object: &Candidate<'_>, loss: &[f64], segments: &
     while first < errors.len() {
         let band = band_of(errors[first]);
         let end = first + errors[first..].partition_point(|&error| band_of(error) <= band);
-        put_hull(number, object, loss, (first..end, band), segments);
+        put_hull(number, object, loss, first..end, band, segments);
         first = end;
     }
 }
@@ -121,7 +121,8 @@ fn put_hull(
     object: usize,
     candidate: &Candidate<'_>,
     loss: &[f64],
-    (steps, band): (Range<usize>, u32),
+    steps: Range<usize>,
+    band: u32,
     segments: &mut Vec<Segment>,
 ) {
     let parts = candidate.collapses.parts();

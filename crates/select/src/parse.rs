@@ -40,21 +40,21 @@ pub fn size(text: &str) -> Result<Target, String> {
         let value: f64 = digits.parse().map_err(|_| wrong())?;
         if value.is_finite() && value >= 0.0 { Ok(value) } else { Err(wrong()) }
     };
-    let share = |value: f64| {
+    let ratio = |value: f64| {
         if value <= 1.0 { Ok(Target::Ratio(value)) } else { Err(format!("{text}: above 100 %")) }
     };
-    let count = |value: f64| Ok(Target::Triangles(value as u64));
+    let triangles = |value: f64| Ok(Target::Triangles(value as u64));
     let lower = text.to_lowercase();
     if let Some(percent) = lower.strip_suffix('%') {
-        share(number(percent)? / 100.0)
+        ratio(number(percent)? / 100.0)
     } else if let Some(thousands) = lower.strip_suffix('k') {
-        count(number(thousands)? * 1e3)
+        triangles(number(thousands)? * 1e3)
     } else if let Some(millions) = lower.strip_suffix('m') {
-        count(number(millions)? * 1e6)
+        triangles(number(millions)? * 1e6)
     } else if lower.contains(['.', 'e']) || lower == "1" {
-        share(number(&lower)?)
+        ratio(number(&lower)?)
     } else {
-        count(number(&lower)?.trunc())
+        triangles(number(&lower)?.trunc())
     }
 }
 

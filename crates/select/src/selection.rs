@@ -245,15 +245,15 @@ pub(crate) fn limits(
     let is_scene = objects.len() > 1 && !per_object;
     let limit = |o: &Candidate<'_>| {
         let unit = if per_object { 1.0 } else { o.world_scale() };
-        let share = |s: f64| match is_scene {
+        let of_diagonal = |s: f64| match is_scene {
             true => s * scene_diagonal(objects) / o.world_scale(),
             false => s * o.diagonal,
         };
         match target {
             Target::Error(e) => Some(Limit::Error(e / unit)),
-            Target::ErrorShare(s) => Some(Limit::Error(share(s))),
+            Target::ErrorShare(s) => Some(Limit::Error(of_diagonal(s))),
             Target::Rms(e) => Some(Limit::Rms(e / unit)),
-            Target::RmsShare(s) => Some(Limit::Rms(share(s))),
+            Target::RmsShare(s) => Some(Limit::Rms(of_diagonal(s))),
             Target::Lod(_) | Target::Ratio(_) | Target::Triangles(_) => None,
         }
     };
@@ -300,7 +300,8 @@ fn choose_within(
 /// Largest number of names that a warning lists. Chosen by hand.
 const MAX_NAMES: usize = 8;
 
-fn warn_of_stopped(stopped: &[&Candidate<'_>], of: usize, chosen: &mut Selection) {
+/// Warns that some of `all` objects stopped at their last level.
+fn warn_of_stopped(stopped: &[&Candidate<'_>], all: usize, chosen: &mut Selection) {
     for reason in ["has a triangle", "keeps what is locked"] {
         let names = stopped.iter().filter(|o| o.why_last() == reason).map(|o| o.name);
         let names: Vec<&str> = names.collect();
@@ -312,7 +313,7 @@ fn warn_of_stopped(stopped: &[&Candidate<'_>], of: usize, chosen: &mut Selection
             list.push_str(", …");
         }
         chosen.warnings.push(format!(
-            "{} of {of} objects stopped at their last LOD that {reason}: {list}",
+            "{} of {all} objects stopped at their last LOD that {reason}: {list}",
             names.len()
         ));
     }

@@ -79,9 +79,9 @@ impl ViewOptions {
         self.coarse.unwrap_or(default).min(self.fine)
     }
 
-    /// The criteria of a scene of this extent for an object whose error in mesh units is at most
-    /// `scale` times that in world units.
-    fn family(&self, scene: &Extent, scale: f64) -> Family {
+    /// The criteria of a scene of this extent for an object that errs by at most `error_scale`
+    /// world units for each mesh unit of its levels' errors.
+    fn family(&self, scene: &Extent, error_scale: f64) -> Family {
         let target = self.target.unwrap_or_else(|| scene.middle());
         let quarter = scene.diagonal() / 4.0;
         let eye = scene.local(self.eye.unwrap_or(target));
@@ -89,7 +89,7 @@ impl ViewOptions {
         match self.criterion {
             Criterion::Silhouette => Family::Silhouette { eye },
             Criterion::Pixels { slope } => {
-                Family::ScreenError { eye, slope: slope as f32, unit: (1.0 / scale) as f32 }
+                Family::ScreenError { eye, slope: slope as f32, unit: (1.0 / error_scale) as f32 }
             }
             Criterion::Sphere { radius } => {
                 Family::Sphere { centre, radius: radius.unwrap_or(quarter) as f32 }

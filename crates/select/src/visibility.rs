@@ -29,7 +29,7 @@ impl Part<'_> {
 
 /// Returns for each triangle of each part the area of it that is visible, in square world units:
 /// four times the mean area that it takes in pictures from all sides. A triangle that nothing hides
-/// covers half its area in the mean, so that a closed convex surface, which hides one side of each,
+/// covers half its area on average, so that a closed convex surface, which hides one side of each,
 /// gets its own area; what both sides of a triangle show counts twice. All are 0 if the parts have
 /// no extent or one that is not finite.
 pub(crate) fn visible_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
@@ -37,14 +37,14 @@ pub(crate) fn visible_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
     let lo = corners().fold(DVec3::INFINITY, DVec3::min);
     let hi = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
     let count: usize = parts.iter().map(|p| p.triangles.len()).sum();
-    let center = 0.5 * (lo + hi);
-    let radius = corners().map(|p| p.distance(center)).fold(0.0, f64::max);
+    let centre = 0.5 * (lo + hi);
+    let radius = corners().map(|p| p.distance(centre)).fold(0.0, f64::max);
     // For each triangle of all parts, one after another, the pixels of all pictures that show it.
     let mut pixels = vec![0u32; count];
     // The length of a pixel's side in world units, the same for all cameras.
     let mut pixel = 0.0;
     if radius > 0.0 && radius.is_finite() {
-        let cameras = spread_cameras(VIEWS, center, radius, SIZE);
+        let cameras = spread_cameras(VIEWS, centre, radius, SIZE);
         pixel = 1.0 / cameras[0].scale;
         let empty = vec![Fragment::NOTHING; (SIZE * SIZE) as usize];
         let mut depth_buffers = vec![empty; PICTURES_AT_ONCE];

@@ -21,6 +21,7 @@ pub(crate) fn of_positions(painted: &[f32], positions: &PositionIds) -> Vec<f32>
 /// of distances, so it is a hundredth to a hundred times. By roots, which are the same bits on
 /// every machine.
 pub(crate) fn factor(value: f32) -> f64 {
+    /// The value is rounded to so many binary places.
     const BITS: u32 = 12;
     let steps = (f64::from(value) * f64::from(1 << BITS)).round() as u32;
     let (mut factor, mut root) = (0.01, 10_000.0f64);

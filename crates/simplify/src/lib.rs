@@ -128,12 +128,12 @@ pub fn simplify_recorded(
     (simplified.with_locked_positions(locked.into_iter()), recorded)
 }
 
-/// Simplifies in regions of about `region` groups each. One region keeps the exact order of costs.
+/// Simplifies in regions of about `region_groups` groups. One keeps the exact order of costs.
 fn simplify_with(
     mesh: &Mesh,
     options: &Options,
     guidance: Guidance<'_>,
-    region: usize,
+    region_groups: usize,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> (Simplified, RecordedCollapses) {
     if mesh.vertex_count() == 0 {
@@ -142,10 +142,10 @@ fn simplify_with(
         let empty = Simplified::new(mesh.clone(), empty).expect("no vertices need no records");
         return (empty, RecordedCollapses::default());
     }
-    let run = Run { mesh, options, guidance, region, progress };
     let positions = mesh.position_ids();
     let painted = importance::of_positions(guidance.importance, &positions);
-    let run = Run { guidance: Guidance { importance: &painted, ..guidance }, ..run };
+    let guidance = Guidance { importance: &painted, ..guidance };
+    let run = Run { mesh, options, guidance, region_groups, progress };
     let shell = Shell::of(mesh, &positions);
     if let Some(simplified) = shell.and_then(|shell| run.by_shell(&shell, &positions)) {
         return simplified;
@@ -156,7 +156,7 @@ fn simplify_with(
     drop(positions);
     input.lock(guidance.locked);
     input.weigh(&painted);
-    run.count(&mut input);
+    run.set_counting(&mut input);
     let mut sources = Sources::new(&input);
     let Collapsed { mut log, legal, by_stamp } = run.collapse(&input, &mut sources);
     let recorded = std::mem::take(&mut log.recorded);
@@ -169,8 +169,7 @@ struct Run<'a> {
     mesh: &'a Mesh,
     options: &'a Options,
     guidance: Guidance<'a>,
-    /// Number of groups of a region, about.
-    region: usize,
+    region_groups: usize,
     progress: &'a (dyn Fn(u64, u64) + Sync),
 }
 
@@ -195,7 +194,7 @@ impl<'a> Run<'a> {
             let seen = self.guidance.shapes.map(|seen| seen.gathered(&shell.vertices));
             let seen = seen.unwrap_or_default();
             let mut input = Input::with_positions(&shell.mesh, &shell.mesh.position_ids(), &seen);
-            self.count(&mut input);
+            self.set_counting(&mut input);
             input.lock(&shell.locked(self.mesh, positions, self.guidance.locked));
             let painted = self.guidance.importance;
             let of_shell = shell.vertices.iter().filter_map(|&v| painted.get(v as usize).copied());
@@ -214,7 +213,7 @@ impl<'a> Run<'a> {
         };
         let as_modelled = SeenShapes::default();
         let mut input = Input::with_positions(self.mesh, positions, &as_modelled);
-        self.count(&mut input);
+        self.set_counting(&mut input);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
         let (log, legal) = shell::follow(&context, &layer_collapses, legal, &mut sources)?;
@@ -223,8 +222,8 @@ impl<'a> Run<'a> {
     }
 
     /// Tells an input which attributes count: those with a weight.
-    fn count(&self, input: &mut Input<'_>) {
-        input.count(|submesh, attribute| {
+    fn set_counting(&self, input: &mut Input<'_>) {
+        input.set_counting(|submesh, attribute| {
             let weights = self.weights(submesh);
             self.options.attributes
                 && match attribute.semantic {
@@ -261,13 +260,15 @@ impl<'a> Run<'a> {
     /// Collapses all groups. All buffers are freed on return, before the result is made of the log:
     /// memory is highest there.
     fn collapse(&self, input: &Input<'_>, sources: &mut Sources<'_>) -> Collapsed {
-        let Self { mesh, options, guidance, region, .. } = *self;
+        let Self { mesh, options, guidance, region_groups, .. } = *self;
         let progress = Progress::new(self.progress, input.groups() as u64);
         let context = self.context(input);
-        let in_rounds =
-            options.metric == MetricKind::Quadric && input.groups() / rounds::MIN_REGIONS >= region;
+        let in_rounds = options.metric == MetricKind::Quadric
+            && input.groups() / rounds::MIN_REGIONS >= region_groups;
         let (log, legal) = match options.metric {
-            MetricKind::Quadric if in_rounds => in_regions(&context, region, sources, &progress),
+            MetricKind::Quadric if in_rounds => {
+                in_regions(&context, region_groups, sources, &progress)
+            }
             MetricKind::Quadric => as_one(&context, |_| QuadricOnly, sources, &progress),
             MetricKind::Hybrid => {
                 let checkerboard = Checkerboard::new(mesh);

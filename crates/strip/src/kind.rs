@@ -4,7 +4,7 @@
 use crate::cache::cache_reporting;
 use crate::meter::Report;
 use crate::stripe::stripe_reporting;
-use crate::{CacheOptions, Effort, StripSet};
+use crate::{CacheOptions, Effort, StripSet, strip_triangles};
 use lodc_mesh::{Lod, Mesh, OrientedTriangle, Simplified, is_degenerate};
 use rayon::prelude::*;
 use std::ops::Deref;
@@ -104,12 +104,7 @@ impl Strips {
         let at = |v: u32| positions.of_vertex[map[v as usize] as usize];
         let (mut triangles, mut strips) = (Vec::new(), Vec::new());
         for ((number, strip), submesh) in (0..).zip(self.iter()).zip(self.submeshes()) {
-            for (k, window) in strip.windows(3).enumerate() {
-                let corners = if k % 2 == 0 {
-                    [window[0], window[1], window[2]]
-                } else {
-                    [window[1], window[0], window[2]]
-                };
+            for corners in strip_triangles(strip) {
                 if !is_degenerate(corners.map(at)) {
                     let shown = corners.map(|v| map[v as usize]);
                     triangles.push(OrientedTriangle::new(submesh, shown));
@@ -184,8 +179,8 @@ impl<'a> StripPool<'a> {
     pub fn get(&mut self, default: StripKind) -> Arc<Strips> {
         let kind = self.options.kind.unwrap_or(default);
         self.make(&[kind], &|_| {});
-        let pool = self.pool.iter().find(|strips| strips.kind == kind);
-        Arc::clone(pool.expect("`make` has added it if it was missing"))
+        let strips = self.pool.iter().find(|strips| strips.kind == kind);
+        Arc::clone(strips.expect("`make` has added it if it was missing"))
     }
 
     /// Returns the generators that [`Self::get`] would run for these defaults.

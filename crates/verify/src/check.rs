@@ -12,7 +12,7 @@ pub struct Check {
     /// Number of LODs that were compared.
     pub lods: u64,
     /// Number of LODs at which whole meshes were compared, triangle by triangle; at the others sums
-    /// of hashes were.
+    /// of hashes were. 0 for facts that are stored with the sequence.
     pub full: u64,
     /// The first failure; none if there is none.
     pub failure: Option<Failure>,

@@ -121,7 +121,7 @@ pub fn verify<M: Model + Sync>(
     let coarser = stops.iter().enumerate().map(|(number, &step)| (step, is_full(number)));
     let full_steps: Vec<usize> =
         coarser.clone().filter_map(|(step, is_full)| is_full.then_some(step)).collect();
-    let (sweeps, jumps) = rayon::join(
+    let ((down, up), jumps) = rayon::join(
         || {
             rayon::join(
                 || comparison.sweep("fine to coarse", coarser.clone()),
@@ -130,7 +130,7 @@ pub fn verify<M: Model + Sync>(
         },
         || comparison.jumps(full_steps, options),
     );
-    vec![sweeps.0, sweeps.1, jumps]
+    vec![down, up, jumps]
 }
 
 struct Comparison<'a, M> {

@@ -32,7 +32,7 @@ impl<'a> Reference<'a> {
         let mut hashes = Vec::with_capacity(simplified.collapses().steps() + 1);
         hashes.push(tracker.hash());
         for step in 0..simplified.collapses().steps() {
-            tracker.step(step)?;
+            tracker.apply_step(step)?;
             hashes.push(tracker.hash());
         }
         let positions = tracker.positions().clone();

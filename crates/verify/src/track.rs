@@ -1,7 +1,7 @@
 //! Follows every triangle through every record, in time proportional to how often live corners
 //! move: the reference that models are compared with.
 //!
-//! Each vertex has the list of the corners (of live triangles, and of LOD 0's boundary edges) that
+//! Each vertex has the list of the corners (of live triangles, and of LOD 0's border edges) that
 //! have become it; a record hands the list on. Dead triangles are not moved any more: [`Ties`]
 //! tells if their corners ever part, and only then everything is computed anew. (Otherwise meshes
 //! of many pieces would be quadratic: in the end the dead triangles of all pieces hang on one
@@ -28,6 +28,8 @@ pub struct TooMuchWork {
 /// by hand: real meshes move each corner about ten times.
 const MAX_MOVES: u64 = 200;
 const ADDED_CORNERS: u64 = 10_000;
+/// Moves that a restart counts for, for each corner and vertex. Chosen by hand.
+const MOVES_PER_RESTART: u64 = 4;
 
 /// The live triangles and the border as they are after some steps.
 pub(super) struct Tracker<'a> {
@@ -40,16 +42,16 @@ pub(super) struct Tracker<'a> {
     corners: Vec<[u32; 3]>,
     /// The step in which each triangle died; `NONE` of live ones.
     removal_step: Vec<u32>,
-    /// The boundary of LOD 0.
+    /// The border edges of LOD 0, as [`boundary`] returns them.
     input_border: Vec<[u32; 2]>,
-    /// The image of the boundary of LOD 0.
-    border: Vec<[u32; 2]>,
-    /// How often each boundary edge counts: 0 once it has no length or was added to another one.
+    /// The same edges moved by the steps so far.
+    moved_border: Vec<[u32; 2]>,
+    /// How often each border edge counts: 0 once it has no length or was added to another one.
     weight: Vec<i64>,
-    /// The step in which each triangle, then each boundary edge, was last touched.
+    /// The step in which each triangle, then each border edge, was last touched.
     touched_in: Vec<u32>,
     /// First and last corner of each vertex's list, and the corner after each. Corners are
-    /// numbered: three for each triangle, then two for each boundary edge.
+    /// numbered: three for each triangle, then two for each border edge.
     first: Vec<u32>,
     last: Vec<u32>,
     next: Vec<u32>,
@@ -57,15 +59,16 @@ pub(super) struct Tracker<'a> {
     hash: TriangleHash,
     /// Number of live triangles.
     live: u32,
-    /// The value (`edge_value`) of the boundary of the live triangles minus the image of LOD 0's
-    /// boundary.
+    /// The value (`edge_value`) of the boundary of the live triangles minus that of `moved_border`.
+    /// Zero means no tear. While a step is applied, touched triangles are subtracted and touched
+    /// border edges added; `settle` puts them back.
     tear: u64,
     /// Number of corners that were moved.
     moves: u64,
     /// The triangles and edges touched in the current step.
     triangles_touched: Vec<u32>,
     border_touched: Vec<u32>,
-    /// For sorting touched boundary edges: empty in between, kept to save allocating.
+    /// For sorting touched border edges: empty in between, kept to save allocating.
     edges_between: Vec<([u32; 2], usize)>,
     failures: Failures,
 }
@@ -105,7 +108,7 @@ impl<'a> Tracker<'a> {
             failures: Failures::default(),
             simplified,
             positions,
-            border: border.clone(),
+            moved_border: border.clone(),
             input_border: border,
         };
         tracker.list_corners();
@@ -121,16 +124,17 @@ impl<'a> Tracker<'a> {
     }
 
     /// Applies the records of one step.
-    pub(super) fn step(&mut self, step: usize) -> Result<(), TooMuchWork> {
+    pub(super) fn apply_step(&mut self, step: usize) -> Result<(), TooMuchWork> {
         let (targets, ends) =
             (self.simplified.collapses().targets(), &self.simplified.collapses().parts().step_ends);
         let (start, end) = (if step == 0 { 0 } else { ends[step - 1] }, ends[step]);
         if self.ties.step(targets, start..end, self.one_group) {
             for record in start..end {
-                self.record(record, targets[record as usize], step as u32);
+                self.apply_record(record, targets[record as usize], step as u32);
             }
             self.settle(step as u32, Lod(end));
         } else {
+            // Something has come apart.
             self.restart(step as u32, Lod(end));
         }
         if self.moves > MAX_MOVES * (self.next.len() as u64 + ADDED_CORNERS) {
@@ -149,7 +153,7 @@ impl<'a> Tracker<'a> {
 
     /// Hands the corners of a record's vertex on to its target, but for those of dead triangles and
     /// edges.
-    fn record(&mut self, record: u32, target: u32, step: u32) {
+    fn apply_record(&mut self, record: u32, target: u32, step: u32) {
         let triangles = self.corners.len();
         let mut corner = self.first[record as usize];
         while corner != NONE {
@@ -164,7 +168,7 @@ impl<'a> Tracker<'a> {
                         self.border_touched.push(edge as u32);
                         self.tear = self.tear.wrapping_add(self.border_value(edge));
                     }
-                    self.border[edge][corner_index] = target;
+                    self.moved_border[edge][corner_index] = target;
                     self.append(target, corner);
                 }
             } else {
@@ -193,7 +197,7 @@ impl<'a> Tracker<'a> {
         self.next[corner as usize] = NONE;
     }
 
-    /// Lists the corners of all live triangles and boundary edges.
+    /// Lists the corners of all live triangles and border edges.
     fn list_corners(&mut self) {
         self.first.fill(NONE);
         self.last.fill(NONE);
@@ -208,11 +212,14 @@ impl<'a> Tracker<'a> {
                 });
             }
         }
-        for edge in 0..self.border.len() {
+        for edge in 0..self.moved_border.len() {
             if self.weight[edge] != 0 {
                 let first = 3 * triangles + 2 * edge;
                 (0..2).for_each(|corner_index| {
-                    self.append(self.border[edge][corner_index], (first + corner_index) as u32);
+                    self.append(
+                        self.moved_border[edge][corner_index],
+                        (first + corner_index) as u32,
+                    );
                 });
             }
         }
@@ -231,7 +238,8 @@ impl<'a> Tracker<'a> {
         self.border_touched = touched;
     }
 
-    /// `triangle` is live as far as is known, and in none of the sums.
+    /// Removes a triangle if it is degenerate, else adds it to the sums. It is live as far as is
+    /// known, and in none of the sums.
     fn settle_triangle(&mut self, triangle: usize, step: u32, lod: Lod) {
         let corners = self.corners[triangle];
         let [a, b, c] = corners;
@@ -264,12 +272,12 @@ impl<'a> Tracker<'a> {
         self.tear = self.tear.wrapping_add(self.edge_sum(triangle));
     }
 
-    /// Adds boundary edges that have become the same, up to direction, to one of them: dead pieces
+    /// Adds border edges that have become the same, up to direction, to one of them: dead pieces
     /// then have no boundary left that would have to be moved. The `touched` edges are in none of
     /// the sums.
     fn settle_border(&mut self, touched: &mut Vec<u32>) {
         touched.retain(|&edge| {
-            let [a, b] = self.border[edge as usize];
+            let [a, b] = self.moved_border[edge as usize];
             let flat = self.positions.of_vertex[a as usize] == self.positions.of_vertex[b as usize];
             if flat {
                 self.ties.tie(a, b);
@@ -279,16 +287,16 @@ impl<'a> Tracker<'a> {
         });
         let mut edges = std::mem::take(&mut self.edges_between);
         edges.extend(touched.iter().map(|&edge| {
-            let [a, b] = self.border[edge as usize].map(|v| self.ties.set(v));
+            let [a, b] = self.moved_border[edge as usize].map(|v| self.ties.set(v));
             ([a.min(b), a.max(b)], edge as usize)
         }));
         edges.sort_unstable();
         for run in edges.chunk_by(|x, y| x.0 == y.0) {
             let representative = run[0].1;
-            let head = self.ties.set(self.border[representative][0]);
+            let head = self.ties.set(self.moved_border[representative][0]);
             for &(_, merged) in &run[1..] {
                 let weight = std::mem::take(&mut self.weight[merged]);
-                let same_direction = self.ties.set(self.border[merged][0]) == head;
+                let same_direction = self.ties.set(self.moved_border[merged][0]) == head;
                 self.weight[representative] += if same_direction { weight } else { -weight };
             }
             self.tear = self.tear.wrapping_sub(self.border_value(representative));
@@ -297,14 +305,13 @@ impl<'a> Tracker<'a> {
         self.edges_between = edges;
     }
 
-    /// Computes everything anew from LOD 0, without assuming that steps move one group: something
-    /// has come apart.
+    /// Computes everything anew from LOD 0, without assuming that steps move one group.
     fn restart(&mut self, step: u32, lod: Lod) {
         let collapses = self.simplified.collapses();
         let map = collapses.resolve_all(lod);
         // Sequences with thousands of wrong records come here a few times; on one that is crafted
         // to come here often, verification gives up.
-        self.moves += 4 * (self.next.len() as u64 + map.len() as u64);
+        self.moves += MOVES_PER_RESTART * (self.next.len() as u64 + map.len() as u64);
         self.one_group = false;
         self.ties = Ties::new(collapses.targets(), lod.0, &self.positions);
         (self.hash, self.live, self.tear) = (TriangleHash::default(), self.corners.len() as u32, 0);
@@ -324,9 +331,9 @@ impl<'a> Tracker<'a> {
                 self.removal_step[triangle] = removed_at;
             }
         }
-        self.border = self.input_border.iter().map(|e| e.map(|v| map[v as usize])).collect();
+        self.moved_border = self.input_border.iter().map(|e| e.map(|v| map[v as usize])).collect();
         self.weight.fill(1);
-        self.settle_border(&mut (0..self.border.len() as u32).collect());
+        self.settle_border(&mut (0..self.moved_border.len() as u32).collect());
         self.list_corners();
     }
 
@@ -351,9 +358,10 @@ impl<'a> Tracker<'a> {
             .fold(0, u64::wrapping_add)
     }
 
-    /// The part of a boundary edge in the value of the boundary's image.
+    /// The part of a border edge in the value of `moved_border`.
     fn border_value(&self, edge: usize) -> u64 {
-        edge_value(self.positions_of(self.border[edge])).wrapping_mul(self.weight[edge] as u64)
+        edge_value(self.positions_of(self.moved_border[edge]))
+            .wrapping_mul(self.weight[edge] as u64)
     }
 
     /// Computes the boundary in full to name an edge.
@@ -383,6 +391,7 @@ impl<'a> Tracker<'a> {
     pub(super) fn finish(self) -> Vec<Check> {
         let lods = self.simplified.collapses().steps() as u64 + 1;
         let order = self.out_of_order();
+        // Sums were compared, no whole meshes.
         let check = |name, failure| Check { model: "sequence", name, lods, full: 0, failure };
         vec![
             check("stored triangle counts", self.failures.count),

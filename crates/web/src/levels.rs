@@ -1,6 +1,6 @@
-//! Objects with all their levels as one GLB, and the order in which they lose triangles. A *rank*
-//! is a LOD of one object and its rank in the order over all objects: with a budget of triangles,
-//! the objects are coarsened by rank.
+//! Objects with all their levels as one GLB, and the order in which they lose triangles: LODs of
+//! each object, each with its *rank*, its place in the order over all objects. With a budget of
+//! triangles, the objects are coarsened by rank.
 
 use lodc_formats::gltf::{LevelsObject, export_levels};
 use lodc_formats::images::Textures;

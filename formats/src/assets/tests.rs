@@ -28,10 +28,10 @@ fn files_of_the_own_folder_are_read_and_listed_once() {
     assert_eq!(assets.read_reference("sub/inner.mtl").expect("inner again"), b"inner");
     assert!(assets.read_reference("sub/none.mtl").is_err());
     assert_eq!(
-        assets.files().read()[..2],
+        assets.files().read_files()[..2],
         [scratch.path("asset/main.obj"), scratch.path("asset/sub/inner.mtl")]
     );
-    assert_eq!(assets.files().read().len(), 3);
+    assert_eq!(assets.files().read_files().len(), 3);
     assert_eq!(assets.files().absent(), [scratch.path("asset/sub/none.mtl")]);
 }
 

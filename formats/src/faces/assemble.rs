@@ -66,8 +66,8 @@ struct Builder<'a> {
     faces: &'a Faces,
     out: Assembled,
     /// For each texture coordinate and normal, the first with the same bits.
-    texcoord: Vec<u32>,
-    normal: Vec<u32>,
+    first_texcoord: Vec<u32>,
+    first_normal: Vec<u32>,
     /// Position, texture coordinates and normal of each vertex made so far.
     vertices: Vec<[u32; 3]>,
     /// Normals made for faces without; numbered after those of the file.
@@ -85,7 +85,7 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(faces: &'a Faces, seed: u64) -> Self {
-        let texcoord = first_equal(
+        let first_texcoord = first_equal(
             if faces.corner_t.is_empty() { 0 } else { faces.texcoords.len() },
             seed,
             |i| {
@@ -95,12 +95,13 @@ impl<'a> Builder<'a> {
             },
         );
         let normals = if faces.corner_n.is_empty() { 0 } else { faces.normals.len() };
-        let normal = first_equal(normals, seed, |i| faces.normals[i as usize].map(f32::to_bits));
+        let first_normal =
+            first_equal(normals, seed, |i| faces.normals[i as usize].map(f32::to_bits));
         Self {
             faces,
             out: Assembled::default(),
-            texcoord,
-            normal,
+            first_texcoord,
+            first_normal,
             vertices: Vec::new(),
             made_normals: Vec::new(),
             first_at: vec![NONE; faces.positions.len()],
@@ -112,7 +113,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The numbers of a run's faces.
-    fn faces(&self, run: u32) -> std::ops::Range<usize> {
+    fn faces_of(&self, run: u32) -> std::ops::Range<usize> {
         let runs = &self.faces.runs;
         let end = runs
             .get(run as usize + 1)
@@ -121,7 +122,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The numbers of a face's corners.
-    fn corners(&self, face: usize) -> std::ops::Range<usize> {
+    fn corners_of(&self, face: usize) -> std::ops::Range<usize> {
         let ends = &self.faces.face_ends;
         let start = if face == 0 { 0 } else { ends[face - 1] as usize };
         start..ends[face] as usize
@@ -133,7 +134,7 @@ impl<'a> Builder<'a> {
         let has = |list: &[u32]| {
             !list.is_empty()
                 && runs.iter().any(|&r| {
-                    self.faces(r).any(|f| list[self.corners(f)].iter().any(|&i| i != NONE))
+                    self.faces_of(r).any(|f| list[self.corners_of(f)].iter().any(|&i| i != NONE))
                 })
         };
         let (has_texcoords, has_normals) = (has(&self.faces.corner_t), has(&self.faces.corner_n));
@@ -141,7 +142,7 @@ impl<'a> Builder<'a> {
         self.first_vertex = self.vertices.len() as u32;
         let (mut polygon, mut vertices) = (Vec::new(), Vec::new());
         for &run in runs {
-            for face in self.faces(run) {
+            for face in self.faces_of(run) {
                 self.face(face, [has_texcoords, has_normals], &mut polygon, &mut vertices);
             }
         }
@@ -151,7 +152,8 @@ impl<'a> Builder<'a> {
         self.out.parts.submeshes.push(Submesh {
             first_triangle,
             triangle_count: self.out.parts.triangles.len() as u32 - first_triangle,
-            // 1 for streams that it has, until `finish` puts their numbers here.
+            // 1 if it has texture coordinates, and normals, until `finish` puts the streams'
+            // numbers here.
             attributes: [has_texcoords, has_normals].map(u32::from).to_vec(),
         });
         let name = self.label(runs);
@@ -168,7 +170,7 @@ impl<'a> Builder<'a> {
         vertices: &mut Vec<u32>,
     ) {
         let faces = self.faces;
-        let corners = self.corners(face);
+        let corners = self.corners_of(face);
         let lacks_normal = has_normals && faces.corner_n[corners.clone()].contains(&NONE);
         polygon.clear();
         if corners.len() > 3 || lacks_normal {
@@ -188,11 +190,11 @@ impl<'a> Builder<'a> {
             self.out.filled_texcoords += u64::from(has_texcoords && texcoord == NONE);
             let key = [
                 faces.corner_v[corner],
-                if texcoord == NONE { NONE } else { self.texcoord[texcoord as usize] },
+                if texcoord == NONE { NONE } else { self.first_texcoord[texcoord as usize] },
                 match normal {
                     NONE if lacks_normal => made_normal,
                     NONE => NONE,
-                    n => self.normal[n as usize],
+                    n => self.first_normal[n as usize],
                 },
             ];
             let vertex = self.vertex(key);

@@ -1,7 +1,7 @@
 //! Positions that stand too far from the origin for single precision, as an offset and a local
 //! mesh.
 
-use crate::far::{Extent, MAX_ROUNDING};
+use crate::far::{Extent, MAX_ROUNDING, single};
 
 /// The positions of corners; all positions without any. What no face uses may lie anywhere, and is
 /// dropped.
@@ -34,8 +34,8 @@ pub(crate) fn local(positions: &[[f64; 3]], corners: &[u32]) -> Option<([f64; 3]
     if is_exact(corners, diagonal) && is_exact(&[], Extent::of(shown(positions, &[]))?.diagonal()) {
         return None;
     }
-    // A multiple of a power of two about an eighth of the size: few digits, and the same for most
-    // levels of an object.
+    // A multiple of a power of two between an eighth and a quarter of the size: few digits, and the
+    // same for most levels of an object.
     let step = (diagonal.log2().floor() - 2.0).exp2();
     let offset = std::array::from_fn(|k| (f64::midpoint(low[k], high[k]) / step).round() * step);
     if !offset.iter().all(|c: &f64| c.is_finite()) {
@@ -43,11 +43,6 @@ pub(crate) fn local(positions: &[[f64; 3]], corners: &[u32]) -> Option<([f64; 3]
     }
     let moved = |p: &[f64; 3]| std::array::from_fn(|k| single(p[k] - offset[k]));
     Some((offset, positions.iter().map(moved).collect()))
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "a mesh is in single precision")]
-const fn single(c: f64) -> f32 {
-    c as f32
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ pub(crate) use lodc_mesh::NONE;
 use unique::Unique;
 pub(crate) use unique::first_equal;
 
+use crate::far::diagonal;
 use crate::options::ImportOptions;
 use crate::words::counted;
 use crate::{
@@ -147,7 +148,6 @@ pub(crate) fn scene(
 ///
 /// # Errors
 /// If its parts do not fit each other, a position is not finite, or it is too large.
-#[cfg(feature = "import")]
 pub(crate) fn scene_of_parts(
     parts: MeshParts,
     options: &ImportOptions,
@@ -238,14 +238,4 @@ fn clean(parts: &mut MeshParts, weld: f64, warnings: &mut Vec<String>) {
     if parts.triangles.is_empty() {
         warnings.push("no triangles: nothing to simplify".to_owned());
     }
-}
-
-fn diagonal(positions: &[[f32; 3]]) -> f64 {
-    let extent = |i: usize| {
-        let values = positions.iter().map(|p| f64::from(p[i]));
-        let (low, high) =
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
-        if high > low { high - low } else { 0.0 }
-    };
-    (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()
 }

@@ -12,18 +12,21 @@ pub(super) struct Unique {
     seed: u64,
 }
 
+/// Stands for a slot without a number.
 const EMPTY: u32 = u32::MAX;
+/// Slots of a table without keys. Chosen by hand: small, since most submeshes need few.
+const FIRST_SLOTS: usize = 64;
 
 impl Unique {
     /// An empty table.
     pub(super) fn new(seed: u64) -> Self {
-        Self { table: vec![EMPTY; 64], used: 0, seed }
+        Self { table: vec![EMPTY; FIRST_SLOTS], used: 0, seed }
     }
 
     /// Forgets everything.
     pub(super) fn clear(&mut self) {
         self.table.clear();
-        self.table.resize(64, EMPTY);
+        self.table.resize(FIRST_SLOTS, EMPTY);
         self.used = 0;
     }
 

@@ -146,7 +146,8 @@ impl Accessor {
             return Err(malformed(location, "byteOffset without bufferView"));
         }
         let size = shape.columns * shape.column_stride(component);
-        let last = size - (shape.column_stride(component) - shape.rows * component.size());
+        // The last element needs no padding behind its last column.
+        let last_size = size - (shape.column_stride(component) - shape.rows * component.size());
         let data = match view {
             None => None,
             Some(view) => {
@@ -158,7 +159,7 @@ impl Accessor {
                     ));
                 }
                 let offset = offset.unwrap_or(0);
-                fits(offset, stride, count, last, views.len(view))
+                fits(offset, stride, count, last_size, views.len(view))
                     .map_err(|problem| malformed(&*location, problem))?;
                 Some(StridedBytes { view, offset: offset as usize, stride })
             }
@@ -254,22 +255,22 @@ impl Sparse {
     }
 }
 
-/// Returns whether `count` elements from `offset` on fit into `length` bytes; after the last one
-/// there need not be the padding that a matrix's last column has.
+/// Checks that `count` elements from `offset` on, the last one of `last_size` bytes, fit into
+/// `length` bytes; else says what is wrong.
 fn fits(
     offset: u64,
     stride: usize,
     count: usize,
-    size: usize,
+    last_size: usize,
     length: usize,
 ) -> Result<(), String> {
-    let last = (count as u64 - 1).checked_mul(stride as u64);
-    let end = last.and_then(|last| offset.checked_add(last)?.checked_add(size as u64));
+    let last_start = (count as u64 - 1).checked_mul(stride as u64);
+    let end = last_start.and_then(|s| offset.checked_add(s)?.checked_add(last_size as u64));
     if end.is_some_and(|end| end <= length as u64) {
         return Ok(());
     }
     Err(format!(
-        "{count} elements of {size} bytes from byte {offset} on do not fit the buffer view of \
+        "{count} elements of {last_size} bytes from byte {offset} on do not fit the buffer view of \
          {length} bytes"
     ))
 }

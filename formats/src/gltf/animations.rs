@@ -80,9 +80,9 @@ fn read_animation(
 ) -> Result<Animation, FormatError> {
     let samplers: Vec<&Object> = animation.entries("samplers").collect();
     let mut channels = Vec::new();
-    for (i, source) in animation.entries("channels").enumerate() {
-        let sampler = source["sampler"].as_index().and_then(|s| samplers.get(s));
-        let target = source["target"].as_object();
+    for (i, channel) in animation.entries("channels").enumerate() {
+        let sampler = channel["sampler"].as_index().and_then(|s| samplers.get(s));
+        let target = channel["target"].as_object();
         let (Some(sampler), Some(target)) = (sampler, target) else { continue };
         let location = format!("{location}.channels[{i}]");
         for (node, property) in moved(root, target) {

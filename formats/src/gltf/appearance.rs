@@ -1,19 +1,19 @@
 //! Base colours and textures of a stored glTF's materials: metallic-roughness (glTF 2.0, 3.9) and
 //! the older KHR_materials_pbrSpecularGlossiness.
 
-use super::coordinates::{base, materials, visible_coordinates};
+use super::coordinates::{base_colour, material_coordinates, materials};
 use super::document::Stored;
 use super::json::{Json, Object};
 use super::texture_transform::texture_coordinates;
 use super::uri;
 use crate::images::Pictures;
+use crate::obj::mtl::DEFAULT_GREY;
 use crate::{Assets, Fault, FormatError, GltfDocument, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 use std::collections::BTreeSet;
 
 /// Linear colour of a mesh without a material. glTF says white, on which highlights cannot be seen.
-/// Chosen by hand.
-const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
+const PLAIN: [f32; 4] = [DEFAULT_GREY, DEFAULT_GREY, DEFAULT_GREY, 1.0];
 
 /// Reads the materials, textures and pictures of a document.
 ///
@@ -33,8 +33,8 @@ pub(crate) fn appearance(
         // Pictures of materials that nothing uses are not read.
         let used: BTreeSet<usize> = submesh_materials.iter().flatten().copied().collect();
         for (number, source) in (1..).zip(root.list("materials")) {
-            let used = used.contains(&number);
-            materials.push(if used { reader.material(source)? } else { Material::default() });
+            let is_used = used.contains(&number);
+            materials.push(if is_used { reader.material(source)? } else { Material::default() });
         }
         let Pictures { list: images, warnings, .. } = reader.pictures;
         let painted = Some(materials.len());
@@ -43,7 +43,7 @@ pub(crate) fn appearance(
     })
 }
 
-/// Reads textures of one document.
+/// Reads the materials of one document.
 struct Reader<'a> {
     root: &'a Object,
     pictures: Pictures,
@@ -58,19 +58,19 @@ impl Reader<'_> {
     /// # Errors
     /// If its picture is beyond the limits.
     fn material(&mut self, source: &Json) -> Result<Material, FormatError> {
-        let (colour, texture) = base(source);
+        let (colour, texture) = base_colour(source);
         let cut_off = source["alphaCutoff"].as_f64().unwrap_or(0.5) as f32;
         let mut colour = colour.numbers([1.0; 4]).map(|v| (v as f32).clamp(0.0, 1.0));
         let image = self.texture(texture)?;
         if image.is_none() && texture.is_object() {
             // The factor is meant for the missing texture and is often white, on which highlights
             // cannot be seen.
-            colour[..3].iter_mut().for_each(|c| *c *= 0.6);
+            colour[..3].iter_mut().for_each(|c| *c *= DEFAULT_GREY);
         }
         Ok(Material {
             colour,
             texture: image,
-            coordinates: visible_coordinates(source),
+            coordinates: material_coordinates(source),
             double_sided: source["doubleSided"].as_bool().unwrap_or(false),
             alpha: match source["alphaMode"].as_str() {
                 Some("MASK") => AlphaMode::Mask(cut_off),
@@ -104,8 +104,8 @@ impl Reader<'_> {
 
     fn image(&mut self, image: Option<usize>) -> Result<Option<usize>, FormatError> {
         let Some(image) = image else {
-            let extensions = "in a format that an extension names";
-            return self.pictures.get("", extensions, || {
+            let name = "in a format that an extension names";
+            return self.pictures.get("", name, || {
                 Err(FormatError::new(Fault::Unsupported, "", "a texture without a PNG or JPEG"))
             });
         };

@@ -7,7 +7,7 @@ use super::schema::{self, Pool, references};
 use crate::{GltfDocument, Limits, ObjectInfo};
 use std::ops::Range;
 
-/// Extensions that refer to images and textures in a way that is not listed.
+/// Extensions that refer to images and textures elsewhere than in materials and `textures`.
 const UNLISTED: [&str; 5] = [
     "EXT_lights_image_based",
     "EXT_mesh_features",

@@ -1,4 +1,5 @@
-//! Which texture coordinates the materials of a stored glTF read, and how they move them.
+//! Which texture coordinates the materials of a stored glTF read, and how they move them; and the
+//! materials' base colours.
 
 use super::document::Stored;
 use super::json::{Json, Object};
@@ -18,7 +19,7 @@ pub(crate) fn coordinates(
     Stored::read(document, limits, |_, root| {
         let list = root.list("materials");
         let read_by = |m: &usize| match m.checked_sub(1).and_then(|m| list.get(m)) {
-            Some(source) => visible_coordinates(source),
+            Some(material) => material_coordinates(material),
             None => Coordinates::PLAIN,
         };
         let by_submesh = |materials: Vec<usize>| materials.iter().map(read_by).collect();
@@ -39,9 +40,9 @@ pub(super) fn materials(root: &Object, objects: &[&ObjectInfo]) -> Vec<Vec<usize
 }
 
 /// The base colour of a material, and its texture.
-pub(super) fn base(source: &Json) -> (&Json, &Json) {
-    let glossy = &source["extensions"]["KHR_materials_pbrSpecularGlossiness"];
-    let metal = &source["pbrMetallicRoughness"];
+pub(super) fn base_colour(material: &Json) -> (&Json, &Json) {
+    let glossy = &material["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+    let metal = &material["pbrMetallicRoughness"];
     if metal.is_object() || !glossy.is_object() {
         (&metal["baseColorFactor"], &metal["baseColorTexture"])
     } else {
@@ -49,16 +50,17 @@ pub(super) fn base(source: &Json) -> (&Json, &Json) {
     }
 }
 
-/// The texture coordinates that a material's textures read.
-pub(super) fn visible_coordinates(source: &Json) -> Coordinates {
-    let texture = base(source).1;
-    let read = if texture.is_object() { Some(texture) } else { any_texture(source) };
+/// The texture coordinates that a material's base colour texture reads; without one its first
+/// texture.
+pub(super) fn material_coordinates(material: &Json) -> Coordinates {
+    let texture = base_colour(material).1;
+    let read = if texture.is_object() { Some(texture) } else { any_texture(material) };
     read.map_or(Coordinates::PLAIN, texture_coordinates)
 }
 
 /// The first texture of a material, whatever it is for.
-fn any_texture(source: &Json) -> Option<&Json> {
-    source.as_object()?.iter().find_map(|(name, value)| {
+fn any_texture(material: &Json) -> Option<&Json> {
+    material.as_object()?.iter().find_map(|(name, value)| {
         let is_texture = name.ends_with("Texture") && value["index"].as_index().is_some();
         if is_texture { Some(value) } else { any_texture(value) }
     })

@@ -3,16 +3,14 @@
 
 use super::document::Stored;
 use super::extensions::{
-    MESHOPT, QUANTIZATION, animation_pointer, forget_extra, is_requantized, of_node, uses,
+    INSTANCING, MESHOPT, QUANTIZATION, animation_pointer, forget_extra, is_requantized, of_node,
+    uses,
 };
 use super::json::{Json, Object};
 use super::schema::{self, Pool, references};
 use super::texture_transform::TRANSFORM;
 use crate::{FormatError, GltfDocument, Limits};
 use std::collections::BTreeMap;
-
-/// The extension that repeats a node's mesh.
-const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// Compares what a level's document says besides its geometry with what the source's says: nodes,
 /// materials, skins, animations, cameras, names and extras. Where bytes lie and what images are
@@ -155,7 +153,7 @@ impl CommonParts {
             }
             if !self.all_meshes {
                 node.shift_remove("skin");
-                node.remove_extension("EXT_mesh_gpu_instancing");
+                node.remove_extension(INSTANCING);
             }
         }
     }
@@ -180,10 +178,10 @@ fn strip_primitive(primitive: &mut Object) {
 /// Takes out of the source's meshes the primitives that the level has not: those without a
 /// triangle there.
 fn leave_out_gone_primitives(source: &mut Object, level: &Object) {
-    let levels = level.entries("meshes");
-    for (mesh, level) in source.objects_mut("meshes").zip(levels) {
+    let level_meshes = level.entries("meshes");
+    for (mesh, level_mesh) in source.objects_mut("meshes").zip(level_meshes) {
         let Some(Json::Array(primitives)) = mesh.get_mut("primitives") else { continue };
-        let mut level_primitives = level.list("primitives").iter().peekable();
+        let mut level_primitives = level_mesh.list("primitives").iter().peekable();
         if primitives.len() > level_primitives.len() {
             primitives.retain(|primitive| level_primitives.next_if_eq(&primitive).is_some());
         }
@@ -202,6 +200,7 @@ fn forget_transforms(value: &mut Json) {
     }
 }
 
+/// The first difference, with its place below `location`; members in alphabetical order.
 // The depth of a document is bounded, so recursion is.
 fn first_difference(source: &Json, level: &Json, location: &mut String) -> Option<String> {
     let length_before = location.len();

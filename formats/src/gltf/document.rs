@@ -123,6 +123,7 @@ pub(super) fn numbers(
     let missing = || malformed(&*location, "cannot be read");
     let accessor = accessors.get(accessor).and_then(Option::as_ref).ok_or_else(missing)?;
     let components = accessor.shape.components();
+    // Four bytes at most as it is stored, and eight as a double.
     views.budget.charge(accessor.count as u64, 12 * components as u64, &location)?;
     let reader = accessor.reader(views)?;
     let mut bytes = Vec::new();

@@ -11,8 +11,8 @@ use super::pool::Pool::{
 /// nowhere are left alone: many avatars have −1 for nothing.
 pub(super) type Entry = (&'static str, &'static [(&'static str, Pool)]);
 
-/// Every extension whose numbers are known. Numbers that no path leads to are none of indices of
-/// the document's own lists: they count something else, or lists of the extension.
+/// Every extension whose numbers are known. Numbers that no path leads to are no indices of the
+/// document's own lists: they mean something else, or index lists of the extension.
 pub(super) const EXTENSIONS: &[Entry] = &[
     // Geometry.
     ("CESIUM_RTC", &[]),

@@ -1,4 +1,5 @@
-//! Extensions that this package reads, passes through, or must refuse.
+//! Extensions that this package reads, passes through, or must refuse; pointers of animations;
+//! members of `extras`.
 
 use super::extension_table::{EXTENSIONS, PREFIXES};
 use super::json::{Json, Object, malformed, object};
@@ -7,16 +8,14 @@ use std::collections::BTreeSet;
 
 /// Compressed vertex and index data: decoded.
 pub(crate) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
-
-/// Returns whether buffer views of a document are compressed.
-pub(super) fn is_compressed(root: &Object) -> bool {
-    let mut views = root.entries("bufferViews");
-    views.any(|view| MESHOPT.iter().any(|name| view["extensions"].get(name).is_some()))
-}
 /// Streams of short integers.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// Compressed primitives: decoded unless the same data is there uncompressed.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
+/// Repeats a node's mesh.
+pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+/// Names the coarser levels of a node or material.
+pub(super) const MSFT_LOD: &str = "MSFT_lod";
 
 /// Extensions of a texture that name an image in another format.
 pub(super) const IMAGE_EXTENSIONS: [&str; 4] =
@@ -34,10 +33,10 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
     let asset = asset.ok_or_else(|| malformed("asset", "is missing: not a glTF 2.0 document"))?;
     let version = asset["version"].as_str();
     let version = version.ok_or_else(|| malformed("asset.version", "is missing"))?;
-    let Some((major, minor)) = numbers(version) else {
+    let Some((major, minor)) = version_numbers(version) else {
         return Err(malformed("asset.version", format!("`{version}` is not a version")));
     };
-    let minimum = asset["minVersion"].as_str().map(numbers);
+    let minimum = asset["minVersion"].as_str().map(version_numbers);
     let unsupported = |location: &str, problem: String| {
         Err(FormatError::new(Fault::Unsupported, location, problem))
     };
@@ -65,7 +64,8 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
     Ok(())
 }
 
-fn numbers(version: &str) -> Option<(u32, u32)> {
+/// Major and minor number of a version; none if it has others.
+fn version_numbers(version: &str) -> Option<(u32, u32)> {
     let (major, minor) = version.split_once('.')?;
     let digits = |s: &str| s.bytes().all(|b| b.is_ascii_digit()).then(|| s.parse().ok()).flatten();
     Some((digits(major)?, digits(minor)?))
@@ -81,8 +81,8 @@ pub(crate) struct Unknown {
 }
 
 impl Unknown {
-    /// Returns whether what has a number must keep it: larger ones than any of theirs they cannot
-    /// name.
+    /// Returns whether an entry with this number must keep it: the extensions may mean it, or one
+    /// after it, which moves up if it goes.
     pub(crate) fn may_name(&self, number: usize) -> bool {
         self.numbers.last().is_some_and(|&largest| number <= largest)
     }
@@ -256,6 +256,12 @@ fn entry<'a>(pointer: &'a str, pool: &str) -> Option<(usize, &'a str)> {
 /// A number in a pointer: it has no sign and no zeros before it (RFC 6901, section 4).
 pub(super) fn whole(number: &str) -> Option<usize> {
     number.parse().ok().filter(|n: &usize| n.to_string() == number)
+}
+
+/// Returns whether buffer views of a document are compressed.
+pub(super) fn is_compressed(root: &Object) -> bool {
+    let mut views = root.entries("bufferViews");
+    views.any(|view| MESHOPT.iter().any(|name| view["extensions"].get(name).is_some()))
 }
 
 /// The compression of a buffer view, by whichever name.

@@ -9,6 +9,7 @@ use std::ops::Range;
 /// The byte ranges of an accessor's elements in the document's bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Floats {
+    /// Offset of the first element.
     first: usize,
     stride: usize,
     count: usize,
@@ -17,7 +18,8 @@ pub(super) struct Floats {
 }
 
 impl Floats {
-    /// None if it has other components, is sparse, or its bytes are elsewhere or compressed.
+    /// Finds the elements of an accessor; none if it has other components, is sparse, or its bytes
+    /// are elsewhere or compressed.
     pub(super) fn of(root: &Object, accessor: usize) -> Option<Self> {
         let accessor = root["accessors"][accessor].as_object()?;
         let view = root["bufferViews"][accessor["bufferView"].as_index()?].as_object()?;

@@ -1,6 +1,7 @@
 //! The node hierarchy, skins and default scene of a glTF document as [`lodc_scene`] types.
 
 use super::document::Stored;
+use super::extensions::INSTANCING;
 use super::json::{Json, Object};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo};
 use lodc_scene::{Graph, LocalTransform, Node, Skin, Transform, transform_from_columns};
@@ -9,8 +10,6 @@ use std::collections::BTreeMap;
 /// More instances than this in one document are refused: a small file can ask for any number.
 /// Chosen by hand.
 const MAX_INSTANCES: usize = 1 << 22;
-/// The extension that repeats a node's mesh.
-const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// Reads all components of all elements of an accessor, and how many components an element has.
 pub(crate) type Numbers<'a> = dyn Fn(usize) -> Result<(Vec<f64>, usize), FormatError> + 'a;
@@ -46,7 +45,7 @@ pub(crate) fn gltf_graph(
         objects_by_mesh.entry(mesh).or_default().push(object);
     }
     let meshes: Vec<&Object> = root.entries("meshes").collect();
-    let mut instances = 0;
+    let mut instance_count = 0;
     let mut nodes = Vec::with_capacity(root.entries("nodes").len());
     for source in root.entries("nodes") {
         let mesh = source["mesh"].as_index();
@@ -63,13 +62,10 @@ pub(crate) fn gltf_graph(
                 .unwrap_or_default(),
             skin: source["skin"].as_index().map(|s| s as u32),
             weights: weights.into_iter().flatten().map(weight).collect(),
-            instances: source
-                .extension(INSTANCING)
-                .map(|e| self::instances(e, read))
-                .transpose()?,
+            instances: source.extension(INSTANCING).map(|e| instances(e, read)).transpose()?,
         };
-        instances += node.instances.as_ref().map_or(0, Vec::len);
-        if instances > MAX_INSTANCES {
+        instance_count += node.instances.as_ref().map_or(0, Vec::len);
+        if instance_count > MAX_INSTANCES {
             let problem = format!("show more than {MAX_INSTANCES} instances");
             return Err(FormatError::new(Fault::Limit, "nodes", problem));
         }

@@ -193,6 +193,7 @@ impl Json {
     /// A number without a fraction, however it is spelt.
     pub(crate) fn as_u64(&self) -> Option<u64> {
         let Self::Number(spelt) = self else { return None };
+        // Below 2^53 doubles tell all whole numbers apart.
         let whole = |x: f64| (x >= 0.0 && x.fract() == 0.0 && x < 9e15).then_some(x as u64);
         spelt.parse().ok().or_else(|| self.as_f64().and_then(whole))
     }

@@ -73,6 +73,7 @@ fn add(
         None => (0..count).collect(),
     };
     let vertices: Vec<u32> = indices.iter().filter(|&&i| i < count).map(|i| first + i).collect();
+    // 0 points, 1 lines, 2 line loop, 3 line strip.
     match primitive["mode"].as_u64() {
         Some(0) => loose.points.extend(vertices),
         Some(1) => loose.lines.extend(vertices.as_chunks::<2>().0.iter().map(|l| l.to_vec())),

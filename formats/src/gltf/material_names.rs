@@ -1,6 +1,6 @@
 //! The materials of a glTF document by name, with the names of their images.
 
-use super::coordinates::base;
+use super::coordinates::base_colour;
 use super::extensions::IMAGE_EXTENSIONS;
 use super::json::{Json, Object};
 use super::uri;
@@ -35,7 +35,7 @@ pub(crate) fn materials(
 }
 
 fn material(root: &Object, source: &Json) -> Material {
-    let (factor, base_texture) = base(source);
+    let (factor, base_texture) = base_colour(source);
     let metal = &source["pbrMetallicRoughness"];
     let roles = [
         ("baseColorTexture", base_texture),

@@ -1,7 +1,7 @@
 //! The materials of a glTF as an MTL library, for an export as OBJ: names, base colours, opacity
 //! and base colour textures, which is all that both formats have.
 
-use super::coordinates::base;
+use super::coordinates::base_colour;
 use super::json::Object;
 use super::material_names::image;
 use super::texture_transform::CLAMP;
@@ -22,7 +22,7 @@ pub(crate) fn library(
     let root = document.root(&Limits::DEFAULT)?;
     let mut library = Library::default();
     for material in root.list("materials") {
-        let (factor, info) = base(material);
+        let (factor, info) = base_colour(material);
         let [r, g, b, opacity] = factor.numbers([1.0; 4]);
         let blended = material["alphaMode"].as_str() == Some("BLEND");
         let texture = info["index"].as_index().and_then(|t| root.list("textures").get(t));

@@ -2,12 +2,11 @@
 //! bytes have not arrived are removed, and offsets are changed to those of the bytes that have.
 
 use super::buffer_runs::{PartialBuffer, has_unknown_references, view_bytes};
+use super::extensions::INSTANCING;
 use super::json::{Json, Object, object, parse};
-use super::schema::{self, Pool, references, retain};
+use super::schema::{self, Pool, forget_references, references, retain};
 use crate::{FormatError, GltfDocument, Limits, ObjectInfo};
 
-/// The extension that repeats a node's mesh.
-const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// A document without the parts whose bytes are missing, and these parts by kind with their counts.
 pub(crate) type Shortened = (GltfDocument, Vec<String>);
 
@@ -124,16 +123,13 @@ impl Missing {
             }
             without_image.push(had_image && !has_image(texture));
         }
-        let dropped = without_image.iter().filter(|b| **b).count();
-        if let (Some(materials), true) = (root.get_mut("materials"), dropped > 0) {
-            renumber_textures(materials, &without_image);
+        if let Some(materials) = root.get_mut("materials") {
+            forget_textures(materials, &without_image);
         }
-        if dropped == without_image.len() {
-            root.shift_remove("textures");
-        } else if let Some(Json::Array(textures)) = root.get_mut("textures") {
-            let mut without_image = without_image.iter();
-            textures.retain(|_| !without_image.next().copied().unwrap_or(false));
-        }
+        let kept: Vec<bool> = without_image.iter().map(|lost| !lost).collect();
+        forget_references(root, Pool::Textures, &kept);
+        drop_marked(root, Pool::Textures, &without_image);
+        let dropped = without_image.iter().filter(|lost| **lost).count();
         dropped
     }
 
@@ -187,6 +183,9 @@ impl Missing {
 
     /// Drops missing images, accessors and buffer views; false if something still refers to one.
     fn drop_arrays(&self, root: &mut Object) -> bool {
+        // The thumbnail of an avatar.
+        let kept: Vec<bool> = self.images.iter().map(|missing| !missing).collect();
+        forget_references(root, Pool::Images, &kept);
         let pools = [
             (Pool::Images, &self.images),
             (Pool::Accessors, &self.accessors),
@@ -213,21 +212,70 @@ fn drop_marked(root: &mut Object, pool: Pool, marks: &[bool]) {
     retain(root, pool, &kept);
 }
 
-/// Drops every `…Texture` whose index is marked, and renumbers the others.
-fn renumber_textures(value: &mut Json, marked: &[bool]) {
+/// Removes every `…Texture` whose index is marked.
+fn forget_textures(value: &mut Json, marked: &[bool]) {
     match value {
-        Json::Array(values) => values.iter_mut().for_each(|v| renumber_textures(v, marked)),
+        Json::Array(values) => values.iter_mut().for_each(|v| forget_textures(v, marked)),
         Json::Object(members) => {
             members.retain(|key, v| !(key.ends_with("Texture") && is_marked(marked, &v["index"])));
-            for (key, member) in members.iter_mut() {
-                if let (true, Some(index)) = (key.ends_with("Texture"), member["index"].as_index())
-                {
-                    let before = marked.iter().take(index);
-                    member["index"] = before.filter(|m| !**m).count().into();
-                }
-                renumber_textures(member, marked);
-            }
+            members.values_mut().for_each(|member| forget_textures(member, marked));
         }
         _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    /// Three images of one texture each; the bytes of the second have arrived.
+    fn shortened(extensions: &Value, material: &Value) -> Value {
+        let view = |i: u32| json!({ "buffer": 0, "byteOffset": 8 * i, "byteLength": 8 });
+        let image = |i: u32| json!({ "bufferView": i, "mimeType": "image/png" });
+        let root = json!({
+            "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 24 }],
+            "bufferViews": [view(0), view(1), view(2)], "images": [image(0), image(1), image(2)],
+            "textures": [{ "source": 0 }, { "source": 1 }, { "source": 2 }],
+            "materials": [material], "extensions": extensions,
+        });
+        let buffer = PartialBuffer::new([8..16].into_iter(), &[7; 8]);
+        let made = gltf_without_missing(&root.to_string(), buffer).expect("a sound document");
+        let (document, removed) = made.expect("every reference is known");
+        assert_eq!(removed, ["2 textures"]);
+        serde_json::from_str(document.json()).expect("JSON")
+    }
+
+    #[test]
+    fn what_has_come_keeps_its_textures_and_nothing_names_others() {
+        let index = |i: u32| json!({ "index": i });
+        let pbr = json!({ "baseColorTexture": index(1), "metallicRoughnessTexture": index(0) });
+        let material = json!({
+            "pbrMetallicRoughness": pbr, "normalTexture": index(2),
+            "extensions": { "MOZ_lightmap": index(1) },
+        });
+        let root = shortened(&json!({}), &material);
+        let pbr = json!({ "baseColorTexture": index(0) });
+        let wanted =
+            json!({ "pbrMetallicRoughness": pbr, "extensions": { "MOZ_lightmap": index(0) } });
+        assert_eq!(root["materials"][0], wanted);
+        assert_eq!(root["textures"], json!([{ "source": 0 }]));
+    }
+
+    #[test]
+    fn avatars_keep_the_textures_that_have_come() {
+        let vrm = |meta: Value, textures: Value| {
+            let properties = json!([{ "textureProperties": textures }]);
+            json!({ "VRM": { "meta": meta, "materialProperties": properties } })
+        };
+        let before = vrm(json!({ "texture": 2 }), json!({ "_MainTex": 1, "_ShadeTexture": 0 }));
+        let root = shortened(&before, &json!({}));
+        assert_eq!(root["extensions"], vrm(json!({}), json!({ "_MainTex": 0 })));
+
+        let vrm = |meta: Value| json!({ "VRMC_vrm": { "meta": meta } });
+        let root = shortened(&vrm(json!({ "name": "A", "thumbnailImage": 2 })), &json!({}));
+        assert_eq!(root["extensions"], vrm(json!({ "name": "A" })));
+        let root = shortened(&vrm(json!({ "thumbnailImage": 1 })), &json!({}));
+        assert_eq!(root["extensions"], vrm(json!({ "thumbnailImage": 0 })));
     }
 }

@@ -2,7 +2,7 @@
 //! and references that this leaves empty: glTF allows neither empty accessors nor dangling
 //! references.
 
-use super::extensions::animation_pointer;
+use super::extensions::{INSTANCING, animation_pointer};
 use super::json::{Json, Object};
 use super::schema::{Pool, forget_references, references, renumbered, retain};
 use std::collections::BTreeSet;
@@ -29,7 +29,7 @@ pub(crate) fn without(root: &mut Object, empty: &[(usize, usize)]) {
             for key in ["mesh", "skin", "weights"] {
                 node.shift_remove(key);
             }
-            node.remove_extension("EXT_mesh_gpu_instancing");
+            node.remove_extension(INSTANCING);
             without_mesh.insert(n as u64);
         }
     }

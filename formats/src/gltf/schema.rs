@@ -138,14 +138,15 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
         }
     }
     let lengths = Pool::ALL.map(|pool| pool.len(root));
+    let strict = true;
     for (path, kind) in TABLE {
-        walk_root(root, path, true, &mut |value, location| {
+        walk_root(root, path, strict, &mut |value, location| {
             check_one(value, *kind, &lengths, location)
         })?;
     }
     for (_, paths) in EXTENSIONS.iter().filter(|(name, _)| STRICT.contains(name)) {
         for (path, pool) in *paths {
-            walk_root(root, path, true, &mut |value, location| {
+            walk_root(root, path, strict, &mut |value, location| {
                 check_one(value, Index(*pool), &lengths, location)
             })?;
         }
@@ -153,21 +154,27 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// Calls `visit` for every reference into `pool` and its place. The document has
-/// been checked.
+/// Calls `visit` for every reference into `pool` and its place. The document has been checked.
 pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&mut Json, &str)) {
     for (path, kind) in TABLE {
         if matches!(kind, Index(p) if *p == pool) {
-            let walked = walk_root(root, path, true, &mut |value, location| {
+            let strict = true;
+            let walked = walk_root(root, path, strict, &mut |value, location| {
                 visit(value, location);
                 Ok(())
             });
             walked.expect("the shape of a checked document fits the table");
         }
     }
+    references_of_extensions(root, pool, visit);
+}
+
+/// The same of references in extensions alone; those that lead nowhere are passed over.
+fn references_of_extensions(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&mut Json, &str)) {
     let length = pool.len(root);
+    let strict = false;
     for (path, _) in EXTENSIONS.iter().flat_map(|(_, all)| *all).filter(|(_, p)| *p == pool) {
-        let walked = walk_root(root, path, false, &mut |value, location| {
+        let walked = walk_root(root, path, strict, &mut |value, location| {
             if value.as_index().is_some_and(|i| i < length) {
                 visit(value, location);
             }
@@ -181,18 +188,12 @@ pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&m
 /// with the entry of a list that is about them, or else alone.
 pub(crate) fn forget_references(root: &mut Object, pool: Pool, kept: &[bool]) {
     let mut is_any_dropped = false;
-    let length = pool.len(root);
-    for (path, _) in EXTENSIONS.iter().flat_map(|(_, all)| *all).filter(|(_, p)| *p == pool) {
-        let walked = walk_root(root, path, false, &mut |value, _| {
-            let dropped = value.as_index().filter(|&i| i < length && !kept[i]);
-            if dropped.is_some() {
-                *value = Json::Null;
-                is_any_dropped = true;
-            }
-            Ok(())
-        });
-        walked.expect("nothing is demanded of extensions");
-    }
+    references_of_extensions(root, pool, &mut |value, _| {
+        if value.as_index().is_some_and(|i| !kept[i]) {
+            *value = Json::Null;
+            is_any_dropped = true;
+        }
+    });
     if is_any_dropped {
         root.iter_mut().for_each(|(key, value)| forget_nulls(value, key == "extensions"));
     }
@@ -276,10 +277,11 @@ pub(crate) fn renumbered(kept: &[bool]) -> Vec<u64> {
     kept.iter().map(number).collect()
 }
 
+/// Checks a value against its kind; `lengths` are those of all pools.
 fn check_one(
     value: &Json,
     kind: Kind,
-    lengths: &[usize; 13],
+    lengths: &[usize; Pool::ALL.len()],
     location: &str,
 ) -> Result<(), FormatError> {
     let finite = |v: &Json| v.as_f64().is_some();
@@ -312,7 +314,8 @@ fn check_one(
 
 type Visit<'a> = dyn FnMut(&mut Json, &str) -> Result<(), FormatError> + 'a;
 
-/// If the walk is not `strict`, what has another shape is passed over.
+/// Calls `visit` for every value that a path leads to, and its location. What has another shape
+/// than the path says is an error if the walk is `strict`; else it is passed over.
 fn walk_root(
     root: &mut Object,
     path: &str,

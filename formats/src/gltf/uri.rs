@@ -1,4 +1,5 @@
-//! URIs of buffers: `data:` decoded here, everything else a percent-encoded path beside the asset.
+//! URIs of buffers and images: `data:` decoded here, everything else a percent-encoded path beside
+//! the asset.
 
 use super::json::malformed;
 use crate::assets::last_part;

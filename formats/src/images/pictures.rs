@@ -9,10 +9,10 @@ use xxhash_rust::xxh3::xxh3_128;
 
 /// Largest side of a picture in memory, in pixels; larger ones are scaled down. Chosen by hand: the
 /// pictures that are drawn are smaller.
-const MAX_SIDE: u32 = 4096;
+const MAX_KEPT_SIDE: u32 = 4096;
 /// Pixels of all pictures in memory together: 1 GiB. Each may take a quarter of those that remain,
 /// so that none gets nothing. Chosen by hand.
-const MAX_PIXELS: u64 = 1 << 28;
+const MAX_KEPT_PIXELS: u64 = 1 << 28;
 
 /// The pictures of one scene.
 #[derive(Debug)]
@@ -96,7 +96,10 @@ impl Pictures {
             Err(e) if too_many => return Err(e),
             Err(e) => Err(e),
             Ok(mut picture) => {
-                picture.shrink(MAX_SIDE, (MAX_PIXELS - self.pixels_kept.min(MAX_PIXELS)) / 4);
+                picture.shrink(
+                    MAX_KEPT_SIDE,
+                    (MAX_KEPT_PIXELS - self.pixels_kept.min(MAX_KEPT_PIXELS)) / 4,
+                );
                 self.pixels_kept += u64::from(picture.width) * u64::from(picture.height);
                 self.list.push(picture);
                 Ok(self.list.len() - 1)

@@ -72,7 +72,7 @@ impl Textures {
     #[must_use]
     pub fn placed(self, mode: TextureMode, output: &Path) -> PlacedTextures {
         let mut placed = PlacedTextures::default();
-        // Files that the export itself writes.
+        // Files that the export itself writes; 0 stands for bytes that no texture has.
         let export_names = ["bin", "mtl"].map(|extension| output.with_extension(extension));
         let mut hashes: BTreeMap<PathBuf, u64> =
             export_names.into_iter().chain([output.to_owned()]).map(|path| (path, 0)).collect();

@@ -35,6 +35,7 @@ pub(super) fn f32_triples(
     Ok(bytes.chunks_exact(12).map(|b| triple(b).map(f32::from_bits)).collect())
 }
 
+/// The values of [`put_narrow`].
 pub(super) fn narrow(
     bytes: &[u8],
     width: usize,
@@ -83,6 +84,7 @@ pub(super) fn check_whole_entries(
     let problem = format!("{} bytes are not a whole number of entries of {size}", bytes.len());
     Err(FormatError::new(Fault::Malformed, location(), problem))
 }
+
 /// One bit for each flag, the lowest of a byte first.
 pub(super) fn put_bits(out: &mut Vec<u8>, flags: &[bool]) {
     let byte = |flags: &[bool]| {

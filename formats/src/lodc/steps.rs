@@ -1,5 +1,5 @@
-//! Compact encoding of which records form a step and how many triangles each step removes: one bit
-//! for each record, and mostly one byte for each count.
+//! Compact encodings of steps: which records form one (a bit for each record), how many triangles
+//! each removes (mostly a byte), and by how much its errors grow (LEB128).
 
 use super::arrays;
 use lodc_mesh::put_leb128;

@@ -5,7 +5,8 @@ use crate::file_header::FileHeader;
 use crate::{Fault, FormatError};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// Bytes of the header.
+/// Bytes of the header: after what [`FileHeader`] begins with, the number of sections at offset 12,
+/// the length of the file at 16, the checksum of the table at 24.
 pub(super) const HEADER_BYTES: usize = 40;
 const FILE_HEADER: FileHeader<8> = FileHeader {
     name: ".lodc file",

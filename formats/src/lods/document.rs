@@ -66,8 +66,8 @@ pub(super) struct EncodedDocument {
     pub(super) picture_end: usize,
 }
 
-/// The part of a document that comes before the first triangles ends, and these with it, in the
-/// first one of this number of parts of a stream. Chosen by hand.
+/// What a document sends before the first triangles, and these with it, take at most one part in so
+/// many of a stream. Chosen by hand.
 pub(super) const LEADING_SHARE: u64 = 20;
 /// The largest number of bytes of that part, chosen by hand.
 const MAX_LEADING: u64 = 16 << 10;

@@ -22,7 +22,7 @@ pub(super) fn malformed(problem: &str) -> FormatError {
     FormatError::new(Fault::Malformed, LOCATION, problem)
 }
 
-/// Headers that both sides code before any other.
+/// Headers that both sides code before any other, so that the first ones take fewer bytes.
 const TYPICAL: &[u8] = include_bytes!("mesh_header/typical_headers.bin");
 
 /// The codec of all headers of a stream.
@@ -105,6 +105,7 @@ pub(super) fn parse(rest: &mut &[u8]) -> Result<MeshHeader, FormatError> {
         let mut channels = usize::from(attribute.components);
         octahedral.push(systems::take_octahedral(rest, &attribute)?);
         if octahedral.last() != Some(&None) {
+            // A direction of three components has two channels.
             systems.extend([NumberSystem::Integer; 2]);
             channels -= 3;
         }

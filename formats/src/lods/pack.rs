@@ -66,7 +66,7 @@ const MIN_BLOCK_BYTES: usize = 96;
 /// Largest number of bytes of a block of the document. Chosen by hand.
 const MAX_DOCUMENT_BLOCK: usize = 1 << 20;
 
-/// Of so many bytes of a header about one is left when it has been coded after others like it.
+/// A header that is coded after others like it takes about one part in so many of its bytes.
 const HEADER_SHARE: usize = 3;
 
 /// An object while it is written.
@@ -250,7 +250,8 @@ impl StepsEncoder<'_, '_> {
             if !writer.encoder.is_complete() {
                 let (bytes, triangles) = (turns.bytes(), writer.encoder.triangles());
                 let (scale, next) = (writer.scale, queue.peek().map(|next| next.0));
-                let goes_on = |encoder: &MeshEncoder<'_>| goes_on(priority(encoder, scale), next);
+                let goes_on =
+                    |encoder: &MeshEncoder<'_>| stays_first(priority(encoder, scale), next);
                 let max_bytes = max_bytes.saturating_sub(coded(&headers));
                 must_follow = turns.turn(object as u32, &mut writer.encoder, max_bytes, goes_on);
                 shares.push((object, (turns.bytes() - bytes) as u64));
@@ -275,9 +276,10 @@ impl StepsEncoder<'_, '_> {
     }
 }
 
-/// Returns whether an object of some priority goes on, given the next one's. It does as long as its
-/// error is no more than 1/16 below that of the next, which is how precise errors in streams are.
-fn goes_on(priority: u64, next: Option<u64>) -> bool {
+/// Returns whether an object of some priority goes on with its turn, given the next one's. It does
+/// as long as its error is no more than 1/16 below that of the next, which is how precise errors in
+/// streams are.
+fn stays_first(priority: u64, next: Option<u64>) -> bool {
     let error = |priority| f64::from_bits(priority);
     match next {
         Some(NO_TRIANGLE_YET) => priority == NO_TRIANGLE_YET,
@@ -301,10 +303,10 @@ fn next_block_bytes(before: usize) -> usize {
 
 /// The priority of an object that has triangles, but none of them in the stream yet.
 const NO_TRIANGLE_YET: u64 = u64::MAX;
-/// Bytes of the block that ends a stream.
-const END_BYTES: u64 = 9;
-/// Smallest number of bytes of a block without its payload.
+/// Smallest number of bytes of a block without its payload: three numbers, two checksums.
 const BLOCK_FIELDS: usize = 9;
+/// Bytes of the block that ends a stream, which has no payload.
+const END_BYTES: u64 = BLOCK_FIELDS as u64;
 
 /// The mesh with its steps in the order in which they are packed.
 fn in_stream_order(simplified: &Simplified, order: StepOrder) -> Cow<'_, Simplified> {

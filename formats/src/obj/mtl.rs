@@ -82,13 +82,13 @@ impl<'a> TextureMap<'a> {
         let (options, file) = options_and_file(rest)?;
         let mut map = Self { file, scale: [1.0; 2], offset: [0.0; 2], clamped: false };
         for (option, values) in options {
-            let numbers = |default: f32| {
+            let two_numbers = |default: f32| {
                 let number = |text: &&str| text.parse().ok().filter(|v: &f32| v.is_finite());
                 [0, 1].map(|i| values.get(i).and_then(number).unwrap_or(default))
             };
             match option {
-                "-s" => map.scale = numbers(1.0),
-                "-o" => map.offset = numbers(0.0),
+                "-s" => map.scale = two_numbers(1.0),
+                "-o" => map.offset = two_numbers(0.0),
                 "-clamp" => map.clamped = values == ["on"],
                 _ => {}
             }
@@ -116,8 +116,8 @@ pub(crate) fn numbers(materials: &[ObjMaterial]) -> BTreeMap<&str, usize> {
     materials.iter().enumerate().rev().map(|(number, m)| (&*m.name, number)).collect()
 }
 
-/// Linear red, green and blue of a material without `Kd` and texture: a light grey. Chosen by hand:
-/// the same as of a glTF without a material.
+/// Linear red, green and blue of a material without `Kd` and texture, and of a glTF's mesh without
+/// a material: a light grey. Chosen by hand.
 pub(crate) const DEFAULT_GREY: f32 = 0.6;
 
 /// The statements of a material that are read; the last of several of one kind holds.
@@ -166,15 +166,20 @@ impl Meaning {
         let stated = self.diffuse.filter(|kd| !textured || *kd != [0.0; 3]);
         let default = [if textured { 1.0 } else { DEFAULT_GREY }; 3];
         let [r, g, b] = stated.map_or(default, |kd| kd.map(|v| to_linear(unit(v))));
+        [r, g, b, self.opacity()]
+    }
+
+    /// Opacity, from 0 to 1.
+    fn opacity(&self) -> f32 {
         // Some exporters write 0 for `d` and mean nothing by it: a material that cannot be seen
         // makes no sense.
-        let opacity = self.dissolve.map(unit).filter(|&d| d > 0.0).unwrap_or(1.0);
-        [r, g, b, opacity]
+        let stated = self.dissolve.map(|d| (d as f32).clamp(0.0, 1.0));
+        stated.filter(|&d| d > 0.0).unwrap_or(1.0)
     }
 
     /// How opacity is shown: by blending if `d` is below 1; by cutting if there is a `map_d`.
     pub(crate) fn alpha_mode(&self) -> AlphaMode {
-        match self.base_colour(false)[3] {
+        match self.opacity() {
             d if d < 1.0 => AlphaMode::Blend,
             _ if self.is_cutout && self.dissolve != Some(0.0) => AlphaMode::Mask(0.5),
             _ => AlphaMode::Opaque,

@@ -2,6 +2,7 @@
 
 use super::mtl::{self, Meaning};
 use crate::colours::SrgbValues;
+use crate::far::single;
 use crate::flatten::{FileCoordinates, Placed, Vertices, component};
 use crate::images::{ImagePlace, PlacedTextures};
 use crate::loose::Loose;
@@ -236,11 +237,6 @@ fn floats(text: &mut Vec<u8>, values: &[f32]) {
         text.push(b' ');
         float(text, value);
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "it was a single")]
-const fn single(value: f64) -> f32 {
-    value as f32
 }
 
 /// The decimal with the fewest digits that is at most `rounding` from a number: that of the file

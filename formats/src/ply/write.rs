@@ -2,8 +2,9 @@
 //! textures are comments, as MeshLab and others write them.
 
 use crate::colours::SrgbValues;
+use crate::far::single;
 use crate::flatten::{Placed, component};
-use crate::loose::{Loose, single};
+use crate::loose::Loose;
 use crate::obj::write::Library;
 use crate::provenance::Provenance;
 use crate::{Fault, FormatError, OutputFile};
@@ -12,6 +13,9 @@ use lodc_scene::stream;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
+
+/// Bytes of a face at most: the number of corners, three corners, the number of a texture.
+const FACE_BYTES: usize = 17;
 
 /// Makes the file. Streams that only some submeshes have are zero (colours: white) for the others.
 ///
@@ -44,8 +48,8 @@ pub(crate) fn export(
     }
     let counts = [vertices, triangles, edges.len()];
     let mut bytes = columns.header(counts, &textures, provenance).into_bytes();
-    bytes.reserve(vertices * columns.stride() + triangles * 17);
-    let (mut first, mut faces) = (0u32, Vec::with_capacity(triangles * 17));
+    bytes.reserve(vertices * columns.stride() + triangles * FACE_BYTES);
+    let (mut first, mut faces) = (0u32, Vec::with_capacity(triangles * FACE_BYTES));
     for p in placed {
         columns.write(&mut bytes, p);
         let (mesh, vertices) = (p.object.mesh, p.vertices());

@@ -2,6 +2,7 @@
 //!
 //! `stl_io` reads facets. Their normals follow from their corners and are left out.
 
+use super::{FACET_BYTES, TEXT_BYTES};
 use crate::faces::{self, FaceFile, Faces, NONE, Run, first_equal};
 use crate::options::ImportOptions;
 use crate::{Assets, Fault, FormatError, Limits, ObjDocument, Scene, Source, SourceFormat};
@@ -10,9 +11,7 @@ use std::io::{Cursor, ErrorKind};
 use xxhash_rust::xxh3::xxh3_128;
 
 /// Bytes before the first facet of a binary file, the number of facets included.
-const HEADER_BYTES: usize = 84;
-/// Bytes of a facet of a binary file.
-const FACET_BYTES: usize = 50;
+const HEADER_BYTES: usize = TEXT_BYTES + 4;
 
 /// Returns whether `bytes` are as long as the number of facets in a binary file's header demands.
 /// The rest of its header may be any text, even `solid`.
@@ -23,7 +22,7 @@ pub(crate) fn is_binary(bytes: &[u8]) -> bool {
 
 /// The number of facets that a binary file announces.
 fn facets(bytes: &[u8]) -> Option<usize> {
-    let count = bytes.get(HEADER_BYTES - 4..HEADER_BYTES)?.first_chunk::<4>()?;
+    let count = bytes.get(TEXT_BYTES..HEADER_BYTES)?.first_chunk::<4>()?;
     Some(u32::from_le_bytes(*count) as usize)
 }
 
@@ -95,7 +94,7 @@ impl FacetColors {
         let facets = bytes.get(HEADER_BYTES..)?.chunks_exact(FACET_BYTES);
         let attributes =
             facets.map(|f| u16::from_le_bytes([f[FACET_BYTES - 2], f[FACET_BYTES - 1]]));
-        let header = &bytes[..HEADER_BYTES - 4];
+        let header = &bytes[..TEXT_BYTES];
         let magics = header.windows(6).position(|w| w == b"COLOR=");
         let default = magics.and_then(|at| header.get(at + 6..at + 10));
         let has_own = |a: u16| (a & 0x8000 == 0) == default.is_some();
@@ -135,7 +134,7 @@ fn binary(bytes: &mut [u8], faces: &mut Faces, limits: &Limits) -> Result<(), Fo
     }
     faces.runs.push(Run { first_face: 0, material: NONE, label: NONE });
     // `stl_io` takes a file that begins like a text for one.
-    bytes[..HEADER_BYTES - 4].fill(0);
+    bytes[..TEXT_BYTES].fill(0);
     read(bytes, faces, limits, "")
 }
 

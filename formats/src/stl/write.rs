@@ -1,11 +1,9 @@
 //! Writes binary STL: the triangles alone, each with the normal that follows from its corners.
 
+use super::{FACET_BYTES, TEXT_BYTES};
 use crate::flatten::Placed;
 use crate::{Fault, FormatError, GENERATOR, OutputFile};
 use std::path::Path;
-
-/// Bytes of a text before the number of facets. It must not begin with `solid`.
-const HEADER_BYTES: usize = 80;
 
 /// Makes the file.
 ///
@@ -18,9 +16,10 @@ pub(crate) fn export(path: &Path, placed: &[Placed<'_>]) -> Result<Vec<OutputFil
         FormatError::new(Fault::Unsupported, "", problem)
     })?;
     let mut bytes = GENERATOR.as_bytes().to_vec();
-    bytes.resize(HEADER_BYTES, b' ');
+    // The text must not begin with `solid`.
+    bytes.resize(TEXT_BYTES, b' ');
     bytes.extend_from_slice(&count.to_le_bytes());
-    bytes.reserve(triangles * 50);
+    bytes.reserve(triangles * FACET_BYTES);
     for p in placed {
         let vertices = p.vertices();
         for &triangle in p.object.mesh.triangles() {

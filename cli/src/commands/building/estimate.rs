@@ -4,6 +4,7 @@
 use super::{BuildArgs, pipeline};
 use crate::batch::{Budget, Job};
 use crate::commands::each::{self, JobOptions};
+use crate::commands::estimate::estimate;
 use crate::commands::runs::ReportFormat;
 use crate::console;
 use crate::exit::{Outcome, Status};
@@ -22,16 +23,14 @@ const PROGRAM_BYTES: u64 = 48 << 20;
 /// own.
 ///
 /// # Errors
-/// As [`each::estimate`], or if its options are wrong.
+/// As [`estimate`], or if its options are wrong.
 pub(super) fn memory(
     job: &Job,
     options: &JobOptions<BuildArgs>,
 ) -> Outcome<(import::Counted, u64)> {
     let args = options.of(job)?;
     let (metric, kinds) = (args.simplify_options().metric, args.models.kinds()?);
-    each::estimate(&job.input, &args.import, |size| {
-        pipeline::needs(size, [metric].into_iter(), &kinds)
-    })
+    estimate(&job.input, &args.import, |size| pipeline::needs(size, [metric].into_iter(), &kinds))
 }
 
 /// Processor seconds that a build is likely to take. Per triangle of scans and CAD, with errors and

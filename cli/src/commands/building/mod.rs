@@ -13,7 +13,7 @@ pub(crate) use pipeline::object_options;
 pub(crate) use work::run;
 
 use crate::batch::BatchArgs;
-use crate::commands::each;
+use crate::commands::estimate::is_small;
 use crate::commands::prune::PruneArgs;
 use crate::commands::runs::RunArgs;
 use crate::config::ConfigArgs;
@@ -99,7 +99,7 @@ Examples:
 impl BuildArgs {
     /// Returns whether there is one input, in a small file.
     pub(crate) fn is_small(&self) -> bool {
-        !self.batch.takes_many(&self.inputs) && self.inputs.iter().all(|i| each::is_small(i))
+        !self.batch.takes_many(&self.inputs) && self.inputs.iter().all(|i| is_small(i))
     }
 
     /// Options of simplifying an asset.

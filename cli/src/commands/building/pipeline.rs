@@ -79,7 +79,7 @@ pub(super) fn make(
         }
         report.warnings.extend(placed.warnings);
     } else {
-        // A metric that looks at colours has told some.
+        // A metric that looks at colours has read images, and warned of some.
         let told = report.warnings.clone();
         let missing = textures.warnings.into_iter();
         report.warnings.extend(missing.filter(|line| !told.contains(line)));

@@ -30,7 +30,7 @@ pub(super) fn line(made: &BuildOutput, output: &Output, seconds: f64) -> String 
 }
 
 /// Image files that the document names and that are not where the file looks for them: those of a
-/// mesh in another folder. Of those that are not there either a warning tells.
+/// mesh in another folder. Those that are missing there, too, have a warning of their own.
 fn images_to_copy(made: &BuildOutput, output: &Output) -> Vec<String> {
     let Output::File(path) = output else { return Vec::new() };
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -121,10 +121,9 @@ fn table(text: &mut String, made: &BuildOutput) {
     let diagonal = scene_diagonal(&candidates);
     let _ = writeln!(text, "     share   triangles       error   of the diagonal         rms");
     for share in TABLE_SHARES {
-        let Ok(Selection { lods, error, rms, .. }) = levels.select(Target::Ratio(share), false)
-        else {
-            continue;
-        };
+        let per_object = false;
+        let chosen = levels.select(Target::Ratio(share), per_object);
+        let Ok(Selection { lods, error, rms, .. }) = chosen else { continue };
         let remaining: u64 = candidates
             .iter()
             .zip(&lods)

@@ -111,7 +111,8 @@ impl LevelArgs {
         let mut levels: Vec<Chosen> = Vec::new();
         for (index, (target, distance)) in self.targets().into_iter().enumerate() {
             let own = |object: &str| parts.chain_level(object, index);
-            let chosen = scene.select_capped(target, own, cap, false)?;
+            let per_object = false;
+            let chosen = scene.select_capped(target, own, cap, per_object)?;
             let Selection { lods, warnings, .. } = chosen;
             let triangles = triangles(objects, &lods);
             let asked = self.asked(target, cap);

@@ -22,7 +22,7 @@ use crate::mesh_output::{self, FormatName};
 use crate::output::{self, DependencyRule, Target};
 use crate::program::Program;
 use crate::progress::Progress;
-use crate::results::reported;
+use crate::results::print_failure;
 use crate::rounding::Room;
 use crate::selector::bound;
 use crate::stages::Stages;
@@ -123,7 +123,7 @@ struct Chained<'a> {
 }
 
 pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
-    let (jobs, format) = reported(args.export.run.reports(), jobs(args, program))?;
+    let (jobs, format) = print_failure(args.export.run.reports(), jobs(args, program))?;
     let with_text = |args, options_text| ChainArgs { options_text, ..args };
     let options = JobOptions::new(program, "chain", &jobs, with_text);
     let several = args.export.batch.takes_many(&args.inputs);
@@ -248,11 +248,11 @@ fn chain(
             };
             lods.iter().map(refitted).collect::<Result<Vec<_>, _>>()
         })?;
-        let mut is_short = false;
+        let mut has_grown = false;
         for (level, meshes) in chosen.iter().zip(&refitted) {
-            is_short |= room.is_short(&scene, &level.asked, meshes)?;
+            has_grown |= room.make_more(&scene, &level.asked, meshes)?;
         }
-        if !is_short {
+        if !has_grown {
             let measured: Vec<Measured> = refitted.into_iter().map(Measured::Refitted).collect();
             break (chosen, measured);
         }
@@ -274,7 +274,7 @@ fn chain(
     if args.geomorph.moved_streams().is_some() {
         geomorph::check(&levels)?;
     }
-    let files = |encoding: EncodeOptions, levels: &mut [ChosenLevel]| {
+    let encoded = |encoding: EncodeOptions, levels: &mut [ChosenLevel]| {
         let options = encoding.options(textures.clone());
         let input = Chained { asset: &asset, scene: &scene, room: &room };
         match args.separate {
@@ -286,9 +286,9 @@ fn chain(
         }
     };
     let mut alternative = encoding.alternative().map(|plain| (plain, levels.clone()));
-    let mut made = stages.run("export", || files(encoding, &mut levels))?;
+    let mut made = stages.run("export", || encoded(encoding, &mut levels))?;
     if let Some((encoding, plain_levels)) = &mut alternative {
-        let plain = stages.run("export", || files(*encoding, plain_levels))?;
+        let plain = stages.run("export", || encoded(*encoding, plain_levels))?;
         if let Some(line) = EncodeOptions::prefers_plain(&made.files, &plain.files) {
             warnings.push(line);
             levels.clone_from(plain_levels);
@@ -296,17 +296,17 @@ fn chain(
         }
     }
     warnings.extend(made.warnings.iter().cloned());
-    let mut files = asset.files;
-    files.extend(&images);
-    output::refuse_replacing(made.files.iter().map(|file| file.path.as_path()), &files)?;
+    let mut read = asset.files;
+    read.extend(&images);
+    output::refuse_replacing(made.files.iter().map(|file| file.path.as_path()), &read)?;
     stages.run("write", || output::commit(&made.files))?;
     progress.clear();
     let name = input.display().to_string();
     console::warnings(&name, &warnings);
-    let rules = rules(&made, &files);
+    let rules = rules(&made, &read);
     if let Some(wanted) = wanted {
         let outputs: Vec<PathBuf> = made.files.iter().map(|file| file.path.clone()).collect();
-        wanted.record(&outputs, &rules, (&files, &images), &warnings)?;
+        wanted.record(&outputs, &rules, (&read, &images), &warnings)?;
     }
     let over = ErrorsOver::of(asset.objects.iter().map(|o| &o.info));
     Ok((summary::report(name, &levels, &made, warnings, over), rules))
@@ -330,9 +330,9 @@ fn provenance(args: &ChainArgs, asset: &lodc::Asset, levels: &[ChosenLevel]) -> 
     }
 }
 
-/// A rule for each file with levels.
-fn rules(made: &Files, files: &RequestedFiles) -> Vec<DependencyRule> {
+/// A rule for each file with levels, all made from the files that were `read`.
+fn rules(made: &Files, read: &RequestedFiles) -> Vec<DependencyRule> {
     let mut outputs = made.of_level.clone();
     outputs.dedup();
-    outputs.iter().map(|output| DependencyRule::new(output, files)).collect()
+    outputs.iter().map(|output| DependencyRule::new(output, read)).collect()
 }

@@ -116,9 +116,9 @@ pub(super) fn morphing_files(
     };
     let made: Vec<(Vec<MorphingLevel>, Vec<u64>)> =
         (0..objects.len()).into_par_iter().map(of_object).collect::<Result<_, lodc::Error>>()?;
-    let (morphing, staying): (Vec<_>, Vec<_>) = made.into_iter().unzip();
+    let (morphing, staying_by_object): (Vec<_>, Vec<Vec<u64>>) = made.into_iter().unzip();
     let staying: Vec<u64> = (0..levels.len())
-        .map(|k| staying.iter().map(|of_object: &Vec<u64>| of_object[k]).sum())
+        .map(|k| staying_by_object.iter().map(|of_object| of_object[k]).sum())
         .collect();
     let moving_meshes = |level: usize| -> Vec<MovingMesh<'_>> {
         morphing.iter().map(|g| (&g[level].mesh, &g[level].next, g[level].moving.clone())).collect()
@@ -145,18 +145,18 @@ pub(super) fn morphing_files(
                 geomorph: (number < last).then_some(geomorph),
             }
         };
-        let chained: Vec<ChainObject<'_>> = (0..objects.len()).map(chain_object).collect();
+        let chain_objects: Vec<ChainObject<'_>> = (0..objects.len()).map(chain_object).collect();
         let path = numbered(out, number);
-        let mut stated = provenance(args, asset, std::slice::from_ref(level));
+        let mut provenance = provenance(args, asset, std::slice::from_ref(level));
         if number < last {
             let next = numbered(out, number + 1);
             let name = next.file_name().unwrap_or_default().to_string_lossy();
-            stated.next = Some(name.into_owned());
+            provenance.next = Some(name.into_owned());
         }
-        options.provenance = Some(stated);
+        options.provenance = Some(provenance);
         let binary = format != FormatName::Gltf;
         let shape = ChainShape::Nodes;
-        files.extend(export_chain(&path, binary, document, &chained, shape, &options)?);
+        files.extend(export_chain(&path, binary, document, &chain_objects, shape, &options)?);
         options.textures.copies.clear();
         of_level.push(path);
     }

@@ -82,7 +82,7 @@ pub(super) fn files(
         let errors = geomorph::pose_errors(asset, &moving_meshes, moved_streams.joints, &limits)?;
         geomorph::set_distances(&args.levels, levels, &errors, &staying);
     }
-    let geomorph = |object: usize, moved_streams: MovedStreams| Geomorph {
+    let geomorph_of = |object: usize, moved_streams: MovedStreams| Geomorph {
         next: &next[object],
         moving: (0..levels.len()).map(|k| geomorph::moving(&chains[object].prefixes, k)).collect(),
         streams: moved_streams,
@@ -94,7 +94,7 @@ pub(super) fn files(
             mesh: &chain.mesh,
             levels: chain.levels.clone(),
             coverage: moved_streams.map_or(coverage, |_| by_distance(args, asset, o, levels)),
-            geomorph: moved_streams.map(|moved_streams| geomorph(o, moved_streams)),
+            geomorph: moved_streams.map(|moved_streams| geomorph_of(o, moved_streams)),
         })
         .collect();
     let shape = if args.index_ranges { ChainShape::IndexRanges } else { ChainShape::Nodes };
@@ -110,8 +110,9 @@ pub(super) fn files(
     Ok(Files { files, of_level: vec![out.to_owned(); levels.len()], warnings })
 }
 
-/// The vertices of an object where they go, of which those stay that would spoil a shape; with the
-/// number of these by level. `error` is the larger one of a level and the next.
+/// Returns `next`, where the vertices of an object go, with those back in their places that would
+/// spoil a shape; and the number of these by level. `error` is the larger one of a level and the
+/// next.
 fn hold_back(
     chain: &Chain,
     mut next: Mesh,

@@ -21,7 +21,7 @@ use crate::output::{self, Target as Output};
 use crate::pose::PoseArgs;
 use crate::program::Program;
 use crate::progress::BatchProgress;
-use crate::results::{self, FailureReport, ResultReport, reported};
+use crate::results::{self, FailureReport, ResultReport, print_failure};
 use crate::selector::{SelectorArgs, size};
 use baseline::Baseline;
 use clap::Args;
@@ -212,7 +212,7 @@ fn grey(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &CompareArgs, program: &Program) -> Outcome<Status> {
-    reported(args.json, compare_all(args, program))
+    print_failure(args.json, compare_all(args, program))
 }
 
 /// Checks that options fit together, and compares all pairs.

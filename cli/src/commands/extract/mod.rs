@@ -15,7 +15,7 @@ use crate::mesh_output::{self, FormatName, OrderName};
 use crate::output;
 use crate::pose::PoseArgs;
 use crate::program::Program;
-use crate::results::reported;
+use crate::results::print_failure;
 use crate::selector::{SelectorArgs, bound};
 use crate::views::{CriterionName, ViewArgs};
 use clap::Args;
@@ -135,7 +135,7 @@ impl ExtractArgs {
 /// Extracts a level of each input, several at a time within the memory that is allowed; with
 /// `--if-changed` leaves a result that is up to date. Prints a line for each, then the report.
 pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
-    let (jobs, format) = reported(args.export.run.reports(), jobs(args, program))?;
+    let (jobs, format) = print_failure(args.export.run.reports(), jobs(args, program))?;
     let with_text = |args, options_text| ExtractArgs { options_text, ..args };
     let options = JobOptions::new(program, "extract", &jobs, with_text);
     let need = |job: &Job| options.of(job).ok()?.export.need(&job.input);

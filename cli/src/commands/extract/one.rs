@@ -178,7 +178,7 @@ fn uniform(
             }
             meshes
         };
-        if !room.is_short(scene, asked, &meshes)? {
+        if !room.make_more(scene, asked, &meshes)? {
             break (chosen, meshes);
         }
     };

@@ -6,14 +6,14 @@ use crate::exit::Outcome;
 use indexmap::IndexMap;
 use lodc::{LodFile, LodObject, levels, scene_levels};
 use lodc_formats::lodc::{self as container, Layout};
-use lodc_formats::{Limits, ObjectInfo, SourceFormat, scene_graph};
+use lodc_formats::{Limits, ObjectInfo, scene_graph};
 use lodc_lod::AnyModel;
 use lodc_lod::interactive::CollapseLists;
 use lodc_mesh::{CollapseSequence, Lod};
 use lodc_model::{Model, StorageCost};
 use lodc_report::documents::{
-    BitsPerVertex, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport, ObjectCounts,
-    ObjectReport, SceneLevelReport, SourceReport, StripsReport,
+    BitsPerVertex, ErrorOrigin, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport,
+    ObjectCounts, ObjectReport, SceneLevelReport, SourceReport, StripsReport,
 };
 use lodc_report::text::{count, distance, grouped, size};
 use lodc_report::{ErrorsOver, SCHEMA_VERSION};
@@ -30,8 +30,8 @@ const LIST_SHARES: [u32; 5] = [50, 75, 90, 95, 100];
 /// Shares of the triangles in the table of a scene's levels.
 const TABLE_SHARES: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.01];
 
-/// Returns what is inside a file. `name` is the file's, for messages. Text has nothing of the whole
-/// scene, which is looked at within `scene_limits`, if there are any.
+/// Returns what is inside a file. `name` is the file's, for messages. `scene_limits`: `None` for
+/// text, which prints nothing of the whole scene.
 ///
 /// # Errors
 /// If it is damaged, a baseline cannot be made, or the scene is beyond the limits.
@@ -53,13 +53,7 @@ pub(super) fn report(
         key: format!("{:032x}", container::key(bytes)),
         bytes: bytes.len() as u64,
         source: SourceReport {
-            format: match file.source.format {
-                SourceFormat::Obj => "obj",
-                SourceFormat::Gltf => "gltf",
-                SourceFormat::Glb => "glb",
-                SourceFormat::Ply => "ply",
-                SourceFormat::Stl => "stl",
-            },
+            format: file.source.format.name(),
             content_hash: format!("{:032x}", file.source.content_hash),
         },
         layout: file.layout.name(),
@@ -83,10 +77,9 @@ fn bounds(file: &LodFile, limits: &Limits) -> Outcome<Option<[[f64; 3]; 2]>> {
         for p in posed_positions(file.objects[placement.object].simplified.mesh(), placement) {
             let p = p.to_array();
             let [low, high] = bounds.unwrap_or([p, p]);
-            let each = |pick: fn(f64, f64) -> f64, end: [f64; 3]| {
-                std::array::from_fn(|k| pick(end[k], p[k]))
-            };
-            bounds = Some([each(f64::min, low), each(f64::max, high)]);
+            let low = std::array::from_fn(|k| low[k].min(p[k]));
+            let high = std::array::from_fn(|k| high[k].max(p[k]));
+            bounds = Some([low, high]);
         }
     }
     Ok(bounds)
@@ -141,7 +134,10 @@ fn object_report(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<Obje
         world_scale: o.info.world_scale,
         diagonal: o.simplified.mesh().diagonal(),
         errors_over: ErrorsOver::of([&o.info]),
-        errors: if collapses.is_measured() { "measured" } else { "estimate" },
+        errors: match collapses.is_measured() {
+            true => ErrorOrigin::Measured,
+            false => ErrorOrigin::Estimate,
+        },
         collapse_lists: collapse_lists_report(collapses),
         lods: lods.collect(),
         strips: strips(o),
@@ -271,7 +267,7 @@ fn write_levels(text: &mut String, o: &ObjectReport) {
     if o.errors_over != ErrorsOver::REST {
         let _ = writeln!(text, "  {}", o.errors_over);
     }
-    if o.errors == "estimate" {
+    if o.errors == ErrorOrigin::Estimate {
         let _ = writeln!(text, "  error: estimate (build the file again to have it measured)");
     }
 }

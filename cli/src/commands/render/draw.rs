@@ -59,7 +59,7 @@ pub(super) fn pictures(
     };
     let level = |tile: usize, object: usize| DrawnMesh {
         mesh: tiles[tile].mesh(drawable, object),
-        triangles: &tiles[tile].objects[object],
+        triangles: &tiles[tile].triangles[object],
         colours: tiles[tile]
             .strips
             .get(object)

@@ -37,7 +37,7 @@ pub(super) fn measure(drawable: &DrawableScene, tiles: &[Tile]) -> Heat {
     };
     let trees: Vec<TriangleTree> = (0..objects).into_par_iter().map(tree).collect();
     let field = |tile: &Tile, o: usize| {
-        let corners = corners(tile.mesh(drawable, o), &tile.objects[o]);
+        let corners = corners(tile.mesh(drawable, o), &tile.triangles[o]);
         DistanceField::new(
             &corners,
             &trees[o],

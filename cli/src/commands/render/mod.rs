@@ -163,25 +163,25 @@ fn picture(args: &RenderArgs, target: &Target) -> Outcome<()> {
     let name = args.input.display().to_string();
     let mut stages = Stages::new(args.import.clock(&args.input));
     let drawable = scene::read(args, target, &mut stages)?;
-    let cells_to_draw = tiles::choose(args, &drawable)?;
+    let chosen_tiles = tiles::choose(args, &drawable)?;
     let mut warnings = [&drawable.appearance.warnings[..], &drawable.warnings].concat();
-    warnings.extend(cells_to_draw.iter().flat_map(|c| c.warnings.iter().cloned()));
+    warnings.extend(chosen_tiles.iter().flat_map(|c| c.warnings.iter().cloned()));
     console::warnings(&name, &warnings);
     let heat = (args.color == ColorMode::Error)
-        .then(|| stages.run("measure", || heat::measure(&drawable, &cells_to_draw)));
+        .then(|| stages.run("measure", || heat::measure(&drawable, &chosen_tiles)));
     let pictures =
-        stages.run("draw", || draw::pictures(args, &drawable, &cells_to_draw, heat.as_ref()));
+        stages.run("draw", || draw::pictures(args, &drawable, &chosen_tiles, heat.as_ref()));
     let picture = if args.contact_sheet.is_empty() && heat.is_none() {
         pictures.into_iter().next().expect("there is always one")
     } else {
-        draw::sheet(args, &cells_to_draw, heat.as_ref(), &pictures)?
+        draw::sheet(args, &chosen_tiles, heat.as_ref(), &pictures)?
     };
     let size = format!("{} x {} pixels", picture.width, picture.height);
     let bytes = stages.run("encode", || lodc_formats::images::png(&picture));
     stages.run("write", || output::write(target, bytes))?;
     let destination =
         if *target == Target::Stdout { "standard output".to_owned() } else { target.name() };
-    let lods: Vec<String> = cells_to_draw.iter().map(tiles::Tile::sentence).collect();
+    let lods: Vec<String> = chosen_tiles.iter().map(tiles::Tile::sentence).collect();
     note(&format!("{destination}: {size}, {}", lods.join(", ")));
     Ok(())
 }

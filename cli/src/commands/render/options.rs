@@ -29,7 +29,7 @@ impl View {
     }
 }
 
-/// Whose normals light falls on.
+/// Normals that light falls on: those of vertices, or one for each triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Shading {
     Smooth,

@@ -16,8 +16,8 @@ use rayon::prelude::*;
 
 /// What one picture shows.
 pub(super) struct Tile {
-    /// The triangles of every object.
-    pub(super) objects: Vec<Vec<OrientedTriangle>>,
+    /// By object.
+    pub(super) triangles: Vec<Vec<OrientedTriangle>>,
     /// The meshes that these triangles belong to, if vertices have moved; else empty, and they
     /// belong to those of the input.
     meshes: Vec<Mesh>,
@@ -25,7 +25,7 @@ pub(super) struct Tile {
     /// colours show strips.
     pub(super) strips: Vec<Vec<u32>>,
     /// Triangles of all objects.
-    pub(super) triangles: u64,
+    pub(super) triangle_count: u64,
     /// Share of the input's triangles.
     pub(super) share: f64,
     pub(super) error: Option<f64>,
@@ -41,12 +41,12 @@ impl Tile {
     pub(super) fn sentence(&self) -> String {
         let share =
             if self.share < 1.0 { format!(" ({})", percent(self.share)) } else { String::new() };
-        format!("{}{share}", count(self.triangles, "triangle"))
+        format!("{}{share}", count(self.triangle_count, "triangle"))
     }
     /// Two lines under the picture.
     pub(super) fn label(&self) -> [String; 2] {
         let error = self.error.map(|e| format!("  error {}", distance(e))).unwrap_or_default();
-        [count(self.triangles, "triangle"), format!("{}{error}", percent(self.share))]
+        [count(self.triangle_count, "triangle"), format!("{}{error}", percent(self.share))]
     }
 }
 
@@ -69,24 +69,22 @@ pub(super) fn choose(args: &RenderArgs, drawable: &DrawableScene) -> Outcome<Vec
     let objects = match &drawable.objects {
         Objects::Simplified(objects) => objects,
         Objects::Meshes(meshes) => {
-            let objects: Vec<_> = meshes.iter().map(|object| all_triangles(&object.mesh)).collect();
-            let triangles = objects.iter().map(|o| o.len() as u64).sum();
-            let warnings = Vec::new();
+            let triangles: Vec<_> = meshes.iter().map(|o| all_triangles(&o.mesh)).collect();
             return Ok(vec![Tile {
-                objects,
+                triangle_count: sum(&triangles),
+                triangles,
                 meshes: Vec::new(),
                 strips: Vec::new(),
-                triangles,
                 share: 1.0,
                 error: None,
-                warnings,
+                warnings: Vec::new(),
             }]);
         }
     };
     let levels = scene_levels(objects, &drawable.document, &args.import.options().limits)?;
     if let Some(name) = args.views.criterion {
         args.views.check_models(&args.input, objects)?;
-        return view_cells(args, name, drawable, &levels);
+        return view_tiles(args, name, drawable, &levels);
     }
     let wanted: Vec<Target> = if args.contact_sheet.is_empty() {
         vec![args.selector.target().unwrap_or(Target::Ratio(1.0))]
@@ -108,12 +106,12 @@ pub(super) fn choose(args: &RenderArgs, drawable: &DrawableScene) -> Outcome<Vec
                 (objects.par_iter().zip(&selection.lods).map(triangles_of).collect(), Vec::new())
             }
         };
-        let live = triangles.iter().map(|t: &Vec<_>| t.len() as u64).sum();
+        let live = sum(&triangles);
         Ok(Tile {
-            objects: triangles,
+            triangles,
             meshes: Vec::new(),
             strips: ids,
-            triangles: live,
+            triangle_count: live,
             share: if input_triangles == 0 { 1.0 } else { live as f64 / input_triangles as f64 },
             error: Some(selection.error),
             warnings: selection.warnings,
@@ -124,7 +122,7 @@ pub(super) fn choose(args: &RenderArgs, drawable: &DrawableScene) -> Outcome<Vec
 
 /// The tiles of a view: with the levels that the criterion gives, or with the numbers of triangles
 /// that are asked for.
-fn view_cells(
+fn view_tiles(
     args: &RenderArgs,
     name: CriterionName,
     drawable: &DrawableScene,
@@ -139,22 +137,27 @@ fn view_cells(
     let tile = |target: Option<Target>| {
         let view = views.show(views.max_triangles(target))?;
         let meshes = if args.views.morph { views.meshes(&view)? } else { Vec::new() };
-        let objects: Vec<_> = match meshes[..] {
+        let triangles: Vec<_> = match meshes[..] {
             [] => views.triangles(&view),
             _ => meshes.iter().map(all_triangles).collect(),
         };
-        let triangles = objects.iter().map(|o| o.len() as u64).sum();
+        let live = sum(&triangles);
         Ok(Tile {
-            objects,
+            triangles,
             meshes,
             strips: Vec::new(),
-            triangles,
-            share: if views.all() == 0 { 1.0 } else { triangles as f64 / views.all() as f64 },
+            triangle_count: live,
+            share: if views.all() == 0 { 1.0 } else { live as f64 / views.all() as f64 },
             error: None,
             warnings: view.warnings,
         })
     };
     wanted.into_iter().map(tile).collect()
+}
+
+/// The number of the triangles of all objects.
+fn sum(triangles: &[Vec<OrientedTriangle>]) -> u64 {
+    triangles.iter().map(|of_object| of_object.len() as u64).sum()
 }
 
 /// All triangles of a mesh.

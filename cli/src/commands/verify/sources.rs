@@ -65,15 +65,15 @@ impl Sources {
     }
 }
 
-/// How much the path of a mesh is like the path of levels made of it: the bytes of its name that
-/// theirs begins with, then the number of folders, from the last one up, of the same names.
-fn likeness(mesh: &Path, levels: &Path) -> (usize, usize) {
+/// How much the path of a mesh is like that of the file made of it: the bytes of its name that the
+/// other begins with, then the number of folders, from the last one up, of the same names.
+fn likeness(mesh: &Path, lodc: &Path) -> (usize, usize) {
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stem = mesh.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let common_start = |start: &str| if name(levels).starts_with(start) { start.len() } else { 0 };
+    let common_start = |start: &str| if name(lodc).starts_with(start) { start.len() } else { 0 };
     let folders = |path: &Path| -> Vec<_> {
         path.parent().into_iter().flat_map(|p| p.iter().rev().map(ToOwned::to_owned)).collect()
     };
-    let same = folders(mesh).iter().zip(&folders(levels)).take_while(|(a, b)| a == b).count();
+    let same = folders(mesh).iter().zip(&folders(lodc)).take_while(|(a, b)| a == b).count();
     (common_start(&name(mesh)).max(common_start(&stem)), same)
 }

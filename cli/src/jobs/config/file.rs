@@ -294,6 +294,7 @@ impl ConfigFile {
         let path = input.canonicalize().unwrap_or_else(|_| input.to_owned());
         let name = path.strip_prefix(&self.folder).unwrap_or(&path);
         let mut layers = Vec::new();
+        // The defaults come first, then the profiles: see `tables`.
         let first_override = 1 + self.document.profile.len();
         for (number, (table, options)) in self.tables().enumerate() {
             let override_number = number.checked_sub(first_override);

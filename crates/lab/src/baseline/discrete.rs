@@ -2,7 +2,7 @@
 //! (thesis table 3.1).
 
 use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, Simplified};
-use lodc_model::{Array, Changes, Layout, Model, StorageCost, Traffic};
+use lodc_model::{Array, Changes, Layout, Model, StorageCost, Traffic, report_difference};
 use std::sync::Arc;
 
 /// Number of levels.
@@ -85,7 +85,7 @@ impl Model for Discrete {
         let lod = self.simplified.collapses().floor(lod);
         let to = self.levels.partition_point(|l| l.lod < lod).min(LEVELS - 1);
         let [from, now] = [cursor.0, to].map(|level| &self.levels[level]);
-        report_difference(&from.triangles, &now.triangles, changes);
+        report(from, now, changes);
         cursor.0 = to;
         Traffic { records: from.lod.0.abs_diff(now.lod.0), rewritten: 0 }
     }
@@ -112,34 +112,10 @@ impl Model for Discrete {
     }
 }
 
-/// Reports the difference of two multisets of triangles.
-fn report_difference<C: Changes>(
-    from: &[OrientedTriangle],
-    to: &[OrientedTriangle],
-    changes: &mut C,
-) {
-    if !C::REPORTED {
-        return;
-    }
-    let [mut from, mut to] = [from, to].map(<[_]>::to_vec);
-    from.sort_unstable();
-    to.sort_unstable();
-    let (mut from, mut to) = (from.into_iter().peekable(), to.into_iter().peekable());
-    loop {
-        match (from.peek().copied(), to.peek().copied()) {
-            (Some(old), Some(new)) if old == new => {
-                from.next();
-                to.next();
-            }
-            (Some(old), new) if new.is_none_or(|new| old < new) => {
-                changes.removed(old);
-                from.next();
-            }
-            (_, Some(new)) => {
-                changes.added(new);
-                to.next();
-            }
-            _ => return,
-        }
+/// Reports what a move from one level to another changes.
+fn report<C: Changes>(from: &DiscreteLevel, to: &DiscreteLevel, changes: &mut C) {
+    if C::REPORTED {
+        let [mut before, mut after] = [from, to].map(|level| level.triangles.clone());
+        report_difference(&mut before, &mut after, changes);
     }
 }

@@ -84,7 +84,7 @@ impl LodStrips {
     }
 
     /// Returns the triangles that one strip draws at the LOD where a cursor is.
-    fn drawn<'a>(
+    fn drawn_by<'a>(
         &'a self,
         cursor: &'a Cursor,
         strip: usize,
@@ -167,11 +167,11 @@ impl LodStrips {
         let affected = self.affected(fine, coarse);
         let mut difference = Difference::default();
         for &strip in &affected {
-            difference.add_before(self.drawn(cursor, strip as usize));
+            difference.add_before(self.drawn_by(cursor, strip as usize));
         }
         let traffic = walk(cursor);
         for (number, &strip) in affected.iter().enumerate() {
-            difference.report_after(number, self.drawn(cursor, strip as usize), changes);
+            difference.report_after(number, self.drawn_by(cursor, strip as usize), changes);
         }
         traffic
     }
@@ -196,7 +196,7 @@ impl Model for LodStrips {
         self.move_to(cursor, self.simplified.collapses().floor(lod).0, changes)
     }
     fn for_each_triangle(&self, cursor: &Cursor, see: impl FnMut(OrientedTriangle)) {
-        (0..self.strips.len()).flat_map(|strip| self.drawn(cursor, strip)).for_each(see);
+        (0..self.strips.len()).flat_map(|strip| self.drawn_by(cursor, strip)).for_each(see);
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         let live = (0..self.strips.len()).filter(|&strip| self.removal_lods[strip] > cursor.lod);

@@ -136,6 +136,7 @@ impl Buffers {
             }
         }
         let mut frame = InstancedFrame::default();
+        // By figure, object, LOD, and whether the corners are taken the other way round.
         let mut lists: BTreeMap<(usize, usize, Lod, bool), Range<u32>> = BTreeMap::new();
         for (((f, phase, p), lod), instances) in same {
             let figure = &mut figures[f];

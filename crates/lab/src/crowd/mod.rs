@@ -239,7 +239,7 @@ type Policy = fn(&CollapseSequence, f64) -> Lod;
 fn lods(inputs: &[Input], positions: &[WalkerPosition], policy: Policy) -> Vec<Vec<Lod>> {
     let lods_of = |(i, walker): (usize, &WalkerPosition)| {
         let objects = inputs[i % inputs.len()].objects.iter();
-        objects.map(|o| policy(o.object.simplified.collapses(), walker.distance)).collect()
+        objects.map(|o| policy(o.object.simplified.collapses(), walker.remoteness)).collect()
     };
     positions.iter().enumerate().map(lods_of).collect()
 }

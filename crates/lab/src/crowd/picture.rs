@@ -87,21 +87,21 @@ fn corners(
         let whole = figure.level(object, Lod(0)).len().max(1) as f64;
         let triangles = figure.level(object, lods[object]).to_vec();
         let share = 1.0 - triangles.len() as f64 / whole;
-        let [r, g, b] = heat(share).map(|v| to_linear(f32::from(v) / 255.0));
+        let [red, green, blue] = heat(share).map(|v| to_linear(f32::from(v) / 255.0));
         let part = &figure.parts(phase)[p];
         let vertex = |v: u32| -> [f32; 3] {
             let [x, y, z] = part.positions[v as usize];
             let rotated = [cos * x + sin * z, y, cos * z - sin * x];
             std::array::from_fn(|k| (ground[k] - camera.centre[k]) as f32 + rotated[k])
         };
-        for [a, b_, c] in triangles {
-            let [p, q, s] = (if part.mirrored { [a, c, b_] } else { [a, b_, c] }).map(vertex);
+        for [a, b, c] in triangles {
+            let [p, q, s] = (if part.mirrored { [a, c, b] } else { [a, b, c] }).map(vertex);
             let [u, v]: [[f32; 3]; 2] = [q, s].map(|to| std::array::from_fn(|k| to[k] - p[k]));
             let normal = std::array::from_fn(|k| {
                 u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]
             });
-            let corner =
-                |position| Corner { position, normal, uv: [0.0; 2], colour: [r, g, b, 1.0] };
+            let colour = [red, green, blue, 1.0];
+            let corner = |position| Corner { position, normal, uv: [0.0; 2], colour };
             corners.extend([p, q, s].map(corner));
         }
     }

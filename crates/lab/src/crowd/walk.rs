@@ -5,8 +5,7 @@ use lodc_mesh::SplitMix64;
 
 /// Frames of a second.
 pub(crate) const FRAMES_PER_SECOND: u32 = 10;
-/// The area of the crowd's square for each instance is the square of this, in sizes of what walks.
-/// Chosen by hand.
+/// Side of the ground for each walker, in sizes of what walks. Chosen by hand.
 const SPACING: f64 = 6.0;
 /// Speed in sizes a second. Chosen by hand: a walk.
 const SPEED: f64 = 0.8;
@@ -33,8 +32,8 @@ pub(crate) struct WalkerPosition {
     pub(crate) position: [f64; 2],
     /// Direction of the way, of length 1.
     pub(crate) direction: [f64; 2],
-    /// From the viewer: 0 up to one size away, 1 in the corners.
-    pub(crate) distance: f64,
+    /// Distance from the viewer: 0 up to one size away, 1 in the corners.
+    pub(crate) remoteness: f64,
 }
 
 impl Crowd {
@@ -78,9 +77,9 @@ impl Crowd {
             let way = [w.goal[0] - w.position[0], w.goal[1] - w.position[1]];
             let remaining = length(way);
             let direction = if remaining > 0.0 { way.map(|c| c / remaining) } else { [0.0, 1.0] };
-            let distance = (length(w.position) - 1.0) / (corner_distance - 1.0).max(1.0);
-            let distance = distance.clamp(0.0, 1.0);
-            WalkerPosition { position: w.position, direction, distance }
+            let remoteness = (length(w.position) - 1.0) / (corner_distance - 1.0).max(1.0);
+            let remoteness = remoteness.clamp(0.0, 1.0);
+            WalkerPosition { position: w.position, direction, remoteness }
         };
         self.walkers.iter().map(walker).collect()
     }
@@ -107,7 +106,7 @@ mod tests {
                 assert!(moved <= SPEED / f64::from(FRAMES_PER_SECOND) + 1e-9);
                 assert!(walker.position.iter().all(|c| c.abs() <= a.half_side));
             }
-            assert!(a.positions().iter().all(|s| (0.0..=1.0).contains(&s.distance)));
+            assert!(a.positions().iter().all(|s| (0.0..=1.0).contains(&s.remoteness)));
         }
         assert_eq!(a.positions(), b.positions());
         assert!(a.positions() != c.positions() && a.positions() != first);

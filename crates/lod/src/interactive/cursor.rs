@@ -129,10 +129,9 @@ impl Cursor {
         let (fine, coarse) = (from.min(to), from.max(to));
         // What vertices are shown as at the finer LOD says which of them move: before the rebuild,
         // or after it.
-        let count_moving = |shown_as: &[u32], removal_lods: &[u32]| {
-            let moves =
-                |&(&shown_as, &removal_lod): &(&u32, &u32)| shown_as < coarse && removal_lod > fine;
-            shown_as.iter().zip(removal_lods).take(coarse as usize).filter(moves).count() as u64
+        let count_moving = |shown_as: &[u32], vertex_removal_lods: &[u32]| {
+            let vertices = shown_as.iter().zip(vertex_removal_lods).take(coarse as usize);
+            vertices.filter(|&(&shown, &lod)| shown < coarse && lod > fine).count() as u64
         };
         let mut rewritten = 0;
         if to > from {

@@ -17,12 +17,12 @@ pub struct Counting {
     /// Arguments of one indirect draw per submesh, five words each.
     pub draws: BufferId,
     live: KernelId,
-    count: u32,
+    submesh_count: u32,
     stride: u32,
 }
 
 impl Counting {
-    /// Prepares counting by the positions of `vertices`, records that are laid out like these.
+    /// Prepares counting by the positions of `vertices`, which are laid out as `records` are.
     pub fn new(
         program: &mut Program,
         mesh: &Mesh,
@@ -40,7 +40,7 @@ impl Counting {
                 0 => program.kernel(shaders::LIVE),
                 place => program.kernel_with(shaders::LIVE, &[("place", place as u32)]),
             },
-            count: mesh.submeshes().len() as u32,
+            submesh_count: mesh.submeshes().len() as u32,
             stride: records.stride as u32,
         }
     }
@@ -51,8 +51,8 @@ impl Counting {
         Pass {
             kernel: self.live,
             buffers: vec![self.submeshes, self.triangles, self.vertices, self.draws],
-            threads: self.count,
-            parameters: vec![self.count, self.stride],
+            threads: self.submesh_count,
+            parameters: vec![self.submesh_count, self.stride],
         }
     }
 }

@@ -16,8 +16,8 @@ pub struct Move {
     pub to: Lod,
 }
 
-/// Instances of one object, whose levels are each one everywhere. All share the index buffer; the
-/// draws of an instance are indirect, of records that begin at its base vertex.
+/// Instances of one object, each at one level everywhere. All share the index buffer; the draws of
+/// an instance are indirect, of records that begin at its base vertex.
 #[derive(Clone, Debug)]
 pub struct ResidentMany {
     /// Buffers and kernels.

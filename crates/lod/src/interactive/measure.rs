@@ -3,7 +3,7 @@
 
 use super::view::{Criterion, Filter, ViewPasses, ViewQuery, Views};
 use super::{CollapseLists, Continuous, Counting, Interactive, replay};
-use lodc_mesh::{Lod, Mesh, Simplified};
+use lodc_mesh::{Lod, Simplified};
 use lodc_model::Model;
 use lodc_plan::{
     Benchmark, BufferId, Case, DrawInput, Memory, Pass, PlanError, Program, VertexRecords,
@@ -148,7 +148,7 @@ fn memory(simplified: &Simplified, lists: &CollapseLists) -> Result<Vec<Memory>,
         Counting::new(program, mesh, base.vertices, &records);
         Ok(())
     };
-    let filter = |program: &mut Program, mesh: &Mesh, records: VertexRecords, filtered| {
+    let dependent = |program: &mut Program, records: VertexRecords, filtered| {
         let stride = records.stride;
         // Positions are in the points: only other attributes are read from the records.
         let source =
@@ -168,9 +168,9 @@ fn memory(simplified: &Simplified, lists: &CollapseLists) -> Result<Vec<Memory>,
         };
     Ok(vec![
         of_variant("continuous", &continuous)?,
-        of_variant("view-dependent", &|program, records| filter(program, mesh, records, false))?,
+        of_variant("view-dependent", &|program, records| dependent(program, records, false))?,
         of_variant("view-dependent, filtered", &|program, records| {
-            filter(program, mesh, records, true)
+            dependent(program, records, true)
         })?,
     ])
 }

@@ -208,7 +208,11 @@ pub(super) fn lists(simplified: &Simplified) -> Result<CollapseLists, PlanError>
 /// If a kernel may not loop that often.
 pub(super) fn checked_depth(lists: &CollapseLists) -> Result<u32, PlanError> {
     let longest = lists.offsets().windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
-    if longest > LONGEST_LOOP { Err(PlanError::TooDeep { length: longest }) } else { Ok(longest) }
+    if longest > LONGEST_LOOP {
+        let what = "a vertex that collapses again and again";
+        return Err(PlanError::TooDeep { what, rounds: longest, most: LONGEST_LOOP });
+    }
+    Ok(longest)
 }
 
 /// The same work on the CPU.

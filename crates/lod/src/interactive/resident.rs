@@ -6,7 +6,7 @@ use super::{Continuous, Counting, replay};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_plan::{BufferId, DrawInput, Pass, PlanError, Program, VertexRecords};
 
-/// An object whose level is one everywhere.
+/// An object that has one level everywhere.
 #[derive(Clone, Debug)]
 pub struct Resident {
     /// Buffers and kernels.

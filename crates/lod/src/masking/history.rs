@@ -47,7 +47,7 @@ pub(super) fn histories(
     strips: &StripSet,
     positions: &PositionIds,
 ) -> Option<Histories> {
-    let step_end_of = step_ends(simplified);
+    let step_end_of = simplified.collapses().step_ends_by_record();
     let targets = simplified.collapses().targets();
     let max_entries = MAX_ENTRIES_PER_INDEX * (strips.indices().len() + targets.len()) as u64
         + ENTRIES_OF_ANY_MESH;
@@ -82,15 +82,6 @@ pub(super) fn histories(
         all.extend(entries);
     }
     Some(Histories { entry_starts, entries: all })
-}
-
-/// Returns for each record the end of its step.
-fn step_ends(simplified: &Simplified) -> Vec<u32> {
-    let mut step_end_of = Vec::with_capacity(simplified.collapses().targets().len());
-    for &end in &simplified.collapses().parts().step_ends {
-        step_end_of.resize(end as usize, end);
-    }
-    step_end_of
 }
 
 /// Follows strips through the sequence and writes down their entries.

@@ -2,6 +2,7 @@
 //! nothing read back.
 
 use super::history::Entry;
+use super::updates::whole_strip;
 use super::{Cursor, Masking};
 use crate::cpu::move_and_compare;
 use lodc_mesh::Lod;
@@ -45,8 +46,10 @@ impl Device {
             model.entry_starts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
         // Every entry also loops over the positions in its mask, usually a few of 16: a quarter is
         // chosen by hand.
-        if longest > LONGEST_LOOP / 4 {
-            return Err(PlanError::TooDeep { length: longest });
+        let most = LONGEST_LOOP / 4;
+        if longest > most {
+            let what = "a strip with its edits";
+            return Err(PlanError::TooDeep { what, rounds: longest, most });
         }
         let strips = model.strips.len();
         let masks = |e: &Entry| u32::from(e.positions) | u32::from(e.filter) << 16;
@@ -192,7 +195,7 @@ impl CpuVersion {
                 next -= 1;
                 put(&model.entries[next], model.entries[next].record);
             }
-            let whole = u16::MAX >> (16 - full_strip.len().clamp(1, 16));
+            let whole = whole_strip(full_strip.len());
             let filter = if next > history.start { model.entries[next - 1].filter } else { whole };
             self.states[2 * strip..][..2].copy_from_slice(&[next as u32, u32::from(filter)]);
         }

@@ -166,7 +166,7 @@ impl Search {
                     self.nodes.push(Node { remaining, parent: NONE, p: label, q: label, at, odd });
                     min_position = at + 1;
                 }
-                let at = from(self.positions[p as usize], min_position).trailing_zeros() as u8;
+                let at = from_on(self.positions[p as usize], min_position).trailing_zeros() as u8;
                 let next_position = if at < 64 { after(self.positions[q as usize], at) } else { 0 };
                 if next_position != 0 {
                     self.nodes.push(Node { remaining, parent, p, q: p, at, odd });
@@ -321,6 +321,6 @@ fn after(mask: u64, at: u8) -> u64 {
 }
 
 /// The positions of a mask from one on.
-fn from(mask: u64, at: u8) -> u64 {
+fn from_on(mask: u64, at: u8) -> u64 {
     if at < 64 { mask & u64::MAX << at } else { 0 }
 }

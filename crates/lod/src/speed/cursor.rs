@@ -4,7 +4,8 @@
 //! A move takes one of two ways. *Near*: the changes of the records passed are applied in order.
 //! *Far*: no change is looked at; an element that is not removed at a LOD holds what its vertex of
 //! LOD 0 has become, so all strips are rebuilt from the stored ones. A near move that turns out to
-//! write more than a far one would becomes a far one.
+//! write more than four times as many elements as a far one becomes a far one: elements that it
+//! only shifts count, too, and are cheaper than those that are made anew.
 //!
 //! The thesis gathers the changes of a strip over all records of an update and makes them in one
 //! pass. With the few records of a 0.1 % step hardly any strip is met twice, and looking strips up
@@ -45,7 +46,7 @@ pub struct Cursor {
     states: Vec<StripState>,
     /// A buffer for far moves: what each vertex has become.
     vertices_at_lod: Vec<u32>,
-    /// A buffer.
+    /// Buffer for reporting changes.
     difference: Difference,
 }
 
@@ -85,7 +86,8 @@ impl Cursor {
         self.states.iter().filter(|s| s.live).map(|s| u64::from(s.span.end - s.span.start)).sum()
     }
 
-    pub(super) fn drawn_by<'a>(
+    /// The live triangles of a strip.
+    pub(super) fn strip_triangles<'a>(
         &'a self,
         model: &'a Speed,
         strip: usize,
@@ -110,11 +112,11 @@ impl Cursor {
         let mut difference = std::mem::take(&mut self.difference);
         difference.clear();
         for &strip in &strips {
-            difference.add_before(self.drawn_by(model, strip as usize));
+            difference.add_before(self.strip_triangles(model, strip as usize));
         }
         self.move_to(model, to, &records, &mut traffic);
         for (number, &strip) in strips.iter().enumerate() {
-            difference.report_after(number, self.drawn_by(model, strip as usize), changes);
+            difference.report_after(number, self.strip_triangles(model, strip as usize), changes);
         }
         self.difference = difference;
         traffic
@@ -140,7 +142,7 @@ impl Cursor {
         let run = edits.of(records);
         let (mut done, mut written) = (0, run.offsets.len() as u64);
         for removed in run.removals {
-            let next = (removed.changes - run.first_change) as usize;
+            let next = (removed.changes_before - run.first_change) as usize;
             self.write_targets(&run.offsets[done..next], &run.targets[done..next]);
             done = next;
             written += remove(
@@ -161,6 +163,7 @@ impl Cursor {
     fn refine(&mut self, model: &Speed, records: &Range<u32>, max_written: u64) -> Option<u64> {
         let run = model.edits().of(records);
         let (mut end, mut written) = (run.offsets.len(), run.offsets.len() as u64);
+        // Its death is a strip's last change, so it is undone first.
         for &strip in run.dying {
             self.states[strip as usize].live = true;
             if self.states[strip as usize].lacks_removed {
@@ -172,7 +175,7 @@ impl Cursor {
             }
         }
         for removed in run.removals.iter().rev() {
-            let next = (removed.changes - run.first_change) as usize;
+            let next = (removed.changes_before - run.first_change) as usize;
             self.write_vertices(&run.offsets[next..end], &run.vertices[next..end]);
             end = next;
             let at_end = matches!(removed.removal.kind, RemovalKind::Front | RemovalKind::Back);
@@ -211,12 +214,11 @@ impl Cursor {
         let (edits, room) = (model.edits(), model.strips().range(strip));
         let mut written = 0;
         for index in room.clone() {
-            let (at, index_removal_lods) =
-                (edits.end_offsets[index], edits.index_removal_lods[index]);
-            if at != NONE && index_removal_lods <= lod {
+            let (at, removal_lod) = (edits.end_offsets[index], edits.index_removal_lods[index]);
+            if at != NONE && removal_lod <= lod {
                 let vertex = model.strips().indices()[index];
                 self.indices[room.start + at as usize] =
-                    model.simplified().collapses().resolve(vertex, Lod(index_removal_lods - 1));
+                    model.simplified().collapses().resolve(vertex, Lod(removal_lod - 1));
                 written += 1;
             }
         }
@@ -252,10 +254,10 @@ impl Cursor {
         let room = model.strips().range(strip);
         let start = room.start + edits.removed_at_front(room.clone(), lod);
         let mut end = start;
-        for (&vertex, &index_removal_lods) in
+        for (&vertex, &removal_lod) in
             model.strips().indices()[room.clone()].iter().zip(&edits.index_removal_lods[room])
         {
-            if index_removal_lods > lod {
+            if removal_lod > lod {
                 self.indices[end] = vertex_at_lod(vertex);
                 end += 1;
             }

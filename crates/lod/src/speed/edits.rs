@@ -38,7 +38,7 @@ pub(super) struct Removed {
     pub(super) record: u32,
     pub(super) removal: Removal,
     /// Number of changes, of all records, before it.
-    pub(super) changes: u32,
+    pub(super) changes_before: u32,
 }
 
 /// The lists of changes.
@@ -193,8 +193,9 @@ impl Edits {
         self.offsets.extend(update.offsets.iter().map(|p| room + p));
         self.targets.resize(self.offsets.len(), target);
         self.vertices.resize(self.offsets.len(), update.record);
-        let (strip, record, changes) = (update.strip, update.record, self.offsets.len() as u32);
-        let removed = |&removal| Removed { strip, record, removal, changes };
+        let (strip, record, changes_before) =
+            (update.strip, update.record, self.offsets.len() as u32);
+        let removed = |&removal| Removed { strip, record, removal, changes_before };
         self.removals.extend(update.removals.iter().rev().map(removed));
     }
 

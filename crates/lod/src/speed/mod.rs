@@ -56,7 +56,8 @@ impl Speed {
         check_submeshes(&strips, simplified.mesh())?;
         let strips = cut_long(strips, Self::LONGEST_STRIP);
         let positions = simplified.mesh().position_ids();
-        let histories = trace::histories(simplified, &strips, &positions, true)?;
+        let with_dead_ends = true;
+        let histories = trace::histories(simplified, &strips, &positions, with_dead_ends)?;
         Ok(Self::new(simplified, strips, positions, &histories))
     }
 
@@ -197,7 +198,9 @@ impl Model for Speed {
         4 * self.edits.elements(&(from.0.min(to.0)..from.0.max(to.0)), to > from)
     }
     fn for_each_triangle(&self, cursor: &Cursor, mut see: impl FnMut(OrientedTriangle)) {
-        (0..self.strips.len()).for_each(|strip| cursor.drawn_by(self, strip).for_each(&mut see));
+        for strip in 0..self.strips.len() {
+            cursor.strip_triangles(self, strip).for_each(&mut see);
+        }
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()

@@ -58,7 +58,8 @@ impl Device {
         let set = &model.strips.set;
         let longest = set.iter().map(<[u32]>::len).max().unwrap_or(0) as u32;
         if longest > LONGEST_LOOP {
-            return Err(PlanError::TooDeep { length: longest });
+            let what = "a strip";
+            return Err(PlanError::TooDeep { what, rounds: longest, most: LONGEST_LOOP });
         }
         let EditsByStrip { starts, entries, changes, removals } = EditsByStrip::new(model);
         let strip_states = starts

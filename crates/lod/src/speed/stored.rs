@@ -55,13 +55,13 @@ impl Stored {
             let mut event = 0u32;
             for _ in 0..reader.varint().ok_or_else(short)? {
                 event = reader.varint().and_then(|n| event.checked_add(n)).ok_or_else(short)?;
-                let at = reader.varint().ok_or_else(short)?;
+                let offset = reader.varint().ok_or_else(short)?;
                 let code = reader.varint().ok_or_else(short)?;
                 let (count, kind) = (code / 4, RemovalKind::ALL[code as usize % 4]);
                 if count == 0 {
                     return Err(wrong("has a removal of no element"));
                 }
-                stored.removals.push((event, Removal { offset: at, count, kind }));
+                stored.removals.push((event, Removal { offset, count, kind }));
             }
         }
         stored.first.push(stored.removals.len() as u32);

@@ -59,7 +59,8 @@ pub(crate) fn measure_all(
     Ok(objects)
 }
 
-/// Shapes of which all are measured at a time.
+/// Shapes given to [`lodc_errors::raise`] at a time where all are to be measured: it measures two
+/// before it may stop.
 const SHAPES_AT_ONCE: usize = 2;
 
 /// Measures every step of a sequence: the largest distances over all shapes of placements, and over

@@ -58,11 +58,11 @@ impl Size {
     }
 
     /// The need of simplification. Metrics other than the quadric simplify the mesh as a whole.
-    pub fn simplify(self, metrics: impl Iterator<Item = MetricKind>) -> Need {
+    pub fn simplify(self, mut metrics: impl Iterator<Item = MetricKind>) -> Need {
         let is_visual = |metric| metric != MetricKind::Quadric;
         let loose = self.bytes(0, 490).saturating_sub(self.bytes(60, 0));
         let plain = self.bytes(205, 0).max(loose);
-        let visual = if { metrics }.any(is_visual) { self.bytes(500, 0) } else { 0 };
+        let visual = if metrics.any(is_visual) { self.bytes(500, 0) } else { 0 };
         let moving = self.moving.saturating_mul(MOVING_BYTES);
         Need { bytes: plain.max(visual).saturating_add(moving), stage: "simplify" }
     }

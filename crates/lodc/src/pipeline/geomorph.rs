@@ -13,25 +13,25 @@ use std::ops::Range;
 
 /// A level that has arrived may be this many times as far from the input, in any shape, as the
 /// farther of itself and the next level. Chosen by hand.
-const MAX_BOUND_GROWTH: f64 = 1.25;
+const MAX_ERROR_GROWTH: f64 = 1.25;
 /// Vertices stay that would arrive farther than this many times the error from the surface, or from
 /// their place in the next level: tried in order until the level holds. Chosen by hand.
-const LIMITS: [(Off, f64); 8] = [
-    (Off::Surface, f64::INFINITY),
-    (Off::Surface, 2.0),
-    (Off::Surface, 1.0),
-    (Off::Surface, 0.5),
-    (Off::Place, 2.0),
-    (Off::Place, 1.0),
-    (Off::Place, 0.5),
-    (Off::Place, MAX_BOUND_GROWTH - 1.0),
+const LIMITS: [(Deviation, f64); 8] = [
+    (Deviation::Surface, f64::INFINITY),
+    (Deviation::Surface, 2.0),
+    (Deviation::Surface, 1.0),
+    (Deviation::Surface, 0.5),
+    (Deviation::Place, 2.0),
+    (Deviation::Place, 1.0),
+    (Deviation::Place, 0.5),
+    (Deviation::Place, MAX_ERROR_GROWTH - 1.0),
 ];
-/// The same of shapes with other morph targets, which are not measured. Chosen by hand.
+/// The same for shapes with a morph target that errors are not over. Chosen by hand.
 const UNMEASURED_LIMIT: f64 = 2.0;
 
-/// What a vertex may be off, as an index.
+/// What a vertex's deviation is measured from, as an index.
 #[derive(Clone, Copy)]
-enum Off {
+enum Deviation {
     /// The surface of the input, in the shapes that errors are over.
     Surface,
     /// Its place in the next level, there.
@@ -98,16 +98,20 @@ impl<'a> GeomorphJudge<'a> {
     #[must_use]
     pub fn staying(&self, way: &Way<'_>) -> Vec<u32> {
         let ids = way.now.position_ids();
-        let (off, places) = self.off(way, &ids);
+        let (deviations, places) = self.deviations(way, &ids);
         let error = way.error + NEGLIGIBLE * extent(way.now.positions());
-        let off = |kind: Off, v: u32| off[kind as usize][ids.of_vertex[v as usize] as usize];
+        let deviation =
+            |kind: Deviation, v: u32| deviations[kind as usize][ids.of_vertex[v as usize] as usize];
         let mut before = usize::MAX;
         for (kind, limit) in LIMITS {
             let stays = |v: &u32| {
-                off(kind, *v) > limit * error || off(Off::Unmeasured, *v) > UNMEASURED_LIMIT * error
+                deviation(kind, *v) > limit * error
+                    || deviation(Deviation::Unmeasured, *v) > UNMEASURED_LIMIT * error
             };
             let staying: Vec<u32> = way.moving.clone().filter(stays).collect();
-            let is_near = |v: u32| off(Off::Place, v) <= (MAX_BOUND_GROWTH - 1.0) * error;
+            // Then no point is farther off than is allowed, and nothing need be measured.
+            let is_near =
+                |v: u32| deviation(Deviation::Place, v) <= (MAX_ERROR_GROWTH - 1.0) * error;
             if staying.is_empty() && way.moving.clone().all(is_near) {
                 return staying;
             }
@@ -118,20 +122,22 @@ impl<'a> GeomorphJudge<'a> {
             let mut moves = vec![false; way.now.vertex_count()];
             way.moving.clone().for_each(|v| moves[v as usize] = true);
             staying.iter().for_each(|&v| moves[v as usize] = false);
-            if self.holds(way, &places, &moves, MAX_BOUND_GROWTH * error) {
+            if self.holds(way, &places, &moves, MAX_ERROR_GROWTH * error) {
                 return staying;
             }
         }
-        let is_off = |&v: &u32| off(Off::Place, v).max(off(Off::Unmeasured, v)) > 0.0;
-        way.moving.clone().filter(is_off).collect()
+        let deviates = |&v: &u32| {
+            deviation(Deviation::Place, v).max(deviation(Deviation::Unmeasured, v)) > 0.0
+        };
+        way.moving.clone().filter(deviates).collect()
     }
 
-    /// How far off each position would be, by [`Off`], and where all vertices are in each shape
-    /// that errors are over.
-    fn off(&self, way: &Way<'_>, ids: &PositionIds) -> ([Vec<f64>; 3], Vec<Places>) {
+    /// How far each position would deviate, by [`Deviation`], and where all vertices are in each
+    /// shape that errors are over.
+    fn deviations(&self, way: &Way<'_>, ids: &PositionIds) -> ([Vec<f64>; 3], Vec<Places>) {
         let arrived = arrived(way.now, way.next, way.takes_joints);
         let borrowed = way.takes_joints.then(|| with_joints_of(way.now, way.next));
-        let mut off = [(); 3].map(|()| vec![0.0f64; ids.len()]);
+        let mut deviations = [(); 3].map(|()| vec![0.0f64; ids.len()]);
         let mut all = Vec::new();
         let measured = self.originals.shapes.iter().zip(&self.originals.originals);
         let measured = measured.map(|(shape, original)| (shape, Some(original)));
@@ -143,17 +149,17 @@ impl<'a> GeomorphJudge<'a> {
                 // Where it arrives, and with joints of another vertex where it begins.
                 let places = [Some((at[v], next[v])), borrowed.as_ref().map(|b| (b[v], now[v]))];
                 for (at, place) in places.into_iter().flatten() {
-                    let mut raise = |kind: Off, by: f64| {
-                        let off = &mut off[kind as usize][ids.of_vertex[v] as usize];
-                        *off = off.max(by);
+                    let mut raise = |kind: Deviation, by: f64| {
+                        let largest = &mut deviations[kind as usize][ids.of_vertex[v] as usize];
+                        *largest = largest.max(by);
                     };
                     let from_place = distance(at, place);
                     match original {
-                        None => raise(Off::Unmeasured, from_place),
+                        None => raise(Deviation::Unmeasured, from_place),
                         Some(_) if from_place == 0.0 => {}
                         Some(original) => {
-                            raise(Off::Place, from_place);
-                            raise(Off::Surface, original.distance_to(at));
+                            raise(Deviation::Place, from_place);
+                            raise(Deviation::Surface, original.distance_to(at));
                         }
                     }
                 }
@@ -163,7 +169,7 @@ impl<'a> GeomorphJudge<'a> {
                 all.push(Places { now, others });
             }
         }
-        (off, all)
+        (deviations, all)
     }
 
     /// Returns whether a level is within a limit in all shapes once some vertices have moved.

@@ -55,8 +55,8 @@ pub struct Viewpoint {
 }
 
 impl Viewpoint {
-    /// Right, up, towards the camera. Looking along the upward axis, or nowhere, is looking ahead
-    /// and down.
+    /// Right, up, towards the camera. A view along the upward axis takes `ahead` as up instead; a
+    /// view of nowhere looks down.
     fn axes(&self) -> [[f64; 3]; 3] {
         let (up, ahead) = match self.up {
             Up::Y => ([0.0, 1.0, 0.0], [0.0, 0.0, -1.0]),
@@ -108,6 +108,18 @@ const MARGIN: f64 = 0.04;
 /// Share of the width or height between the margins.
 const FILLED: f64 = 1.0 - 2.0 * MARGIN;
 
+/// Least distance of an eye from the nearest point, as a share of the size of what is seen: so that
+/// no point lies at the eye. Chosen by hand, as the shares of the size below.
+const MIN_GAP: f64 = 0.01;
+/// Share of the size by which the seen depths exceed those of the points at both ends, so that
+/// rounding cuts nothing off.
+const DEPTH_MARGIN: f64 = 1e-3;
+/// Least near distance as a share of the size. The larger, the finer are depths; the smaller, the
+/// less is cut off.
+const MIN_NEAR: f64 = 1e-4;
+/// The same for an eye at a viewpoint, which may be amid the points.
+const MIN_NEAR_AT_VIEWPOINT: f64 = 1e-3;
+
 /// Lowest and highest value of something over points.
 type Bounds = (f64, f64);
 
@@ -136,6 +148,13 @@ impl<'a> PointsInView<'a> {
         self.sheared(axis, 0.0)
     }
 
+    /// The farthest and the nearest value along the axis of view; zeros where there are no points.
+    /// The axis points towards the camera, so the lowest is farthest.
+    fn depth_range(&self) -> Bounds {
+        let (farthest, nearest) = self.along(2);
+        if farthest <= nearest { (farthest, nearest) } else { (0.0, 0.0) }
+    }
+
     /// The largest extent along an axis; 1 where there is none.
     fn size(&self) -> f64 {
         let size = (0..3).map(|a| self.along(a)).map(|(l, h)| h - l).fold(0.0, f64::max);
@@ -154,15 +173,13 @@ impl Camera {
         let axes = axes(framing);
         let in_view = PointsInView::new(points, axes);
         let size = in_view.size();
-        let (farthest, nearest) = in_view.along(2);
-        let (farthest, nearest) =
-            if farthest <= nearest { (farthest, nearest) } else { (0.0, 0.0) };
+        let (farthest, nearest) = in_view.depth_range();
         let (eye, half) = match framing.lens {
             Lens::Perspective(degrees) => {
                 let tangent = tan_of_half(degrees);
                 let half = [tangent * aspect, tangent];
                 let mut eye = perspective_eye(&in_view, half);
-                eye[2] = eye[2].max(nearest + size * 0.01);
+                eye[2] = eye[2].max(nearest + size * MIN_GAP);
                 // Zoom narrows the view; the eye stays where it is.
                 (eye, half.map(|h| h / framing.zoom))
             }
@@ -181,8 +198,8 @@ impl Camera {
             half,
             perspective: matches!(framing.lens, Lens::Perspective(_)),
             depth: [
-                (eye[2] - nearest - size * 1e-3).max(size * 1e-4),
-                eye[2] - farthest + size * 1e-3,
+                (eye[2] - nearest - size * DEPTH_MARGIN).max(size * MIN_NEAR),
+                eye[2] - farthest + size * DEPTH_MARGIN,
             ],
         }
     }
@@ -205,10 +222,9 @@ impl Camera {
         let eye = in_view.axes.map(|axis| dot(axis, from_centre));
         let tangent = tan_of_half(view.degrees) / view.zoom;
         let size = in_view.size();
-        let (farthest, nearest) = in_view.along(2);
-        let (farthest, nearest) =
-            if farthest <= nearest { (farthest, nearest) } else { (0.0, 0.0) };
-        let near = (eye[2] - nearest - size * 1e-3).max(size * 1e-3);
+        let (farthest, nearest) = in_view.depth_range();
+        let near = (eye[2] - nearest - size * DEPTH_MARGIN).max(size * MIN_NEAR_AT_VIEWPOINT);
+        let far = (eye[2] - farthest + size * DEPTH_MARGIN).max(near + size * DEPTH_MARGIN);
         Self {
             centre: in_view.centre,
             axes: in_view.axes,
@@ -216,7 +232,7 @@ impl Camera {
             eye,
             half: [tangent * aspect, tangent],
             perspective: true,
-            depth: [near, (eye[2] - farthest + size * 1e-3).max(near + size * 1e-3)],
+            depth: [near, far],
         }
     }
 
@@ -235,13 +251,13 @@ impl Camera {
             r
         };
         let across = scaled(row(0), 1.0 / self.half[0]);
-        let down = scaled(row(1), 1.0 / self.half[1]);
+        let upward = scaled(row(1), 1.0 / self.half[1]);
         let rows = if self.perspective {
             let k = far / (far - near);
-            [across, down, plus(scaled(toward, -k), -k * near), scaled(toward, -1.0)]
+            [across, upward, plus(scaled(toward, -k), -k * near), scaled(toward, -1.0)]
         } else {
             let k = 1.0 / (far - near);
-            [across, down, plus(scaled(toward, -k), -k * near), [0.0, 0.0, 0.0, 1.0]]
+            [across, upward, plus(scaled(toward, -k), -k * near), [0.0, 0.0, 0.0, 1.0]]
         };
         std::array::from_fn(|column| std::array::from_fn(|r| rows[r][column] as f32))
     }
@@ -291,7 +307,7 @@ impl Camera {
         self.perspective.then(|| Vec3::new(along(0), along(1), along(2)))
     }
 
-    /// Returns the depth of a point relative to the centre, for sorting.
+    /// Returns the distance along the axis of view of a point relative to the centre, for sorting.
     #[must_use]
     pub fn distance(&self, p: [f32; 3]) -> f32 {
         let toward = self.axes[2];

@@ -250,12 +250,13 @@ impl<'a> Band<'a> {
         let list: Vec<_> = list.iter().map(|&i| &pieces[i as usize]).collect();
         let list: Vec<_> = list.into_iter().map(|piece| (piece, alpha(piece.triangle))).collect();
         for (piece, alpha) in list {
+            let only_covered = alpha != AlphaMode::Opaque;
             match alpha {
-                AlphaMode::Opaque => self.hide(piece, false),
+                AlphaMode::Opaque => self.hide(piece, only_covered),
                 AlphaMode::Mask(_) => {
                     self.cover(piece);
                     self.cut_away(piece.triangle);
-                    self.hide(piece, true);
+                    self.hide(piece, only_covered);
                     self.forget();
                 }
                 AlphaMode::Blend => blended.push(piece),
@@ -363,8 +364,8 @@ impl<'a> Band<'a> {
         for (pixel, samples) in colours.iter_mut().enumerate() {
             let seen: [u32; 16] =
                 std::array::from_fn(|sample| self.seen[sample * pixels + pixel].item());
-            let mut left = (0..16).filter(|&s| seen[s] != Fragment::NOTHING.item());
-            let mut left: u16 = left.by_ref().fold(0, |bits, s| bits | 1 << s);
+            let with_triangle = (0..16).filter(|&s| seen[s] != Fragment::NOTHING.item());
+            let mut left: u16 = with_triangle.fold(0, |bits, s| bits | 1 << s);
             while left != 0 {
                 let first = left.trailing_zeros() as usize;
                 let triangle = seen[first];

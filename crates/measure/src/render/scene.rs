@@ -80,6 +80,7 @@ impl Scene<'_> {
         let points: Vec<PositionIds> =
             levels.par_iter().map(|level| PositionIds::new(level.mesh.positions())).collect();
         let mut runs: Vec<Run> = Vec::new();
+        // The depth, the material and the corners of each blended triangle.
         let mut blended: Vec<(f32, usize, [Corner; 3])> = Vec::new();
         for placement in self.arrangement.placements() {
             let (level, points) = (&levels[placement.object], &points[placement.object]);

@@ -8,8 +8,9 @@ use glam::{DVec3, Vec2, Vec3};
 use lodc_scene::{AlphaMode, Image, Material, to_linear};
 use rayon::prelude::*;
 
-/// Linear colour of edges. Chosen by hand.
+/// Linear colour of edges, and by how much it covers that of triangles. Chosen by hand.
 const WIRE: Vec3 = Vec3::new(0.01, 0.012, 0.02);
+const WIRE_OPACITY: f32 = 0.85;
 /// Linear colour of back faces where they are marked. Chosen by hand.
 const MARKED_BACK_FACES: Vec3 = Vec3::new(0.9, 0.02, 0.45);
 /// Colours are computed this many times in a pixel, across and down.
@@ -193,7 +194,7 @@ impl<'a> Surface<'a> {
         }
         if style.wire > 0.0 {
             let line = edge(&place, style.wire * CELLS);
-            rgb = rgb.lerp(WIRE, line * 0.85);
+            rgb = rgb.lerp(WIRE, line * WIRE_OPACITY);
             opacity = opacity.max(line);
         }
         let rgb = rgb.clamp(Vec3::ZERO, Vec3::ONE) * opacity;

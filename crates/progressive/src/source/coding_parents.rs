@@ -7,7 +7,7 @@
 //! that it repeats that vertex's target.
 //!
 //! Some vertices do take over a few triangles of a large star. If these stars cost much more than
-//! the rest of the mesh, the triangles that are transferred are coded by their numbers instead (a
+//! the rest of the mesh, the triangles that are transferred are coded by their numbers instead (an
 //! explicit face list).
 
 use crate::partial_mesh::star::LARGE_STAR;
@@ -23,32 +23,30 @@ const MAX_SIBLINGS: usize = 8;
 pub(crate) struct StarRule {
     /// Stars of more triangles are large.
     pub(crate) large_star: u32,
-    /// A large star may be named if it has more than this many triangles for each that is
-    /// transferred.
+    /// A split off a large star may have an explicit face list if the star has more than this many
+    /// triangles for each that is transferred. Beyond 32, numbers (about 17 bits for each triangle
+    /// that is transferred) are smaller than bits (one for each triangle of the star).
     pub(crate) max_star_ratio: u64,
-    /// Stars are named only if all that may be have together more than this many triangles for each
-    /// of the mesh.
+    /// Explicit face lists are used only if the stars of all splits that may have one hold together
+    /// more than this many triangles for each of the mesh. A triangle of a star costs a few
+    /// nanoseconds, a triangle of the mesh some microseconds. So a mesh with up to 32 is packed
+    /// fast enough with bits, which are smaller than numbers.
     pub(crate) max_total_ratio: u64,
 }
 
 impl StarRule {
-    /// `max_total_ratio`: a triangle of a star costs a few nanoseconds, a triangle of the mesh some
-    /// microseconds. A mesh whose large stars have up to 32 triangles for each of its own is packed
-    /// fast enough with bits, which are smaller than numbers. `max_star_ratio`: beyond it, numbers
-    /// (about 17 bits for each triangle that is transferred) are smaller than the bits (one for
-    /// each triangle of the star). Measured with both on 25 generated high-valence vertices: none
-    /// takes more than
-    /// 1.3 times as long as loose triangles.
+    /// With these none of 25 generated meshes with high-valence vertices takes more than 1.3 times
+    /// as long to pack as loose triangles.
     pub(crate) const DEFAULT: Self =
         Self { large_star: LARGE_STAR, max_star_ratio: 32, max_total_ratio: 32 };
 }
 
-/// What the splits of a mesh are coded from.
+/// How each split is coded.
 pub(crate) struct SplitPlan {
     /// The vertex that each one is coded as split off.
     pub(crate) parents: Vec<u32>,
-    /// The vertices with an explicit face list, in falling order; none if naming is not worth it.
-    pub(crate) named: Vec<u32>,
+    /// The vertices with an explicit face list, in falling order; none if these are not worth it.
+    pub(crate) listed: Vec<u32>,
 }
 
 /// The splits of a mesh in stream order, with what decides the size of stars.
@@ -72,12 +70,15 @@ impl Splits<'_> {
         let Self { targets, points, appearances, by_vertex, triangles } = self;
         let mut star_sizes = vec![0u32; targets.len()];
         for v in triangles.as_flattened() {
+            // From collapse order to stream order.
             star_sizes[targets.len() - 1 - *v as usize] += 1;
         }
         let earlier = earlier_siblings(targets, points);
         let mut parents = targets.to_vec();
-        let (mut named, mut named_triangles) = (Vec::new(), 0);
+        let (mut listed, mut listed_triangles) = (Vec::new(), 0);
         for new in (1..targets.len()).rev() {
+            // Going backwards, the split is undone: without the triangles that came with `new`, its
+            // star is what was transferred.
             for &triangle in by_vertex.row(new as u32) {
                 for vertex in appearances[triangle as usize].vertices {
                     star_sizes[vertex as usize] -= 1;
@@ -96,14 +97,14 @@ impl Splits<'_> {
             let size = star_sizes[target as usize];
             let is_large = parents[new] == target && size > rule.large_star;
             if is_large && u64::from(size) > rule.max_star_ratio * u64::from(transferred) {
-                named.push(new as u32);
-                named_triangles += u64::from(size);
+                listed.push(new as u32);
+                listed_triangles += u64::from(size);
             }
         }
-        if named_triangles <= rule.max_total_ratio * triangles.len() as u64 {
-            named.clear();
+        if listed_triangles <= rule.max_total_ratio * triangles.len() as u64 {
+            listed.clear();
         }
-        SplitPlan { parents, named }
+        SplitPlan { parents, listed }
     }
 }
 

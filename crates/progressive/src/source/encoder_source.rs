@@ -74,7 +74,7 @@ impl EncoderSource {
             by_vertex: &by_vertex,
             triangles: mesh.triangles(),
         };
-        let SplitPlan { parents, named } = splits.plan(rule);
+        let SplitPlan { parents, listed } = splits.plan(rule);
         let order = coding_order(&appearances, &parents);
         let entries = order.iter().map(|&t| (appearances[t as usize].vertices[0], t));
         let by_vertex = Csr::new(vertices, entries);
@@ -103,7 +103,7 @@ impl EncoderSource {
         let exact = step_order == StepOrder::Exact;
         let batches = if exact || parents != targets { None } else { tree.batches() };
         Self {
-            face_lists: transfers.face_lists(named),
+            face_lists: transfers.face_lists(listed),
             points,
             subtree: subtrees(&targets),
             continues,

@@ -32,7 +32,7 @@ pub(crate) trait SplitSource {
     fn new_triangles(&self, new: u32) -> &[SourceTriangle];
     /// Returns whether a corner of a live triangle is transferred to a new vertex.
     fn is_transferred(&self, corner: u32, new: u32) -> bool;
-    /// Returns the triangles that a new vertex takes over, if they are to be named.
+    /// Returns the triangles that a new vertex takes over, if it has an explicit face list.
     fn face_list(&self, new: u32) -> Option<&[u32]>;
     /// Returns the indices of all channels of a vertex; none for a decoder.
     fn indices(&self, new: u32) -> &[i32];

@@ -6,7 +6,7 @@
 
 use crate::vertex_data::number_system::{NumberSystem, round_half_up};
 use crate::vertex_data::octahedral::Octahedral;
-use crate::vertex_data::vertex_layout::{Prediction, Stream};
+use crate::vertex_data::vertex_layout::{AttributeStream, Prediction};
 use crate::vertex_data::vertex_values::{Neighbourhood, VertexValues};
 
 // All constants here are part of the format: decoders must use the same.
@@ -205,7 +205,7 @@ impl ValuePredictor<'_> {
     }
 
     /// Predicts the channels of a stream: a guess for each.
-    pub(crate) fn predict(&self, stream: &Stream) -> Vec<Guess> {
+    pub(crate) fn predict(&self, stream: &AttributeStream) -> Vec<Guess> {
         let link = self.neighbourhood.link;
         let channels = stream.first_channel..stream.first_channel + stream.channels;
         if stream.prediction == Prediction::Parent || link.is_empty() {
@@ -249,7 +249,7 @@ impl ValuePredictor<'_> {
 
     /// Predicts the two indices of a direction on an octahedron from the weighted mean of the
     /// link's directions; further channels are the mean.
-    fn direction(&self, stream: &Stream, octahedral: Octahedral) -> Vec<Guess> {
+    fn direction(&self, stream: &AttributeStream, octahedral: Octahedral) -> Vec<Guess> {
         let weights = distance_weights(&self.offsets());
         let mut sum = [0.0; 3];
         for (i, &v) in self.neighbourhood.link.iter().enumerate() {

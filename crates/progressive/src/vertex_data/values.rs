@@ -8,7 +8,7 @@ use crate::entropy::coder::Coder;
 use crate::entropy::integer_codes::{ResidualCode, bit_length};
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::prediction::{Guess, Position, Scale, ValuePredictor};
-use crate::vertex_data::vertex_layout::{Prediction, Stream};
+use crate::vertex_data::vertex_layout::{AttributeStream, Prediction};
 use crate::vertex_data::vertex_values::{Neighbourhood, VertexValues};
 
 /// Streams with contexts of their own; all further ones share those of stream 0. Nearly all meshes
@@ -266,7 +266,7 @@ impl VertexCode<'_> {
     }
 
     /// Collects `candidates`. Returns where the siblings and the parent end in it.
-    fn find_candidates(&mut self, stream: &Stream) -> [usize; 2] {
+    fn find_candidates(&mut self, stream: &AttributeStream) -> [usize; 2] {
         self.candidates.clear();
         let latest = self.neighbourhood.siblings.clone().rev().take(MAX_CANDIDATES);
         for v in self.sibling.into_iter().chain(latest) {
@@ -284,7 +284,7 @@ impl VertexCode<'_> {
     }
 
     /// Appends a vertex to `candidates` if no other there has its value.
-    fn add_candidate(&mut self, v: u32, stream: &Stream) {
+    fn add_candidate(&mut self, v: u32, stream: &AttributeStream) {
         let value = self.values.stream_indices(v, stream);
         if self.candidates.iter().all(|&c| self.values.stream_indices(c, stream) != value) {
             self.candidates.push(v);

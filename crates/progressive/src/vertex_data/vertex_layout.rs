@@ -24,7 +24,7 @@ pub enum Prediction {
 
 /// A stream of a vertex: its position or one of its attributes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stream {
+pub struct AttributeStream {
     /// First of its channels among all channels of a vertex.
     pub first_channel: usize,
     /// Number of its channels.
@@ -39,16 +39,20 @@ pub struct VertexLayout {
     /// One for each channel of a vertex.
     pub systems: Vec<NumberSystem>,
     /// Positions, then the attributes in their order.
-    pub streams: Vec<Stream>,
+    pub streams: Vec<AttributeStream>,
 }
 
 impl VertexLayout {
     /// Returns the streams of a mesh with these attributes. `octahedral` has the grid of each
     /// attribute that is stored as a direction on an octahedron; it may be shorter.
     #[must_use]
-    pub fn streams(attributes: &[Attribute], octahedral: &[Option<Octahedral>]) -> Vec<Stream> {
+    pub fn streams(
+        attributes: &[Attribute],
+        octahedral: &[Option<Octahedral>],
+    ) -> Vec<AttributeStream> {
         let mut first_channel = 3;
-        let position = Stream { first_channel: 0, channels: 3, prediction: Prediction::Smooth };
+        let position =
+            AttributeStream { first_channel: 0, channels: 3, prediction: Prediction::Smooth };
         let mut streams = vec![position];
         for (i, a) in attributes.iter().enumerate() {
             let mut channels = usize::from(a.components);
@@ -68,7 +72,7 @@ impl VertexLayout {
                 }
                 _ => Prediction::Smooth,
             };
-            streams.push(Stream { first_channel, channels, prediction });
+            streams.push(AttributeStream { first_channel, channels, prediction });
             first_channel += channels;
         }
         streams
@@ -127,7 +131,7 @@ impl VertexLayout {
     pub(crate) fn append_bytes(
         &self,
         component: Component,
-        stream: &Stream,
+        stream: &AttributeStream,
         indices: &[i32],
         bytes: &mut Vec<u8>,
     ) {

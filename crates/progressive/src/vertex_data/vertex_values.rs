@@ -1,7 +1,7 @@
 //! The values of all vertices so far, as indices of number systems, and the neighbours from which
 //! those of a new vertex are predicted.
 
-use crate::vertex_data::vertex_layout::{Stream, VertexLayout};
+use crate::vertex_data::vertex_layout::{AttributeStream, VertexLayout};
 use std::ops::Range;
 
 /// The vertices from which the values of a new one are predicted.
@@ -35,7 +35,7 @@ impl VertexValues {
     }
 
     /// Returns the indices of a vertex's channels in a stream.
-    pub(super) fn stream_indices(&self, vertex: u32, stream: &Stream) -> &[i32] {
+    pub(super) fn stream_indices(&self, vertex: u32, stream: &AttributeStream) -> &[i32] {
         &self.indices[vertex as usize * self.channels() + stream.first_channel..][..stream.channels]
     }
 }

@@ -26,7 +26,7 @@ use crate::vertex_split::neighbourhood::SplitNeighbourhood;
 /// Contexts of explicit face lists.
 #[derive(Clone, Debug)]
 pub(crate) struct FaceListContexts {
-    /// The star is named.
+    /// An explicit face list follows.
     pub(crate) is_named: AdaptiveBit,
     /// The number of triangles that are named.
     pub(crate) size: GammaCode,

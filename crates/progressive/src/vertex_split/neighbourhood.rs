@@ -23,9 +23,9 @@ pub(crate) struct SplitNeighbourhood {
     pub(crate) continued: bool,
     /// The sides on which earlier vertices of the step brought triangles: 1 left, 2 right, 3 both.
     pub(crate) sides: usize,
-    /// The parent's star; if it is named, only the triangles that are transferred.
+    /// The parent's star; of an explicit face list only the triangles that are transferred.
     pub(crate) star: Vec<StarFace>,
-    /// True if the star is named.
+    /// True for an explicit face list: the triangles of the star are named by their numbers.
     pub(crate) is_named: bool,
     /// True if `star` is a single closed fan.
     pub(crate) closed: bool,

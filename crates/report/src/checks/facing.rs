@@ -1,4 +1,4 @@
-//! Checks that no triangle of a exported level is turned over, compared with its source.
+//! Checks that no triangle of an exported level is turned over, compared with its source.
 //!
 //! The directed edges of triangles add up to the border of a surface: two faces that face the same
 //! way cancel out at the edge between them. A level is its source with vertices moved, so its
@@ -21,8 +21,8 @@ const MIN_COSINE: f64 = 0.7;
 /// some times the rounding of floats. Chosen by hand.
 const LINE_SHARE: f64 = 1e-6;
 
-/// Most triangles that look turned over and are compared with all of an open source. Chosen by
-/// hand.
+/// Triangles at most that look turned over and are compared with all of an open source. Chosen by
+/// hand: bounds the time.
 const MAX_COMPARED: usize = 64;
 
 /// The bits of a position; the same for both signs of zero.
@@ -139,21 +139,19 @@ impl Facing {
         };
         let turned_over =
             turned.iter().take(MAX_COMPARED).find(|&&(t, _)| self.is_closed() || !is_of_a_sheet(t));
+        if turned_over.is_some() || self.is_closed() || moved != Moved::ToPositions {
+            return turned_over.map(|&(t, _)| t);
+        }
         // A triangle that the source has the other way round alone, and more often than the level:
         // else it is of a sheet that lies on the back of another.
-        let source_triangle = || {
-            let is_turned = |t: &[u32; 3]| {
-                let keys = t.map(|v| key(level, v));
-                let (positions, is_even) = sorted(keys);
-                let count = |is_even| count(&self.triangles, (positions, is_even));
-                !is_degenerate(keys) && count(is_even) == 0 && count(!is_even) > backs(t)
-            };
-            let mut all = level.triangles().iter().enumerate();
-            all.position(|(number, t)| is_turned(t) && !Face::of(level, number).is_line())
+        let is_reversed = |t: &[u32; 3]| {
+            let keys = t.map(|v| key(level, v));
+            let (positions, is_even) = sorted(keys);
+            let in_source = |is_even| count(&self.triangles, (positions, is_even));
+            !is_degenerate(keys) && in_source(is_even) == 0 && in_source(!is_even) > backs(t)
         };
-        let keeps_positions = moved == Moved::ToPositions && !self.is_closed();
-        let source_triangle = || if keeps_positions { source_triangle() } else { None };
-        turned_over.map(|&(t, _)| t).or_else(source_triangle)
+        let mut all = level.triangles().iter().enumerate();
+        all.position(|(number, t)| is_reversed(t) && !Face::of(level, number).is_line())
     }
 
     /// Returns whether a triangle faces away from where the source next to its middle faces.
@@ -196,11 +194,12 @@ impl Face {
         let position = |v: u32| Vec3::from(level.positions()[v as usize]).as_dvec3();
         let corners = level.triangles()[triangle].map(position);
         let [a, b, c] = corners;
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
         Self {
             middle: corners.iter().sum::<DVec3>() / 3.0,
             normal: normal(corners),
-            reach: SHEET_SHARE * a.distance(b).max(b.distance(c)),
-            longest: a.distance(b).max(b.distance(c)).max(c.distance(a)),
+            reach: SHEET_SHARE * longest,
+            longest,
             size: corners.iter().fold(0.0, |most, corner| most.max(corner.abs().max_element())),
         }
     }

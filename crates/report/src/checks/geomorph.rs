@@ -12,10 +12,9 @@ const MAX_CANDIDATES: usize = 64;
 
 /// Checks that each level that moves becomes the next one: the triangles that then have an area are
 /// the next level's, all of them, corner by corner, with the other values that move, to one unit in
-/// the last place of the larger number. Positions of the next level among which a vertex that moves
-/// may have come to any, as rounding goes, are one: triangles between them have no area. As many
-/// vertices as a level states may stay: of their triangles nothing is known. None if no level
-/// moves.
+/// the last place of the larger number. Positions of the next level that rounding cannot tell apart
+/// for a vertex that moves are one: triangles between them have no area. As many vertices as a
+/// level states may stay: of their triangles nothing is known. None if no level moves.
 #[must_use]
 pub fn check_geomorph(exported: &ExportedLevels) -> Option<CheckReport> {
     let count = exported.morphs.len() as u64;
@@ -40,7 +39,8 @@ struct Corners {
     vertices: [u32; 3],
 }
 
-/// `may_stay` is how many vertices may stay; those that do are taken off.
+/// What differs first once a level has moved. `may_stay` is how many vertices may stay; those that
+/// do are taken off.
 fn difference(geomorph: &Geomorph, may_stay: &mut u64) -> Option<String> {
     let mut kinds: Vec<&str> =
         geomorph.from.iter().chain(&geomorph.to).map(|part| &*part.kind).collect();
@@ -66,6 +66,8 @@ fn joined<'a>(parts: impl Iterator<Item = &'a GeomorphPart>) -> GeomorphPart {
     all
 }
 
+/// As [`difference`], of the parts of one kind: finds where each vertex has come to, then compares
+/// the triangles that have arrived with those of the next level.
 fn kind_difference(from: &GeomorphPart, to: &GeomorphPart, may_stay: &mut u64) -> Option<String> {
     let width = from.width.max(to.width);
     if width < 3 || from.values.len() != from.moved.len() {

@@ -35,7 +35,8 @@ const MAX_RMS_RATIO: f64 = 1.3;
 /// a small part of the surface decides them. Chosen by hand.
 const RMS_SLACK: f64 = 0.004;
 
-/// Of the distance below which an error is too large, the share that is not searched closely.
+/// Of the distance below which an error is too large, the share that is not searched closely: how
+/// much too large it is does not matter.
 const UNSEARCHED_SHARE: f64 = 0.9;
 
 /// Distances below this share of the diagonal are rounding errors, or not worth a refusal. Chosen

@@ -44,7 +44,8 @@ pub fn error_curve(scene: &SceneLevels<'_>, triangles: u64) -> Result<Vec<[f64; 
     let mut points = Vec::new();
     let mut wanted = triangles;
     while wanted > 3 && points.len() < MAX_POINTS {
-        let chosen = scene.select(Target::Triangles(wanted), false)?;
+        let per_object = false;
+        let chosen = scene.select(Target::Triangles(wanted), per_object)?;
         let candidates = scene.candidates();
         let remaining: u32 = candidates
             .iter()

@@ -95,6 +95,7 @@ fn blend(pixel: &mut [u8], ink: [u8; 4], coverage: f32) {
 
 /// The colour that can be read on a background.
 fn ink([r, g, b, a]: [u8; 4]) -> [u8; 4] {
+    // Eighths of the brightness: green looks brightest, blue darkest.
     let bright = 2 * u32::from(r) + 5 * u32::from(g) + u32::from(b);
     if bright > 8 * 110 || a < 128 { [32, 34, 40, 255] } else { [235, 235, 235, 255] }
 }

@@ -68,7 +68,7 @@ impl Motion {
         let measured = self.measured_placements(mesh, object);
         let movers = self.movers(object, &measured);
         let rest = movers.first()?.placement.clone();
-        Some(Deformable { mesh, rest, movers, scale: measured.scale, targets })
+        Some(Deformable { mesh, movers, rest, scale: measured.scale, targets })
     }
 
     /// Returns moments of all animations, evenly spread over each.
@@ -114,9 +114,10 @@ impl Motion {
 /// An object whose shape may change.
 struct Deformable<'a> {
     mesh: &'a Mesh,
-    /// The first of its placements that pose keys change, at rest, and all of them.
-    rest: Placement,
+    /// Its placements that pose keys change.
     movers: Vec<Mover>,
+    /// The first of them, at rest.
+    rest: Placement,
     /// World units per mesh unit.
     scale: f64,
     /// Its morph targets that move positions, by number.

@@ -9,7 +9,7 @@
 //! angle bound all others, and what else changes lengths is looked for halfway between them.
 
 use super::envelope::envelope;
-use super::unlike::{MAX_ROUNDING, Stretched, Unlike, factor};
+use super::unlike::{MAX_ROUNDING, Stretched, Stretches, Unlike, factor};
 use crate::animation::{Channel, Interpolation, Property};
 use crate::transform::{LocalTransform, largest_stretch};
 use glam::{DMat3, DVec4};
@@ -61,14 +61,14 @@ impl Sample {
 }
 
 impl Course<'_> {
-    /// Returns what stands for the node at rest and at all moments of some animations, and whether
-    /// that is so: not if there are more keys than `max_moments`.
+    /// Returns what stands for the node at rest and at all moments of some animations; not whole if
+    /// there are more keys than `max_moments`.
     pub(super) fn stretched(
         &self,
         rest: DMat3,
         animations: usize,
         max_moments: usize,
-    ) -> (Vec<Stretched>, bool) {
+    ) -> Stretches {
         let mut is_whole = true;
         let mut samples = Vec::new();
         for animation in 0..animations {
@@ -89,14 +89,14 @@ impl Course<'_> {
         };
         if !few {
             let all = self.enveloped(rest, &samples, max_moments);
-            return (all.map_or(unlike.kept, |all| vec![all]), is_whole);
+            return Stretches { kept: all.map_or(unlike.kept, |all| vec![all]), is_whole };
         }
         let is_as_at_rest =
             matches!(unlike.kept[..], [Stretched { moment: None, growth: 1.0, .. }]);
         if self.turns() && !is_as_at_rest {
-            unlike.kept.iter_mut().for_each(|one| one.growth *= between(MAX_TURN / 2.0));
+            unlike.kept.iter_mut().for_each(|one| one.growth *= growth_between(MAX_TURN / 2.0));
         }
-        (unlike.kept, is_whole)
+        Stretches { kept: unlike.kept, is_whole }
     }
 
     /// Calls `add` with what is halfway between neighbouring moments, and again on both sides of it
@@ -107,7 +107,7 @@ impl Course<'_> {
         max_moments: usize,
         mut add: impl FnMut(&Sample) -> Option<bool>,
     ) -> bool {
-        let mut left = max_moments;
+        let mut remaining = max_moments;
         for pair in samples.windows(2).filter(|pair| pair[0].animation == pair[1].animation) {
             let animation = pair[0].animation;
             let mut intervals = vec![([pair[0].seconds, pair[1].seconds], MAX_HALVINGS)];
@@ -122,8 +122,8 @@ impl Course<'_> {
                 }
                 match add(&sample) {
                     None => return false,
-                    Some(true) if halvings > 0 && left > 0 => {
-                        left -= 1;
+                    Some(true) if halvings > 0 && remaining > 0 => {
+                        remaining -= 1;
                         intervals.push(([seconds, to], halvings - 1));
                         intervals.push(([from, seconds], halvings - 1));
                     }
@@ -156,7 +156,7 @@ impl Course<'_> {
             all = envelope(&parts)?;
         }
         if self.turns() {
-            growth *= between(MAX_TURN / 2.0);
+            growth *= growth_between(MAX_TURN / 2.0);
         }
         let (mut largest, mut at) = (largest_stretch(&rest), (None, rest));
         for sample in samples {
@@ -239,8 +239,8 @@ impl Course<'_> {
             };
             let [a, b, c] = [from, f64::midpoint(from, to), to].map(|t| at(t).unwrap_or_default());
             // The quaternions of a turn by θ are 2 sin(θ / 4) apart, or as far from the negative.
-            let between = |a: DVec4, b: DVec4| 2.0 * (a - b).length().min((a + b).length());
-            between(a, b) + between(b, c)
+            let angle = |a: DVec4, b: DVec4| 2.0 * (a - b).length().min((a + b).length());
+            angle(a, b) + angle(b, c)
         };
         self.stretching(animation).map(turn).sum()
     }
@@ -261,6 +261,6 @@ impl Course<'_> {
 
 /// How many times as long as at the nearer of two moments a vector may become between them while
 /// nodes turn by an angle: 1 / cos(angle / 2), rounded up.
-fn between(angle: f64) -> f64 {
+fn growth_between(angle: f64) -> f64 {
     1.0 / (1.0 - angle * angle / 8.0)
 }

@@ -1,8 +1,9 @@
 //! The envelope of linear maps: one that makes no vector shorter than any of them does.
 //!
-//! The ellipsoid of least volume around the images of the unit ball under all transposed maps,
-//! which are ellipsoids about the origin. Found by moving weight to the point that is farthest
-//! outside (Khachiyan 1996); of any vector it is at most √3 times as long as the longest image.
+//! Eᵀ maps the unit ball to the ellipsoid of least volume that contains its images under all Mᵀ,
+//! which are ellipsoids about the origin. It is found by moving weight to the point that is
+//! farthest outside (Khachiyan 1996). E makes a vector at most √3 times as long as the longest of
+//! its images.
 
 use crate::transform::largest_stretch;
 use glam::{DMat3, DVec3};
@@ -12,10 +13,12 @@ const TOLERANCE: f64 = 1.01;
 /// Searches of one map for its farthest point, all steps together. Chosen by hand: some
 /// milliseconds.
 const SEARCHES: usize = 8_000;
-/// Fewest and most steps. Chosen by hand.
-const STEPS: [usize; 2] = [8, 256];
-/// What is flattened more than by this is flattened by this. Chosen by hand: small enough for
-/// errors, large enough to compute with.
+/// Fewest steps. Chosen by hand.
+const MIN_STEPS: usize = 8;
+/// Most steps. Chosen by hand.
+const MAX_STEPS: usize = 256;
+/// Axes shorter than this share of the ellipsoid's size are lengthened to it. Chosen by hand: small
+/// enough for errors, large enough to compute with.
 const MIN_STRETCH: f64 = 1e-6;
 
 /// Returns a map E with |E v| ≥ |M v| for every vector v and each of some maps M; none if all are
@@ -28,43 +31,45 @@ pub(super) fn envelope(maps: &[DMat3]) -> Option<DMat3> {
     }
     let maps: Vec<DMat3> = maps.iter().map(|m| *m * (1.0 / size)).collect();
     let grams = maps.iter().fold(DMat3::ZERO, |sum, m| sum + m.transpose() * *m);
+    // The weighted mean of p pᵀ over points p of those ellipsoids. In three dimensions the squared
+    // distance of the farthest point is 3 at the optimum.
     let mut spread = grams * (1.0 / (3.0 * maps.len() as f64));
-    let steps = (SEARCHES / maps.len()).clamp(STEPS[0], STEPS[1]);
+    let steps = (SEARCHES / maps.len()).clamp(MIN_STEPS, MAX_STEPS);
     let mut least: Option<DMat3> = None;
     for _ in 0..steps {
-        let inverse = sound(&spread).inverse();
-        let (farthest, image, distance) = farthest(&maps, &inverse);
+        let inverse = regularised(&spread).inverse();
+        let (number, image, squared_distance) = farthest(&maps, &inverse);
         // Any weights give an ellipsoid around all; the smallest of those seen is taken.
-        let ellipsoid = sound(&spread) * distance;
+        let ellipsoid = regularised(&spread) * squared_distance;
         if least.is_none_or(|least| ellipsoid.determinant() < least.determinant()) {
             least = Some(ellipsoid);
         }
-        if distance <= 3.0 * TOLERANCE * TOLERANCE {
+        if squared_distance <= 3.0 * TOLERANCE * TOLERANCE {
             break;
         }
-        let point = maps[farthest].transpose() * top_direction(&image);
-        let share = (distance - 3.0) / (3.0 * (distance - 1.0));
+        let point = maps[number].transpose() * top_direction(&image);
+        let share = (squared_distance - 3.0) / (3.0 * (squared_distance - 1.0));
         spread = spread * (1.0 - share) + outer(point) * share;
     }
-    Some(root(&least?) * size)
+    Some(cholesky(&least?) * size)
 }
 
-/// Returns the map with the point that is farthest outside an ellipsoid, that map's image of the
-/// ellipsoid's inverse, and the square of the distance.
+/// Returns the number of the map with the point that is farthest outside an ellipsoid, that map's
+/// image of the ellipsoid's inverse, and the squared distance.
 fn farthest(maps: &[DMat3], inverse: &DMat3) -> (usize, DMat3, f64) {
-    let mut farthest = (0, DMat3::ZERO, 0.0);
+    let mut found = (0, DMat3::ZERO, 0.0);
     for (number, map) in maps.iter().enumerate() {
         let image = *map * *inverse * map.transpose();
-        let distance = largest_stretch(&image);
-        if distance > farthest.2 {
-            farthest = (number, image, distance);
+        let squared_distance = largest_stretch(&image);
+        if squared_distance > found.2 {
+            found = (number, image, squared_distance);
         }
     }
-    farthest
+    found
 }
 
 /// The matrix of an ellipsoid with a least thickness.
-fn sound(spread: &DMat3) -> DMat3 {
+fn regularised(spread: &DMat3) -> DMat3 {
     let trace = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
     *spread + DMat3::from_diagonal(DVec3::splat(trace * MIN_STRETCH * MIN_STRETCH))
 }
@@ -73,8 +78,8 @@ fn outer(p: DVec3) -> DMat3 {
     DMat3::from_cols(p * p.x, p * p.y, p * p.z)
 }
 
-/// The direction in which a symmetric matrix stretches most, by squaring it: the power 256 has no
-/// other.
+/// The direction in which a symmetric matrix stretches most, by squaring it: in its 256th power the
+/// other directions have vanished.
 fn top_direction(symmetric: &DMat3) -> DVec3 {
     let size = |m: &DMat3| m.to_cols_array().iter().fold(0.0f64, |most, x| most.max(x.abs()));
     let mut power = *symmetric;
@@ -89,8 +94,8 @@ fn top_direction(symmetric: &DMat3) -> DVec3 {
     longest.unwrap_or(DVec3::X).normalize_or_zero()
 }
 
-/// Returns the upper triangular matrix U with Uᵀ U = `gram`, which is positive definite (Cholesky).
-fn root(gram: &DMat3) -> DMat3 {
+/// Returns the upper triangular matrix U with Uᵀ U = `gram`, which is positive definite.
+fn cholesky(gram: &DMat3) -> DMat3 {
     let [x, y, z] = [gram.x_axis, gram.y_axis, gram.z_axis];
     let first = x.x.sqrt();
     let (xy, xz) = (y.x / first, z.x / first);

@@ -8,6 +8,7 @@
 //! stretch nothing. Joints are compared in the same way: one map must take each to the other's.
 
 use super::Motion;
+use super::unlike::MAX_ROUNDING;
 use crate::placement::Placement;
 use crate::scale::PlacementScales;
 use crate::shape::Shape;
@@ -22,11 +23,11 @@ const MAX_PLACEMENTS: usize = 8;
 
 /// One placement stands for another if that is its image under a map that stretches by at most
 /// this factor. Chosen by hand: the bound becomes larger by no more.
-const ALIKE: f64 = 1.05;
+const MAX_LOOSENESS: f64 = 1.05;
 
-/// Larger stretches than 1 by this share are rounding: between the rounding of floats in files and
-/// any stretch that is meant. Chosen by hand.
-const MAX_ROUNDING: f64 = 1e-6;
+/// Matrices of larger condition are not inverted. Chosen by hand: the rounding of doubles times
+/// this is below [`MAX_ROUNDING`].
+const MAX_CONDITION: f64 = 1e9;
 
 /// The placements of an object that its errors are measured in.
 #[derive(Clone, Debug)]
@@ -89,11 +90,12 @@ impl Motion {
     pub fn measured_placements(&self, mesh: &Mesh, object: usize) -> MeasuredPlacements {
         let candidates = self.placement_candidates(mesh, object);
         let (chosen, factors) = stand_ins(&candidates);
-        let rest: Vec<&Placement> = self.rest.of(object).collect();
+        let at_rest: Vec<&Placement> = self.rest.of(object).collect();
         let measured = |&(number, growth): &(usize, f64)| {
-            let Candidate { rest: at, stretch, .. } = candidates[number];
-            let own = MeasuredPlacement { placement: rest[at].clone(), rest: at, stretch, growth };
-            Some(MeasuredPlacement { placement: self.stretched_as(&own, rest[at])?, ..own })
+            let Candidate { rest, stretch, .. } = candidates[number];
+            let placement = at_rest[rest].clone();
+            let own = MeasuredPlacement { placement, rest, stretch, growth };
+            Some(MeasuredPlacement { placement: self.stretched_as(&own, at_rest[rest])?, ..own })
         };
         let is_whole = |placement: &Placement| {
             let stretches = placement.node.and_then(|node| self.stretching.nodes.get(&node));
@@ -178,6 +180,7 @@ impl Motion {
 /// A placement that may be measured.
 #[derive(Clone)]
 struct Candidate {
+    /// The number of its placement at rest.
     rest: usize,
     stretch: Stretch,
     linear: DMat3,
@@ -231,7 +234,7 @@ fn stand_ins(candidates: &[Candidate]) -> (Vec<(usize, f64)>, Vec<f64>) {
             let (a_key, b_key) = (key(a), key(b));
             a_key.0.total_cmp(&b_key.0).then(a_key.1.total_cmp(&b_key.1)).then(b.0.cmp(&a.0))
         });
-        next = farthest.filter(|(_, (factor, _))| *factor > ALIKE).map(|(i, _)| i);
+        next = farthest.filter(|(_, (factor, _))| *factor > MAX_LOOSENESS).map(|(i, _)| i);
     }
     for &(factor, by) in &least {
         // What none of them stands for has another shape: other weights, other poses of joints.
@@ -311,7 +314,7 @@ impl<'a> StandIn<'a> {
 fn inverts(m: &DMat3) -> bool {
     let inverse_stretch = largest_stretch(&m.inverse());
     let condition = largest_stretch(m) * inverse_stretch;
-    condition.is_finite() && condition < 1e9
+    condition.is_finite() && condition < MAX_CONDITION
 }
 
 /// The factor between two matrices that flatten alike, up to a rotation afterwards; infinite for

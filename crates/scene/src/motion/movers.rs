@@ -46,7 +46,8 @@ impl Motion {
     /// another skin, or whose morph weights an animation changes.
     #[must_use]
     pub fn movers_besides(&self, object: usize, first: usize) -> Vec<usize> {
-        let moves = |placement: &Placement| {
+        // What moves a placement; none of one that nothing gives another shape.
+        let movement = |placement: &Placement| {
             let node = placement.node?;
             let morphed = self.morphed.contains(&node).then_some(node);
             let skin =
@@ -54,13 +55,13 @@ impl Motion {
             let moves = morphed.is_some() || skin.is_some();
             moves.then(|| (skin, morphed, Arc::clone(&placement.weights)))
         };
-        let mut known: Vec<_> = self.rest.of(object).nth(first).map(moves).into_iter().collect();
+        let mut known: Vec<_> = self.rest.of(object).nth(first).map(movement).into_iter().collect();
         let mut numbers = Vec::new();
         for (number, placement) in self.rest.of(object).enumerate() {
             if known.len() >= MAX_MOVERS {
                 break;
             }
-            let own = moves(placement);
+            let own = movement(placement);
             if own.is_some() && !known.contains(&own) {
                 known.push(own);
                 numbers.push(number);

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub const MAX_TARGET_SHAPES: usize = 96;
 /// Deltas of normals that are shorter turn nothing. Chosen by hand: about the rounding of normals
 /// in eight bits.
-const MIN_TURN: f64 = 0.01;
+const MIN_NORMAL_DELTA: f64 = 0.01;
 /// Deltas of less than this share of the object's diagonal move nothing. Chosen by hand: about the
 /// rounding of deltas in sixteen bits.
 const MIN_DELTA_SHARE: f64 = 1e-5;
@@ -55,9 +55,10 @@ impl Motion {
     /// nor morph targets move it.
     #[must_use]
     pub fn seen(&self, mesh: &Mesh, object: usize, pose_keys: &[PoseKey]) -> Option<SeenPositions> {
-        let [deltas, turns] = [Semantic::Position, Semantic::Normal].map(|s| deltas(mesh, &s));
+        let [deltas, normal_deltas] =
+            [Semantic::Position, Semantic::Normal].map(|s| deltas(mesh, &s));
         let is_skinned = self.rest.of(object).any(|placement| !placement.joints.is_empty());
-        if deltas.is_empty() && turns.is_empty() && !is_skinned {
+        if deltas.is_empty() && normal_deltas.is_empty() && !is_skinned {
             return None;
         }
         let is_moment = |p: &&PoseKey| matches!(p, PoseKey::Moment { .. });
@@ -71,9 +72,9 @@ impl Motion {
         let others = other_shapes(mesh, &shapes, &at_rest, diagonal);
         [seen.placements, seen.poses] = others;
         let normals = normals_at_rest(mesh, &weights);
-        let targets = Targets { deltas, turns, weights: &weights };
+        let targets = Targets { deltas, normal_deltas, weights: &weights };
         seen.targets = target_shapes(mesh, &targets, &at_rest, &normals, diagonal);
-        let is_turned = !targets.turns.is_empty() && weights.iter().any(|w| *w != 0.0);
+        let is_turned = !targets.normal_deltas.is_empty() && weights.iter().any(|w| *w != 0.0);
         if is_turned {
             seen.normals_at_rest = normals.into_iter().map(to_single).collect();
         }
@@ -162,7 +163,7 @@ struct Targets<'a> {
     /// The deltas of positions of each.
     deltas: BTreeMap<u32, Vec<&'a Attribute>>,
     /// The deltas of normals of each.
-    turns: BTreeMap<u32, Vec<&'a Attribute>>,
+    normal_deltas: BTreeMap<u32, Vec<&'a Attribute>>,
     /// The weights by default.
     weights: &'a [f64],
 }
@@ -209,14 +210,14 @@ fn target_shapes(
     let ids = mesh.position_ids();
     let vertices = mesh.vertex_count();
     let numbers: BTreeSet<u32> =
-        targets.deltas.keys().chain(targets.turns.keys()).copied().collect();
+        targets.deltas.keys().chain(targets.normal_deltas.keys()).copied().collect();
     let mut all: Vec<Shared> = Vec::new();
     for target in numbers {
         let changed = |streams: &BTreeMap<u32, Vec<&Attribute>>, least: f64| {
             targets.changed(streams.get(&target), target, vertices, least)
         };
         let moved = changed(&targets.deltas, MIN_DELTA_SHARE * diagonal);
-        let turned = changed(&targets.turns, MIN_TURN);
+        let turned = changed(&targets.normal_deltas, MIN_NORMAL_DELTA);
         if moved.is_empty() && turned.is_empty() {
             continue;
         }
@@ -230,7 +231,7 @@ fn target_shapes(
         let is_apart = |shape: &&mut Shared| {
             !shape.taken.iter().zip(&near).any(|(&taken, &near)| taken && near)
         };
-        // As many shapes are kept: more are not asked, so that work grows with the targets.
+        // No more shapes are asked than are kept, so that work is linear in the number of targets.
         let shared = match all.iter_mut().take(MAX_TARGET_SHAPES).find(is_apart) {
             Some(shared) => shared,
             None => {

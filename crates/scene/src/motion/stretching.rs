@@ -1,7 +1,7 @@
 //! Moments of animations at which nodes and joints stretch otherwise than at rest.
 
 use super::course::{Animated, Course, Link};
-use super::unlike::Stretched;
+use super::unlike::{Stretched, Stretches};
 use crate::animation::{Animation, Channel, Interpolation, Property};
 use crate::graph::Graph;
 use crate::transform::{LocalTransform, Transform, largest_stretch};
@@ -33,14 +33,6 @@ pub(super) struct Stretching {
     /// By skin and joint: the moment at which the joint stretches most, and by how much; none where
     /// no moment stretches it more than at rest.
     pub(super) joints: BTreeMap<u32, Vec<Option<(f64, PoseKey)>>>,
-}
-
-/// What stands for a node at rest and at all moments.
-#[derive(Clone, Debug)]
-pub(super) struct Stretches {
-    pub(super) kept: Vec<Stretched>,
-    /// False if animations have too many keys for all to be looked at.
-    pub(super) is_whole: bool,
 }
 
 impl Stretching {
@@ -78,10 +70,10 @@ fn nodes(
         course.stretched(rest[carrier].matrix3, animations.len(), max_moments)
     };
     let carriers: Vec<usize> = carriers.into_iter().collect();
-    let of_carriers: Vec<(Vec<Stretched>, bool)> = carriers.par_iter().map(stretched).collect();
+    let of_carriers: Vec<Stretches> = carriers.par_iter().map(stretched).collect();
     let of_node = |n: usize| {
         let number = carriers.binary_search(&affected[n].carrier?).ok()?;
-        let (kept, is_whole) = &of_carriers[number];
+        let Stretches { kept, is_whole } = &of_carriers[number];
         let below = path(affected, affected[n].carrier?, n);
         let carried = |linear: DMat3| {
             below.iter().fold(linear, |above, &m| above * graph.nodes[m].local.matrix().matrix3)

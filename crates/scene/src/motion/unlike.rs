@@ -6,9 +6,9 @@ use lodc_mesh::PoseKey;
 
 /// Most moments of one node that are kept. Chosen by hand: instances have all of them.
 const MAX_KEPT: usize = 8;
-/// A moment that stretches by no more than this times a kept one is not kept itself. Chosen by
-/// hand.
-const ALIKE: f64 = 1.01;
+/// A moment that stretches by no more than this times a kept one is not kept itself: the kept one
+/// grows instead. Chosen by hand.
+const MAX_GROWTH: f64 = 1.01;
 /// Stretches that differ by a smaller share are the same. Chosen by hand.
 pub(super) const MAX_ROUNDING: f64 = 1e-6;
 
@@ -33,6 +33,14 @@ impl Stretched {
     }
 }
 
+/// What stands for a node at rest and at all moments.
+#[derive(Clone, Debug)]
+pub(super) struct Stretches {
+    pub(super) kept: Vec<Stretched>,
+    /// False if animations have too many keys for all to be looked at.
+    pub(super) is_whole: bool,
+}
+
 /// The moments of a node that stand for all that were added.
 pub(super) struct Unlike {
     pub(super) kept: Vec<Stretched>,
@@ -54,7 +62,7 @@ impl Unlike {
             return true;
         }
         let grown = &mut self.kept[nearest].growth;
-        if *grown * least <= ALIKE {
+        if *grown * least <= MAX_GROWTH {
             *grown *= least;
             return true;
         }

@@ -34,7 +34,7 @@ pub struct CurveLevel {
 #[derive(Clone, Debug)]
 pub struct LevelCurve {
     /// The step of the first entry.
-    first: u32,
+    first_step: u32,
     /// The level of each step from there on.
     levels: Vec<CurveLevel>,
     /// The radius of a sphere around the model.
@@ -66,28 +66,28 @@ impl LevelCurve {
             .collect();
         let (Some(first), Some(last)) = (all.iter().find(|l| l.error > 0.0), all.last()) else {
             let coarsest = *all.last().expect("a curve has a level");
-            return Self { first: 0, levels: vec![coarsest], radius };
+            return Self { first_step: 0, levels: vec![coarsest], radius };
         };
-        let first = step_of(first.error);
+        let first_step = step_of(first.error);
         let mut table = Vec::new();
         let mut index = 0;
-        for step in first..=step_of(last.error) + 1 {
+        for step in first_step..=step_of(last.error) + 1 {
             while index + 1 < all.len() && all[index + 1].error <= error_of(step) {
                 index += 1;
             }
             table.push(all[index]);
         }
-        Self { first, levels: table, radius }
+        Self { first_step, levels: table, radius }
     }
 
     /// The coarsest level whose error is at most that of a step.
     pub(super) fn at(&self, step: u32) -> &CurveLevel {
-        &self.levels[(self.clamped(step) - self.first) as usize]
+        &self.levels[(self.clamped(step) - self.first_step) as usize]
     }
 
     /// The nearest step that the table has, which has the same level.
     pub(super) fn clamped(&self, step: u32) -> u32 {
-        step.clamp(self.first, self.first + self.levels.len() as u32 - 1)
+        step.clamp(self.first_step, self.first_step + self.levels.len() as u32 - 1)
     }
 
     pub(super) fn radius(&self) -> f32 {

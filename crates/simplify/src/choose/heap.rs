@@ -24,7 +24,7 @@ fn group_of(key: u64) -> u32 {
 }
 
 impl Heap {
-    /// A heap of the groups below `groups` whose cost is not NaN.
+    /// A heap of all groups whose cost is not NaN, given the cost of each.
     pub(crate) fn new(costs: impl ExactSizeIterator<Item = f32>) -> Self {
         let mut slot = vec![ABSENT; costs.len()];
         let mut keys: Vec<u64> = Vec::with_capacity(costs.len());

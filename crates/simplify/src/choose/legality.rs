@@ -48,7 +48,7 @@ impl Stage {
         [Self::Legal, Self::Valence, Self::Flips, Self::Seams, Self::Links];
 }
 
-/// A legal collapse.
+/// What the rules say of a legal collapse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Verdict {
     /// The cost is multiplied by this, at least 1.

@@ -151,7 +151,7 @@ impl<M: Reevaluate> Selector<'_, M> {
         }
         let mut best: Option<(f64, u32, bool)> = None;
         for &(cost, to) in candidates.iter().take(most) {
-            if best.is_some_and(|b| cost >= b.0) {
+            if best.is_some_and(|(least, ..)| cost >= least) {
                 break;
             }
             let SelectionBuffers { marks, faces, .. } = &mut *buffers;
@@ -174,7 +174,7 @@ impl<M: Reevaluate> Selector<'_, M> {
             }
             buffers.refused |= factor > 1.0;
             let cost = cost * factor;
-            if best.is_none_or(|b| cost < b.0) {
+            if best.is_none_or(|(least, ..)| cost < least) {
                 best = Some((cost, to, verdict.changes_topology));
                 std::mem::swap(&mut buffers.tried, &mut buffers.plan);
             }

@@ -24,9 +24,9 @@ const MAX_ACROSS: usize = 64;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlannedWedge {
     pub(crate) wedge: u32,
-    /// Its target; `u32::MAX` means a fake.
+    /// Its target; [`NONE`] for a fake that the commit has yet to make.
     pub(crate) target: u32,
-    /// True if that is a fake.
+    /// True once the target is a fake.
     pub(crate) is_fake: bool,
     /// The wedge whose attributes a fake has.
     pub(crate) attributes: u32,

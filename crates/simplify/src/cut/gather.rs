@@ -160,7 +160,7 @@ impl<'a> Gathering<'a> {
         stamps.reserve_exact(own_groups);
     }
 
-    /// The number of an own group of the new region; greater than those for other groups.
+    /// The number of an own group of the new region; not below `own` for any other group.
     #[inline]
     fn own_number(&self, group: u32) -> u32 {
         self.round.ranks[group as usize].wrapping_sub(self.first)

@@ -300,7 +300,13 @@ fn put_in_order(mesh: &mut WorkingMesh, star: Star, fan: &mut Vec<(Corner, u32)>
         }
         let after = fan[i].1;
         if i + 1 == fan.len() {
-            return i > 0 && after == fan[0].0.ahead && close(mesh, range, fan);
+            let is_closed = i > 0 && after == fan[0].0.ahead;
+            if is_closed {
+                for (slot, (corner, _)) in mesh.arena[range].iter_mut().zip(&*fan) {
+                    *slot = *corner;
+                }
+            }
+            return is_closed;
         }
         match (i + 1..fan.len()).find(|&j| fan[j].0.ahead == after) {
             Some(j) => fan.swap(i + 1, j),
@@ -308,12 +314,4 @@ fn put_in_order(mesh: &mut WorkingMesh, star: Star, fan: &mut Vec<(Corner, u32)>
         }
     }
     false
-}
-
-/// Writes a fan back into its star.
-fn close(mesh: &mut WorkingMesh, range: Range<usize>, fan: &[(Corner, u32)]) -> bool {
-    for (slot, (corner, _)) in mesh.arena[range].iter_mut().zip(fan) {
-        *slot = *corner;
-    }
-    true
 }

@@ -79,8 +79,8 @@ impl Quadrics {
         refitted
     }
 
-    /// Completes a quadric that has been fitted to the faces of a group's star, or leaves them out,
-    /// with the planes of features through it. `area` is that of the faces.
+    /// Completes the quadric of a group by the planes of features through it. `a` is the sum over
+    /// the faces of its star, or zero if they are priced apart; `area` is their area.
     pub(crate) fn refit_features(
         &self,
         from: u32,

@@ -16,9 +16,9 @@ use std::ops::Range;
 pub(crate) struct Input<'a> {
     pub(crate) mesh: &'a Mesh,
     /// Working units per mesh unit: a power of two, so that scaling is exact, and such that the
-    /// diagonal is one to two.
+    /// diagonal of the largest shape is from one to two.
     pub(crate) scale: f64,
-    /// The diagonal in working units.
+    /// The diagonal at rest in working units.
     pub(crate) size: f64,
     /// The group of each vertex.
     pub(crate) group_of: Vec<u32>,
@@ -56,11 +56,12 @@ pub(crate) struct Input<'a> {
 /// Which attributes count at seams, by submesh and attribute.
 struct Counting(Vec<Vec<bool>>);
 
-/// The plane of a face that is not in the mesh, but follows faces that are, at one of its corners.
+/// A plane besides those of the mesh's faces, at a corner of a face: of one that follows them, or
+/// of one that others follow, so that it counts less.
 pub(crate) struct FollowerPlane {
     pub(crate) group: u32,
     pub(crate) unit_normal: DVec3,
-    /// In squared working units.
+    /// In squared working units; negative for a face that counts less.
     pub(crate) area: f64,
 }
 
@@ -169,8 +170,8 @@ impl<'a> Input<'a> {
         self.has_formats_in_common
     }
 
-    /// Makes seams where attributes differ that count, by submesh.
-    pub(crate) fn count(&mut self, counts: impl Fn(u32, &Attribute) -> bool) {
+    /// Makes seams only where attributes differ that count in their submesh, as `counts` says.
+    pub(crate) fn set_counting(&mut self, counts: impl Fn(u32, &Attribute) -> bool) {
         let of_submesh = |s: u32| self.mesh.attributes().iter().map(|a| counts(s, a)).collect();
         let by_submesh: Vec<Vec<bool>> =
             (0..self.mesh.submeshes().len() as u32).map(of_submesh).collect();

@@ -20,7 +20,8 @@ const FEWEST_PARTS: usize = 32;
 /// Groups before and after a part's first one on the curve among which a larger component is looked
 /// for. Chosen by hand.
 const REACH: usize = 16;
-/// Odd multiples of its distance along the curve at which survivors are looked for. Chosen by hand.
+/// Odd multiples of a part's stride along the curve at which survivors are looked for. Chosen by
+/// hand.
 const MULTIPLES: [usize; 4] = [1, 3, 5, 7];
 
 /// A component of a mesh.
@@ -97,7 +98,8 @@ pub(super) fn factors(
         let component = &components[part];
         let centre = component.centre();
         let extent = 0.5 * (component.high - component.low).length_squared();
-        // Those that are left when it goes stand at multiples of twice this stride, from 0 on.
+        // Those that are left when it goes stand at multiples of twice this stride, from 0 on. The
+        // first part, which is one of all of these, gets a stride longer than any list.
         let stride = 1usize << i.trailing_zeros().min(26);
         let around = |m: &usize| [i.checked_sub(m * stride), i.checked_add(m * stride)];
         let left = MULTIPLES.iter().flat_map(around).flatten().filter_map(|i| parts.get(i));

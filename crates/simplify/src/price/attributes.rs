@@ -123,14 +123,14 @@ impl Attributes {
             rows.extend(columns.iter().map(|column| column.at(v, weights)));
             rows.resize(stride * (v as usize + 1), 0.0);
         }
-        let column = |submesh: u32| {
+        let normal_column = |submesh: u32| {
             let used = mesh.submeshes()[submesh as usize].attributes.iter();
             let mut used = used.map(|&a| &mesh.attributes()[a as usize]);
             used.find_map(|a| normals.iter().find(|(n, _)| std::ptr::eq(*n, a)).map(|(_, c)| *c))
         };
-        let columns_by_submesh: Vec<Option<usize>> =
-            (0..by_submesh.len() as u32).map(column).collect();
-        let column = |v: u32| columns_by_submesh[mesh.vertex_submesh()[v as usize] as usize];
+        let normal_columns: Vec<Option<usize>> =
+            (0..by_submesh.len() as u32).map(normal_column).collect();
+        let column = |v: u32| normal_columns[mesh.vertex_submesh()[v as usize] as usize];
         let length = |v: u32| {
             let weights = &by_submesh[mesh.vertex_submesh()[v as usize] as usize];
             (weights.normal * NORMAL_LENGTH * size) as f32

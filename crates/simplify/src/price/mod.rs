@@ -145,7 +145,8 @@ impl<M: Reevaluate> Pricer<'_, M> {
 
     /// The cheapest collapse of any group.
     pub(crate) fn rank_any(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
-        self.price_seen(from, true, scratch);
+        let only_cheapest = true;
+        self.price_seen(from, only_cheapest, scratch);
         let mut best = (f64::INFINITY, NONE);
         for &(cost, to) in &scratch.candidates {
             if cost < best.0 || cost == best.0 && to < best.1 {
@@ -198,25 +199,20 @@ impl<M: Reevaluate> Pricer<'_, M> {
 
     /// Prices all collapses of a group, as the metric sees them.
     pub(crate) fn price_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        self.price_seen(from, false, scratch);
+        let only_cheapest = false;
+        self.price_seen(from, only_cheapest, scratch);
     }
 
     /// Prices all collapses of a group; see [`Reevaluate::reevaluate`].
     fn price_seen(&self, from: u32, only_cheapest: bool, scratch: &mut Scratch<M::ViewScratch>) {
-        self.price_plainly(from, scratch);
+        self.price_geometry(from, scratch);
+        let Scratch { priced, candidates, reevaluating, .. } = scratch;
+        let Region { mesh, wedges, .. } = self.region;
+        candidates.clear();
+        candidates.extend(priced.iter().map(|p| (p.cost(mesh), p.to)));
         if self.metric.is_active() {
-            let Scratch { candidates, reevaluating, .. } = scratch;
-            let Region { mesh, wedges, .. } = self.region;
             self.metric.reevaluate(mesh, wedges, from, candidates, only_cheapest, reevaluating);
         }
-    }
-
-    /// Prices all collapses of a group before the metric sees them.
-    fn price_plainly(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        self.price_geometry(from, scratch);
-        let Scratch { priced, candidates, .. } = scratch;
-        candidates.clear();
-        candidates.extend(priced.iter().map(|p| (p.cost(&self.region.mesh), p.to)));
     }
 
     /// Prices all collapses of a group by the quadric and attributes.
@@ -247,7 +243,8 @@ impl<M: Reevaluate> Pricer<'_, M> {
     /// Half a card costs nothing more: it goes next, unless it is locked.
     fn price_half_card(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
         let mesh = &self.region.mesh;
-        if self.permitted(from, 2, 0).is_none() {
+        let (borders, seams) = (2, 0);
+        if self.permitted(from, borders, seams).is_none() {
             return;
         }
         for to in mesh.others(mesh.star(from)[0]) {

@@ -130,12 +130,11 @@ impl RingAttributes<'_> {
             return;
         }
         let source = |wedge: u32| self.view.wedges.position_source[wedge as usize];
-        let faces = |corner: Corner| self.view.mesh.wedges(corner.face());
-        let source_wedge = source(faces(star[0])[star[0].at()]);
+        let wedges = |corner: Corner| self.view.mesh.wedges(corner.face());
+        let own = source(wedges(star[0])[star[0].at()]);
         for (cost, &corner) in costs.iter_mut().zip(star) {
-            let target_wedge = source(faces(corner)[next(corner.at())]);
-            *cost += area
-                * self.view.attributes.joint_distance_squared(source_wedge, target_wedge) as f32;
+            let neighbour = source(wedges(corner)[next(corner.at())]);
+            *cost += area * self.view.attributes.joint_distance_squared(own, neighbour) as f32;
         }
     }
 }

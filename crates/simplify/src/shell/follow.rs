@@ -166,7 +166,8 @@ impl Following<'_> {
             while !self.region.mesh.has(group, DEAD) {
                 let Some(&corner) = self.region.mesh.star(group).first() else { break };
                 let [to, _] = self.region.mesh.others(corner);
-                self.collapse(group, to, true, true);
+                let (reuses_any, changes_topology) = (true, true);
+                self.collapse(group, to, reuses_any, changes_topology);
             }
         }
     }

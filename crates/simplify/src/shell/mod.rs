@@ -42,6 +42,7 @@ impl Shell {
         for _ in 0..MAX_TRIES {
             let mut shell = Self::without(mesh, &follows);
             if !shell.keep_split_groups(mesh, &whole, &mut follows) {
+                // Faces that follow no more are in the shell, whose planes count in full.
                 divided_otherwise.retain(|&(face, w)| follows[face as usize] == (w > 0.0));
                 shell.divided_otherwise = divided_otherwise;
                 return Some(shell);
@@ -112,9 +113,9 @@ impl Shell {
         any
     }
 
-    /// The planes of the faces that lie on the shell but divide quadrilaterals along the other
-    /// diagonal. The quadric counts them like faces of the shell: what is flat for one layer may
-    /// not be for the other.
+    /// The planes of quadrilaterals that are divided along both diagonals, with areas that are
+    /// added to those of the shell's faces so that either division counts half: what is flat for
+    /// one layer may not be for the other.
     pub(crate) fn planes(
         &self,
         mesh: &Mesh,

@@ -7,8 +7,8 @@
 //! nanoseconds whatever the size of the mesh.
 //!
 //! A slot is one of a triangle's three edges: slot `e` runs from corner `e` to corner `e + 1`. A
-//! code is a triangle with a slot (`adjacency`). A strip is straight if it turns left and right by
-//! turns; two turns to the same side would need a swap, one repeated index (`cover`).
+//! code is a triangle with a slot (`adjacency`). A strip is straight if it turns left and right
+//! alternately; two turns to the same side would need a swap, one repeated index (`cover`).
 
 use super::parts::Part;
 use crate::adjacency::{code, decode};

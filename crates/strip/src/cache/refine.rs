@@ -100,12 +100,13 @@ impl<'a> Chunks<'a> {
         indices
     }
 
-    /// The indices of at least [`MIN_HEAD`] triangles drawn before a path, as far as there are any.
+    /// The indices drawn before a path: at least [`MIN_HEAD`], as far as there are any, since each
+    /// triangle takes at least one.
     fn head(&self, path: usize) -> Vec<u32> {
-        let (mut first, mut length) = (path, 0);
-        while first > 0 && length < MIN_HEAD {
+        let (mut first, mut triangles) = (path, 0);
+        while first > 0 && triangles < MIN_HEAD {
             first -= 1;
-            length += self.drawing.paths[first].len();
+            triangles += self.drawing.paths[first].len();
         }
         self.drawing.paths[first..path].iter().flat_map(|path| self.indices(path)).collect()
     }
@@ -200,12 +201,12 @@ impl Chunk {
 
     /// The strips with the numbers of the mesh.
     fn in_mesh_numbers(&self) -> Vec<FinishedStrip> {
-        let in_mesh_numbers = |s: &Strip| {
+        let finished = |s: &Strip| {
             let first_triangle = self.triangles[decode(s.path[0]).0 as usize];
             let indices = s.indices.iter().map(|&v| self.vertices[v as usize]).collect();
             FinishedStrip { first_triangle, indices }
         };
-        self.strips.iter().map(in_mesh_numbers).collect()
+        self.strips.iter().map(finished).collect()
     }
 }
 

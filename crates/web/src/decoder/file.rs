@@ -52,9 +52,8 @@ fn all_levels(simplified: &Simplified) -> Vec<DecodedLevel> {
     let mut levels = Vec::new();
     let mut lod = Lod(0);
     loop {
-        let level = level(simplified, &positions, lod);
+        levels.push(level(simplified, &positions, lod));
         let triangles = collapses.triangles_at(lod);
-        levels.push(level);
         let next = collapses.lod_for_triangles(levels::max_coarser(triangles, all_triangles));
         if triangles == 0 || collapses.triangles_at(next) == 0 {
             break;

@@ -65,8 +65,8 @@ pub(crate) struct Layout {
 impl Layout {
     /// Reads and checks what a view's extension says.
     pub(crate) fn read(packed: &Object, location: &str) -> Result<Self, FormatError> {
-        let named = |key: &str| packed.get(key).map_or(Some("NONE"), Json::as_str);
-        let (mode, filter) = (named("mode"), named("filter"));
+        let mode = packed.get("mode").and_then(Json::as_str);
+        let filter = packed.get("filter").map_or(Some("NONE"), Json::as_str);
         let mode = MODES.iter().find(|(name, _)| Some(*name) == mode);
         let filter = FILTERS.iter().find(|(name, _)| Some(*name) == filter);
         let unknown = "`mode` is not one of ATTRIBUTES, TRIANGLES, INDICES";
@@ -93,7 +93,7 @@ impl Layout {
 
     /// Returns whether mode, filter, stride and count go together.
     fn check(&self) -> Result<(), &'static str> {
-        let stride = match (self.mode, self.filter) {
+        let stride_fits = match (self.mode, self.filter) {
             (Mode::Attributes, Filter::None | Filter::Exponential) => {
                 self.stride > 0 && self.stride <= 256 && self.stride.is_multiple_of(4)
             }
@@ -105,7 +105,7 @@ impl Layout {
             _ => return Err("a filter on indices"),
         };
         match self.mode {
-            _ if !stride => Err("the stride does not fit mode and filter"),
+            _ if !stride_fits => Err("the stride does not fit mode and filter"),
             Mode::Triangles if !self.count.is_multiple_of(3) => {
                 Err("the count is not a multiple of 3")
             }
@@ -190,8 +190,8 @@ impl Content<'_> {
 }
 
 fn triangles(size: usize, bytes: &[u8]) -> (Vec<u8>, Layout) {
-    let index = |b: &[u8]| b.iter().rev().fold(0, |v, &b| v << 8 | u32::from(b));
-    let indices: Vec<u32> = bytes.chunks_exact(size).map(index).collect();
+    let read_index = |b: &[u8]| b.iter().rev().fold(0, |v, &b| v << 8 | u32::from(b));
+    let indices: Vec<u32> = bytes.chunks_exact(size).map(read_index).collect();
     let (mode, filter, count) = (Mode::Triangles, Filter::None, indices.len());
     (index::encode(indices.as_chunks().0), Layout { mode, filter, count, stride: size })
 }

@@ -34,7 +34,7 @@ impl<const N: usize> Grid<N> {
         })
     }
 
-    /// The value of the numbers that are nearest to one.
+    /// The value on the grid that is nearest to one.
     pub(super) fn rounded(&self, value: [f32; N]) -> [f32; N] {
         let numbers = self.numbers(value);
         std::array::from_fn(|k| (self.offset[k] + self.step * f64::from(numbers[k])) as f32)

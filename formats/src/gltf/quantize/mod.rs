@@ -180,7 +180,7 @@ pub(super) fn rounded(
     };
     let textures = TextureGrids::default();
     let quantizer = Quantizer { precision, positions, textures, keeps_srgb: false };
-    let rounded = |(object, written): (usize, &WrittenObject<'_>)| {
+    let rounded_object = |(object, written): (usize, &WrittenObject<'_>)| {
         let geometry = &*written.geometry;
         let coding = |submesh: usize, stream: &Attribute| match stream.semantic {
             Semantic::Position | Semantic::Weights(_) => {
@@ -207,7 +207,7 @@ pub(super) fn rounded(
             lacks_joints: lacks_joints[object],
         }
     };
-    Ok(written_objects.iter().enumerate().map(rounded).collect())
+    Ok(written_objects.iter().enumerate().map(rounded_object).collect())
 }
 
 /// Spells the numbers of materials as shortly as single precision allows. Those of nodes stay: in

@@ -3,6 +3,7 @@
 
 use super::grid::{Bounds, Grid, last_number, rounded_to_seven_digits};
 use super::{WrittenObject, primitives, skins};
+use crate::gltf::extensions::INSTANCING;
 use crate::gltf::graph::scene_graph;
 use crate::gltf::json::Object;
 use crate::{Document, FormatError, Limits, ObjectInfo};
@@ -127,7 +128,7 @@ fn is_movable(root: &Object, written_objects: &[WrittenObject<'_>], object: usiz
             || (a.morph_target.is_some() && a.component == Component::F32)
     };
     let can_move = |node: &Object| {
-        let instanced = node.extension("EXT_mesh_gpu_instancing").is_some();
+        let instanced = node.extension(INSTANCING).is_some();
         !instanced && (!node.contains_key("skin") || skins::is_movable(root, node, is_written))
     };
     primitives(root, written.mesh).len() == written.primitives.len()

@@ -156,14 +156,14 @@ fn empty_views(root: &mut Object, emptied: &[bool], blob: &mut Vec<u8>) {
     }
 }
 
-/// Bytes of a view without content.
+/// Bytes of a view or blob without content: glTF has no empty ones.
 const EMPTY_BYTES: usize = 4;
 
 /// Replaces the document's buffers by the blob and the placeholders.
 fn replace_buffers(root: &mut Object, placeholders: &[usize], blob: &mut Vec<u8>) {
     if blob.is_empty() && !placeholders.is_empty() {
         // Buffers cannot be empty, and the first one is the blob.
-        blob.resize(4, 0);
+        blob.resize(EMPTY_BYTES, 0);
     }
     if blob.is_empty() {
         root.shift_remove("buffers");

@@ -2,11 +2,11 @@
 //! document held nothing else, so that it can be verified against the source.
 
 use super::primitive::{self, Read};
-use super::{Opened, geomorph, open};
+use super::{BYTE_ORDER_MARK, Opened, geomorph, open};
 use crate::exported::{ExportedLevels, NOT_EXPORTED};
 use crate::gltf::accessor::{Accessor, numbered_component};
 use crate::gltf::budget::Budget;
-use crate::gltf::extensions::{animation_pointer, forget_extra, of_mesh, pointer_of};
+use crate::gltf::extensions::{MSFT_LOD, animation_pointer, forget_extra, of_mesh, pointer_of};
 use crate::gltf::glb;
 use crate::gltf::json::{self, Json, Object, malformed};
 use crate::gltf::prune;
@@ -26,7 +26,7 @@ pub(crate) fn states_levels(bytes: &[u8], options: &ImportOptions) -> bool {
     let text = if glb::is_glb(bytes) {
         glb::split(bytes).ok().map(|chunks| &bytes[chunks.json])
     } else {
-        Some(bytes)
+        Some(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes))
     };
     let root = text.and_then(|text| json::parse(text, &options.limits).ok());
     root.is_some_and(|root| stated(&root).is_ok())
@@ -56,8 +56,8 @@ pub(crate) fn exported(
         return Err(malformed("extras.lodc.levels", problem));
     }
     let difference = chain.difference(&root, &opened)?;
-    let level = |level| opened.scene(chain.level(&root, level)?, assets, options);
-    let levels = (0..stated.levels.len()).map(level).collect::<Result<_, _>>()?;
+    let scene = |level| opened.scene(chain.level(&root, level)?, assets, options);
+    let levels = (0..stated.levels.len()).map(scene).collect::<Result<_, _>>()?;
     Ok(ExportedLevels { stated, levels, difference, morphs })
 }
 
@@ -115,7 +115,7 @@ struct Chain {
 impl Chain {
     fn of(root: &Object, levels: usize) -> Self {
         let ids = |node: &Object| -> Vec<usize> {
-            let ids = node.extension("MSFT_lod").map_or(&[][..], |lod| lod.list("ids"));
+            let ids = node.extension(MSFT_LOD).map_or(&[][..], |lod| lod.list("ids"));
             ids.iter().filter_map(Json::as_index).collect()
         };
         let nodes = root.entries("nodes").enumerate();
@@ -176,7 +176,7 @@ impl Chain {
                 }
             }
             if let Some(entry) = level_root.object_mut("nodes", node) {
-                entry.remove_extension("MSFT_lod");
+                entry.remove_extension(MSFT_LOD);
                 forget_extra(entry, "MSFT_screencoverage");
             }
         }
@@ -363,7 +363,7 @@ fn wrong_nodes(root: &Object, node: usize, ids: &[usize]) -> Option<String> {
         let key = PLACING.into_iter().find(|key| coarser[*key] != finest[*key]);
         let extensions = |of: &Json| {
             let mut extensions = of["extensions"].as_object().cloned().unwrap_or_default();
-            extensions.shift_remove("MSFT_lod");
+            extensions.shift_remove(MSFT_LOD);
             extensions
         };
         let key =

@@ -1,13 +1,15 @@
 //! Feature ids that are numbers of vertices become an attribute: simplification renumbers vertices,
 //! and the features of a file of 3D Tiles have to stay theirs.
 
+use crate::gltf::accessor::component_number;
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::views::{Buffers, put};
 use crate::words::counted;
+use lodc_mesh::Component;
 use std::collections::BTreeMap;
 
-/// Vertices beyond which a single-precision number is not exact.
-const MAX_VERTICES: usize = 1 << 24;
+/// Whole numbers up to this are exact in single precision.
+const MAX_ID: usize = 1 << 24;
 
 /// Ids of a primitive's features that follow from the numbers of its vertices: `constant +
 /// ⌊vertex ÷ divisor⌋`.
@@ -16,6 +18,13 @@ struct Implicit {
     vertices: usize,
     constant: u32,
     divisor: usize,
+}
+
+impl Implicit {
+    /// The id of a vertex.
+    fn of(&self, vertex: usize) -> usize {
+        (self.constant as usize).saturating_add(vertex / self.divisor)
+    }
 }
 
 /// Accessors and bytes that are added to a document.
@@ -58,7 +67,7 @@ pub(super) fn make_explicit(
     let (one, several) = ("set of implicit feature ids was", "sets of implicit feature ids were");
     if dropped > 0 {
         let sets = counted(dropped, one, several);
-        warnings.push(format!("{sets} dropped: too many vertices"));
+        warnings.push(format!("{sets} dropped: ids beyond 2^24"));
     }
     if made == 0 {
         return 0;
@@ -92,7 +101,7 @@ fn of_primitive(
         let count_before = sets.len();
         sets.retain_mut(|set| {
             let Some(ids) = implicit(extension, set, vertices) else { return true };
-            if vertices > MAX_VERTICES {
+            if ids.of(vertices - 1) > MAX_ID {
                 return false;
             }
             let taken = |n: &usize| primitive["attributes"].get(&name(*n)).is_none();
@@ -134,15 +143,15 @@ impl Added {
         if let Some(&accessor) = self.of_ids.get(&ids) {
             return accessor;
         }
-        let value = |vertex: usize| (ids.constant as usize + vertex / ids.divisor) as f32;
+        let value = |vertex: usize| ids.of(vertex) as f32;
         let bytes: Vec<u8> = (0..ids.vertices).flat_map(|v| value(v).to_le_bytes()).collect();
         let [first_view, first_accessor] = self.first;
         let view = first_view + self.views.len();
         self.views.push(put(&mut self.bytes, &bytes));
         let accessor = first_accessor + self.accessors.len();
         self.accessors.push(object! {
-            "bufferView" => view, "componentType" => 5126u32, "count" => ids.vertices,
-            "type" => "SCALAR",
+            "bufferView" => view, "componentType" => component_number(Component::F32),
+            "count" => ids.vertices, "type" => "SCALAR",
         });
         self.of_ids.insert(ids, accessor);
         accessor

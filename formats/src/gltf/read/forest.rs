@@ -45,7 +45,8 @@ fn forest(root: &Object) -> Result<Vec<usize>, FormatError> {
     Ok(order)
 }
 
-fn children(node: &Object) -> impl Iterator<Item = usize> {
+/// The numbers of a node's children.
+pub(super) fn children(node: &Object) -> impl Iterator<Item = usize> {
     node.list("children").iter().filter_map(Json::as_index)
 }
 

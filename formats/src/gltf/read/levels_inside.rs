@@ -2,15 +2,14 @@
 //! of others (MSFT_lod), ranges of index accessors, and morph targets towards the next level.
 
 use super::exported::{primitives, ranges, take_range};
+use super::forest::children;
 use super::geomorph;
-use crate::gltf::extensions::{animation_pointer, forget, forget_extra};
+use crate::gltf::extensions::{MSFT_LOD, animation_pointer, forget, forget_extra};
 use crate::gltf::json::{Json, Object};
 use crate::gltf::prune;
 use crate::gltf::schema::{Pool, forget_references, renumbered, retain};
 use crate::words::counted;
 use crate::{Fault, FormatError};
-
-const NAME: &str = "MSFT_lod";
 
 /// Takes coarser levels out of a document, with what belongs to them alone: meshes, skins, entries
 /// of animations. Their accessors stay, and nothing names them.
@@ -23,7 +22,7 @@ pub(super) fn keep_finest(
 ) -> Result<(), FormatError> {
     geomorph::strip(root);
     take_ranges(root)?;
-    if !root.entries("nodes").any(|node| node.extension(NAME).is_some()) {
+    if !root.entries("nodes").any(|node| node.extension(MSFT_LOD).is_some()) {
         return Ok(());
     }
     let dropped = coarser_nodes(root)?;
@@ -31,7 +30,7 @@ pub(super) fn keep_finest(
     let count = dropped.iter().filter(|is_dropped| **is_dropped).count();
     if count > 0 {
         let nodes = counted(count, "node of a coarser one is", "nodes of coarser ones are");
-        warnings.push(format!("the file has levels of its own ({NAME}): {nodes} left out"));
+        warnings.push(format!("the file has levels of its own ({MSFT_LOD}): {nodes} left out"));
     }
     Ok(())
 }
@@ -56,7 +55,7 @@ fn take_ranges(root: &mut Object) -> Result<(), FormatError> {
 
 /// The nodes that a node names as its coarser levels.
 fn levels_of(node: &Object) -> impl Iterator<Item = usize> {
-    let ids = node.extension(NAME).map_or(&[][..], |lod| lod.list("ids"));
+    let ids = node.extension(MSFT_LOD).map_or(&[][..], |lod| lod.list("ids"));
     ids.iter().filter_map(Json::as_index)
 }
 
@@ -94,7 +93,8 @@ fn coarser_nodes(root: &Object) -> Result<Vec<bool>, FormatError> {
                 return Err(unsupported(
                     format!("nodes[{id}]"),
                     format!(
-                        "is a coarser level of nodes[{finest}] ({NAME}), but shown by itself, too"
+                        "is a coarser level of nodes[{finest}] ({MSFT_LOD}), but shown by itself, \
+                         too"
                     ),
                 ));
             }
@@ -102,7 +102,7 @@ fn coarser_nodes(root: &Object) -> Result<Vec<bool>, FormatError> {
         }
     }
     if let Some(node) = (0..count).find(|&n| is_level[n] && !dropped[n]) {
-        let problem = format!("is a level of itself ({NAME})");
+        let problem = format!("is a level of itself ({MSFT_LOD})");
         return Err(unsupported(format!("nodes[{node}]"), problem));
     }
     let mut below: Vec<usize> = (0..count).filter(|&n| dropped[n]).collect();
@@ -114,10 +114,6 @@ fn coarser_nodes(root: &Object) -> Result<Vec<bool>, FormatError> {
         }
     }
     Ok(dropped)
-}
-
-fn children(node: &Object) -> impl Iterator<Item = usize> {
-    node.list("children").iter().filter_map(Json::as_index)
 }
 
 fn unsupported(location: String, problem: String) -> FormatError {
@@ -143,13 +139,13 @@ fn drop_nodes(root: &mut Object, dropped: &[bool]) -> Result<(), FormatError> {
             return Err(unsupported(
                 format!("skins[{number}]"),
                 format!(
-                    "its joint nodes[{joint}] is of a coarser level ({NAME}), which is left out"
+                    "its joint nodes[{joint}] is of a coarser level ({MSFT_LOD}), which is left out"
                 ),
             ));
         }
     }
     for node in root.objects_mut("nodes") {
-        node.remove_extension(NAME);
+        node.remove_extension(MSFT_LOD);
         forget_extra(node, "MSFT_screencoverage");
         leave(node, "children", &nodes_kept);
     }
@@ -159,8 +155,8 @@ fn drop_nodes(root: &mut Object, dropped: &[bool]) -> Result<(), FormatError> {
             skin.shift_remove("skeleton");
         }
     }
-    if !root.entries("materials").any(|material| material.extension(NAME).is_some()) {
-        forget(root, NAME);
+    if !root.entries("materials").any(|material| material.extension(MSFT_LOD).is_some()) {
+        forget(root, MSFT_LOD);
     }
     drop_channels(root, &nodes_kept, &meshes_kept);
     for (pool, kept) in

@@ -1,10 +1,7 @@
 //! Reads glTF 2.0 and GLB files into a scene: meshes of triangles, and a document with the rest.
 //!
-//! The document stays a tree of JSON values, so that everything that is not a triangle comes out as
-//! it went in; what is read from it is checked against a table (`schema`) first, and accessors,
-//! buffer views and buffers are read as types of the package `gltf` (`typed`). Limits of what
-//! external bytes can do: JSON nesting and size (`json`), paths (`uri`, [`Assets`]), ranges
-//! (`views`, `accessor`), memory in all (`budget`).
+//! `open` reads a document, checks and repairs it and decodes Draco; `Opened::scene` makes objects
+//! of its meshes (`object`) and stores what is left (`remainder`).
 
 mod blob;
 mod count;
@@ -68,6 +65,9 @@ struct Opened<'a> {
     warnings: Vec<String>,
 }
 
+/// What some editors write before text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Reads the document, checked, and the buffers.
 fn open<'a>(
     bytes: &'a [u8],
@@ -80,7 +80,7 @@ fn open<'a>(
         warnings.extend(chunks.warnings);
         (SourceFormat::Glb, &bytes[chunks.json], chunks.bin.map(|bin| &bytes[bin]))
     } else {
-        let text = bytes.strip_prefix(b"\xef\xbb\xbf");
+        let text = bytes.strip_prefix(BYTE_ORDER_MARK);
         if text.is_some() {
             warnings.push("the byte order mark before the JSON is ignored".to_owned());
         }

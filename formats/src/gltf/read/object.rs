@@ -1,6 +1,7 @@
 //! A glTF mesh becomes one object: its triangle primitives are its submeshes.
 
 use super::primitive::Primitive;
+use crate::far::diagonal;
 use crate::gltf::accessor::Accessor;
 use crate::gltf::budget::Budget;
 use crate::gltf::json::malformed;
@@ -18,6 +19,7 @@ pub(super) struct Reading<'a> {
     pub(super) weld: f64,
     pub(super) numbering: Numbering,
     pub(super) counts: Counts,
+    /// Vertices and triangles so far, of all meshes.
     vertices: u64,
     triangles: u64,
     /// For each accessor of positions one bit per element: whether a triangle uses it.
@@ -173,6 +175,8 @@ impl<'a> Reading<'a> {
             let problem = format!("more than {} vertices in all", self.limits.vertices);
             return Err(FormatError::new(Fault::Limit, location, problem));
         }
+        // For each vertex its source, its position and its submesh; three corners for each
+        // triangle.
         budget.charge(sources.len() as u64, 4 + 12 + 4, location)?;
         budget.charge(triangles as u64, 12, location)?;
 
@@ -255,7 +259,7 @@ impl SubmeshSizes {
     }
 }
 
-/// Positions as numbers, whatever they are stored as.
+/// The positions of some vertices as floats, whatever they are stored as.
 fn positions(
     accessor: &Accessor,
     sources: &[u32],
@@ -326,15 +330,6 @@ fn not_finite(bytes: &[u8]) -> usize {
         .chunks_exact(4)
         .filter(|b| !f32::from_le_bytes([b[0], b[1], b[2], b[3]]).is_finite())
         .count()
-}
-
-fn diagonal(positions: &[[f32; 3]]) -> f64 {
-    let side = |i: usize| {
-        let (lo, hi) =
-            positions.iter().fold((f32::MAX, f32::MIN), |(lo, hi), p| (lo.min(p[i]), hi.max(p[i])));
-        f64::from(hi) - f64::from(lo)
-    };
-    if positions.is_empty() { 0.0 } else { (0..3).map(|i| side(i).powi(2)).sum::<f64>().sqrt() }
 }
 
 /// Drops submeshes without triangles, and streams that no submesh is left to use. Returns which

@@ -2,7 +2,7 @@
 //! materials share is stored once, as exporters write it.
 
 use super::differences::{MovedStreams, moved_streams};
-use lodc_mesh::{DisjointSets, Mesh};
+use lodc_mesh::{DisjointSets, Mesh, NONE};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,9 +10,6 @@ use std::ops::Range;
 /// Share of a primitive's vertices that other primitives must have, too, for it to share a buffer
 /// with them: those that just meet at a border keep small buffers of their own.
 const MIN_SHARED: f64 = 0.1;
-
-/// Stands for no number.
-const NONE: u32 = u32::MAX;
 
 /// What a primitive draws.
 #[derive(Clone, Debug, Default)]
@@ -229,7 +226,9 @@ impl<'a> Classes<'a> {
         });
         let mut leader = vec![0; vertices.len()];
         for same in sorted.chunk_by(|&i, &j| key(i) == key(j)) {
-            // What does not move before it has disappeared may be that of the coarsest level.
+            // A vertex that stays is stored as the one that the coarsest level draws, which moves
+            // later if at all; one that moves, as the first that goes to the same place at its
+            // level.
             let mut current = same[0];
             for &i in same {
                 let alike = !of(i).moves

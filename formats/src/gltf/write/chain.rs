@@ -363,10 +363,10 @@ impl<'a> ChainedObject<'a> {
         root.append("nodes", coarser_nodes);
         let copies = ids.iter().map(|&id| [node, id]).collect();
         let entry = root.object_mut("nodes", node).expect("the node that was copied");
-        entry["extensions"]["MSFT_lod"] = object! { "ids" => ids };
+        entry["extensions"][extensions::MSFT_LOD] = object! { "ids" => ids };
         let shares = self.object.coverage.iter().map(share).collect();
         extensions::put_extra(entry, "MSFT_screencoverage", shares);
-        extensions::add(root, "extensionsUsed", "MSFT_lod");
+        extensions::add(root, "extensionsUsed", extensions::MSFT_LOD);
         copies
     }
 }
@@ -401,10 +401,10 @@ fn level_node(node: &Json, mesh: usize, level: usize) -> Json {
             copy[key] = value.clone();
         }
     }
-    let mut extensions = node["extensions"].as_object().cloned().unwrap_or_default();
-    extensions.shift_remove("MSFT_lod");
-    if !extensions.is_empty() {
-        copy["extensions"] = Json::Object(extensions);
+    let mut kept = node["extensions"].as_object().cloned().unwrap_or_default();
+    kept.shift_remove(extensions::MSFT_LOD);
+    if !kept.is_empty() {
+        copy["extensions"] = Json::Object(kept);
     }
     copy["mesh"] = mesh.into();
     Json::Object(copy)

@@ -70,7 +70,7 @@ pub(super) fn differences(
     next: &Mesh,
     submesh: usize,
     vertices: &[u32],
-    moved_streams: MovedStreams,
+    moves: MovedStreams,
 ) -> Vec<Deltas> {
     let position = Semantic::Position;
     let stored = [now, next].map(|mesh| stream(mesh, submesh, &position));
@@ -83,7 +83,7 @@ pub(super) fn differences(
     let mut all = vec![Deltas { name: semantic::to_name(&position), components: 3, values }];
     for &a in &now.submeshes()[submesh].attributes {
         let a = &now.attributes()[a as usize];
-        let Some(components) = moved_streams.components(a) else { continue };
+        let Some(components) = moves.components(a) else { continue };
         let Some(b) = stream(next, submesh, &a.semantic) else { continue };
         let moved = |v: u32, c: usize| difference(a.value(v, c), b.value(v, c));
         let values = flat(vertices, components, moved);

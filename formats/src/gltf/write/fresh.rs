@@ -1,6 +1,7 @@
 //! Makes the glTF document of a scene from another format: one mesh and node per object, one
 //! material per OBJ material.
 
+use crate::gltf::accessor::component_number;
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::materials::six_decimals;
 use crate::gltf::texture_transform::{CLAMP, TRANSFORM};
@@ -62,14 +63,14 @@ const LOOSE: &str = "points and lines";
 
 /// The mesh with points and lines about an offset, its bytes at the end of `blob`.
 fn loose_mesh(loose: &Loose, offset: [f64; 3], root: &mut Object, blob: &mut Vec<u8>) -> Json {
-    let mut accessor = |kind: &str, component: u32, count: usize, bytes: &[u8]| {
+    let mut accessor = |kind: &str, component: Component, count: usize, bytes: &[u8]| {
         let view = root.list("bufferViews").len();
         root.append("bufferViews", vec![put_bytes(blob, bytes)]);
         root.append(
             "accessors",
             vec![object! {
-                "bufferView" => view, "componentType" => component, "count" => count,
-                "type" => kind,
+                "bufferView" => view, "componentType" => component_number(component),
+                "count" => count, "type" => kind,
             }],
         );
         root.list("accessors").len() - 1
@@ -83,20 +84,21 @@ fn loose_mesh(loose: &Loose, offset: [f64; 3], root: &mut Object, blob: &mut Vec
     #[expect(clippy::cast_possible_truncation, reason = "glTF has single precision")]
     let near = |p: &[f64; 3]| std::array::from_fn(|k| (p[k] - offset[k]) as f32);
     let positions: Vec<[f32; 3]> = loose.positions.iter().map(near).collect();
-    let position = accessor("VEC3", FLOAT, count, &floats(&positions));
+    let position = accessor("VEC3", Component::F32, count, &floats(&positions));
     let mut attributes = object! { "POSITION" => position };
     if !loose.colors.is_empty() {
         let light: Vec<[f32; 3]> = loose.colors.iter().map(|c| c.map(to_linear)).collect();
-        attributes["COLOR_0"] = accessor("VEC3", FLOAT, count, &floats(&light)).into();
+        attributes["COLOR_0"] = accessor("VEC3", Component::F32, count, &floats(&light)).into();
     }
     let mut primitives = Vec::new();
     let lines: Vec<[u32; 2]> = loose.segments().collect();
+    // 0 points, 1 lines.
     for (mode, all) in [(0u32, &loose.points[..]), (1, lines.as_flattened())] {
         if !all.is_empty() {
             let mut primitive = object! { "attributes" => attributes.clone(), "mode" => mode };
             if !all.iter().copied().eq(0..count as u32) {
                 let bytes = indices(all);
-                primitive["indices"] = accessor("SCALAR", UNSIGNED_INT, all.len(), &bytes).into();
+                primitive["indices"] = accessor("SCALAR", Component::U32, all.len(), &bytes).into();
             }
             primitives.push(primitive);
         }
@@ -108,10 +110,6 @@ fn loose_mesh(loose: &Loose, offset: [f64; 3], root: &mut Object, blob: &mut Vec
     }
     object! { "name" => LOOSE, "primitives" => primitives }
 }
-
-/// Component types of glTF.
-const FLOAT: u32 = 5126;
-const UNSIGNED_INT: u32 = 5125;
 
 fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
     let start = ([f32::MAX; 3], [f32::MIN; 3]);

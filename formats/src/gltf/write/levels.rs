@@ -9,7 +9,7 @@ use super::writer::Writer;
 use super::{adapted, document_mesh, document_primitive, glb, source_document, submesh_primitive};
 use crate::gltf::extensions::put_extra;
 use crate::gltf::json::{Json, Object, object};
-use crate::gltf::prune;
+use crate::gltf::{prune, uri};
 use crate::images::{TextureMode, Textures};
 use crate::options::ExportOptions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
@@ -91,7 +91,7 @@ pub fn export_levels(
 fn forget_missing(root: &mut Object) {
     for image in root.objects_mut("images") {
         let named = image["uri"].as_str();
-        if named.is_some_and(|uri| !uri.starts_with("data:")) {
+        if named.is_some_and(|uri| !uri::is_data(uri)) {
             image.shift_remove("uri");
         }
     }

@@ -391,7 +391,8 @@ pub(super) struct MeshWriter<'w> {
     buffers: VertexBuffers,
     /// Attributes and morph targets of the buffers that are written.
     written: BTreeMap<usize, (Object, Vec<Object>)>,
-    /// By buffer and level what moves it to the next level.
+    /// By buffer and level the morph target that moves it to the next level, and the attributes
+    /// that are replaced there.
     targets: BTreeMap<(usize, usize), (Object, Object)>,
 }
 

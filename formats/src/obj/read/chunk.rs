@@ -166,8 +166,7 @@ impl<'a> Reader<'a> {
                 let name = self.lines.rest();
                 self.chunk.libraries.push((line, name));
             }
-            b"l" => self.element(true)?,
-            b"p" => self.element(false)?,
+            b"l" | b"p" => self.element(word == b"l")?,
             b"curv" | b"curv2" | b"surf" => notes.free_form.add(line),
             b"s" | b"vp" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"mg"
             | b"shadow_obj" | b"trace_obj" | b"usemap" | b"maplib" | b"cstype" | b"deg"

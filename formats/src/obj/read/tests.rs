@@ -100,7 +100,7 @@ fn libraries_are_read_from_the_own_folder_only() {
     {
         let scene = read(found);
         assert_eq!(names(&scene), ["red"], "{found}: {:?}", scene.warnings);
-        assert_eq!(scene.files.read().len(), 2, "{found}");
+        assert_eq!(scene.files.read_files().len(), 2, "{found}");
         assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
     }
     let absolute = format!("mtllib {}\n", scratch.path("secret.mtl").display());
@@ -126,9 +126,9 @@ fn libraries_are_read_from_the_own_folder_only() {
         assert!(warned(&scene, "material library not read"), "{lost}: {:?}", scene.warnings);
         assert!(warned(&scene, "1 material is used but not defined: `red`"), "{lost}");
         assert!(
-            scene.files.read().iter().all(|f| f.starts_with(scratch.path("asset"))),
+            scene.files.read_files().iter().all(|f| f.starts_with(scratch.path("asset"))),
             "{:?}",
-            scene.files.read()
+            scene.files.read_files()
         );
     }
     assert_eq!(names(&read("mtllib c.mtl\nmtllib sub/a b.mtl\n")), ["blue", "red"]);

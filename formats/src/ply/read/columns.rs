@@ -3,6 +3,7 @@
 
 use super::Content;
 use crate::faces::{Faces, NONE};
+use crate::far::single;
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_ply::{ElementDef, PropertyType, ScalarType};
@@ -208,11 +209,6 @@ const fn full_intensity(number: ScalarType) -> f64 {
         ScalarType::U32 => u32::MAX as f64,
         ScalarType::F32 | ScalarType::F64 => 1.0,
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "a mesh is in single precision")]
-const fn single(v: f64) -> f32 {
-    v as f32
 }
 
 /// Returns a sink that adds vertices to `faces`, value by value, and their positions to

@@ -3,8 +3,8 @@
 
 /// Returns the vector part of the unit quaternion that rotates positions around the eye into eye
 /// space; its scalar part is not negative. The y axis is up or, where the eye looks along it, the z
-/// axis. Without a direction the eye looks as the scene's own axes have it. Within a third of a
-/// thousandth of an angle: half a turn leaves the scalar part to the last bits of the others.
+/// axis. Without a direction nothing is rotated. Exact to about a third of a thousandth: for half a
+/// turn the scalar part, which kernels compute from the others, depends on their last bits alone.
 pub(super) fn rotation(eye: [f32; 3], target: [f32; 3]) -> [f32; 3] {
     let Some(forward) = unit(std::array::from_fn(|i| f64::from(target[i]) - f64::from(eye[i])))
     else {

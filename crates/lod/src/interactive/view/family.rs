@@ -92,15 +92,15 @@ impl Family {
         let inside_outside = || stage_lods(lods, setting);
         match *self {
             Self::Silhouette { eye } => {
-                // The second stage is that of the width.
+                // The second stage is that of the width: LODs stay as the first one leaves them.
                 let width = 1.0
                     - (f64::from(setting) / f64::from(SETTINGS_PER_STAGE) - 1.0).clamp(0.0, 1.0);
-                let narrowed = if setting < SETTINGS_PER_STAGE {
+                let lod_setting = if setting < SETTINGS_PER_STAGE {
                     setting
                 } else {
                     (setting - SETTINGS_PER_STAGE).max(SETTINGS_PER_STAGE)
                 };
-                let [edge, face] = stage_lods(lods, narrowed);
+                let [edge, face] = stage_lods(lods, lod_setting);
                 Criterion::Silhouette { eye, edge, face, width: width as f32 }
             }
             Self::ScreenError { eye, unit, .. } => {

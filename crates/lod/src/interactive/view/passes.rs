@@ -40,6 +40,7 @@ impl ViewPasses {
     ) -> Self {
         let stride = views.records.stride as u32;
         let points: Vec<u32> = views.points().iter().flat_map(Point::words).collect();
+        let (lods_by_error, lowest_error) = views.by_error();
         let mut kernel = |criterion, morph| {
             let constants =
                 [("criterion", criterion as u32), ("morph", morph as u32), ("stride", stride)];
@@ -50,12 +51,12 @@ impl ViewPasses {
         Self {
             points: program.words("points", points),
             links: program.words("links", views.links().as_flattened()),
-            lods_by_error: program.words("by_error", views.by_error().0),
+            lods_by_error: program.words("by_error", lods_by_error),
             source,
             vertices,
             kernels,
             vertex_count: views.points().len() as u32,
-            lowest_error: views.by_error().1,
+            lowest_error,
             diagonal: views.selector.diagonal,
             last: views.selector.last(),
         }

@@ -44,7 +44,7 @@ use crate::options::Options;
 use crate::recorded::RecordedCollapse;
 use appearance::Appearance;
 use lodc_mesh::Mesh;
-use patch::Source;
+use patch::PatchInput;
 use samples::Samples;
 
 /// A distance of this share of the mesh's size has the energy of a normal that is off by one (60°).
@@ -165,9 +165,9 @@ impl Reevaluate for HybridMetric<'_> {
         self.last_rms = None;
         if self.samples_follow {
             let Self { appearance, samples, energy, patch, .. } = self;
-            let source = Source { mesh, wedges, appearance, samples, energy };
-            patch.gather(&source, from);
-            patch.move_to(&source, from, to);
+            let input = PatchInput { mesh, wedges, appearance, samples, energy };
+            patch.gather(&input, from);
+            patch.move_to(&input, from, to);
             for corner in mesh.star(from) {
                 samples.clear(corner.face());
             }
@@ -217,8 +217,8 @@ impl Reevaluate for HybridMetric<'_> {
         patch: &mut Patch,
     ) {
         let Self { appearance, samples, energy, .. } = self;
-        let source = Source { mesh, wedges, appearance, samples, energy };
-        patch.gather(&source, from);
+        let input = PatchInput { mesh, wedges, appearance, samples, energy };
+        patch.gather(&input, from);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let priced = (MAX_FACES_PRICED / mesh.star(from).len().max(1))
             .clamp(1, MAX_CANDIDATES)
@@ -227,7 +227,7 @@ impl Reevaluate for HybridMetric<'_> {
         let tie_weight = self.tie_weight * (patch.visible + HIDDEN_WEIGHT);
         let (mut least, mut worst) = (f64::INFINITY, 0.0);
         for (cost, to) in cheapest {
-            patch.move_to(&source, from, *to);
+            patch.move_to(&input, from, *to);
             let before = patch.current_energy - tie_weight * *cost;
             let limit = if only_cheapest { least + before } else { f64::INFINITY };
             // `added` is a small difference of two large energies: the margin is for its rounding.

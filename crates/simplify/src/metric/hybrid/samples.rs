@@ -64,12 +64,17 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    /// A layer in front, or behind. It may have come to meet the sample: half of the way, but no
-    /// farther than `most`.
-    pub(super) fn new(distance: f32, is_behind: bool, most: f32) -> Self {
+    /// A layer in front. It may have come to meet the sample: half of the way, but no farther than
+    /// `most`.
+    pub(super) fn in_front(distance: f32, most: f32) -> Self {
         let rest = (0.5 * distance).min(most).max(f32::MIN_POSITIVE);
-        let side = if is_behind { -1.0 } else { 1.0 };
-        Self { free: distance - rest, inverse_rest: side / rest }
+        Self { free: distance - rest, inverse_rest: 1.0 / rest }
+    }
+
+    /// The same of a layer behind.
+    pub(super) fn behind(distance: f32, most: f32) -> Self {
+        let Self { free, inverse_rest } = Self::in_front(distance, most);
+        Self { free, inverse_rest: -inverse_rest }
     }
 }
 

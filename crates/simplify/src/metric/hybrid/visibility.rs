@@ -1,4 +1,4 @@
-//! The visible share of each sample, over 20 cameras.
+//! The visible share of each sample, over 20 cameras, and the layer that it must not pass.
 
 use super::DISTANCE_SHARE;
 use super::samples::{Layer, Sample, Samples};
@@ -20,7 +20,8 @@ const TOLERANCE: i32 = 512;
 const LEAST_COSINE: f32 = 0.7;
 
 /// Multiplies every sample's weight by its visible share: the mean projected area that is seen, 1
-/// for one side of a surface with nothing in front of it. Both sides of a face are seen.
+/// for one side of a surface with nothing in front of it. Both sides of a face are seen. Stores its
+/// layer, too.
 pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut Samples, diagonal: f64) {
     let size = PIXELS_PER_FACE.saturating_mul(mesh.live_faces).isqrt();
     let size = size.clamp(*SIZES.start(), *SIZES.end());
@@ -83,7 +84,7 @@ fn layers(cameras: &[Camera], pictures: &[Vec<i32>], samples: &Samples, size: f6
     let next: Vec<Vec<i32>> = cameras.par_iter().map(next).collect();
     let layer = |(s, hidden): (&Sample, &Option<f32>)| {
         if let Some(before) = hidden {
-            return Layer::new(*before, false, most);
+            return Layer::in_front(*before, most);
         }
         let mut nearest = f32::INFINITY;
         for ((camera, depths), next) in cameras.iter().zip(pictures).zip(&next) {
@@ -95,7 +96,7 @@ fn layers(cameras: &[Camera], pictures: &[Vec<i32>], samples: &Samples, size: f6
                 nearest = nearest.min(view.along(camera, view.depth, behind));
             }
         }
-        if nearest.is_finite() { Layer::new(nearest, true, most) } else { Layer::default() }
+        if nearest.is_finite() { Layer::behind(nearest, most) } else { Layer::default() }
     };
     all.par_iter().zip(&hidden).with_min_len(1024).map(layer).collect()
 }
@@ -154,7 +155,7 @@ fn depths(mesh: &WorkingMesh, camera: &Camera) -> Vec<i32> {
 /// least, where few pixels have one.
 fn around(depths: &[i32], size: u32, pick: fn(i32, i32) -> i32) -> Vec<i32> {
     let size = size as usize;
-    let around = |pixel: usize, step: usize, at: usize, source: &[i32]| {
+    let pick_of_three = |pixel: usize, step: usize, at: usize, source: &[i32]| {
         let mut picked = source[pixel];
         if at > 0 {
             picked = pick(picked, source[pixel - step]);
@@ -164,6 +165,6 @@ fn around(depths: &[i32], size: u32, pick: fn(i32, i32) -> i32) -> Vec<i32> {
         }
         picked
     };
-    let rows: Vec<i32> = (0..depths.len()).map(|i| around(i, 1, i % size, depths)).collect();
-    (0..depths.len()).map(|i| around(i, size, i / size, &rows)).collect()
+    let rows: Vec<i32> = (0..depths.len()).map(|i| pick_of_three(i, 1, i % size, depths)).collect();
+    (0..depths.len()).map(|i| pick_of_three(i, size, i / size, &rows)).collect()
 }

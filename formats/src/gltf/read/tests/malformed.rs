@@ -245,7 +245,7 @@ fn uris_lead_nowhere_but_beside_the_asset() {
         );
     }
     let scene = import("inside%20file.bin").expect("beside the asset");
-    assert_eq!(scene.files.read().len(), 2);
+    assert_eq!(scene.files.read_files().len(), 2);
     assert!(import("inside file.bin").is_ok());
 }
 
