@@ -1,6 +1,6 @@
 //! The appearance of a scene: base colour factor and base colour texture of every submesh, read
-//! from its stored glTF or MTL document. Used to draw pictures and to price texture distortion;
-//! neither simplification nor export needs it.
+//! from its stored glTF or MTL document, for pictures and metrics that look at colours; and the
+//! texture coordinates that matter where vertices move.
 
 use crate::{Assets, Document, FormatError, Limits, ObjectInfo, gltf, obj};
 use lodc_scene::{Appearance, Coordinates};

@@ -14,7 +14,8 @@ const SEED: u64 = 0x676f_6e65;
 const TASK_POINTS: usize = 256;
 
 /// The share of a surface that is farther than `distance` from another one; triangles count by
-/// their weights. 0 if nothing has weight, all if the other surface has no triangle.
+/// their weights. 0 if nothing has weight, all if the other surface has no triangle. Too small
+/// where [`TriangleTree::may_be_within`] gives up its search.
 #[must_use]
 pub fn share_beyond(
     surface: &Surface,

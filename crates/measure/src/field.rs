@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 /// Largest number of parts of an edge. Chosen by hand.
 const MAX_PARTS: usize = 48;
-/// Largest number of points in one field, about. Chosen by hand: 16 MB.
+/// Largest number of points in one field, about; but each triangle has its corners. Chosen by hand:
+/// 16 MB.
 const MAX_POINTS: usize = 4 << 20;
 
 /// Distances from points of some triangles to a surface. The vertices of a level of detail are
@@ -30,7 +31,7 @@ impl DistanceField {
             if step > 0.0 { ((longest / step).ceil() as usize).clamp(1, MAX_PARTS) } else { 1 }
         };
         let mut parts: Vec<usize> = triangles.iter().map(parts_of).collect();
-        let points: usize = parts.iter().map(|k| k * k / 2).sum();
+        let points: usize = parts.iter().map(|k| (k + 1) * (k + 2) / 2).sum();
         if points > MAX_POINTS {
             let factor = (MAX_POINTS as f64 / points as f64).sqrt();
             parts.iter_mut().for_each(|k| *k = ((*k as f64 * factor) as usize).max(1));

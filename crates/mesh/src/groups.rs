@@ -14,8 +14,8 @@ pub struct WedgeGroups {
 
 impl WedgeGroups {
     /// Finds the groups: at each position, vertices are joined if their triangles share an edge at
-    /// that position, edges being compared by position. Two objects that touch only in a point stay
-    /// two groups.
+    /// that position, edges being compared by position. Two surfaces that touch only in a point
+    /// stay two groups.
     #[must_use]
     pub fn new(mesh: &Mesh, positions: &PositionIds) -> Self {
         let mut sets = DisjointSets::new(mesh.vertex_count());

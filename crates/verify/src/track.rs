@@ -1,5 +1,8 @@
 //! Follows every triangle through every record, in time proportional to how often live corners
-//! move: the reference that models are compared with.
+//! move: the reference that models are compared with. [`Tracker::apply_step`] is called for each
+//! step in order, then [`Tracker::finish`], which says what was wrong: counts of triangles,
+//! submeshes, triangles that came back, and tears. Nothing is torn as long as the border of the
+//! live triangles is LOD 0's border moved by the records; so that is followed, too.
 //!
 //! Each vertex has the list of the corners (of live triangles, and of LOD 0's border edges) that
 //! have become it; a record hands the list on. Dead triangles are not moved any more: [`Ties`]
@@ -38,7 +41,8 @@ pub(super) struct Tracker<'a> {
     ties: Ties,
     /// True until something comes apart: so long the vertices of a step are taken for one group.
     one_group: bool,
-    /// The corners of each triangle; of a dead one those that it had when it died.
+    /// The corners of each triangle; of a dead one those that it had when it died, or at the last
+    /// restart.
     corners: Vec<[u32; 3]>,
     /// The step in which each triangle died; `NONE` of live ones.
     removal_step: Vec<u32>,

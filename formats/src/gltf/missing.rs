@@ -129,8 +129,7 @@ impl Missing {
         let kept: Vec<bool> = without_image.iter().map(|lost| !lost).collect();
         forget_references(root, Pool::Textures, &kept);
         drop_marked(root, Pool::Textures, &without_image);
-        let dropped = without_image.iter().filter(|lost| **lost).count();
-        dropped
+        without_image.iter().filter(|lost| **lost).count()
     }
 
     /// Drops animations with missing samplers, and those that point into materials.
@@ -239,7 +238,7 @@ mod tests {
             "textures": [{ "source": 0 }, { "source": 1 }, { "source": 2 }],
             "materials": [material], "extensions": extensions,
         });
-        let buffer = PartialBuffer::new([8..16].into_iter(), &[7; 8]);
+        let buffer = PartialBuffer::new(std::iter::once(8..16), &[7; 8]);
         let made = gltf_without_missing(&root.to_string(), buffer).expect("a sound document");
         let (document, removed) = made.expect("every reference is known");
         assert_eq!(removed, ["2 textures"]);

@@ -5,6 +5,9 @@
 //! buffer views and buffers are read as types of the package `gltf` (`typed`). Limits of what
 //! external bytes can do: JSON nesting and size (`json`), paths (`uri`, [`Assets`](crate::Assets)),
 //! ranges (`views`, `accessor`), memory in all (`budget`).
+//!
+//! `read` makes objects and a document of a file, `write` puts levels back into it; `loose` reads
+//! points and lines, `missing` and `buffer_runs` serve streams.
 
 #[cfg(feature = "gltf")]
 mod accessor;

@@ -101,9 +101,10 @@ fn decode_jpeg(
     let damaged = |e: zune_jpeg::errors::DecodeErrors| {
         FormatError::new(Fault::Malformed, "", format!("is a damaged JPEG: {e:?}"))
     };
+    // The decoder's own limits would call a large picture damaged: `check_size` judges it.
     let options = DecoderOptions::default()
-        .set_max_width(MAX_SIDE)
-        .set_max_height(MAX_SIDE)
+        .set_max_width(usize::from(u16::MAX))
+        .set_max_height(usize::from(u16::MAX))
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(damaged)?;

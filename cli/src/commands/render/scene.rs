@@ -11,8 +11,8 @@ use lodc::{Input, read_input};
 use lodc_formats::{Document, Scene, appearance as read_appearance, scene_graph};
 use lodc_scene::{Appearance, Arrangement};
 
-/// Triangles, with all instances, that one picture shows at most. Chosen by hand, as is the next:
-/// both bound the memory.
+/// Triangles of the input, with all instances, that one picture is made of at most. Chosen by hand,
+/// as is the next: both bound the memory.
 const MAX_TRIANGLES: u64 = 1 << 25;
 /// Placements that one picture shows at most.
 const MAX_PLACEMENTS: usize = 1 << 20;

@@ -53,13 +53,13 @@ pub(super) struct Scene {
     pub(super) instances: Vec<Instance>,
 }
 
-/// A point about the eye.
+/// A point relative to the eye.
 pub(super) fn about(eye: [f64; 3], point: [f64; 3]) -> [f32; 3] {
     std::array::from_fn(|i| (point[i] - eye[i]) as f32)
 }
 
-/// Reads a scene, with positions about the eye; blank lines are skipped. Paths are relative to the
-/// current folder.
+/// Reads a scene, with positions relative to the eye; blank lines are skipped. Paths are relative
+/// to the current folder.
 ///
 /// # Errors
 /// If a line is no valid document, or a file cannot be read.

@@ -1,5 +1,10 @@
 //! The check of geomorphing levels: at the end of its morph target each level is the next one,
 //! triangle by triangle.
+//!
+//! `from` is the level, its `values` before the morph and `moved` after it; `to` is the next level.
+//! Parts of one `kind` are compared together. A file may state a number of vertices that *stay*
+//! although the next level has them elsewhere: the triangles at them may be others than the next
+//! level's.
 
 use super::report::CheckReport;
 use lodc_formats::{ExportedLevels, Geomorph, GeomorphPart};
@@ -13,8 +18,7 @@ const MAX_CANDIDATES: usize = 64;
 /// Checks that each level that moves becomes the next one: the triangles that then have an area are
 /// the next level's, all of them, corner by corner, with the other values that move, to one unit in
 /// the last place of the larger number. Positions of the next level that rounding cannot tell apart
-/// for a vertex that moves are one: triangles between them have no area. As many vertices as a
-/// level states may stay: of their triangles nothing is known. None if no level moves.
+/// for a vertex that moves are one: triangles between them have no area. None if no level moves.
 #[must_use]
 pub fn check_geomorph(exported: &ExportedLevels) -> Option<CheckReport> {
     let count = exported.morphs.len() as u64;
@@ -70,8 +74,11 @@ fn joined<'a>(parts: impl Iterator<Item = &'a GeomorphPart>) -> GeomorphPart {
 /// the triangles that have arrived with those of the next level.
 fn kind_difference(from: &GeomorphPart, to: &GeomorphPart, may_stay: &mut u64) -> Option<String> {
     let width = from.width.max(to.width);
-    if width < 3 || from.values.len() != from.moved.len() {
-        return (!from.triangles.is_empty()).then(|| "has no positions".to_owned());
+    let are_all_moved = from.values.len() == from.moved.len();
+    if width < 3 || !are_all_moved {
+        let what =
+            if are_all_moved { "has no positions" } else { "moves only some of its vertices" };
+        return (!from.triangles.is_empty()).then(|| what.to_owned());
     }
     if from.width != to.width && !from.triangles.is_empty() && !to.triangles.is_empty() {
         return Some("the morph target has other attributes than the next level".to_owned());
@@ -137,12 +144,12 @@ fn kind_difference(from: &GeomorphPart, to: &GeomorphPart, may_stay: &mut u64) -
     order(from, &mut arrived, |part| &part.moved);
     order(to, &mut wanted, |part| &part.values);
     if some_stay {
-        let missing = leave_behind(&mut arrived, &mut wanted, &stays);
-        left_behind += missing.arrived;
+        let taken_out = leave_behind(&mut arrived, &mut wanted, &stays);
+        left_behind += taken_out.arrived;
         *may_stay = match may_stay.checked_sub(staying.len() as u64) {
-            Some(rest) if missing.wanted <= left_behind => rest,
+            Some(rest) if taken_out.wanted <= left_behind => rest,
             Some(_) => {
-                return Some(format!("lacks {} triangles of the next level", missing.wanted));
+                return Some(format!("lacks {} triangles of the next level", taken_out.wanted));
             }
             None => {
                 return Some(format!(
@@ -189,15 +196,15 @@ fn sides_difference(
     })
 }
 
-/// Numbers of triangles that the other side lacks.
-struct Missing {
+/// Numbers of triangles that were taken out of either list.
+struct TakenOut {
     arrived: usize,
     wanted: usize,
 }
 
-/// Takes those triangles out of two sorted lists that are at the same positions a different number
-/// of times, if a vertex of them stays, and those of the next level that they leave open.
-fn leave_behind(arrived: &mut Vec<Corners>, wanted: &mut Vec<Corners>, stays: &[bool]) -> Missing {
+/// Takes those triangles out of two sorted lists that are at positions which the next level has
+/// more often, or the level has more often and a vertex of theirs stays.
+fn leave_behind(arrived: &mut Vec<Corners>, wanted: &mut Vec<Corners>, stays: &[bool]) -> TakenOut {
     let mut balance: BTreeMap<[u32; 3], i64> = BTreeMap::new();
     let touched = |t: &Corners| t.vertices.iter().any(|&v| stays[v as usize]);
     let at_staying: BTreeSet<[u32; 3]> =
@@ -210,7 +217,7 @@ fn leave_behind(arrived: &mut Vec<Corners>, wanted: &mut Vec<Corners>, stays: &[
     let before = [arrived.len(), wanted.len()];
     arrived.retain(|t| !is_open(t));
     wanted.retain(|t| !is_open(t));
-    Missing { arrived: before[0] - arrived.len(), wanted: before[1] - wanted.len() }
+    TakenOut { arrived: before[0] - arrived.len(), wanted: before[1] - wanted.len() }
 }
 
 /// The values of a vertex.

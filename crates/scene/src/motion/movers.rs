@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Most placements of an object that are looked at in each moment. Chosen by hand.
 const MAX_MOVERS: usize = 8;
 
-/// A placement of an object before a pose key changes it.
+/// A placement of an object at rest, or in a pose key.
 #[derive(Clone, Debug)]
 pub(super) struct Mover {
     pub(super) placement: Placement,
@@ -24,21 +24,27 @@ impl Motion {
     /// The placements of an object that pose keys change: first that of largest scale, the only one
     /// in poses of morph targets, then those that [move by themselves](Self::movers_besides).
     ///
-    /// An object without joints that has unlike placements is there as it was modelled, in its
-    /// largest scale, which stretches no pose key less than any placement does.
+    /// With joints each is as it is placed. Without, all have the transform of the one measured
+    /// placement; if several are measured, only the largest scale, which stretches no pose key less
+    /// than any placement does.
     pub(super) fn movers(&self, object: usize, measured: &MeasuredPlacements) -> Vec<Mover> {
         let Some(first) = measured.placements.first() else { return Vec::new() };
-        let (transform, growth) = match measured.placements.len() {
-            1 => (first.placement.transform, first.growth),
-            _ => (Transform::from_scale(DVec3::splat(measured.scale)), 1.0),
+        let (transform, growth) = if measured.placements.len() == 1 {
+            (first.placement.transform, first.growth)
+        } else {
+            (Transform::from_scale(DVec3::splat(measured.scale)), 1.0)
         };
-        let mover = |rest: &Placement| match rest.joints.is_empty() {
-            true => Mover { placement: Placement { transform, ..rest.clone() }, growth },
-            false => Mover { placement: rest.clone(), growth: first.growth },
+        let mover = |rest: &Placement| {
+            if rest.joints.is_empty() {
+                Mover { placement: Placement { transform, ..rest.clone() }, growth }
+            } else {
+                Mover { placement: rest.clone(), growth: first.growth }
+            }
         };
-        let numbers = std::iter::once(first.rest).chain(self.movers_besides(object, first.rest));
+        let besides = self.movers_besides(object, first.rest);
         let at_rest: Vec<&Placement> = self.rest.of(object).collect();
-        numbers.filter_map(|number| at_rest.get(number).copied()).map(mover).collect()
+        let wanted = std::iter::once(first.rest).chain(besides);
+        wanted.filter_map(|number| at_rest.get(number).copied()).map(mover).collect()
     }
 
     /// The placements of an object at rest, by number, that moments of animations may give other

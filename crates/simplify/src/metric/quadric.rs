@@ -24,7 +24,8 @@ pub(crate) const TIE_WEIGHT: f64 = 1e-9;
 /// scans.
 pub(crate) const MEMORY: f64 = 0.08;
 
-/// A group's refitted quadric, with its share of the accumulated one.
+/// A group's refitted quadric, with its share of the accumulated one: δᵀaδ + 2b·δ + c, δ from the
+/// group's position.
 pub(crate) struct Refitted {
     a: Symmetric,
     b: DVec3,
@@ -41,7 +42,8 @@ impl Refitted {
         self.c += MEMORY * old.c;
     }
 
-    /// The cost of moving the group by `delta`, without the target's own; not negative.
+    /// The cost of moving the group by `delta`, to which a collapse adds that of its target
+    /// (`target_cost`); not negative.
     #[inline]
     pub(crate) fn cost(&self, delta: DVec3) -> f64 {
         let moved = delta.dot(times(&self.a, delta)) + 2.0 * self.b.dot(delta) + self.c;

@@ -22,7 +22,7 @@ struct Implicit {
 
 impl Implicit {
     /// The id of a vertex.
-    fn of(&self, vertex: usize) -> usize {
+    fn of(self, vertex: usize) -> usize {
         (self.constant as usize).saturating_add(vertex / self.divisor)
     }
 }

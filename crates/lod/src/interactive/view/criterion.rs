@@ -21,7 +21,8 @@ pub enum Criterion {
         width: f32,
     },
     /// The coarsest LOD whose stored error, at the group's distance from the eye, covers at most
-    /// `slope` of that distance, or one that is finer by less than 0.2 % of the error.
+    /// `slope` of that distance, or one that is finer by less than 0.2 % of the error; where less
+    /// is allowed than some 16,000th of the largest error, one without error.
     ScreenError {
         /// The viewpoint.
         eye: [f32; 3],

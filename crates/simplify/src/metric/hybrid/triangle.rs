@@ -45,7 +45,7 @@ impl PreparedTriangle {
     pub(super) fn new(corners: [Vec3; 3]) -> Self {
         let [e1, e2] = [corners[1] - corners[0], corners[2] - corners[0]];
         let n = e1.cross(e2);
-        let invert = |x: f32| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let invert = |x: f32| Some(1.0 / x).filter(|inverse| inverse.is_finite()).unwrap_or(0.0);
         let inverse = invert(n.length_squared());
         let longest = e1.length_squared().max(e2.length_squared()).max((e2 - e1).length_squared());
         // Twice the area is the longest edge times the height over it.

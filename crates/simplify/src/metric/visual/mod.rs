@@ -1,6 +1,7 @@
 //! Viewpoint metrics: a collapse costs what it changes in pictures from all sides (thesis 3.2.1 and
 //! 4.2.1; Castelló et al. 2007), `C = Σ_v |H_v − H'_v|`, where H_v is the entropy of view v before
-//! it and H'_v after it (`score`), with the quadric where nothing that is seen changes.
+//! it and H'_v after it, or their divergence from the pictures of LOD 0 (`score`), with the quadric
+//! where nothing that is seen changes.
 //!
 //! Every camera keeps the sorted list of everything behind each of its pixels, so that looking at a
 //! collapse is exact, occlusion included, without drawing anything but the faces that move. All
@@ -101,7 +102,8 @@ impl VisualMetric {
         self.table.at(pixels) - f64::from(pixels) * log_area
     }
 
-    /// Updates every view for a collapse that is about to happen.
+    /// Updates every view for a collapse whose faces have their new wedges but not yet their new
+    /// groups.
     fn redraw(&mut self, mesh: &WorkingMesh, from: u32, to: u32) {
         if self.score == Score::Entropy {
             self.views
