@@ -81,3 +81,13 @@ fn a_picture_of_huge_size_is_refused_before_memory_is_taken() {
     bytes[8..33].copy_from_slice(&encoder_bytes[8..33]);
     assert_eq!(decode(&bytes).map_err(|e| e.fault), Err(Fault::Limit));
 }
+
+#[test]
+fn a_jpeg_of_huge_size_is_too_large_and_not_damaged() {
+    for [width, height] in [[16_385u16, 1], [1, 65_535]] {
+        let mut bytes = b"\xff\xd8\xff\xc0\x00\x0b\x08".to_vec();
+        bytes.extend([height, width].iter().flat_map(|side| side.to_be_bytes()));
+        bytes.extend(b"\x01\x01\x11\x00\xff\xda\x00\x08\x01\x01\x00\x00\x3f\x00\xff\xd9");
+        assert_eq!(decode(&bytes).map_err(|e| e.fault), Err(Fault::Limit), "{width} x {height}");
+    }
+}
