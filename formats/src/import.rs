@@ -189,6 +189,9 @@ fn read(
     options: &ImportOptions,
 ) -> Result<Scene, FormatError> {
     let name = assets.main_name();
+    if bytes.is_empty() {
+        return Err(FormatError::new(Fault::Malformed, "", "the file is empty").in_file(&name));
+    }
     let scene = match sniff::format(&bytes, path) {
         sniff::Sniffed::Glb | sniff::Sniffed::Gltf => gltf::read::import(bytes, assets, options),
         sniff::Sniffed::Obj => obj::read::import(bytes, assets, options),

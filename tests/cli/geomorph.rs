@@ -1,8 +1,9 @@
 //! `lodc chain --geomorph`: a morph target takes each level to the next, and `verify` proves it.
 
+use crate::placements::Scene;
 use crate::support::browser::{Browser, served};
 use crate::support::{Folder, corpus, outside};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const FIXTURES: [&str; 5] = [
     "machine_part.glb",
@@ -135,6 +136,31 @@ const DEFECTS: &[(&str, Inject)] = &[
         indices["byteOffset"] = (before - 2).into();
     }),
 ];
+
+/// No difference leads to or from what is not finite: such normals stay, and nothing else does.
+#[test]
+fn normals_that_are_not_finite_stay() {
+    let mut scene = Scene::of_rocks(&[12]);
+    let vertices = scene.accessors[0]["count"].as_u64().expect("a count") as usize;
+    let odd = [f32::NAN, f32::INFINITY, -f32::NAN];
+    let normal = |v: usize| match v % 9 {
+        4 => [odd[v % 3]; 3],
+        _ => [0.0, 0.6, 0.8],
+    };
+    let normals: Vec<f32> = (0..vertices).flat_map(normal).collect();
+    let normals = scene.floats(&normals, "VEC3");
+    scene.meshes[0]["primitives"][0]["attributes"]["NORMAL"] = normals.into();
+    let f = Folder::new();
+    f.file("s.gltf", scene.file(&[0], &json!({ "nodes": [{ "mesh": 0 }] })));
+    for more in [&[][..], &["--separate"], &["--separate", "--refit"]] {
+        let args = ["chain", "s.gltf", "-o", "c.glb", "--geomorph", "-q"];
+        f.lodc(args.iter().chain(more)).ends(0);
+        for name in f.names().iter().filter(|name| name.ends_with(".glb")) {
+            f.lodc(["verify", name, "--source", "s.gltf"]).ends(0);
+            std::fs::remove_file(f.join(name)).expect("it was written");
+        }
+    }
+}
 
 #[test]
 fn injected_targets_are_found() {

@@ -30,6 +30,17 @@ fn refused(run: &Run, name: &str, what: &str) -> Result<(), String> {
 }
 
 #[test]
+fn an_empty_file_is_said_to_be_empty_whatever_its_name() {
+    let f = Folder::new();
+    for name in ["x.glb", "x.gltf", "x.obj", "x.ply", "x.stl"] {
+        f.file(name, "");
+        let run = f.lodc(["build", name, "-o", "x.lodc"]);
+        assert_eq!(run.err.trim(), format!("lodc: {name}: the file is empty"));
+        assert_eq!(run.status, Some(3));
+    }
+}
+
+#[test]
 fn every_malformed_fixture_ends_in_one_line_and_writes_nothing() {
     let f = Folder::new();
     let mut wrong = Vec::new();

@@ -26,8 +26,8 @@ struct ObjectRounding<'a> {
     stored: f64,
     /// None if no vertex is quantised.
     quantised: Option<Quantised>,
-    /// Whether positions were to be quantised, but are not because some vertices have no joint.
-    is_kept: bool,
+    /// Why positions are not quantised although they were to be.
+    kept: Option<&'static str>,
 }
 
 impl<'a> Rounding<'a> {
@@ -56,12 +56,12 @@ impl<'a> Rounding<'a> {
         let mut by_object = Vec::with_capacity(objects.len());
         for ((object, stored), exported) in objects.iter().zip(stored).zip(&exported) {
             let rounded = rounded.next().zip(shapes.next());
-            let is_kept = rounded.as_ref().is_some_and(|(rounded, _)| rounded.lacks_joints);
+            let kept = rounded.as_ref().and_then(|(rounded, _)| rounded.stays);
             let stored = stored + reading_error(document, object.simplified.mesh());
             let quantised =
                 |(rounded, shapes)| Quantised::new(exported.mesh, rounded, shapes, is_small);
             let quantised = rounded.map(quantised).filter(|q| q.moved > 0.0);
-            by_object.push(ObjectRounding { object, stored, quantised, is_kept });
+            by_object.push(ObjectRounding { object, stored, quantised, kept });
         }
         Ok(Self { by_object })
     }
@@ -93,14 +93,10 @@ impl<'a> Rounding<'a> {
     /// One line for each object whose positions are not quantised although they were to be.
     #[must_use]
     pub fn kept(&self) -> Vec<String> {
-        let kept = self.by_object.iter().filter(|o| o.is_kept).map(|o| &o.object.info.name);
-        let line = |name| {
-            format!(
-                "{name}: positions are not quantised: vertices without weights do not follow the \
-                 joints that would undo it"
-            )
+        let line = |of: &ObjectRounding<'_>| {
+            Some(format!("{}: positions are not quantised: {}", of.object.info.name, of.kept?))
         };
-        kept.map(line).collect()
+        self.by_object.iter().filter_map(line).collect()
     }
 
     /// One line for each object with triangles that quantising leaves without area; `triangles` are

@@ -233,11 +233,14 @@ fn rotated(positions: [u32; 3], vertices: [u32; 3]) -> Corners {
 }
 
 /// Returns whether a number that has moved is the wanted one, to a unit in the last place of the
-/// larger of the number before and the wanted one; no number is like no number.
+/// larger of the number before and the wanted one. No difference leads to or from what is not
+/// finite, so that stays.
 fn is_near(before: f32, moved: f32, wanted: f32) -> bool {
+    if !before.is_finite() || !wanted.is_finite() {
+        return moved == before || moved.is_nan() && before.is_nan();
+    }
     let larger = before.abs().max(wanted.abs());
     moved == wanted
-        || moved.is_nan() && wanted.is_nan()
         || f64::from(moved) - f64::from(wanted) <= unit(larger)
             && f64::from(wanted) - f64::from(moved) <= unit(larger)
 }

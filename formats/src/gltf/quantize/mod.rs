@@ -158,9 +158,8 @@ pub struct RoundedObject {
     /// The object without triangles, its positions, its targets' and the weights of its joints
     /// rounded, in mesh units.
     pub mesh: Mesh,
-    /// Whether positions were to be rounded but stay as they are, since some vertices, of it or of
-    /// what shares its skin, follow no joint.
-    pub lacks_joints: bool,
+    /// Why positions stay as they are although they were to be rounded.
+    pub stays: Option<&'static str>,
 }
 
 /// What rounding does to each object.
@@ -174,9 +173,9 @@ pub(super) fn rounded(
     written_objects: &[WrittenObject<'_>],
 ) -> Result<Vec<RoundedObject>, FormatError> {
     let positions = position_grids(precision, document, root, written_objects)?;
-    let lacks_joints = match precision.position {
-        Some(_) => positions::lacking_joints(root, written_objects),
-        None => vec![false; written_objects.len()],
+    let stays = match precision.position {
+        Some(_) => positions::reasons_to_stay(root, written_objects),
+        None => vec![None; written_objects.len()],
     };
     let textures = TextureGrids::default();
     let quantizer = Quantizer { precision, positions, textures, keeps_srgb: false };
@@ -204,7 +203,7 @@ pub(super) fn rounded(
         RoundedObject {
             moved: grid.map_or(0.0, |grid| 0.5 * 3f64.sqrt() * grid.step),
             mesh: Mesh::try_from(parts).expect("positions of no triangle"),
-            lacks_joints: lacks_joints[object],
+            stays: stays[object],
         }
     };
     Ok(written_objects.iter().enumerate().map(rounded_object).collect())

@@ -100,7 +100,7 @@ fn groups(root: &Object, written_objects: &[WrittenObject<'_>]) -> Vec<Vec<usize
 
 /// Objects that no matrices of a skin can place: some of their vertices have no weight for any of
 /// its joints, so that these follow the node. With them all that share the matrices.
-pub(super) fn lacking_joints(root: &Object, written_objects: &[WrittenObject<'_>]) -> Vec<bool> {
+fn lacking_joints(root: &Object, written_objects: &[WrittenObject<'_>]) -> Vec<bool> {
     let lacks = |o: &usize| {
         let written = &written_objects[*o];
         let skins = nodes_showing(root, written.mesh).filter_map(|n| n["skin"].as_index());
@@ -114,6 +114,26 @@ pub(super) fn lacking_joints(root: &Object, written_objects: &[WrittenObject<'_>
         }
     }
     lacking
+}
+
+/// For each object why its positions stay as they are; none also of those whose numbers or other
+/// primitives say so themselves.
+pub(super) fn reasons_to_stay(
+    root: &Object,
+    written_objects: &[WrittenObject<'_>],
+) -> Vec<Option<&'static str>> {
+    let lacks_joints = lacking_joints(root, written_objects);
+    let reason = |(written, lacks_joints): (&WrittenObject<'_>, bool)| {
+        let mut nodes = nodes_showing(root, written.mesh);
+        if lacks_joints {
+            Some("vertices without weights do not follow the joints that would undo it")
+        } else if nodes.any(|node| node.extension(INSTANCING).is_some()) {
+            Some("its instances have no node of their own that could undo it")
+        } else {
+            None
+        }
+    };
+    written_objects.iter().zip(lacks_joints).map(reason).collect()
 }
 
 /// Returns whether there is something that shows an object, and all of that can be given a

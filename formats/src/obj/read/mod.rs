@@ -19,7 +19,7 @@ use crate::faces::FaceFile;
 use crate::loose::Loose;
 use crate::options::ImportOptions;
 use crate::words::counted;
-use crate::{Assets, Fault, FormatError, ObjDocument, Scene, Source, SourceFormat, faces};
+use crate::{Assets, FormatError, ObjDocument, Scene, Source, SourceFormat, faces};
 use parsed::{Count, Parsed};
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -32,9 +32,6 @@ pub(crate) fn import(
     assets: &mut Assets,
     options: &ImportOptions,
 ) -> Result<Scene, FormatError> {
-    if bytes.is_empty() {
-        return Err(FormatError::new(Fault::Malformed, "", "the file is empty"));
-    }
     let content_hash = xxh3_128(&bytes);
     let mut parsed = parse::parse(&bytes, assets.limits())?;
     parse::check_faces(&parsed)?;
