@@ -63,7 +63,7 @@ fn refitted(input: &Path, output: &Path) -> Result<(), Error> {
     let how = Simplify { options: &options, importance: &importance, poses: DEFAULT_POSES };
     let asset = Asset::simplified(input, scene, &import_options, &how, Errors::OfResult, &())?;
     let (objects, document, limits) = (&asset.objects, &asset.document, &Limits::DEFAULT);
-    let chosen = scene_levels(objects, document, limits)?.select(Select::Ratio(0.2), false);
+    let chosen = scene_levels(objects, document, limits)?.select(Select::Ratio(0.2));
     let lods = chosen.expect("a ratio can be met").lods;
     let how = (Order::Cache, Growth::from(Errors::OfResult));
     let meshes = refitted_meshes(objects, document, &lods, how, limits, &|| ())?;

@@ -166,7 +166,7 @@ fn add_level(
         LevelTarget::Error(error) => Select::Error(error),
     };
     let scene = scene_levels(&file.objects, &file.document, &Limits::DEFAULT)?;
-    let lods = scene.select(select, false)?.lods;
+    let lods = scene.select(select)?.lods;
     let unevenness: Vec<f64> = scene.objects().iter().map(|o| o.unevenness).collect();
     let v_is_upward = matches!(file.document, Document::Obj(_));
     let levels = meshes(&file.objects, &lods, MeshOptions::default())?;

@@ -142,8 +142,7 @@ impl File {
     pub fn level(&self, select: Select) -> Result<Level<'_>, Error> {
         self.materials()?;
         let scene = scene_levels(self.objects(), &self.content.document, &Limits::DEFAULT)?;
-        let per_object = false;
-        let chosen = scene.select(select, per_object)?;
+        let chosen = scene.select(select)?;
         let shape = MeshOptions { model: None, order: Order::Cache };
         let meshes = level_mesh::meshes(self.objects(), &chosen.lods, shape)?;
         let (error, rms) = level_mesh::largest_of_meshes(self.objects(), &meshes);

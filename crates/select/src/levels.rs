@@ -175,19 +175,27 @@ impl<'a> SceneLevels<'a> {
         std::iter::once((0.0, total)).chain(after_steps).collect()
     }
 
-    /// Chooses one level of detail per object.
+    /// Chooses one level of detail per object; what is asked for is of the scene as a whole.
     ///
     /// # Errors
     /// If a record number is asked of several objects at once, or a root mean square distance where
     /// none was measured.
-    pub fn select(&self, target: Target, per_object: bool) -> Result<Selection, SelectError> {
+    pub fn select(&self, target: Target) -> Result<Selection, SelectError> {
+        self.select_by(target, false)
+    }
+
+    /// As [`Self::select`]; with `per_object` each object meets the target by itself.
+    ///
+    /// # Errors
+    /// As [`Self::select`].
+    pub fn select_by(&self, target: Target, per_object: bool) -> Result<Selection, SelectError> {
         self.check_measured(target)?;
         let losses = || self.losses.get_or_init(|| self.visibility().losses(&self.simplified()));
         Ok(select(&self.candidates(), target, per_object, losses)?)
     }
 
-    /// Chooses as [`Self::select`] does, but no level coarser than `cap`, an error, allows. Objects
-    /// for whose names `own_target` returns a target get the level that meets it.
+    /// Chooses as [`Self::select_by`] does, but no level coarser than `cap`, an error, allows.
+    /// Objects for whose names `own_target` returns a target get the level that meets it.
     ///
     /// # Errors
     /// As [`Self::select`].
@@ -198,7 +206,7 @@ impl<'a> SceneLevels<'a> {
         cap: Option<Target>,
         per_object: bool,
     ) -> Result<Selection, SelectError> {
-        let mut chosen = self.select(target, per_object)?;
+        let mut chosen = self.select_by(target, per_object)?;
         let objects = self.objects.iter().enumerate();
         let own_targets: Vec<_> =
             objects.filter_map(|(i, o)| Some((i, own_target(o.name)?))).collect();
@@ -206,7 +214,7 @@ impl<'a> SceneLevels<'a> {
             chosen.put(&self.candidates(), own_targets.into_iter());
         }
         if let Some(cap) = cap {
-            chosen.cap(&self.candidates(), &self.select(cap, per_object)?);
+            chosen.cap(&self.candidates(), &self.select_by(cap, per_object)?);
         }
         Ok(chosen)
     }

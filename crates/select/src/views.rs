@@ -261,7 +261,7 @@ impl<'a> SceneViews<'a> {
         let share = self
             .options
             .coarse_share(max_triangles.map(|max_triangles| max_triangles as f64 / all));
-        let at = |share: f64| self.levels.select(Target::Ratio(share), self.options.per_object);
+        let at = |share: f64| self.levels.select_by(Target::Ratio(share), self.options.per_object);
         let (fine, coarse) = (at(self.options.fine)?, at(share)?);
         let range = |((o, &fine), &coarse): ((&ObjectLevels<'_>, &Lod), &Lod)| LodRange {
             fine: fine.min(coarse),

@@ -128,7 +128,7 @@ impl Missing {
         }
         let kept: Vec<bool> = without_image.iter().map(|lost| !lost).collect();
         forget_references(root, Pool::Textures, &kept);
-        drop_marked(root, Pool::Textures, &without_image);
+        retain(root, Pool::Textures, &kept);
         without_image.iter().filter(|lost| **lost).count()
     }
 

@@ -1,6 +1,7 @@
 //! Recognises a file's format by its first bytes.
 
 use crate::stl::read as stl;
+use crate::words::without_mark;
 use std::path::Path;
 
 /// Kind that a file seems to be.
@@ -59,7 +60,7 @@ pub(super) fn format(bytes: &[u8], path: &Path) -> Sniffed {
     if let Some((_, sniffed)) = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return *sniffed;
     }
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    let text = without_mark(bytes).trim_ascii_start();
     if text.starts_with(b"{") {
         return Sniffed::Gltf;
     }

@@ -121,8 +121,7 @@ fn table(text: &mut String, made: &BuildOutput) {
     let diagonal = scene_diagonal(&candidates);
     let _ = writeln!(text, "     share   triangles       error   of the diagonal         rms");
     for share in TABLE_SHARES {
-        let per_object = false;
-        let chosen = levels.select(Target::Ratio(share), per_object);
+        let chosen = levels.select(Target::Ratio(share));
         let Ok(Selection { lods, error, rms, .. }) = chosen else { continue };
         let remaining: u64 = candidates
             .iter()

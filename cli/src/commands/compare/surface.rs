@@ -142,7 +142,7 @@ impl ComparedScene {
             Some(target) => {
                 let limits = args.import.limits().limits();
                 let levels = scene_levels(objects, &self.document, &limits)?;
-                let chosen = levels.select(target, choice.per_object)?;
+                let chosen = levels.select_by(target, choice.per_object)?;
                 for warning in &chosen.warnings {
                     console::warning(&self.name, warning);
                 }

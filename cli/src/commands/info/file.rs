@@ -90,7 +90,7 @@ fn levels_table(file: &LodFile, limits: &Limits) -> Outcome<Vec<SceneLevelReport
     let levels = scene_levels(&file.objects, &file.document, limits)?;
     let is_empty = levels.objects().iter().all(|o| o.simplified.mesh().triangles().is_empty());
     let level = |&ratio: &f64| {
-        let chosen = levels.select(Target::Ratio(ratio), false)?;
+        let chosen = levels.select(Target::Ratio(ratio))?;
         let (mut triangles, mut error) = (0, 0.0f64);
         for (o, &lod) in levels.objects().iter().zip(&chosen.lods) {
             let collapses = o.simplified.collapses();

@@ -96,7 +96,7 @@ pub(super) fn choose(args: &RenderArgs, drawable: &DrawableScene) -> Outcome<Vec
     let input_triangles: u64 =
         objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64).sum();
     let tile = |&target: &Target| {
-        let selection = levels.select(target, args.selector.per_object())?;
+        let selection = levels.select_by(target, args.selector.per_object())?;
         let (triangles, ids): (Vec<_>, Vec<_>) = match &strips {
             Some(strips) => remains_of_strips(objects, strips, &selection.lods),
             None => {

@@ -27,8 +27,6 @@ const CLEARLY_WORSE: f64 = 1.05;
 /// A run none of whose levels is below this is given up: what it would still gain takes runs, and
 /// is less than two nearly equal runs differ by. Chosen by hand.
 const GAIN: f64 = 0.97;
-/// Levels are of the scene as a whole.
-const PER_OBJECT: bool = false;
 /// Triangles of a scene's level below which it resembles nothing and is not compared: on one model
 /// a level of six triangles gave all finer levels to the quadric. Chosen by hand.
 const MIN_TRIANGLES: f64 = 16.0;
@@ -174,7 +172,7 @@ impl<'a> MetricSelection<'a> {
         let is_compared = |share: &f64| self.triangles as f64 * share >= MIN_TRIANGLES;
         let (mut triangles, mut errors) = (Vec::new(), ImageErrors::default());
         for (share, error) in LEVELS.into_iter().take_while(is_compared).zip(&mut errors) {
-            let lods = levels.select(Target::Ratio(share), PER_OBJECT)?.lods;
+            let lods = levels.select(Target::Ratio(share))?.lods;
             *error = self.image_error(&objects, &lods)?;
             let of_object = |(o, &lod): (&LodObject, _)| o.simplified.collapses().triangles_at(lod);
             triangles.push(objects.iter().zip(&lods).map(of_object).collect());
@@ -211,7 +209,7 @@ impl<'a> MetricSelection<'a> {
             let lods: Vec<Lod> = objects.iter().zip(triangles).map(lod).collect();
             let mut error = self.image_error(&objects, &lods)?;
             if let Some(levels) = &levels {
-                let own = levels.select(Target::Ratio(LEVELS[level]), PER_OBJECT)?.lods;
+                let own = levels.select(Target::Ratio(LEVELS[level]))?.lods;
                 if own != lods {
                     error = error.max(self.image_error(&objects, &own)? / CLEARLY_WORSE);
                 }

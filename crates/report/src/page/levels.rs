@@ -66,8 +66,7 @@ pub fn page_levels(
     let input_pictures = reference.pictures_of(&input.surface);
     let mut levels: Vec<PageLevel> = Vec::new();
     for share in SHARES {
-        let per_object = false;
-        let Selection { lods, error, rms, .. } = scene.select(Target::Ratio(share), per_object)?;
+        let Selection { lods, error, rms, .. } = scene.select(Target::Ratio(share))?;
         let meshes = level_mesh::reference_meshes(objects, &lods)?;
         let triangles = meshes.iter().map(|m| m.triangles().len() as u64).sum();
         if levels.last().is_some_and(|l| l.triangles == triangles) {

@@ -44,8 +44,7 @@ pub fn error_curve(scene: &SceneLevels<'_>, triangles: u64) -> Result<Vec<[f64; 
     let mut points = Vec::new();
     let mut wanted = triangles;
     while wanted > 3 && points.len() < MAX_POINTS {
-        let per_object = false;
-        let chosen = scene.select(Target::Triangles(wanted), per_object)?;
+        let chosen = scene.select(Target::Triangles(wanted))?;
         let candidates = scene.candidates();
         let remaining: u32 = candidates
             .iter()

@@ -38,8 +38,8 @@ pub(super) fn grids(
     let world_step = scene_size(document, written_objects, &boxes)? / (last_number(bits) - 1.0);
     let groups = groups(root, written_objects);
     let mut grids = vec![None; written_objects.len()];
-    let lacks_joints = lacking_joints(root, written_objects);
-    let is_movable = |&o: &usize| !lacks_joints[o] && is_movable(root, written_objects, o);
+    let reasons = reasons_to_stay(root, written_objects);
+    let is_movable = |&o: &usize| reasons[o].is_none() && is_movable(root, written_objects, o);
     for group in groups.iter().filter(|group| group.iter().all(is_movable)) {
         let mut all = Bounds::EMPTY;
         group.iter().for_each(|&o| all.join(&boxes[o]));
@@ -136,9 +136,9 @@ pub(super) fn reasons_to_stay(
     written_objects.iter().zip(lacks_joints).map(reason).collect()
 }
 
-/// Returns whether there is something that shows an object, and all of that can be given a
-/// transform: nodes without instances, and skins. Positions stay that are stored as integers, and
-/// those of meshes that also have points or lines.
+/// Returns whether there is something that shows an object, and the skins of all of that can be
+/// given a transform; [`reasons_to_stay`] is about the rest. Positions stay that are stored as
+/// integers, and those of meshes that also have points or lines.
 fn is_movable(root: &Object, written_objects: &[WrittenObject<'_>], object: usize) -> bool {
     let written = &written_objects[object];
     let is_written = |mesh: usize| written_objects.iter().any(|written| written.mesh == mesh);
@@ -147,10 +147,8 @@ fn is_movable(root: &Object, written_objects: &[WrittenObject<'_>], object: usiz
         a.semantic != Semantic::Position
             || (a.morph_target.is_some() && a.component == Component::F32)
     };
-    let can_move = |node: &Object| {
-        let instanced = node.extension(INSTANCING).is_some();
-        !instanced && (!node.contains_key("skin") || skins::is_movable(root, node, is_written))
-    };
+    let can_move =
+        |node: &Object| !node.contains_key("skin") || skins::is_movable(root, node, is_written);
     primitives(root, written.mesh).len() == written.primitives.len()
         && written.geometry.attributes().iter().all(is_float_or_other)
         && nodes_showing(root, written.mesh).next().is_some()

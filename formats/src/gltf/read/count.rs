@@ -7,6 +7,7 @@ use crate::gltf::json::{self, Json, Object};
 use crate::gltf::{extensions, uri};
 use crate::options::ImportOptions;
 use crate::scene::Counted;
+use crate::words::without_mark;
 use std::collections::BTreeSet;
 
 /// Counts what a glTF or GLB holds, without the bytes of the file itself.
@@ -15,7 +16,7 @@ use std::collections::BTreeSet;
 /// If it is no document.
 pub(crate) fn counted(bytes: &[u8], options: &ImportOptions) -> Result<Counted, FormatError> {
     let text = if glb::is_glb(bytes) { &bytes[glb::split(bytes)?.json] } else { bytes };
-    let root = json::parse(text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text), &options.limits)?;
+    let root = json::parse(without_mark(text), &options.limits)?;
     let accessors: Vec<u64> =
         root.entries("accessors").map(|a| a["count"].as_u64().unwrap_or(0)).collect();
     let count = |accessor: &Json| accessor.as_index().and_then(|a| accessors.get(a)).copied();

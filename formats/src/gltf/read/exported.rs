@@ -2,7 +2,7 @@
 //! document held nothing else, so that it can be verified against the source.
 
 use super::primitive::{self, Read};
-use super::{BYTE_ORDER_MARK, Opened, geomorph, open};
+use super::{Opened, geomorph, open};
 use crate::exported::{ExportedLevels, NOT_EXPORTED};
 use crate::gltf::accessor::{Accessor, numbered_component};
 use crate::gltf::budget::Budget;
@@ -14,6 +14,7 @@ use crate::gltf::schema::{Pool, forget_references, primitive_mut, retain};
 use crate::gltf::views::Views;
 use crate::options::ImportOptions;
 use crate::provenance::{GeomorphFacts, LevelFacts, Provenance, ScreenFacts};
+use crate::words::without_mark;
 use crate::{Assets, FormatError};
 use lodc_mesh::{Component, PoseKey};
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,7 +27,7 @@ pub(crate) fn states_levels(bytes: &[u8], options: &ImportOptions) -> bool {
     let text = if glb::is_glb(bytes) {
         glb::split(bytes).ok().map(|chunks| &bytes[chunks.json])
     } else {
-        Some(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes))
+        Some(without_mark(bytes))
     };
     let root = text.and_then(|text| json::parse(text, &options.limits).ok());
     root.is_some_and(|root| stated(&root).is_ok())

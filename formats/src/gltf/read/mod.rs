@@ -65,9 +65,6 @@ struct Opened<'a> {
     warnings: Vec<String>,
 }
 
-/// What some editors write before text in UTF-8.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-
 /// Reads the document, checked, and the buffers.
 fn open<'a>(
     bytes: &'a [u8],
@@ -80,7 +77,7 @@ fn open<'a>(
         warnings.extend(chunks.warnings);
         (SourceFormat::Glb, &bytes[chunks.json], chunks.bin.map(|bin| &bytes[bin]))
     } else {
-        let text = bytes.strip_prefix(BYTE_ORDER_MARK);
+        let text = bytes.strip_prefix(words::BYTE_ORDER_MARK);
         if text.is_some() {
             warnings.push("the byte order mark before the JSON is ignored".to_owned());
         }

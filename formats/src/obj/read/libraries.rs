@@ -3,7 +3,7 @@
 
 use super::lines::text;
 use crate::obj::mtl::{QUOTES, unquoted};
-use crate::words::counted;
+use crate::words::{counted, without_mark};
 use crate::{Assets, Fault, FormatError, ObjMaterial};
 use std::collections::BTreeSet;
 
@@ -147,7 +147,7 @@ fn quoted_words(list: &str) -> Vec<&str> {
 
 /// Lines as text; a backslash at the end of one joins the next to it.
 fn joined(bytes: &[u8]) -> impl Iterator<Item = String> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = without_mark(bytes);
     let mut lines = bytes.split(|&b| b == b'\n' || b == b'\r');
     std::iter::from_fn(move || {
         let mut line = lines.next()?.to_vec();

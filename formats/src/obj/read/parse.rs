@@ -3,7 +3,7 @@
 
 use super::chunk::{Chunk, Name, max_corners, max_vertices, vertices};
 use super::parsed::{NONE, Parsed, Run};
-use crate::words::counted;
+use crate::words::{counted, without_mark};
 use crate::{Fault, FormatError, Limits};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ const MAX_LIBRARIES: usize = 1000;
 /// # Errors
 /// If a statement breaks the rules or a limit is reached: the first line that does.
 pub(super) fn parse(bytes: &[u8], limits: &Limits) -> Result<Parsed, FormatError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = without_mark(bytes);
     let parsed = parse_chunks(bytes, CHUNK_BYTES, limits, [false; 3]);
     match parsed {
         Err(e) if e.fault == Fault::Malformed => {
